@@ -1,0 +1,24 @@
+/// @file
+/// The three ways an operation fails. The program turns each into its exit status; nothing else is thrown on purpose.
+#pragma once
+
+#include <stdexcept>
+
+namespace envmap {
+
+/// What was asked makes no sense (exit status 2).
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// An input is unreadable or not what it claims to be (exit status 3).
+struct InputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// An output could not be written; nothing was left behind (exit status 4).
+struct OutputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace envmap

@@ -1,0 +1,33 @@
+/// @file
+/// What a file says of the map it holds.
+#pragma once
+
+#include <OpenImageIO/imageio.h>
+
+#include <optional>
+#include <string>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/map/layout.h"
+
+namespace envmap {
+
+/// The attributes envmap:projection, envmap:layout and envmap:forward. Formats without attributes of one's own carry
+/// them as words of the image description ("envmap:projection=cube envmap:layout=row").
+struct Metadata {
+  std::optional<Projection> projection;
+  std::optional<Layout> layout;
+  std::optional<Forward> forward;
+};
+
+/// Values that mean nothing to this version are passed over.
+Metadata metadata(const OIIO::ImageSpec& spec);
+void set_metadata(OIIO::ImageSpec& spec, const Metadata& data);
+
+std::optional<Forward> forward_named(std::string_view name);
+
+/// Whether the file has OpenEXR's `envmap` attribute: its samples lie on the border of the image, the first row at the
+/// pole, first and last column on one meridian, cube texels on the edges (OpenEXR's ImfEnvmap.h).
+bool has_border_samples(const OIIO::ImageSpec& spec);
+
+}  // namespace envmap

@@ -1,0 +1,161 @@
+#include "envmap/io/output_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+
+#include "envmap/error.h"
+
+namespace envmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Temporary files that a signal must remove. A handler may only touch atomics and call unlink.
+std::array<std::atomic<const char*>, 16> pending;
+
+extern "C" void remove_pending(int signal) {
+  for (auto& slot : pending)
+    if (const char* name = slot.load()) ::unlink(name);
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+void guard(const char* name) {
+  static const bool installed = [] {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+      if (std::signal(signal, remove_pending) == SIG_IGN) std::signal(signal, SIG_IGN);
+    return true;
+  }();
+  (void)installed;
+  for (auto& slot : pending) {
+    const char* empty = nullptr;
+    if (slot.compare_exchange_strong(empty, name)) return;
+  }
+}
+
+void unguard(const char* name) {
+  for (auto& slot : pending) {
+    const char* mine = name;
+    if (slot.compare_exchange_strong(mine, nullptr)) return;
+  }
+}
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = fs::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+// Where bytes for `-`, a device or a pipe are collected: formats seek while they write.
+std::string scratch_name() { return (fs::temp_directory_path() / "envmap.XXXXXX").string(); }
+
+}  // namespace
+
+OutputFile::OutputFile(const std::string& path) : IOProxy(path, Write), path_(path), target_(path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (path != "-" && fs::is_directory(status)) throw OutputError(path + ": is a folder; name a file");
+  stream_ = path == "-" || (fs::exists(status) && !fs::is_regular_file(status));
+  // Through a link to what it names: renaming over the link would cut it.
+  if (!stream_ && fs::is_symlink(fs::symlink_status(path, ignored)))
+    if (const fs::path real = fs::weakly_canonical(path, ignored); !real.empty()) target_ = real.string();
+  temporary_ = stream_ ? scratch_name()
+                       : (fs::path(folder_of(target_)) / ("." + fs::path(target_).filename().string() + ".XXXXXX")).string();
+  descriptor_ = ::mkstemp(temporary_.data());
+  if (descriptor_ < 0) {
+    const int why = errno;
+    temporary_.clear();
+    throw OutputError(fmt::format("{}: cannot write into {}: {}", path, stream_ ? "the temporary folder" : folder_of(target_),
+                                  std::strerror(why)));
+  }
+  guard(temporary_.c_str());
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (temporary_.empty()) return;
+  ::unlink(temporary_.c_str());
+  unguard(temporary_.c_str());
+}
+
+bool OutputFile::seek(int64_t offset) {
+  m_pos = offset;
+  return offset >= 0;
+}
+
+size_t OutputFile::read(void* buffer, size_t size) {
+  const size_t n = pread(buffer, size, m_pos);
+  m_pos += static_cast<int64_t>(n);
+  return n;
+}
+
+size_t OutputFile::write(const void* buffer, size_t size) {
+  const size_t n = pwrite(buffer, size, m_pos);
+  m_pos += static_cast<int64_t>(n);
+  return n;
+}
+
+size_t OutputFile::pread(void* buffer, size_t size, int64_t offset) {
+  const ssize_t n = ::pread(descriptor_, buffer, size, offset);
+  return n < 0 ? 0 : static_cast<size_t>(n);
+}
+
+size_t OutputFile::pwrite(const void* buffer, size_t size, int64_t offset) {
+  size_t done = 0;
+  while (done < size) {
+    const ssize_t n = ::pwrite(descriptor_, static_cast<const char*>(buffer) + done, size - done,
+                               offset + static_cast<int64_t>(done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      if (error_ == 0) error_ = n < 0 ? errno : ENOSPC;
+      break;
+    }
+    done += static_cast<size_t>(n);
+  }
+  end_ = std::max(end_, offset + static_cast<int64_t>(done));
+  return done;
+}
+
+void OutputFile::copy_to_stream() {
+  const int out = path_ == "-" ? STDOUT_FILENO : ::open(path_.c_str(), O_WRONLY);
+  if (out < 0) error_ = errno;
+  std::array<char, 1 << 16> block;
+  for (int64_t at = 0; at < end_ && error_ == 0;) {
+    const size_t n = pread(block.data(), block.size(), at);
+    for (size_t done = 0; done < n && error_ == 0;) {
+      const ssize_t written = ::write(out, block.data() + done, n - done);
+      if (written >= 0) done += static_cast<size_t>(written);
+      else if (errno != EINTR) error_ = errno;
+    }
+    if (n == 0) error_ = EIO;
+    at += static_cast<int64_t>(n);
+  }
+  if (out >= 0 && path_ != "-" && ::close(out) != 0 && error_ == 0) error_ = errno;
+}
+
+void OutputFile::commit() {
+  if (stream_ && error_ == 0) copy_to_stream();
+  if (!stream_) {
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    ::fchmod(descriptor_, 0666 & ~mask);
+  }
+  if (::close(descriptor_) != 0 && error_ == 0) error_ = errno;
+  descriptor_ = -1;
+  if (!stream_ && error_ == 0 && ::rename(temporary_.c_str(), target_.c_str()) != 0) error_ = errno;
+  if (error_ != 0)
+    throw OutputError(fmt::format("{}: not written: {}", path_ == "-" ? "standard output" : path_, std::strerror(error_)));
+  if (stream_) return;
+  unguard(temporary_.c_str());
+  temporary_.clear();
+}
+
+}  // namespace envmap

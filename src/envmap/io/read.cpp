@@ -1,0 +1,266 @@
+#include "envmap/io/read.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <vector>
+
+#include "envmap/error.h"
+#include "envmap/io/metadata.h"
+#include "envmap/io/path.h"
+#include "envmap/io/recognise.h"
+#include "envmap/io/srgb.h"
+#include "envmap/map/page.h"
+#include "envmap/operate/measure.h"
+
+namespace envmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What OpenImageIO complained of, as one line.
+std::string first_line(std::string message) {
+  message = message.substr(0, message.find('\n'));
+  return message.empty() ? "no image format reads it" : message;
+}
+
+// An open image: a file, or standard input held in memory (proxy and bytes must outlive the reader).
+struct Image {
+  std::string name;
+  std::vector<char> bytes;
+  std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
+  std::unique_ptr<OIIO::ImageInput> input;
+
+  [[noreturn]] void fail(const std::string& why) const { throw InputError(name + ": " + why); }
+};
+
+// The format of bytes without a name, by their first few.
+std::string sniff(std::span<const char> bytes) {
+  const std::string_view head(bytes.data(), std::min<std::size_t>(bytes.size(), 16));
+  if (head.starts_with("\x76\x2f\x31\x01")) return "openexr";
+  if (head.starts_with("#?")) return "hdr";
+  if (head.starts_with("\x89PNG")) return "png";
+  if (head.starts_with("II") || head.starts_with("MM")) return "tiff";
+  if (head.starts_with("\xff\xd8")) return "jpeg";
+  if (head.starts_with("DDS ")) return "dds";
+  if (head.starts_with("P")) return "pnm";
+  return {};
+}
+
+void open_standard_input(Image& image) {
+  image.name = "standard input";
+  image.bytes.assign(std::istreambuf_iterator<char>(std::cin), {});
+  if (image.bytes.empty()) image.fail("is empty");
+  const std::string format = sniff(image.bytes);
+  if (format.empty()) image.fail("neither EXR, HDR, PFM, PNM, TIFF, PNG, JPEG nor DDS");
+  image.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
+  image.input = OIIO::ImageInput::create(format);
+  OIIO::ImageSpec spec, config;
+  void* proxy = image.memory.get();
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  if (!image.input || !image.input->open("standard input", spec, config))
+    image.fail(first_line(image.input ? image.input->geterror() : OIIO::geterror()));
+}
+
+void open_file(Image& image, const std::string& path) {
+  image.name = path;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
+  if (fs::is_directory(status)) image.fail("is a folder; name a file");
+  if (fs::is_regular_file(status) && fs::file_size(path, error) == 0) image.fail("is empty");
+  if (::access(path.c_str(), R_OK) != 0) image.fail(std::strerror(errno));
+  image.input = OIIO::ImageInput::open(path);
+  if (!image.input) image.fail("not an image that can be read: " + first_line(OIIO::geterror()));
+}
+
+// First channel of the R, G, B to read, and how many: 3, or 1 for grey.
+struct Channels {
+  int first, count;
+};
+
+Channels choose_channels(const Image& image, const ReadOptions& options) {
+  const OIIO::ImageSpec& spec = image.input->spec();
+  if (spec.deep) image.fail("holds deep samples; flatten it first");
+  const auto is = [&](int c, const char* wanted) { return OIIO::Strutil::iequals(spec.channel_name(c), wanted); };
+  int first = -1, count = 3;
+  for (int c = 0; c + 2 < spec.nchannels && first < 0; ++c)
+    if (is(c, "R") && is(c + 1, "G") && is(c + 2, "B")) first = c;
+  if (first < 0 && spec.nchannels >= 3 && !image.input->supports("arbitrary_metadata")) first = 0;
+  if (first < 0 && spec.nchannels == 1) first = 0, count = 1;
+  if (first < 0) {
+    std::string names;
+    for (int c = 0; c < std::min(spec.nchannels, 8); ++c) names += (c ? ", " : "") + std::string(spec.channel_name(c));
+    image.fail(fmt::format("no R, G and B among its {} channels ({})", spec.nchannels, names));
+  }
+  if (spec.nchannels > count && !options.drop_channels) {
+    std::string others;
+    for (int c = 0; c < spec.nchannels && others.size() < 40; ++c)
+      if (c < first || c >= first + count) others += (others.empty() ? "" : ", ") + std::string(spec.channel_name(c));
+    image.fail(fmt::format("has channels besides R, G and B ({}): say --drop-channels to leave them behind", others));
+  }
+  return {first, count};
+}
+
+void check_size(const Image& image, const OIIO::ImageSpec& spec) {
+  if (spec.width < 1 || spec.height < 1 || spec.depth > 1) image.fail("not a flat image");
+  if (spec.full_width != spec.width || spec.full_height != spec.height || spec.full_x != spec.x || spec.full_y != spec.y)
+    image.fail("its data window is not its display window: only part of the sphere is there");
+  const double bytes = static_cast<double>(spec.width) * spec.height * sizeof(Colour);
+  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+  if (bytes > memory)
+    image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}", spec.width, spec.height,
+                           bytes / 0x1p30, memory / 0x1p30));
+}
+
+// Rows [begin, end) as RGB.
+void read_band(Image& image, const Channels& channels, int begin, int end, std::span<Colour> out) {
+  const OIIO::ImageSpec& spec = image.input->spec();
+  const auto colour = static_cast<OIIO::stride_t>(sizeof(Colour));
+  const OIIO::stride_t line = colour * spec.width;
+  const int last = channels.first + channels.count;
+  const bool read =
+      spec.tile_width > 0
+          ? image.input->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, spec.z, spec.z + 1,
+                                    channels.first, last, OIIO::TypeDesc::FLOAT, out.data(), colour, line)
+          : image.input->read_scanlines(0, 0, spec.y + begin, spec.y + end, spec.z, channels.first, last,
+                                        OIIO::TypeDesc::FLOAT, out.data(), colour, line);
+  if (!read) image.fail("truncated or damaged: " + first_line(image.input->geterror()));
+  if (channels.count == 1)
+    for (Colour& c : out) c = Colour(c.x);
+}
+
+void read_pixels(Image& image, const Channels& channels, const Grid& g, Level& level) {
+  const OIIO::ImageSpec& spec = image.input->spec();
+  const bool encoded = spec.format.is_floating_point() == false &&
+                       !OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
+  // Whole rows of tiles; enough lines that every core decompresses.
+  const int unit = spec.tile_width > 0 ? spec.tile_height : 16;
+  const int band_rows = (std::max(256, unit) / unit) * unit;
+  std::vector<Colour> band(static_cast<std::size_t>(std::min(band_rows, spec.height)) * static_cast<std::size_t>(spec.width));
+  for (int begin = 0; begin < spec.height; begin += band_rows) {
+    const int end = std::min(begin + band_rows, spec.height);
+    const auto rows = std::span(band).first(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(spec.width));
+    read_band(image, channels, begin, end, rows);
+    if (encoded) decode_srgb(rows);
+    scatter(rows, begin, end, g, level);
+  }
+}
+
+// From samples at the border (sample i of W at u = i/(W-1)) to cell centres, within each face.
+void to_cell_centres(Level& level) {
+  if (level.width() < 2 || level.height() < 2) return;
+  const Level from = level;
+  const double sx = (level.width() - 1.0) / level.width(), sy = (level.height() - 1.0) / level.height();
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j)
+      for (int i = 0; i < level.width(); ++i) {
+        const double x = (i + 0.5) * sx, y = (j + 0.5) * sy;
+        const int left = std::min(static_cast<int>(x), level.width() - 2), top = std::min(static_cast<int>(y), level.height() - 2);
+        const float fx = static_cast<float>(x - left), fy = static_cast<float>(y - top);
+        const Colour *a = from.texel(face, left, top), *b = a + from.stride();
+        *level.texel(face, i, j) = (1 - fy) * ((1 - fx) * a[0] + fx * a[1]) + fy * ((1 - fx) * b[0] + fx * b[1]);
+      }
+}
+
+void settle_flaws(const std::string& name, const ReadOptions& options, Source& source) {
+  if (options.flaws == FlawPolicy::keep) return;
+  Level& level = source.map.base();
+  const Flaws flaws = find_flaws(level);
+  if (flaws.count() == 0) return;
+  if (options.flaws == FlawPolicy::repair) {
+    try {
+      source.repaired = repair(level);
+    } catch (const InputError& e) {
+      throw InputError(name + ": " + e.what());
+    }
+    return;
+  }
+  std::string counts;
+  const auto add = [&](std::int64_t n, const char* what) {
+    if (n > 0) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", n, what);
+  };
+  add(flaws.nan, "NaN");
+  add(flaws.infinite, "infinite");
+  add(flaws.negative, "negative");
+  const std::string face = level.faces() > 1 ? fmt::format(" of face {}", flaws.first->face) : "";
+  throw InputError(fmt::format("{}: {} of {} texels are no radiance ({}), the first at ({},{}){}: say --repair to replace them",
+                               name, flaws.count(), static_cast<std::int64_t>(level.faces()) * level.width() * level.height(),
+                               counts, flaws.first->i, flaws.first->j, face));
+}
+
+Source read_one(Image& image, const ReadOptions& options) {
+  const OIIO::ImageSpec spec = image.input->spec();
+  check_size(image, spec);
+  const Channels channels = choose_channels(image, options);
+  const Metadata recorded = metadata(spec);
+  const Metadata said{options.projection, options.layout, std::nullopt};
+  const Recognised found = [&] {
+    try {
+      return recognise(spec.width, spec.height, said, recorded);
+    } catch (const InputError& e) {
+      image.fail(e.what());
+    }
+  }();
+  Source source{.map = {}, .layout = found.layout, .depth = depth_of(spec.format), .format = image.input->format_name(),
+                .image_width = spec.width, .image_height = spec.height,
+                .border_samples = has_border_samples(spec) && !options.ignore_envmap_attribute};
+  source.map.levels.emplace_back(found.projection, found.size);
+  read_pixels(image, channels, grid(found.layout), source.map.base());
+  if (has_forward(found.projection))
+    source.map.forward = options.forward.value_or(
+        recorded.forward.value_or(options.assumed_forward.value_or(Forward::plus_z)));
+  return source;
+}
+
+Source read_faces(const std::string& path, const ReadOptions& options) {
+  if (options.projection && *options.projection != Projection::cube)
+    throw UsageError(fmt::format("{{face}} in a file name is for cube maps, not for a {} map", name(*options.projection)));
+  std::optional<Source> source;
+  for (int face = 0; face < 6; ++face) {
+    Image image;
+    open_file(image, face_path(path, face));
+    const OIIO::ImageSpec spec = image.input->spec();
+    check_size(image, spec);
+    if (spec.width != spec.height) image.fail(fmt::format("a cube face must be square, not {}x{}", spec.width, spec.height));
+    if (!source) {
+      source.emplace(Source{.map = {}, .layout = Layout::files, .depth = depth_of(spec.format),
+                            .format = image.input->format_name(), .image_width = spec.width, .image_height = spec.height,
+                            .border_samples = false});
+      source->map.levels.emplace_back(Projection::cube, spec.height);
+    }
+    Level& level = source->map.base();
+    if (spec.height != level.height())
+      image.fail(fmt::format("{}x{}, but the first face is {}x{}", spec.width, spec.height, level.width(), level.height()));
+    Level one(Projection::sphere, spec.height);  // Any projection of one square face.
+    read_pixels(image, choose_channels(image, options), grid(Layout::single), one);
+    for (int j = 0; j < level.height(); ++j) std::ranges::copy(one.row(0, j), level.row(face, j).begin());
+  }
+  return std::move(*source);
+}
+
+}  // namespace
+
+Source read(const std::string& path, const ReadOptions& options) {
+  Source source = [&] {
+    if (has_face(path)) return read_faces(path, options);
+    Image image;
+    path == "-" ? open_standard_input(image) : open_file(image, path);
+    return read_one(image, options);
+  }();
+  if (source.border_samples) to_cell_centres(source.map.base());
+  settle_flaws(path == "-" ? "standard input" : path, options, source);
+  return source;
+}
+
+}  // namespace envmap

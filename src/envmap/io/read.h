@@ -1,0 +1,43 @@
+/// @file
+/// Reading environment maps: files, standard input, one file a face.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "envmap/io/depth.h"
+#include "envmap/map/environment_map.h"
+#include "envmap/map/layout.h"
+
+namespace envmap {
+
+/// What to do with NaN, infinite and negative radiance.
+enum class FlawPolicy { refuse, repair, keep };
+
+/// What the user says of the file; where nothing is said the metadata decides, then the shape.
+struct ReadOptions {
+  std::optional<Projection> projection;
+  std::optional<Layout> layout;
+  std::optional<Forward> forward;          ///< Overrides the metadata.
+  std::optional<Forward> assumed_forward;  ///< Where there is no metadata; otherwise +z.
+  bool ignore_envmap_attribute = false;    ///< Take texels as cell-centred whatever OpenEXR's attribute says.
+  bool drop_channels = false;              ///< Read RGB and leave alpha and other channels behind.
+  FlawPolicy flaws = FlawPolicy::refuse;
+};
+
+struct Source {
+  EnvironmentMap map;
+  Layout layout;
+  Depth depth;
+  std::string format;         ///< OpenImageIO's name for it: openexr, hdr, ...
+  int image_width, image_height;
+  bool border_samples;        ///< OpenEXR's `envmap` convention; resampled to cell centres here.
+  std::int64_t repaired = 0;  ///< Texels that FlawPolicy::repair changed.
+};
+
+/// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz).
+/// @throws InputError in one line, naming the file; UsageError where the options contradict each other.
+Source read(const std::string& path, const ReadOptions& options);
+
+}  // namespace envmap

@@ -1,0 +1,58 @@
+#include "envmap/io/recognise.h"
+
+#include <fmt/format.h>
+
+#include "envmap/error.h"
+
+namespace envmap {
+namespace {
+
+std::string shape(const Grid& g, Projection p) { return fmt::format("{}:{}", g.columns * aspect(p), g.rows); }
+
+bool fits(int width, int height, Projection p, Layout layout) {
+  const Grid g = grid(layout);
+  return height % g.rows == 0 && static_cast<long>(height / g.rows) * aspect(p) * g.columns == width;
+}
+
+std::optional<Layout> cube_layout_of_shape(int width, int height) {
+  for (const Layout layout : {Layout::column, Layout::row, Layout::cross, Layout::vcross, Layout::grid3x2})
+    if (fits(width, height, Projection::cube, layout)) return layout;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Recognised recognise(int width, int height, const Metadata& said, const Metadata& recorded) {
+  const std::string found = fmt::format("({}x{})", width, height);
+  std::optional<Projection> p = said.projection ? said.projection : recorded.projection;
+  std::optional<Layout> layout = said.layout;
+  if (!p && layout) p = Projection::cube;
+  if (!p) {
+    if (width == height)
+      throw InputError(fmt::format("a square image {} may be sphere or angular: say --from sphere or --from angular", found));
+    if (fits(width, height, Projection::latlong, Layout::single)) p = Projection::latlong;
+    else if (cube_layout_of_shape(width, height)) p = Projection::cube;
+    else
+      throw InputError(fmt::format(
+          "no environment map has this shape {}: latlong and paraboloid are 2:1, cubes 1:6, 6:1, 4:3, 3:4 or 3:2, "
+          "sphere and angular 1:1", found));
+  }
+  if (layout && *p != Projection::cube)
+    throw UsageError(fmt::format("a layout is for cube maps, not for a {} map", name(*p)));
+  if (!layout && *p == Projection::cube) {
+    if (recorded.layout && recorded.layout != Layout::files && fits(width, height, *p, *recorded.layout))
+      layout = recorded.layout;
+    else
+      layout = cube_layout_of_shape(width, height);
+    if (!layout) throw InputError(fmt::format("not a cube map {}: those are 1:6, 6:1, 4:3, 3:4 or 3:2", found));
+  }
+  if (!layout) layout = default_layout(*p);
+  const Grid g = grid(*layout);
+  if (!fits(width, height, *p, *layout)) {
+    const std::string what = *p == Projection::cube ? fmt::format("{} cube", name(*layout)) : std::string(name(*p));
+    throw InputError(fmt::format("not a {} {} image {}", shape(g, *p), what, found));
+  }
+  return {*p, *layout, height / g.rows};
+}
+
+}  // namespace envmap

@@ -1,0 +1,21 @@
+/// @file
+/// Which projection and layout an image holds.
+#pragma once
+
+#include <string>
+
+#include "envmap/io/metadata.h"
+
+namespace envmap {
+
+struct Recognised {
+  Projection projection;
+  Layout layout;
+  int size;  ///< Height of a face.
+};
+
+/// From what the user said, else the metadata, else the shape: 2:1 latlong; 1:6, 6:1, 4:3, 3:4, 3:2 cube.
+/// @throws InputError with the choices where the shape is ambiguous or fits nothing. The message names no file.
+Recognised recognise(int width, int height, const Metadata& said, const Metadata& recorded);
+
+}  // namespace envmap

@@ -1,0 +1,22 @@
+#include "envmap/map/environment_map.h"
+
+namespace envmap {
+
+Level::Level(Projection projection, int size)
+    : projection_(projection),
+      faces_(envmap::faces(projection)),
+      width_(size * aspect(projection)),
+      height_(size),
+      pixels_(index(faces_, -gutter, -gutter), Colour(0)) {}
+
+Rotation image_to_world(Forward forward) {
+  switch (forward) {
+    case Forward::plus_z: return rotation(0, 0, 0);
+    case Forward::minus_z: return rotation(180, 0, 0);
+    case Forward::plus_x: return rotation(90, 0, 0);
+    case Forward::minus_x: break;
+  }
+  return rotation(-90, 0, 0);
+}
+
+}  // namespace envmap

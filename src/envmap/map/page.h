@@ -1,0 +1,27 @@
+/// @file
+/// One image of all faces of a level in some layout, or of one face, a band of rows at a time.
+#pragma once
+
+#include <span>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/map/layout.h"
+
+namespace envmap {
+
+struct Page {
+  const Level& level;
+  Grid grid;
+  int face = -1;  ///< The only face shown, or -1 for all of them.
+
+  [[nodiscard]] int width() const { return face < 0 ? grid.columns * level.width() : level.width(); }
+  [[nodiscard]] int height() const { return face < 0 ? grid.rows * level.height() : level.height(); }
+
+  /// Image rows [begin, end) into `out`, `width()` texels each; 0 where no face lies.
+  void gather(int begin, int end, std::span<Colour> out) const;
+};
+
+/// The other way: image rows [begin, end) of a whole grid into the faces.
+void scatter(std::span<const Colour> rows, int begin, int end, const Grid& grid, Level& level);
+
+}  // namespace envmap

@@ -1,0 +1,36 @@
+#include "envmap/maths/vector.h"
+
+#include <array>
+#include <cmath>
+
+namespace envmap {
+namespace {
+
+// Exact at multiples of a quarter turn, so that --rotate 90,0,0 moves texels onto texels.
+std::array<double, 2> cos_sin_degrees(double degrees) {
+  const double turn = std::remainder(degrees, 360.0);
+  const double quarter = std::nearbyint(turn / 90.0);
+  const double rest = (turn - 90.0 * quarter) * (pi / 180.0);
+  const double c = std::cos(rest), s = std::sin(rest);
+  switch (static_cast<int>(quarter) & 3) {
+    case 0: return {c, s};
+    case 1: return {-s, c};
+    case 2: return {-c, -s};
+    default: return {s, -c};
+  }
+}
+
+}  // namespace
+
+Rotation rotation(double yaw, double pitch, double roll) {
+  const auto [cy, sy] = cos_sin_degrees(yaw);
+  const auto [cp, sp] = cos_sin_degrees(pitch);
+  const auto [cr, sr] = cos_sin_degrees(roll);
+  // GLM matrices are written column by column.
+  const Rotation about_y(cy, 0, -sy, 0, 1, 0, sy, 0, cy);
+  const Rotation about_x(1, 0, 0, 0, cp, sp, 0, -sp, cp);
+  const Rotation about_z(cr, sr, 0, -sr, cr, 0, 0, 0, 1);
+  return about_y * about_x * about_z;
+}
+
+}  // namespace envmap

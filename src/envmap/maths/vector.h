@@ -1,0 +1,32 @@
+/// @file
+/// Vectors and turns. Frame: right-handed, +Y up, +Z at the centre of latlong and angular images.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <numbers>
+
+namespace envmap {
+
+template <class T>
+using Vec2 = glm::vec<2, T, glm::highp>;
+template <class T>
+using Vec3 = glm::vec<3, T, glm::highp>;
+
+using Direction = Vec3<double>;  ///< A unit vector, world or image frame as said where it is used.
+using Colour = Vec3<float>;      ///< Linear RGB radiance.
+using Flux = Vec3<double>;       ///< Per-channel sum of radiance x solid angle.
+using Rotation = glm::mat<3, 3, double, glm::highp>;
+
+inline constexpr double pi = std::numbers::pi;
+
+/// Turn about +Y (+Z towards +X), then +X (+Y towards +Z), then +Z (+X towards +Y), right-handed, applied roll first.
+/// @param yaw,pitch,roll angles in degrees. @return Ry(yaw) Rx(pitch) Rz(roll).
+Rotation rotation(double yaw, double pitch, double roll);
+
+/// Angle between two unit vectors in radians, accurate for tiny and for nearly opposite angles
+/// (Kahan 2006, "How futile are mindless assessments of roundoff", section 12).
+inline double angle_between(const Direction& a, const Direction& b) {
+  return 2 * std::atan2(glm::length(a - b), glm::length(a + b));
+}
+
+}  // namespace envmap

@@ -1,0 +1,69 @@
+#include "envmap/operate/convert.h"
+
+#include "envmap/map/gutter.h"
+#include "envmap/operate/measure.h"
+#include "envmap/operate/parallel.h"
+#include "envmap/sample/area.h"
+#include "envmap/sample/sample.h"
+
+namespace envmap {
+namespace {
+
+// Degrees that a texel spans along the height of a face.
+double pitch(Projection p, int size) {
+  return visit(p, [](auto q) { return decltype(q)::span; }) / size;
+}
+
+// One row by point samples: directions of the texels, where they lie in the source, what is there.
+void sample_row(const Level& source, const Rotation& to_source, Filter filter, Projection to, int size, int face,
+                int row, int first, std::span<Colour> out) {
+  static thread_local std::vector<Direction> directions;
+  static thread_local std::vector<Location<double>> locations;
+  directions.resize(out.size());
+  locations.resize(out.size());
+  texel_directions(to, size, face, row, first, directions);
+  for (Direction& d : directions) d = to_source * d;
+  locate(source.projection(), directions, locations);
+  (filter == Filter::nearest ? sample_nearest : sample_bilinear)(source, locations, out);
+}
+
+}  // namespace
+
+Conversion resolved(const Conversion& wanted, const EnvironmentMap& source) {
+  Conversion c = wanted;
+  if (c.size == 0) c.size = matching_size(source.projection(), source.base().height(), c.to);
+  if (c.filter == Filter::automatic) {
+    const double covers = pitch(c.to, c.size) / pitch(source.projection(), source.base().height());
+    c.filter = covers > 1.25 ? Filter::area : Filter::bilinear;
+  }
+  if (!has_forward(c.to)) c.forward = Forward::plus_z;
+  return c;
+}
+
+EnvironmentMap convert(EnvironmentMap& source, const Conversion& wanted, const Progress& progress) {
+  const Conversion c = resolved(wanted, source);
+  const Rotation to_source = glm::transpose(image_to_world(source.forward)) * glm::transpose(c.rotation) *
+                             image_to_world(c.forward);
+  Level& from = source.base();
+  Level result(c.to, c.size);
+  const Area area{from, to_source, c.to, c.size, c.area_tolerance, 1e-3 * mean_radiance(from)};
+  fill_gutter(from);
+
+  for_each_row(result.faces(), result.height(), progress, [&](int face, int row) {
+    const Columns in = columns(c.to, c.size, row);
+    const auto texels = result.row(face, row).subspan(static_cast<std::size_t>(in.first),
+                                                      static_cast<std::size_t>(in.end - in.first));
+    if (c.filter == Filter::area)
+      sample_area(area, face, row, in.first, texels);
+    else
+      sample_row(from, to_source, c.filter, c.to, c.size, face, row, in.first, texels);
+    if (c.gain != 1)
+      for (Colour& texel : texels) texel = Colour(Direction(texel) * c.gain);
+  });
+  EnvironmentMap out;
+  out.levels.push_back(std::move(result));
+  out.forward = c.forward;
+  return out;
+}
+
+}  // namespace envmap

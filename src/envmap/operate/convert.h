@@ -1,0 +1,32 @@
+/// @file
+/// From any projection to any other.
+#pragma once
+
+#include "envmap/map/environment_map.h"
+#include "envmap/operate/progress.h"
+
+namespace envmap {
+
+/// How the source is read: `automatic` is bilinear, and area where a texel of the result covers over 1.25 of the source.
+enum class Filter { automatic, nearest, bilinear, area };
+
+inline constexpr std::string_view filter_names[] = {"auto", "nearest", "bilinear", "area"};
+
+struct Conversion {
+  Projection to = Projection::cube;
+  int size = 0;  ///< Height of a face; 0: matching_size() of the source.
+  Filter filter = Filter::automatic;
+  Forward forward = Forward::plus_z;  ///< Axis at the centre of the result, if it is latlong or angular.
+  Rotation rotation{1};               ///< Turns the environment: radiance from d comes out from rotation x d.
+  double gain = 1;                    ///< Factor on radiance.
+  double area_tolerance = 1e-4;       ///< Of the area filter, relative to the texel (or 0.001 x the mean if larger).
+};
+
+/// Size and filter as they will be used on this source.
+Conversion resolved(const Conversion& wanted, const EnvironmentMap& source);
+
+/// @param source its gutters are filled here, which is why it is not const. @param progress may be empty.
+/// @return a map of one level. The same bytes at any number of threads.
+EnvironmentMap convert(EnvironmentMap& source, const Conversion& wanted, const Progress& progress = {});
+
+}  // namespace envmap

@@ -1,0 +1,63 @@
+/// @file
+/// Environments with a known answer.
+#pragma once
+
+#include <variant>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/operate/progress.h"
+
+namespace envmap {
+
+/// The same radiance everywhere.
+struct Constant {
+  Direction radiance{1};
+};
+
+/// From `bottom` at -Y to `top` at +Y, linear in y; mean radiance (top + bottom) / 2.
+struct Gradient {
+  Direction bottom{0.1}, top{1};
+};
+
+/// Squares of 180 / `squares` degrees of longitude and latitude; `even` holds the one east and north of +Z.
+/// Coverage by 8 x 8 samples a texel.
+struct Checker {
+  int squares = 8;
+  Direction even{1}, odd{0.1};
+};
+
+/// RGB = (direction + 1) / 2, world frame, of each texel's centre.
+struct Directions {};
+
+/// A disc of even radiance over a CIE overcast sky. Each texel holds its mean, so that the sun's flux is
+/// 2 pi (1 - cos radius) x radiance at any size.
+struct Sun {
+  Direction towards{0, 0, 1};  ///< Unit vector, world frame.
+  double radius = 0.2666;      ///< Degrees.
+  Direction radiance{1e5};
+  double zenith = 1, ground = 0.2;  ///< Of the sky.
+};
+
+/// CIE standard overcast sky (Moon and Spencer 1942): L = zenith (1 + 2 y) / 3 above, `ground` below the horizon.
+/// Irradiance of a floor: 7 pi / 9 x zenith.
+struct Sky {
+  double zenith = 1, ground = 0.2;
+};
+
+/// base + amplitude x Y_l^m, the real orthonormal spherical harmonic with +Y as its polar axis, longitude from +Z to
+/// +X, no Condon-Shortley phase: m > 0 cosines, m < 0 sines (Sloan 2008, appendix A1, without its sign). At each texel's
+/// centre.
+struct Harmonic {
+  int degree = 2, order = 0;
+  double base = 1, amplitude = 0.5;
+};
+
+using Pattern = std::variant<Constant, Gradient, Checker, Directions, Sun, Sky, Harmonic>;
+
+/// Value of the real orthonormal harmonic described at Harmonic. |order| <= degree.
+double real_harmonic(int degree, int order, const Direction& d);
+
+/// @throws UsageError where the pattern would hold negative radiance or its parameters make no sense.
+EnvironmentMap generate(const Pattern& pattern, Projection to, int size, Forward forward, const Progress& progress = {});
+
+}  // namespace envmap

@@ -1,0 +1,226 @@
+#include "envmap/operate/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "envmap/error.h"
+#include "envmap/maths/sum.h"
+#include "envmap/operate/parallel.h"
+
+namespace envmap {
+namespace {
+
+enum class Flaw { none, nan, infinite, negative };
+
+Flaw flaw(const Colour& c) {
+  if (std::isnan(c.x) || std::isnan(c.y) || std::isnan(c.z)) return Flaw::nan;
+  if (std::isinf(c.x) || std::isinf(c.y) || std::isinf(c.z)) return Flaw::infinite;
+  return c.x < 0 || c.y < 0 || c.z < 0 ? Flaw::negative : Flaw::none;
+}
+
+bool usable(const Colour& c) {
+  const Flaw f = flaw(c);
+  return f == Flaw::none || f == Flaw::negative;
+}
+
+double luminance(const Colour& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
+struct FluxSum {
+  Sum channel[3], weight;
+  void add(const Colour& c, double w) {
+    for (int k = 0; k < 3; ++k) channel[k].add(w * static_cast<double>(c[k]));
+    weight.add(w);
+  }
+  void add(const FluxSum& o) {
+    for (int k = 0; k < 3; ++k) channel[k].add(o.channel[k]);
+    weight.add(o.weight);
+  }
+  [[nodiscard]] Flux value() const { return {channel[0].value(), channel[1].value(), channel[2].value()}; }
+};
+
+// Solid angles of row j of every face: computed once, used for all faces.
+std::vector<double> weights(const Level& level, int j) {
+  std::vector<double> w(static_cast<std::size_t>(level.width()));
+  solid_angles(level.projection(), level.height(), j, w);
+  return w;
+}
+
+FluxSum flux(const Level& level) {
+  FluxSum total;
+  for (const FluxSum& row : map_rows<FluxSum>(level.height(), [&](int j) {
+         FluxSum sum;
+         const std::vector<double> w = weights(level, j);
+         for (int face = 0; face < level.faces(); ++face)
+           for (int i = 0; i < level.width(); ++i)
+             if (const Colour c = *level.texel(face, i, j); w[i] > 0 && usable(c)) sum.add(c, w[i]);
+         return sum;
+       }))
+    total.add(row);
+  return total;
+}
+
+// The columns of a row that touch the disc, whatever is stored beside them.
+Columns weighted_columns(const Level& level, int j) { return columns(level.projection(), level.height(), j); }
+
+}  // namespace
+
+Flaws find_flaws(const Level& level) {
+  const auto rows = map_rows<Flaws>(level.faces() * level.height(), [&](int k) {
+    Flaws found;
+    const int face = k / level.height(), j = k % level.height();
+    const Columns in = weighted_columns(level, j);
+    for (int i = in.first; i < in.end; ++i) {
+      const Flaw f = flaw(*level.texel(face, i, j));
+      if (f == Flaw::none) continue;
+      if (!found.first) found.first = Texel{face, i, j};
+      ++(f == Flaw::nan ? found.nan : f == Flaw::infinite ? found.infinite : found.negative);
+    }
+    return found;
+  });
+  Flaws all;
+  for (const Flaws& row : rows) {
+    if (!all.first) all.first = row.first;
+    all.nan += row.nan;
+    all.infinite += row.infinite;
+    all.negative += row.negative;
+  }
+  return all;
+}
+
+std::int64_t repair(Level& level) {
+  std::vector<Texel> holes;
+  std::int64_t changed = 0;
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j) {
+      const Columns in = weighted_columns(level, j);
+      for (int i = in.first; i < in.end; ++i) {
+        Colour& c = *level.texel(face, i, j);
+        const Flaw f = flaw(c);
+        changed += f != Flaw::none;
+        if (f == Flaw::negative) c = glm::max(c, Colour(0));
+        if (f == Flaw::nan || f == Flaw::infinite) holes.push_back({face, i, j});
+      }
+    }
+  // Ring by ring from the rim of each hole inwards; all of a ring is read before any of it is written.
+  while (!holes.empty()) {
+    std::vector<std::pair<Texel, Colour>> filled;
+    std::vector<Texel> left;
+    for (const Texel& t : holes) {
+      Direction sum(0);
+      int count = 0;
+      for (int dj = -1; dj <= 1; ++dj) {
+        const int j = t.j + dj;
+        if (j < 0 || j >= level.height()) continue;
+        const Columns in = weighted_columns(level, j);
+        for (int i = std::max(in.first, t.i - 1); i <= std::min(in.end - 1, t.i + 1); ++i)
+          if (const Colour& c = *level.texel(t.face, i, j); usable(c)) {
+            sum += Direction(c);
+            ++count;
+          }
+      }
+      if (count > 0)
+        filled.emplace_back(t, Colour(sum / double(count)));
+      else
+        left.push_back(t);
+    }
+    if (filled.empty()) throw InputError("no texel to repair from: a whole face is NaN or infinite");
+    for (const auto& [t, colour] : filled) *level.texel(t.face, t.i, t.j) = colour;
+    holes = std::move(left);
+  }
+  return changed;
+}
+
+Measures measure(const EnvironmentMap& map) {
+  const Level& level = map.base();
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  struct Row {
+    Direction low{inf}, high{-inf};
+    double darkest = inf, brightest = -inf;
+    Texel texel{0, 0, 0};
+    void add(const Row& o) {
+      low = glm::min(low, o.low);
+      high = glm::max(high, o.high);
+      darkest = std::min(darkest, o.darkest);
+      if (o.brightest > brightest) brightest = o.brightest, texel = o.texel;
+    }
+  };
+  const auto rows = map_rows<Row>(level.faces() * level.height(), [&](int k) {
+    Row r;
+    const int face = k / level.height(), j = k % level.height();
+    const Columns in = weighted_columns(level, j);
+    for (int i = in.first; i < in.end; ++i) {
+      const Colour c = *level.texel(face, i, j);
+      if (!usable(c)) continue;
+      const double y = luminance(c);
+      r.add({Direction(c), Direction(c), y > 0 ? y : inf, y, {face, i, j}});
+    }
+    return r;
+  });
+  Row all;
+  for (const Row& r : rows) all.add(r);
+  if (all.brightest == -inf) all = Row{Direction(0), Direction(0), 0, 0, {0, 0, 0}};  // Not one sound texel.
+
+  const FluxSum sum = flux(level);
+  Direction d[1];
+  texel_directions(level.projection(), level.height(), all.texel.face, all.texel.j, all.texel.i, d);
+  return {.minimum = all.low,
+          .maximum = all.high,
+          .mean = sum.weight.value() > 0 ? sum.value() / sum.weight.value() : Direction(0),
+          .flux = sum.value(),
+          .solid_angle = sum.weight.value(),
+          .darkest = std::isinf(all.darkest) ? 0 : all.darkest,
+          .brightest = all.brightest,
+          .brightest_texel = all.texel,
+          .brightest_direction = image_to_world(map.forward) * d[0],
+          .brightest_value = *level.texel(all.texel.face, all.texel.i, all.texel.j)};
+}
+
+double mean_radiance(const Level& level) {
+  const FluxSum sum = flux(level);
+  const Flux f = sum.value();
+  return sum.weight.value() > 0 ? (f.x + f.y + f.z) / (3 * sum.weight.value()) : 0;
+}
+
+double Difference::largest_flux() const { return std::max({std::abs(flux.x), std::abs(flux.y), std::abs(flux.z)}); }
+
+Difference compare(const Level& a, const Level& b, Level* shown) {
+  const double floor = 1e-3 * mean_radiance(b);
+  const auto ratio = [](double x, double y) { return x == 0 ? 0 : x / y; };  // x / 0 is infinite, 0 / 0 is agreement.
+  struct Row {
+    Sum error, power;
+    double maximum = -1;
+    Texel worst{0, 0, 0};
+  };
+  const auto rows = map_rows<Row>(b.height(), [&](int j) {
+    Row r;
+    const std::vector<double> w = weights(b, j);
+    for (int face = 0; face < b.faces(); ++face)
+      for (int i = 0; i < b.width(); ++i) {
+        if (w[i] <= 0) continue;
+        const Direction ca(*a.texel(face, i, j)), cb(*b.texel(face, i, j)), d = glm::abs(ca - cb);
+        if (shown) *shown->texel(face, i, j) = Colour(d);
+        r.error.add(w[i] * glm::dot(d, d));
+        r.power.add(w[i] * glm::dot(cb, cb));
+        for (int k = 0; k < 3; ++k)
+          if (const double m = ratio(d[k], std::max(std::abs(cb[k]), floor)); m > r.maximum)
+            r.maximum = m, r.worst = {face, i, j};
+      }
+    return r;
+  });
+  Row all;
+  for (const Row& r : rows) {
+    all.error.add(r.error);
+    all.power.add(r.power);
+    if (r.maximum > all.maximum) all.maximum = r.maximum, all.worst = r.worst;
+  }
+  const Flux fa = flux(a).value(), fb = flux(b).value();
+  Difference out{};
+  for (int k = 0; k < 3; ++k) out.flux[k] = ratio(fa[k] - fb[k], fb[k]);
+  out.rms = std::sqrt(ratio(all.error.value(), all.power.value()));
+  out.maximum = all.maximum;
+  out.worst = all.worst;
+  return out;
+}
+
+}  // namespace envmap

@@ -1,0 +1,58 @@
+/// @file
+/// Facts about a map and the difference of two: all means and sums weighted by solid angle.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "envmap/map/environment_map.h"
+
+namespace envmap {
+
+/// A texel by face and position.
+struct Texel {
+  int face, i, j;
+};
+
+/// What is wrong with the values of a map; texels without solid angle are not looked at.
+struct Flaws {
+  std::int64_t nan = 0, infinite = 0, negative = 0;  ///< Texels; one with several flaws counts once, as the first of these.
+  std::optional<Texel> first;                        ///< In reading order: by face, row, column.
+  [[nodiscard]] std::int64_t count() const { return nan + infinite + negative; }
+};
+Flaws find_flaws(const Level& level);
+
+/// Replaces flawed texels by the mean of their sound neighbours (of the 8 around; further out as holes fill up), NaN and
+/// infinities alike; a negative channel is set to 0 where only it is at fault. @return texels changed.
+/// Throws InputError where no texel is sound.
+std::int64_t repair(Level& level);
+
+/// Radiance of sound texels only, luminance by Rec. 709.
+struct Measures {
+  Direction minimum, maximum, mean;  ///< Per channel, W/(sr m^2) or whatever the pixels hold.
+  Flux flux;                         ///< Per channel: sum of radiance x solid angle.
+  double solid_angle;                ///< 4 pi, as a check.
+  double darkest, brightest;         ///< Luminance: least above 0, and largest; 0 if all is black.
+  Texel brightest_texel;
+  Direction brightest_direction;  ///< World frame.
+  Colour brightest_value;
+};
+Measures measure(const EnvironmentMap& map);
+
+/// Mean of the three channels over the sphere, of the sound texels.
+double mean_radiance(const Level& level);
+
+/// Of a against the reference b: the metrics of every command. Infinite where b is black and a is not.
+struct Difference {
+  Flux flux;        ///< (flux a - flux b) / flux b, per channel.
+  double rms;       ///< sqrt(sum w |a-b|^2 / sum w |b|^2), over texels and channels.
+  double maximum;   ///< Largest |a-b| / max(|b|, 0.001 x mean of b), per channel.
+  Texel worst;      ///< Where.
+  [[nodiscard]] double largest_flux() const;
+};
+
+/// Both of one projection and size. @param shown if given, is set to |a-b| per texel.
+Difference compare(const Level& a, const Level& b, Level* shown = nullptr);
+
+}  // namespace envmap

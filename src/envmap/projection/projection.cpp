@@ -1,0 +1,98 @@
+#include "envmap/projection/projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace envmap {
+
+std::optional<Projection> projection_named(std::string_view wanted) {
+  for (const Projection p : all_projections)
+    if (wanted == name(p)) return p;
+  return std::nullopt;
+}
+
+int matching_size(Projection from, int size, Projection to) {
+  const auto span = [](Projection p) { return visit(p, [](auto q) { return decltype(q)::span; }); };
+  return std::max(1, static_cast<int>(std::lround(size * span(to) / span(from))));
+}
+
+Columns columns(Projection p, int size, int row) {
+  return visit(p, [&](auto q) -> Columns {
+    using P = decltype(q);
+    if constexpr (P::filled) {
+      return {0, size * P::aspect};
+    } else {
+      // Nearest |t| of the row, in texels from the middle; the disc's half width there, widened to whole texels.
+      const double middle = 0.5 * size, near = std::max({0.0, row - middle, middle - row - 1});
+      const double half = std::sqrt(middle * middle - near * near);
+      return {static_cast<int>(std::floor(middle - half)), static_cast<int>(std::ceil(middle + half))};
+    }
+  });
+}
+
+namespace {
+
+// Half way between the texel's innermost corner and the rim, for a texel of a disc whose centre lies outside.
+Vec2<double> inside_rim(int size, int i, int j) {
+  const double s0 = 2.0 * i / size - 1, t0 = 1 - 2.0 * j / size, side = 2.0 / size;
+  const Vec2<double> corner(std::clamp(0.0, s0, s0 + side), std::clamp(0.0, t0 - side, t0));
+  const double r = glm::length(corner);
+  const Vec2<double> point = corner * (0.5 * (1 + r) / std::max(r, 1e-300));
+  return {0.5 + 0.5 * point.x, 0.5 - 0.5 * point.y};
+}
+
+}  // namespace
+
+void texel_directions(Projection p, int size, int face, int row, int first, std::span<Direction> out) {
+  visit(p, [&](auto q) {
+    using P = decltype(q);
+    const double width = size * P::aspect, v = (row + 0.5) / size;
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      const int i = first + static_cast<int>(k);
+      Vec2<double> at{(i + 0.5) / width, v};
+      if constexpr (P::on_disc && !P::filled)
+        if (P::density(at.x, at.y) == 0) at = inside_rim(size, i, row);
+      out[k] = P::direction(face, at.x, at.y);
+    }
+  });
+}
+
+void directions(Projection p, int face, std::span<const Vec2<double>> points, std::span<Direction> out) {
+  visit(p, [&](auto q) {
+    for (std::size_t k = 0; k < points.size(); ++k) out[k] = decltype(q)::direction(face, points[k].x, points[k].y);
+  });
+}
+
+void locate(Projection p, std::span<const Direction> directions, std::span<Location<double>> out) {
+  visit(p, [&](auto q) {
+    for (std::size_t k = 0; k < directions.size(); ++k) out[k] = decltype(q)::locate(directions[k]);
+  });
+}
+
+void densities(Projection p, std::span<const Vec2<double>> points, std::span<double> out) {
+  visit(p, [&](auto q) {
+    for (std::size_t k = 0; k < points.size(); ++k) out[k] = decltype(q)::density(points[k].x, points[k].y);
+  });
+}
+
+void solid_angles(Projection p, int size, int row, std::span<double> out) {
+  visit(p, [&](auto q) {
+    using P = decltype(q);
+    const double width = size * P::aspect, v0 = static_cast<double>(row) / size, v1 = (row + 1.0) / size;
+    if constexpr (std::is_same_v<P, Latlong>) {
+      std::fill(out.begin(), out.end(), P::solid_angle({0, v0, 1, v1}) / width);
+    } else {
+      for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] = P::solid_angle({static_cast<double>(i) / width, v0, (static_cast<double>(i) + 1) / width, v1});
+    }
+  });
+}
+
+Derivative derivative(Projection p, const Location<double>& at, double step) {
+  return visit(p, [&](auto q) -> Derivative {
+    const auto d = [&](double du, double dv) { return decltype(q)::direction(at.face, at.u + du, at.v + dv); };
+    return {(d(step, 0) - d(-step, 0)) / (2 * step), (d(0, step) - d(0, -step)) / (2 * step)};
+  });
+}
+
+}  // namespace envmap

@@ -1,0 +1,62 @@
+/// @file
+/// Sphere maps: the mirror ball seen from afar along -Z; OpenGL's GL_SPHERE_MAP. Equal-area; all of the rim is -Z.
+/// Source: Haeberli and Segal 1993, "Texture mapping as a fundamental drawing primitive"; OpenGL 4.6 compat. 12.1.3.
+#pragma once
+
+#include <cmath>
+
+#include "envmap/projection/location.h"
+
+namespace envmap {
+
+struct Sphere {
+  static constexpr const char* name = "sphere";
+  static constexpr int faces = 1, aspect = 1;
+  static constexpr double span = 360;
+  static constexpr bool on_disc = true, filled = false;
+
+  /// With r = sin(a/2), a the angle from +Z. Beyond the rim the angle goes on past -Z: the point at radius r holds the
+  /// direction of the point opposite at radius 2 - r.
+  template <class T>
+  static Vec3<T> direction(int /*face*/, T u, T v) {
+    double s = 2.0 * u - 1, t = 1 - 2.0 * v;
+    if (const double r = std::sqrt(s * s + t * t); r > 1) {
+      s *= (r - 2) / r;
+      t *= (r - 2) / r;
+    }
+    // 1 - s^2 - t^2 decides how far from -Z we are: fma keeps the digits that the squares would round away.
+    const double ss = s * s, tt = t * t;
+    const double rest = ((1 - ss) - tt) - (std::fma(s, s, -ss) + std::fma(t, t, -tt));
+    const double k = std::sqrt(std::max(0.0, rest));
+    return Vec3<T>(2 * k * s, 2 * k * t, 2 * rest - 1);
+  }
+
+  /// x / m with m^2 = 2(1+z); behind, where 1+z cancels, the same as x/h sqrt((1-z)/2). -Z itself: the right of the rim.
+  template <class T>
+  static Location<T> locate(const Vec3<T>& d) {
+    const double x = d.x, y = d.y, z = d.z;
+    double s = 1, t = 0;
+    if (z > 0) {
+      const double scale = 1 / std::sqrt(x * x + y * y + (z + 1) * (z + 1));
+      s = x * scale;
+      t = y * scale;
+    } else if (const double h = std::hypot(x, y); h > 0) {
+      const double r = std::sqrt(0.5 * (1 - z));
+      s = x / h * r;
+      t = y / h * r;
+    }
+    return {0, static_cast<T>(0.5 + 0.5 * s), static_cast<T>(0.5 - 0.5 * t)};
+  }
+
+  static double density(double u, double v) {
+    const double s = 2 * u - 1, t = 1 - 2 * v;
+    return s * s + t * t < 1 ? 16 : 0;
+  }
+
+  static double solid_angle(const Rect& r) {
+    return quadrature::inside_disc({2 * r.u0 - 1, 1 - 2 * r.v1, 2 * r.u1 - 1, 1 - 2 * r.v0},
+                                   [](double, double) { return 4.0; });
+  }
+};
+
+}  // namespace envmap

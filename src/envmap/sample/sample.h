@@ -1,0 +1,30 @@
+/// @file
+/// Point samples of one level. Every function wants a level whose gutter is filled.
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "envmap/map/environment_map.h"
+
+namespace envmap {
+
+/// The texel that contains the location.
+Colour nearest(const Level& level, const Location<double>& at);
+
+/// The seamless bilinear reconstruction: what this project takes the continuous environment of a map to be.
+inline Colour bilinear(const Level& level, const Location<double>& at) {
+  const double x = at.u * level.width() - 0.5, y = at.v * level.height() - 0.5;
+  const double left = std::floor(x), top = std::floor(y);
+  const float fx = static_cast<float>(x - left), fy = static_cast<float>(y - top);
+  const Colour* a = level.texel(at.face, static_cast<int>(left), static_cast<int>(top));
+  const Colour* b = a + level.stride();
+  // Two weights a tap, not a + f (b - a): beside a sun of 1e9 the difference would swallow a dim neighbour.
+  const Colour upper = (1 - fx) * a[0] + fx * a[1], lower = (1 - fx) * b[0] + fx * b[1];
+  return (1 - fy) * upper + fy * lower;
+}
+
+void sample_nearest(const Level& level, std::span<const Location<double>> at, std::span<Colour> out);
+void sample_bilinear(const Level& level, std::span<const Location<double>> at, std::span<Colour> out);
+
+}  // namespace envmap

@@ -1,0 +1,201 @@
+#include "command.h"
+
+#include <fmt/format.h>
+#include <tbb/info.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+
+#include "envmap/error.h"
+#include "envmap/io/metadata.h"
+#include "envmap/io/output_file.h"
+#include "envmap/io/path.h"
+
+namespace tools {
+
+using namespace envmap;
+
+std::vector<Command> all_commands() {
+  return {convert_command(),  info_command(),   compare_command(),   generate_command(),
+          preview_command(), manual_command(), completion_command()};
+}
+
+std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run) {
+  auto app = std::make_unique<CLI::App>("Convert, measure and make environment maps.", "envmap");
+  app->set_version_flag("--version", ENVMAP_VERSION);
+  app->require_subcommand(1);
+  app->footer("'envmap COMMAND --help' shows the options of a command and examples; 'man envmap-COMMAND' the same and more.");
+  for (const Command& command : commands) {
+    CLI::App* sub = app->add_subcommand(command.name, command.summary);
+    const std::function<int()> action = command.define(*sub, common);
+    if (command.reports) sub->add_flag("--json", common.json, "Report as JSON on standard output");
+    if (command.writes)
+      sub->add_option("--depfile", common.depfile, "Write what the output depends on, in Make syntax")->type_name("FILE");
+    sub->add_option("--threads", common.threads, "Threads to use; the result is the same for any number (default: all cores)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+    sub->add_flag("-q,--quiet", common.quiet, "No notes and no progress, only errors");
+    sub->add_flag("-v,--verbose", common.verbose, "Say what is done and how long it takes");
+    std::string footer = "Examples:\n";
+    for (const Example& e : command.examples) footer += fmt::format("  {}\n      {}\n", e.command, e.what);
+    sub->footer(footer);
+    sub->callback([&run, action] { run = action; });
+  }
+  return app;
+}
+
+std::string joined(std::span<const std::string_view> words) {
+  std::string all;
+  for (const std::string_view w : words) all += (all.empty() ? "" : "|") + std::string(w);
+  return all;
+}
+
+CLI::Option* add_projection(CLI::App& app, const std::string& flag, std::optional<Projection>& value, const std::string& help) {
+  std::vector<std::string_view> names;
+  for (const Projection p : all_projections) names.emplace_back(name(p));
+  return add_choice(app, flag, value, joined(names), projection_named, help);
+}
+
+CLI::Option* add_layout(CLI::App& app, const std::string& flag, std::optional<Layout>& value, const std::string& help) {
+  std::vector<std::string_view> names;
+  for (const Layout layout : cube_layouts) names.push_back(name(layout));
+  return add_choice(app, flag, value, joined(names), layout_named, help);
+}
+
+CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<Forward>& value, const std::string& help) {
+  return add_choice(app, flag, value, joined(forward_names), forward_named, help);
+}
+
+CLI::Option* add_depth(CLI::App& app, std::optional<Depth>& value) {
+  return add_choice(app, "--depth", value, joined(depth_names), one_of<Depth>(depth_names),
+                    "What the file stores for each value (default: as the input, or the nearest the format holds)");
+}
+
+CLI::Option* add_size(CLI::App& app, int& size, const std::string& help) {
+  return app.add_option("--size", size, help)->type_name("N")->check(CLI::Range(1, 65536));
+}
+
+CLI::Option* add_triple(CLI::App& app, const std::string& flag, std::optional<Direction>& value,
+                        const std::string& type, bool one_for_all, const std::string& help) {
+  const auto parse = [&value, flag, type, one_for_all](const std::string& text) {
+    std::vector<double> numbers;
+    for (const std::string& part : CLI::detail::split(text, ',')) {
+      double number = 0;
+      if (!CLI::detail::lexical_cast(part, number) || !std::isfinite(number))
+        throw CLI::ValidationError(flag, fmt::format("'{}' is not {}", text, type));
+      numbers.push_back(number);
+    }
+    if (one_for_all && numbers.size() == 1) numbers.assign(3, numbers[0]);
+    if (numbers.size() != 3) throw CLI::ValidationError(flag, fmt::format("'{}' is not {}", text, type));
+    value = Direction(numbers[0], numbers[1], numbers[2]);
+  };
+  return app.add_option_function<std::string>(flag, parse, help)->type_name(type);
+}
+
+void add_read_options(CLI::App& app, ReadOptions& options) {
+  add_projection(app, "--from", options.projection, "Projection of the input (default: its metadata, then its shape)");
+  add_layout(app, "--from-layout", options.layout, "Where the input's cube faces lie (default: metadata, then shape)");
+  add_forward(app, "--from-forward", options.forward,
+              "World axis at the centre of a latlong or angular input (default: metadata, then --forward, then +z)");
+  app.add_flag("--ignore-envmap-attribute", options.ignore_envmap_attribute,
+               "Read files with OpenEXR's envmap attribute as cell-centred, not as border samples");
+  app.add_flag("--drop-channels", options.drop_channels, "Read R, G and B of files with more channels");
+}
+
+void add_repair(CLI::App& app, ReadOptions& options) {
+  app.add_flag_callback("--repair", [&options] { options.flaws = FlawPolicy::repair; },
+                        "Replace NaN and infinite texels by their neighbours' mean and negative values by 0");
+}
+
+void note(const Common& common, const std::string& line) {
+  if (!common.quiet) fmt::print(stderr, "{}\n", line);
+}
+
+Source read_map(const std::string& path, const ReadOptions& options, const Common& common) {
+  const auto start = std::chrono::steady_clock::now();
+  Source source = read(path, options);
+  if (source.repaired > 0) note(common, fmt::format("{}: repaired {} texels", path, source.repaired));
+  if (common.verbose) {
+    const Level& level = source.map.base();
+    note(common, fmt::format("{}: {} {}x{}{}, {} {}, read in {:.2f} s", path, name(level.projection()), level.width(),
+                             level.height(), level.faces() > 1 ? fmt::format(" x {} faces", level.faces()) : "",
+                             source.format, name(source.depth),
+                             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+  }
+  return source;
+}
+
+namespace {
+
+std::string escaped(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    if (c == ' ' || c == '#' || c == '\\') out += '\\';
+    if (c == '$') out += '$';
+    out += c;
+  }
+  return out;
+}
+
+// The files that a name with {face} stands for.
+std::string make_names(const std::string& path) {
+  if (!has_face(path)) return escaped(path);
+  std::string all;
+  for (int face = 0; face < 6; ++face) all += (face ? " " : "") + escaped(face_path(path, face));
+  return all;
+}
+
+}  // namespace
+
+void write_depfile(const std::string& depfile, const std::string& output, const std::vector<std::string>& inputs) {
+  std::string text = make_names(output) + ":";
+  for (const std::string& input : inputs)
+    if (input != "-") text += " " + make_names(input);
+  text += "\n";
+  OutputFile file(depfile);
+  file.write(text.data(), text.size());
+  file.commit();
+}
+
+Written write_map(const std::string& path, const EnvironmentMap& map, const WriteOptions& options,
+                  const std::vector<std::string>& inputs, const Common& common) {
+  const auto start = std::chrono::steady_clock::now();
+  const Written written = write(path, map, options);
+  if (written.clamped > 0)
+    note(common, fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
+  if (common.verbose) {
+    const Level& level = map.base();
+    note(common, fmt::format("{}: {} {}x{}{}, {}, written in {:.2f} s", path, name(level.projection()), level.width(), level.height(),
+                             level.projection() == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
+                             name(written.depth), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+  }
+  if (!common.depfile.empty()) write_depfile(common.depfile, path, inputs);
+  return written;
+}
+
+Progress progress_line(const Common& common, const std::string& what) {
+  if (common.quiet || !::isatty(STDERR_FILENO)) return {};
+  struct State {
+    std::mutex mutex;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    int shown = -1;
+    ~State() {
+      if (shown >= 0) fmt::print(stderr, "\r\033[K");
+    }
+  };
+  return [state = std::make_shared<State>(), what](double part) {
+    const std::lock_guard lock(state->mutex);
+    const int percent = static_cast<int>(100 * part);
+    if (percent <= state->shown || std::chrono::steady_clock::now() - state->start < std::chrono::seconds(1)) return;
+    state->shown = percent;
+    fmt::print(stderr, "\r{} {:3d}%", what, percent);
+  };
+}
+
+nlohmann::ordered_json to_json(const Direction& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace tools

@@ -1,0 +1,120 @@
+// What every command is made of: its options, defined once for --help, man page and completions, and what it does.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "envmap/io/read.h"
+#include "envmap/io/write.h"
+#include "envmap/operate/progress.h"
+
+namespace tools {
+
+/// Options that every command has.
+struct Common {
+  int threads = 0;  ///< 0: all cores.
+  bool quiet = false, verbose = false;
+  bool json = false;
+  std::string depfile;
+};
+
+struct Example {
+  std::string command, what;
+};
+
+struct Command {
+  std::string name, summary, description;
+  std::vector<Example> examples;
+  bool reports = false, writes = false;  ///< Has --json; has --depfile.
+  /// Adds the options to `app`; returns what the command does, which gives the exit status.
+  std::function<std::function<int()>(CLI::App& app, const Common& common)> define;
+};
+
+Command convert_command();
+Command info_command();
+Command compare_command();
+Command generate_command();
+Command preview_command();
+Command manual_command();
+Command completion_command();
+
+std::vector<Command> all_commands();
+
+/// The program with all options of all commands; `run` is set to the action of the command that parsing meets.
+std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run);
+
+// ---- options ---------------------------------------------------------------------------------------------------------
+
+/// An option that takes one of a few words. The type name `a|b|c` feeds help, man page and completions.
+template <class T, class Parse>
+CLI::Option* add_choice(CLI::App& app, const std::string& flag, T& value, std::string words, Parse parse,
+                        const std::string& help) {
+  return app
+      .add_option_function<std::string>(
+          flag,
+          [&value, parse, flag, words](const std::string& word) {
+            const auto found = parse(word);
+            if (!found) throw CLI::ValidationError(flag, "'" + word + "' is none of " + words);
+            value = *found;
+          },
+          help)
+      ->type_name(words);
+}
+
+/// Index of a word in a list, as an enumerator.
+template <class Enum>
+auto one_of(std::span<const std::string_view> names) {
+  return [names](std::string_view word) -> std::optional<Enum> {
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (names[k] == word) return static_cast<Enum>(k);
+    return std::nullopt;
+  };
+}
+
+std::string joined(std::span<const std::string_view> words);
+
+CLI::Option* add_projection(CLI::App& app, const std::string& flag, std::optional<envmap::Projection>& value,
+                            const std::string& help);
+CLI::Option* add_layout(CLI::App& app, const std::string& flag, std::optional<envmap::Layout>& value,
+                        const std::string& help);
+CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<envmap::Forward>& value,
+                         const std::string& help);
+CLI::Option* add_depth(CLI::App& app, std::optional<envmap::Depth>& value);
+CLI::Option* add_size(CLI::App& app, int& size, const std::string& help);
+
+/// Three numbers with commas between them; with `one_for_all`, one number may stand for the three.
+CLI::Option* add_triple(CLI::App& app, const std::string& flag, std::optional<envmap::Direction>& value,
+                        const std::string& type, bool one_for_all, const std::string& help);
+
+/// The options of reading: --from, --from-layout, --from-forward and so on.
+void add_read_options(CLI::App& app, envmap::ReadOptions& options);
+/// --repair, for commands that want sound radiance.
+void add_repair(CLI::App& app, envmap::ReadOptions& options);
+
+// ---- doing -----------------------------------------------------------------------------------------------------------
+
+/// A map from a file; repairs are told on standard error.
+envmap::Source read_map(const std::string& path, const envmap::ReadOptions& options, const Common& common);
+
+/// Writes and tells what was clamped; writes the depfile.
+envmap::Written write_map(const std::string& path, const envmap::EnvironmentMap& map,
+                          const envmap::WriteOptions& options, const std::vector<std::string>& inputs,
+                          const Common& common);
+
+/// Make syntax: `output: inputs`. Spaces, $ and # in names are escaped.
+void write_depfile(const std::string& depfile, const std::string& output, const std::vector<std::string>& inputs);
+
+/// A line on standard error where that is a terminal, for work that takes over a second.
+envmap::Progress progress_line(const Common& common, const std::string& what);
+
+/// One line on standard error unless --quiet.
+void note(const Common& common, const std::string& line);
+
+nlohmann::ordered_json to_json(const envmap::Direction& v);
+
+}  // namespace tools

@@ -1,0 +1,98 @@
+#include "envmap/operate/convert.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "command.h"
+#include "envmap/error.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Options {
+  std::string input, output;
+  ReadOptions read;
+  std::optional<Projection> to;
+  std::optional<Forward> forward;
+  std::optional<Direction> turn;  // Yaw, pitch, roll.
+  double exposure = 0;
+  Conversion conversion;
+  WriteOptions write;
+};
+
+int run(Options& o, const Common& common) {
+  o.read.assumed_forward = o.forward;
+  // What can be known to fail is said before any work is done.
+  if (o.to) check_output(o.output, o.write, *o.to);
+  Source source = read_map(o.input, o.read, common);
+  o.conversion.to = o.to.value_or(source.map.projection());
+  o.conversion.forward = o.forward.value_or(has_forward(o.conversion.to) && !o.to ? source.map.forward : Forward::plus_z);
+  if (o.forward && !has_forward(o.conversion.to) && !has_forward(source.map.projection()))
+    throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
+  if (o.turn) o.conversion.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
+  o.conversion.gain = std::exp2(o.exposure);
+  o.write.source_depth = source.depth;
+  check_output(o.output, o.write, o.conversion.to);
+
+  const auto start = std::chrono::steady_clock::now();
+  const EnvironmentMap result = convert(source.map, o.conversion, progress_line(common, "convert"));
+  if (common.verbose)
+    note(common, fmt::format("{} to {}, {}, in {:.2f} s", name(source.map.projection()), name(o.conversion.to),
+                             filter_names[static_cast<std::size_t>(resolved(o.conversion, source.map).filter)],
+                             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+  write_map(o.output, result, o.write, {o.input}, common);
+  return 0;
+}
+
+}  // namespace
+
+Command convert_command() {
+  return {
+      .name = "convert",
+      .summary = "Convert an environment map to another projection, size, layout or file format",
+      .description =
+          "Reads an environment map, resamples it and writes it. Directions keep their meaning: world axes are right-handed "
+          "with +Y up, +Z lies at the centre of latlong and angular images unless --forward says otherwise, and nothing "
+          "is mirrored. Texels outside the disc of sphere and angular maps are written as 0.\n\n"
+          "The filter 'bilinear' reads the source at the centre of each texel; 'area' is the reference: the solid-angle "
+          "mean of the bilinearly reconstructed source over the footprint of each texel, refined until the estimated "
+          "error of the texel is below --area-error. 'auto' is bilinear, and area where the result is coarser than the source "
+          "(a texel spans over 1.25 times as many degrees).\n\n"
+          "--rotate turns the environment about +Z by the roll, then +X by the pitch, then +Y by the yaw, right-handed: "
+          "with --rotate 90,0,0 what was seen towards +Z is seen towards +X.\n\n"
+          "--forward names the world axis at the centre of the latlong or angular images that are read without "
+          "metadata and that are written; --from-forward names the input's alone.",
+      .examples = {{"envmap convert probe.hdr probe.exr --to cube", "a cube of the same density, faces in a column +X -X +Y -Y +Z -Z"},
+                   {"envmap convert probe.exr 'face_{face}.exr' --to cube --size 512", "six files face_px.exr ... face_nz.exr"},
+                   {"envmap convert cross.hdr pano.exr --to latlong --forward -z", "from a cube cross to a panorama with -Z at its centre"},
+                   {"envmap convert ball.hdr - --from sphere --to angular | envmap info -", "a mirror ball as light probe, through a pipe"}},
+      .writes = true,
+      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
+        auto o = std::make_shared<Options>();
+        app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
+        app.add_option("OUTPUT", o->output, "File to write, '-' for standard output; {face} in the name writes six files")->required();
+        add_projection(app, "--to", o->to, "Projection of the output (default: as the input)");
+        add_size(app, o->conversion.size, "Height of a face (default: the input's degrees per texel)");
+        add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
+        add_choice(app, "--filter", o->conversion.filter, joined(filter_names), one_of<Filter>(filter_names),
+                   "How the input is sampled (default: auto)");
+        app.add_option("--area-error", o->conversion.area_tolerance,
+                       "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4)")
+            ->type_name("E")->check(CLI::Range(1e-7, 1.0));
+        add_triple(app, "--rotate", o->turn, "Y,P,R", false, "Turn the environment by yaw, pitch, roll in degrees");
+        add_forward(app, "--forward", o->forward, "World axis at the centre of latlong and angular images (default: +z)");
+        app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        add_depth(app, o->write.depth);
+        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")->type_name("EXT");
+        app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+        add_read_options(app, o->read);
+        add_repair(app, o->read);
+        return [o, &common] { return run(*o, common); };
+      }};
+}
+
+}  // namespace tools

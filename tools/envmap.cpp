@@ -1,0 +1,69 @@
+// The program: parses, runs one command, turns what goes wrong into one line and an exit status.
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <iostream>
+#include <new>
+#include <optional>
+#include <thread>
+
+#include "command.h"
+#include "envmap/error.h"
+#include "suggest.h"
+
+namespace {
+
+enum Status { done = 0, usage = 2, bad_input = 3, not_written = 4 };
+
+int complain(const std::string& who, std::string what, int status) {
+  std::replace(what.begin(), what.end(), '\n', ' ');
+  fmt::print(stderr, "{}: {}\n", who, what);
+  return status;
+}
+
+int run_with_threads(const std::function<int()>& run, int threads) {
+  std::optional<tbb::global_control> limit;
+  if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  const int cores = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  OIIO::attribute("threads", cores);
+  // In OpenImageIO's words 0 is all cores and 1 is none beside the caller.
+  OIIO::attribute("exr_threads", cores);
+  return run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<tools::Command> commands = tools::all_commands();
+  tools::Common common;
+  std::function<int()> run;
+  const auto app = tools::make_app(commands, common, run);
+  std::string who = "envmap";
+  if (argc > 1 && tools::find_command(*app, argv[1]) != nullptr) who += std::string(" ") + argv[1];
+  try {
+    app->parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help, --version
+    return app->exit(e);
+  } catch (const CLI::ParseError& e) {
+    return complain(who, tools::explain(e, *app, argc, argv), usage);
+  }
+  try {
+    const int status = run_with_threads(run, common.threads);
+    std::cout.flush();
+    if (!std::cout) return complain(who, "standard output: not written", not_written);
+    return status;
+  } catch (const CLI::ParseError& e) {
+    return complain(who, e.what(), usage);
+  } catch (const envmap::UsageError& e) {
+    return complain(who, e.what(), usage);
+  } catch (const envmap::InputError& e) {
+    return complain(who, e.what(), bad_input);
+  } catch (const envmap::OutputError& e) {
+    return complain(who, e.what(), not_written);
+  } catch (const std::bad_alloc&) {
+    return complain(who, "not enough memory: choose a smaller --size", not_written);
+  } catch (const std::exception& e) {
+    return complain(who, fmt::format("{} (this is a fault of envmap: please report it)", e.what()), bad_input);
+  }
+}

@@ -1,0 +1,129 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "command.h"
+#include "envmap/operate/measure.h"
+#include "envmap/operate/sampling.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+using nlohmann::ordered_json;
+
+struct Options {
+  std::string input;
+  ReadOptions read;
+  bool sampling = false;
+};
+
+ordered_json facts(const Source& s, const std::string& file) {
+  const Level& level = s.map.base();
+  const Flaws flaws = find_flaws(level);
+  const Measures m = measure(s.map);
+  const bool range = m.darkest > 0 && m.brightest > 0;
+  ordered_json j;
+  j["file"] = file;
+  j["format"] = s.format;
+  j["depth"] = name(s.depth);
+  j["width"] = s.image_width;
+  j["height"] = s.image_height;
+  j["projection"] = name(s.map.projection());
+  j["layout"] = name(s.layout);
+  if (has_forward(s.map.projection())) j["forward"] = forward_names[static_cast<std::size_t>(s.map.forward)];
+  if (s.border_samples) j["border_samples"] = true;
+  j["faces"] = level.faces();
+  j["face_width"] = level.width();
+  j["face_height"] = level.height();
+  j["minimum"] = to_json(m.minimum);
+  j["maximum"] = to_json(m.maximum);
+  j["mean"] = to_json(m.mean);
+  j["flux"] = to_json(m.flux);
+  j["solid_angle"] = m.solid_angle;
+  j["dynamic_range"] = range ? ordered_json(m.brightest / m.darkest) : ordered_json(nullptr);
+  j["stops"] = range ? ordered_json(std::log2(m.brightest / m.darkest)) : ordered_json(nullptr);
+  j["brightest"] = {{"direction", to_json(m.brightest_direction)},
+                    {"value", to_json(Direction(m.brightest_value))},
+                    {"face", m.brightest_texel.face},
+                    {"texel", {m.brightest_texel.i, m.brightest_texel.j}}};
+  j["nan"] = flaws.nan;
+  j["infinite"] = flaws.infinite;
+  j["negative"] = flaws.negative;
+  if (flaws.first) j["first_flaw"] = {{"face", flaws.first->face}, {"texel", {flaws.first->i, flaws.first->j}}};
+  return j;
+}
+
+std::string numbers(const ordered_json& v) {
+  return fmt::format("{:12.6g} {:12.6g} {:12.6g}", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+}
+
+void print_facts(const ordered_json& j) {
+  const auto text = [&](const char* key) { return j[key].get<std::string>(); };
+  const auto line = [](const char* what, const std::string& value) { fmt::print("{:15}{}\n", what, value); };
+  line("file", text("file"));
+  line("format", fmt::format("{} {}, {}x{}", text("format"), text("depth"), j["width"].get<int>(), j["height"].get<int>()));
+  line("projection", fmt::format("{}{}{}", text("projection"),
+                                 j["faces"] == 6 ? " (" + text("layout") + ")" : "",
+                                 j.contains("forward") ? ", " + text("forward") + " at the centre" : ""));
+  if (j.contains("border_samples")) line("", "OpenEXR envmap attribute: samples on the border, read as cell centres");
+  line("faces", fmt::format("{} of {}x{}", j["faces"].get<int>(), j["face_width"].get<int>(), j["face_height"].get<int>()));
+  line("", fmt::format("{:>12} {:>12} {:>12}", "R", "G", "B"));
+  for (const char* key : {"minimum", "maximum", "mean", "flux"}) line(key, numbers(j[key]));
+  if (j["stops"].is_number())
+    line("dynamic range", fmt::format("{:.6g} : 1 ({:.1f} stops)", j["dynamic_range"].get<double>(), j["stops"].get<double>()));
+  else
+    line("dynamic range", "none: nothing is brighter than 0");
+  const ordered_json& b = j["brightest"];
+  line("brightest", fmt::format("{}  towards ({:.5f}, {:.5f}, {:.5f}), face {}, texel ({},{})", numbers(b["value"]),
+                                b["direction"][0].get<double>(), b["direction"][1].get<double>(), b["direction"][2].get<double>(),
+                                b["face"].get<int>(), b["texel"][0].get<int>(), b["texel"][1].get<int>()));
+  line("flaws", fmt::format("{} NaN, {} infinite, {} negative", j["nan"].get<long>(), j["infinite"].get<long>(), j["negative"].get<long>()));
+}
+
+int run(const Options& o, const Common& common) {
+  const Source source = read_map(o.input, o.read, common);
+  ordered_json j = facts(source, o.input);
+  std::vector<SamplingRow> table;
+  if (o.sampling) table = sampling_table(source.map.projection(), source.map.base().height());
+  if (common.json) {
+    for (const SamplingRow& r : table)
+      j["sampling"].push_back({{"texel", {r.i, r.j}}, {"degrees", r.angle}, {"solid_angle", r.solid_angle},
+                               {"relative", r.relative}, {"anisotropy", r.anisotropy}});
+    fmt::print("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    return 0;
+  }
+  print_facts(j);
+  if (o.sampling) fmt::print("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean", "anisotropy");
+  for (const SamplingRow& r : table)
+    fmt::print("{:>14} {:10.3f} {:14.5e} {:10.4f} {:11.4g}\n", fmt::format("({},{})", r.i, r.j), r.angle, r.solid_angle, r.relative, r.anisotropy);
+  return 0;
+}
+
+}  // namespace
+
+Command info_command() {
+  return {
+      .name = "info",
+      .summary = "Show what an environment map holds: projection, radiance, flux, brightest direction, flaws",
+      .description =
+          "Means are weighted by solid angle; flux is the sum of radiance x solid angle per channel. The dynamic range is that "
+          "of luminance (Rec. 709), from the darkest texel above 0. Directions are in the world frame: right-handed, "
+          "+Y up. NaN, infinite and negative texels are counted, and NaN and infinite ones left out of the sums.\n\n"
+          "--sampling shows how evenly the projection samples the sphere: solid angle and anisotropy of texels from the "
+          "centre of a face to the pole (latlong), the corner (cube) or the rim.",
+      .examples = {{"envmap info probe.hdr", "facts as text"},
+                   {"envmap info probe.exr --json | jq .flux", "one fact for a script"},
+                   {"envmap info ball.exr --from sphere --sampling", "with the table of texel solid angles"}},
+      .reports = true,
+      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
+        auto o = std::make_shared<Options>();
+        app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
+        app.add_flag("--sampling", o->sampling, "Add the table of texel solid angle and anisotropy from centre to rim");
+        add_read_options(app, o->read);
+        o->read.flaws = FlawPolicy::keep;
+        return [o, &common] { return run(*o, common); };
+      }};
+}
+
+}  // namespace tools

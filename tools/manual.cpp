@@ -1,0 +1,192 @@
+// Man pages and shell completions out of the same definitions as --help.
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "command.h"
+#include "envmap/io/output_file.h"
+
+namespace tools {
+namespace {
+
+void save(const std::filesystem::path& path, const std::string& text) {
+  envmap::OutputFile file(path.string());
+  file.write(text.data(), text.size());
+  file.commit();
+}
+
+// Text for roff: what it would read as commands is escaped.
+std::string roff(const std::string& text) {
+  std::string out;
+  bool line_start = true;
+  for (const char c : text) {
+    if (c == '\\') out += "\\e";
+    else if (c == '-') out += "\\-";
+    else if (line_start && (c == '.' || c == '\'')) out += std::string("\\&") + c;
+    else out += c;
+    line_start = c == '\n';
+  }
+  return out;
+}
+
+std::string paragraphs(std::string text) {
+  for (std::size_t at; (at = text.find("\n\n")) != std::string::npos;) text.replace(at, 2, "\n.PP\n");
+  std::string out;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    out += (line == ".PP" ? line : roff(line)) + "\n";
+    begin = end + 1;
+  }
+  return out;
+}
+
+std::string option_lines(const CLI::App& app, bool positional) {
+  std::string out;
+  for (const CLI::Option* o : app.get_options()) {
+    if (o->get_positional() != positional) continue;
+    const bool takes = o->get_items_expected_max() > 0;
+    std::string names;
+    if (positional) {
+      names = "\\fI" + roff(o->get_name(true)) + "\\fR";
+    } else {
+      for (const std::string& s : o->get_snames()) names += "\\fB\\-" + roff(s) + "\\fR, ";
+      for (const std::string& l : o->get_lnames()) names += "\\fB\\-\\-" + roff(l) + "\\fR";
+    }
+    if (takes && (!positional || o->get_type_name().find('|') != std::string::npos))
+      names += " \\fI" + roff(o->get_type_name()) + "\\fR";
+    out += ".TP\n" + names + "\n" + roff(o->get_description()) + "\n";
+  }
+  return out;
+}
+
+std::string title(const std::string& name) {
+  std::string upper = name;
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return fmt::format(".TH {} 1 \"\" \"envmap {}\" \"envmap\"\n", upper, ENVMAP_VERSION);
+}
+
+std::string statuses() {
+  return ".SH EXIT STATUS\n"
+         ".TP\n0\ndone\n.TP\n1\nthe answer is no: a limit that was given is exceeded\n.TP\n2\nusage\n"
+         ".TP\n3\nan input is unreadable or not what it claims to be\n.TP\n4\nan output was not written\n";
+}
+
+std::string command_page(const Command& command, const CLI::App& app) {
+  std::string synopsis = "\\fBenvmap " + command.name + "\\fR [\\fIOPTIONS\\fR]";
+  for (const CLI::Option* o : app.get_options())
+    if (o->get_positional()) synopsis += " \\fI" + roff(o->get_name(true)) + "\\fR" + (o->get_expected_max() > 1 ? "..." : "");
+  std::string examples;
+  for (const Example& e : command.examples) examples += ".TP\n\\fB" + roff(e.command) + "\\fR\n" + roff(e.what) + "\n";
+  return title("envmap-" + command.name) + ".SH NAME\nenvmap\\-" + command.name + " \\- " + roff(command.summary) +
+         "\n.SH SYNOPSIS\n" + synopsis + "\n.SH DESCRIPTION\n" + paragraphs(command.description) + ".SH ARGUMENTS\n" +
+         option_lines(app, true) + ".SH OPTIONS\n" + option_lines(app, false) + ".SH EXAMPLES\n" + examples + statuses() +
+         ".SH SEE ALSO\n.BR envmap (1)\n";
+}
+
+std::string main_page(const std::vector<Command>& commands) {
+  std::string list, also;
+  for (const Command& c : commands) {
+    list += ".TP\n\\fBenvmap " + c.name + "\\fR\n" + roff(c.summary) + "\n";
+    also += fmt::format("{}.BR envmap\\-{} (1)", also.empty() ? "" : ",\n", c.name);
+  }
+  return title("envmap") + ".SH NAME\nenvmap \\- " +
+         roff("convert, measure and make environment maps") + "\n.SH SYNOPSIS\n\\fBenvmap\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR] ...\n" +
+         ".SH DESCRIPTION\n" +
+         roff("Environment maps are HDR images of all directions around a point. Pixels are linear RGB radiance. The frame is "
+              "right-handed with +Y up; +Z lies at the centre of latlong and angular images. A file name '-' is standard input or "
+              "output. Output files appear whole or not at all, and the same command gives the same bytes at any number of threads.") +
+         "\n.SH COMMANDS\n" + list + statuses() + ".SH SEE ALSO\n" + also + "\n";
+}
+
+struct AppOfAll {
+  Common common;
+  std::function<int()> run;
+  std::vector<Command> commands = all_commands();
+  std::unique_ptr<CLI::App> app = make_app(commands, common, run);
+};
+
+int write_pages(const std::string& folder) {
+  const AppOfAll all;
+  save(std::filesystem::path(folder) / "envmap.1", main_page(all.commands));
+  for (const Command& c : all.commands)
+    save(std::filesystem::path(folder) / ("envmap-" + c.name + ".1"), command_page(c, *all.app->get_subcommand(c.name)));
+  return 0;
+}
+
+// ---- completions -----------------------------------------------------------------------------------------------------
+
+std::string words_of(const CLI::Option& o) {
+  std::string words = o.get_type_name();
+  if (words.find('|') == std::string::npos) return {};
+  std::replace(words.begin(), words.end(), '|', ' ');
+  return words;
+}
+
+std::string bash_completion() {
+  const AppOfAll all;
+  std::string commands, cases;
+  for (const Command& c : all.commands) {
+    commands += (commands.empty() ? "" : " ") + c.name;
+    std::string options, values, first;
+    for (const CLI::Option* o : all.app->get_subcommand(c.name)->get_options()) {
+      const std::string words = words_of(*o);
+      if (o->get_positional() && !words.empty() && first.empty()) first = words;
+      for (const std::string& l : o->get_lnames()) {
+        options += " --" + l;
+        if (!words.empty()) values += fmt::format("        --{}) words=\"{}\" ;;\n", l, words);
+        else if (o->get_items_expected_max() > 0) values += fmt::format("        --{}) return ;;\n", l);
+      }
+    }
+    cases += fmt::format("    {})\n      case \"$previous\" in\n{}        {}) words=\"{}\" ;;\n        *) words=\"{}\" ;;\n      esac ;;\n",
+                         c.name, values, c.name, first.empty() ? options.substr(1) : first, options.substr(1));
+  }
+  return fmt::format(
+      "# bash completion for envmap; zsh: autoload -U bashcompinit && bashcompinit first\n"
+      "_envmap() {{\n"
+      "  local word=\"${{COMP_WORDS[COMP_CWORD]}}\" previous=\"${{COMP_WORDS[COMP_CWORD-1]}}\" words=\"\"\n"
+      "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
+      "    COMPREPLY=($(compgen -W \"{}\" -- \"$word\"))\n"
+      "    return\n"
+      "  fi\n"
+      "  case \"${{COMP_WORDS[1]}}\" in\n{}  esac\n"
+      "  case \"$word\" in\n"
+      "    -*) ;;\n"
+      "    *) case \"$previous\" in --*) ;; *) case \"$words\" in -*) words=\"\" ;; esac ;; esac ;;\n"
+      "  esac\n"
+      "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
+      "}}\n"
+      "complete -o default -F _envmap envmap\n",
+      commands, cases);
+}
+
+}  // namespace
+
+Command manual_command() {
+  return {.name = "manual",
+          .summary = "Write the man pages",
+          .description = "Writes envmap.1 and a page for each command into a folder. They hold what --help shows, from the same definitions.",
+          .examples = {{"envmap manual man", "refresh the pages kept in the repository"},
+                       {"envmap manual /tmp && man /tmp/envmap-convert.1", "read a page without installing it"}},
+          .define = [](CLI::App& app, const Common&) -> std::function<int()> {
+            auto folder = std::make_shared<std::string>();
+            app.add_option("FOLDER", *folder, "Where to write them")->required();
+            return [folder] { return write_pages(*folder); };
+          }};
+}
+
+Command completion_command() {
+  return {.name = "completion",
+          .summary = "Print the completions for bash or zsh",
+          .description = "Prints a script for the shell to source; it completes commands, options and the words that options take.",
+          .examples = {{"eval \"$(envmap completion)\"", "in ~/.bashrc"},
+                       {"envmap completion > /etc/bash_completion.d/envmap", "for all users"}},
+          .define = [](CLI::App&, const Common&) -> std::function<int()> {
+            return [] {
+              fmt::print("{}", bash_completion());
+              return 0;
+            };
+          }};
+}
+
+}  // namespace tools
