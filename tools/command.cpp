@@ -161,20 +161,18 @@ void write_depfile(const std::string& depfile, const std::string& output, const 
   file.commit();
 }
 
-Written write_map(const std::string& path, const EnvironmentMap& map, const WriteOptions& options,
-                  const std::vector<std::string>& inputs, const Common& common) {
+void write_map(const std::string& path, const Rows& rows, const WriteOptions& options, const std::vector<std::string>& inputs,
+               const std::string& verb, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
-  const Written written = write(path, map, options);
+  const Written written = write(path, rows, options, progress_line(common, verb));
   if (written.clamped > 0)
     note(common, fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
-  if (common.verbose) {
-    const Level& level = map.base();
-    note(common, fmt::format("{}: {} {}x{}{}, {}, written in {:.2f} s", path, name(level.projection()), level.width(), level.height(),
-                             level.projection() == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
+  if (common.verbose)
+    note(common, fmt::format("{}: {} {}x{}{}, {}, made and written in {:.2f} s", path, name(rows.projection),
+                             rows.size * aspect(rows.projection), rows.size,
+                             rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
                              name(written.depth), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
-  }
   if (!common.depfile.empty()) write_depfile(common.depfile, path, inputs);
-  return written;
 }
 
 Progress progress_line(const Common& common, const std::string& what) {

@@ -101,10 +101,9 @@ void add_repair(CLI::App& app, envmap::ReadOptions& options);
 /// A map from a file; repairs are told on standard error.
 envmap::Source read_map(const std::string& path, const envmap::ReadOptions& options, const Common& common);
 
-/// Writes and tells what was clamped; writes the depfile.
-envmap::Written write_map(const std::string& path, const envmap::EnvironmentMap& map,
-                          const envmap::WriteOptions& options, const std::vector<std::string>& inputs,
-                          const Common& common);
+/// Makes and writes a map, tells what was clamped, writes the depfile. @param verb what the progress line says.
+void write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
+               const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 
 /// Make syntax: `output: inputs`. Spaces, $ and # in names are escaped.
 void write_depfile(const std::string& depfile, const std::string& output, const std::vector<std::string>& inputs);

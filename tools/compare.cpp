@@ -62,7 +62,7 @@ int run(const Options& o, const Common& common) {
     EnvironmentMap out;
     out.levels.push_back(std::move(shown));
     out.forward = b.map.forward;
-    write_map(o.difference, out, {.source_depth = Depth::single}, {o.a, o.b}, common);
+    write_map(o.difference, rows_of(out), {}, {o.a, o.b}, "write", common);
   }
   return same ? 0 : 1;
 }

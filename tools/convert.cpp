@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "command.h"
@@ -38,13 +37,10 @@ int run(Options& o, const Common& common) {
   o.write.source_depth = source.depth;
   check_output(o.output, o.write, o.conversion.to);
 
-  const auto start = std::chrono::steady_clock::now();
-  const EnvironmentMap result = convert(source.map, o.conversion, progress_line(common, "convert"));
   if (common.verbose)
-    note(common, fmt::format("{} to {}, {}, in {:.2f} s", name(source.map.projection()), name(o.conversion.to),
-                             filter_names[static_cast<std::size_t>(resolved(o.conversion, source.map).filter)],
-                             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
-  write_map(o.output, result, o.write, {o.input}, common);
+    note(common, fmt::format("{} to {}: {}", name(source.map.projection()), name(o.conversion.to),
+                             filter_names[static_cast<std::size_t>(resolved(o.conversion, source.map).filter)]));
+  write_map(o.output, converted(source.map, o.conversion), o.write, {o.input}, "convert", common);
   return 0;
 }
 

@@ -38,9 +38,9 @@ void tone_map(std::vector<Colour>& pixels, double scale) {
 }
 
 OIIO::ImageBuf picture(const Source& source, double scale, int height) {
-  const Level& level = source.map.base();
   const Layout layout = source.map.projection() == Projection::cube ? Layout::cross : default_layout(source.map.projection());
-  const Page page{level, grid(layout)};
+  const Rows rows = rows_of(source.map);
+  const Page page{rows, grid(layout)};
   std::vector<Colour> pixels(static_cast<std::size_t>(page.width()) * static_cast<std::size_t>(page.height()));
   page.gather(0, page.height(), pixels);
   tone_map(pixels, scale);
@@ -93,7 +93,7 @@ int run(const Options& o, const Common& common) {
     OIIO::ImageBufAlgo::paste(sheet, x + (cell - pictures[k].spec().width) / 2, y, 0, 0, pictures[k]);
     // Without any font on the machine the sheet has no names.
     (void)OIIO::ImageBufAlgo::render_text(sheet, x + 2, y + o.height + 16, std::filesystem::path(inputs[k]).filename().string(),
-                                          14, "", {0.8F, 0.8F, 0.8F});
+                                          14, "DejaVuSans", {0.8F, 0.8F, 0.8F});
     (void)sheet.geterror();
   }
   save_png(sheet, output);

@@ -2,20 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <vector>
 
 namespace envmap {
 
-void write_pfm(OutputFile& file, int width, int height, const std::function<void(int y, std::span<Colour>)>& row) {
+void write_pfm(OutputFile& file, const Page& page) {
+  constexpr int band_rows = 64;
   // The sign of the scale tells the byte order.
   constexpr bool little = std::endian::native == std::endian::little;
-  const std::string header = fmt::format("PF\n{} {}\n{}\n", width, height, little ? "-1.0" : "1.0");
+  const std::string header = fmt::format("PF\n{} {}\n{}\n", page.width(), page.height(), little ? "-1.0" : "1.0");
   file.write(header.data(), header.size());
-  std::vector<Colour> line(static_cast<std::size_t>(width));
-  for (int y = height - 1; y >= 0; --y) {
-    row(y, line);
-    file.write(line.data(), line.size() * sizeof(Colour));
+  const auto width = static_cast<std::size_t>(page.width());
+  std::vector<Colour> band;
+  for (int end = page.height(); end > 0; end -= band_rows) {
+    const int begin = std::max(0, end - band_rows);
+    band.resize(static_cast<std::size_t>(end - begin) * width);
+    page.gather(begin, end, band);
+    for (auto row = static_cast<std::size_t>(end - begin); row-- > 0;)
+      file.write(band.data() + row * width, width * sizeof(Colour));
   }
 }
 

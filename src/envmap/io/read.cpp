@@ -146,7 +146,7 @@ void read_pixels(Image& image, const Channels& channels, const Grid& g, Level& l
                        !OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
   // Whole rows of tiles; enough lines that every core decompresses.
   const int unit = spec.tile_width > 0 ? spec.tile_height : 16;
-  const int band_rows = (std::max(256, unit) / unit) * unit;
+  const int band_rows = (std::max(128, unit) / unit) * unit;
   std::vector<Colour> band(static_cast<std::size_t>(std::min(band_rows, spec.height)) * static_cast<std::size_t>(spec.width));
   for (int begin = 0; begin < spec.height; begin += band_rows) {
     const int end = std::min(begin + band_rows, spec.height);

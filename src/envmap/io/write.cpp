@@ -2,11 +2,12 @@
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-#include <unistd.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -18,8 +19,6 @@
 #include "envmap/io/pfm.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/page.h"
-#include "envmap/operate/measure.h"
-#include "envmap/operate/parallel.h"
 
 namespace envmap {
 namespace {
@@ -80,11 +79,98 @@ double largest_value(const std::string& ext, Depth depth) {
   return std::numeric_limits<float>::max();
 }
 
-constexpr int band_rows = 256;
+// ---- values that do not fit ------------------------------------------------------------------------------------------
+
+// What one row of one face had beyond the limit.
+struct Excess {
+  std::int64_t count = 0;
+  double lost = 0, flux = 0;
+};
+
+// The rows, cut at the largest value the file holds; what is cut is noted per row, so that the sums do not depend on
+// the order in which rows are made.
+class Limited {
+ public:
+  Limited(const Rows& rows, double limit, bool weigh)
+      : limit_(limit), weigh_(weigh), excess_(static_cast<std::size_t>(faces(rows.projection)) * static_cast<std::size_t>(rows.size)) {
+    limited_ = rows;
+    limited_.fill = [this, &rows](int face, int row, std::span<Colour> out) {
+      rows.fill(face, row, out);
+      excess_[static_cast<std::size_t>(face) * static_cast<std::size_t>(rows.size) + static_cast<std::size_t>(row)] = cut(row, out);
+    };
+  }
+  Limited(const Limited&) = delete;
+
+  [[nodiscard]] const Rows& rows() const { return limited_; }
+  [[nodiscard]] Excess total() const {
+    Excess sum;
+    for (const Excess& e : excess_) {
+      sum.count += e.count;
+      sum.lost += e.lost;
+      sum.flux += e.flux;
+    }
+    return sum;
+  }
+
+ private:
+  [[nodiscard]] Excess cut(int row, std::span<Colour> out) const {
+    Excess e;
+    const auto limit = static_cast<float>(limit_);
+    std::vector<double> w;
+    if (weigh_) {
+      w.resize(out.size());
+      solid_angles(limited_.projection, limited_.size, row, w);
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const Colour c = out[i], over = glm::max(c - limit, Colour(0));
+      e.count += over.x > 0 || over.y > 0 || over.z > 0;
+      out[i] = glm::min(c, Colour(limit));
+      if (weigh_) e.lost += w[i] * (over.x + over.y + over.z), e.flux += w[i] * (c.x + c.y + c.z);
+    }
+    return e;
+  }
+
+  double limit_;
+  bool weigh_;
+  Rows limited_;
+  std::vector<Excess> excess_;
+};
+
+// ---- one file --------------------------------------------------------------------------------------------------------
+
+// Enough rows that every core has some, few enough that they stay small beside the source.
+constexpr int band_rows = 64;
+
+using WriteBand = std::function<void(int begin, int end, std::vector<Colour>& band)>;
+
+// Bands from the top; the next one is made while one is written.
+void for_each_band(const Page& page, const Progress& progress, const WriteBand& write_band) {
+  const auto make = [&](int begin, std::vector<Colour>& band) {
+    const int end = std::min(begin + band_rows, page.height());
+    band.resize(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(page.width()));
+    page.gather(begin, end, band);
+  };
+  std::vector<Colour> band, next;
+  make(0, band);
+  for (int begin = 0; begin < page.height(); begin += band_rows) {
+    const int end = std::min(begin + band_rows, page.height());
+    tbb::task_group ahead;
+    if (end < page.height()) ahead.run([&] { make(end, next); });
+    try {
+      write_band(begin, end, band);
+    } catch (...) {
+      ahead.wait();
+      throw;
+    }
+    ahead.wait();
+    std::swap(band, next);
+    if (progress) progress(static_cast<double>(end) / page.height());
+  }
+}
 
 void write_with_oiio(OutputFile& file, const std::string& path, const std::string& ext, const Page& page, Depth depth,
-                     float limit, const Metadata& data) {
-  auto fail = [&](const std::string& why) { throw OutputError(fmt::format("{}: not written: {}", path, why)); };
+                     const Metadata& data, const Progress& progress) {
+  const auto fail = [&](const std::string& why) { throw OutputError(fmt::format("{}: not written: {}", path, why)); };
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("x." + ext);
   OIIO::ImageSpec spec(page.width(), page.height(), 3, type(depth));
   spec.attribute("DateTime", "");  // OpenImageIO would write the time of day.
@@ -93,63 +179,11 @@ void write_with_oiio(OutputFile& file, const std::string& path, const std::strin
   OIIO::Filesystem::IOProxy* proxy = &file;
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   if (!output->open("x." + ext, spec)) fail(output->geterror());
-  std::vector<Colour> band;
-  for (int begin = 0; begin < page.height(); begin += band_rows) {
-    const int end = std::min(begin + band_rows, page.height());
-    band.resize(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(page.width()));
-    page.gather(begin, end, band);
-    for (Colour& c : band) c = glm::min(c, Colour(limit));
+  for_each_band(page, progress, [&](int begin, int end, std::vector<Colour>& band) {
     if (is_integer(depth)) encode_srgb(band);
     if (!output->write_scanlines(begin, end, 0, OIIO::TypeDesc::FLOAT, band.data())) fail(output->geterror());
-  }
+  });
   if (!output->close()) fail(output->geterror());
-}
-
-void write_page(OutputFile& file, const std::string& path, const std::string& ext, const Page& page, Depth depth, float limit,
-                const Metadata& data) {
-  if (ext != "pfm") return write_with_oiio(file, path, ext, page, depth, limit, data);
-  write_pfm(file, page.width(), page.height(), [&](int row, std::span<Colour> out) { page.gather(row, row + 1, out); });
-}
-
-// ---- values that do not fit ------------------------------------------------------------------------------------------
-
-struct Excess {
-  std::int64_t count;
-  double flux_lost;
-};
-
-Excess excess(const Level& level, double limit) {
-  struct Row {
-    std::int64_t count = 0;
-    double lost = 0, all = 0;
-  };
-  Row total;
-  for (const Row& row : map_rows<Row>(level.height(), [&](int j) {
-         Row r;
-         std::vector<double> w(static_cast<std::size_t>(level.width()));
-         solid_angles(level.projection(), level.height(), j, w);
-         for (int face = 0; face < level.faces(); ++face)
-           for (std::size_t i = 0; i < w.size(); ++i) {
-             const Direction c(level.row(face, j)[i]), over = glm::max(c - limit, Direction(0));
-             r.count += over.x > 0 || over.y > 0 || over.z > 0;
-             r.lost += w[i] * (over.x + over.y + over.z);
-             r.all += w[i] * (c.x + c.y + c.z);
-           }
-         return r;
-       })) {
-    total.count += row.count;
-    total.lost += row.lost;
-    total.all += row.all;
-  }
-  return {total.count, total.all > 0 ? total.lost / total.all : 0};
-}
-
-bool any_above(const Level& level, double limit) {
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < level.height(); ++j)
-      for (const Colour& c : level.row(face, j))
-        if (static_cast<double>(std::max({c.x, c.y, c.z})) > limit) return true;
-  return false;
 }
 
 }  // namespace
@@ -171,34 +205,34 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   if (fs::is_directory(path, error)) throw OutputError(path + ": is a folder; name a file");
 }
 
-Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options) {
-  const Level& level = map.base();
+Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {
+  check_output(path, options, rows.projection);
   const std::string ext = extension(path, options);
-  check_output(path, options, level.projection());
-  Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, options, level.projection())};
-
+  Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, options, rows.projection)};
   const double limit = largest_value(ext, done.depth);
-  if (any_above(level, limit)) {
-    const Excess over = excess(level, limit);
-    if (!options.clamp)
-      throw OutputError(fmt::format("{}: {} texels over {:g} do not fit {}: choose {}or say --clamp", path, over.count, limit,
-                                    name(done.depth), is_integer(done.depth) ? "a floating-point format, lower --exposure " : "--depth float, "));
-    done.clamped = over.count;
-    done.flux_lost = over.flux_lost;
-  }
+  const Limited limited(rows, limit, options.clamp);
+  const Metadata data{rows.projection, rows.projection == Projection::cube ? std::optional(done.layout) : std::nullopt,
+                      has_forward(rows.projection) ? std::optional(rows.forward) : std::nullopt};
 
-  const Metadata data{level.projection(),
-                      level.projection() == Projection::cube ? std::optional(done.layout) : std::nullopt,
-                      has_forward(level.projection()) ? std::optional(map.forward) : std::nullopt};
-  const bool split = done.layout == Layout::files;
   // All files are written before the first appears.
+  const int count = done.layout == Layout::files ? faces(rows.projection) : 1;
   std::vector<std::unique_ptr<OutputFile>> files;
-  for (int face = 0; face < (split ? level.faces() : 1); ++face) {
-    const std::string one = split ? face_path(path, face) : path;
+  for (int k = 0; k < count; ++k) {
+    const std::string one = count > 1 ? face_path(path, k) : path;
     files.push_back(std::make_unique<OutputFile>(one));
-    write_page(*files.back(), one, ext, {level, grid(done.layout), split ? face : -1}, done.depth,
-               static_cast<float>(limit), data);
+    const Page page{limited.rows(), grid(done.layout), count > 1 ? k : -1};
+    const Progress part = !progress ? progress : [&progress, k, count](double p) { progress((k + p) / count); };
+    if (ext == "pfm")
+      write_pfm(*files.back(), page);
+    else
+      write_with_oiio(*files.back(), one, ext, page, done.depth, data, part);
   }
+  const Excess over = limited.total();
+  if (over.count > 0 && !options.clamp)
+    throw OutputError(fmt::format("{}: {} texels over {:g} do not fit {}: choose {}or say --clamp", path, over.count, limit, name(done.depth),
+                                  is_integer(done.depth) ? "a floating-point format, lower --exposure " : "--depth float "));
+  done.clamped = over.count;
+  done.flux_lost = over.flux > 0 ? over.lost / over.flux : 0;
   for (const auto& file : files) file->commit();
   return done;
 }

@@ -6,8 +6,9 @@
 #include <string>
 
 #include "envmap/io/depth.h"
-#include "envmap/map/environment_map.h"
 #include "envmap/map/layout.h"
+#include "envmap/map/rows.h"
+#include "envmap/operate/progress.h"
 
 namespace envmap {
 
@@ -30,9 +31,9 @@ struct Written {
 /// @throws UsageError or OutputError.
 void check_output(const std::string& path, const WriteOptions& options, Projection projection);
 
-/// Writes level 0; every file appears whole or not at all, and holds no date, host or user.
-/// @param path a file, `-` for standard output, or a name with `{face}` for six files.
+/// Writes a map as its rows are made; every file appears whole or not at all, and holds no date, host or user.
+/// @param path a file, `-` for standard output, or a name with `{face}` for six files. @param progress may be empty.
 /// @throws OutputError where it cannot be written, or values do not fit and `clamp` is not set.
-Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options);
+Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress = {});
 
 }  // namespace envmap

@@ -1,5 +1,7 @@
 #include "envmap/map/page.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 namespace envmap {
@@ -15,19 +17,27 @@ std::span<T> part(std::span<T> band, int y, int begin, int columns, const Slot& 
 
 }  // namespace
 
+Rows rows_of(const EnvironmentMap& map) {
+  return {map.projection(), map.base().height(), map.forward, [&level = map.base()](int face, int row, std::span<Colour> out) {
+            std::ranges::copy(level.row(face, row), out.begin());
+          }};
+}
+
 void Page::gather(int begin, int end, std::span<Colour> out) const {
-  std::ranges::fill(out, Colour(0));
-  const int h = level.height();
-  const auto place = [&](int f, const Slot& slot) {
-    for (int y = std::max(begin, slot.row * h); y < std::min(end, (slot.row + 1) * h); ++y) {
-      const int j = y - slot.row * h;
-      const auto to = part(out, y, begin, face < 0 ? grid.columns : 1, slot, level.width());
-      std::ranges::copy(level.row(f, slot.turned ? h - 1 - j : j), to.begin());
-      if (slot.turned) std::ranges::reverse(to);
-    }
+  const int h = rows.size, columns = face < 0 ? grid.columns : 1;
+  const auto fill = [&](int f, const Slot& slot, int y) {
+    const int j = y - slot.row * h;
+    if (j < 0 || j >= h) return;
+    const auto to = part(out, y, begin, columns, slot, face_width());
+    rows.fill(f, slot.turned ? h - 1 - j : j, to);
+    if (slot.turned) std::ranges::reverse(to);
   };
-  if (face >= 0) return place(face, {0, 0});
-  for (int f = 0; f < level.faces(); ++f) place(f, grid.slots[static_cast<std::size_t>(f)]);
+  tbb::parallel_for(begin, end, [&](int y) {
+    std::ranges::fill(out.subspan(static_cast<std::size_t>(y - begin) * static_cast<std::size_t>(width()),
+                                  static_cast<std::size_t>(width())), Colour(0));
+    if (face >= 0) return fill(face, {0, 0}, y);
+    for (std::size_t f = 0; f < grid.slots.size(); ++f) fill(static_cast<int>(f), grid.slots[f], y);
+  });
 }
 
 void scatter(std::span<const Colour> rows, int begin, int end, const Grid& grid, Level& level) {

@@ -1,23 +1,24 @@
 /// @file
-/// One image of all faces of a level in some layout, or of one face, a band of rows at a time.
+/// One image of all faces of a map in some layout, or of one face, a band of rows at a time.
 #pragma once
 
 #include <span>
 
-#include "envmap/map/environment_map.h"
 #include "envmap/map/layout.h"
+#include "envmap/map/rows.h"
 
 namespace envmap {
 
 struct Page {
-  const Level& level;
+  const Rows& rows;
   Grid grid;
   int face = -1;  ///< The only face shown, or -1 for all of them.
 
-  [[nodiscard]] int width() const { return face < 0 ? grid.columns * level.width() : level.width(); }
-  [[nodiscard]] int height() const { return face < 0 ? grid.rows * level.height() : level.height(); }
+  [[nodiscard]] int face_width() const { return rows.size * aspect(rows.projection); }
+  [[nodiscard]] int width() const { return face < 0 ? grid.columns * face_width() : face_width(); }
+  [[nodiscard]] int height() const { return face < 0 ? grid.rows * rows.size : rows.size; }
 
-  /// Image rows [begin, end) into `out`, `width()` texels each; 0 where no face lies.
+  /// Image rows [begin, end) into `out`, `width()` texels each; 0 where no face lies. Runs in parallel.
   void gather(int begin, int end, std::span<Colour> out) const;
 };
 

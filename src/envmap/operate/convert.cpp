@@ -1,5 +1,7 @@
 #include "envmap/operate/convert.h"
 
+#include <algorithm>
+
 #include "envmap/map/gutter.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
@@ -40,29 +42,34 @@ Conversion resolved(const Conversion& wanted, const EnvironmentMap& source) {
   return c;
 }
 
-EnvironmentMap convert(EnvironmentMap& source, const Conversion& wanted, const Progress& progress) {
+Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   const Conversion c = resolved(wanted, source);
   const Rotation to_source = glm::transpose(image_to_world(source.forward)) * glm::transpose(c.rotation) *
                              image_to_world(c.forward);
   Level& from = source.base();
-  Level result(c.to, c.size);
   const Area area{from, to_source, c.to, c.size, c.area_tolerance, 1e-3 * mean_radiance(from)};
   fill_gutter(from);
+  return {c.to, c.size, c.forward, [=](int face, int row, std::span<Colour> out) {
+            const Columns in = columns(c.to, c.size, row);
+            std::ranges::fill(out, Colour(0));
+            const auto texels = out.subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first));
+            if (c.filter == Filter::area)
+              sample_area(area, face, row, in.first, texels);
+            else
+              sample_row(area.source, to_source, c.filter, c.to, c.size, face, row, in.first, texels);
+            if (c.gain != 1)
+              for (Colour& texel : texels) texel = Colour(Direction(texel) * c.gain);
+          }};
+}
 
-  for_each_row(result.faces(), result.height(), progress, [&](int face, int row) {
-    const Columns in = columns(c.to, c.size, row);
-    const auto texels = result.row(face, row).subspan(static_cast<std::size_t>(in.first),
-                                                      static_cast<std::size_t>(in.end - in.first));
-    if (c.filter == Filter::area)
-      sample_area(area, face, row, in.first, texels);
-    else
-      sample_row(from, to_source, c.filter, c.to, c.size, face, row, in.first, texels);
-    if (c.gain != 1)
-      for (Colour& texel : texels) texel = Colour(Direction(texel) * c.gain);
-  });
+EnvironmentMap convert(EnvironmentMap& source, const Conversion& wanted, const Progress& progress) {
+  const Rows rows = converted(source, wanted);
   EnvironmentMap out;
-  out.levels.push_back(std::move(result));
-  out.forward = c.forward;
+  out.levels.emplace_back(rows.projection, rows.size);
+  out.forward = rows.forward;
+  Level& level = out.base();
+  for_each_row(level.faces(), level.height(), progress,
+               [&](int face, int row) { rows.fill(face, row, level.row(face, row)); });
   return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "envmap/map/environment_map.h"
+#include "envmap/map/rows.h"
 #include "envmap/operate/progress.h"
 
 namespace envmap {
@@ -25,8 +26,11 @@ struct Conversion {
 /// Size and filter as they will be used on this source.
 Conversion resolved(const Conversion& wanted, const EnvironmentMap& source);
 
-/// @param source its gutters are filled here, which is why it is not const. @param progress may be empty.
-/// @return a map of one level. The same bytes at any number of threads.
+/// The result row by row, the same bytes at any number of threads.
+/// @param source must outlive the rows; its gutters are filled here, which is why it is not const.
+Rows converted(EnvironmentMap& source, const Conversion& wanted);
+
+/// The result whole, with one level. @param progress may be empty.
 EnvironmentMap convert(EnvironmentMap& source, const Conversion& wanted, const Progress& progress = {});
 
 }  // namespace envmap
