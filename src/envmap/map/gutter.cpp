@@ -10,19 +10,26 @@ namespace {
 
 struct GutterTexel {
   int face, i, j;
-  Location<double> source;
+  Direction beyond;         // Where the projection continues to at this texel.
+  Location<double> source;  // What part of the image shows that direction.
 };
 
-// Is the texel's centre part of the image? If not, is it near enough to be read?
-enum class Place { image, gutter, unread };
+bool in_face(const Level& level, int i, int j) { return i >= 0 && j >= 0 && i < level.width() && j < level.height(); }
 
-Place place(const Level& level, int i, int j) {
-  const bool inside = i >= 0 && j >= 0 && i < level.width() && j < level.height();
-  if (!on_disc(level.projection())) return inside ? Place::image : Place::gutter;
-  const double n = level.height(), s = (2 * i + 1) / n - 1, t = 1 - (2 * j + 1) / n, r = std::sqrt(s * s + t * t);
-  if (r <= 1 && inside) return Place::image;
-  // A tap lies at most sqrt(2) x gutter texels from the place it is read for; a texel is 2/n wide.
-  return r <= 1 + (2 * std::numbers::sqrt2 * Level::gutter) / n && r < 2 ? Place::gutter : Place::unread;
+// Distance of a texel's centre from the middle of the disc, which has radius 1.
+double radius(const Level& level, int i, int j) {
+  const double n = level.height();
+  return std::hypot((2 * i + 1) / n - 1, 1 - (2 * j + 1) / n);
+}
+
+bool is_image(const Level& level, int i, int j) {
+  return in_face(level, i, j) && (!on_disc(level.projection()) || radius(level, i, j) <= 1);
+}
+
+// Of a disc, the texels that a tap can reach: at most sqrt(2) x gutter texels of width 2/n from the place it is read for.
+bool is_gutter(const Level& level, int i, int j) {
+  if (is_image(level, i, j)) return false;
+  return !on_disc(level.projection()) || radius(level, i, j) <= std::min(2.0, 1 + 2 * std::numbers::sqrt2 * Level::gutter / level.height());
 }
 
 std::vector<GutterTexel> gutter_texels(const Level& level) {
@@ -31,52 +38,106 @@ std::vector<GutterTexel> gutter_texels(const Level& level) {
   std::vector<GutterTexel> found;
   visit(level.projection(), [&](auto p) {
     using P = decltype(p);
-    const auto consider = [&](int face, int i, int j) {
-      if (place(level, i, j) != Place::gutter) return;
-      const auto beyond = P::direction(face, (i + 0.5) / w, (j + 0.5) / h);
-      found.push_back({face, i, j, P::locate(beyond)});
-    };
     for (int face = 0; face < level.faces(); ++face)
-      for (int j = -g; j < h + g; ++j) {
-        // Only a disc has gutter texels away from the ends of an inner row.
-        const bool whole = P::on_disc || j < 0 || j >= h;
+      for (int j = -g; j < h + g; ++j)
         for (int i = -g; i < w + g; ++i) {
-          if (!whole && i == 0) i = w;
-          consider(face, i, j);
+          if (!P::on_disc && i == 0 && j >= 0 && j < h) i = w;  // All of an inner row is image.
+          if (!is_gutter(level, i, j)) continue;
+          const Direction beyond = P::direction(face, (i + 0.5) / w, (j + 0.5) / h);
+          found.push_back({face, i, j, beyond, P::locate(beyond)});
         }
-      }
   });
   return found;
 }
 
-// The image texel nearest to a location: the value to start from.
-Colour nearest_image_texel(const Level& level, const Location<double>& at) {
-  int i = std::clamp(static_cast<int>(at.u * level.width()), 0, level.width() - 1);
-  int j = std::clamp(static_cast<int>(at.v * level.height()), 0, level.height() - 1);
-  while (place(level, i, j) != Place::image) {
-    const int ci = (level.width() - 1) / 2, cj = (level.height() - 1) / 2;
-    if (i == ci && j == cj) break;
-    i += (i < ci) - (i > ci);
-    j += (j < cj) - (j > cj);
+// ---- faces whose edges follow their texels: cube, latlong -----------------------------------------------------------
+
+// Bilinear values. Some taps are gutter themselves, with a weight of about half a texel / size: start from the nearest
+// texel of the image, then repeat, which contracts.
+void fill_by_bilinear(Level& level, const std::vector<GutterTexel>& texels) {
+  std::vector<Colour> values(texels.size());
+  for (int round = 0; round < 4; ++round) {
+    for (std::size_t k = 0; k < texels.size(); ++k)
+      values[k] = round == 0 ? nearest(level, texels[k].source) : bilinear(level, texels[k].source);
+    for (std::size_t k = 0; k < texels.size(); ++k) *level.texel(texels[k].face, texels[k].i, texels[k].j) = values[k];
   }
-  return *level.texel(at.face, i, j);
+}
+
+// ---- rims ------------------------------------------------------------------------------------------------------------
+
+// A plane through weighted samples in the tangent plane of a direction: moving least squares (Lancaster and Salkauskas
+// 1981) with weights that grow without bound towards a sample, so that the plane passes through one that is met.
+class TangentFit {
+ public:
+  explicit TangentFit(const Direction& at) : at_(at) {
+    e1_ = glm::normalize(glm::cross(std::abs(at.x) < 0.7 ? Direction(1, 0, 0) : Direction(0, 1, 0), at));
+    e2_ = glm::cross(at, e1_);
+  }
+
+  void add(const Direction& d, const Colour& c, double weight) {
+    const double x = glm::dot(d - at_, e1_), y = glm::dot(d - at_, e2_);
+    const Direction p(1, x, y), value(c);
+    for (int k = 0; k < 3; ++k) {
+      normal_[k] += weight * p[k] * p;
+      right_[k] += weight * p[k] * value;
+    }
+    low_ = glm::min(low_, c);
+    high_ = glm::max(high_, c);
+  }
+
+  // The plane's height at the direction, within the range of the samples: a slope beside a sun must not go below 0.
+  [[nodiscard]] Colour value() const {
+    glm::dmat3 m = normal_;
+    const double slope = 1e-9 * (m[1][1] + m[2][2]) + 1e-300;  // Where all samples lie on a line or a point.
+    m[1][1] += slope;
+    m[2][2] += slope;
+    const Direction weights = glm::inverse(m)[0];  // Symmetric: its first row.
+    return glm::clamp(Colour(weights.x * right_[0] + weights.y * right_[1] + weights.z * right_[2]), low_, high_);
+  }
+
+ private:
+  Direction at_, e1_, e2_;
+  glm::dmat3 normal_{0};
+  Direction right_[3]{Direction(0), Direction(0), Direction(0)};
+  Colour low_{std::numeric_limits<float>::max()}, high_{0};
+};
+
+// Adds the image texels within `reach` of a place given in texels of a face.
+void add_neighbours(TangentFit& fit, const Level& level, int face, double x, double y) {
+  constexpr double reach = 2.6;
+  const int n = level.height();
+  for (int j = static_cast<int>(std::ceil(y - reach)); j <= y + reach; ++j)
+    for (int i = static_cast<int>(std::ceil(x - reach)); i <= x + reach; ++i) {
+      const double distance = std::hypot(i - x, j - y);
+      if (distance >= reach || !is_image(level, i, j)) continue;
+      const double near = (reach - distance) / (distance + 1e-6);
+      const Location<double> centre{face, (i + 0.5) / n, (j + 0.5) / n};
+      Direction d[1];
+      const Vec2<double> uv[1] = {{centre.u, centre.v}};
+      directions(level.projection(), face, uv, d);
+      fit.add(d[0], *level.texel(face, i, j), near * near * near);
+    }
+}
+
+// The texels just outside a rim and those of the other half (or of the opposite rim) at the same place are each
+// other's neighbours, so no iteration between them gets anywhere: the image texels on both sides are fitted instead.
+void fill_by_fit(Level& level, const std::vector<GutterTexel>& texels) {
+  std::vector<Colour> values(texels.size());
+  for (std::size_t k = 0; k < texels.size(); ++k) {
+    const GutterTexel& t = texels[k];
+    TangentFit fit(t.beyond);
+    add_neighbours(fit, level, t.face, t.i, t.j);
+    add_neighbours(fit, level, t.source.face, t.source.u * level.width() - 0.5, t.source.v * level.height() - 0.5);
+    values[k] = fit.value();
+  }
+  for (std::size_t k = 0; k < texels.size(); ++k) *level.texel(texels[k].face, texels[k].i, texels[k].j) = values[k];
 }
 
 }  // namespace
 
 void fill_gutter(Level& level) {
   const std::vector<GutterTexel> texels = gutter_texels(level);
-  std::vector<Colour> values(texels.size());
-  const auto store = [&] {
-    for (std::size_t k = 0; k < texels.size(); ++k) *level.texel(texels[k].face, texels[k].i, texels[k].j) = values[k];
-  };
-  for (std::size_t k = 0; k < texels.size(); ++k) values[k] = nearest_image_texel(level, texels[k].source);
-  store();
-  const int rounds = on_disc(level.projection()) ? 8 : 4;
-  for (int round = 0; round < rounds; ++round) {
-    for (std::size_t k = 0; k < texels.size(); ++k) values[k] = bilinear(level, texels[k].source);
-    store();
-  }
+  on_disc(level.projection()) ? fill_by_fit(level, texels) : fill_by_bilinear(level, texels);
 }
 
 }  // namespace envmap

@@ -7,6 +7,7 @@
 #include "envmap/operate/parallel.h"
 #include "envmap/sample/area.h"
 #include "envmap/sample/sample.h"
+#include "envmap/sample/settle.h"
 
 namespace envmap {
 namespace {
@@ -25,8 +26,13 @@ void sample_row(const Level& source, const Rotation& to_source, Filter filter, P
   locations.resize(out.size());
   texel_directions(to, size, face, row, first, directions);
   for (Direction& d : directions) d = to_source * d;
-  locate(source.projection(), directions, locations);
-  (filter == Filter::nearest ? sample_nearest : sample_bilinear)(source, locations, out);
+  if (filter == Filter::nearest) {
+    locate(source.projection(), directions, locations);
+    sample_nearest(source, locations, out);
+  } else {
+    locate_for_bilinear(source.projection(), source.height(), directions, locations);
+    sample_bilinear(source, locations, out);
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "envmap/sample/sample.h"
+#include "envmap/sample/settle.h"
 
 namespace envmap {
 namespace {
@@ -37,7 +38,7 @@ struct Workspace {
     radiance.resize(n);
     envmap::directions(task.to, face, points, directions);
     for (Direction& d : directions) d = task.to_source * d;
-    locate(task.source.projection(), directions, locations);
+    locate_for_bilinear(task.source.projection(), task.source.height(), directions, locations);
     sample_bilinear(task.source, locations, radiance);
     if (weigh) envmap::densities(task.to, points, densities);
     out.resize(n);
