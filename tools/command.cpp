@@ -151,20 +151,25 @@ std::string make_names(const std::string& path) {
 
 }  // namespace
 
-void write_depfile(const std::string& depfile, const std::string& output, const std::vector<std::string>& inputs) {
+std::string make_rule(const std::string& output, const std::vector<std::string>& inputs) {
   std::string text = make_names(output) + ":";
   for (const std::string& input : inputs)
     if (input != "-") text += " " + make_names(input);
-  text += "\n";
-  OutputFile file(depfile);
-  file.write(text.data(), text.size());
-  file.commit();
+  return text + "\n";
 }
 
 void write_map(const std::string& path, const Rows& rows, const WriteOptions& options, const std::vector<std::string>& inputs,
                const std::string& verb, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
+  // Written before the map and shown after it: where there can be no depfile, there is no output.
+  std::optional<OutputFile> depfile;
+  if (!common.depfile.empty()) {
+    depfile.emplace(common.depfile);
+    const std::string text = make_rule(path, inputs);
+    depfile->write(text.data(), text.size());
+  }
   const Written written = write(path, rows, options, progress_line(common, verb));
+  if (depfile) depfile->commit();
   if (written.clamped > 0)
     note(common, fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
   if (common.verbose)
@@ -172,7 +177,6 @@ void write_map(const std::string& path, const Rows& rows, const WriteOptions& op
                              rows.size * aspect(rows.projection), rows.size,
                              rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
                              name(written.depth), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
-  if (!common.depfile.empty()) write_depfile(common.depfile, path, inputs);
 }
 
 Progress progress_line(const Common& common, const std::string& what) {

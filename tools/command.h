@@ -106,7 +106,7 @@ void write_map(const std::string& path, const envmap::Rows& rows, const envmap::
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 
 /// Make syntax: `output: inputs`. Spaces, $ and # in names are escaped.
-void write_depfile(const std::string& depfile, const std::string& output, const std::vector<std::string>& inputs);
+std::string make_rule(const std::string& output, const std::vector<std::string>& inputs);
 
 /// A line on standard error where that is a terminal, for work that takes over a second.
 envmap::Progress progress_line(const Common& common, const std::string& what);

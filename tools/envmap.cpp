@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
-#include <iostream>
+#include <cstdio>
 #include <new>
 #include <optional>
 #include <thread>
@@ -50,8 +50,7 @@ int main(int argc, char** argv) {
   }
   try {
     const int status = run_with_threads(run, common.threads);
-    std::cout.flush();
-    if (!std::cout) return complain(who, "standard output: not written", not_written);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain(who, "standard output: not written", not_written);
     return status;
   } catch (const CLI::ParseError& e) {
     return complain(who, e.what(), usage);

@@ -97,7 +97,6 @@ int run(const Options& o, const Common& common) {
     (void)sheet.geterror();
   }
   save_png(sheet, output);
-  if (!common.depfile.empty()) write_depfile(common.depfile, output, inputs);
   return 0;
 }
 
@@ -111,7 +110,6 @@ Command preview_command() {
                      "Tone curve x / (1 + x) (Reinhard et al. 2002), sRGB. Cubes are drawn as crosses.",
       .examples = {{"envmap preview probe.hdr probe.png", "one map"},
                    {"envmap preview latlong.exr cube.exr sphere.exr sheet.png", "a contact sheet"}},
-      .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
         app.add_option("FILES", o->names, "Maps to draw, and last the PNG to write")->required()->type_name("");

@@ -28,12 +28,12 @@ bool has_border_samples(const OIIO::ImageSpec& spec) {
 }
 
 Metadata metadata(const OIIO::ImageSpec& spec) {
-  Metadata m{projection_named(value(spec, "envmap:projection")), layout_named(value(spec, "envmap:layout")),
-             forward_named(value(spec, "envmap:forward"))};
+  // OpenEXR's own attribute comes first: its tools carry ours along from the file they converted.
   const std::string texture = spec.get_string_attribute("textureformat");
-  if (!m.projection && texture == "LatLong Environment") m.projection = Projection::latlong;
-  if (!m.projection && texture == "CubeFace Environment") m.projection = Projection::cube;
-  return m;
+  if (texture == "LatLong Environment") return {.projection = Projection::latlong, .forward = Forward::plus_z};
+  if (texture == "CubeFace Environment") return {.projection = Projection::cube, .layout = Layout::column};
+  return {projection_named(value(spec, "envmap:projection")), layout_named(value(spec, "envmap:layout")),
+          forward_named(value(spec, "envmap:forward"))};
 }
 
 void set_metadata(OIIO::ImageSpec& spec, const Metadata& data) {

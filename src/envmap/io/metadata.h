@@ -15,9 +15,9 @@ namespace envmap {
 /// The attributes envmap:projection, envmap:layout and envmap:forward. Formats without attributes of one's own carry
 /// them as words of the image description ("envmap:projection=cube envmap:layout=row").
 struct Metadata {
-  std::optional<Projection> projection;
-  std::optional<Layout> layout;
-  std::optional<Forward> forward;
+  std::optional<Projection> projection = {};
+  std::optional<Layout> layout = {};
+  std::optional<Forward> forward = {};
 };
 
 /// Values that mean nothing to this version are passed over.

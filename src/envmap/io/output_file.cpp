@@ -64,9 +64,9 @@ OutputFile::OutputFile(const std::string& path) : IOProxy(path, Write), path_(pa
   const fs::file_status status = fs::status(path, ignored);
   if (path != "-" && fs::is_directory(status)) throw OutputError(path + ": is a folder; name a file");
   stream_ = path == "-" || (fs::exists(status) && !fs::is_regular_file(status));
-  // Through a link to what it names: renaming over the link would cut it.
-  if (!stream_ && fs::is_symlink(fs::symlink_status(path, ignored)))
-    if (const fs::path real = fs::weakly_canonical(path, ignored); !real.empty()) target_ = real.string();
+  // Through links to what they name, which need not exist: renaming over a link would cut it.
+  for (int links = 0; !stream_ && links < 40 && fs::is_symlink(fs::symlink_status(target_, ignored)); ++links)
+    target_ = (fs::path(target_).parent_path() / fs::read_symlink(target_, ignored)).string();
   temporary_ = stream_ ? scratch_name()
                        : (fs::path(folder_of(target_)) / ("." + fs::path(target_).filename().string() + ".XXXXXX")).string();
   descriptor_ = ::mkstemp(temporary_.data());
@@ -77,6 +77,11 @@ OutputFile::OutputFile(const std::string& path) : IOProxy(path, Write), path_(pa
                                   std::strerror(why)));
   }
   guard(temporary_.c_str());
+  // Never one of the standard three, even where the caller has closed them: `-` would write into its own file.
+  if (const int low = descriptor_; low < 3) {
+    descriptor_ = ::fcntl(low, F_DUPFD, 3);
+    ::close(low);
+  }
 }
 
 OutputFile::~OutputFile() {

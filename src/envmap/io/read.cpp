@@ -3,6 +3,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -37,11 +38,29 @@ std::string first_line(std::string message) {
 // An open image: a file, or standard input held in memory (proxy and bytes must outlive the reader).
 struct Image {
   std::string name;
+  std::uintmax_t size = 0;  // Of the file in bytes; 0 if unknown.
   std::vector<char> bytes;
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
   std::unique_ptr<OIIO::ImageInput> input;
 
   [[noreturn]] void fail(const std::string& why) const { throw InputError(name + ": " + why); }
+};
+
+// libpng and libjpeg print to standard error what OpenImageIO then reports, too. An error is one line: ours.
+class SilentLibraries {
+ public:
+  explicit SilentLibraries(bool silence) : kept_(silence ? ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3) : -1) {
+    if (kept_ < 0) return;
+    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO), ::close(nowhere);
+  }
+  ~SilentLibraries() {
+    if (kept_ >= 0) ::dup2(kept_, STDERR_FILENO), ::close(kept_);
+  }
+  SilentLibraries(const SilentLibraries&) = delete;
+
+ private:
+  int kept_;
 };
 
 // The format of bytes without a name, by their first few.
@@ -60,6 +79,7 @@ std::string sniff(std::span<const char> bytes) {
 void open_standard_input(Image& image) {
   image.name = "standard input";
   image.bytes.assign(std::istreambuf_iterator<char>(std::cin), {});
+  image.size = image.bytes.size();
   if (image.bytes.empty()) image.fail("is empty");
   const std::string format = sniff(image.bytes);
   if (format.empty()) image.fail("neither EXR, HDR, PFM, PNM, TIFF, PNG, JPEG nor DDS");
@@ -78,8 +98,12 @@ void open_file(Image& image, const std::string& path) {
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
   if (fs::is_directory(status)) image.fail("is a folder; name a file");
-  if (fs::is_regular_file(status) && fs::file_size(path, error) == 0) image.fail("is empty");
+  if (fs::is_regular_file(status)) {
+    image.size = fs::file_size(path, error);
+    if (image.size == 0) image.fail("is empty");
+  }
   if (::access(path.c_str(), R_OK) != 0) image.fail(std::strerror(errno));
+  const SilentLibraries silent(true);
   image.input = OIIO::ImageInput::open(path);
   if (!image.input) image.fail("not an image that can be read: " + first_line(OIIO::geterror()));
 }
@@ -118,6 +142,9 @@ void check_size(const Image& image, const OIIO::ImageSpec& spec) {
     image.fail("its data window is not its display window: only part of the sphere is there");
   const double bytes = static_cast<double>(spec.width) * spec.height * sizeof(Colour);
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+  // A header can promise anything. No compression in use makes a map 20,000 times smaller.
+  if (image.size > 0 && bytes > 0x1p28 && bytes > 2e4 * static_cast<double>(image.size))
+    image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, spec.width, spec.height));
   if (bytes > memory)
     image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}", spec.width, spec.height,
                            bytes / 0x1p30, memory / 0x1p30));
@@ -129,13 +156,18 @@ void read_band(Image& image, const Channels& channels, int begin, int end, std::
   const auto colour = static_cast<OIIO::stride_t>(sizeof(Colour));
   const OIIO::stride_t line = colour * spec.width;
   const int last = channels.first + channels.count;
+  const SilentLibraries silent(!spec.format.is_floating_point());
   const bool read =
       spec.tile_width > 0
           ? image.input->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, spec.z, spec.z + 1,
                                     channels.first, last, OIIO::TypeDesc::FLOAT, out.data(), colour, line)
           : image.input->read_scanlines(0, 0, spec.y + begin, spec.y + end, spec.z, channels.first, last,
                                         OIIO::TypeDesc::FLOAT, out.data(), colour, line);
-  if (!read) image.fail("truncated or damaged: " + first_line(image.input->geterror()));
+  // Some readers say true and leave a message: a cut TIFF would be black from there on.
+  if (!read || image.input->has_error()) {
+    const std::string why = image.input->geterror();
+    image.fail("truncated or damaged: " + (why.empty() ? "it ends too early" : first_line(why)));
+  }
   if (channels.count == 1)
     for (Colour& c : out) c = Colour(c.x);
 }
@@ -256,7 +288,11 @@ Source read(const std::string& path, const ReadOptions& options) {
     if (has_face(path)) return read_faces(path, options);
     Image image;
     path == "-" ? open_standard_input(image) : open_file(image, path);
-    return read_one(image, options);
+    try {
+      return read_one(image, options);
+    } catch (const std::bad_alloc&) {
+      image.fail("not enough memory to read it");
+    }
   }();
   if (source.border_samples) to_cell_centres(source.map.base());
   settle_flaws(path == "-" ? "standard input" : path, options, source);

@@ -29,7 +29,7 @@ bool is_image(const Level& level, int i, int j) {
 // Of a disc, the texels that a tap can reach: at most sqrt(2) x gutter texels of width 2/n from the place it is read for.
 bool is_gutter(const Level& level, int i, int j) {
   if (is_image(level, i, j)) return false;
-  return !on_disc(level.projection()) || radius(level, i, j) <= std::min(2.0, 1 + 2 * std::numbers::sqrt2 * Level::gutter / level.height());
+  return !on_disc(level.projection()) || radius(level, i, j) <= 1 + 2 * std::numbers::sqrt2 * Level::gutter / level.height();
 }
 
 std::vector<GutterTexel> gutter_texels(const Level& level) {
@@ -43,7 +43,9 @@ std::vector<GutterTexel> gutter_texels(const Level& level) {
         for (int i = -g; i < w + g; ++i) {
           if (!P::on_disc && i == 0 && j >= 0 && j < h) i = w;  // All of an inner row is image.
           if (!is_gutter(level, i, j)) continue;
-          const Direction beyond = P::direction(face, (i + 0.5) / w, (j + 0.5) / h);
+          // Round a disc of one or two texels some lie so far out that they would have gone round the sphere once.
+          const double pull = P::on_disc ? std::min(1.0, 1.9 / radius(level, i, j)) : 1;
+          const Direction beyond = P::direction(face, 0.5 + pull * ((i + 0.5) / w - 0.5), 0.5 + pull * ((j + 0.5) / h - 0.5));
           found.push_back({face, i, j, beyond, P::locate(beyond)});
         }
   });
@@ -85,10 +87,13 @@ class TangentFit {
     high_ = glm::max(high_, c);
   }
 
+  // Nothing near is image: only round maps of one or two texels.
+  [[nodiscard]] bool empty() const { return normal_[0][0] == 0; }
+
   // The plane's height at the direction, within the range of the samples: a slope beside a sun must not go below 0.
   [[nodiscard]] Colour value() const {
     glm::dmat3 m = normal_;
-    const double slope = 1e-9 * (m[1][1] + m[2][2]) + 1e-300;  // Where all samples lie on a line or a point.
+    const double slope = 1e-7 * (m[0][0] * 1e-9 + m[1][1] + m[2][2]);  // Where all samples lie on a line or a point.
     m[1][1] += slope;
     m[2][2] += slope;
     const Direction weights = glm::inverse(m)[0];  // Symmetric: its first row.
@@ -128,7 +133,7 @@ void fill_by_fit(Level& level, const std::vector<GutterTexel>& texels) {
     TangentFit fit(t.beyond);
     add_neighbours(fit, level, t.face, t.i, t.j);
     add_neighbours(fit, level, t.source.face, t.source.u * level.width() - 0.5, t.source.v * level.height() - 0.5);
-    values[k] = fit.value();
+    values[k] = fit.empty() ? *level.texel(0, level.width() / 2, level.height() / 2) : fit.value();
   }
   for (std::size_t k = 0; k < texels.size(); ++k) *level.texel(texels[k].face, texels[k].i, texels[k].j) = values[k];
 }

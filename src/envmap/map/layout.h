@@ -22,7 +22,7 @@ std::optional<Layout> layout_named(std::string_view name);
 /// Names of the faces in file names, in the order +X -X +Y -Y +Z -Z.
 inline constexpr std::string_view cube_face_names[] = {"px", "nx", "py", "ny", "pz", "nz"};
 
-/// A face's place, in faces from the left and from the top. `turned`: by half a turn (the -Z face of a vertical cross).
+/// A face's place, in faces from the left and from the top. `turned`: by half a turn (the +Z face of a vertical cross).
 struct Slot {
   int column, row;
   bool turned = false;

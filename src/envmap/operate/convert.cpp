@@ -53,6 +53,14 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   const Rotation to_source = glm::transpose(image_to_world(source.forward)) * glm::transpose(c.rotation) *
                              image_to_world(c.forward);
   Level& from = source.base();
+  // The same texels: nothing to resample, and nothing to lose at a rim.
+  if (c.filter != Filter::area && c.to == from.projection() && c.size == from.height() && to_source == Rotation(1))
+    return {c.to, c.size, c.forward, [&from, c](int face, int row, std::span<Colour> out) {
+              const Columns in = columns(c.to, c.size, row);
+              std::ranges::fill(out, Colour(0));
+              for (int i = in.first; i < in.end; ++i)
+                out[static_cast<std::size_t>(i)] = Colour(Direction(*from.texel(face, i, row)) * c.gain);
+            }};
   const Area area{from, to_source, c.to, c.size, c.area_tolerance, 1e-3 * mean_radiance(from)};
   fill_gutter(from);
   return {c.to, c.size, c.forward, [=](int face, int row, std::span<Colour> out) {

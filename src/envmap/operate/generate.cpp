@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "envmap/error.h"
-#include "envmap/maths/sum.h"
 #include "envmap/operate/parallel.h"
 
 namespace envmap {
@@ -66,52 +65,80 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
 
 struct Cone {
   Direction axis;
-  double radius;       // radians
-  double solid_angle;  // steradians
+  double radius;  // radians
 };
 
-// Steradians of the part of a rectangle of a face that lies in the cone: quartered until a piece is all in, all out or
-// too small to matter (1e-7 of the cone: a few hundred pieces along its edge, their errors of either sign).
+// Angle of a texel's centre from the axis, and how far from its centre it reaches.
+struct Extent {
+  double away, reach;
+};
+
 template <class P>
-double covered(const Cone& cone, int face, const Rect& r) {
-  const double whole = P::solid_angle(r);
-  if (whole <= 0) return 0;
+Extent extent(const Cone& cone, int face, const Rect& r) {
   const Direction centre = P::direction(face, 0.5 * (r.u0 + r.u1), 0.5 * (r.v0 + r.v1));
-  const double away = angle_between(centre, cone.axis);
-  // No piece reaches further from its centre than its corners and edges do; 1.2 for edges that bulge between.
-  double reach = pi;
-  if (r.v1 - r.v0 < 0.2) {
-    reach = 0;
-    for (const double u : {r.u0, 0.5 * (r.u0 + r.u1), r.u1})
-      for (const double v : {r.v0, 0.5 * (r.v0 + r.v1), r.v1})
-        reach = std::max(reach, 1.2 * angle_between(centre, P::direction(face, u, v)));
+  Extent e{angle_between(centre, cone.axis), pi};
+  if (r.v1 - r.v0 > 0.2) return e;  // Texels of the smallest maps may reach anywhere.
+  e.reach = 0;
+  for (const double u : {r.u0, 0.5 * (r.u0 + r.u1), r.u1})
+    for (const double v : {r.v0, 0.5 * (r.v0 + r.v1), r.v1})
+      e.reach = std::max(e.reach, 1.2 * angle_between(centre, P::direction(face, u, v)));  // 1.2: edges bulge.
+  return e;
+}
+
+// How much of each texel the cone covers, in the first channel. Texels that lie inside whole are 1; for those on its edge, points spread evenly
+// over the cone's outer ring (a Fibonacci lattice, equal-area) are dropped into the texels they hit: the light that the
+// sun sends is what arrives, however thin and long the texels are.
+template <class P>
+void add_coverage(const Cone& cone, Level& coverage) {
+  const int w = coverage.width(), h = coverage.height();
+  const auto rect = [&](int i, int j) { return Rect{double(i) / w, double(j) / h, (i + 1.0) / w, (j + 1.0) / h}; };
+  // The ring must reach as far in as any texel that is not inside whole.
+  std::vector<double> inner(static_cast<std::size_t>(h) * P::faces, cone.radius);
+  for_each_row(P::faces, h, {}, [&](int face, int row) {
+    double& least = inner[static_cast<std::size_t>(face) * static_cast<std::size_t>(h) + static_cast<std::size_t>(row)];
+    const Columns in = columns(coverage.projection(), h, row);
+    for (int i = in.first; i < in.end; ++i) {
+      const Extent e = extent<P>(cone, face, rect(i, row));
+      if (e.away + e.reach <= cone.radius) *coverage.texel(face, i, row) = Colour(1);
+      else if (e.away - e.reach < cone.radius) least = std::min(least, std::max(0.0, e.away - e.reach));
+    }
+  });
+  const double ring = *std::ranges::min_element(inner);
+  const double z0 = std::cos(ring), z1 = std::cos(cone.radius), steradians = 4 * pi * std::sin(0.5 * (cone.radius - ring)) * std::sin(0.5 * (cone.radius + ring));
+  if (steradians <= 0) return;
+  const double texels = steradians * P::faces * w * h / (4 * pi);
+  const auto points = static_cast<std::int64_t>(std::clamp(256 * texels, 0x1p18, 0x1p26));
+  const Direction e1 = glm::normalize(glm::cross(std::abs(cone.axis.x) < 0.7 ? Direction(1, 0, 0) : Direction(0, 1, 0), cone.axis));
+  const Direction e2 = glm::cross(cone.axis, e1);
+  for (std::int64_t k = 0; k < points; ++k) {
+    const double part = (static_cast<double>(k) + 0.5) / static_cast<double>(points), z = z0 + part * (z1 - z0);
+    // 1 - z without cancellation, so that a sun of seconds of arc is round.
+    const double sine = std::sqrt(std::max(0.0, (2 * std::pow(std::sin(0.5 * ring), 2) + part * (z0 - z1)) * (1 + z)));
+    const double turn = 2 * pi * std::fmod(static_cast<double>(k) * std::numbers::phi, 1.0);
+    const auto at = P::locate(z * cone.axis + sine * (std::cos(turn) * e1 + std::sin(turn) * e2));
+    const int i = std::clamp(static_cast<int>(at.u * w), 0, w - 1), j = std::clamp(static_cast<int>(at.v * h), 0, h - 1);
+    coverage.texel(at.face, i, j)->y += 1;
   }
-  if (away >= cone.radius + reach) return 0;
-  if (away + reach <= cone.radius) return whole;
-  if (whole < 1e-7 * cone.solid_angle || r.v1 - r.v0 < 1e-12) return away < cone.radius ? whole : 0;
-  const double u = 0.5 * (r.u0 + r.u1), v = 0.5 * (r.v0 + r.v1);
-  return covered<P>(cone, face, {r.u0, r.v0, u, v}) + covered<P>(cone, face, {u, r.v0, r.u1, v}) +
-         covered<P>(cone, face, {r.u0, v, u, r.v1}) + covered<P>(cone, face, {u, v, r.u1, r.v1});
+  for_each_row(P::faces, h, {}, [&](int face, int row) {
+    for (int i = 0; i < w; ++i)
+      if (Colour& c = *coverage.texel(face, i, row); c.x < 1 && c.y > 0)
+        c.x = static_cast<float>(std::min(1.0, c.y * steradians / static_cast<double>(points) / P::solid_angle(rect(i, row))));
+  });
 }
 
 void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
   fill(Sky{sun.zenith, sun.ground}, map, progress);
   Level& level = map.base();
-  const double radians = sun.radius * pi / 180, half = std::sin(0.5 * radians);
-  const Cone cone{glm::transpose(image_to_world(map.forward)) * sun.towards, radians, 4 * pi * half * half};
-  visit(level.projection(), [&](auto p) {
-    using P = decltype(p);
-    for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
-      const double w = level.width(), h = level.height();
-      for (int i = 0; i < level.width(); ++i) {
-        const Rect texel{i / w, row / h, (i + 1) / w, (row + 1) / h};
-        const double part = covered<P>(cone, face, texel);
-        if (part <= 0) continue;
-        const double share = std::min(1.0, part / P::solid_angle(texel));
-        Colour& c = *level.texel(face, i, row);
+  const Cone cone{glm::transpose(image_to_world(map.forward)) * sun.towards, sun.radius * pi / 180};
+  Level coverage(level.projection(), level.height());
+  visit(level.projection(), [&](auto p) { add_coverage<decltype(p)>(cone, coverage); });
+  for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
+    const auto shares = coverage.row(face, row);
+    for (std::size_t i = 0; i < shares.size(); ++i)
+      if (const double share = shares[i].x; share > 0) {
+        Colour& c = level.row(face, row)[i];
         c = Colour(share * sun.radiance + (1 - share) * Direction(c));
       }
-    });
   });
 }
 

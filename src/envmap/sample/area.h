@@ -19,9 +19,10 @@ struct Area {
 
 /// Texels [first, first + out.size()) of a row of the result.
 ///
-/// Adaptive midpoint quadrature: cells no larger than a source texel are compared with their four quarters, those
-/// that differ are quartered on. The error that is left is estimated from the differences (the rule is of second order,
-/// so a quarter of each, adding up as independent errors do).
+/// Adaptive quadrature by 2 x 2 Gauss points over cells no larger than a source texel. The reconstruction is smooth but
+/// for kinks where it passes from one patch of four texels to the next, and it never leaves the range of their values:
+/// that range bounds the error of a cell, so that none is accepted because its samples happen to agree. Cells are
+/// quartered until the bounds, added up as independent errors, are below the tolerance, or at 65536 samples a texel.
 void sample_area(const Area& task, int face, int row, int first, std::span<Colour> out);
 
 }  // namespace envmap

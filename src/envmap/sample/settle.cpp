@@ -23,7 +23,7 @@ struct Candidate {
   double x, y, miss;
 };
 
-Candidate newton(const Direction& wanted, double x, double y, int size, int rounds) {
+Candidate newton(const Direction& wanted, double x, double y, int size, int rounds, double good) {
   // In the tangent plane of the direction; behind, where all this happens, X is never along it.
   const Direction e1 = glm::normalize(glm::cross(wanted, Direction(1, 0, 0))), e2 = glm::cross(wanted, e1);
   const double x0 = x, y0 = y;
@@ -32,6 +32,7 @@ Candidate newton(const Direction& wanted, double x, double y, int size, int roun
     const Patch p = patch(x, y, size);
     const double r1 = glm::dot(p.value, e1), r2 = glm::dot(p.value, e2), miss = r1 * r1 + r2 * r2;
     if (miss < best.miss) best = {x, y, miss};
+    if (miss < good) break;
     // Least squares with a little damping: at -Z itself the direction does not change along the rim.
     const double a1 = glm::dot(p.dx, e1), a2 = glm::dot(p.dx, e2), b1 = glm::dot(p.dy, e1), b2 = glm::dot(p.dy, e2);
     const double damping = 1e-6 * (a1 * a1 + a2 * a2 + b1 * b1 + b2 * b2) + 1e-300;
@@ -44,12 +45,12 @@ Candidate newton(const Direction& wanted, double x, double y, int size, int roun
 }
 
 Location<double> settled(const Direction& wanted, const Location<double>& start, int size) {
-  const double x = start.u * size - 0.5, y = start.v * size - 0.5, good = 1e-4 / size;
-  Candidate best = newton(wanted, x, y, size, 5);
+  const double x = start.u * size - 0.5, y = start.v * size - 0.5, good = 1e-8 / (1.0 * size * size);
+  Candidate best = newton(wanted, x, y, size, 5, good);
   // The patches meet in kinks, on which Newton's method may bounce: a few texels at the rim start again around.
-  for (int k = 0; k < 8 && best.miss > good * good; ++k) {
+  for (int k = 0; k < 8 && best.miss > good; ++k) {
     const double angle = 0.25 * pi * k;
-    const Candidate c = newton(wanted, x + 0.6 * std::cos(angle), y + 0.6 * std::sin(angle), size, 8);
+    const Candidate c = newton(wanted, x + 0.6 * std::cos(angle), y + 0.6 * std::sin(angle), size, 8, good);
     if (c.miss < best.miss) best = c;
   }
   return {0, (best.x + 0.5) / size, (best.y + 0.5) / size};

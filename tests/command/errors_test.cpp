@@ -1,0 +1,363 @@
+// What goes wrong ends with the right exit status and one line that names the file, and leaves nothing behind.
+#include <chrono>
+#include <csignal>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "picture.h"
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+constexpr int usage = 2, bad_input = 3, not_written = 4;
+
+// ---- 2: what was asked makes no sense -------------------------------------------------------------------------------
+
+class Usage : public CommandTest {
+ protected:
+  Usage() { save(path("in.exr"), latlong_directions(4)); }
+};
+
+TEST_F(Usage, SaysTheWordThatWasProbablyMeant) {
+  fails(usage, {"convert", "in.exr", "out.exr", "--sise", "4"}, {"'--sise'", "did you mean '--size'"});
+  fails(usage, {"compare", "in.exr", "in.exr", "--max-eror=1"}, {"'--max-eror'", "did you mean '--max-error'"});
+  const Result r = envmap({"convrt", "in.exr", "out.exr"});
+  EXPECT_EQ(r.status, usage);
+  EXPECT_NE(r.err.find("no command 'convrt'; did you mean 'convert'?"), std::string::npos) << r.err;
+  EXPECT_EQ(names(), std::vector<std::string>{"in.exr"});
+}
+
+TEST_F(Usage, RefusesUnknownOptionsEvenUnlikeAny) {
+  fails(usage, {"convert", "in.exr", "out.exr", "--zzzzzzzz"}, {"--zzzzzzzz"});
+  EXPECT_EQ(envmap({"zzzzzzzz"}).status, usage);
+  EXPECT_EQ(envmap({}).status, usage);
+}
+
+TEST_F(Usage, NamesTheArgumentThatIsMissing) {
+  fails(usage, {"convert"}, {"INPUT"});
+  fails(usage, {"convert", "in.exr"}, {"OUTPUT"});
+  fails(usage, {"info"}, {"INPUT"});
+  fails(usage, {"compare", "in.exr"}, {"B"});
+  fails(usage, {"generate", "sun"}, {"OUTPUT"});
+  fails(usage, {"manual"}, {"FOLDER"});
+  fails(usage, {"info", "in.exr", "--from"}, {"--from"});
+  fails(usage, {"convert", "in.exr", "out.exr", "third.exr"}, {"third.exr"});
+}
+
+TEST_F(Usage, RefusesSizesThatNoMapHas) {
+  for (const char* size : {"0", "-1", "1e9", "1.5", "many"})
+    fails(usage, {"convert", "in.exr", "out.exr", "--size", size}, {"--size"});
+}
+
+TEST_F(Usage, SaysTheWordsAnOptionTakes) {
+  const std::pair<const char*, const char*> cases[] = {{"--to", "paraboloid"},   {"--from", "paraboloid"},
+                                                       {"--filter", "bilinear"}, {"--layout", "vcross"},
+                                                       {"--depth", "half"},      {"--forward", "-z"}};
+  for (const auto& [option, choice] : cases)
+    fails(usage, {"convert", "in.exr", "out.exr", option, "cubic"}, {option, "cubic", choice});
+  fails(usage, {"generate", "moon", "out.exr"}, {"moon", "directions"});
+}
+
+TEST_F(Usage, RefusesAnglesThatAreNotThreeNumbers) {
+  for (const char* angles : {"1,2", "a,b,c", "1,2,3,4", "1,2,nan", ""})
+    fails(usage, {"convert", "in.exr", "out.exr", "--rotate", angles}, {"--rotate"});
+}
+
+TEST_F(Usage, RefusesFileTypesThatNothingWrites) {
+  fails(usage, {"convert", "in.exr", "out.xyz"}, {"out.xyz", ".exr"});
+  fails(usage, {"convert", "in.exr", "out"}, {"out", "--format"});
+  fails(usage, {"generate", "sky", "-", "--format", "xyz"}, {"xyz"});
+  fails(usage, {"preview", "in.exr", "out.exr"}, {"out.exr", ".png"});
+}
+
+TEST_F(Usage, RefusesDepthsThatTheFormatDoesNotHold) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"half", "out.hdr"}, {"half", "out.tif"}, {"uint8", "out.exr"}, {"uint16", "out.pfm"}, {"float", "out.png"}};
+  for (const auto& [depth, name] : cases)
+    fails(usage, {"convert", "in.exr", name, "--depth", depth}, {"--depth", depth});
+}
+
+TEST_F(Usage, RefusesLayoutsOfWhatIsNoCube) {
+  fails(usage, {"convert", "in.exr", "out.exr", "--layout", "row"}, {"--layout"});
+  fails(usage, {"convert", "in.exr", "{face}.exr", "--to", "latlong"}, {"{face}"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--to", "cube", "--layout", "files"}, {"{face}"});
+  fails(usage, {"convert", "in.exr", "{face}.exr", "--to", "cube", "--layout", "row"}, {"{face}"});
+  fails(usage, {"info", "in.exr", "--from", "latlong", "--from-layout", "row"}, {"layout"});
+}
+
+// ---- 3: an input is unreadable or not what it claims ----------------------------------------------------------------
+
+class Input : public CommandTest {
+ protected:
+  void refuses(const std::string& name, std::vector<std::string> words, const std::vector<std::string>& options = {}) const {
+    words.push_back(name);
+    std::vector<std::string> arguments{"convert", name, "out.exr"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    fails(bad_input, arguments, words);
+  }
+};
+
+TEST_F(Input, RefusesWhatIsNoFile) {
+  std::filesystem::create_directory(path("folder.exr"));
+  write("empty.exr", "");
+  write("empty.hdr", "");
+  refuses("missing.exr", {"no such file"});
+  refuses("missing/too.exr", {"no such file"});
+  refuses("folder.exr", {"folder"});
+  refuses("empty.exr", {"empty"});
+  refuses("empty.hdr", {"empty"});
+}
+
+TEST_F(Input, RefusesTextThatCallsItselfAnImage) {
+  for (const char* name : {"text.hdr", "text.exr", "text.pfm", "text.png", "text.tif"}) {
+    write(name, "Dear reader,\nthis is no image.\n");
+    refuses(name, {});
+  }
+}
+
+TEST_F(Input, RefusesStandardInputThatIsNoImage) {
+  fails(bad_input, {"info", "-"}, {"standard input", "empty"});
+  fails(bad_input, {"info", "-"}, {"standard input"}, {.input = "no image\n"});
+  fails(bad_input, {"convert", "-", "out.exr"}, {"standard input"}, {.input = "#?RADIANCE\n"});
+}
+
+TEST_F(Input, WantsExactlyRedGreenAndBlue) {
+  OIIO::ImageSpec spec;
+  spec.channelnames = {"R", "G"};
+  save(path("two.exr"), Picture::filled(8, 4, 1, 2), OIIO::TypeDesc::FLOAT, spec);
+  refuses("two.exr", {"R, G"});
+  spec.channelnames = {"R", "G", "B", "A"};
+  save(path("alpha.exr"), Picture::filled(8, 4, 1, 4), OIIO::TypeDesc::FLOAT, spec);
+  refuses("alpha.exr", {"A", "--drop-channels"});
+  succeeds({"convert", "alpha.exr", "out.exr", "--drop-channels"});
+  EXPECT_EQ(load(path("out.exr")), Picture::filled(8, 4, 1));
+}
+
+TEST_F(Input, RefusesShapesThatNoProjectionHas) {
+  save(path("wide.hdr"), Picture::filled(1000, 600, 1));
+  refuses("wide.hdr", {"1000x600"});
+  refuses("wide.hdr", {"1000x600", "2:1"}, {"--from", "latlong"});
+  refuses("wide.hdr", {"1000x600", "cube"}, {"--from", "cube"});
+  save(path("square.pfm"), Picture::filled(8, 8, 1));
+  refuses("square.pfm", {"8x8", "sphere", "angular", "--from"});
+  refuses("square.pfm", {"8x8", "2:1"}, {"--from", "latlong"});
+  succeeds({"convert", "square.pfm", "out.exr", "--from", "angular"});
+}
+
+TEST_F(Input, TakesOnePixelAsASphere) {
+  save(path("one.pfm"), Picture::filled(1, 1, 1));
+  write("none.pfm", "PF\n0 0\n-1.0\n");
+  refuses("none.pfm", {});
+  refuses("one.pfm", {"--from"});
+  refuses("one.pfm", {"1x1"}, {"--from", "latlong"});
+  succeeds({"convert", "one.pfm", "out.exr", "--from", "sphere", "--to", "latlong", "--size", "2"});
+  EXPECT_LT(difference(load(path("out.exr")), Picture::filled(4, 2, 1)), 1e-6);
+}
+
+TEST_F(Input, RefusesAnImageOfPartOfTheSphere) {
+  OIIO::ImageSpec spec;
+  spec.x = 3;
+  save(path("window.exr"), latlong_directions(4), OIIO::TypeDesc::FLOAT, spec);
+  refuses("window.exr", {"window"});
+}
+
+TEST_F(Input, RefusesAHeaderThatPromisesMoreThanTheFileHolds) {
+  // Believed, each would take gigabytes and many seconds before the lie shows.
+  write("lie.pfm", "PF\n40000 20000\n-1.0\nabcd");
+  write("lie.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 20000 +X 40000\nabcd");
+  for (const char* name : {"lie.pfm", "lie.hdr"})
+    fails(bad_input, {"convert", name, "out.exr", "--threads", "2"}, {name}, {.memory = std::uint64_t{3} << 30});
+}
+
+TEST_F(Input, NamesTheFaceThatIsMissingOrDiffers) {
+  for (const char* face : {"px", "nx", "py", "ny", "pz"})
+    save(path(std::string("f_") + face + ".exr"), Picture::filled(4, 4, 1));
+  fails(bad_input, {"convert", "f_{face}.exr", "out.exr"}, {"f_nz.exr", "no such file"});
+  save(path("f_nz.exr"), Picture::filled(5, 5, 1));
+  fails(bad_input, {"convert", "f_{face}.exr", "out.exr"}, {"f_nz.exr", "5x5", "4x4"});
+  save(path("f_nz.exr"), Picture::filled(4, 3, 1));
+  fails(bad_input, {"convert", "f_{face}.exr", "out.exr"}, {"f_nz.exr", "4x3"});
+  fails(usage, {"convert", "f_{face}.exr", "out.exr", "--from", "latlong"}, {"{face}"});
+}
+
+TEST_F(Input, JudgesBothMapsOfACompare) {
+  save(path("a.exr"), latlong_directions(4));
+  write("b.exr", "no image");
+  fails(bad_input, {"compare", "a.exr", "b.exr"}, {"b.exr"});
+  fails(bad_input, {"compare", "b.exr", "a.exr"}, {"b.exr"});
+  fails(bad_input, {"preview", "a.exr", "b.exr", "out.png"}, {"b.exr"});
+}
+
+// ---- radiance that is none ------------------------------------------------------------------------------------------
+
+class Flaws : public Input {
+ protected:
+  static constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+
+  void save_flawed(const std::string& name) const {
+    Picture p = Picture::filled(8, 4, 2);
+    p.at(5, 1)[1] = nan;
+    p.at(2, 2)[0] = infinity;
+    p.at(3, 2)[2] = -1;
+    save(path(name), p);
+  }
+};
+
+TEST_F(Flaws, AreRefusedWithTheFirstPlaceAndTheCount) {
+  for (const char* name : {"flawed.exr", "flawed.pfm", "flawed.tif"}) {
+    save_flawed(name);
+    refuses(name, {"3 of 32", "(5,1)", "1 NaN", "1 infinite", "1 negative", "--repair"});
+    fails(bad_input, {"compare", name, name}, {name, "(5,1)"});
+  }
+}
+
+TEST_F(Flaws, AreFoundOneByOne) {
+  for (const auto& [value, word] :
+       {std::pair{nan, "1 NaN"}, {infinity, "1 infinite"}, {-infinity, "1 infinite"}, {-1e-30F, "1 negative"}}) {
+    Picture p = Picture::filled(8, 4, 2);
+    p.at(7, 3)[2] = value;
+    save(path("one.exr"), p);
+    refuses("one.exr", {"1 of 32", "(7,3)", word});
+  }
+}
+
+TEST_F(Flaws, OfACubeAreFoundByFace) {
+  Picture p = cube_directions("cross", 4);
+  p.at(2 * 4 + 1, 4 + 3)[0] = nan;  // Face +X.
+  p.at(4 + 2, 8 + 1)[0] = nan;      // Face -Y.
+  save(path("cube.exr"), p);
+  refuses("cube.exr", {"2 of 96", "(1,3)", "face 0"});
+}
+
+TEST_F(Flaws, AreRepairedFromTheirNeighbours) {
+  save_flawed("flawed.exr");
+  const Result r = envmap({"convert", "flawed.exr", "out.exr", "--repair"});
+  EXPECT_EQ(r.status, 0);
+  EXPECT_EQ(r.err, "flawed.exr: repaired 3 texels\n");
+  Picture expected = Picture::filled(8, 4, 2);
+  expected.at(3, 2)[2] = 0;
+  // The hole's neighbours include the negative texel's blue, then 0.
+  expected.at(2, 2)[2] = load(path("out.exr")).at(2, 2)[2];
+  EXPECT_LE(difference(load(path("out.exr")), expected), 1e-6);
+  EXPECT_GT(expected.at(2, 2)[2], 1.5F);
+  EXPECT_EQ(envmap({"convert", "flawed.exr", "out.exr", "--repair", "--quiet"}).err, "");
+}
+
+TEST_F(Flaws, AreLeftAloneOutsideTheDisc) {
+  Picture p = Picture::filled(8, 8, 1);
+  p.at(0, 0)[0] = nan;
+  p.at(7, 7)[1] = -1;
+  save(path("ball.exr"), p);
+  succeeds({"convert", "ball.exr", "out.exr", "--from", "sphere", "--to", "latlong", "--size", "8"});
+  EXPECT_LT(difference(load(path("out.exr")), Picture::filled(16, 8, 1)), 1e-6);
+}
+
+TEST_F(Flaws, OfAllTexelsCannotBeRepaired) {
+  save(path("all.exr"), Picture::filled(8, 4, nan));
+  refuses("all.exr", {"32 of 32", "(0,0)"});
+  refuses("all.exr", {"repair"}, {"--repair"});
+}
+
+TEST_F(Flaws, AreReportedByInfoAsJsonThatParses) {
+  save_flawed("flawed.exr");
+  const Result r = envmap({"info", "flawed.exr", "--json"});
+  EXPECT_EQ(r.status, 0);
+  const auto j = nlohmann::json::parse(r.out);
+  EXPECT_EQ(j["nan"], 1);
+  EXPECT_EQ(j["infinite"], 1);
+  EXPECT_EQ(j["negative"], 1);
+  EXPECT_EQ(j["first_flaw"]["texel"], (nlohmann::json{5, 1}));
+}
+
+// ---- 4: an output was not written -----------------------------------------------------------------------------------
+
+class Output : public CommandTest {
+ protected:
+  Output() { save(path("in.exr"), latlong_directions(8)); }
+};
+
+TEST_F(Output, WantsAFolderThatIsThere) {
+  fails(not_written, {"convert", "in.exr", "missing/out.exr"}, {"missing/out.exr"});
+  fails(not_written, {"convert", "in.exr", "in.exr/out.exr"}, {"in.exr/out.exr"});
+  fails(not_written, {"generate", "sky", "missing/out.hdr", "--size", "4"}, {"missing/out.hdr"});
+  fails(not_written, {"preview", "in.exr", "missing/out.png"}, {"missing/out.png"});
+  fails(not_written, {"manual", "missing"}, {"missing"});
+  std::filesystem::create_directory(path("folder.exr"));
+  fails(not_written, {"convert", "in.exr", "folder.exr"}, {"folder.exr"});
+}
+
+TEST_F(Output, IsNotThereWithoutItsDepfile) {
+  fails(not_written, {"convert", "in.exr", "out.exr", "--depfile", "missing/out.d"}, {"missing/out.d"});
+}
+
+TEST_F(Output, LeavesNothingOnAFullDisk) {
+  for (const char* name : {"out.exr", "out.hdr", "out.tif", "out.png", "out.pfm", "out_{face}.exr"}) {
+    const std::string first = std::string(name).substr(0, 3);
+    fails(not_written, {"generate", "directions", name, "--size", "64", "--to", "cube"}, {first}, {.largest_file = 1000});
+  }
+  fails(not_written, {"preview", "in.exr", "out.png"}, {"out.png"}, {.largest_file = 1000});
+  write("out.exr", "the old file");
+  fails(not_written, {"convert", "in.exr", "out.exr", "--size", "64"}, {"out.exr"}, {.largest_file = 1000});
+}
+
+TEST_F(Output, LeavesNothingWhereOneOfSixFilesFails) {
+  std::filesystem::create_directory(path("out_pz.exr"));
+  fails(not_written, {"convert", "in.exr", "out_{face}.exr", "--to", "cube"}, {"out_pz.exr"});
+}
+
+TEST_F(Output, SaysThatADeviceIsFull) {
+  fails(not_written, {"convert", "in.exr", "/dev/full", "--format", "exr"}, {"/dev/full", "No space left"});
+  for (const char* command : {"convert in.exr -", "info in.exr", "compare in.exr in.exr --json", "completion"}) {
+    SCOPED_TRACE(command);
+    const Result full = shell(std::string("\"$ENVMAP\" ") + command + " > /dev/full");
+    EXPECT_EQ(full.status, not_written);
+    EXPECT_NE(full.err.find("standard output"), std::string::npos) << full.err;
+  }
+}
+
+TEST_F(Output, SaysThatStandardOutputIsClosed) {
+  for (const char* command : {"convert in.exr -", "info in.exr", "completion"}) {
+    SCOPED_TRACE(command);
+    const Result closed = shell(std::string("\"$ENVMAP\" ") + command + " >&-");
+    EXPECT_EQ(closed.status, not_written);
+    EXPECT_NE(closed.err.find("standard output"), std::string::npos) << closed.err;
+  }
+}
+
+TEST_F(Output, RefusesValuesThatAHalfDoesNotHold) {
+  save(path("bright.exr"), Picture::filled(8, 4, 1e5F));
+  fails(not_written, {"convert", "bright.exr", "out.exr", "--depth", "half"},
+        {"out.exr", "32 texels", "65504", "--clamp"});
+  succeeds({"convert", "bright.exr", "out.exr"});
+  const Result r = envmap({"convert", "bright.exr", "out.exr", "--depth", "half", "--clamp"});
+  EXPECT_EQ(r.status, 0);
+  EXPECT_EQ(r.err, "out.exr: clamped 32 texels, 34.5% of the flux lost\n");
+  EXPECT_EQ(load(path("out.exr")), Picture::filled(8, 4, 65504));
+}
+
+TEST_F(Output, RefusesValuesOverOneInPictures) {
+  save(path("bright.exr"), Picture::filled(8, 4, 1.25F));
+  for (const char* depth : {"uint8", "uint16"})
+    for (const char* name : {"out.png", "out.tif"})
+      fails(not_written, {"convert", "bright.exr", name, "--depth", depth}, {name, "32 texels", "--clamp"});
+  const Result r = envmap({"convert", "bright.exr", "out.png", "--depth", "uint8", "--clamp"});
+  EXPECT_EQ(r.status, 0);
+  EXPECT_EQ(r.err, "out.png: clamped 32 texels, 20% of the flux lost\n");
+  EXPECT_EQ(load(path("out.png")), Picture::filled(8, 4, 1));
+}
+
+TEST_F(Output, OfAnInterruptedRunIsRemoved) {
+  const std::vector<std::string> before = names();
+  Background run(*this,
+                 {ENVMAP_PROGRAM, "convert", "in.exr", "out.exr", "--to", "cube", "--size", "2048", "--filter", "area"});
+  for (int k = 0; k < 500 && names() == before; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_NE(names(), before) << "the run never began to write";
+  run.send(SIGTERM);
+  EXPECT_EQ(run.wait().signal, SIGTERM);
+  EXPECT_EQ(names(), before);
+}
+
+}  // namespace
+}  // namespace command_tests

@@ -1,0 +1,264 @@
+// The files that commands read and write: formats, pipes, links, the same bytes every time.
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <numbers>
+#include <thread>
+
+#include "picture.h"
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- formats --------------------------------------------------------------------------------------------------------
+
+struct Format {
+  const char* name;
+  const char* depth;  // Or null: nothing is asked.
+  double error;       // Largest of a value between 0 and 1 that the format can be blamed for.
+};
+
+// Half: 11 bits. HDR: 8 bits below the power of two of the largest channel. Integers: half a step, stretched by the
+// slope of the sRGB curve, at most 2.3.
+constexpr Format formats[] = {{"map.exr", "float", 1e-7},      {"map.exr", "half", 0.00025},
+                              {"map.hdr", nullptr, 1.0 / 256}, {"map.pfm", nullptr, 1e-7},
+                              {"map.tif", "float", 1e-7},      {"map.tif", "uint16", 2e-5},
+                              {"map.tif", "uint8", 0.0046},    {"map.png", "uint16", 2e-5},
+                              {"map.png", "uint8", 0.0046}};
+
+std::vector<std::string> generate(const Format& f, const std::string& kind = "directions") {
+  std::vector<std::string> arguments{"generate", kind, f.name, "--size", "16"};
+  if (f.depth) arguments.insert(arguments.end(), {"--depth", f.depth});
+  return arguments;
+}
+
+class Formats : public CommandTest {};
+
+// Relative difference of the flux of two latlong maps, the largest of the channels.
+double flux_error(const Picture& a, const Picture& b) {
+  Vec sum{}, reference{};
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double weight = std::sin(std::numbers::pi * (y + 0.5) / a.height);
+        sum[k] += weight * a.at(x, y)[k];
+        reference[k] += weight * b.at(x, y)[k];
+      }
+  double largest = 0;
+  for (std::size_t k = 0; k < 3; ++k) largest = std::max(largest, std::abs(sum[k] / reference[k] - 1));
+  return largest;
+}
+
+TEST_F(Formats, ComeBackWithinTheirPrecision) {
+  for (const Format& f : formats) {
+    SCOPED_TRACE(std::string(f.name) + " " + (f.depth ? f.depth : ""));
+    succeeds(generate(f));
+    succeeds({"convert", f.name, "back.exr", "--depth", "float", "--filter", "nearest"});
+    const Picture back = load(path("back.exr"));
+    EXPECT_LT(difference(back, latlong_directions(16)), f.error);
+    // Rounding errs both ways; a format that always rounds down would darken the map.
+    EXPECT_LT(flux_error(back, latlong_directions(16)), 2e-3);
+  }
+}
+
+TEST_F(Formats, OfFloatHoldRadianceAndOfIntegersTheSrgbCurve) {
+  const auto encoded = [](float x) { return x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1 / 2.4F) - 0.055F; };
+  Picture curved = latlong_directions(16);
+  std::ranges::transform(curved.values, curved.values.begin(), encoded);
+  for (const Format& f : {Format{"map.tif", "float", 1e-7}, {"map.tif", "uint16", 1e-5}, {"map.png", "uint8", 0.002}}) {
+    SCOPED_TRACE(std::string(f.name) + " " + f.depth);
+    succeeds(generate(f));
+    EXPECT_LT(difference(load(path(f.name)), f.error > 1e-6 ? curved : latlong_directions(16)), f.error);
+  }
+}
+
+TEST_F(Formats, PfmIsLittleEndianWithTheBottomRowFirst) {
+  succeeds({"generate", "directions", "map.pfm", "--size", "2"});
+  const std::string bytes = read("map.pfm"), header = "PF\n4 2\n-1.0\n";
+  ASSERT_EQ(bytes.size(), header.size() + 4 * 2 * 3 * sizeof(float));
+  EXPECT_EQ(bytes.substr(0, header.size()), header);
+  const Picture expected = latlong_directions(2);
+  std::array<float, 12> bottom;
+  std::memcpy(bottom.data(), bytes.data() + header.size(), sizeof bottom);
+  for (std::size_t k = 0; k < bottom.size(); ++k) EXPECT_NEAR(bottom.at(k), expected.at(0, 1)[k], 1e-6);
+}
+
+TEST_F(Formats, KeepTheDepthOfTheInput) {
+  succeeds({"generate", "directions", "half.exr", "--size", "4", "--depth", "half"});
+  succeeds({"convert", "half.exr", "same.exr"});
+  succeeds({"convert", "half.exr", "wider.tif"});
+  EXPECT_NE(envmap({"info", "same.exr"}).out.find("half"), std::string::npos);
+  EXPECT_NE(envmap({"info", "wider.tif"}).out.find("float"), std::string::npos);
+}
+
+TEST_F(Formats, TakeGreyAsEqualRedGreenAndBlue) {
+  Picture grey = Picture::filled(8, 4, 0.5, 1);
+  OIIO::ImageSpec spec;
+  spec.channelnames = {"Y"};
+  save(path("grey.exr"), grey, OIIO::TypeDesc::FLOAT, spec);
+  succeeds({"convert", "grey.exr", "out.exr"});
+  EXPECT_EQ(load(path("out.exr")), Picture::filled(8, 4, 0.5));
+}
+
+TEST_F(Formats, GoThroughPipes) {
+  succeeds({"generate", "directions", "in.exr", "--size", "8"});
+  const std::string in = envmap({"info", "in.exr"}).out, facts = in.substr(in.find("projection"));
+  const Result r = shell("\"$ENVMAP\" convert in.exr - | \"$ENVMAP\" info -");
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_EQ(r.out.substr(r.out.find("projection")), facts);
+  EXPECT_NE(r.out.find("openexr float, 16x8"), std::string::npos) << r.out;
+  for (const std::string format : {"exr", "hdr", "pfm", "tif", "png"}) {
+    SCOPED_TRACE(format);
+    const Result piped = shell("\"$ENVMAP\" convert in.exr - --format " + format + " | \"$ENVMAP\" convert - back.exr");
+    EXPECT_EQ(piped.status, 0) << piped.err;
+    EXPECT_LT(difference(load(path("back.exr")), latlong_directions(8)), 1.0 / 127);
+  }
+  EXPECT_EQ(names(), (std::vector<std::string>{"back.exr", "in.exr"}));
+}
+
+TEST_F(Formats, WrittenToAPipeAreTheBytesOfTheFile) {
+  for (const std::string format : {"exr", "hdr", "pfm", "tif", "png"}) {
+    SCOPED_TRACE(format);
+    succeeds({"generate", "directions", "map." + format, "--size", "8"});
+    EXPECT_EQ(envmap({"generate", "directions", "-", "--size", "8", "--format", format}).out, read("map." + format));
+  }
+}
+
+// ---- the same bytes every time --------------------------------------------------------------------------------------
+
+class SameBytes : public CommandTest {};
+
+TEST_F(SameBytes, AtAnotherTime) {
+  const auto write_all = [&] {
+    for (const Format& f : formats) {
+      Format one = f;
+      const std::string name = std::string(f.depth ? f.depth : "plain") + "_" + f.name;
+      one.name = name.c_str();
+      succeeds(generate(one));
+    }
+    succeeds({"preview", "plain_map.hdr", "preview.png"});
+    return files();
+  };
+  const auto first = write_all();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  EXPECT_TRUE(write_all() == first) << "a file changed from one second to the next";
+
+  char host[256] = {};
+  ASSERT_EQ(::gethostname(host, sizeof host - 1), 0);
+  for (const auto& [name, bytes] : first) {
+    // A short name may be in any file by chance.
+    if (std::strlen(host) >= 5) {
+      EXPECT_EQ(bytes.find(host), std::string::npos) << name << " holds the name of the host";
+    }
+    EXPECT_EQ(bytes.find(fs::temp_directory_path().string() + "/"), std::string::npos) << name << " holds a path";
+  }
+}
+
+TEST_F(SameBytes, AtAnyNumberOfThreads) {
+  succeeds({"generate", "sun", "in.exr", "--size", "48", "--direction", "1,2,3", "--radius", "5"});
+  const std::vector<std::string> commands[] = {{"convert", "in.exr", "out.exr", "--to", "cube", "--filter", "bilinear"},
+                                               {"convert", "in.exr", "out.exr", "--to", "sphere", "--size", "150",
+                                                "--filter", "area"},
+                                               {"generate", "sun", "out.exr", "--size", "300"},
+                                               {"compare", "in.exr", "in.exr", "--difference", "out.exr"}};
+  for (std::vector<std::string> command : commands) {
+    SCOPED_TRACE(::testing::PrintToString(command));
+    command.insert(command.end(), {"--threads", "1"});
+    const auto run = [&](const char* threads) {
+      command.back() = threads;
+      const Result r = envmap(command);
+      EXPECT_EQ(r.status, 0) << r.err;
+      return std::pair(r.out, files());
+    };
+    const auto one = run("1");
+    EXPECT_TRUE(run("2") == one);
+    EXPECT_TRUE(run("7") == one);
+  }
+}
+
+// ---- where outputs appear -------------------------------------------------------------------------------------------
+
+class Places : public CommandTest {
+ protected:
+  Places() { save(path("in.exr"), latlong_directions(4)); }
+};
+
+TEST_F(Places, AnOldOutputIsReplaced) {
+  write("out.exr", "old");
+  succeeds({"convert", "in.exr", "out.exr", "--filter", "nearest"});
+  EXPECT_EQ(load(path("out.exr")), latlong_directions(4));
+  EXPECT_EQ(names(), (std::vector<std::string>{"in.exr", "out.exr"}));
+}
+
+TEST_F(Places, InputAndOutputMayBeTheSameFile) {
+  succeeds({"convert", "in.exr", "in.exr", "--to", "cube", "--size", "4"});
+  EXPECT_EQ(load(path("in.exr")).height, 24);
+  EXPECT_EQ(names(), std::vector<std::string>{"in.exr"});
+}
+
+TEST_F(Places, LinksAreKept) {
+  fs::create_directory(path("store"));
+  write("store/real.exr", "old");
+  fs::create_symlink("store/real.exr", path("link.exr"));
+  fs::create_symlink("store/new.exr", path("dangling.exr"));
+  for (const char* name : {"link.exr", "dangling.exr"}) {
+    succeeds({"convert", "in.exr", name, "--filter", "nearest"});
+    EXPECT_TRUE(fs::is_symlink(path(name)));
+    EXPECT_EQ(load(path(name)), latlong_directions(4));
+  }
+  EXPECT_EQ(names(), (std::vector<std::string>{"dangling.exr@", "in.exr", "link.exr@", "store/", "store/new.exr",
+                                               "store/real.exr"}));
+}
+
+TEST_F(Places, NamesWithOddCharactersWork) {
+  const std::string name = "a b'c$d#e\xc3\xa9.exr";
+  succeeds({"convert", "in.exr", name, "--filter", "nearest"});
+  EXPECT_EQ(load(path(name)), latlong_directions(4));
+}
+
+TEST_F(Places, OutputsHaveTheUsualPermissions) {
+  ASSERT_EQ(shell("umask 027; \"$ENVMAP\" convert in.exr out.exr").status, 0);
+  EXPECT_EQ(fs::status(path("out.exr")).permissions(), fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
+}
+
+// ---- dependencies ---------------------------------------------------------------------------------------------------
+
+class Depfile : public Places {};
+
+TEST_F(Depfile, NamesOutputAndInputs) {
+  succeeds({"convert", "in.exr", "out.exr", "--depfile", "out.d"});
+  EXPECT_EQ(read("out.d"), "out.exr: in.exr\n");
+  succeeds({"convert", "in.exr", "f_{face}.exr", "--to", "cube", "--depfile", "out.d"});
+  EXPECT_EQ(read("out.d"), "f_px.exr f_nx.exr f_py.exr f_ny.exr f_pz.exr f_nz.exr: in.exr\n");
+  succeeds({"convert", "f_{face}.exr", "out.exr", "--depfile", "out.d"});
+  EXPECT_EQ(read("out.d"), "out.exr: f_px.exr f_nx.exr f_py.exr f_ny.exr f_pz.exr f_nz.exr\n");
+  succeeds({"preview", "in.exr", "out.exr", "out.png", "--depfile", "out.d"});
+  EXPECT_EQ(read("out.d"), "out.png: in.exr out.exr\n");
+}
+
+TEST_F(Depfile, NamesBothMapsOfACompare) {
+  const Result r = envmap({"compare", "in.exr", "in.exr", "--difference", "d.exr", "--depfile", "d.d"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_EQ(read("d.d"), "d.exr: in.exr in.exr\n");
+}
+
+TEST_F(Depfile, EscapesWhatMakeWouldRead) {
+  fs::copy_file(path("in.exr"), path("my map$1#2.exr"));
+  succeeds({"convert", "my map$1#2.exr", "out.exr", "--depfile", "out.d"});
+  EXPECT_EQ(read("out.d"), "out.exr: my\\ map$$1\\#2.exr\n");
+}
+
+TEST_F(Depfile, IsNotWrittenForARunThatFails) {
+  fails(3, {"convert", "missing.exr", "out.exr", "--depfile", "out.d"}, {"missing.exr"});
+}
+
+}  // namespace
+}  // namespace command_tests

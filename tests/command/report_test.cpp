@@ -1,0 +1,234 @@
+// What the program tells: facts, differences, help, pages, completions.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <regex>
+#include <sstream>
+
+#include "picture.h"
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+using nlohmann::json;
+
+constexpr double pi = std::numbers::pi;
+
+json report(const Result& r) {
+  EXPECT_EQ(r.status, 0) << r.err;
+  return json::parse(r.out, nullptr, false);
+}
+
+void expect_near(const json& values, const Vec& expected, double tolerance) {
+  ASSERT_EQ(values.size(), 3U) << values;
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(values[k].get<double>(), expected.at(k), tolerance) << values;
+}
+
+// ---- info -----------------------------------------------------------------------------------------------------------
+
+class Info : public CommandTest {};
+
+TEST_F(Info, KnowsTheFluxOfAConstantMap) {
+  for (const std::string projection : {"latlong", "cube", "sphere", "paraboloid", "angular"}) {
+    SCOPED_TRACE(projection);
+    succeeds(
+        {"generate", "constant", "map.exr", "--to", projection, "--size", "16", "--value", "1,2,4", "--depth", "half"});
+    const json j = report(envmap({"info", "map.exr", "--json"}));
+    EXPECT_EQ(j["projection"], projection);
+    EXPECT_EQ(j["depth"], "half");
+    EXPECT_EQ(j["faces"], projection == "cube" ? 6 : projection == "paraboloid" ? 2 : 1);
+    EXPECT_NEAR(j["solid_angle"].get<double>(), 4 * pi, 1e-10);
+    expect_near(j["flux"], {4 * pi, 8 * pi, 16 * pi}, 1e-9);
+    expect_near(j["mean"], {1, 2, 4}, 1e-10);
+    expect_near(j["minimum"], {1, 2, 4}, 0);
+    expect_near(j["maximum"], {1, 2, 4}, 0);
+  }
+}
+
+TEST_F(Info, SaysWhatTheFileIs) {
+  save(path("map.hdr"), latlong_directions(8));
+  const json j = report(envmap({"info", "map.hdr", "--json", "--from-forward", "-x"}));
+  EXPECT_EQ(j["file"], "map.hdr");
+  EXPECT_EQ(j["format"], "hdr");
+  EXPECT_EQ(j["width"], 16);
+  EXPECT_EQ(j["height"], 8);
+  EXPECT_EQ(j["face_width"], 16);
+  EXPECT_EQ(j["face_height"], 8);
+  EXPECT_EQ(j["forward"], "-x");
+}
+
+TEST_F(Info, FindsTheBrightestDirectionInTheWorld) {
+  // One bright texel left of the centre of a map that looks along -Z: there lies -X.
+  Picture p = Picture::filled(16, 8, 0.5);
+  p.at(4, 3)[0] = p.at(4, 3)[1] = p.at(4, 3)[2] = 8;
+  save(path("map.exr"), p);
+  const json j = report(envmap({"info", "map.exr", "--json", "--from-forward", "-z"}));
+  const double longitude = (0.5 - 4.5 / 16) * 2 * pi, latitude = (0.5 - 3.5 / 8) * pi;
+  expect_near(j["brightest"]["direction"],
+              {-std::cos(latitude) * std::sin(longitude), std::sin(latitude), -std::cos(latitude) * std::cos(longitude)},
+              1e-9);
+  EXPECT_EQ(j["brightest"]["texel"], (json{4, 3}));
+  EXPECT_NEAR(j["stops"].get<double>(), 4, 1e-9);
+  EXPECT_NEAR(j["dynamic_range"].get<double>(), 16, 1e-9);
+}
+
+TEST_F(Info, OfABlackMapHasNoRange) {
+  save(path("black.exr"), Picture::filled(8, 4, 0));
+  const json j = report(envmap({"info", "black.exr", "--json"}));
+  EXPECT_TRUE(j["stops"].is_null()) << j;
+  EXPECT_NE(envmap({"info", "black.exr"}).out.find("nothing is brighter than 0"), std::string::npos);
+}
+
+TEST_F(Info, TabulatesTheSampling) {
+  succeeds({"generate", "sky", "map.exr", "--to", "cube", "--size", "64"});
+  const json table = report(envmap({"info", "map.exr", "--json", "--sampling"}))["sampling"];
+  ASSERT_GE(table.size(), 5U);
+  // A texel at a cube's corner has 3^(-3/2) of the solid angle of one at the centre.
+  EXPECT_NEAR(table.back()["solid_angle"].get<double>() / table.front()["solid_angle"].get<double>(), std::pow(3, -1.5), 0.01);
+}
+
+// ---- compare --------------------------------------------------------------------------------------------------------
+
+// Two latlong maps, all 1 but for one texel of the second row of the first map.
+class Compare : public CommandTest {
+ protected:
+  static constexpr int width = 8, height = 4;
+  // Solid angle of a texel of that row, and of the sphere.
+  const double texel = 2 * pi / width * std::sin(pi / height), sphere = 4 * pi;
+
+  Compare() {
+    Picture p = Picture::filled(width, height, 1);
+    save(path("b.exr"), p);
+    p.at(5, 1)[1] = 1.5;
+    save(path("a.exr"), p);
+  }
+};
+
+TEST_F(Compare, MeasuresWithTheSolidAngle) {
+  const json j = report(envmap({"compare", "a.exr", "b.exr", "--json"}));
+  expect_near(j["flux"], {0, 0.5 * texel / sphere, 0}, 1e-9);
+  EXPECT_NEAR(j["rms"].get<double>(), std::sqrt(0.25 * texel / (3 * sphere)), 1e-9);
+  EXPECT_NEAR(j["max"].get<double>(), 0.5, 1e-9);
+  EXPECT_EQ(j["worst"]["texel"], (json{5, 1}));
+  EXPECT_EQ(j["resampled"], false);
+  EXPECT_EQ(j["within"], true);
+  // The second map is the reference.
+  EXPECT_NEAR(report(envmap({"compare", "b.exr", "a.exr", "--json"}))["max"].get<double>(), 0.5 / 1.5, 1e-7);
+}
+
+TEST_F(Compare, AnswersByItsExitStatus) {
+  const double flux = 0.5 * texel / sphere, rms = std::sqrt(0.25 * texel / (3 * sphere));
+  for (const auto& [option, value] : {std::pair{"--max-error", 0.5}, {"--max-rms", rms}, {"--max-flux", flux}}) {
+    SCOPED_TRACE(option);
+    EXPECT_EQ(envmap({"compare", "a.exr", "b.exr", option, std::to_string(1.01 * value)}).status, 0);
+    const Result r = envmap({"compare", "a.exr", "b.exr", option, std::to_string(0.99 * value), "--json"});
+    EXPECT_EQ(r.status, 1);
+    EXPECT_EQ(json::parse(r.out)["within"], false);
+    EXPECT_EQ(r.err, "");
+    EXPECT_EQ(envmap({"compare", "a.exr", "a.exr", option, "0"}).status, 0);
+  }
+  EXPECT_EQ(envmap({"compare", "a.exr", "b.exr"}).status, 0) << "without a limit there is no question";
+}
+
+TEST_F(Compare, WritesTheDifference) {
+  EXPECT_EQ(envmap({"compare", "a.exr", "b.exr", "--difference", "d.exr", "--max-error", "0.1"}).status, 1);
+  Picture expected = Picture::filled(width, height, 0);
+  expected.at(5, 1)[1] = 0.5;
+  EXPECT_EQ(load(path("d.exr")), expected);
+}
+
+TEST_F(Compare, ResamplesTheFirstToTheSecond) {
+  succeeds({"generate", "gradient", "cube.exr", "--to", "cube", "--size", "32"});
+  succeeds({"generate", "gradient", "latlong.exr", "--size", "16"});
+  const Result r =
+      envmap({"compare", "cube.exr", "latlong.exr", "--json", "--filter", "bilinear", "--max-error", "0.01"});
+  EXPECT_EQ(r.status, 0) << r.out << r.err;
+  EXPECT_EQ(report(r)["resampled"], true);
+}
+
+TEST_F(Compare, WithABlackReferenceIsJsonThatParses) {
+  save(path("black.exr"), Picture::filled(width, height, 0));
+  const Result r = envmap({"compare", "a.exr", "black.exr", "--json", "--max-error", "1"});
+  EXPECT_EQ(r.status, 1);
+  EXPECT_FALSE(json::parse(r.out, nullptr, false).is_discarded()) << r.out;
+}
+
+// ---- help, pages, completions ---------------------------------------------------------------------------------------
+
+class Help : public CommandTest {
+ protected:
+  /// Every command there is, as the pages have them.
+  [[nodiscard]] std::vector<std::string> commands() const {
+    succeeds({"manual", "."});
+    std::vector<std::string> all;
+    for (const std::string& page : names())
+      if (page.starts_with("envmap-")) all.push_back(page.substr(7, page.size() - 9));
+    EXPECT_GE(all.size(), 5U);
+    return all;
+  }
+};
+
+TEST_F(Help, OfEachCommandHasTwoExamples) {
+  const std::string overview = envmap({"--help"}).out;
+  for (const std::string& command : commands()) {
+    SCOPED_TRACE(command);
+    EXPECT_NE(overview.find("\n  " + command + " "), std::string::npos);
+    const Result r = envmap({command, "--help"});
+    EXPECT_EQ(r.status, 0);
+    EXPECT_EQ(r.err, "");
+    const std::size_t at = r.out.find("\nExamples:\n");
+    ASSERT_NE(at, std::string::npos);
+    // A command at an indent of 2, what it does below at an indent of 6.
+    std::istringstream lines(r.out.substr(at));
+    int examples = 0;
+    for (std::string line, last; std::getline(lines, line); last = line)
+      examples += last.starts_with("  ") && last[2] != ' ' && last.find("envmap") != std::string::npos &&
+                  line.starts_with("      ");
+    EXPECT_GE(examples, 2) << r.out;
+  }
+}
+
+TEST_F(Help, KnowsTheVersion) {
+  const Result r = envmap({"--version"});
+  EXPECT_EQ(r.status, 0);
+  EXPECT_TRUE(std::regex_match(r.out, std::regex("\\d+\\.\\d+\\.\\d+\n"))) << r.out;
+}
+
+TEST_F(Help, IsWhatTheRepositorysPagesSay) {
+  succeeds({"manual", "."});
+  std::map<std::string, std::string> kept;
+  ASSERT_TRUE(std::filesystem::is_directory(ENVMAP_MAN_DIR));
+  for (const auto& entry : std::filesystem::directory_iterator(ENVMAP_MAN_DIR))
+    if (entry.path().extension() == ".1") kept[entry.path().filename().string()] = bytes_of(entry.path());
+  EXPECT_EQ(kept, files()) << "run 'envmap manual man' in the repository";
+}
+
+TEST_F(Help, HasPagesThatMandocAccepts) {
+  if (shell("command -v mandoc").status != 0) GTEST_SKIP() << "mandoc is not installed";
+  succeeds({"manual", "."});
+  const Result r = shell("mandoc -T lint -W error *.1");
+  EXPECT_EQ(r.status, 0) << r.out << r.err;
+}
+
+TEST_F(Help, CompletesInBash) {
+  const Result script = envmap({"completion"});
+  EXPECT_EQ(script.status, 0);
+  write("envmap.bash", script.out);
+  ASSERT_EQ(shell("bash -n envmap.bash").status, 0);
+  const auto completed = [&](const std::string& words, int at) {
+    write("try.bash", "source ./envmap.bash\nCOMP_WORDS=(" + words + ")\nCOMP_CWORD=" + std::to_string(at) +
+                          "\n_envmap\necho \"${COMPREPLY[*]}\"\n");
+    return shell("bash try.bash").out;
+  };
+  EXPECT_EQ(completed("envmap conv", 1), "convert\n");
+  EXPECT_EQ(completed("envmap convert --to c", 3), "cube\n");
+  EXPECT_EQ(completed("envmap convert --repa", 2), "--repair\n");
+  EXPECT_EQ(completed("envmap generate di", 2), "directions\n");
+  EXPECT_EQ(completed("envmap convert --size ''", 3), "\n") << "a number is expected, no option";
+}
+
+}  // namespace
+}  // namespace command_tests

@@ -1,0 +1,168 @@
+#include "run.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace command_tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr rlim_t longest_run = 60;  // Seconds of processor time: a run that hangs is a failure, not a stuck suite.
+
+std::string rewound(std::FILE* file) {
+  std::string bytes;
+  std::rewind(file);
+  char block[4096];
+  while (const std::size_t n = std::fread(block, 1, sizeof block, file)) bytes.append(block, n);
+  return bytes;
+}
+
+void limit(int what, rlim_t to) {
+  const rlimit both{to, to};
+  (void)::setrlimit(static_cast<__rlimit_resource>(what), &both);
+}
+
+}  // namespace
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+CommandTest::CommandTest() {
+  std::string name = (fs::temp_directory_path() / "envmap-test.XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder for the test");
+  root_ = name;
+  folder_ = root_ / "work";
+  temporary_ = root_ / "temporary";
+  fs::create_directory(folder_);
+  fs::create_directory(temporary_);
+}
+
+CommandTest::~CommandTest() {
+  EXPECT_TRUE(fs::is_empty(temporary_)) << "something was left in the temporary folder";
+  std::error_code ignored;
+  fs::remove_all(root_, ignored);
+}
+
+Background::Background(const CommandTest& test, const std::vector<std::string>& arguments, const Setting& setting)
+    : in_(std::tmpfile(), std::fclose), out_(std::tmpfile(), std::fclose), err_(std::tmpfile(), std::fclose) {
+  if (!in_ || !out_ || !err_) throw std::runtime_error("no temporary files for the run");
+  std::fwrite(setting.input.data(), 1, setting.input.size(), in_.get());
+  std::rewind(in_.get());
+  std::vector<char*> words;
+  for (const std::string& a : arguments) words.push_back(const_cast<char*>(a.c_str()));
+  words.push_back(nullptr);
+  ::setenv("ENVMAP", ENVMAP_PROGRAM, 1);
+  ::setenv("TMPDIR", test.temporary_.c_str(), 1);
+  std::fflush(nullptr);
+
+  process_ = ::fork();
+  if (process_ < 0) throw std::runtime_error("cannot fork");
+  if (process_ > 0) return;
+  ::dup2(::fileno(in_.get()), STDIN_FILENO);
+  ::dup2(::fileno(out_.get()), STDOUT_FILENO);
+  ::dup2(::fileno(err_.get()), STDERR_FILENO);
+  if (::chdir(test.folder_.c_str()) != 0) ::_exit(126);
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_CPU, longest_run);
+  if (setting.largest_file) {
+    // The limit's signal would end the program before it can complain; a full disk sends none.
+    std::signal(SIGXFSZ, SIG_IGN);
+    limit(RLIMIT_FSIZE, *setting.largest_file);
+  }
+#ifndef ENVMAP_SANITIZED
+  if (setting.memory) limit(RLIMIT_AS, *setting.memory);
+#endif
+  ::execvp(words[0], words.data());
+  ::_exit(127);
+}
+
+Background::~Background() {
+  if (process_ > 0) wait();
+}
+
+void Background::send(int signal) const { ::kill(process_, signal); }
+
+Result Background::wait() {
+  int state = 0;
+  while (::waitpid(process_, &state, 0) < 0 && errno == EINTR) {
+  }
+  process_ = -1;
+  Result result;
+  if (WIFEXITED(state)) result.status = WEXITSTATUS(state);
+  if (WIFSIGNALED(state)) result.signal = WTERMSIG(state);
+  result.out = rewound(out_.get());
+  result.err = rewound(err_.get());
+  return result;
+}
+
+Result CommandTest::envmap(const std::vector<std::string>& arguments, const Setting& setting) const {
+  std::vector<std::string> all{ENVMAP_PROGRAM};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  return Background(*this, all, setting).wait();
+}
+
+Result CommandTest::shell(const std::string& line, const Setting& setting) const {
+  return Background(*this, {"sh", "-c", line}, setting).wait();
+}
+
+void CommandTest::succeeds(const std::vector<std::string>& arguments, const Setting& setting) const {
+  SCOPED_TRACE(::testing::PrintToString(arguments));
+  const Result r = envmap(arguments, setting);
+  EXPECT_EQ(r.status, 0);
+  EXPECT_EQ(r.err, "");
+}
+
+void CommandTest::fails(int status, const std::vector<std::string>& arguments, const std::vector<std::string>& words,
+                        const Setting& setting) const {
+  SCOPED_TRACE(::testing::PrintToString(arguments));
+  const auto before = files();
+  const Result r = envmap(arguments, setting);
+  EXPECT_EQ(r.signal, 0);
+  EXPECT_EQ(r.status, status);
+  EXPECT_EQ(r.out, "");
+  EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
+  EXPECT_TRUE(r.err.starts_with("envmap " + arguments.at(0) + ": ")) << r.err;
+  for (const std::string& word : words)
+    EXPECT_NE(r.err.find(word), std::string::npos) << "no '" << word << "' in: " << r.err;
+  EXPECT_TRUE(files() == before) << "files were left or changed: " << ::testing::PrintToString(names());
+}
+
+void CommandTest::write(const std::string& name, const std::string& bytes) const {
+  std::ofstream(path(name), std::ios::binary) << bytes;
+}
+
+std::string CommandTest::read(const std::string& name) const { return bytes_of(folder_ / name); }
+
+std::map<std::string, std::string> CommandTest::files() const {
+  std::map<std::string, std::string> all;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder_)) {
+    const std::string name = fs::relative(entry.path().parent_path(), folder_) / entry.path().filename();
+    const std::string plain = name.starts_with("./") ? name.substr(2) : name;
+    if (entry.is_symlink())
+      all[plain + "@"] = fs::read_symlink(entry.path()).string();
+    else if (entry.is_directory())
+      all[plain + "/"] = "";
+    else
+      all[plain] = bytes_of(entry.path());
+  }
+  return all;
+}
+
+std::vector<std::string> CommandTest::names() const {
+  std::vector<std::string> all;
+  for (const auto& [name, bytes] : files()) all.push_back(name);
+  return all;
+}
+
+}  // namespace command_tests

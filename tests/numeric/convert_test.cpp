@@ -1,0 +1,221 @@
+// Conversions: every pair of projections against the plain formulae, constants, symmetry, flux, threads.
+#include "envmap/operate/convert.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cstring>
+
+#include "envmap/error.h"
+#include "envmap/operate/generate.h"
+#include "envmap/operate/measure.h"
+#include "formulae.h"
+
+namespace envmap {
+namespace {
+
+// A map of directions made from the plain formulae alone; where the formulae say nothing (outside the disc) it is
+// poisoned: no filter may see it.
+EnvironmentMap directions_map(Projection p, int size) {
+  EnvironmentMap map;
+  map.levels.emplace_back(p, size);
+  Level& level = map.base();
+  for (int f = 0; f < level.faces(); ++f)
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < level.width(); ++i)
+        *level.texel(f, i, j) = formulae::in_image(p, size, i, j)
+            ? Colour(0.5 + 0.5 * formulae::rounded(formulae::direction(p, f, (i + 0.5L) / level.width(), (j + 0.5L) / size)))
+            : Colour(1e30F);
+  return map;
+}
+
+// f(face, i, j, direction) for the texels whose centres the formulae know.
+template <class F>
+void for_texels(const Level& level, F&& f) {
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j)
+      for (int i = 0; i < level.width(); ++i)
+        if (formulae::in_image(level.projection(), level.height(), i, j))
+          f(face, i, j, formulae::rounded(formulae::direction(level.projection(), face, (i + 0.5L) / level.width(), (j + 0.5L) / level.height())));
+}
+
+Direction decoded(const Colour& c) { return glm::normalize(2.0 * Direction(c) - 1.0); }
+
+std::string pair_name(const testing::TestParamInfo<std::tuple<Projection, Projection>>& p) {
+  return std::string(name(std::get<0>(p.param))) + "_to_" + name(std::get<1>(p.param));
+}
+
+class EachPair : public testing::TestWithParam<std::tuple<Projection, Projection>> {
+ protected:
+  Projection from_ = std::get<0>(GetParam()), to_ = std::get<1>(GetParam());
+};
+INSTANTIATE_TEST_SUITE_P(, EachPair, testing::Combine(testing::ValuesIn(all_projections), testing::ValuesIn(all_projections)), pair_name);
+
+double worst_angle_in_texels(Projection from, Projection to, int height, Filter filter) {
+  EnvironmentMap source = directions_map(from, matching_size(Projection::latlong, height, from));
+  const EnvironmentMap result = convert(source, {.to = to, .filter = filter});
+  double worst = 0;
+  for_texels(result.base(), [&](int f, int i, int j, const Direction& d) {
+    worst = std::max(worst, angle_between(decoded(*result.base().texel(f, i, j)), d));
+  });
+  return worst / (pi / height);
+}
+
+TEST_P(EachPair, BilinearKeepsEveryDirectionWithinATenthOfATexel) {
+  EXPECT_LT(worst_angle_in_texels(from_, to_, 128, Filter::bilinear), 0.1);
+}
+
+TEST_P(EachPair, NearestKeepsDirectionsWithinItsTexel) {
+  if (from_ == Projection::sphere) GTEST_SKIP() << "texels at the rim of a sphere map span tens of degrees";
+  // Half the diagonal of a texel; those of a paraboloid's or cube's middle are 4 / pi wider than the mean.
+  EXPECT_LT(worst_angle_in_texels(from_, to_, 64, Filter::nearest), 0.5 * std::numbers::sqrt2 * 4 / pi + 0.05);
+}
+
+TEST_P(EachPair, ConstantStaysConstant) {
+  for (const Filter filter : {Filter::nearest, Filter::bilinear, Filter::area})
+    for (const int size : {1, 2, 3, 16}) {
+      EnvironmentMap source = generate(Constant{}, from_, size, Forward::plus_z);
+      const EnvironmentMap result = convert(source, {.to = to_, .size = size + 3, .filter = filter});
+      for (int f = 0; f < result.base().faces(); ++f)
+        for (int j = 0; j < result.base().height(); ++j) {
+          const Columns in = columns(to_, result.base().height(), j);
+          for (int i = 0; i < result.base().width(); ++i) {
+            const bool weighs = i >= in.first && i < in.end;
+            for (int c = 0; c < 3; ++c) ASSERT_NEAR((*result.base().texel(f, i, j))[c], weighs ? 1 : 0, 1e-6);
+          }
+        }
+    }
+}
+
+TEST_P(EachPair, FluxOfASmoothEnvironment) {
+  // 1 + x/2 + y z: the harmonics beyond the constant have no flux.
+  EnvironmentMap source;
+  source.levels.emplace_back(from_, matching_size(Projection::latlong, 96, from_));
+  for_texels(source.base(), [&](int f, int i, int j, const Direction& d) {
+    *source.base().texel(f, i, j) = Colour(static_cast<float>(1 + 0.5 * d.x + d.y * d.z));
+  });
+  // (The same texels are copied, and the rim of this source is empty.)
+  if (from_ != to_) { EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::bilinear}).base()), 1, 4e-4); }
+  EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::area}).base()), 1, 3e-4);
+}
+
+TEST_P(EachPair, TheSameBytesAtAnyNumberOfThreads) {
+  const auto bytes = [&](std::size_t threads, Filter filter) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    EnvironmentMap source = generate(Sun{.radius = 5}, from_, 24, Forward::plus_z);
+    return convert(source, {.to = to_, .size = 20, .filter = filter});
+  };
+  for (const Filter filter : {Filter::bilinear, Filter::area}) {
+    const EnvironmentMap one = bytes(1, filter), two = bytes(2, filter);
+    for (int f = 0; f < one.base().faces(); ++f)
+      for (int j = 0; j < one.base().height(); ++j)
+        ASSERT_EQ(std::memcmp(one.base().row(f, j).data(), two.base().row(f, j).data(), one.base().row(f, j).size_bytes()), 0);
+  }
+}
+
+// A turn of the environment moves what is seen; the other projections only have to agree with the formula.
+TEST_P(EachPair, RotationMovesRadianceFromDToRotationTimesD) {
+  const int height = 64;
+  EnvironmentMap source = directions_map(from_, matching_size(Projection::latlong, height, from_));
+  const Rotation turn = rotation(30, -50, 110);
+  const EnvironmentMap result = convert(source, {.to = to_, .filter = Filter::bilinear, .rotation = turn});
+  double worst = 0;
+  for_texels(result.base(), [&](int f, int i, int j, const Direction& d) {
+    worst = std::max(worst, angle_between(turn * decoded(*result.base().texel(f, i, j)), d));
+  });
+  EXPECT_LT(worst / (pi / height), 0.15);
+}
+
+// The largest step between neighbours across a seam is no larger than inside.
+TEST(Seams, CubeEdgesAndLatlongSeam) {
+  EnvironmentMap source = generate(Harmonic{.degree = 3, .order = 2}, Projection::latlong, 128, Forward::plus_z);
+  EnvironmentMap cube = convert(source, {.to = Projection::cube});
+  // Walk from texel to texel in space: fine steps over edges, radiance by nearest texel, against steps within a face.
+  const Level& level = cube.base();
+  double inside = 0, across = 0;
+  const auto value = [&](const Direction& d, int& face) {
+    const auto at = Cube::locate(d);
+    face = at.face;
+    return static_cast<double>(level.texel(at.face, std::min(63, int(at.u * 64)), std::min(63, int(at.v * 64)))->x);
+  };
+  for (int turn = 0; turn < 500; ++turn) {
+    const Rotation r = rotation(turn * 0.73, turn * 1.1, turn * 2.3);
+    double last = -1;
+    int last_face = 0;
+    for (int k = 0; k <= 4000; ++k) {
+      const double a = 2 * pi * k / 4000;
+      int face = 0;
+      const double v = value(r * Direction(std::cos(a), std::sin(a), 0), face);
+      if (last >= 0) (face == last_face ? inside : across) = std::max(face == last_face ? inside : across, std::abs(v - last));
+      last = v;
+      last_face = face;
+    }
+  }
+  EXPECT_GT(across, 0);
+  EXPECT_LT(across, 1.05 * inside);
+
+  const EnvironmentMap latlong = convert(cube, {.to = Projection::latlong});
+  double seam = 0, within = 0;
+  for (int j = 0; j < 128; ++j)
+    for (int i = 0; i < 256; ++i) {
+      const double step = std::abs(latlong.base().texel(0, i, j)->x - latlong.base().texel(0, (i + 1) % 256, j)->x);
+      (i == 255 ? seam : within) = std::max(i == 255 ? seam : within, step);
+    }
+  EXPECT_LT(seam, within);
+}
+
+TEST(Forward, ChoosesTheCentreOfTheImage) {
+  EnvironmentMap cube = directions_map(Projection::cube, 64);
+  const std::pair<Forward, Direction> centres[] = {
+      {Forward::plus_z, {0, 0, 1}}, {Forward::minus_z, {0, 0, -1}}, {Forward::plus_x, {1, 0, 0}}, {Forward::minus_x, {-1, 0, 0}}};
+  for (const Projection to : {Projection::latlong, Projection::angular})
+    for (const auto& [forward, axis] : centres) {
+      const EnvironmentMap map = convert(cube, {.to = to, .size = 129, .forward = forward});
+      const int middle = map.base().width() / 2;
+      EXPECT_LT(angle_between(decoded(*map.base().texel(0, middle, 64)), axis), 0.02);
+      // Up stays up, and nothing is mirrored: left of the centre lies up x forward.
+      EXPECT_GT(decoded(*map.base().texel(0, middle, 50)).y, 0.1);
+      EXPECT_GT(glm::dot(decoded(*map.base().texel(0, middle - 14, 64)), glm::cross(Direction(0, 1, 0), axis)), 0.1);
+    }
+}
+
+TEST(Forward, AMapReadWithOneAxisAndWrittenWithItIsUnchanged) {
+  EnvironmentMap map = generate(Directions{}, Projection::latlong, 16, Forward::minus_x);
+  const EnvironmentMap same = convert(map, {.to = Projection::latlong, .forward = Forward::minus_x});
+  for (int j = 0; j < 16; ++j)
+    for (int i = 0; i < 32; ++i)
+      EXPECT_LT(glm::length(Direction(*same.base().texel(0, i, j)) - Direction(*map.base().texel(0, i, j))), 1e-6);
+}
+
+TEST(Convert, ASunOfABillionDoesNotDrownItsNeighbours) {
+  EnvironmentMap source = generate(Constant{}, Projection::latlong, 32, Forward::plus_z);
+  *source.base().texel(0, 20, 10) = Colour(1e9F);
+  const EnvironmentMap same = convert(source, {.to = Projection::latlong, .filter = Filter::bilinear});
+  // At the texel's own centre, a rounding of the location leaks 1e-13 of the sun; next but one, nothing.
+  EXPECT_NEAR(same.base().texel(0, 20, 10)->x / 1e9, 1, 1e-6);
+  EXPECT_NEAR(same.base().texel(0, 21, 10)->x, 1, 1e-3);
+  EXPECT_EQ(same.base().texel(0, 22, 10)->x, 1);
+}
+
+TEST(Convert, SubnormalRadianceStays) {
+  EnvironmentMap source = generate(Constant{Direction(1e-40)}, Projection::cube, 8, Forward::plus_z);
+  for (const Filter filter : {Filter::bilinear, Filter::area}) {
+    const EnvironmentMap map = convert(source, {.to = Projection::angular, .size = 8, .filter = filter});
+    EXPECT_NEAR(map.base().texel(0, 4, 4)->x / 1e-40, 1, 1e-4);
+  }
+}
+
+TEST(Convert, AutomaticIsAreaOnlyWhereItMinifies) {
+  EnvironmentMap source = generate(Constant{}, Projection::latlong, 64, Forward::plus_z);
+  EXPECT_EQ(resolved({.to = Projection::cube}, source).filter, Filter::bilinear);
+  EXPECT_EQ(resolved({.to = Projection::cube}, source).size, 32);
+  EXPECT_EQ(resolved({.to = Projection::cube, .size = 16}, source).filter, Filter::area);
+}
+
+TEST(Convert, GainIsAPlainFactor) {
+  EnvironmentMap source = generate(Constant{Direction(0.25)}, Projection::latlong, 4, Forward::plus_z);
+  EXPECT_EQ(convert(source, {.to = Projection::cube, .gain = 8}).base().texel(0, 0, 0)->x, 2);
+}
+
+}  // namespace
+}  // namespace envmap

@@ -1,0 +1,139 @@
+// Files as the library writes them; the program's own tests are in tests/command.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "envmap/error.h"
+#include "envmap/io/output_file.h"
+#include "envmap/io/read.h"
+#include "envmap/io/srgb.h"
+#include "envmap/io/write.h"
+#include "envmap/operate/generate.h"
+
+namespace envmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Io : public testing::Test {
+ protected:
+  Io() { fs::create_directories(folder_); }
+  ~Io() override { fs::remove_all(folder_); }
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::size_t entries() const { return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {})); }
+
+ private:
+  fs::path folder_ = fs::temp_directory_path() / ("envmap_io_" + std::to_string(::getpid()));
+};
+
+TEST_F(Io, NothingIsLeftWithoutCommit) {
+  {
+    OutputFile file(path("a.bin"));
+    file.write("half", 4);
+    EXPECT_FALSE(fs::exists(path("a.bin")));
+  }
+  EXPECT_EQ(entries(), 0U);
+}
+
+TEST_F(Io, CommitReplaces) {
+  std::ofstream(path("a.bin")) << "something longer that was there before";
+  OutputFile file(path("a.bin"));
+  file.write("new", 3);
+  file.seek(0);
+  file.write("N", 1);
+  file.commit();
+  std::string text;
+  std::getline(std::ifstream(path("a.bin")), text);
+  EXPECT_EQ(text, "New");
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(Io, FloatExrIsExact) {
+  for (const Projection p : all_projections) {
+    const EnvironmentMap map = generate(Directions{}, p, 5, Forward::plus_z);
+    write(path("m.exr"), rows_of(map), {});
+    const Source back = read(path("m.exr"), {});
+    EXPECT_EQ(back.map.projection(), p);
+    for (int f = 0; f < faces(p); ++f)
+      for (int j = 0; j < 5; ++j)
+        EXPECT_TRUE(std::ranges::equal(back.map.base().row(f, j), map.base().row(f, j))) << name(p);
+  }
+}
+
+TEST_F(Io, ForwardIsRecorded) {
+  const EnvironmentMap map = generate(Directions{}, Projection::latlong, 4, Forward::minus_x);
+  write(path("m.exr"), rows_of(map), {});
+  EXPECT_EQ(read(path("m.exr"), {}).map.forward, Forward::minus_x);
+  EXPECT_EQ(read(path("m.exr"), {.forward = Forward::plus_x}).map.forward, Forward::plus_x);
+  EXPECT_EQ(read(path("m.exr"), {.assumed_forward = Forward::plus_x}).map.forward, Forward::minus_x);
+}
+
+TEST_F(Io, ValuesThatDoNotFitAreRefusedOrClamped) {
+  const EnvironmentMap map = generate(Constant{{7e4, 1, 1}}, Projection::latlong, 4, Forward::plus_z);
+  WriteOptions half{.depth = Depth::half};
+  EXPECT_THROW(write(path("m.exr"), rows_of(map), half), OutputError);
+  EXPECT_EQ(entries(), 0U);
+  half.clamp = true;
+  const Written done = write(path("m.exr"), rows_of(map), half);
+  EXPECT_EQ(done.clamped, 4 * 8);
+  EXPECT_NEAR(done.flux_lost, (7e4 - 65504) / (7e4 + 2), 1e-9);
+}
+
+// OpenEXR's envmap attribute: the first row is the pole itself, first and last column the same meridian.
+TEST_F(Io, BorderSamplesAreMovedToCellCentres) {
+  const int w = 64, h = 32;
+  std::vector<float> pixels;
+  for (int j = 0; j < h; ++j)
+    for (int i = 0; i < w; ++i) {
+      const double longitude = pi - 2 * pi * i / (w - 1), latitude = pi / 2 - pi * j / (h - 1);
+      const Direction d{std::cos(latitude) * std::sin(longitude), std::sin(latitude), std::cos(latitude) * std::cos(longitude)};
+      for (int c = 0; c < 3; ++c) pixels.push_back(static_cast<float>(0.5 + 0.5 * d[c]));
+    }
+  Imf::Header header(w, h);
+  Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
+  Imf::FrameBuffer frame;
+  const char* channels[] = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    header.channels().insert(channels[c], Imf::Channel(Imf::FLOAT));
+    frame.insert(channels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data() + c), 3 * sizeof(float), 3 * sizeof(float) * w));
+  }
+  {
+    Imf::OutputFile out(path("m.exr").c_str(), header);
+    out.setFrameBuffer(frame);
+    out.writePixels(h);
+  }
+
+  const auto worst = [](const Level& level) {
+    double angle = 0;
+    for (int j = 0; j < h; ++j)
+      for (int i = 0; i < w; ++i)
+        angle = std::max(angle, angle_between(glm::normalize(2.0 * Direction(*level.texel(0, i, j)) - 1.0),
+                                              Latlong::direction(0, (i + 0.5) / w, (j + 0.5) / h)));
+    return angle * h / pi;  // In texels.
+  };
+  const Source read_right = read(path("m.exr"), {});
+  EXPECT_TRUE(read_right.border_samples);
+  EXPECT_LT(worst(read_right.map.base()), 0.01);
+  EXPECT_GT(worst(read(path("m.exr"), {.ignore_envmap_attribute = true}).map.base()), 0.4);
+}
+
+TEST(Srgb, CurveOfTheStandard) {
+  std::vector<Colour> c{{0, 0.04045F, 0.5F}, {1, 0.2F, 0.001F}};
+  decode_srgb(c);
+  EXPECT_NEAR(c[0].y, 0.04045 / 12.92, 1e-6);
+  EXPECT_NEAR(c[0].z, std::pow((0.5 + 0.055) / 1.055, 2.4), 1e-6);
+  EXPECT_NEAR(c[1].x, 1, 1e-6);
+  encode_srgb(c);
+  EXPECT_NEAR(c[0].z, 0.5, 1e-6);
+  EXPECT_NEAR(c[1].z, 0.001, 1e-7);
+}
+
+}  // namespace
+}  // namespace envmap

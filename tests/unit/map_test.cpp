@@ -1,0 +1,175 @@
+// Levels, gutters and layouts.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "envmap/io/recognise.h"
+#include "envmap/error.h"
+#include "envmap/map/gutter.h"
+#include "envmap/map/page.h"
+#include "envmap/operate/generate.h"
+
+namespace envmap {
+namespace {
+
+class EachGutter : public testing::TestWithParam<Projection> {};
+INSTANTIATE_TEST_SUITE_P(, EachGutter, testing::ValuesIn(all_projections),
+                         [](const auto& p) { return std::string(name(p.param)); });
+
+TEST_P(EachGutter, TexelsDoNotOverlap) {
+  Level level(GetParam(), 3);
+  float next = 1;
+  for (int pass = 0; pass < 2; ++pass)
+    for (int f = 0; f < level.faces(); ++f)
+      for (int j = -Level::gutter; j < level.height() + Level::gutter; ++j)
+        for (int i = -Level::gutter; i < level.width() + Level::gutter; ++i) {
+          if (pass == 0) *level.texel(f, i, j) = Colour(next++);
+          if (pass == 1) { EXPECT_EQ(level.texel(f, i, j)->x, next - level.faces() * (level.height() + 4.0F) * (level.width() + 4)); ++next; }
+        }
+}
+
+// The gutter of a map of directions must hold the directions that the projection continues to.
+TEST_P(EachGutter, GutterContinuesTheMap) {
+  const int size = 64;
+  EnvironmentMap map = generate(Directions{}, GetParam(), size, Forward::plus_z);
+  Level& level = map.base();
+  fill_gutter(level);
+  visit(GetParam(), [&](auto q) {
+    using P = decltype(q);
+    for (int f = 0; f < P::faces; ++f)
+      for (int j = -1; j <= level.height(); ++j)
+        for (int i = -1; i <= level.width(); ++i) {
+          const double u = (i + 0.5) / level.width(), v = (j + 0.5) / level.height();
+          if (P::on_disc && std::hypot(2 * u - 1, 2 * v - 1) > 1 + 2.8 / size) continue;
+          const Direction there = glm::normalize(2.0 * Direction(*level.texel(f, i, j)) - 1.0);
+          // Texels of a sphere map reach over 20 degrees at the rim, where the fit is least sure.
+          EXPECT_LT(angle_between(there, P::direction(f, u, v)), GetParam() == Projection::sphere ? 0.02 : 0.003) << f << ": " << i << "," << j;
+        }
+  });
+}
+
+TEST_P(EachGutter, GutterOfAConstantIsThatConstant) {
+  for (const int size : {1, 2, 3, 5, 16}) {
+    Level level(GetParam(), size);
+    for (int f = 0; f < level.faces(); ++f)
+      for (int j = 0; j < size; ++j) {
+        const Columns in = columns(GetParam(), size, j);
+        for (int i = in.first; i < in.end; ++i) *level.texel(f, i, j) = Colour(0.7F, 1, 3e-39F);
+      }
+    fill_gutter(level);
+    for (int f = 0; f < level.faces(); ++f)
+      for (int j = -1; j <= size; ++j)
+        for (int i = -1; i <= level.width(); ++i) {
+          if (on_disc(GetParam()) && std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) > 1 + 2.8 / size) continue;
+          const Colour c = *level.texel(f, i, j);
+          EXPECT_NEAR(c.x, 0.7F, 1e-6F) << size << ": " << i << "," << j;
+          EXPECT_NEAR(c.y, 1, 1e-6F);
+          EXPECT_NEAR(c.z, 3e-39F, 1e-44F);
+        }
+  }
+}
+
+// What lies outside the disc never gets in: poison there changes no gutter texel that counts.
+TEST(Gutter, IgnoresWhatLiesOutsideTheDisc) {
+  for (const Projection p : {Projection::sphere, Projection::angular, Projection::paraboloid}) {
+    const int size = 32;
+    EnvironmentMap clean = generate(Gradient{}, p, size, Forward::plus_z), poisoned = clean;
+    for (int f = 0; f < faces(p); ++f)
+      for (int j = 0; j < size; ++j)
+        for (int i = 0; i < size; ++i)
+          if (std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) > 1) *poisoned.base().texel(f, i, j) = Colour(1e30F);
+    fill_gutter(clean.base());
+    fill_gutter(poisoned.base());
+    for (int f = 0; f < faces(p); ++f)
+      for (int j = -1; j <= size; ++j)
+        for (int i = -1; i <= size; ++i)
+          if (std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) <= 1 + 2.8 / size) {
+            ASSERT_EQ(*clean.base().texel(f, i, j), *poisoned.base().texel(f, i, j)) << name(p) << " " << i << "," << j;
+          }
+  }
+}
+
+TEST(Gutter, LatlongWrapsExactlyAndCrossesThePole) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::latlong, 8);
+  std::mt19937 random(3);
+  for (int j = 0; j < 8; ++j)
+    for (Colour& c : map.base().row(0, j)) c = Colour(static_cast<float>(random() % 1000));
+  Level& level = map.base();
+  fill_gutter(level);
+  for (int j = 0; j < 8; ++j) {
+    EXPECT_NEAR(level.texel(0, -1, j)->x, level.texel(0, 15, j)->x, 1e-3);
+    EXPECT_NEAR(level.texel(0, 17, j)->x, level.texel(0, 1, j)->x, 1e-3);
+  }
+  for (int i = 0; i < 16; ++i) EXPECT_NEAR(level.texel(0, i, -1)->x, level.texel(0, (i + 8) % 16, 0)->x, 1e-3);
+}
+
+TEST(Page, ScatterUndoesGather) {
+  EnvironmentMap map = generate(Directions{}, Projection::cube, 4, Forward::plus_z);
+  const Rows rows = rows_of(map);
+  for (const Layout layout : {Layout::column, Layout::row, Layout::cross, Layout::vcross, Layout::grid3x2}) {
+    const Page page{rows, grid(layout)};
+    std::vector<Colour> image(static_cast<std::size_t>(page.width() * page.height()));
+    page.gather(0, page.height(), image);
+    Level back(Projection::cube, 4);
+    // In two bands, cut through a face.
+    const auto cut = static_cast<std::size_t>(3 * page.width());
+    scatter(std::span(image).first(cut), 0, 3, page.grid, back);
+    scatter(std::span(image).subspan(cut), 3, page.height(), page.grid, back);
+    for (int f = 0; f < 6; ++f)
+      for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 4; ++i) EXPECT_EQ(*back.texel(f, i, j), *map.base().texel(f, i, j)) << name(layout);
+  }
+}
+
+// In a cross, texels that meet across a face's edge look almost the same way.
+TEST(Page, CrossesAreTheUnfoldedCube) {
+  const int n = 16;
+  EnvironmentMap map = generate(Directions{}, Projection::cube, n, Forward::plus_z);
+  const Rows rows = rows_of(map);
+  for (const Layout layout : {Layout::cross, Layout::vcross}) {
+    const Page page{rows, grid(layout)};
+    std::vector<Colour> image(static_cast<std::size_t>(page.width() * page.height()));
+    page.gather(0, page.height(), image);
+    int edges = 0;
+    const auto check = [&](int x, int y, int x2, int y2) {
+      if (x2 >= page.width() || y2 >= page.height()) return;
+      const Colour a = image[static_cast<std::size_t>(y * page.width() + x)], b = image[static_cast<std::size_t>(y2 * page.width() + x2)];
+      if (a == Colour(0) || b == Colour(0)) return;
+      ++edges;
+      const Direction da = glm::normalize(2.0 * Direction(a) - 1.0), db = glm::normalize(2.0 * Direction(b) - 1.0);
+      EXPECT_LT(angle_between(da, db), 2.1 / n) << name(layout) << " " << x << "," << y;
+    };
+    for (int y = 0; y < page.height(); ++y)
+      for (int x = n - 1; x < page.width(); x += n) check(x, y, x + 1, y);
+    for (int y = n - 1; y < page.height(); y += n)
+      for (int x = 0; x < page.width(); ++x) check(x, y, x, y + 1);
+    EXPECT_EQ(edges, 5 * n) << name(layout);
+  }
+}
+
+TEST(Recognise, ByShape) {
+  const auto found = [](int w, int h) { return recognise(w, h, {}, {}); };
+  EXPECT_EQ(found(64, 32).projection, Projection::latlong);
+  EXPECT_EQ(found(8, 48).layout, Layout::column);
+  EXPECT_EQ(found(48, 8).layout, Layout::row);
+  EXPECT_EQ(found(32, 24).layout, Layout::cross);
+  EXPECT_EQ(found(24, 32).layout, Layout::vcross);
+  EXPECT_EQ(found(24, 16).layout, Layout::grid3x2);
+  EXPECT_EQ(found(24, 16).size, 8);
+  EXPECT_THROW(found(32, 32), InputError);
+  EXPECT_THROW(found(1000, 600), InputError);
+}
+
+TEST(Recognise, WhatIsSaidComesFirstThenWhatIsRecorded) {
+  const Metadata paraboloid{Projection::paraboloid, {}, {}}, angular{Projection::angular, {}, {}};
+  EXPECT_EQ(recognise(64, 32, {}, paraboloid).projection, Projection::paraboloid);
+  EXPECT_EQ(recognise(32, 32, {}, angular).projection, Projection::angular);
+  EXPECT_EQ(recognise(32, 32, {Projection::sphere, {}, {}}, angular).projection, Projection::sphere);
+  EXPECT_THROW(recognise(32, 32, {Projection::latlong, {}, {}}, {}), InputError);
+  // Metadata that does not fit the image is not believed over the image.
+  EXPECT_THROW(recognise(1000, 600, {}, paraboloid), InputError);
+}
+
+}  // namespace
+}  // namespace envmap

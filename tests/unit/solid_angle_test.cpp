@@ -1,0 +1,92 @@
+// Texel solid angles: sums, independent integrals, symmetry.
+#include <gtest/gtest.h>
+
+#include "envmap/maths/sum.h"
+#include "envmap/projection/projection.h"
+#include "formulae.h"
+
+namespace envmap {
+namespace {
+
+double total(Projection p, int size) {
+  Sum sum;
+  std::vector<double> row(static_cast<std::size_t>(size * aspect(p)));
+  for (int j = 0; j < size; ++j) {
+    solid_angles(p, size, j, row);
+    for (const double w : row) sum.add(w);
+  }
+  return sum.value() * faces(p);
+}
+
+class EachSize : public testing::TestWithParam<std::tuple<Projection, int>> {};
+INSTANTIATE_TEST_SUITE_P(, EachSize, testing::Combine(testing::ValuesIn(all_projections), testing::Values(1, 2, 3, 7, 64, 1024)),
+                         [](const auto& p) { return std::string(name(std::get<0>(p.param))) + "_" + std::to_string(std::get<1>(p.param)); });
+
+TEST_P(EachSize, SumsToFourPi) {
+  EXPECT_NEAR(total(std::get<0>(GetParam()), std::get<1>(GetParam())), 4 * pi, 1e-12);
+}
+
+class EachSolidAngle : public testing::TestWithParam<Projection> {};
+INSTANTIATE_TEST_SUITE_P(, EachSolidAngle, testing::ValuesIn(all_projections),
+                         [](const auto& p) { return std::string(name(p.param)); });
+
+// The area that the directions themselves span, by differences of the plain formula: nothing in common with the
+// library's closed forms and densities.
+TEST_P(EachSolidAngle, TexelsHaveTheAreaTheirDirectionsSpan) {
+  const Projection p = GetParam();
+  const int size = 16, fine = 400;
+  std::vector<double> row(static_cast<std::size_t>(size * aspect(p)));
+  for (const auto& [i, j] : {std::pair{7, 7}, {5, 10}, {4, 4}, {8, 2}}) {
+    solid_angles(p, size, j, row);
+    const double du = 1.0 / (size * aspect(p) * fine), dv = 1.0 / (size * fine);
+    Sum area;
+    for (int b = 0; b < fine; ++b)
+      for (int a = 0; a < fine; ++a) {
+        const double u = i / double(size * aspect(p)) + (a + 0.5) * du, v = j / double(size) + (b + 0.5) * dv;
+        const auto d = [&](double x, double y) { return formulae::rounded(formulae::direction(p, 0, x, y)); };
+        area.add(glm::length(glm::cross(d(u + du / 2, v) - d(u - du / 2, v), d(u, v + dv / 2) - d(u, v - dv / 2))));
+      }
+    EXPECT_NEAR(row[static_cast<std::size_t>(i)] / area.value(), 1, 1e-5) << i << "," << j;
+  }
+}
+
+TEST_P(EachSolidAngle, RowsAreSymmetric) {
+  const int size = 37;
+  std::vector<double> top(static_cast<std::size_t>(size * aspect(GetParam()))), bottom(top.size());
+  for (int j = 0; j < size; ++j) {
+    solid_angles(GetParam(), size, j, top);
+    solid_angles(GetParam(), size, size - 1 - j, bottom);
+    for (std::size_t i = 0; i < top.size(); ++i) {
+      EXPECT_NEAR(top[i], bottom[i], 1e-14);
+      EXPECT_NEAR(top[i], top[top.size() - 1 - i], 1e-14);
+    }
+  }
+}
+
+TEST_P(EachSolidAngle, ColumnsHoldAllTheWeight) {
+  for (const int size : {1, 2, 3, 5, 64, 101}) {
+    std::vector<double> row(static_cast<std::size_t>(size * aspect(GetParam())));
+    for (int j = 0; j < size; ++j) {
+      solid_angles(GetParam(), size, j, row);
+      const Columns in = columns(GetParam(), size, j);
+      for (int i = 0; i < static_cast<int>(row.size()); ++i) {
+        const double w = row[static_cast<std::size_t>(i)];
+        EXPECT_GE(w, 0);
+        if (i < in.first || i >= in.end) { EXPECT_EQ(w, 0) << size << ": " << i << "," << j; }
+      }
+    }
+  }
+}
+
+TEST(SolidAngle, OfTinyTexelsKeepsItsDigits) {
+  // One texel of a 32k cube at a corner and at the centre against the density there.
+  const double side = 1.0 / 32768;
+  const Rect centre{0.5, 0.5, 0.5 + side, 0.5 + side}, corner{0, 0, side, side};
+  EXPECT_NEAR(Cube::solid_angle(centre) / (4 * side * side), 1, 1e-8);
+  EXPECT_NEAR(Cube::solid_angle(corner) / (4 * side * side / std::pow(3.0, 1.5)), 1, 1e-4);
+  EXPECT_NEAR(Cube::solid_angle(corner) / (Cube::density(0.5 * side, 0.5 * side) * side * side), 1, 1e-8);
+  EXPECT_NEAR(Latlong::solid_angle({0, 0, side, side}) / (pi * pi * pi * side * side * side), 1, 1e-8);
+}
+
+}  // namespace
+}  // namespace envmap
