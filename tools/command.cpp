@@ -12,7 +12,6 @@
 
 #include "envmap/error.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 
 namespace tools {
@@ -151,23 +150,22 @@ std::string make_names(const std::string& path) {
 
 }  // namespace
 
-std::string make_rule(const std::string& output, const std::vector<std::string>& inputs) {
+std::unique_ptr<OutputFile> open_depfile(const std::string& output, const std::vector<std::string>& inputs,
+                                         const Common& common) {
+  if (common.depfile.empty()) return nullptr;
   std::string text = make_names(output) + ":";
   for (const std::string& input : inputs)
     if (input != "-") text += " " + make_names(input);
-  return text + "\n";
+  text += "\n";
+  auto file = std::make_unique<OutputFile>(common.depfile);
+  file->write(text.data(), text.size());
+  return file;
 }
 
 void write_map(const std::string& path, const Rows& rows, const WriteOptions& options, const std::vector<std::string>& inputs,
                const std::string& verb, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
-  // Written before the map and shown after it: where there can be no depfile, there is no output.
-  std::optional<OutputFile> depfile;
-  if (!common.depfile.empty()) {
-    depfile.emplace(common.depfile);
-    const std::string text = make_rule(path, inputs);
-    depfile->write(text.data(), text.size());
-  }
+  const auto depfile = open_depfile(path, inputs, common);
   const Written written = write(path, rows, options, progress_line(common, verb));
   if (depfile) depfile->commit();
   if (written.clamped > 0)

@@ -3,12 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "envmap/io/output_file.h"
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
 #include "envmap/operate/progress.h"
@@ -105,8 +107,10 @@ envmap::Source read_map(const std::string& path, const envmap::ReadOptions& opti
 void write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 
-/// Make syntax: `output: inputs`. Spaces, $ and # in names are escaped.
-std::string make_rule(const std::string& output, const std::vector<std::string>& inputs);
+/// The file that --depfile asks for, written but not yet shown, or null: `output: inputs` in Make syntax. To be opened
+/// before the output is written and committed after it: where there can be no depfile, there is no output.
+std::unique_ptr<envmap::OutputFile> open_depfile(const std::string& output, const std::vector<std::string>& inputs,
+                                                 const Common& common);
 
 /// A line on standard error where that is a terminal, for work that takes over a second.
 envmap::Progress progress_line(const Common& common, const std::string& what);

@@ -96,7 +96,9 @@ int run(const Options& o, const Common& common) {
                                           14, "DejaVuSans", {0.8F, 0.8F, 0.8F});
     (void)sheet.geterror();
   }
+  const auto depfile = open_depfile(output, inputs, common);
   save_png(sheet, output);
+  if (depfile) depfile->commit();
   return 0;
 }
 
@@ -110,6 +112,7 @@ Command preview_command() {
                      "Tone curve x / (1 + x) (Reinhard et al. 2002), sRGB. Cubes are drawn as crosses.",
       .examples = {{"envmap preview probe.hdr probe.png", "one map"},
                    {"envmap preview latlong.exr cube.exr sphere.exr sheet.png", "a contact sheet"}},
+      .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
         app.add_option("FILES", o->names, "Maps to draw, and last the PNG to write")->required()->type_name("");

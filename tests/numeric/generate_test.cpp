@@ -110,7 +110,7 @@ TEST_P(EachGenerated, AnalyticHarmonicSurvivesConversion) {
             const auto d = formulae::rounded(formulae::direction(GetParam(), f, (i + 0.5L) / level.width(), (j + 0.5L) / level.height()));
             const double truth = 1 + 0.5 * real_harmonic(3, 1, d);
             // The rim texels of a sphere map span 15 degrees: a cubic is not straight over those.
-            ASSERT_NEAR(level.texel(f, i, j)->x, truth, from == Projection::sphere ? 6e-2 : 1e-3) << name(from);
+            ASSERT_NEAR(level.texel(f, i, j)->x, truth, from == Projection::sphere ? 8e-2 : 1e-3) << name(from);
           }
   }
 }

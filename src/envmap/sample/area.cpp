@@ -21,7 +21,7 @@ struct Cell {
   double weight;
   Direction sum;        // Weight x radiance.
   double kink = 0, smooth = 0;  // Ranges of radiance over kinks and over smooth stretches, times weight.
-  double rim;           // Weight that the disc's rim may have cut wrongly.
+  double rim = 0;       // Weight that the disc's rim may have cut wrongly.
   double size;          // In source texels, if all on one face; else 0.
   Direction low, high;  // Of the radiance it may hold.
 };
@@ -50,13 +50,28 @@ struct Workspace {
     for (Direction& d : directions) d = task.to_source * d;
     locate_for_bilinear(task.source.projection(), task.source.height(), directions, locations);
     if (weigh) envmap::densities(task.to, points, densities);
-    for (std::size_t k = 0; k < cells.size(); ++k) gather(task.source, &locations[4 * k], &densities[4 * k], side.x * side.y, cells[k]);
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      gather(task.source, &locations[4 * k], &densities[4 * k], side.x * side.y, cells[k]);
+      cells[k].rim = weigh && on_disc(task.to) && cut_by_rim(cells[k].centre, side) ? side.x * side.y * rim_density(task.to) : 0;
+    }
+  }
+
+  static bool cut_by_rim(const Vec2<double>& centre, const Vec2<double>& side) {
+    const Vec2<double> c = glm::abs(centre - 0.5), half = 0.5 * side;
+    return glm::length(glm::max(c - half, Vec2<double>(0))) < 0.5 && glm::length(c + half) > 0.5;
+  }
+
+  static double rim_density(Projection p) {
+    const Vec2<double> near_rim[1] = {{0.99, 0.5}};
+    double density[1];
+    envmap::densities(p, near_rim, density);
+    return density[0];
   }
 
   static void gather(const Level& source, const Location<double>* at, const double* density, double measure, Cell& cell) {
     cell.weight = 0;
     cell.sum = Direction(0);
-    bool one_face = true, cut = false;
+    bool one_face = true;
     Rect box{1e300, 1e300, -1e300, -1e300};
     double round0 = 1e300, round1 = -1e300;  // The same about the seam of a latlong map.
     for (int k = 0; k < 4; ++k) {
@@ -65,12 +80,10 @@ struct Workspace {
       const double round = at[k].u < 0.5 ? x + source.width() : x;
       round0 = std::min(round0, round), round1 = std::max(round1, round);
       one_face &= at[k].face == at[0].face;
-      cut |= (density[k] > 0) != (density[0] > 0);
       const double w = 0.25 * measure * density[k];
       cell.weight += w;
       cell.sum += w * Direction(bilinear(source, at[k]));
     }
-    cell.rim = cut ? measure * *std::max_element(density, density + 4) : 0;
 
     // The whole cell reaches sqrt(3) as far from its centre as its samples do.
     const double mx = 0.5 * (std::numbers::sqrt3 - 1) * (box.u1 - box.u0), my = 0.5 * (std::numbers::sqrt3 - 1) * (box.v1 - box.v0);
