@@ -107,7 +107,7 @@ void add_coverage(const Cone& cone, Level& coverage) {
   const double z0 = std::cos(ring), z1 = std::cos(cone.radius), steradians = 4 * pi * std::sin(0.5 * (cone.radius - ring)) * std::sin(0.5 * (cone.radius + ring));
   if (steradians <= 0) return;
   const double texels = steradians * P::faces * w * h / (4 * pi);
-  const auto points = static_cast<std::int64_t>(std::clamp(256 * texels, 0x1p21, 0x1p26));
+  const auto points = static_cast<std::int64_t>(std::clamp(256 * texels, 0x1p20, 0x1p26));
   const Direction e1 = glm::normalize(glm::cross(std::abs(cone.axis.x) < 0.7 ? Direction(1, 0, 0) : Direction(0, 1, 0), cone.axis));
   const Direction e2 = glm::cross(cone.axis, e1);
   for (std::int64_t k = 0; k < points; ++k) {

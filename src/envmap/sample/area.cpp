@@ -52,19 +52,17 @@ struct Workspace {
     if (weigh) envmap::densities(task.to, points, densities);
     for (std::size_t k = 0; k < cells.size(); ++k) {
       gather(task.source, &locations[4 * k], &densities[4 * k], side.x * side.y, cells[k]);
-      cells[k].rim = weigh && on_disc(task.to) && cut_by_rim(cells[k].centre, side) ? side.x * side.y * rim_density(task.to) : 0;
+      cells[k].rim = weigh && on_disc(task.to) ? side.x * side.y * rim_density(task.to, cells[k].centre, side) : 0;
     }
   }
 
-  static bool cut_by_rim(const Vec2<double>& centre, const Vec2<double>& side) {
-    const Vec2<double> c = glm::abs(centre - 0.5), half = 0.5 * side;
-    return glm::length(glm::max(c - half, Vec2<double>(0))) < 0.5 && glm::length(c + half) > 0.5;
-  }
-
-  static double rim_density(Projection p) {
-    const Vec2<double> near_rim[1] = {{0.99, 0.5}};
+  // Of a cell that the rim cuts, the density at its corner nearest the middle: there it is largest. Else 0.
+  static double rim_density(Projection p, const Vec2<double>& centre, const Vec2<double>& side) {
+    const Vec2<double> c = glm::abs(centre - 0.5), nearest = glm::max(c - 0.5 * side, Vec2<double>(0));
+    if (glm::length(nearest) >= 0.5 || glm::length(c + 0.5 * side) <= 0.5) return 0;
+    const Vec2<double> at[1] = {0.5 + nearest};
     double density[1];
-    envmap::densities(p, near_rim, density);
+    envmap::densities(p, at, density);
     return density[0];
   }
 
@@ -147,10 +145,15 @@ Vec2<double> footprint(const Area& task, int face, const Vec2<double>& centre) {
 }
 
 // Bound of a cell's error: the range of the values times the cell's size in source texels, times what the rule misses of
-// a kink (0.04 of its height at worst, which is twice the slope), or of a smooth stretch, or of the rim.
-double error_bound(const Cell& c, const Direction& mean, double size) {
-  const Direction off = glm::max(glm::abs(c.high - mean), glm::abs(c.low - mean));
-  return std::min(1.0, size) * (c.kink / 13 + c.smooth / 1000) + (c.rim > 0 ? 0.25 * c.rim * largest(off) : 0);
+// a kink (0.04 of its height at worst, which is twice the slope), or of a smooth stretch, or of the rim. A cell that
+// spans many source texels has none; but the whole rim of a sphere map is one direction, where neighbours in the result
+// are found far apart with much the same radiance: small cells are judged by what that is about their samples.
+double error_bound(const Cell& c, const Direction& mean, double cell_size, bool sphere) {
+  const double size = std::max(c.size, cell_size), off = largest(glm::max(glm::abs(c.high - mean), glm::abs(c.low - mean)));
+  const double rim = 0.25 * c.rim * off;
+  if (size <= 1) return size * (c.kink / 13 + c.smooth / 1000) + rim;
+  if (c.weight == 0 && c.rim == 0) return 0;
+  return sphere && cell_size < 0.125 ? c.weight * off + rim : std::numeric_limits<double>::infinity();
 }
 
 Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& fallback, bool weigh, Workspace& ws) {
@@ -179,8 +182,7 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
     const double each = allowed / std::sqrt(static_cast<double>(ws.cells.size()));
     ws.next.clear();
     for (const Cell& c : ws.cells) {
-      const double size = std::max(c.size, cell_size);
-      if (size <= 1 && error_bound(c, mean, size) <= each) {
+      if (error_bound(c, mean, cell_size, task.source.projection() == Projection::sphere) <= each) {
         sum += c.sum;
         weight += c.weight;
         continue;

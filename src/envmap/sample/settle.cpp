@@ -61,8 +61,11 @@ Location<double> settled(const Direction& wanted, const Location<double>& start,
 void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions, std::span<Location<double>> out) {
   locate(p, directions, out);
   if (p != Projection::sphere) return;
+  // With q = sqrt((1 + z) / 2) the curvature of the map grows as q^-3: before this, interpolation is off by less than
+  // 0.04 of the angle that a texel spans at the middle.
+  const double behind = 2 * std::pow(4.0 / size, 2.0 / 3) - 1;
   for (std::size_t k = 0; k < directions.size(); ++k)
-    if (directions[k].z < -0.5) out[k] = settled(directions[k], out[k], size);
+    if (directions[k].z < behind) out[k] = settled(directions[k], out[k], size);
 }
 
 }  // namespace envmap
