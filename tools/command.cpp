@@ -110,8 +110,10 @@ void add_repair(CLI::App& app, ReadOptions& options) {
                         "Replace NaN and infinite texels by their neighbours' mean and negative values by 0");
 }
 
+void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
+
 void note(const Common& common, const std::string& line) {
-  if (!common.quiet) fmt::print(stderr, "{}\n", line);
+  if (!common.quiet) std::fputs((line + "\n").c_str(), stderr);
 }
 
 Source read_map(const std::string& path, const ReadOptions& options, const Common& common) {
@@ -184,7 +186,7 @@ Progress progress_line(const Common& common, const std::string& what) {
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     int shown = -1;
     ~State() {
-      if (shown >= 0) fmt::print(stderr, "\r\033[K");
+      if (shown >= 0) std::fputs("\r\033[K", stderr);
     }
   };
   return [state = std::make_shared<State>(), what](double part) {
@@ -192,7 +194,7 @@ Progress progress_line(const Common& common, const std::string& what) {
     const int percent = static_cast<int>(100 * part);
     if (percent <= state->shown || std::chrono::steady_clock::now() - state->start < std::chrono::seconds(1)) return;
     state->shown = percent;
-    fmt::print(stderr, "\r{} {:3d}%", what, percent);
+    std::fputs(fmt::format("\r{} {:3d}%", what, percent).c_str(), stderr);
   };
 }
 

@@ -115,6 +115,9 @@ std::unique_ptr<envmap::OutputFile> open_depfile(const std::string& output, cons
 /// A line on standard error where that is a terminal, for work that takes over a second.
 envmap::Progress progress_line(const Common& common, const std::string& what);
 
+/// Text on standard output. Whether all of it could be written is asked once, at the end (not fmt::print, which throws).
+void print(const std::string& text);
+
 /// One line on standard error unless --quiet.
 void note(const Common& common, const std::string& line);
 

@@ -52,10 +52,10 @@ int run(const Options& o, const Common& common) {
     j["max"] = number(d.maximum);
     j["worst"] = {{"face", d.worst.face}, {"texel", {d.worst.i, d.worst.j}}};
     j["within"] = same;
-    fmt::print("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    print(fmt::format("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace)));
   } else {
-    fmt::print("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n", d.flux.x, d.flux.y, d.flux.z,
-               d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j);
+    print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n", d.flux.x, d.flux.y, d.flux.z,
+               d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j));
     if (resampled) note(common, fmt::format("{} was resampled to the texels of {}", o.a, o.b));
   }
   if (!o.difference.empty()) {

@@ -18,7 +18,7 @@ enum Status { done = 0, usage = 2, bad_input = 3, not_written = 4 };
 
 int complain(const std::string& who, std::string what, int status) {
   std::replace(what.begin(), what.end(), '\n', ' ');
-  fmt::print(stderr, "{}: {}\n", who, what);
+  std::fputs((who + ": " + what + "\n").c_str(), stderr);
   return status;
 }
 

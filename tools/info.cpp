@@ -60,7 +60,7 @@ std::string numbers(const ordered_json& v) {
 
 void print_facts(const ordered_json& j) {
   const auto text = [&](const char* key) { return j[key].get<std::string>(); };
-  const auto line = [](const char* what, const std::string& value) { fmt::print("{:15}{}\n", what, value); };
+  const auto line = [](const char* what, const std::string& value) { print(fmt::format("{:15}{}\n", what, value)); };
   line("file", text("file"));
   line("format", fmt::format("{} {}, {}x{}", text("format"), text("depth"), j["width"].get<int>(), j["height"].get<int>()));
   line("projection", fmt::format("{}{}{}", text("projection"),
@@ -90,13 +90,13 @@ int run(const Options& o, const Common& common) {
     for (const SamplingRow& r : table)
       j["sampling"].push_back({{"texel", {r.i, r.j}}, {"degrees", r.angle}, {"solid_angle", r.solid_angle},
                                {"relative", r.relative}, {"anisotropy", r.anisotropy}});
-    fmt::print("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+    print(fmt::format("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace)));
     return 0;
   }
   print_facts(j);
-  if (o.sampling) fmt::print("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean", "anisotropy");
+  if (o.sampling) print(fmt::format("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean", "anisotropy"));
   for (const SamplingRow& r : table)
-    fmt::print("{:>14} {:10.3f} {:14.5e} {:10.4f} {:11.4g}\n", fmt::format("({},{})", r.i, r.j), r.angle, r.solid_angle, r.relative, r.anisotropy);
+    print(fmt::format("{:>14} {:10.3f} {:14.5e} {:10.4f} {:11.4g}\n", fmt::format("({},{})", r.i, r.j), r.angle, r.solid_angle, r.relative, r.anisotropy));
   return 0;
 }
 

@@ -183,7 +183,7 @@ Command completion_command() {
                        {"envmap completion > /etc/bash_completion.d/envmap", "for all users"}},
           .define = [](CLI::App&, const Common&) -> std::function<int()> {
             return [] {
-              fmt::print("{}", bash_completion());
+              print(bash_completion());
               return 0;
             };
           }};
