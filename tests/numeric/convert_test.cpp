@@ -105,7 +105,7 @@ TEST_P(EachPair, TheSameBytesAtAnyNumberOfThreads) {
     EnvironmentMap source = generate(Sun{.radius = 5}, from_, 24, Forward::plus_z);
     return convert(source, {.to = to_, .size = 20, .filter = filter});
   };
-  for (const Filter filter : {Filter::bilinear, Filter::area}) {
+  for (const Filter filter : {Filter::bilinear, Filter::bicubic, Filter::trilinear, Filter::sat, Filter::ewa, Filter::area}) {
     const EnvironmentMap one = bytes(1, filter), two = bytes(2, filter);
     for (int f = 0; f < one.base().faces(); ++f)
       for (int j = 0; j < one.base().height(); ++j)

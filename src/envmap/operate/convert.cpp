@@ -3,11 +3,9 @@
 #include <algorithm>
 
 #include "envmap/map/gutter.h"
+#include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
-#include "envmap/sample/area.h"
-#include "envmap/sample/sample.h"
-#include "envmap/sample/settle.h"
 
 namespace envmap {
 namespace {
@@ -17,22 +15,9 @@ double pitch(Projection p, int size) {
   return visit(p, [](auto q) { return decltype(q)::span; }) / size;
 }
 
-// One row by point samples: directions of the texels, where they lie in the source, what is there.
-void sample_row(const Level& source, const Rotation& to_source, Filter filter, Projection to, int size, int face,
-                int row, int first, std::span<Colour> out) {
-  static thread_local std::vector<Direction> directions;
-  static thread_local std::vector<Location<double>> locations;
-  directions.resize(out.size());
-  locations.resize(out.size());
-  texel_directions(to, size, face, row, first, directions);
-  for (Direction& d : directions) d = to_source * d;
-  if (filter == Filter::nearest) {
-    locate(source.projection(), directions, locations);
-    sample_nearest(source, locations, out);
-  } else {
-    locate_for_bilinear(source.projection(), source.height(), directions, locations);
-    sample_bilinear(source, locations, out);
-  }
+// Whether the texels of the source themselves come out where nothing is turned or resized.
+bool interpolates(const Conversion& c) {
+  return c.samples == 1 && (c.filter == Filter::nearest || c.filter == Filter::bilinear || c.filter == Filter::bicubic);
 }
 
 }  // namespace
@@ -52,25 +37,24 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   const Conversion c = resolved(wanted, source);
   const Rotation to_source = glm::transpose(image_to_world(source.forward)) * glm::transpose(c.rotation) *
                              image_to_world(c.forward);
-  Level& from = source.base();
+  const Level& from = source.base();
   // The same texels: nothing to resample, and nothing to lose at a rim.
-  if (c.filter != Filter::area && c.to == from.projection() && c.size == from.height() && to_source == Rotation(1))
+  if (interpolates(c) && c.to == from.projection() && c.size == from.height() && to_source == Rotation(1))
     return {c.to, c.size, c.forward, [&from, c](int face, int row, std::span<Colour> out) {
               const Columns in = columns(c.to, c.size, row);
               std::ranges::fill(out, Colour(0));
               for (int i = in.first; i < in.end; ++i)
                 out[static_cast<std::size_t>(i)] = Colour(Direction(*from.texel(face, i, row)) * c.gain);
             }};
-  const Area area{from, to_source, c.to, c.size, c.area_tolerance, 1e-3 * mean_radiance(from)};
-  fill_gutter(from);
-  return {c.to, c.size, c.forward, [=](int face, int row, std::span<Colour> out) {
+  if (reads_levels(c.filter)) add_levels(source.levels);
+  for (Level& level : source.levels) fill_gutter(level);
+  const Sampler sample = make_sampler(source.levels, {c.to, c.size, to_source},
+                                      {c.filter, c.samples, c.area_tolerance, 1e-3 * mean_radiance(source.base())});
+  return {c.to, c.size, c.forward, [c, sample](int face, int row, std::span<Colour> out) {
             const Columns in = columns(c.to, c.size, row);
             std::ranges::fill(out, Colour(0));
             const auto texels = out.subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first));
-            if (c.filter == Filter::area)
-              sample_area(area, face, row, in.first, texels);
-            else
-              sample_row(area.source, to_source, c.filter, c.to, c.size, face, row, in.first, texels);
+            sample(face, row, in.first, texels);
             if (c.gain != 1)
               for (Colour& texel : texels) texel = Colour(Direction(texel) * c.gain);
           }};

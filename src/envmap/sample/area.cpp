@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "envmap/sample/footprint.h"
 #include "envmap/sample/sample.h"
 #include "envmap/sample/settle.h"
 
@@ -14,6 +15,14 @@ namespace {
 constexpr int max_cells = 64;                // Along a side of a texel at the start.
 constexpr std::size_t max_samples = 65536;   // In one texel: near -Z on a sphere map's rim some never settle.
 constexpr int max_rounds = 12;               // A cell round a pole stays wide however often it is quartered.
+
+struct Area {
+  const Level& source;
+  Projection to;
+  int size;
+  Rotation to_source;
+  double tolerance, floor;
+};
 
 // A cell of the texel by its centre, what its samples add, and how far off that may be for every unit of its size.
 struct Cell {
@@ -117,33 +126,6 @@ struct Workspace {
   }
 };
 
-// How many source texels one texel of the result covers along its u and its v. The chain rule on the two direction
-// maps: the source's derivative is inverted in its tangent plane by the normal equations.
-Vec2<double> footprint(const Area& task, int face, const Vec2<double>& centre) {
-  const double w = task.size * aspect(task.to), h = task.size;
-  Vec2<double> inside = centre;
-  if (on_disc(task.to)) {  // Across the rim of a sphere map the derivative would cancel.
-    const double r = glm::length(2.0 * centre - 1.0);
-    inside = 0.5 + (centre - 0.5) * std::min(1.0, std::max(0.1, 1 - 0.5 / h) / std::max(r, 1e-9));
-  }
-  const Derivative out = derivative(task.to, {face, inside.x, inside.y}, 0.25 / h);
-  Direction d[1];
-  Location<double> at[1];
-  directions(task.to, face, std::span(&inside, 1), d);
-  d[0] = task.to_source * d[0];
-  locate(task.source.projection(), d, at);
-  const Derivative in = derivative(task.source.projection(), at[0], 0.25 / task.source.height());
-  const Direction a = in.du / double(task.source.width()), b = in.dv / double(task.source.height());
-  const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
-  const double det = std::max(aa * bb - ab * ab, 1e-6 * std::max(aa, bb) * std::max(aa, bb));
-  const auto length = [&](const Direction& move) {
-    const Direction m = task.to_source * move;
-    const double ma = glm::dot(a, m), mb = glm::dot(b, m);
-    return std::hypot(bb * ma - ab * mb, aa * mb - ab * ma) / std::max(det, 1e-300);
-  };
-  return {length(out.du / w), length(out.dv / h)};
-}
-
 // Bound of a cell's error: the range of the values times the cell's size in source texels, times what the rule misses of
 // a kink (0.04 of its height at worst, which is twice the slope), or of a smooth stretch, or of the rim. A cell that
 // spans many source texels has none; but the whole rim of a sphere map is one direction, where neighbours in the result
@@ -157,7 +139,9 @@ double error_bound(const Cell& c, const Direction& mean, double cell_size, bool 
 }
 
 Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& fallback, bool weigh, Workspace& ws) {
-  const Vec2<double> covers = footprint(task, face, {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
+  const Jacobian moved = jacobian({task.to, task.size, task.to_source}, task.source.projection(), task.source.height(), face,
+                              {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
+  const Vec2<double> covers{glm::length(moved.du), glm::length(moved.dv)};
   const int nu = std::clamp(static_cast<int>(std::ceil(covers.x)), 1, max_cells);
   const int nv = std::clamp(static_cast<int>(std::ceil(covers.y)), 1, max_cells);
   Vec2<double> side{(texel.u1 - texel.u0) / nu, (texel.v1 - texel.v0) / nv};
@@ -203,8 +187,6 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
   return bilinear(task.source, at[0]);
 }
 
-}  // namespace
-
 void sample_area(const Area& task, int face, int row, int first, std::span<Colour> out) {
   static thread_local Workspace ws;
   const double w = task.size * aspect(task.to), h = task.size;
@@ -218,6 +200,13 @@ void sample_area(const Area& task, int face, int row, int first, std::span<Colou
     const bool weigh = !on_disc(task.to) || s * s + t * t < 0.25;
     out[k] = texel_mean(task, face, texel, centres[k], weigh, ws);
   }
+}
+
+}  // namespace
+
+Sampler area_sampler(const Level& source, const Target& target, double tolerance, double floor) {
+  const Area task{source, target.to, target.size, target.to_source, tolerance, floor};
+  return [task](int face, int row, int first, std::span<Colour> out) { sample_area(task, face, row, first, out); };
 }
 
 }  // namespace envmap

@@ -1,0 +1,14 @@
+/// @file
+/// Cubic interpolation of one level.
+#pragma once
+
+#include "envmap/map/environment_map.h"
+
+namespace envmap {
+
+/// Catmull-Rom (Catmull and Rom 1974; Keys 1981 with a = -1/2): 4 x 4 texels, passes through them, exact for quadratics.
+/// Its negative lobes would ring round a sun and go below 0: the value stays in the range of the 4 texels around the
+/// place. Wants a level whose gutter is filled.
+Colour bicubic(const Level& level, const Location<double>& at);
+
+}  // namespace envmap

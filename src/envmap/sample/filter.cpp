@@ -1,0 +1,50 @@
+#include "envmap/sample/filter.h"
+
+#include "envmap/sample/area.h"
+#include "envmap/sample/bicubic.h"
+#include "envmap/sample/probes.h"
+#include "envmap/sample/pyramid.h"
+#include "envmap/sample/sample.h"
+#include "envmap/sample/settle.h"
+#include "envmap/sample/summed_area.h"
+
+namespace envmap {
+namespace {
+
+template <class Plan, class Probe>
+Sampler probing(const Level& base, const Target& target, const Plan& plan, const Probe& probe, bool plain = false) {
+  return [=, &base](int face, int row, int first, std::span<Colour> out) {
+    const auto find = [&](std::span<const Direction> directions, std::span<Location<double>> at) {
+      plain ? locate(base.projection(), directions, at)
+            : locate_for_bilinear(base.projection(), base.height(), directions, at);
+    };
+    sample_probes(target, face, row, first, out, find, plan, probe);
+  };
+}
+
+}  // namespace
+
+Sampler make_sampler(const std::vector<Level>& levels, const Target& target, const FilterOptions& options) {
+  const Level& base = levels.front();
+  const auto grid = [n = options.samples](int, const Vec2<double>&) { return Probes{n, n}; };
+  const auto by_plan = [&](auto plan) {
+    return probing(
+        base, target, [&base, target, plan](int face, const Vec2<double>& at) { return plan(target, base, face, at); },
+        [&levels](const Location<double>& at, const Probes& p) { return trilinear(levels, at, p.lod); });
+  };
+  switch (options.filter) {
+    case Filter::nearest:
+      return probing(base, target, grid, [&base](const Location<double>& at, const Probes&) { return nearest(base, at); }, true);
+    case Filter::bicubic:
+      return probing(base, target, grid, [&base](const Location<double>& at, const Probes&) { return bicubic(base, at); });
+    case Filter::trilinear: return by_plan(trilinear_plan);
+    case Filter::ewa: return by_plan(ewa_plan);
+    case Filter::sat: return summed_area_sampler(base, target);
+    case Filter::area: return area_sampler(base, target, options.area_tolerance, options.floor);
+    case Filter::automatic:
+    case Filter::bilinear: break;
+  }
+  return probing(base, target, grid, [&base](const Location<double>& at, const Probes&) { return bilinear(base, at); });
+}
+
+}  // namespace envmap

@@ -1,0 +1,43 @@
+#include "envmap/sample/footprint.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace envmap {
+
+Jacobian jacobian(const Target& target, Projection source, int source_size, int face, const Vec2<double>& at) {
+  const double h = target.size, w = h * aspect(target.to);
+  Vec2<double> inside = at;
+  if (on_disc(target.to)) {  // Across the rim of a sphere map the derivative would cancel.
+    const double r = glm::length(2.0 * at - 1.0);
+    inside = 0.5 + (at - 0.5) * std::min(1.0, std::max(0.1, 1 - 0.5 / h) / std::max(r, 1e-9));
+  }
+  const Derivative out = derivative(target.to, {face, inside.x, inside.y}, 0.25 / h);
+  Direction d[1];
+  Location<double> place[1];
+  directions(target.to, face, std::span(&inside, 1), d);
+  d[0] = target.to_source * d[0];
+  locate(source, d, place);
+  const Derivative in = derivative(source, place[0], 0.25 / source_size);
+  const Direction a = in.du / (1.0 * source_size * aspect(source)), b = in.dv / double(source_size);
+  const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b), most = std::max(aa, bb);
+  const double det = std::max(aa * bb - ab * ab, std::max(1e-6 * most * most, 1e-300));
+  const auto moved = [&](const Direction& move) {
+    const Direction m = target.to_source * move;
+    const double ma = glm::dot(a, m), mb = glm::dot(b, m);
+    return Vec2<double>(bb * ma - ab * mb, aa * mb - ab * ma) / det;
+  };
+  return {moved(out.du / w), moved(out.dv / h)};
+}
+
+Ellipse ellipse(const Jacobian& j) {
+  const double aa = glm::dot(j.du, j.du), ab = glm::dot(j.du, j.dv), bb = glm::dot(j.dv, j.dv);
+  const double middle = 0.5 * (aa + bb), swing = std::hypot(0.5 * (aa - bb), ab);
+  const double major = std::sqrt(middle + swing);
+  // The product of the singular values is the determinant: their difference would cancel where one is small.
+  const double minor = std::abs(j.du.x * j.dv.y - j.du.y * j.dv.x) / std::max(major, 1e-300);
+  const double angle = 0.5 * std::atan2(2 * ab, aa - bb);
+  return {major, minor, {std::cos(angle), std::sin(angle)}};
+}
+
+}  // namespace envmap

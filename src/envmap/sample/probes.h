@@ -1,0 +1,60 @@
+/// @file
+/// Means of probes: every filter that looks at a few places of the source for each texel.
+#pragma once
+
+#include <vector>
+
+#include "envmap/sample/target.h"
+
+namespace envmap {
+
+/// A grid of places in a texel of the result, and the mip level at which each of them looks.
+struct Probes {
+  int across = 1, down = 1;
+  double lod = 0;
+};
+
+/// The solid-angle weighted means of probes over texels [first, first + out.size()) of a row. They tile the texel in
+/// (u,v) of the result and go through the direction map one by one, so that no footprint ever meets an edge.
+/// @param find (directions, locations): locate() of the source, or locate_for_bilinear(). @param plan (face, place in it) -> Probes, or anything else with `across` and `down`.
+/// @param probe (Location, what plan gave for the texel) -> Colour.
+template <class Find, class Plan, class Probe>
+void sample_probes(const Target& target, int face, int row, int first, std::span<Colour> out, const Find& find,
+                   const Plan& plan, const Probe& probe) {
+  const double h = target.size, w = h * aspect(target.to);
+  std::vector<Direction> directions(out.size());
+  std::vector<decltype(plan(face, Vec2<double>()))> plans(out.size());
+  std::vector<Vec2<double>> points;
+  texel_directions(target.to, target.size, face, row, first, directions);
+  const auto centre = [&](std::size_t k) { return Vec2<double>((first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h); };
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const auto& p = plans[k] = plan(face, centre(k));
+    if (p.across * p.down == 1) continue;
+    for (int b = 0; b < p.down; ++b)
+      for (int a = 0; a < p.across; ++a)
+        points.push_back(centre(k) + Vec2<double>(((a + 0.5) / p.across - 0.5) / w, ((b + 0.5) / p.down - 0.5) / h));
+  }
+  // Behind the centres of all texels come the places of those that have more than one.
+  std::vector<double> weights(points.size());
+  densities(target.to, points, weights);
+  directions.resize(out.size() + points.size());
+  envmap::directions(target.to, face, points, std::span(directions).subspan(out.size()));
+  std::vector<Location<double>> locations(directions.size());
+  for (Direction& d : directions) d = target.to_source * d;
+  find(directions, locations);
+
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const std::size_t count = static_cast<std::size_t>(plans[k].across) * static_cast<std::size_t>(plans[k].down);
+    Direction sum(0);
+    double whole = 0;
+    for (std::size_t n = 0; count > 1 && n < count; ++n, ++next) {
+      if (weights[next] == 0) continue;
+      sum += weights[next] * Direction(probe(locations[out.size() + next], plans[k]));
+      whole += weights[next];
+    }
+    out[k] = whole > 0 ? Colour(sum / whole) : probe(locations[k], plans[k]);
+  }
+}
+
+}  // namespace envmap

@@ -1,0 +1,40 @@
+#include "envmap/sample/pyramid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "envmap/sample/footprint.h"
+#include "envmap/sample/sample.h"
+
+namespace envmap {
+namespace {
+
+// A probe's own kernel is two texels wide: at a level this much finer its blur stays small beside the footprint. Against
+// `area` on a sunset, rms at 2, 3, 4, 6: 17%, 5%, 4%, 4% for four-fold minification.
+constexpr double finer = 4;
+constexpr double most_probes = 32;  // Along a side of a texel: what is more oblique than that is read more coarsely.
+
+}  // namespace
+
+Colour trilinear(std::span<const Level> levels, const Location<double>& at, double lod) {
+  const double level = std::clamp(lod, 0.0, static_cast<double>(levels.size() - 1));
+  const auto fine = static_cast<std::size_t>(level);
+  const auto f = static_cast<float>(level - static_cast<double>(fine));
+  const Colour near = bilinear(levels[fine], at);
+  return f == 0 ? near : (1 - f) * near + f * bilinear(levels[fine + 1], at);
+}
+
+Probes trilinear_plan(const Target& target, const Level& base, int face, const Vec2<double>& at) {
+  const Ellipse e = ellipse(jacobian(target, base.projection(), base.height(), face, at));
+  return {.lod = std::log2(std::max(1.0, e.major))};
+}
+
+Probes ewa_plan(const Target& target, const Level& base, int face, const Vec2<double>& at) {
+  const Jacobian j = jacobian(target, base.projection(), base.height(), face, at);
+  const double across = glm::length(j.du), down = glm::length(j.dv);
+  const double texel = std::max({1.0, ellipse(j).minor / finer, across / most_probes, down / most_probes});
+  const auto count = [&](double length) { return std::clamp(static_cast<int>(std::ceil(length / texel)), 1, static_cast<int>(most_probes)); };
+  return {count(across), count(down), std::log2(texel)};
+}
+
+}  // namespace envmap
