@@ -83,7 +83,7 @@ Command convert_command() {
         app.add_option("--samples", o->conversion.samples, "N x N samples a texel, of nearest, bilinear and bicubic (default: 1)")
             ->type_name("N")->check(CLI::Range(1, 64));
         app.add_option("--area-error", o->conversion.area_tolerance,
-                       "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4)")
+                       "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4; 1e-3 where 'auto' chose it)")
             ->type_name("E")->check(CLI::Range(1e-7, 1.0));
         add_triple(app, "--rotate", o->turn, "Y,P,R", false, "Turn the environment by yaw, pitch, roll in degrees");
         add_forward(app, "--forward", o->forward, "World axis at the centre of latlong and angular images (default: +z)");

@@ -3,8 +3,11 @@
 
 #include <random>
 
+#include "envmap/map/gutter.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
+#include "envmap/sample/area.h"
+#include "envmap/sample/conservative.h"
 #include "formulae.h"
 
 namespace envmap {
@@ -90,6 +93,34 @@ TEST(Area, TheErrorAskedForIsTheErrorFound) {
     const Difference d = compare(map(tolerance).base(), truth.base());
     EXPECT_LT(d.maximum, 3 * tolerance);
     EXPECT_LT(d.rms, tolerance);
+  }
+}
+
+// Both ways to the same means: from the result's side, and from the source's where the result is much coarser.
+TEST_P(EachArea, AgreesFromBothSides) {
+  for (const Projection from : {Projection::latlong, GetParam() == Projection::cube ? Projection::angular : Projection::cube}) {
+    EnvironmentMap map;
+    map.levels.emplace_back(from, matching_size(Projection::latlong, 64, from));
+    std::mt19937 random(7);
+    for (int f = 0; f < map.base().faces(); ++f)
+      for (int j = 0; j < map.base().height(); ++j)
+        for (Colour& c : map.base().row(f, j)) c = Colour(0.9F + static_cast<float>(random() % 1000) / 5000);
+    *map.base().texel(0, map.base().width() / 2 + 3, map.base().height() / 2 - 5) = Colour(1e6F, 1e5F, 1e4F);
+    fill_gutter(map.base());
+    const Target target{GetParam(), matching_size(Projection::latlong, 10, GetParam()), rotation(20, 30, 40)};
+    ASSERT_TRUE(suits_conservative(map.base(), target));
+    const Level a = conservative_area(map.base(), target, 1e-4, 1e-3);
+    const Sampler sample = area_sampler(map.base(), target, 1e-4, 1e-3);
+    Level b(target.to, target.size);
+    for (int f = 0; f < b.faces(); ++f)
+      for (int j = 0; j < b.height(); ++j) {
+        const Columns in = columns(target.to, target.size, j);
+        sample(f, j, in.first, b.row(f, j).subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first)));
+      }
+    const Difference d = compare(a, b);
+    EXPECT_LT(d.rms, 1e-3) << name(from);
+    EXPECT_LT(d.maximum, 2e-2) << name(from) << " at " << d.worst.face << " " << d.worst.i << "," << d.worst.j;
+    EXPECT_LT(d.largest_flux(), 1e-4) << name(from);
   }
 }
 

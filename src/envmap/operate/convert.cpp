@@ -25,6 +25,7 @@ bool interpolates(const Conversion& c) {
 Conversion resolved(const Conversion& wanted, const EnvironmentMap& source) {
   Conversion c = wanted;
   if (c.size == 0) c.size = matching_size(source.projection(), source.base().height(), c.to);
+  if (c.area_tolerance == 0) c.area_tolerance = c.filter == Filter::automatic ? 1e-3 : 1e-4;
   if (c.filter == Filter::automatic) {
     const double covers = pitch(c.to, c.size) / pitch(source.projection(), source.base().height());
     c.filter = covers > 1.25 ? Filter::area : Filter::bilinear;

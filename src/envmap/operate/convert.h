@@ -17,7 +17,9 @@ struct Conversion {
   Forward forward = Forward::plus_z;  ///< Axis at the centre of the result, if it is latlong or angular.
   Rotation rotation{1};               ///< Turns the environment: radiance from d comes out from rotation x d.
   double gain = 1;                    ///< Factor on radiance.
-  double area_tolerance = 1e-4;       ///< Of the area filter, relative to the texel (or 0.001 x the mean if larger).
+  /// Of the area filter, relative to the texel (or 0.001 x the mean if larger). 0: 1e-4 if it was asked for, 1e-3 if the
+  /// automatic filter chose it.
+  double area_tolerance = 0;
 };
 
 /// Size and filter as they will be used on this source.
