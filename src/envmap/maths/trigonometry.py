@@ -74,9 +74,9 @@ def main():
            sixteenth, 5)
     report("cos(pi r)", lambda z: series(lambda k: (-ONE) ** k * PI ** (2 * k) / factorial(2 * k), z), ONE, Decimal(0),
            sixteenth, 6)
-    edge = Decimal(2).sqrt() - 1
+    edge = Decimal(5) / 12
     report("atan(q) / (pi q)", lambda z: series(lambda k: (-ONE) ** k / (2 * k + 1) / PI, z), *split(1 / PI),
-           edge * edge * Decimal("1.000001"), 10)
+           edge * edge, 10)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,9 @@
 // The span functions of projection.h, compiled once for every instruction set and chosen at run time.
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
+#include <cstring>
 
 #include "envmap/projection/projection.h"
 
@@ -11,7 +14,10 @@
 
 #include "envmap/projection/lanes-inl.h"
 
+// What is loaded and stored as threes of doubles.
 static_assert(sizeof(envmap::Direction) == 3 * sizeof(double));
+static_assert(sizeof(envmap::Location<double>) == 3 * sizeof(double) && offsetof(envmap::Location<double>, u) == 8 &&
+              offsetof(envmap::Location<double>, v) == 16 && std::endian::native == std::endian::little);
 
 HWY_BEFORE_NAMESPACE();
 namespace envmap {
@@ -94,22 +100,28 @@ void Directions(Projection p, int face, std::span<const Vec2<double>> points, st
   });
 }
 
+// A location is packed as three doubles, the first of them the bits of its face.
+template <class D, class V>
+HWY_INLINE void store(D d, V face, V u, V v, Location<double>* to, std::size_t count) {
+  const hn::RebindToUnsigned<D> du;
+  const auto bits = hn::And(hn::BitCast(du, hn::Add(face, hn::Set(d, 0x1p52))), hn::Set(du, 0xff));
+  HWY_ALIGN double packed[3 * hn::MaxLanes(D())];
+  hn::StoreInterleaved3(hn::BitCast(d, bits), u, v, d, packed);
+  if (count >= hn::Lanes(d))
+    std::memcpy(to, packed, hn::Lanes(d) * sizeof *to);  // Of known size on most targets, and then no call.
+  else
+    std::memcpy(to, packed, count * sizeof *to);
+}
+
 void Locate(Projection p, std::span<const Direction> directions, std::span<Location<double>> out) {
   visit(p, [&](auto q) HWY_ATTR {
     const Lanes d;
-    const std::size_t lanes = hn::Lanes(d);
-    HWY_ALIGN double us[hn::MaxLanes(Lanes())], vs[hn::MaxLanes(Lanes())];
-    HWY_ALIGN std::int32_t faces[hn::MaxLanes(Lanes())];
-    const hn::Rebind<std::int32_t, Lanes> di;
-    for (std::size_t k = 0; k < directions.size(); k += lanes) {
-      const std::size_t count = std::min(lanes, directions.size() - k);
+    for (std::size_t k = 0; k < directions.size(); k += hn::Lanes(d)) {
+      const std::size_t count = directions.size() - k;
       hn::Vec<Lanes> x, y, z, face, u, v;
       load(d, &directions[k], count, x, y, z);
       locate(q, d, x, y, z, face, u, v);
-      hn::Store(u, d, us);
-      hn::Store(v, d, vs);
-      hn::Store(hn::DemoteTo(di, face), di, faces);
-      for (std::size_t i = 0; i < count; ++i) out[k + i] = {faces[i], us[i], vs[i]};
+      store(d, face, u, v, &out[k], count);
     }
   });
 }

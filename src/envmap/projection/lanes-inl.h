@@ -101,13 +101,13 @@ HWY_INLINE void direction(Angular, D d, const Scale& scale, int /*face*/, V a, V
 
 // ---- direction -> place --------------------------------------------------------------------------------------------
 
-/// Inverse of what tiny x and y are multiplied with before they are squared, 1 elsewhere.
+/// Multiplies x and y by 2^600 where their squares would underflow. @return what brings them back.
 template <class D, class V>
-HWY_INLINE V lifted(D d, V& x, V& y) {
+HWY_INLINE V lift(D d, V& x, V& y) {
   const auto tiny = hn::Lt(hn::Max(hn::Abs(x), hn::Abs(y)), hn::Set(d, 0x1p-500));
-  const V one = hn::Set(d, 1), lift = hn::IfThenElse(tiny, hn::Set(d, 0x1p600), one);
-  x = hn::Mul(x, lift);
-  y = hn::Mul(y, lift);
+  const V one = hn::Set(d, 1), up = hn::IfThenElse(tiny, hn::Set(d, 0x1p600), one);
+  x = hn::Mul(x, up);
+  y = hn::Mul(y, up);
   return hn::IfThenElse(tiny, hn::Set(d, 0x1p-600), one);
 }
 
@@ -140,15 +140,19 @@ HWY_INLINE void locate(Cube, D d, V x, V y, V z, V& face, V& u, V& v) {
 template <class D, class V>
 HWY_INLINE void locate(Sphere, D d, V x, V y, V z, V& face, V& u, V& v) {
   const V zero = hn::Zero(d), one = hn::Set(d, 1), half = hn::Set(d, 0.5), next = hn::Add(z, one);
-  lifted(d, x, y);
-  const V hh = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
+  const auto front = hn::Gt(z, zero);
+  V lifted_x = x, lifted_y = y;
+  lift(d, lifted_x, lifted_y);
+  x = hn::IfThenElse(front, x, lifted_x);
+  y = hn::IfThenElse(front, y, lifted_y);
   // In front x / m; behind, where 1+z cancels, x / h sqrt((1-z)/2).
-  const auto front = hn::Gt(z, zero), nowhere = hn::Eq(hh, zero);
+  const V hh = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
+  const auto nowhere = hn::AndNot(front, hn::Eq(hh, zero));
   const V length = hn::Sqrt(hn::IfThenElse(front, hn::Add(hh, hn::Mul(next, next)), hh));
   const V radius = hn::IfThenElse(front, one, hn::Sqrt(hn::Mul(half, hn::Sub(one, z))));
   const V divisor = hn::IfThenElse(nowhere, one, length);
   // -Z itself: the right of the rim.
-  const V s = hn::IfThenElse(nowhere, hn::IfThenZeroElse(front, one), hn::Mul(hn::Div(x, divisor), radius));
+  const V s = hn::IfThenElse(nowhere, one, hn::Mul(hn::Div(x, divisor), radius));
   face = zero;
   u = hn::Add(half, hn::Mul(half, s));
   v = hn::Sub(half, hn::Mul(half, hn::Mul(hn::Div(y, divisor), radius)));
@@ -164,7 +168,7 @@ HWY_INLINE void locate(Paraboloid, D d, V x, V y, V z, V& face, V& u, V& v) {
 
 template <class D, class V>
 HWY_INLINE void locate(Angular, D d, V x, V y, V z, V& face, V& u, V& v) {
-  const V zero = hn::Zero(d), one = hn::Set(d, 1), half = hn::Set(d, 0.5), down = lifted(d, x, y);
+  const V zero = hn::Zero(d), one = hn::Set(d, 1), half = hn::Set(d, 0.5), down = lift(d, x, y);
   const V h = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
   const auto nowhere = hn::Eq(h, zero);
   const V r = atan2_pi(d, hn::Mul(h, down), z), k = hn::Div(r, hn::IfThenElse(nowhere, one, h));
