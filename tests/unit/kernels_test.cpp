@@ -84,7 +84,7 @@ TEST_P(EachKernel, TexelDirectionsAreTheFormula) {
 std::vector<Vec2<double>> points(Projection p) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> any(0, 1);
-  std::vector<Vec2<double>> found{{0, 0}, {1, 1}, {0.5, 0.5}, {0, 0.5}, {1, 0.5}, {0.5, 0}, {0.5, 1}, {0.5 + 1e-300, 0.5}};
+  std::vector<Vec2<double>> found{{0, 0}, {1, 1}, {0.5, 0.5}, {0, 0.5}, {1, 0.5}, {0.5, 0}, {0.5, 1}};
   for (int k = 0; k < 20000; ++k) found.emplace_back(any(random), any(random));
   for (double tiny = 0.1; tiny > 1e-17; tiny *= 0.3) {
     const double turn = 2 * pi * any(random);
@@ -145,7 +145,8 @@ Vec2<Real> exact_place(Projection p, const Direction& d) {
   Real s = 0, t = 0;
   switch (p) {
     case Projection::latlong:
-      return {Real(0.5) - std::atan2(x, z) / (2 * formulae::pi), Real(0.5) - std::atan2(y, std::hypot(x, z)) / formulae::pi};
+      return {Real(0.5) - std::atan2(x, z) / (2 * formulae::pi),
+              Real(0.5) - std::atan2(y, std::hypot(x, z)) / formulae::pi};
     case Projection::cube: {
       const auto at = Cube::locate(Vec3<double>(d));
       const Cube::Axes& axes = Cube::axes[static_cast<std::size_t>(at.face)];

@@ -16,7 +16,7 @@ class EachSampled : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachSampled, testing::ValuesIn(all_projections),
                          [](const auto& p) { return std::string(name(p.param)); });
 
-// Radiance over twenty orders of magnitude, suns beside subnormal numbers.
+// Suns beside subnormal numbers.
 Level rough(Projection p, int size) {
   Level level(p, size);
   std::mt19937 random(3);
@@ -24,14 +24,15 @@ Level rough(Projection p, int size) {
   for (int face = 0; face < level.faces(); ++face)
     for (int j = -Level::gutter; j < size + Level::gutter; ++j)
       for (int i = -Level::gutter; i < level.width() + Level::gutter; ++i)
-        for (int c = 0; c < 3; ++c) (*level.texel(face, i, j))[c] = std::ldexp(any(random), static_cast<int>(exponent(random)));
+        for (int c = 0; c < 3; ++c)
+          (*level.texel(face, i, j))[c] = std::ldexp(any(random), static_cast<int>(exponent(random)));
   return level;
 }
 
 std::vector<Location<double>> places(const Level& level, std::size_t count) {
-  const double over = 0.9 / level.height();  // Settled locations lie up to a texel outside.
+  const double over = 0.9 / level.width();  // Settled locations lie up to a texel outside.
   std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> any(-over / level.width() * level.height(), 1 + over / level.width() * level.height());
+  std::uniform_real_distribution<double> any(-over, 1 + over);
   std::vector<Location<double>> found;
   for (int face = 0; face < level.faces(); ++face)
     for (const double u : {0.0, 0.5, 1.0})
@@ -51,7 +52,8 @@ TEST_P(EachSampled, BilinearSpanIsTheScalarFormulaBitForBit) {
       std::vector<Colour> out(at.size());
       sample_bilinear(level, at, out);
       for (std::size_t k = 0; k < at.size(); ++k)
-        ASSERT_TRUE(same(out[k], bilinear(level, at[k]))) << target << " size " << size << " " << at[k].u << " " << at[k].v;
+        ASSERT_TRUE(same(out[k], bilinear(level, at[k])))
+            << target << " size " << size << " " << at[k].u << " " << at[k].v;
     });
   }
 }

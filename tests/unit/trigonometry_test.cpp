@@ -67,7 +67,8 @@ const Real pi_long = std::acos(Real(-1));
 // How far off, in units in the last place of the exact result.
 double ulps(double found, Real exact) {
   const double rounded = static_cast<double>(exact);
-  const double unit = std::max(std::abs(std::nextafter(rounded, 0.0) - rounded), std::numeric_limits<double>::denorm_min());
+  const double least = std::numeric_limits<double>::denorm_min();
+  const double unit = std::max(std::abs(std::nextafter(rounded, 0.0) - rounded), least);
   return static_cast<double>(std::abs(found - exact) / unit);
 }
 
@@ -158,8 +159,11 @@ struct Points {
 };
 
 Points points() {
-  std::vector<double> some{0.0, -0.0, 5e-324, 1e-310, 2.2e-308, 1e-200, 1e-30, 1e-16, 0.1, 0.41421356237309503, 0.5, 1, 2, 1e30, 1e306};
-  for (std::size_t k = 0, n = some.size(); k < n; ++k) some.push_back(-some[k]), some.push_back(std::nextafter(some[k], 1.0));
+  std::vector<double> some{0.0, -0.0, 5e-324, 1e-310, 2.2e-308, 1e-200, 1e-30, 1e-16, 0.1, 5.0 / 12, 0.5, 1, 2, 1e30, 1e306};
+  for (std::size_t k = 0, n = some.size(); k < n; ++k) {
+    some.push_back(-some[k]);
+    some.push_back(std::nextafter(some[k], 1.0));
+  }
   Points p;
   for (const double y : some)
     for (const double x : some) p.y.push_back(y), p.x.push_back(x);
@@ -170,7 +174,10 @@ Points points() {
     p.y.push_back(std::sin(angle)), p.x.push_back(std::cos(angle));
   }
   for (double tiny = 1; tiny > 0; tiny /= 3)
-    for (const double sign : {1.0, -1.0}) p.y.push_back(tiny), p.x.push_back(sign), p.y.push_back(sign), p.x.push_back(tiny);
+    for (const double sign : {1.0, -1.0}) {
+      p.y.insert(p.y.end(), {tiny, sign});
+      p.x.insert(p.x.end(), {sign, tiny});
+    }
   fill_up(p.y), fill_up(p.x);
   return p;
 }

@@ -2,9 +2,10 @@
 /// Sine, cosine and arctangent of vectors of doubles, for any Highway target. Included once a target, by files that
 /// foreach_target.h compiles.
 ///
-/// Angles are in units of pi (IEEE 754's sinPi, cosPi, atan2Pi): quarters of a turn are exact numbers then, and reducing
-/// an argument rounds nothing. Only operations that IEEE 754 rounds in one way are used, and no fused multiply-add: every
-/// target gives the same bits. Coefficients: trigonometry.py.
+/// Angles are in units of pi (IEEE 754's sinPi, cosPi, atan2Pi): quarters of a turn are exact numbers then, and
+/// reducing an argument rounds nothing. Only operations that IEEE 754 rounds in one way are used, and no fused
+/// multiply-add: every target gives the same bits. Coefficients: trigonometry.py, which also tells how far each series is
+/// from its function.
 #if defined(ENVMAP_MATHS_TRIGONOMETRY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ENVMAP_MATHS_TRIGONOMETRY_INL_H_
 #undef ENVMAP_MATHS_TRIGONOMETRY_INL_H_
@@ -29,8 +30,8 @@ HWY_INLINE V polynomial(D d, V z, double c, C... higher) {
   return hn::Add(hn::Set(d, c), hn::Mul(z, polynomial(d, z, higher...)));
 }
 
-/// sin(pi (r + k/2)) and cos(pi (r + k/2)) for |r| <= 1/4 and whole k, |k| < 2^31. Error below 1.5 units in the last
-/// place of the result (tested: 2).
+/// sin(pi (r + k/2)) and cos(pi (r + k/2)) for |r| <= 1/4 and whole k, |k| < 2^31. Error below 2 units in the last
+/// place of the result.
 template <class D, class V>
 HWY_INLINE void sin_cos_quarters(D d, V k, V r, V& sine, V& cosine) {
   const V z = hn::Mul(r, r);
@@ -39,9 +40,9 @@ HWY_INLINE void sin_cos_quarters(D d, V k, V r, V& sine, V& cosine) {
                                             0.08214587730641625, -0.0073701436437935495, 0.00046221110224187623));
   const V s = hn::Add(hn::Mul(r, hn::Set(d, 3.141592653589793)),
                       hn::Mul(r, hn::Add(hn::Set(d, 1.2246467991473532e-16), sine_tail)));
-  const V c = hn::Add(hn::Set(d, 1), hn::Mul(z, polynomial(d, z, -4.934802200544679, 4.058712126416765, -1.3352627688538095,
-                                                           0.23533063028399223, -0.025806887964701878,
-                                                           0.001929493874894941, -0.00010370082971594627)));
+  const V cosine_tail = polynomial(d, z, -4.934802200544679, 4.058712126416765, -1.3352627688538095, 0.23533063028399223,
+                                   -0.025806887964701878, 0.001929493874894941, -0.00010370082971594627);
+  const V c = hn::Add(hn::Set(d, 1), hn::Mul(z, cosine_tail));
   // Added to 1.5 x 2^52 a whole number stands in the lowest bits: bit 0 swaps, bit 1 negates.
   const hn::RebindToSigned<D> di;
   const auto bits = hn::BitCast(di, hn::Add(k, hn::Set(d, 0x1.8p52)));
@@ -69,8 +70,8 @@ HWY_INLINE void sin_cos_pi(D d, V x, V& sine, V& cosine) {
 }
 
 /// sin(pi a / n) and cos(pi a / n). Where a and n are multiples of 1/2 with fewer than 50 bits the quotient is reduced
-/// before it is rounded: near every multiple of pi/2 the result keeps its digits. The rounding adds half a unit to the
-/// error (tested: 2.5). @param inverse 1 / n, roughly.
+/// before it is rounded: near every multiple of pi/2 the result keeps its digits. Rounding it adds half a unit to
+/// the error. @param inverse 1 / n, roughly.
 template <class D, class V>
 HWY_INLINE void sin_cos_pi_ratio(D d, V a, V n, V inverse, V& sine, V& cosine) {
   const V k = nearest_whole(d, hn::Mul(hn::Add(a, a), inverse));
@@ -91,8 +92,8 @@ HWY_INLINE V atan2_pi(D d, V y, V x) {
   const V q = hn::Div(numerator, hn::IfThenElse(hn::Eq(high, zero), one, denominator));
   const V z = hn::Mul(q, q), zz = hn::Mul(z, z);
   // Even and odd powers apart: two short chains rather than one long one.
-  const V even = polynomial(d, zz, -0.10610329539459688, -0.04547284087972353, -0.028937246917597824, -0.021213443734901288,
-                            -0.01617153929840856, -0.0060484263546489135);
+  const V even = polynomial(d, zz, -0.10610329539459688, -0.04547284087972353, -0.028937246917597824,
+                            -0.021213443734901288, -0.01617153929840856, -0.0060484263546489135);
   const V odd = polynomial(d, zz, 0.06366197723674223, 0.03536776479922883, 0.024484954201581935, 0.01864400098615914,
                            0.01244201852214326);
   const V tail = hn::Mul(z, hn::Add(even, hn::Mul(z, odd)));

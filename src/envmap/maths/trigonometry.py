@@ -60,7 +60,8 @@ def report(name, whole, lead, lead_low, high, degree):
     value = lambda z: lead + lead_low + z * sum(c * z**k for k, c in enumerate(exact))
     points = [high * k / 400 for k in range(1, 401)]
     error = max(abs(value(z) / whole(z) - 1) for z in points)
-    print(f"{name}: {float(lead)!r} + {float(lead_low)!r} + z P(z), z in [0, {float(high):.6f}], error {float(error):.1e}")
+    print(f"{name}: {float(lead)!r} + {float(lead_low)!r} + z P(z), z in [0, {float(high):.6f}],"
+          f" error {float(error):.1e}")
     print("  " + ", ".join(repr(c) for c in p))
 
 
@@ -70,8 +71,8 @@ def main():
         return head, Decimal(float(x - head))
 
     sixteenth = ONE / 16
-    report("sin(pi r) / r", lambda z: series(lambda k: (-ONE) ** k * PI ** (2 * k + 1) / factorial(2 * k + 1), z), *split(PI),
-           sixteenth, 5)
+    report("sin(pi r) / r", lambda z: series(lambda k: (-ONE) ** k * PI ** (2 * k + 1) / factorial(2 * k + 1), z),
+           *split(PI), sixteenth, 5)
     report("cos(pi r)", lambda z: series(lambda k: (-ONE) ** k * PI ** (2 * k) / factorial(2 * k), z), ONE, Decimal(0),
            sixteenth, 6)
     edge = Decimal(5) / 12

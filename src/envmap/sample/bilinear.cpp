@@ -40,7 +40,8 @@ void place(const Level& level, Places& places) {
   const hn::ScalableTag<double> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto width = hn::Set(d, level.width()), height = hn::Set(d, level.height()), half = hn::Set(d, 0.5);
-  const auto rows = hn::Set(d, level.height() + 2 * Level::gutter), stride = hn::Set(d, static_cast<double>(level.stride()));
+  const auto rows = hn::Set(d, level.height() + 2 * Level::gutter);
+  const auto stride = hn::Set(d, static_cast<double>(level.stride()));
   for (std::size_t k = 0; k < block; k += hn::Lanes(d)) {
     const auto x = hn::Sub(hn::Mul(hn::Load(d, places.u + k), width), half);
     const auto y = hn::Sub(hn::Mul(hn::Load(d, places.v + k), height), half);
@@ -52,15 +53,16 @@ void place(const Level& level, Places& places) {
   }
 }
 
-// The formula of bilinear(), red, green and blue at once. Loads and stores four floats where a colour has three: a level
-// ends with a spare texel, and the next colour overwrites what is stored too much.
+// The formula of bilinear(), red, green and blue at once. Loads and stores four floats where a colour has three: a
+// level ends with a spare texel, and the next colour overwrites what is stored too much.
 void blend(const Colour* origin, std::ptrdiff_t stride, const Places& places, std::size_t count, Colour* out) {
   const hn::FixedTag<float, 4> d;
   const auto one = hn::Set(d, 1);
   const auto colour = [&](std::size_t k) HWY_ATTR {
     const Colour* a = origin + static_cast<std::ptrdiff_t>(places.offset[k]);
     const Colour* b = a + stride;
-    const auto fx = hn::Set(d, places.fx[k]), fy = hn::Set(d, places.fy[k]), gx = hn::Sub(one, fx), gy = hn::Sub(one, fy);
+    const auto fx = hn::Set(d, places.fx[k]), gx = hn::Sub(one, fx);
+    const auto fy = hn::Set(d, places.fy[k]), gy = hn::Sub(one, fy);
     const auto upper = hn::Add(hn::Mul(gx, hn::LoadU(d, &a[0].x)), hn::Mul(fx, hn::LoadU(d, &a[1].x)));
     const auto lower = hn::Add(hn::Mul(gx, hn::LoadU(d, &b[0].x)), hn::Mul(fx, hn::LoadU(d, &b[1].x)));
     return hn::Add(hn::Mul(gy, upper), hn::Mul(fy, lower));
