@@ -7,7 +7,8 @@ set -eu
 # (checks the man pages). fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
 packages='
   g++ cmake ninja-build pkg-config
-  libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libfmt-dev nlohmann-json3-dev
+  libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev
+  nlohmann-json3-dev
   libgtest-dev libopenexr-dev openexr openimageio-tools mandoc fonts-dejavu-core'
 
 fail() {

@@ -7,7 +7,7 @@ Level::Level(Projection projection, int size)
       faces_(envmap::faces(projection)),
       width_(size * aspect(projection)),
       height_(size),
-      pixels_(index(faces_, -gutter, -gutter), Colour(0)) {}
+      pixels_(index(faces_, -gutter, -gutter) + 1, Colour(0)) {}
 
 Rotation image_to_world(Forward forward) {
   switch (forward) {

@@ -48,7 +48,7 @@ class Level {
 
   Projection projection_;
   int faces_, width_, height_;
-  std::vector<Colour> pixels_;
+  std::vector<Colour> pixels_;  // One more than there are texels: vector code loads four floats at a time.
 };
 
 /// The world axis at the centre of latlong and angular images; the other projections always show +Z there.

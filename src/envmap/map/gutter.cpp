@@ -1,6 +1,7 @@
 #include "envmap/map/gutter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "envmap/sample/sample.h"
@@ -19,7 +20,7 @@ bool in_face(const Level& level, int i, int j) { return i >= 0 && j >= 0 && i < 
 // Distance of a texel's centre from the middle of the disc, which has radius 1.
 double radius(const Level& level, int i, int j) {
   const double n = level.height();
-  return std::hypot((2 * i + 1) / n - 1, 1 - (2 * j + 1) / n);
+  return glm::length(Vec2<double>((2 * i + 1) / n - 1, 1 - (2 * j + 1) / n));
 }
 
 bool is_image(const Level& level, int i, int j) {
@@ -110,18 +111,24 @@ class TangentFit {
 // Adds the image texels within `reach` of a place given in texels of a face.
 void add_neighbours(TangentFit& fit, const Level& level, int face, double x, double y) {
   constexpr double reach = 2.6;
+  constexpr std::size_t most = 36;  // Whole numbers in an interval 2 x 2.6 long: six at most, each way.
   const int n = level.height();
+  std::array<Vec2<double>, most> places;
+  std::array<const Colour*, most> colours;
+  std::array<double, most> weights;
+  std::size_t count = 0;
   for (int j = static_cast<int>(std::ceil(y - reach)); j <= y + reach; ++j)
     for (int i = static_cast<int>(std::ceil(x - reach)); i <= x + reach; ++i) {
-      const double distance = std::hypot(i - x, j - y);
+      const double distance = glm::length(Vec2<double>(i - x, j - y));
       if (distance >= reach || !is_image(level, i, j)) continue;
       const double near = (reach - distance) / (distance + 1e-6);
-      const Location<double> centre{face, (i + 0.5) / n, (j + 0.5) / n};
-      Direction d[1];
-      const Vec2<double> uv[1] = {{centre.u, centre.v}};
-      directions(level.projection(), face, uv, d);
-      fit.add(d[0], *level.texel(face, i, j), near * near * near);
+      places[count] = {(i + 0.5) / n, (j + 0.5) / n};
+      colours[count] = level.texel(face, i, j);
+      weights[count++] = near * near * near;
     }
+  std::array<Direction, most> d;
+  directions(level.projection(), face, std::span(places).first(count), std::span(d).first(count));
+  for (std::size_t k = 0; k < count; ++k) fit.add(d[k], *colours[k], weights[k]);
 }
 
 // The texels just outside a rim and those of the other half (or of the opposite rim) at the same place are each

@@ -4,6 +4,7 @@
 
 #include <glm/glm.hpp>
 #include <numbers>
+#include <span>
 
 namespace envmap {
 
@@ -22,6 +23,9 @@ inline constexpr double pi = std::numbers::pi;
 /// Turn about +Y (+Z towards +X), then +X (+Y towards +Z), then +Z (+X towards +Y), right-handed, applied roll first.
 /// @param yaw,pitch,roll angles in degrees. @return Ry(yaw) Rx(pitch) Rz(roll).
 Rotation rotation(double yaw, double pitch, double roll);
+
+/// Turns many directions in place: each as turn * direction, to the last bit.
+void rotate(const Rotation& turn, std::span<Direction> directions);
 
 /// Angle between two unit vectors in radians, accurate for tiny and for nearly opposite angles
 /// (Kahan 2006, "How futile are mindless assessments of roundoff", section 12).

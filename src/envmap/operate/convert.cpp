@@ -49,8 +49,10 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
             }};
   if (reads_levels(c.filter)) add_levels(source.levels);
   for (Level& level : source.levels) fill_gutter(level);
+  // The mean costs more than many a conversion: exact solid angles of every texel.
+  const double floor = c.filter == Filter::area ? 1e-3 * mean_radiance(source.base()) : 0;
   const Sampler sample = make_sampler(source.levels, {c.to, c.size, to_source},
-                                      {c.filter, c.samples, c.area_tolerance, 1e-3 * mean_radiance(source.base())});
+                                      {c.filter, c.samples, c.area_tolerance, floor});
   return {c.to, c.size, c.forward, [c, sample](int face, int row, std::span<Colour> out) {
             const Columns in = columns(c.to, c.size, row);
             std::ranges::fill(out, Colour(0));

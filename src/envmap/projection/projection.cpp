@@ -30,45 +30,6 @@ Columns columns(Projection p, int size, int row) {
   });
 }
 
-namespace {
-
-// Half way between the texel's innermost corner and the rim, for a texel of a disc whose centre lies outside.
-Vec2<double> inside_rim(int size, int i, int j) {
-  const double s0 = 2.0 * i / size - 1, t0 = 1 - 2.0 * j / size, side = 2.0 / size;
-  const Vec2<double> corner(std::clamp(0.0, s0, s0 + side), std::clamp(0.0, t0 - side, t0));
-  const double r = glm::length(corner);
-  const Vec2<double> point = corner * (0.5 * (1 + r) / std::max(r, 1e-300));
-  return {0.5 + 0.5 * point.x, 0.5 - 0.5 * point.y};
-}
-
-}  // namespace
-
-void texel_directions(Projection p, int size, int face, int row, int first, std::span<Direction> out) {
-  visit(p, [&](auto q) {
-    using P = decltype(q);
-    const double width = size * P::aspect, v = (row + 0.5) / size;
-    for (std::size_t k = 0; k < out.size(); ++k) {
-      const int i = first + static_cast<int>(k);
-      Vec2<double> at{(i + 0.5) / width, v};
-      if constexpr (P::on_disc && !P::filled)
-        if (P::density(at.x, at.y) == 0) at = inside_rim(size, i, row);
-      out[k] = P::direction(face, at.x, at.y);
-    }
-  });
-}
-
-void directions(Projection p, int face, std::span<const Vec2<double>> points, std::span<Direction> out) {
-  visit(p, [&](auto q) {
-    for (std::size_t k = 0; k < points.size(); ++k) out[k] = decltype(q)::direction(face, points[k].x, points[k].y);
-  });
-}
-
-void locate(Projection p, std::span<const Direction> directions, std::span<Location<double>> out) {
-  visit(p, [&](auto q) {
-    for (std::size_t k = 0; k < directions.size(); ++k) out[k] = decltype(q)::locate(directions[k]);
-  });
-}
-
 void densities(Projection p, std::span<const Vec2<double>> points, std::span<double> out) {
   visit(p, [&](auto q) {
     for (std::size_t k = 0; k < points.size(); ++k) out[k] = decltype(q)::density(points[k].x, points[k].y);

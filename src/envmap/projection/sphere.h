@@ -24,9 +24,11 @@ struct Sphere {
       s *= (r - 2) / r;
       t *= (r - 2) / r;
     }
-    // 1 - s^2 - t^2 decides how far from -Z we are: fma keeps the digits that the squares would round away.
-    const double ss = s * s, tt = t * t;
-    const double rest = ((1 - ss) - tt) - (std::fma(s, s, -ss) + std::fma(t, t, -tt));
+    // 1 - s^2 - t^2 decides how far from -Z we are. The squares of s and t rounded to 26 bits are exact, as is what
+    // they leave of 1; s^2 is that square and (s - head)(s + head).
+    const double s_head = (s + 0x1.8p27) - 0x1.8p27, t_head = (t + 0x1.8p27) - 0x1.8p27;
+    const double tails = (s - s_head) * (s + s_head) + (t - t_head) * (t + t_head);
+    const double rest = ((1 - s_head * s_head) - t_head * t_head) - tails;
     const double k = std::sqrt(std::max(0.0, rest));
     return Vec3<T>(2 * k * s, 2 * k * t, 2 * rest - 1);
   }

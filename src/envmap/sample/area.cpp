@@ -43,6 +43,7 @@ struct Workspace {
   std::vector<Direction> directions;
   std::vector<Location<double>> locations;
   std::vector<double> densities;
+  std::vector<Colour> colours;
   std::vector<Cell> cells, next;
 
   // Samples cells of one size, given by their centres.
@@ -54,13 +55,15 @@ struct Workspace {
         points.emplace_back(c.centre.x + (k & 1 ? gauss : -gauss) * side.x, c.centre.y + (k & 2 ? gauss : -gauss) * side.y);
     directions.resize(points.size());
     locations.resize(points.size());
+    colours.resize(points.size());
     densities.assign(points.size(), 1);
     envmap::directions(task.to, face, points, directions);
-    for (Direction& d : directions) d = task.to_source * d;
+    rotate(task.to_source, directions);
     locate_for_bilinear(task.source.projection(), task.source.height(), directions, locations);
+    sample_bilinear(task.source, locations, colours);
     if (weigh) envmap::densities(task.to, points, densities);
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      gather(task.source, &locations[4 * k], &densities[4 * k], side.x * side.y, cells[k]);
+      gather(task.source, &locations[4 * k], &colours[4 * k], &densities[4 * k], side.x * side.y, cells[k]);
       cells[k].rim = weigh && on_disc(task.to) ? side.x * side.y * rim_density(task.to, cells[k].centre, side) : 0;
     }
   }
@@ -75,7 +78,8 @@ struct Workspace {
     return density[0];
   }
 
-  static void gather(const Level& source, const Location<double>* at, const double* density, double measure, Cell& cell) {
+  static void gather(const Level& source, const Location<double>* at, const Colour* colour, const double* density,
+                     double measure, Cell& cell) {
     cell.weight = 0;
     cell.sum = Direction(0);
     bool one_face = true;
@@ -89,7 +93,7 @@ struct Workspace {
       one_face &= at[k].face == at[0].face;
       const double w = 0.25 * measure * density[k];
       cell.weight += w;
-      cell.sum += w * Direction(bilinear(source, at[k]));
+      cell.sum += w * Direction(colour[k]);
     }
 
     // The whole cell reaches sqrt(3) as far from its centre as its samples do.

@@ -193,7 +193,7 @@ class Band {
     directions_.resize(points.size());
     locations_.resize(points.size());
     directions(source_.projection(), face, points, directions_);
-    for (Direction& d : directions_) d = to_result_ * d;
+    rotate(to_result_, directions_);
     locate(target_.to, directions_, locations_);
     place_densities_.resize(points.size());
     densities(source_.projection(), points, place_densities_);

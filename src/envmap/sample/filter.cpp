@@ -1,6 +1,7 @@
 #include "envmap/sample/filter.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include "envmap/sample/area.h"
@@ -32,6 +33,31 @@ Sampler rows_of(Level level) {
   };
 }
 
+// Texels worked on at once: few enough that their directions and locations stay in the nearest cache.
+constexpr std::size_t block = 256;
+
+// One sample a texel, nearest or bilinear: directions of the texels, where they lie in the source, what is there.
+Sampler point_sampler(const Level& base, const Target& target, bool bilinear) {
+  return [=, &base](int face, int row, int first, std::span<Colour> out) {
+    std::array<Direction, block> directions;
+    std::array<Location<double>, block> locations;
+    for (std::size_t start = 0; start < out.size(); start += block) {
+      const std::span texels = out.subspan(start, std::min(block, out.size() - start));
+      const std::span d = std::span(directions).first(texels.size());
+      const std::span at = std::span(locations).first(texels.size());
+      texel_directions(target.to, target.size, face, row, first + static_cast<int>(start), d);
+      rotate(target.to_source, d);
+      if (bilinear) {
+        locate_for_bilinear(base.projection(), base.height(), d, at);
+        sample_bilinear(base, at, texels);
+      } else {
+        locate(base.projection(), d, at);
+        sample_nearest(base, at, texels);
+      }
+    }
+  };
+}
+
 }  // namespace
 
 Sampler make_sampler(const std::vector<Level>& levels, const Target& target, const FilterOptions& options) {
@@ -42,6 +68,8 @@ Sampler make_sampler(const std::vector<Level>& levels, const Target& target, con
         base, target, [&base, target, plan](int face, const Vec2<double>& at) { return plan(target, base, face, at); },
         [&levels](const Location<double>& at, const Probes& p) { return trilinear(levels, at, p.lod); });
   };
+  if (options.samples == 1 && (options.filter == Filter::nearest || options.filter == Filter::bilinear))
+    return point_sampler(base, target, options.filter == Filter::bilinear);
   switch (options.filter) {
     case Filter::nearest:
       return probing(base, target, grid, [&base](const Location<double>& at, const Probes&) { return nearest(base, at); }, true);

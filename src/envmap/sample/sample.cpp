@@ -14,8 +14,4 @@ void sample_nearest(const Level& level, std::span<const Location<double>> at, st
   for (std::size_t k = 0; k < at.size(); ++k) out[k] = nearest(level, at[k]);
 }
 
-void sample_bilinear(const Level& level, std::span<const Location<double>> at, std::span<Colour> out) {
-  for (std::size_t k = 0; k < at.size(); ++k) out[k] = bilinear(level, at[k]);
-}
-
 }  // namespace envmap

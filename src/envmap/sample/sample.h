@@ -24,6 +24,7 @@ inline Colour bilinear(const Level& level, const Location<double>& at) {
   return (1 - fy) * upper + fy * lower;
 }
 
+/// The same for many locations; bilinear a vector at a time, with the same result to the last bit.
 void sample_nearest(const Level& level, std::span<const Location<double>> at, std::span<Colour> out);
 void sample_bilinear(const Level& level, std::span<const Location<double>> at, std::span<Colour> out);
 
