@@ -1,6 +1,9 @@
 #!/bin/sh
-# Installs the Debian packages that the build, the tests and the tour need and that are missing, and nothing else.
+# Installs the Debian packages that are needed and missing, and nothing else.
 # With all of them there it asks dpkg once and ends: no network, no root.
+#
+#   sh packages.sh           what the build, the tests and the tour need
+#   sh packages.sh bench     also what tests/bench builds with, and the tools it times beside envmap
 set -eu
 
 # For the tests: libgtest-dev, libopenexr-dev and openexr (files as OpenEXR itself makes them), openimageio-tools, mandoc
@@ -15,6 +18,12 @@ fail() {
   echo "packages.sh: $1" >&2
   exit 1
 }
+
+case ${1:-} in
+  '') ;;
+  bench) packages="$packages libbenchmark-dev python3 pfstools ffmpeg" ;;
+  *) fail "$1: only 'bench' or nothing" ;;
+esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   fail 'not a Debian system: install what this script lists, then build with: cmake --preset release && cmake --build --preset release'

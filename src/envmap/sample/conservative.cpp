@@ -18,7 +18,7 @@ namespace {
 constexpr int band_rows = 32;     // Of the source; one task.
 constexpr int bands_at_once = 64;  // Fixed, so that sums are added in the same order at any number of threads.
 constexpr int tile_side = 16;     // Of the result; a band touches few.
-constexpr int deepest = 12;       // Quarterings of a texel.
+constexpr int deepest = 7;        // Quarterings of a texel: a sun is cut to a 16000th.
 
 // What has fallen into a texel of the result.
 struct Caught {
