@@ -139,8 +139,8 @@ std::int64_t repair(Level& level) {
       });
     const auto place = [](const Texel& t) { return std::tuple(t.face, t.j, t.i); };
     std::ranges::sort(ring, {}, place);
-    const auto repeated = std::ranges::unique(ring, {}, place);
-    ring.erase(repeated.begin(), repeated.end());
+    const auto same = [&](const Texel& a, const Texel& b) { return place(a) == place(b); };
+    ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());  // Clang 14 lacks std::ranges::unique.
   }
   return changed;
 }
