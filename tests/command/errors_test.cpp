@@ -124,6 +124,13 @@ TEST_F(Input, RefusesFormatsThatHoldNoMaps) {
   for (const char* name : {"icon.ico", "icon.png"}) refuses(name, {"neither EXR"});
 }
 
+// Found by tests/fuzz: an RLE bitmap of 2686976 x 393216; what OpenImageIO throws passed it by.
+TEST_F(Input, RefusesBitmapsThatPromiseTooMuch) {
+  using namespace std::string_literals;
+  write("huge.bmp", "BM\x0e\1\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\0\0\x29\0\0\0\6\0\1\0\x18\0\2\0\0\0"s + std::string(40, '\0'));
+  refuses("huge.bmp", {"huge.bmp"});
+}
+
 TEST_F(Input, RefusesStandardInputThatIsNoImage) {
   fails(bad_input, {"info", "-"}, {"standard input", "empty"});
   fails(bad_input, {"info", "-"}, {"standard input"}, {.input = "no image\n"});

@@ -50,7 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const bool also_in_openimageio = OIIO::attribute("threads", 1) && OIIO::attribute("exr_threads", 1);
   if (!also_in_openimageio) std::abort();
 
-  // Targa alone goes by the name. Always written, so that the input is there when a crash inside malloc blocks libFuzzer's own report.
+  // Written always: a crash inside malloc can block libFuzzer's own report. Targa alone goes by the name.
   const std::string bytes(reinterpret_cast<const char*>(data), size), file = "fuzz_read.tga";
   std::ofstream(file, std::ios::binary) << bytes;
 

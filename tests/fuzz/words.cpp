@@ -1,4 +1,5 @@
 // Any image description, attribute values and shape: what the metadata says and what is recognised in it.
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -26,7 +27,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   only_words.attribute("ImageDescription", again.get_string_attribute("ImageDescription"));
   for (const OIIO::ImageSpec* spec : {&again, &only_words}) {
     const Metadata m = metadata(*spec);
-    if (m.projection != recorded.projection || m.layout != recorded.layout || m.forward != recorded.forward) std::abort();
+    if (m.projection != recorded.projection || m.layout != recorded.layout || m.forward != recorded.forward)
+      std::abort();
   }
   try {
     // Texels of all faces fit in the image.

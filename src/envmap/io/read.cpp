@@ -156,6 +156,13 @@ void check_size(const Image& image, const OIIO::ImageSpec& spec) {
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1) image.fail("not a flat image");
   if (spec.full_width != spec.width || spec.full_height != spec.height || spec.full_x != spec.x || spec.full_y != spec.y)
     image.fail("its data window is not its display window: only part of the sphere is there");
+  // A tile may reach beyond the image, but OpenImageIO takes memory for all of it, and divides by its sides.
+  constexpr int roomy = 4096;
+  const bool tiled = spec.tile_width != 0 || spec.tile_height != 0;
+  if (tiled && (spec.tile_width < 1 || spec.tile_width > std::max(spec.width, roomy) || spec.tile_height < 1 ||
+                spec.tile_height > std::max(spec.height, roomy)))
+    image.fail(fmt::format("damaged: tiles of {}x{} in an image of {}x{}", spec.tile_width, spec.tile_height, spec.width,
+                           spec.height));
   const double bytes = static_cast<double>(spec.width) * spec.height * sizeof(Colour);
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
   // A header can promise anything. No compression in use makes a map 20,000 times smaller.
@@ -319,6 +326,8 @@ Source read(const std::string& path, const ReadOptions& options) {
     return source;
   } catch (const std::bad_alloc&) {
     throw InputError(name + ": not enough memory to read it");
+  } catch (const std::length_error&) {  // Out of OpenImageIO's BMP reader, for one.
+    throw InputError(name + ": damaged: its header promises more than any memory holds");
   }
 }
 

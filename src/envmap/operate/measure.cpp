@@ -127,11 +127,10 @@ std::int64_t repair(Level& level) {
       for_each_around(level, t, [&](const Texel& beside) {
         if (const Colour& c = at(level, beside); usable(c)) sum += Direction(c), ++count;
       });
-      if (count > 0) filled.emplace_back(t, Colour(sum / double(count)));
+      if (count > 0) filled.emplace_back(t, Colour(sum / double(count))), --left;
     }
     if (filled.empty()) throw InputError("no texel to repair from: a whole face is NaN or infinite");
     for (const auto& [t, colour] : filled) *level.texel(t.face, t.i, t.j) = colour;
-    left -= filled.size();
     ring.clear();
     for (const auto& [t, colour] : filled)
       for_each_around(level, t, [&](const Texel& beside) {
