@@ -65,6 +65,42 @@ std::string mutated(std::string bytes, unsigned seed) {
   return bytes;
 }
 
+class DamagedTiff : public CommandTest {
+ protected:
+  // A little-endian TIFF file's entry: tag, type, count, value, here one 32-bit number.
+  static void set_tag(std::string& tiff, unsigned tag, std::uint32_t value) {
+    const auto number = [&](std::size_t at, int bytes) {
+      std::uint32_t n = 0;
+      for (int k = bytes; k-- > 0;) n = n << 8 | static_cast<unsigned char>(tiff.at(at + static_cast<std::size_t>(k)));
+      return n;
+    };
+    const std::size_t directory = number(4, 4);
+    for (std::size_t at = directory + 2, end = at + 12 * number(directory, 2); at < end; at += 12) {
+      if (number(at, 2) != tag) continue;
+      const std::uint32_t words[] = {tag | 4U << 16, 1, value};
+      for (std::size_t k = 0; k < 12; ++k) tiff.at(at + k) = static_cast<char>(words[k / 4] >> 8 * (k % 4));
+      return;
+    }
+    FAIL() << "no tag " << tag;
+  }
+};
+
+// OpenImageIO takes memory for a tile, or divides by its sides, whatever they are.
+TEST_F(DamagedTiff, TilesOfAbsurdSizeAreRefused) {
+  OIIO::ImageSpec spec;
+  spec.tile_width = spec.tile_height = 16;
+  save(path("map.tif"), latlong_directions(16), TypeDesc::FLOAT, spec);
+  succeeds({"info", "map.tif"});
+  for (const unsigned side : {322U, 323U})  // TileWidth, TileLength.
+    for (const std::uint32_t length : {1U << 24, 0x7ffffff0U, 0x80000000U, 0xfffffff0U, 0xffffffffU}) {
+      SCOPED_TRACE(testing::Message() << side << ' ' << length);
+      std::string bytes = read("map.tif");
+      set_tag(bytes, side, length);
+      write("tiles.tif", bytes);
+      fails(3, {"info", "tiles.tif"}, {"tiles.tif"}, {.memory = std::uint64_t{4} << 30});
+    }
+}
+
 // Where a run misbehaves its file is kept for whoever looks into it.
 std::string kept(const std::string& from) {
   const auto folder = std::filesystem::temp_directory_path() / "envmap-damaged";

@@ -117,6 +117,20 @@ TEST_F(Input, RefusesTextThatCallsItselfAnImage) {
   }
 }
 
+// OpenImageIO 2.4 writes beyond its memory when it reads a sound icon.
+TEST_F(Input, RefusesFormatsThatHoldNoMaps) {
+  save(path("icon.ico"), Picture::filled(12, 6, 0.5), OIIO::TypeDesc::UINT8);
+  write("icon.png", read("icon.ico"));
+  for (const char* name : {"icon.ico", "icon.png"}) refuses(name, {"neither EXR"});
+}
+
+// Found by tests/fuzz: an RLE bitmap of 2686976 x 393216; what OpenImageIO throws passed it by.
+TEST_F(Input, RefusesBitmapsThatPromiseTooMuch) {
+  using namespace std::string_literals;
+  write("huge.bmp", "BM\x0e\1\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\0\0\x29\0\0\0\6\0\1\0\x18\0\2\0\0\0"s + std::string(40, '\0'));
+  refuses("huge.bmp", {"huge.bmp"});
+}
+
 TEST_F(Input, RefusesStandardInputThatIsNoImage) {
   fails(bad_input, {"info", "-"}, {"standard input", "empty"});
   fails(bad_input, {"info", "-"}, {"standard input"}, {.input = "no image\n"});
@@ -133,6 +147,14 @@ TEST_F(Input, WantsExactlyRedGreenAndBlue) {
   refuses("alpha.exr", {"A", "--drop-channels"});
   succeeds({"convert", "alpha.exr", "out.exr", "--drop-channels"});
   EXPECT_EQ(load(path("out.exr")), Picture::filled(8, 4, 1));
+}
+
+// Found by tests/fuzz: what a file calls its channels went to the terminal as it was.
+TEST_F(Input, SaysNamesOutOfFilesWithoutControlCharacters) {
+  OIIO::ImageSpec spec;
+  spec.channelnames = {"R", "G", "B", "Z\n\x1b[2J"};
+  save(path("names.exr"), Picture::filled(8, 4, 1, 4), OIIO::TypeDesc::FLOAT, spec);
+  refuses("names.exr", {"Z??[2J", "--drop-channels"});
 }
 
 TEST_F(Input, RefusesShapesThatNoProjectionHas) {

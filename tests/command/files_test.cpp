@@ -124,6 +124,25 @@ TEST_F(Formats, GoThroughPipes) {
   EXPECT_EQ(names(), (std::vector<std::string>{"back.exr", "in.exr"}));
 }
 
+TEST_F(Formats, AreKnownByTheirBytesNotByTheName) {
+  for (const char* format : {"exr", "hdr", "pfm", "tif", "png", "jpg", "bmp", "webp", "ppm"}) {
+    SCOPED_TRACE(format);
+    const std::string name = std::string("map.") + format;
+    succeeds({"generate", "constant", name, "--size", "8"});
+    write("renamed.tga", read(name));
+    succeeds({"info", "renamed.tga"});
+  }
+  succeeds({"generate", "constant", "map.tga", "--size", "8"});  // But for this, which has no mark.
+  succeeds({"info", "map.tga"});
+}
+
+TEST_F(Formats, AreReadFromANamedPipe) {
+  succeeds({"generate", "directions", "in.exr", "--size", "8"});
+  const Result r = shell("mkfifo pipe && { cat in.exr >pipe & \"$ENVMAP\" info pipe; }");
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_NE(r.out.find("openexr float, 16x8"), std::string::npos) << r.out;
+}
+
 TEST_F(Formats, WrittenToAPipeAreTheBytesOfTheFile) {
   for (const std::string format : {"exr", "hdr", "pfm", "tif", "png"}) {
     SCOPED_TRACE(format);

@@ -69,6 +69,17 @@ TEST(Repair, TakesTheMeanOfSoundNeighbours) {
   EXPECT_EQ(*map.base().texel(0, 25, 3), Colour(0.5F, 0, 1));
 }
 
+// A file of a few bytes can hold it; looking at every hole for every ring would take a minute.
+TEST(Repair, SpreadsOneSoundTexelOverAMapWithoutAnotherInNoTime) {
+  EnvironmentMap map = grey(Projection::latlong, 1024);
+  for (int j = 0; j < 1024; ++j)
+    for (Colour& c : map.base().row(0, j)) c = Colour(nan);
+  *map.base().texel(0, 3, 1000) = Colour(1, 2, 3);
+  EXPECT_EQ(repair(map.base()), 2048 * 1024 - 1);
+  EXPECT_EQ(find_flaws(map.base()).count(), 0);
+  EXPECT_EQ(*map.base().texel(0, 2047, 0), Colour(1, 2, 3));
+}
+
 TEST(Repair, NeedsASoundTexel) {
   EnvironmentMap map = grey(Projection::latlong, 2);
   for (int j = 0; j < 2; ++j)

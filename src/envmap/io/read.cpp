@@ -43,7 +43,11 @@ struct Image {
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
   std::unique_ptr<OIIO::ImageInput> input;
 
-  [[noreturn]] void fail(const std::string& why) const { throw InputError(name + ": " + why); }
+  // Channel names and what a library quotes come from the file: no line breaks and no commands to the terminal.
+  [[noreturn]] void fail(std::string why) const {
+    std::ranges::replace_if(why, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+    throw InputError(name + ": " + why);
+  }
 };
 
 // libpng and libjpeg print to standard error what OpenImageIO then reports, too. An error is one line: ours.
@@ -63,33 +67,50 @@ class SilentLibraries {
   int kept_;
 };
 
-// The format of bytes without a name, by their first few.
-std::string sniff(std::span<const char> bytes) {
-  const std::string_view head(bytes.data(), std::min<std::size_t>(bytes.size(), 16));
+constexpr std::size_t head_size = 16;
+
+// The format that the first bytes say; a Targa file has no such mark, only its name. OpenImageIO asked about a file it
+// does not know tries 30 readers in turn, and some write beyond their memory even for sound files (2.4: ICO, IFF):
+// none is asked but the one that fits.
+std::string format_of(std::string_view head, const std::string& path) {
   if (head.starts_with("\x76\x2f\x31\x01")) return "openexr";
   if (head.starts_with("#?")) return "hdr";
   if (head.starts_with("\x89PNG")) return "png";
   if (head.starts_with("II") || head.starts_with("MM")) return "tiff";
   if (head.starts_with("\xff\xd8")) return "jpeg";
   if (head.starts_with("DDS ")) return "dds";
-  if (head.starts_with("P")) return "pnm";
-  return {};
+  if (head.size() > 1 && head[0] == 'P' && std::string_view("123456Ff").find(head[1]) != head.npos) return "pnm";
+  if (head.starts_with("BM")) return "bmp";
+  if (head.starts_with("SDPX") || head.starts_with("XPDS")) return "dpx";
+  if (head.starts_with("8BPS")) return "psd";
+  if (head.starts_with("\x01\xda")) return "sgi";
+  if (head.starts_with("GIF8")) return "gif";
+  if (head.find("jP  ") == 4 || head.starts_with("\xff\x4f\xff\x51")) return "jpeg2000";
+  if (head.starts_with("RIFF") && head.find("WEBP") == 8) return "webp";
+  return OIIO::Strutil::iends_with(path, ".tga") ? "targa" : "";
 }
 
-void open_standard_input(Image& image) {
-  image.name = "standard input";
-  image.bytes.assign(std::istreambuf_iterator<char>(std::cin), {});
+void open_as(Image& image, std::string_view head, const std::string& path, const OIIO::ImageSpec& config) {
+  const std::string format = format_of(head, path), unread = "not an image that can be read: ";
+  if (format.empty())
+    image.fail(unread + "neither EXR, HDR, PFM, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, DPX, PSD, SGI nor DDS");
+  const SilentLibraries silent(true);
+  image.input = OIIO::ImageInput::create(format);
+  OIIO::ImageSpec spec;
+  if (!image.input || !image.input->open(path, spec, config))
+    image.fail(unread + first_line(image.input ? image.input->geterror() : OIIO::geterror()));
+}
+
+// Standard input and pipes, which cannot be read twice.
+void open_stream(Image& image, std::istream& stream) {
+  image.bytes.assign(std::istreambuf_iterator<char>(stream), {});
   image.size = image.bytes.size();
   if (image.bytes.empty()) image.fail("is empty");
-  const std::string format = sniff(image.bytes);
-  if (format.empty()) image.fail("neither EXR, HDR, PFM, PNM, TIFF, PNG, JPEG nor DDS");
   image.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
-  image.input = OIIO::ImageInput::create(format);
-  OIIO::ImageSpec spec, config;
+  OIIO::ImageSpec config;
   void* proxy = image.memory.get();
   config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  if (!image.input || !image.input->open("standard input", spec, config))
-    image.fail(first_line(image.input ? image.input->geterror() : OIIO::geterror()));
+  open_as(image, {image.bytes.data(), std::min<std::size_t>(image.size, head_size)}, image.name, config);
 }
 
 void open_file(Image& image, const std::string& path) {
@@ -98,14 +119,14 @@ void open_file(Image& image, const std::string& path) {
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
   if (fs::is_directory(status)) image.fail("is a folder; name a file");
-  if (fs::is_regular_file(status)) {
-    image.size = fs::file_size(path, error);
-    if (image.size == 0) image.fail("is empty");
-  }
   if (::access(path.c_str(), R_OK) != 0) image.fail(std::strerror(errno));
-  const SilentLibraries silent(true);
-  image.input = OIIO::ImageInput::open(path);
-  if (!image.input) image.fail("not an image that can be read: " + first_line(OIIO::geterror()));
+  std::ifstream stream(path, std::ios::binary);
+  if (!fs::is_regular_file(status)) return open_stream(image, stream);
+  image.size = fs::file_size(path, error);
+  if (image.size == 0) image.fail("is empty");
+  char head[head_size] = {};
+  stream.read(head, sizeof head);
+  open_as(image, {head, sizeof head}, path, {});
 }
 
 // First channel of the R, G, B to read, and how many: 3, or 1 for grey.
@@ -124,7 +145,7 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   if (first < 0 && spec.nchannels == 1) first = 0, count = 1;
   if (first < 0) {
     std::string names;
-    for (int c = 0; c < std::min(spec.nchannels, 8); ++c) names += (c ? ", " : "") + std::string(spec.channel_name(c));
+    for (int c = 0; c < spec.nchannels && names.size() < 40; ++c) names += (c ? ", " : "") + std::string(spec.channel_name(c));
     image.fail(fmt::format("no R, G and B among its {} channels ({})", spec.nchannels, names));
   }
   if (spec.nchannels > count && !options.drop_channels) {
@@ -140,6 +161,13 @@ void check_size(const Image& image, const OIIO::ImageSpec& spec) {
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1) image.fail("not a flat image");
   if (spec.full_width != spec.width || spec.full_height != spec.height || spec.full_x != spec.x || spec.full_y != spec.y)
     image.fail("its data window is not its display window: only part of the sphere is there");
+  // A tile may reach beyond the image, but OpenImageIO takes memory for all of it, and divides by its sides.
+  constexpr int roomy = 4096;
+  const bool tiled = spec.tile_width != 0 || spec.tile_height != 0;
+  if (tiled && (spec.tile_width < 1 || spec.tile_width > std::max(spec.width, roomy) || spec.tile_height < 1 ||
+                spec.tile_height > std::max(spec.height, roomy)))
+    image.fail(fmt::format("damaged: tiles of {}x{} in an image of {}x{}", spec.tile_width, spec.tile_height, spec.width,
+                           spec.height));
   const double bytes = static_cast<double>(spec.width) * spec.height * sizeof(Colour);
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
   // A header can promise anything. No compression in use makes a map 20,000 times smaller.
@@ -172,7 +200,8 @@ void read_band(Image& image, const Channels& channels, int begin, int end, std::
     for (Colour& c : out) c = Colour(c.x);
 }
 
-void read_pixels(Image& image, const Channels& channels, const Grid& g, Level& level) {
+// A level of the map, whose memory is taken when the first rows have been read: a header can promise anything.
+Level read_pixels(Image& image, const Channels& channels, const Recognised& found) {
   const OIIO::ImageSpec& spec = image.input->spec();
   const bool encoded = spec.format.is_floating_point() == false &&
                        !OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
@@ -180,13 +209,16 @@ void read_pixels(Image& image, const Channels& channels, const Grid& g, Level& l
   const int unit = spec.tile_width > 0 ? spec.tile_height : 16;
   const int band_rows = (std::max(128, unit) / unit) * unit;
   std::vector<Colour> band(static_cast<std::size_t>(std::min(band_rows, spec.height)) * static_cast<std::size_t>(spec.width));
+  std::optional<Level> level;
   for (int begin = 0; begin < spec.height; begin += band_rows) {
     const int end = std::min(begin + band_rows, spec.height);
     const auto rows = std::span(band).first(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(spec.width));
     read_band(image, channels, begin, end, rows);
     if (encoded) decode_srgb(rows);
-    scatter(rows, begin, end, g, level);
+    if (!level) level.emplace(found.projection, found.size);
+    scatter(rows, begin, end, grid(found.layout), *level);
   }
+  return std::move(*level);
 }
 
 // From samples at the border (sample i of W at u = i/(W-1)) to cell centres, within each face.
@@ -231,7 +263,14 @@ void settle_flaws(const std::string& name, const ReadOptions& options, Source& s
                                counts, flaws.first->i, flaws.first->j, face));
 }
 
-Source read_one(Image& image, const ReadOptions& options) {
+Source read_image(const std::string& path, const ReadOptions& options) {
+  Image image;
+  if (path == "-") {
+    image.name = "standard input";
+    open_stream(image, std::cin);
+  } else {
+    open_file(image, path);
+  }
   const OIIO::ImageSpec spec = image.input->spec();
   check_size(image, spec);
   const Channels channels = choose_channels(image, options);
@@ -247,8 +286,7 @@ Source read_one(Image& image, const ReadOptions& options) {
   Source source{.map = {}, .layout = found.layout, .depth = depth_of(spec.format), .format = image.input->format_name(),
                 .image_width = spec.width, .image_height = spec.height,
                 .border_samples = has_border_samples(spec) && !options.ignore_envmap_attribute};
-  source.map.levels.emplace_back(found.projection, found.size);
-  read_pixels(image, channels, grid(found.layout), source.map.base());
+  source.map.levels.push_back(read_pixels(image, channels, found));
   if (has_forward(found.projection))
     source.map.forward = options.forward.value_or(
         recorded.forward.value_or(options.assumed_forward.value_or(Forward::plus_z)));
@@ -274,8 +312,9 @@ Source read_faces(const std::string& path, const ReadOptions& options) {
     Level& level = source->map.base();
     if (spec.height != level.height())
       image.fail(fmt::format("{}x{}, but the first face is {}x{}", spec.width, spec.height, level.width(), level.height()));
-    Level one(Projection::sphere, spec.height);  // Any projection of one square face.
-    read_pixels(image, choose_channels(image, options), grid(Layout::single), one);
+    // Any projection of one square face.
+    const Recognised square{Projection::sphere, Layout::single, spec.height};
+    const Level one = read_pixels(image, choose_channels(image, options), square);
     for (int j = 0; j < level.height(); ++j) std::ranges::copy(one.row(0, j), level.row(face, j).begin());
   }
   return std::move(*source);
@@ -284,19 +323,17 @@ Source read_faces(const std::string& path, const ReadOptions& options) {
 }  // namespace
 
 Source read(const std::string& path, const ReadOptions& options) {
-  Source source = [&] {
-    if (has_face(path)) return read_faces(path, options);
-    Image image;
-    path == "-" ? open_standard_input(image) : open_file(image, path);
-    try {
-      return read_one(image, options);
-    } catch (const std::bad_alloc&) {
-      image.fail("not enough memory to read it");
-    }
-  }();
-  if (source.border_samples) to_cell_centres(source.map.base());
-  settle_flaws(path == "-" ? "standard input" : path, options, source);
-  return source;
+  const std::string name = path == "-" ? "standard input" : path;
+  try {
+    Source source = has_face(path) ? read_faces(path, options) : read_image(path, options);
+    if (source.border_samples) to_cell_centres(source.map.base());
+    settle_flaws(name, options, source);
+    return source;
+  } catch (const std::bad_alloc&) {
+    throw InputError(name + ": not enough memory to read it");
+  } catch (const std::length_error&) {  // Out of OpenImageIO's BMP reader, for one.
+    throw InputError(name + ": damaged: its header promises more than any memory holds");
+  }
 }
 
 }  // namespace envmap

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "envmap/error.h"
 #include "envmap/maths/sum.h"
@@ -63,6 +66,17 @@ FluxSum flux(const Level& level) {
 // The columns of a row that touch the disc, whatever is stored beside them.
 Columns weighted_columns(const Level& level, int j) { return columns(level.projection(), level.height(), j); }
 
+const Colour& at(const Level& level, const Texel& t) { return *level.texel(t.face, t.i, t.j); }
+
+// f(texel) for a texel and its up to eight neighbours on the face.
+template <class F>
+void for_each_around(const Level& level, const Texel& t, F&& f) {
+  for (int j = std::max(0, t.j - 1); j <= std::min(level.height() - 1, t.j + 1); ++j) {
+    const Columns in = weighted_columns(level, j);
+    for (int i = std::max(in.first, t.i - 1); i <= std::min(in.end - 1, t.i + 1); ++i) f(Texel{t.face, i, j});
+  }
+}
+
 }  // namespace
 
 Flaws find_flaws(const Level& level) {
@@ -102,31 +116,30 @@ std::int64_t repair(Level& level) {
         if (f == Flaw::nan || f == Flaw::infinite) holes.push_back({face, i, j});
       }
     }
-  // Ring by ring from the rim of each hole inwards; all of a ring is read before any of it is written.
-  while (!holes.empty()) {
+  // Ring by ring from the rim of each hole inwards; all of a ring is read before any of it is written. After the first
+  // only texels beside the ring before are looked at, or a map of nothing but NaN would take hours.
+  std::size_t left = holes.size();
+  for (std::vector<Texel> ring = std::move(holes); left > 0;) {
     std::vector<std::pair<Texel, Colour>> filled;
-    std::vector<Texel> left;
-    for (const Texel& t : holes) {
+    for (const Texel& t : ring) {
       Direction sum(0);
       int count = 0;
-      for (int dj = -1; dj <= 1; ++dj) {
-        const int j = t.j + dj;
-        if (j < 0 || j >= level.height()) continue;
-        const Columns in = weighted_columns(level, j);
-        for (int i = std::max(in.first, t.i - 1); i <= std::min(in.end - 1, t.i + 1); ++i)
-          if (const Colour& c = *level.texel(t.face, i, j); usable(c)) {
-            sum += Direction(c);
-            ++count;
-          }
-      }
-      if (count > 0)
-        filled.emplace_back(t, Colour(sum / double(count)));
-      else
-        left.push_back(t);
+      for_each_around(level, t, [&](const Texel& beside) {
+        if (const Colour& c = at(level, beside); usable(c)) sum += Direction(c), ++count;
+      });
+      if (count > 0) filled.emplace_back(t, Colour(sum / double(count))), --left;
     }
     if (filled.empty()) throw InputError("no texel to repair from: a whole face is NaN or infinite");
     for (const auto& [t, colour] : filled) *level.texel(t.face, t.i, t.j) = colour;
-    holes = std::move(left);
+    ring.clear();
+    for (const auto& [t, colour] : filled)
+      for_each_around(level, t, [&](const Texel& beside) {
+        if (!usable(at(level, beside))) ring.push_back(beside);
+      });
+    const auto place = [](const Texel& t) { return std::tuple(t.face, t.j, t.i); };
+    std::ranges::sort(ring, {}, place);
+    const auto same = [&](const Texel& a, const Texel& b) { return place(a) == place(b); };
+    ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());  // Clang 14 lacks std::ranges::unique.
   }
   return changed;
 }

@@ -1,0 +1,42 @@
+// Any image description, attribute values and shape: what the metadata says and what is recognised in it.
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "envmap/error.h"
+#include "envmap/io/recognise.h"
+
+using namespace envmap;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  std::int32_t shape[2] = {1, 1};
+  if (size >= sizeof shape) std::memcpy(shape, data, sizeof shape), data += sizeof shape, size -= sizeof shape;
+  for (std::int32_t& length : shape) length = std::max(1, length & 0x7fffffff);
+  const std::string text(reinterpret_cast<const char*>(data), size);
+
+  OIIO::ImageSpec words, attributes, again;
+  words.attribute("ImageDescription", text);
+  for (const char* key : {"envmap:projection", "envmap:layout", "envmap:forward", "textureformat"})
+    attributes.attribute(key, text);
+  const Metadata said = metadata(attributes), recorded = metadata(words);
+
+  // What was understood is written so that it is understood again.
+  set_metadata(again, recorded);
+  OIIO::ImageSpec only_words;
+  only_words.attribute("ImageDescription", again.get_string_attribute("ImageDescription"));
+  for (const OIIO::ImageSpec* spec : {&again, &only_words}) {
+    const Metadata m = metadata(*spec);
+    if (m.projection != recorded.projection || m.layout != recorded.layout || m.forward != recorded.forward)
+      std::abort();
+  }
+  try {
+    // Texels of all faces fit in the image.
+    const Recognised r = recognise(shape[0], shape[1], said, recorded);
+    const double texels = static_cast<double>(faces(r.projection)) * r.size * r.size * aspect(r.projection);
+    if (r.size < 1 || texels > static_cast<double>(shape[0]) * shape[1]) std::abort();
+  } catch (const InputError&) {
+  } catch (const UsageError&) {
+  }
+  return 0;
+}
