@@ -84,9 +84,11 @@ struct Place {
   [[nodiscard]] int row() const { return static_cast<int>(y); }
 };
 
-bool same_texel(const Place& a, const Place& b) {
-  return a.face == b.face && a.column() == b.column() && a.row() == b.row();
-}
+// The texels of the result, first and last, that a cell reaches into. Where borders of both images coincide, rounding
+// must not make it reach over.
+struct Reach {
+  int x0, x1, y0, y1;
+};
 
 // A part of a source texel: from (u,v), `size` wide and high, with the places of its corners (00, 10, 01, 11).
 struct Cell {
@@ -94,8 +96,20 @@ struct Cell {
   std::array<Place, 4> corners;
   int depth;
 
+  [[nodiscard]] Reach reach() const {
+    const auto& c = corners;
+    const auto [x0, x1] = std::minmax({c[0].x, c[1].x, c[2].x, c[3].x});
+    const auto [y0, y1] = std::minmax({c[0].y, c[1].y, c[2].y, c[3].y});
+    return {static_cast<int>(x0 + 1e-9), static_cast<int>(x1 - 1e-9), static_cast<int>(y0 + 1e-9), static_cast<int>(y1 - 1e-9)};
+  }
   [[nodiscard]] bool in_one_texel() const {
-    return same_texel(corners[0], corners[1]) && same_texel(corners[0], corners[2]) && same_texel(corners[0], corners[3]);
+    const Reach r = reach();
+    return on_one_face() && r.x0 == r.x1 && r.y0 == r.y1;
+  }
+  // One of its inner points, for a cell that lies in one texel.
+  [[nodiscard]] Place inside() const {
+    const Reach r = reach();
+    return {corners[0].face, r.x0 + 0.5, r.y0 + 0.5, 0};
   }
   [[nodiscard]] bool on_one_face() const {
     return corners[0].face == corners[1].face && corners[0].face == corners[2].face && corners[0].face == corners[3].face;
@@ -171,7 +185,7 @@ class Band {
       const Colour &own = *source_.texel(face, i, row), &near = smooth_[k];
       const bool even = slope < task_.tolerance * densities_[k] || glm::all(glm::lessThan(glm::abs(near - own), 0.25F * own));
       if (cell.in_one_texel() && inside_disc(cell) && slope < 0.02 * densities_[k] && even)
-        add(cell.corners[0], densities_[k] * area, Direction(smooth_[k]));
+        add(cell.inside(), densities_[k] * area, Direction(smooth_[k]));
       else
         part(cell);
     }
@@ -255,7 +269,7 @@ class Band {
     // many.
     if (cell.depth == 0 && (at_stake > 60 || cell.in_one_texel())) return quarter(cell);
     const auto value = [&] { return Direction(bilinear(source_, {face_, middle[0].x, middle[0].y})); };
-    if (cell.in_one_texel()) return add(c[0], weight, value());
+    if (cell.in_one_texel()) return add(cell.inside(), weight, value());
     Place centre[1];
     place(face_, middle, centre);
     if (cell.on_one_face() && at_stake * bend(cell, centre[0]) <= 1) return cut(cell, weight, at_stake > 4);
@@ -280,7 +294,8 @@ class Band {
     // A texel has about 8 x its width in source texels of border, whose errors add up as independent ones. All of a sliver
     // at a rim is border, with errors of one sign.
     const double share = std::sqrt(weight * (1 << 2 * cell.depth) / texel) / 8;
-    const double allowed = task_.tolerance * std::sqrt(std::min(1.0, share)) * std::min(1.0, texel / task_.mean_steradians) *
+    const double sliver = on_disc(target_.to) ? std::min(1.0, texel / task_.mean_steradians) : 1;
+    const double allowed = task_.tolerance * std::sqrt(std::min(1.0, share)) * sliver *
                            std::max(texel * std::max<double>(low, task_.floor), weight * high);
     return allowed > 0 ? weight * (high - low) / allowed : 0;
   }
@@ -301,8 +316,7 @@ class Band {
     const Vec2<double> p[4] = {{c[0].x, c[0].y}, {c[1].x, c[1].y}, {c[2].x, c[2].y}, {c[3].x, c[3].y}};
     const Vec2<double> du = 0.5 * (p[1] - p[0] + p[3] - p[2]), dv = 0.5 * (p[2] - p[0] + p[3] - p[1]);
     const Vec2<double> from = 0.25 * (p[0] + p[1] + p[2] + p[3]) - 0.5 * (du + dv);
-    const auto [x0, x1] = std::minmax({c[0].column(), c[1].column(), c[2].column(), c[3].column()});
-    const auto [y0, y1] = std::minmax({c[0].row(), c[1].row(), c[2].row(), c[3].row()});
+    const auto [x0, x1, y0, y1] = cell.reach();
     Polygon square;
     for (const Vec2<double>& corner : {Vec2<double>(0, 0), {1, 0}, {1, 1}, {0, 1}}) square.add(corner);
     for (int x = x0; x <= x1; ++x) {
@@ -392,7 +406,7 @@ Level conservative_area(const Level& source, const Target& target, double tolera
       const Caught& sum = sums[static_cast<std::size_t>(r) * width + static_cast<std::size_t>(i)];
       // A sliver at a rim, thinner than any cell, is left to the other way.
       const double steradians = task.steradians[static_cast<std::size_t>(row) * width + static_cast<std::size_t>(i)];
-      if (sum.weight > 0 && steradians > 0.01 * task.mean_steradians)
+      if (sum.weight > 0 && (!on_disc(target.to) || steradians > 0.01 * task.mean_steradians))
         *result.texel(face, i, row) = sum.mean(steradians);
       else
         fallback(face, row, i, {result.texel(face, i, row), 1});
