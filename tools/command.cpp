@@ -19,7 +19,7 @@ namespace tools {
 using namespace envmap;
 
 std::vector<Command> all_commands() {
-  return {convert_command(),  info_command(),   compare_command(),   generate_command(),
+  return {convert_command(), info_command(),   compare_command(),   generate_command(),
           preview_command(), manual_command(), completion_command()};
 }
 
@@ -27,14 +27,17 @@ std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common&
   auto app = std::make_unique<CLI::App>("Convert, measure and make environment maps.", "envmap");
   app->set_version_flag("--version", ENVMAP_VERSION);
   app->require_subcommand(1);
-  app->footer("'envmap COMMAND --help' shows the options of a command and examples; 'man envmap-COMMAND' the same and more.");
+  app->footer(
+      "'envmap COMMAND --help' shows the options of a command and examples; 'man envmap-COMMAND' the same and more.");
   for (const Command& command : commands) {
     CLI::App* sub = app->add_subcommand(command.name, command.summary);
     const std::function<int()> action = command.define(*sub, common);
     if (command.reports) sub->add_flag("--json", common.json, "Report as JSON on standard output");
     if (command.writes)
-      sub->add_option("--depfile", common.depfile, "Write what the output depends on, in Make syntax")->type_name("FILE");
-    sub->add_option("--threads", common.threads, "Threads to use; the result is the same for any number (default: all cores)")
+      sub->add_option("--depfile", common.depfile, "Write what the output depends on, in Make syntax")
+          ->type_name("FILE");
+    sub->add_option("--threads", common.threads,
+                    "Threads to use; the result is the same for any number (default: all cores)")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
     sub->add_flag("-q,--quiet", common.quiet, "No notes and no progress, only errors");
@@ -53,7 +56,8 @@ std::string joined(std::span<const std::string_view> words) {
   return all;
 }
 
-CLI::Option* add_projection(CLI::App& app, const std::string& flag, std::optional<Projection>& value, const std::string& help) {
+CLI::Option* add_projection(CLI::App& app, const std::string& flag, std::optional<Projection>& value,
+                            const std::string& help) {
   std::vector<std::string_view> names;
   for (const Projection p : all_projections) names.emplace_back(name(p));
   return add_choice(app, flag, value, joined(names), projection_named, help);
@@ -106,8 +110,9 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
 }
 
 void add_repair(CLI::App& app, ReadOptions& options) {
-  app.add_flag_callback("--repair", [&options] { options.flaws = FlawPolicy::repair; },
-                        "Replace NaN and infinite texels by their neighbours' mean and negative values by 0");
+  app.add_flag_callback(
+      "--repair", [&options] { options.flaws = FlawPolicy::repair; },
+      "Replace NaN and infinite texels by their neighbours' mean and negative values by 0");
 }
 
 void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
@@ -164,19 +169,21 @@ std::unique_ptr<OutputFile> open_depfile(const std::string& output, const std::v
   return file;
 }
 
-void write_map(const std::string& path, const Rows& rows, const WriteOptions& options, const std::vector<std::string>& inputs,
-               const std::string& verb, const Common& common) {
+void write_map(const std::string& path, const Rows& rows, const WriteOptions& options,
+               const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
   const auto depfile = open_depfile(path, inputs, common);
   const Written written = write(path, rows, options, progress_line(common, verb));
   if (depfile) depfile->commit();
   if (written.clamped > 0)
-    note(common, fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
+    note(common,
+         fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
   if (common.verbose)
-    note(common, fmt::format("{}: {} {}x{}{}, {}, made and written in {:.2f} s", path, name(rows.projection),
-                             rows.size * aspect(rows.projection), rows.size,
-                             rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
-                             name(written.depth), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+    note(common,
+         fmt::format("{}: {} {}x{}{}, {}, made and written in {:.2f} s", path, name(rows.projection),
+                     rows.size * aspect(rows.projection), rows.size,
+                     rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
+                     name(written.depth), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
 }
 
 Progress progress_line(const Common& common, const std::string& what) {

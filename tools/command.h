@@ -82,8 +82,7 @@ std::string joined(std::span<const std::string_view> words);
 
 CLI::Option* add_projection(CLI::App& app, const std::string& flag, std::optional<envmap::Projection>& value,
                             const std::string& help);
-CLI::Option* add_layout(CLI::App& app, const std::string& flag, std::optional<envmap::Layout>& value,
-                        const std::string& help);
+CLI::Option* add_layout(CLI::App& app, const std::string& flag, std::optional<envmap::Layout>& value, const std::string& help);
 CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<envmap::Forward>& value,
                          const std::string& help);
 CLI::Option* add_depth(CLI::App& app, std::optional<envmap::Depth>& value);

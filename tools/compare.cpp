@@ -35,7 +35,8 @@ int run(const Options& o, const Common& common) {
   const Source b = read_map(o.b, read_b, common);
   const bool resampled = !same_frame(a.map, b.map);
   if (resampled)
-    a.map = convert(a.map, {.to = b.map.projection(), .size = b.map.base().height(), .filter = o.filter, .forward = b.map.forward},
+    a.map = convert(a.map,
+                    {.to = b.map.projection(), .size = b.map.base().height(), .filter = o.filter, .forward = b.map.forward},
                     progress_line(common, "resample"));
   Level shown(b.map.projection(), b.map.base().height());
   const Difference d = compare(a.map.base(), b.map.base(), &shown);
@@ -54,8 +55,8 @@ int run(const Options& o, const Common& common) {
     j["within"] = same;
     print(fmt::format("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace)));
   } else {
-    print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n", d.flux.x, d.flux.y, d.flux.z,
-               d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j));
+    print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n", d.flux.x,
+                      d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j));
     if (resampled) note(common, fmt::format("{} was resampled to the texels of {}", o.a, o.b));
   }
   if (!o.difference.empty()) {
@@ -79,7 +80,8 @@ Command compare_command() {
       .summary = "Compare two environment maps: flux, rms and largest error, weighted by solid angle",
       .description =
           "B is the reference. flux is the relative difference of the total flux of each channel; rms is the root of "
-          "sum w |a-b|^2 / sum w |b|^2 with w the solid angle; max is the largest |a-b| / max(|b|, 0.001 x mean of b) of any "
+          "sum w |a-b|^2 / sum w |b|^2 with w the solid angle; max is the largest |a-b| / max(|b|, 0.001 x mean of b) "
+          "of any "
           "texel and channel. Where projection, size or forward axis differ, A is resampled to the texels of B.\n\n"
           "Exit status 1 where a limit is given and exceeded.",
       .examples = {{"envmap compare new.exr golden.exr --max-rms 1e-3", "a golden-file test: exit status 1 if beyond"},

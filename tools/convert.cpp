@@ -51,45 +51,66 @@ Command convert_command() {
       .name = "convert",
       .summary = "Convert an environment map to another projection, size, layout or file format",
       .description =
-          "Reads an environment map, resamples it and writes it. Directions keep their meaning: world axes are right-handed "
-          "with +Y up, +Z lies at the centre of latlong and angular images unless --forward says otherwise, and nothing "
+          "Reads an environment map, resamples it and writes it. Directions keep their meaning: world axes are "
+          "right-handed "
+          "with +Y up, +Z lies at the centre of latlong and angular images unless --forward says otherwise, and "
+          "nothing "
           "is mirrored. Texels outside the disc of sphere and angular maps are written as 0.\n\n"
-          "Filters, from fast to exact. 'nearest' takes the texel at the centre of each texel of the result. 'bilinear' "
-          "interpolates there. 'bicubic' does so by Catmull-Rom's curve, kept within the range of the four texels around. "
-          "--samples N takes N x N places a texel instead of one. 'trilinear' reads solid-angle weighted mip levels: it "
-          "never aliases, but blurs where a texel is long and narrow in the source. 'sat' takes the mean over an upright "
+          "Filters, from fast to exact. 'nearest' takes the texel at the centre of each texel of the result. "
+          "'bilinear' "
+          "interpolates there. 'bicubic' does so by Catmull-Rom's curve, kept within the range of the four texels "
+          "around. "
+          "--samples N takes N x N places a texel instead of one. 'trilinear' reads solid-angle weighted mip levels: "
+          "it "
+          "never aliases, but blurs where a texel is long and narrow in the source. 'sat' takes the mean over an "
+          "upright "
           "box in the source, from a summed-area table. 'ewa' puts the footprint of each texel together from trilinear "
-          "probes. 'area' is the reference: the solid-angle mean of the bilinearly reconstructed source over the footprint, "
-          "refined until the estimated error of the texel is below --area-error. 'auto' is bilinear, and area where the "
+          "probes. 'area' is the reference: the solid-angle mean of the bilinearly reconstructed source over the "
+          "footprint, "
+          "refined until the estimated error of the texel is below --area-error. 'auto' is bilinear, and area where "
+          "the "
           "result is coarser than the source (a texel spans over 1.25 times as many degrees).\n\n"
-          "--rotate turns the environment about +Z by the roll, then +X by the pitch, then +Y by the yaw, right-handed: "
+          "--rotate turns the environment about +Z by the roll, then +X by the pitch, then +Y by the yaw, "
+          "right-handed: "
           "with --rotate 90,0,0 what was seen towards +Z is seen towards +X.\n\n"
           "--forward names the world axis at the centre of the latlong or angular images that are read without "
           "metadata and that are written; --from-forward names the input's alone.",
-      .examples = {{"envmap convert probe.hdr probe.exr --to cube", "a cube of the same density, faces in a column +X -X +Y -Y +Z -Z"},
-                   {"envmap convert probe.exr 'face_{face}.exr' --to cube --size 512", "six files face_px.exr ... face_nz.exr"},
-                   {"envmap convert cross.hdr pano.exr --to latlong --forward -z", "from a cube cross to a panorama with -Z at its centre"},
-                   {"envmap convert ball.hdr - --from sphere --to angular | envmap info -", "a mirror ball as light probe, through a pipe"}},
+      .examples = {{"envmap convert probe.hdr probe.exr --to cube",
+                    "a cube of the same density, faces in a column +X -X +Y -Y +Z -Z"},
+                   {"envmap convert probe.exr 'face_{face}.exr' --to cube --size 512",
+                    "six files face_px.exr ... face_nz.exr"},
+                   {"envmap convert cross.hdr pano.exr --to latlong --forward -z",
+                    "from a cube cross to a panorama with -Z at its centre"},
+                   {"envmap convert ball.hdr - --from sphere --to angular | envmap info -",
+                    "a mirror ball as light probe, through a pipe"}},
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
         app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
-        app.add_option("OUTPUT", o->output, "File to write, '-' for standard output; {face} in the name writes six files")->required();
+        app.add_option("OUTPUT", o->output,
+                       "File to write, '-' for standard output; {face} in the name writes six files")
+            ->required();
         add_projection(app, "--to", o->to, "Projection of the output (default: as the input)");
         add_size(app, o->conversion.size, "Height of a face (default: the input's degrees per texel)");
         add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
         add_choice(app, "--filter", o->conversion.filter, joined(filter_names), one_of<Filter>(filter_names),
                    "How the input is sampled (default: auto)");
-        app.add_option("--samples", o->conversion.samples, "N x N samples a texel, of nearest, bilinear and bicubic (default: 1)")
-            ->type_name("N")->check(CLI::Range(1, 64));
+        app.add_option("--samples", o->conversion.samples,
+                       "N x N samples a texel, of nearest, bilinear and bicubic (default: 1)")
+            ->type_name("N")
+            ->check(CLI::Range(1, 64));
         app.add_option("--area-error", o->conversion.area_tolerance,
-                       "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4; 1e-3 where 'auto' chose it)")
-            ->type_name("E")->check(CLI::Range(1e-7, 1.0));
+                       "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4; 1e-3 where "
+                       "'auto' chose it)")
+            ->type_name("E")
+            ->check(CLI::Range(1e-7, 1.0));
         add_triple(app, "--rotate", o->turn, "Y,P,R", false, "Turn the environment by yaw, pitch, roll in degrees");
-        add_forward(app, "--forward", o->forward, "World axis at the centre of latlong and angular images (default: +z)");
+        add_forward(app, "--forward", o->forward,
+                    "World axis at the centre of latlong and angular images (default: +z)");
         app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
         add_depth(app, o->write.depth);
-        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")->type_name("EXT");
+        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
+            ->type_name("EXT");
         app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
         add_read_options(app, o->read);
         add_repair(app, o->read);

@@ -50,7 +50,8 @@ int main(int argc, char** argv) {
   }
   try {
     const int status = run_with_threads(run, common.threads);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain(who, "standard output: not written", not_written);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      return complain(who, "standard output: not written", not_written);
     return status;
   } catch (const CLI::ParseError& e) {
     return complain(who, e.what(), usage);

@@ -47,7 +47,8 @@ int run(const Options& o, const Common& common) {
   const Projection to = o.to.value_or(Projection::latlong);
   check_output(o.output, o.write, to);
   if (o.forward && !has_forward(to)) throw UsageError("--forward is for latlong and angular maps");
-  const EnvironmentMap map = generate(pattern(o), to, o.size, o.forward.value_or(Forward::plus_z), progress_line(common, "generate"));
+  const EnvironmentMap map =
+      generate(pattern(o), to, o.size, o.forward.value_or(Forward::plus_z), progress_line(common, "generate"));
   write_map(o.output, rows_of(map), o.write, {}, "write", common);
   return 0;
 }
@@ -59,14 +60,21 @@ Command generate_command() {
       .name = "generate",
       .summary = "Make an environment map with a known answer",
       .description =
-          "constant: --value everywhere. gradient: --value2 at -Y to --value at +Y, linear in y. checker: squares of longitude and "
-          "latitude. directions: RGB = (direction + 1) / 2 of each texel's centre, world frame. sky: CIE overcast sky, zenith "
-          "(1 + 2 y) / 3, over an even ground; a floor receives 7 pi / 9 x zenith. sun: a disc of even radiance over such "
-          "a sky; its flux, 2 pi (1 - cos radius) x radiance, is kept at any size. sh: base + amplitude x one real orthonormal "
-          "spherical harmonic with +Y as polar axis, longitude from +Z to +X, no Condon-Shortley phase, cosines for positive "
+          "constant: --value everywhere. gradient: --value2 at -Y to --value at +Y, linear in y. checker: squares of "
+          "longitude and "
+          "latitude. directions: RGB = (direction + 1) / 2 of each texel's centre, world frame. sky: CIE overcast sky, "
+          "zenith "
+          "(1 + 2 y) / 3, over an even ground; a floor receives 7 pi / 9 x zenith. sun: a disc of even radiance over "
+          "such "
+          "a sky; its flux, 2 pi (1 - cos radius) x radiance, is kept at any size. sh: base + amplitude x one real "
+          "orthonormal "
+          "spherical harmonic with +Y as polar axis, longitude from +Z to +X, no Condon-Shortley phase, cosines for "
+          "positive "
           "and sines for negative orders.",
-      .examples = {{"envmap generate directions axes.exr --to cube --size 64", "colours that tell the direction, to look for flips"},
-                   {"envmap generate sun sun.exr --size 1024 --radius 0.27 --value 1e6 --direction 1,2,1", "a sun over an overcast sky"},
+      .examples = {{"envmap generate directions axes.exr --to cube --size 64",
+                    "colours that tell the direction, to look for flips"},
+                   {"envmap generate sun sun.exr --size 1024 --radius 0.27 --value 1e6 --direction 1,2,1",
+                    "a sun over an overcast sky"},
                    {"envmap generate sh y20.exr --degree 2 --order 0", "one spherical harmonic on a grey ground"}},
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -81,15 +89,19 @@ Command generate_command() {
         add_triple(app, "--value2", o->value2, "R,G,B", true, "Radiance at the bottom, of odd squares (default: 0.1)");
         app.add_option("--squares", o->squares, "checker: squares from pole to pole (default: 8)")->type_name("N");
         add_triple(app, "--direction", o->towards, "X,Y,Z", false, "sun: where it stands (default: 0,0,1)");
-        app.add_option("--radius", o->sun.radius, "sun: its angular radius in degrees (default: 0.2666)")->type_name("DEGREES");
+        app.add_option("--radius", o->sun.radius, "sun: its angular radius in degrees (default: 0.2666)")
+            ->type_name("DEGREES");
         app.add_option("--zenith", o->sun.zenith, "sun, sky: radiance of the zenith (default: 1)")->type_name("L");
         app.add_option("--ground", o->sun.ground, "sun, sky: radiance of the ground (default: 0.2)")->type_name("L");
         app.add_option("--degree", o->harmonic.degree, "sh: degree of the harmonic (default: 2)")->type_name("L");
         app.add_option("--order", o->harmonic.order, "sh: order of the harmonic, -L to L (default: 0)")->type_name("M");
-        app.add_option("--base", o->harmonic.base, "sh: radiance the harmonic is added to (default: 1)")->type_name("L");
-        app.add_option("--amplitude", o->harmonic.amplitude, "sh: factor of the harmonic (default: 0.5)")->type_name("A");
+        app.add_option("--base", o->harmonic.base, "sh: radiance the harmonic is added to (default: 1)")
+            ->type_name("L");
+        app.add_option("--amplitude", o->harmonic.amplitude, "sh: factor of the harmonic (default: 0.5)")
+            ->type_name("A");
         add_depth(app, o->write.depth);
-        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")->type_name("EXT");
+        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
+            ->type_name("EXT");
         app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
         return [o, &common] { return run(*o, common); };
       }};

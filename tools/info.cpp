@@ -63,22 +63,24 @@ void print_facts(const ordered_json& j) {
   const auto line = [](const char* what, const std::string& value) { print(fmt::format("{:15}{}\n", what, value)); };
   line("file", text("file"));
   line("format", fmt::format("{} {}, {}x{}", text("format"), text("depth"), j["width"].get<int>(), j["height"].get<int>()));
-  line("projection", fmt::format("{}{}{}", text("projection"),
-                                 j["faces"] == 6 ? " (" + text("layout") + ")" : "",
+  line("projection", fmt::format("{}{}{}", text("projection"), j["faces"] == 6 ? " (" + text("layout") + ")" : "",
                                  j.contains("forward") ? ", " + text("forward") + " at the centre" : ""));
   if (j.contains("border_samples")) line("", "OpenEXR envmap attribute: samples on the border, read as cell centres");
   line("faces", fmt::format("{} of {}x{}", j["faces"].get<int>(), j["face_width"].get<int>(), j["face_height"].get<int>()));
   line("", fmt::format("{:>12} {:>12} {:>12}", "R", "G", "B"));
   for (const char* key : {"minimum", "maximum", "mean", "flux"}) line(key, numbers(j[key]));
   if (j["stops"].is_number())
-    line("dynamic range", fmt::format("{:.6g} : 1 ({:.1f} stops)", j["dynamic_range"].get<double>(), j["stops"].get<double>()));
+    line("dynamic range",
+         fmt::format("{:.6g} : 1 ({:.1f} stops)", j["dynamic_range"].get<double>(), j["stops"].get<double>()));
   else
     line("dynamic range", "none: nothing is brighter than 0");
   const ordered_json& b = j["brightest"];
-  line("brightest", fmt::format("{}  towards ({:.5f}, {:.5f}, {:.5f}), face {}, texel ({},{})", numbers(b["value"]),
-                                b["direction"][0].get<double>(), b["direction"][1].get<double>(), b["direction"][2].get<double>(),
-                                b["face"].get<int>(), b["texel"][0].get<int>(), b["texel"][1].get<int>()));
-  line("flaws", fmt::format("{} NaN, {} infinite, {} negative", j["nan"].get<long>(), j["infinite"].get<long>(), j["negative"].get<long>()));
+  line("brightest",
+       fmt::format("{}  towards ({:.5f}, {:.5f}, {:.5f}), face {}, texel ({},{})", numbers(b["value"]),
+                   b["direction"][0].get<double>(), b["direction"][1].get<double>(), b["direction"][2].get<double>(),
+                   b["face"].get<int>(), b["texel"][0].get<int>(), b["texel"][1].get<int>()));
+  line("flaws", fmt::format("{} NaN, {} infinite, {} negative", j["nan"].get<long>(), j["infinite"].get<long>(),
+                            j["negative"].get<long>()));
 }
 
 int run(const Options& o, const Common& common) {
@@ -88,15 +90,21 @@ int run(const Options& o, const Common& common) {
   if (o.sampling) table = sampling_table(source.map.projection(), source.map.base().height());
   if (common.json) {
     for (const SamplingRow& r : table)
-      j["sampling"].push_back({{"texel", {r.i, r.j}}, {"degrees", r.angle}, {"solid_angle", r.solid_angle},
-                               {"relative", r.relative}, {"anisotropy", r.anisotropy}});
+      j["sampling"].push_back({{"texel", {r.i, r.j}},
+                               {"degrees", r.angle},
+                               {"solid_angle", r.solid_angle},
+                               {"relative", r.relative},
+                               {"anisotropy", r.anisotropy}});
     print(fmt::format("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace)));
     return 0;
   }
   print_facts(j);
-  if (o.sampling) print(fmt::format("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean", "anisotropy"));
+  if (o.sampling)
+    print(fmt::format("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean",
+                      "anisotropy"));
   for (const SamplingRow& r : table)
-    print(fmt::format("{:>14} {:10.3f} {:14.5e} {:10.4f} {:11.4g}\n", fmt::format("({},{})", r.i, r.j), r.angle, r.solid_angle, r.relative, r.anisotropy));
+    print(fmt::format("{:>14} {:10.3f} {:14.5e} {:10.4f} {:11.4g}\n", fmt::format("({},{})", r.i, r.j), r.angle,
+                      r.solid_angle, r.relative, r.anisotropy));
   return 0;
 }
 
@@ -107,10 +115,12 @@ Command info_command() {
       .name = "info",
       .summary = "Show what an environment map holds: projection, radiance, flux, brightest direction, flaws",
       .description =
-          "Means are weighted by solid angle; flux is the sum of radiance x solid angle per channel. The dynamic range is that "
+          "Means are weighted by solid angle; flux is the sum of radiance x solid angle per channel. The dynamic range "
+          "is that "
           "of luminance (Rec. 709), from the darkest texel above 0. Directions are in the world frame: right-handed, "
           "+Y up. NaN, infinite and negative texels are counted, and NaN and infinite ones left out of the sums.\n\n"
-          "--sampling shows how evenly the projection samples the sphere: solid angle and anisotropy of texels from the "
+          "--sampling shows how evenly the projection samples the sphere: solid angle and anisotropy of texels from "
+          "the "
           "centre of a face to the pole (latlong), the corner (cube) or the rim.",
       .examples = {{"envmap info probe.hdr", "facts as text"},
                    {"envmap info probe.exr --json | jq .flux", "one fact for a script"},

@@ -20,10 +20,14 @@ std::string roff(const std::string& text) {
   std::string out;
   bool line_start = true;
   for (const char c : text) {
-    if (c == '\\') out += "\\e";
-    else if (c == '-') out += "\\-";
-    else if (line_start && (c == '.' || c == '\'')) out += std::string("\\&") + c;
-    else out += c;
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else if (line_start && (c == '.' || c == '\''))
+      out += std::string("\\&") + c;
+    else
+      out += c;
     line_start = c == '\n';
   }
   return out;
@@ -75,13 +79,14 @@ std::string statuses() {
 std::string command_page(const Command& command, const CLI::App& app) {
   std::string synopsis = "\\fBenvmap " + command.name + "\\fR [\\fIOPTIONS\\fR]";
   for (const CLI::Option* o : app.get_options())
-    if (o->get_positional()) synopsis += " \\fI" + roff(o->get_name(true)) + "\\fR" + (o->get_expected_max() > 1 ? "..." : "");
+    if (o->get_positional())
+      synopsis += " \\fI" + roff(o->get_name(true)) + "\\fR" + (o->get_expected_max() > 1 ? "..." : "");
   std::string examples;
   for (const Example& e : command.examples) examples += ".TP\n\\fB" + roff(e.command) + "\\fR\n" + roff(e.what) + "\n";
   return title("envmap-" + command.name) + ".SH NAME\nenvmap\\-" + command.name + " \\- " + roff(command.summary) +
          "\n.SH SYNOPSIS\n" + synopsis + "\n.SH DESCRIPTION\n" + paragraphs(command.description) + ".SH ARGUMENTS\n" +
-         option_lines(app, true) + ".SH OPTIONS\n" + option_lines(app, false) + ".SH EXAMPLES\n" + examples + statuses() +
-         ".SH SEE ALSO\n.BR envmap (1)\n";
+         option_lines(app, true) + ".SH OPTIONS\n" + option_lines(app, false) + ".SH EXAMPLES\n" + examples +
+         statuses() + ".SH SEE ALSO\n.BR envmap (1)\n";
 }
 
 std::string main_page(const std::vector<Command>& commands) {
@@ -90,12 +95,15 @@ std::string main_page(const std::vector<Command>& commands) {
     list += ".TP\n\\fBenvmap " + c.name + "\\fR\n" + roff(c.summary) + "\n";
     also += fmt::format("{}.BR envmap\\-{} (1)", also.empty() ? "" : ",\n", c.name);
   }
-  return title("envmap") + ".SH NAME\nenvmap \\- " +
-         roff("convert, measure and make environment maps") + "\n.SH SYNOPSIS\n\\fBenvmap\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR] ...\n" +
-         ".SH DESCRIPTION\n" +
-         roff("Environment maps are HDR images of all directions around a point. Pixels are linear RGB radiance. The frame is "
-              "right-handed with +Y up; +Z lies at the centre of latlong and angular images. A file name '-' is standard input or "
-              "output. Output files appear whole or not at all, and the same command gives the same bytes at any number of threads.") +
+  return title("envmap") + ".SH NAME\nenvmap \\- " + roff("convert, measure and make environment maps") +
+         "\n.SH SYNOPSIS\n\\fBenvmap\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR] ...\n" + ".SH DESCRIPTION\n" +
+         roff(
+             "Environment maps are HDR images of all directions around a point. Pixels are linear RGB radiance. The "
+             "frame is "
+             "right-handed with +Y up; +Z lies at the centre of latlong and angular images. A file name '-' is "
+             "standard input or "
+             "output. Output files appear whole or not at all, and the same command gives the same bytes at any number "
+             "of threads.") +
          "\n.SH COMMANDS\n" + list + statuses() + ".SH SEE ALSO\n" + also + "\n";
 }
 
@@ -134,12 +142,16 @@ std::string bash_completion() {
       if (o->get_positional() && !words.empty() && first.empty()) first = words;
       for (const std::string& l : o->get_lnames()) {
         options += " --" + l;
-        if (!words.empty()) values += fmt::format("        --{}) words=\"{}\" ;;\n", l, words);
-        else if (o->get_items_expected_max() > 0) values += fmt::format("        --{}) return ;;\n", l);
+        if (!words.empty())
+          values += fmt::format("        --{}) words=\"{}\" ;;\n", l, words);
+        else if (o->get_items_expected_max() > 0)
+          values += fmt::format("        --{}) return ;;\n", l);
       }
     }
-    cases += fmt::format("    {})\n      case \"$previous\" in\n{}        {}) words=\"{}\" ;;\n        *) words=\"{}\" ;;\n      esac ;;\n",
-                         c.name, values, c.name, first.empty() ? options.substr(1) : first, options.substr(1));
+    cases += fmt::format(
+        "    {})\n      case \"$previous\" in\n{}        {}) words=\"{}\" ;;\n        *) words=\"{}\" ;;\n      esac "
+        ";;\n",
+        c.name, values, c.name, first.empty() ? options.substr(1) : first, options.substr(1));
   }
   return fmt::format(
       "# bash completion for envmap; zsh: autoload -U bashcompinit && bashcompinit first\n"
@@ -165,7 +177,9 @@ std::string bash_completion() {
 Command manual_command() {
   return {.name = "manual",
           .summary = "Write the man pages",
-          .description = "Writes envmap.1 and a page for each command into a folder. They hold what --help shows, from the same definitions.",
+          .description =
+              "Writes envmap.1 and a page for each command into a folder. They hold what --help shows, from the same "
+              "definitions.",
           .examples = {{"envmap manual man", "refresh the pages kept in the repository"},
                        {"envmap manual /tmp && man /tmp/envmap-convert.1", "read a page without installing it"}},
           .define = [](CLI::App& app, const Common&) -> std::function<int()> {
@@ -176,17 +190,19 @@ Command manual_command() {
 }
 
 Command completion_command() {
-  return {.name = "completion",
-          .summary = "Print the completions for bash or zsh",
-          .description = "Prints a script for the shell to source; it completes commands, options and the words that options take.",
-          .examples = {{"eval \"$(envmap completion)\"", "in ~/.bashrc"},
-                       {"envmap completion > /etc/bash_completion.d/envmap", "for all users"}},
-          .define = [](CLI::App&, const Common&) -> std::function<int()> {
-            return [] {
-              print(bash_completion());
-              return 0;
-            };
-          }};
+  return {
+      .name = "completion",
+      .summary = "Print the completions for bash or zsh",
+      .description =
+          "Prints a script for the shell to source; it completes commands, options and the words that options take.",
+      .examples = {{"eval \"$(envmap completion)\"", "in ~/.bashrc"},
+                   {"envmap completion > /etc/bash_completion.d/envmap", "for all users"}},
+      .define = [](CLI::App&, const Common&) -> std::function<int()> {
+        return [] {
+          print(bash_completion());
+          return 0;
+        };
+      }};
 }
 
 }  // namespace tools

@@ -38,7 +38,8 @@ void tone_map(std::vector<Colour>& pixels, double scale) {
 }
 
 OIIO::ImageBuf picture(const Source& source, double scale, int height) {
-  const Layout layout = source.map.projection() == Projection::cube ? Layout::cross : default_layout(source.map.projection());
+  const Layout layout =
+      source.map.projection() == Projection::cube ? Layout::cross : default_layout(source.map.projection());
   const Rows rows = rows_of(source.map);
   const Page page{rows, grid(layout)};
   std::vector<Colour> pixels(static_cast<std::size_t>(page.width()) * static_cast<std::size_t>(page.height()));
@@ -57,8 +58,8 @@ void save_png(const OIIO::ImageBuf& image, const std::string& path) {
   spec.attribute("oiio:ColorSpace", "sRGB");
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const auto output = OIIO::ImageOutput::create("png");
-  if (!output || !output->open("x.png", spec) ||
-      !output->write_image(OIIO::TypeDesc::FLOAT, image.localpixels()) || !output->close())
+  if (!output || !output->open("x.png", spec) || !output->write_image(OIIO::TypeDesc::FLOAT, image.localpixels()) ||
+      !output->close())
     throw OutputError(path + ": not written: " + (output ? output->geterror() : "no PNG writer"));
   file.commit();
 }
@@ -84,16 +85,17 @@ int run(const Options& o, const Common& common) {
   const int rows = (static_cast<int>(pictures.size()) + columns - 1) / columns;
   int cell = 0;
   for (const auto& p : pictures) cell = std::max(cell, p.spec().width);
-  OIIO::ImageBuf sheet(OIIO::ImageSpec(columns * (cell + border) + border, rows * (o.height + caption + border) + border, 3,
-                                       OIIO::TypeDesc::FLOAT));
+  OIIO::ImageBuf sheet(OIIO::ImageSpec(columns * (cell + border) + border,
+                                       rows * (o.height + caption + border) + border, 3, OIIO::TypeDesc::FLOAT));
   OIIO::ImageBufAlgo::fill(sheet, {0.12F, 0.12F, 0.12F});
   for (std::size_t k = 0; k < pictures.size(); ++k) {
     const int x = border + static_cast<int>(k) % columns * (cell + border);
     const int y = border + static_cast<int>(k) / columns * (o.height + caption + border);
     OIIO::ImageBufAlgo::paste(sheet, x + (cell - pictures[k].spec().width) / 2, y, 0, 0, pictures[k]);
     // Without any font on the machine the sheet has no names.
-    (void)OIIO::ImageBufAlgo::render_text(sheet, x + 2, y + o.height + 16, std::filesystem::path(inputs[k]).filename().string(),
-                                          14, "DejaVuSans", {0.8F, 0.8F, 0.8F});
+    (void)OIIO::ImageBufAlgo::render_text(sheet, x + 2, y + o.height + 16,
+                                          std::filesystem::path(inputs[k]).filename().string(), 14, "DejaVuSans",
+                                          {0.8F, 0.8F, 0.8F});
     (void)sheet.geterror();
   }
   const auto depfile = open_depfile(output, inputs, common);
@@ -108,16 +110,20 @@ Command preview_command() {
   return {
       .name = "preview",
       .summary = "Draw environment maps as a picture for people: side by side, tone mapped, named",
-      .description = "All maps share one exposure: the mean radiance of the first becomes middle grey, unless --exposure says otherwise. "
-                     "Tone curve x / (1 + x) (Reinhard et al. 2002), sRGB. Cubes are drawn as crosses.",
+      .description =
+          "All maps share one exposure: the mean radiance of the first becomes middle grey, unless --exposure says "
+          "otherwise. "
+          "Tone curve x / (1 + x) (Reinhard et al. 2002), sRGB. Cubes are drawn as crosses.",
       .examples = {{"envmap preview probe.hdr probe.png", "one map"},
                    {"envmap preview latlong.exr cube.exr sphere.exr sheet.png", "a contact sheet"}},
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
         app.add_option("FILES", o->names, "Maps to draw, and last the PNG to write")->required()->type_name("");
-        app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS before the tone curve (default: automatic)")
-            ->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        app.add_option("--exposure", o->exposure,
+                       "Multiply radiance by 2^STOPS before the tone curve (default: automatic)")
+            ->type_name("STOPS")
+            ->check(CLI::Range(-100.0, 100.0));
         app.add_option("--height", o->height, "Height of each picture (default: 256)")->type_name("N")->check(CLI::Range(16, 4096));
         app.add_option("--columns", o->columns, "Pictures side by side (default: 3)")->type_name("N")->check(CLI::Range(1, 64));
         add_read_options(app, o->read);

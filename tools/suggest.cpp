@@ -49,14 +49,17 @@ const CLI::App* find_command(const CLI::App& app, const std::string& name) {
 }
 
 std::string explain(const CLI::ParseError& error, const CLI::App& app, int argc, char** argv) {
-  const std::string help = fmt::format(" (see 'envmap {}--help')", argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + " " : "");
+  const std::string help =
+      fmt::format(" (see 'envmap {}--help')", argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) + " " : "");
   std::vector<std::string> commands;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) commands.push_back(sub->get_name());
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    commands.push_back(sub->get_name());
   const CLI::App* command = argc > 1 ? find_command(app, argv[1]) : nullptr;
   if (argc < 2) return fmt::format("say a command: {} (see 'envmap --help')", fmt::join(commands, ", "));
   if (command == nullptr) {
     const std::string word = argv[1];
-    if (word.starts_with("-")) return fmt::format("unknown option '{}'{} (see 'envmap --help')", word, closest(word, option_names(app)));
+    if (word.starts_with("-"))
+      return fmt::format("unknown option '{}'{} (see 'envmap --help')", word, closest(word, option_names(app)));
     return fmt::format("no command '{}'{} (see 'envmap --help')", word, closest(word, commands));
   }
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {

@@ -52,8 +52,7 @@ Picture read(const std::string& path, const std::string& projection, std::string
   const Grid faces_in = grid(default_layout(*p));
   Picture picture{Level(*p, spec.height / faces_in.rows), samples_named(samples)};
   const Level& level = picture.level;
-  if (spec.nchannels < 3 || spec.width != level.width() * faces_in.columns ||
-      spec.height != level.height() * faces_in.rows)
+  if (spec.nchannels < 3 || spec.width != level.width() * faces_in.columns || spec.height != level.height() * faces_in.rows)
     throw std::runtime_error(fmt::format("{}: {}x{} is no {} map", path, spec.width, spec.height, projection));
   std::vector<Colour> pixels(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
   if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, pixels.data()))
@@ -136,8 +135,7 @@ void judge(const Picture& source, const Picture& result) {
     }
   });
   Sums all;
-  for (const Sums& s : rows)
-    all.weight += s.weight, all.flux += s.flux, all.error += s.error, all.truth += s.truth;
+  for (const Sums& s : rows) all.weight += s.weight, all.flux += s.flux, all.error += s.error, all.truth += s.truth;
 
   double largest = 0;
   const double floor = 1e-3 * (all.flux.x + all.flux.y + all.flux.z) / (3 * all.weight);

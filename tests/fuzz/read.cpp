@@ -1,5 +1,7 @@
 // Any bytes, read as a file and from standard input: they are a map, or an InputError or UsageError comes out.
 // The last byte chooses the options; every format can do without it, so seeds and finds are plain image files.
+#include "envmap/io/read.h"
+
 #include <OpenImageIO/imageio.h>
 #include <sys/resource.h>
 #include <tbb/global_control.h>
@@ -11,7 +13,6 @@
 #include <string>
 
 #include "envmap/error.h"
-#include "envmap/io/read.h"
 
 using namespace envmap;
 

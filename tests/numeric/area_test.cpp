@@ -1,4 +1,6 @@
 // The area filter against brute force: the mean of dense samples of an independent bilinear lookup.
+#include "envmap/sample/area.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
@@ -6,7 +8,6 @@
 #include "envmap/map/gutter.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
-#include "envmap/sample/area.h"
 #include "envmap/sample/conservative.h"
 #include "formulae.h"
 
@@ -28,7 +29,8 @@ struct Lookup {
     const double y = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi * level.height() - 0.5;
     const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
     const double fx = x - i, fy = y - j;
-    return (1 - fy) * ((1 - fx) * texel(i, j) + fx * texel(i + 1, j)) + fy * ((1 - fx) * texel(i, j + 1) + fx * texel(i + 1, j + 1));
+    return (1 - fy) * ((1 - fx) * texel(i, j) + fx * texel(i + 1, j)) +
+           fy * ((1 - fx) * texel(i, j + 1) + fx * texel(i + 1, j + 1));
   }
 };
 
@@ -68,7 +70,8 @@ TEST_P(EachArea, AgreesWithBruteForce) {
     const EnvironmentMap result = convert(source, {.to = p, .size = size, .filter = Filter::area});
     std::mt19937 random(5);
     for (int k = 0; k < 20; ++k) {
-      const int face = static_cast<int>(random() % static_cast<unsigned>(faces(p))), j = static_cast<int>(random() % static_cast<unsigned>(size));
+      const int face = static_cast<int>(random() % static_cast<unsigned>(faces(p))),
+                j = static_cast<int>(random() % static_cast<unsigned>(size));
       const Columns in = columns(p, size, j);
       const int i = in.first + static_cast<int>(random() % static_cast<unsigned>(in.end - in.first));
       std::vector<double> weights(static_cast<std::size_t>(size * aspect(p)));
@@ -78,7 +81,8 @@ TEST_P(EachArea, AgreesWithBruteForce) {
       const double far = std::hypot(std::abs(i + 0.5 - size / 2.0) + 0.5, std::abs(j + 0.5 - size / 2.0) + 0.5);
       const bool whole = !on_disc(p) || far < size / 2.0;
       const double truth = brute_force({source.base()}, p, size, face, i, j, 300);
-      EXPECT_NEAR(result.base().texel(face, i, j)->x / truth, 1, whole ? 2e-4 : 1e-2) << size << ": face " << face << " " << i << "," << j;
+      EXPECT_NEAR(result.base().texel(face, i, j)->x / truth, 1, whole ? 2e-4 : 1e-2)
+          << size << ": face " << face << " " << i << "," << j;
     }
   }
 }
@@ -98,7 +102,8 @@ TEST(Area, TheErrorAskedForIsTheErrorFound) {
 
 // Both ways to the same means: from the result's side, and from the source's where the result is much coarser.
 TEST_P(EachArea, AgreesFromBothSides) {
-  for (const Projection from : {Projection::latlong, GetParam() == Projection::cube ? Projection::angular : Projection::cube}) {
+  for (const Projection from :
+       {Projection::latlong, GetParam() == Projection::cube ? Projection::angular : Projection::cube}) {
     EnvironmentMap map;
     map.levels.emplace_back(from, matching_size(Projection::latlong, 64, from));
     std::mt19937 random(7);
@@ -115,7 +120,8 @@ TEST_P(EachArea, AgreesFromBothSides) {
     for (int f = 0; f < b.faces(); ++f)
       for (int j = 0; j < b.height(); ++j) {
         const Columns in = columns(target.to, target.size, j);
-        sample(f, j, in.first, b.row(f, j).subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first)));
+        sample(f, j, in.first,
+               b.row(f, j).subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first)));
       }
     const Difference d = compare(a, b);
     EXPECT_LT(d.rms, 1e-3) << name(from);
@@ -137,7 +143,8 @@ TEST_P(EachArea, KeepsTheFluxOfASunInOneTexel) {
       const double polar = j == 31 ? 0.1 : 2e-3;
       EXPECT_NEAR(mean_radiance(result.base()) / mean_radiance(source.base()), 1, polar) << i << "," << j;
       const EnvironmentMap other = convert(source, {.to = Projection::cube, .size = 16, .filter = Filter::area});
-      EXPECT_NEAR(mean_radiance(result.base()) / mean_radiance(other.base()), 1, j == 31 ? 2e-2 : 1e-3) << i << "," << j << " at " << size;
+      EXPECT_NEAR(mean_radiance(result.base()) / mean_radiance(other.base()), 1, j == 31 ? 2e-2 : 1e-3)
+          << i << "," << j << " at " << size;
     }
   }
 }

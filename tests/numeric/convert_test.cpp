@@ -23,9 +23,11 @@ EnvironmentMap directions_map(Projection p, int size) {
   for (int f = 0; f < level.faces(); ++f)
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < level.width(); ++i)
-        *level.texel(f, i, j) = formulae::in_image(p, size, i, j)
-            ? Colour(0.5 + 0.5 * formulae::rounded(formulae::direction(p, f, (i + 0.5L) / level.width(), (j + 0.5L) / size)))
-            : Colour(1e30F);
+        *level.texel(f, i, j) =
+            formulae::in_image(p, size, i, j)
+                ? Colour(0.5 +
+                         0.5 * formulae::rounded(formulae::direction(p, f, (i + 0.5L) / level.width(), (j + 0.5L) / size)))
+                : Colour(1e30F);
   return map;
 }
 
@@ -36,7 +38,9 @@ void for_texels(const Level& level, F&& f) {
     for (int j = 0; j < level.height(); ++j)
       for (int i = 0; i < level.width(); ++i)
         if (formulae::in_image(level.projection(), level.height(), i, j))
-          f(face, i, j, formulae::rounded(formulae::direction(level.projection(), face, (i + 0.5L) / level.width(), (j + 0.5L) / level.height())));
+          f(face, i, j,
+            formulae::rounded(formulae::direction(level.projection(), face, (i + 0.5L) / level.width(),
+                                                  (j + 0.5L) / level.height())));
 }
 
 Direction decoded(const Colour& c) { return glm::normalize(2.0 * Direction(c) - 1.0); }
@@ -49,7 +53,9 @@ class EachPair : public testing::TestWithParam<std::tuple<Projection, Projection
  protected:
   Projection from_ = std::get<0>(GetParam()), to_ = std::get<1>(GetParam());
 };
-INSTANTIATE_TEST_SUITE_P(, EachPair, testing::Combine(testing::ValuesIn(all_projections), testing::ValuesIn(all_projections)), pair_name);
+INSTANTIATE_TEST_SUITE_P(, EachPair,
+                         testing::Combine(testing::ValuesIn(all_projections), testing::ValuesIn(all_projections)),
+                         pair_name);
 
 double worst_angle_in_texels(Projection from, Projection to, int height, Filter filter) {
   EnvironmentMap source = directions_map(from, matching_size(Projection::latlong, height, from));
@@ -95,7 +101,9 @@ TEST_P(EachPair, FluxOfASmoothEnvironment) {
     *source.base().texel(f, i, j) = Colour(static_cast<float>(1 + 0.5 * d.x + d.y * d.z));
   });
   // (The same texels are copied, and the rim of this source is empty.)
-  if (from_ != to_) { EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::bilinear}).base()), 1, 4e-4); }
+  if (from_ != to_) {
+    EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::bilinear}).base()), 1, 4e-4);
+  }
   EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::area, .area_tolerance = 1e-3}).base()), 1, 3e-4);
 }
 
@@ -146,7 +154,8 @@ TEST(Seams, CubeEdgesAndLatlongSeam) {
       const double a = 2 * pi * k / 4000;
       int face = 0;
       const double v = value(r * Direction(std::cos(a), std::sin(a), 0), face);
-      if (last >= 0) (face == last_face ? inside : across) = std::max(face == last_face ? inside : across, std::abs(v - last));
+      if (last >= 0)
+        (face == last_face ? inside : across) = std::max(face == last_face ? inside : across, std::abs(v - last));
       last = v;
       last_face = face;
     }
@@ -166,8 +175,10 @@ TEST(Seams, CubeEdgesAndLatlongSeam) {
 
 TEST(Forward, ChoosesTheCentreOfTheImage) {
   EnvironmentMap cube = directions_map(Projection::cube, 64);
-  const std::pair<Forward, Direction> centres[] = {
-      {Forward::plus_z, {0, 0, 1}}, {Forward::minus_z, {0, 0, -1}}, {Forward::plus_x, {1, 0, 0}}, {Forward::minus_x, {-1, 0, 0}}};
+  const std::pair<Forward, Direction> centres[] = {{Forward::plus_z, {0, 0, 1}},
+                                                   {Forward::minus_z, {0, 0, -1}},
+                                                   {Forward::plus_x, {1, 0, 0}},
+                                                   {Forward::minus_x, {-1, 0, 0}}};
   for (const Projection to : {Projection::latlong, Projection::angular})
     for (const auto& [forward, axis] : centres) {
       const EnvironmentMap map = convert(cube, {.to = to, .size = 129, .forward = forward});

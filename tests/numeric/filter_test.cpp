@@ -20,7 +20,8 @@ namespace envmap {
 namespace {
 
 // But for area, which convert_test.cpp and area_test.cpp are about.
-constexpr Filter filters[] = {Filter::nearest, Filter::bilinear, Filter::bicubic, Filter::trilinear, Filter::sat, Filter::ewa};
+constexpr Filter filters[] = {Filter::nearest,   Filter::bilinear, Filter::bicubic,
+                              Filter::trilinear, Filter::sat,      Filter::ewa};
 
 EnvironmentMap noise(Projection p, int height) {
   EnvironmentMap map;
@@ -76,15 +77,20 @@ TEST_P(EachFilter, DirectionsStayWhereTheyAreOnTheWayDown) {
           if (!formulae::in_image(to, size, i, j)) continue;
           // Where texels are long, the mean of the directions and the direction of the middle part.
           if (to == Projection::sphere && std::hypot(2 * i + 1 - size, 2 * j + 1 - size) > 0.8 * size) continue;
-          const auto d = formulae::rounded(formulae::direction(to, f, (i + 0.5L) / result.base().width(), (j + 0.5L) / size));
+          const auto d =
+              formulae::rounded(formulae::direction(to, f, (i + 0.5L) / result.base().width(), (j + 0.5L) / size));
           worst = std::max(worst, angle_between(glm::normalize(2.0 * Direction(*result.base().texel(f, i, j)) - 1.0), d));
         }
-    EXPECT_LT(worst / (pi / 48), filter_ == Filter::nearest ? 0.6 : round ? 1.1 : 0.35) << "in texels of the result, to " << name(to);
+    EXPECT_LT(worst / (pi / 48), filter_ == Filter::nearest ? 0.6
+                                 : round                    ? 1.1
+                                                            : 0.35)
+        << "in texels of the result, to " << name(to);
   }
 }
 
 TEST_P(EachFilter, KeepsTheFluxOfASmoothEnvironment) {
-  EnvironmentMap source = generate(Harmonic{.degree = 3, .order = 1}, from_, matching_size(Projection::latlong, 64, from_), Forward::plus_z);
+  EnvironmentMap source =
+      generate(Harmonic{.degree = 3, .order = 1}, from_, matching_size(Projection::latlong, 64, from_), Forward::plus_z);
   const double flux = mean_radiance(source.base());
   for (const int size : {16, 64}) {
     EnvironmentMap copy = source;
@@ -98,7 +104,9 @@ TEST(Filters, EachHasItsErrorInMinification) {
   const auto error = [](Filter filter, int samples) {
     EnvironmentMap source = noise(Projection::latlong, 128), copy = source;
     const EnvironmentMap truth = convert(source, {.to = Projection::cube, .size = 16, .filter = Filter::area});
-    return compare(convert(copy, {.to = Projection::cube, .size = 16, .filter = filter, .samples = samples}).base(), truth.base()).rms;
+    return compare(convert(copy, {.to = Projection::cube, .size = 16, .filter = filter, .samples = samples}).base(),
+                   truth.base())
+        .rms;
   };
   EXPECT_GT(error(Filter::nearest, 1), 0.4);
   EXPECT_GT(error(Filter::bilinear, 1), 0.2);
@@ -115,7 +123,8 @@ TEST(Bicubic, PassesThroughTexelsAndIsBetterThanBilinearBetween) {
   fill_gutter(map.base());
   for (int k = 0; k < 200; ++k) {
     const double u = 0.1 + 0.004 * k, v = 0.2 + 0.003 * k;
-    const double truth = 1 + 0.5 * real_harmonic(4, 2, formulae::rounded(formulae::direction(Projection::latlong, 0, u, v)));
+    const double truth =
+        1 + 0.5 * real_harmonic(4, 2, formulae::rounded(formulae::direction(Projection::latlong, 0, u, v)));
     cubic += std::abs(bicubic(map.base(), {0, u, v}).x - truth);
     linear += std::abs(bilinear(map.base(), {0, u, v}).x - truth);
     const Location<double> centre{0, (k % 128 + 0.5) / 128, (k % 64 + 0.5) / 64};

@@ -27,7 +27,8 @@ double irradiance_of_floor(const Level& level) {
       const auto inside = std::span(d).first(static_cast<std::size_t>(in.end - in.first));
       texel_directions(level.projection(), level.height(), f, j, in.first, inside);
       for (int i = in.first; i < in.end; ++i)
-        sum.add(w[static_cast<std::size_t>(i)] * level.texel(f, i, j)->x * std::max(0.0, inside[static_cast<std::size_t>(i - in.first)].y));
+        sum.add(w[static_cast<std::size_t>(i)] * level.texel(f, i, j)->x *
+                std::max(0.0, inside[static_cast<std::size_t>(i - in.first)].y));
     }
   return sum.value();
 }
@@ -49,15 +50,18 @@ TEST_P(EachGenerated, GradientHasTheMeanOfItsEnds) {
 TEST_P(EachGenerated, SunHasItsFluxAtAnySizeAndPlace) {
   for (const double radius : {0.2666, 7.0, 100.0})
     for (const int size : {1, 4, 33, 128})
-      for (const Direction towards : {Direction(0, 0, 1), Direction(0, 0, -1), Direction(0, 1, 0), glm::normalize(Direction(1, 1, 1))}) {
+      for (const Direction towards :
+           {Direction(0, 0, 1), Direction(0, 0, -1), Direction(0, 1, 0), glm::normalize(Direction(1, 1, 1))}) {
         const EnvironmentMap map = generate(Sun{towards, radius, Direction(1e4), 0, 0}, GetParam(), size, Forward::plus_z);
         const double flux = 2 * pi * (1 - std::cos(radius * pi / 180)) * 1e4;
-        EXPECT_NEAR(measure(map).flux.x / flux, 1, 2e-3) << radius << " at " << size << " towards " << towards.x << "," << towards.y << "," << towards.z;
+        EXPECT_NEAR(measure(map).flux.x / flux, 1, 2e-3)
+            << radius << " at " << size << " towards " << towards.x << "," << towards.y << "," << towards.z;
       }
 }
 
 TEST_P(EachGenerated, BrightestTexelIsWhereTheSunIs) {
-  for (const Direction towards : {Direction(0, 0, 1), Direction(-1, 0, 0), glm::normalize(Direction(1, 2, 3)), glm::normalize(Direction(0.3, -1, -2))}) {
+  for (const Direction towards : {Direction(0, 0, 1), Direction(-1, 0, 0), glm::normalize(Direction(1, 2, 3)),
+                                  glm::normalize(Direction(0.3, -1, -2))}) {
     const EnvironmentMap map = generate(Sun{.towards = towards, .radius = 3}, GetParam(), 64, Forward::minus_x);
     EXPECT_LT(angle_between(measure(map).brightest_direction, towards), 0.1);
   }
@@ -71,13 +75,15 @@ TEST_P(EachGenerated, DirectionsAreTheirCode) {
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < level.width(); ++i)
         if (formulae::in_image(GetParam(), size, i, j)) {
-          const auto d = formulae::rounded(formulae::direction(GetParam(), f, (i + 0.5L) / level.width(), (j + 0.5L) / size));
+          const auto d =
+              formulae::rounded(formulae::direction(GetParam(), f, (i + 0.5L) / level.width(), (j + 0.5L) / size));
           EXPECT_LT(glm::length(Direction(*level.texel(f, i, j)) - 0.5 * (d + 1.0)), 1e-7);
         }
 }
 
 TEST_P(EachGenerated, CheckerIsHalfAndHalf) {
-  const EnvironmentMap map = generate(Checker{.squares = 6, .even = Direction(1), .odd = Direction(0)}, GetParam(), 96, Forward::plus_z);
+  const EnvironmentMap map =
+      generate(Checker{.squares = 6, .even = Direction(1), .odd = Direction(0)}, GetParam(), 96, Forward::plus_z);
   EXPECT_NEAR(measure(map).mean.x, 0.5, 3e-3);
 }
 
@@ -100,14 +106,16 @@ TEST(Harmonic, LowDegreesAreThePolynomials) {
 // An environment of one harmonic keeps its values through every pair: checked by projecting the result on it.
 TEST_P(EachGenerated, AnalyticHarmonicSurvivesConversion) {
   for (const Projection from : all_projections) {
-    EnvironmentMap source = generate(Harmonic{.degree = 3, .order = 1}, from, matching_size(Projection::latlong, 128, from), Forward::plus_z);
+    EnvironmentMap source =
+        generate(Harmonic{.degree = 3, .order = 1}, from, matching_size(Projection::latlong, 128, from), Forward::plus_z);
     const EnvironmentMap result = convert(source, {.to = GetParam(), .filter = Filter::bilinear});
     const Level& level = result.base();
     for (int f = 0; f < level.faces(); ++f)
       for (int j = 0; j < level.height(); ++j)
         for (int i = 0; i < level.width(); ++i)
           if (formulae::in_image(GetParam(), level.height(), i, j)) {
-            const auto d = formulae::rounded(formulae::direction(GetParam(), f, (i + 0.5L) / level.width(), (j + 0.5L) / level.height()));
+            const auto d = formulae::rounded(
+                formulae::direction(GetParam(), f, (i + 0.5L) / level.width(), (j + 0.5L) / level.height()));
             const double truth = 1 + 0.5 * real_harmonic(3, 1, d);
             // The rim texels of a sphere map span 15 degrees: a cubic is not straight over those.
             ASSERT_NEAR(level.texel(f, i, j)->x, truth, from == Projection::sphere ? 8e-2 : 1e-3) << name(from);

@@ -25,7 +25,8 @@ TEST_P(EachLevels, KeepTheFluxOfASunAnywhere) {
       const double mean = mean_radiance(base);
       add_levels(levels);
       for (const Level& level : levels)
-        EXPECT_NEAR(mean_radiance(level) / mean, 1, 1e-6) << size << " at " << i << "," << j << ", level of " << level.height();
+        EXPECT_NEAR(mean_radiance(level) / mean, 1, 1e-6)
+            << size << " at " << i << "," << j << ", level of " << level.height();
     }
   }
 }
@@ -43,7 +44,9 @@ TEST_P(EachLevels, KeepWhiteWhiteDownToOneTexel) {
       for (int j = -Level::gutter; j < level.height() + Level::gutter; ++j)
         for (int i = -Level::gutter; i < level.width() + Level::gutter; ++i) {
           const float x = level.texel(f, i, j)->x;
-          if (x != 0 || !on_disc(GetParam())) { EXPECT_NEAR(x, 1, 1e-6) << level.height() << ": " << i << "," << j; }
+          if (x != 0 || !on_disc(GetParam())) {
+            EXPECT_NEAR(x, 1, 1e-6) << level.height() << ": " << i << "," << j;
+          }
         }
 }
 

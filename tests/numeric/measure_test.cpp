@@ -110,7 +110,8 @@ TEST(Compare, DarkTexelsAreMeasuredAgainstTheMean) {
 }
 
 TEST(Compare, BlackMapsAgreeAndLightAgainstBlackIsInfinite) {
-  EnvironmentMap black = generate(Constant{Direction(0)}, Projection::cube, 2, Forward::plus_z), a = grey(Projection::cube, 2);
+  EnvironmentMap black = generate(Constant{Direction(0)}, Projection::cube, 2, Forward::plus_z),
+                 a = grey(Projection::cube, 2);
   EXPECT_EQ(compare(black.base(), black.base()).rms, 0);
   EXPECT_EQ(compare(black.base(), black.base()).maximum, 0);
   EXPECT_TRUE(std::isinf(compare(a.base(), black.base()).maximum));
@@ -118,15 +119,15 @@ TEST(Compare, BlackMapsAgreeAndLightAgainstBlackIsInfinite) {
 
 TEST(Sampling, KnownDensities) {
   const auto sphere = sampling_table(Projection::sphere, 512);
-  EXPECT_NEAR(sphere.front().relative, 1, 1e-9);            // Equal-area ...
+  EXPECT_NEAR(sphere.front().relative, 1, 1e-9);  // Equal-area ...
   EXPECT_NEAR(sphere[4].relative, 1, 1e-9);
-  EXPECT_GT(sphere.back().anisotropy, 50);                  // ... but stretched at the rim.
+  EXPECT_GT(sphere.back().anisotropy, 50);  // ... but stretched at the rim.
   const auto cube = sampling_table(Projection::cube, 1024);
   EXPECT_NEAR(cube.front().solid_angle / cube.back().solid_angle, std::pow(3.0, 1.5), 0.02);
   EXPECT_NEAR(cube.back().anisotropy, std::sqrt(3.0), 0.01);
   EXPECT_NEAR(cube.back().angle, 54.7356, 0.2);
   const auto paraboloid = sampling_table(Projection::paraboloid, 1024);
-  EXPECT_NEAR(paraboloid.front().anisotropy, 1, 1e-6);      // Conformal.
+  EXPECT_NEAR(paraboloid.front().anisotropy, 1, 1e-6);  // Conformal.
   EXPECT_NEAR(paraboloid[6].anisotropy, 1, 1e-6);
   const auto latlong = sampling_table(Projection::latlong, 1024);
   EXPECT_NEAR(latlong.front().anisotropy, 1, 1e-4);

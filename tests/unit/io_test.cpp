@@ -27,7 +27,9 @@ class Io : public testing::Test {
   Io() { fs::create_directories(folder_); }
   ~Io() override { fs::remove_all(folder_); }
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::size_t entries() const { return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {})); }
+  [[nodiscard]] std::size_t entries() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {}));
+  }
 
  private:
   fs::path folder_ = fs::temp_directory_path() / ("envmap_io_" + std::to_string(::getpid()));
@@ -93,7 +95,8 @@ TEST_F(Io, BorderSamplesAreMovedToCellCentres) {
   for (int j = 0; j < h; ++j)
     for (int i = 0; i < w; ++i) {
       const double longitude = pi - 2 * pi * i / (w - 1), latitude = pi / 2 - pi * j / (h - 1);
-      const Direction d{std::cos(latitude) * std::sin(longitude), std::sin(latitude), std::cos(latitude) * std::cos(longitude)};
+      const Direction d{std::cos(latitude) * std::sin(longitude), std::sin(latitude),
+                        std::cos(latitude) * std::cos(longitude)};
       for (int c = 0; c < 3; ++c) pixels.push_back(static_cast<float>(0.5 + 0.5 * d[c]));
     }
   Imf::Header header(w, h);
@@ -102,7 +105,8 @@ TEST_F(Io, BorderSamplesAreMovedToCellCentres) {
   const char* channels[] = {"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c) {
     header.channels().insert(channels[c], Imf::Channel(Imf::FLOAT));
-    frame.insert(channels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data() + c), 3 * sizeof(float), 3 * sizeof(float) * w));
+    frame.insert(channels[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data() + c), 3 * sizeof(float),
+                                         3 * sizeof(float) * w));
   }
   {
     Imf::OutputFile out(path("m.exr").c_str(), header);

@@ -145,8 +145,7 @@ Vec2<Real> exact_place(Projection p, const Direction& d) {
   Real s = 0, t = 0;
   switch (p) {
     case Projection::latlong:
-      return {Real(0.5) - std::atan2(x, z) / (2 * formulae::pi),
-              Real(0.5) - std::atan2(y, std::hypot(x, z)) / formulae::pi};
+      return {Real(0.5) - std::atan2(x, z) / (2 * formulae::pi), Real(0.5) - std::atan2(y, std::hypot(x, z)) / formulae::pi};
     case Projection::cube: {
       const auto at = Cube::locate(Vec3<double>(d));
       const Cube::Axes& axes = Cube::axes[static_cast<std::size_t>(at.face)];

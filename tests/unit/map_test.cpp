@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "envmap/io/recognise.h"
 #include "envmap/error.h"
+#include "envmap/io/recognise.h"
 #include "envmap/map/gutter.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/generate.h"
@@ -24,7 +24,10 @@ TEST_P(EachGutter, TexelsDoNotOverlap) {
       for (int j = -Level::gutter; j < level.height() + Level::gutter; ++j)
         for (int i = -Level::gutter; i < level.width() + Level::gutter; ++i) {
           if (pass == 0) *level.texel(f, i, j) = Colour(next++);
-          if (pass == 1) { EXPECT_EQ(level.texel(f, i, j)->x, next - level.faces() * (level.height() + 4.0F) * (level.width() + 4)); ++next; }
+          if (pass == 1) {
+            EXPECT_EQ(level.texel(f, i, j)->x, next - level.faces() * (level.height() + 4.0F) * (level.width() + 4));
+            ++next;
+          }
         }
 }
 
@@ -43,7 +46,8 @@ TEST_P(EachGutter, GutterContinuesTheMap) {
           if (P::on_disc && std::hypot(2 * u - 1, 2 * v - 1) > 1 + 2.8 / size) continue;
           const Direction there = glm::normalize(2.0 * Direction(*level.texel(f, i, j)) - 1.0);
           // Texels of a sphere map reach over 20 degrees at the rim, where the fit is least sure.
-          EXPECT_LT(angle_between(there, P::direction(f, u, v)), GetParam() == Projection::sphere ? 0.02 : 0.003) << f << ": " << i << "," << j;
+          EXPECT_LT(angle_between(there, P::direction(f, u, v)), GetParam() == Projection::sphere ? 0.02 : 0.003)
+              << f << ": " << i << "," << j;
         }
   });
 }
@@ -60,7 +64,8 @@ TEST_P(EachGutter, GutterOfAConstantIsThatConstant) {
     for (int f = 0; f < level.faces(); ++f)
       for (int j = -1; j <= size; ++j)
         for (int i = -1; i <= level.width(); ++i) {
-          if (on_disc(GetParam()) && std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) > 1 + 2.8 / size) continue;
+          if (on_disc(GetParam()) && std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) > 1 + 2.8 / size)
+            continue;
           const Colour c = *level.texel(f, i, j);
           EXPECT_NEAR(c.x, 0.7F, 1e-6F) << size << ": " << i << "," << j;
           EXPECT_NEAR(c.y, 1, 1e-6F);
@@ -77,7 +82,8 @@ TEST(Gutter, IgnoresWhatLiesOutsideTheDisc) {
     for (int f = 0; f < faces(p); ++f)
       for (int j = 0; j < size; ++j)
         for (int i = 0; i < size; ++i)
-          if (std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) > 1) *poisoned.base().texel(f, i, j) = Colour(1e30F);
+          if (std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) > 1)
+            *poisoned.base().texel(f, i, j) = Colour(1e30F);
     fill_gutter(clean.base());
     fill_gutter(poisoned.base());
     for (int f = 0; f < faces(p); ++f)
@@ -134,7 +140,8 @@ TEST(Page, CrossesAreTheUnfoldedCube) {
     int edges = 0;
     const auto check = [&](int x, int y, int x2, int y2) {
       if (x2 >= page.width() || y2 >= page.height()) return;
-      const Colour a = image[static_cast<std::size_t>(y * page.width() + x)], b = image[static_cast<std::size_t>(y2 * page.width() + x2)];
+      const Colour a = image[static_cast<std::size_t>(y * page.width() + x)],
+                   b = image[static_cast<std::size_t>(y2 * page.width() + x2)];
       if (a == Colour(0) || b == Colour(0)) return;
       ++edges;
       const Direction da = glm::normalize(2.0 * Direction(a) - 1.0), db = glm::normalize(2.0 * Direction(b) - 1.0);

@@ -1,9 +1,10 @@
 // Directions and locations: against the plain formulae, in float and double, at poles, seams, rims and -Z.
+#include "envmap/projection/projection.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "envmap/projection/projection.h"
 #include "formulae.h"
 
 namespace envmap {
@@ -55,16 +56,14 @@ std::vector<Location<double>> hard_places(Projection p) {
     const int face = k % faces(p);
     const double w = size * aspect(p), turn = 2 * pi * any(random);
     centre(face, any(random) * w, any(random) * size);
-    centre(face, any(random) * 4, any(random) * size);           // The left edge, the meridian of -Z.
-    centre(face, any(random) * w, any(random) * 4);              // The top edge, the pole.
-    const double r = 0.5 - 3 * any(random) / size;               // Within three texels of the rim.
+    centre(face, any(random) * 4, any(random) * size);  // The left edge, the meridian of -Z.
+    centre(face, any(random) * w, any(random) * 4);     // The top edge, the pole.
+    const double r = 0.5 - 3 * any(random) / size;      // Within three texels of the rim.
     centre(face, (0.5 + r * std::cos(turn)) * size, (0.5 + r * std::sin(turn)) * size);
-    const double c = 3 * any(random) / size;                     // Within three texels of the middle.
+    const double c = 3 * any(random) / size;  // Within three texels of the middle.
     centre(face, (0.5 + c * std::cos(turn)) * size, (0.5 + c * std::sin(turn)) * size);
   }
-  std::erase_if(places, [&](const auto& at) {
-    return on_disc(p) && std::hypot(2 * at.u - 1, 2 * at.v - 1) > 1;
-  });
+  std::erase_if(places, [&](const auto& at) { return on_disc(p) && std::hypot(2 * at.u - 1, 2 * at.v - 1) > 1; });
   return places;
 }
 
@@ -125,7 +124,9 @@ TEST_P(EachProjection, LocatesEveryDirectionInsideItsFace) {
           ASSERT_GE(at.face, 0);
           ASSERT_LT(at.face, P::faces);
           ASSERT_TRUE(at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1) << d.x << " " << d.y << " " << d.z;
-          if (P::on_disc) { ASSERT_LE(std::hypot(2 * at.u - 1, 2 * at.v - 1), 1 + 1e-15); }
+          if (P::on_disc) {
+            ASSERT_LE(std::hypot(2 * at.u - 1, 2 * at.v - 1), 1 + 1e-15);
+          }
           // And back: the rim of a sphere map turns a rounding of 1e-16 into 1e-8.
           ASSERT_LT(angle_between(P::direction(at.face, at.u, at.v), d), GetParam() == Projection::sphere ? 3e-8 : 1e-15);
         }

@@ -1,4 +1,6 @@
 // Bilinear samples by the vector code of every target: the scalar formula to the last bit, and nothing beyond a span.
+#include "envmap/sample/sample.h"
+
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -6,7 +8,6 @@
 #include <vector>
 
 #include "envmap/map/gutter.h"
-#include "envmap/sample/sample.h"
 #include "every_target.h"
 
 namespace envmap {

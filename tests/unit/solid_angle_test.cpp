@@ -19,12 +19,13 @@ double total(Projection p, int size) {
 }
 
 class EachSize : public testing::TestWithParam<std::tuple<Projection, int>> {};
-INSTANTIATE_TEST_SUITE_P(, EachSize, testing::Combine(testing::ValuesIn(all_projections), testing::Values(1, 2, 3, 7, 64, 1024)),
-                         [](const auto& p) { return std::string(name(std::get<0>(p.param))) + "_" + std::to_string(std::get<1>(p.param)); });
+INSTANTIATE_TEST_SUITE_P(, EachSize,
+                         testing::Combine(testing::ValuesIn(all_projections), testing::Values(1, 2, 3, 7, 64, 1024)),
+                         [](const auto& p) {
+                           return std::string(name(std::get<0>(p.param))) + "_" + std::to_string(std::get<1>(p.param));
+                         });
 
-TEST_P(EachSize, SumsToFourPi) {
-  EXPECT_NEAR(total(std::get<0>(GetParam()), std::get<1>(GetParam())), 4 * pi, 1e-12);
-}
+TEST_P(EachSize, SumsToFourPi) { EXPECT_NEAR(total(std::get<0>(GetParam()), std::get<1>(GetParam())), 4 * pi, 1e-12); }
 
 class EachSolidAngle : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachSolidAngle, testing::ValuesIn(all_projections),
@@ -72,7 +73,9 @@ TEST_P(EachSolidAngle, ColumnsHoldAllTheWeight) {
       for (int i = 0; i < static_cast<int>(row.size()); ++i) {
         const double w = row[static_cast<std::size_t>(i)];
         EXPECT_GE(w, 0);
-        if (i < in.first || i >= in.end) { EXPECT_EQ(w, 0) << size << ": " << i << "," << j; }
+        if (i < in.first || i >= in.end) {
+          EXPECT_EQ(w, 0) << size << ": " << i << "," << j;
+        }
       }
     }
   }

@@ -159,7 +159,8 @@ struct Points {
 };
 
 Points points() {
-  std::vector<double> some{0.0, -0.0, 5e-324, 1e-310, 2.2e-308, 1e-200, 1e-30, 1e-16, 0.1, 5.0 / 12, 0.5, 1, 2, 1e30, 1e306};
+  std::vector<double> some{0.0, -0.0,     5e-324, 1e-310, 2.2e-308, 1e-200, 1e-30, 1e-16,
+                           0.1, 5.0 / 12, 0.5,    1,      2,        1e30,   1e306};
   for (std::size_t k = 0, n = some.size(); k < n; ++k) {
     some.push_back(-some[k]);
     some.push_back(std::nextafter(some[k], 1.0));

@@ -67,14 +67,15 @@ OutputFile::OutputFile(const std::string& path) : IOProxy(path, Write), path_(pa
   // Through links to what they name, which need not exist: renaming over a link would cut it.
   for (int links = 0; !stream_ && links < 40 && fs::is_symlink(fs::symlink_status(target_, ignored)); ++links)
     target_ = (fs::path(target_).parent_path() / fs::read_symlink(target_, ignored)).string();
-  temporary_ = stream_ ? scratch_name()
-                       : (fs::path(folder_of(target_)) / ("." + fs::path(target_).filename().string() + ".XXXXXX")).string();
+  temporary_ = stream_
+                   ? scratch_name()
+                   : (fs::path(folder_of(target_)) / ("." + fs::path(target_).filename().string() + ".XXXXXX")).string();
   descriptor_ = ::mkstemp(temporary_.data());
   if (descriptor_ < 0) {
     const int why = errno;
     temporary_.clear();
-    throw OutputError(fmt::format("{}: cannot write into {}: {}", path, stream_ ? "the temporary folder" : folder_of(target_),
-                                  std::strerror(why)));
+    throw OutputError(fmt::format("{}: cannot write into {}: {}", path,
+                                  stream_ ? "the temporary folder" : folder_of(target_), std::strerror(why)));
   }
   guard(temporary_.c_str());
   // Never one of the standard three, even where the caller has closed them: `-` would write into its own file.
@@ -116,8 +117,8 @@ size_t OutputFile::pread(void* buffer, size_t size, int64_t offset) {
 size_t OutputFile::pwrite(const void* buffer, size_t size, int64_t offset) {
   size_t done = 0;
   while (done < size) {
-    const ssize_t n = ::pwrite(descriptor_, static_cast<const char*>(buffer) + done, size - done,
-                               offset + static_cast<int64_t>(done));
+    const ssize_t n =
+        ::pwrite(descriptor_, static_cast<const char*>(buffer) + done, size - done, offset + static_cast<int64_t>(done));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       if (error_ == 0) error_ = n < 0 ? errno : ENOSPC;
@@ -137,8 +138,10 @@ void OutputFile::copy_to_stream() {
     const size_t n = pread(block.data(), block.size(), at);
     for (size_t done = 0; done < n && error_ == 0;) {
       const ssize_t written = ::write(out, block.data() + done, n - done);
-      if (written >= 0) done += static_cast<size_t>(written);
-      else if (errno != EINTR) error_ = errno;
+      if (written >= 0)
+        done += static_cast<size_t>(written);
+      else if (errno != EINTR)
+        error_ = errno;
     }
     if (n == 0) error_ = EIO;
     at += static_cast<int64_t>(n);

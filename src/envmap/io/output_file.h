@@ -39,7 +39,7 @@ class OutputFile final : public OIIO::Filesystem::IOProxy {
   std::string path_, target_, temporary_;
   int descriptor_ = -1;
   int64_t end_ = 0;
-  int error_ = 0;      // errno of the first write that failed.
+  int error_ = 0;  // errno of the first write that failed.
   bool stream_ = false;
 };
 

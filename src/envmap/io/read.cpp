@@ -2,8 +2,8 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <fmt/format.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -45,7 +45,8 @@ struct Image {
 
   // Channel names and what a library quotes come from the file: no line breaks and no commands to the terminal.
   [[noreturn]] void fail(std::string why) const {
-    std::ranges::replace_if(why, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+    std::ranges::replace_if(
+        why, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
     throw InputError(name + ": " + why);
   }
 };
@@ -93,7 +94,8 @@ std::string format_of(std::string_view head, const std::string& path) {
 void open_as(Image& image, std::string_view head, const std::string& path, const OIIO::ImageSpec& config) {
   const std::string format = format_of(head, path), unread = "not an image that can be read: ";
   if (format.empty())
-    image.fail(unread + "neither EXR, HDR, PFM, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, DPX, PSD, SGI nor DDS");
+    image.fail(unread +
+               "neither EXR, HDR, PFM, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, DPX, PSD, SGI nor DDS");
   const SilentLibraries silent(true);
   image.input = OIIO::ImageInput::create(format);
   OIIO::ImageSpec spec;
@@ -117,7 +119,8 @@ void open_file(Image& image, const std::string& path) {
   image.name = path;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
+  if (!fs::exists(status))
+    image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
   if (fs::is_directory(status)) image.fail("is a folder; name a file");
   if (::access(path.c_str(), R_OK) != 0) image.fail(std::strerror(errno));
   std::ifstream stream(path, std::ios::binary);
@@ -145,7 +148,8 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   if (first < 0 && spec.nchannels == 1) first = 0, count = 1;
   if (first < 0) {
     std::string names;
-    for (int c = 0; c < spec.nchannels && names.size() < 40; ++c) names += (c ? ", " : "") + std::string(spec.channel_name(c));
+    for (int c = 0; c < spec.nchannels && names.size() < 40; ++c)
+      names += (c ? ", " : "") + std::string(spec.channel_name(c));
     image.fail(fmt::format("no R, G and B among its {} channels ({})", spec.nchannels, names));
   }
   if (spec.nchannels > count && !options.drop_channels) {
@@ -166,8 +170,8 @@ void check_size(const Image& image, const OIIO::ImageSpec& spec) {
   const bool tiled = spec.tile_width != 0 || spec.tile_height != 0;
   if (tiled && (spec.tile_width < 1 || spec.tile_width > std::max(spec.width, roomy) || spec.tile_height < 1 ||
                 spec.tile_height > std::max(spec.height, roomy)))
-    image.fail(fmt::format("damaged: tiles of {}x{} in an image of {}x{}", spec.tile_width, spec.tile_height, spec.width,
-                           spec.height));
+    image.fail(fmt::format("damaged: tiles of {}x{} in an image of {}x{}", spec.tile_width, spec.tile_height,
+                           spec.width, spec.height));
   const double bytes = static_cast<double>(spec.width) * spec.height * sizeof(Colour);
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
   // A header can promise anything. No compression in use makes a map 20,000 times smaller.
@@ -230,7 +234,8 @@ void to_cell_centres(Level& level) {
     for (int j = 0; j < level.height(); ++j)
       for (int i = 0; i < level.width(); ++i) {
         const double x = (i + 0.5) * sx, y = (j + 0.5) * sy;
-        const int left = std::min(static_cast<int>(x), level.width() - 2), top = std::min(static_cast<int>(y), level.height() - 2);
+        const int left = std::min(static_cast<int>(x), level.width() - 2),
+                  top = std::min(static_cast<int>(y), level.height() - 2);
         const float fx = static_cast<float>(x - left), fy = static_cast<float>(y - top);
         const Colour *a = from.texel(face, left, top), *b = a + from.stride();
         *level.texel(face, i, j) = (1 - fy) * ((1 - fx) * a[0] + fx * a[1]) + fy * ((1 - fx) * b[0] + fx * b[1]);
@@ -258,9 +263,10 @@ void settle_flaws(const std::string& name, const ReadOptions& options, Source& s
   add(flaws.infinite, "infinite");
   add(flaws.negative, "negative");
   const std::string face = level.faces() > 1 ? fmt::format(" of face {}", flaws.first->face) : "";
-  throw InputError(fmt::format("{}: {} of {} texels are no radiance ({}), the first at ({},{}){}: say --repair to replace them",
-                               name, flaws.count(), static_cast<std::int64_t>(level.faces()) * level.width() * level.height(),
-                               counts, flaws.first->i, flaws.first->j, face));
+  throw InputError(
+      fmt::format("{}: {} of {} texels are no radiance ({}), the first at ({},{}){}: say --repair to replace them",
+                  name, flaws.count(), static_cast<std::int64_t>(level.faces()) * level.width() * level.height(),
+                  counts, flaws.first->i, flaws.first->j, face));
 }
 
 Source read_image(const std::string& path, const ReadOptions& options) {
@@ -283,13 +289,17 @@ Source read_image(const std::string& path, const ReadOptions& options) {
       image.fail(e.what());
     }
   }();
-  Source source{.map = {}, .layout = found.layout, .depth = depth_of(spec.format), .format = image.input->format_name(),
-                .image_width = spec.width, .image_height = spec.height,
+  Source source{.map = {},
+                .layout = found.layout,
+                .depth = depth_of(spec.format),
+                .format = image.input->format_name(),
+                .image_width = spec.width,
+                .image_height = spec.height,
                 .border_samples = has_border_samples(spec) && !options.ignore_envmap_attribute};
   source.map.levels.push_back(read_pixels(image, channels, found));
   if (has_forward(found.projection))
-    source.map.forward = options.forward.value_or(
-        recorded.forward.value_or(options.assumed_forward.value_or(Forward::plus_z)));
+    source.map.forward =
+        options.forward.value_or(recorded.forward.value_or(options.assumed_forward.value_or(Forward::plus_z)));
   return source;
 }
 
@@ -302,10 +312,15 @@ Source read_faces(const std::string& path, const ReadOptions& options) {
     open_file(image, face_path(path, face));
     const OIIO::ImageSpec spec = image.input->spec();
     check_size(image, spec);
-    if (spec.width != spec.height) image.fail(fmt::format("a cube face must be square, not {}x{}", spec.width, spec.height));
+    if (spec.width != spec.height)
+      image.fail(fmt::format("a cube face must be square, not {}x{}", spec.width, spec.height));
     if (!source) {
-      source.emplace(Source{.map = {}, .layout = Layout::files, .depth = depth_of(spec.format),
-                            .format = image.input->format_name(), .image_width = spec.width, .image_height = spec.height,
+      source.emplace(Source{.map = {},
+                            .layout = Layout::files,
+                            .depth = depth_of(spec.format),
+                            .format = image.input->format_name(),
+                            .image_width = spec.width,
+                            .image_height = spec.height,
                             .border_samples = false});
       source->map.levels.emplace_back(Projection::cube, spec.height);
     }

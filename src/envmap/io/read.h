@@ -30,7 +30,7 @@ struct Source {
   EnvironmentMap map;
   Layout layout;
   Depth depth;
-  std::string format;         ///< OpenImageIO's name for it: openexr, hdr, ...
+  std::string format;  ///< OpenImageIO's name for it: openexr, hdr, ...
   int image_width, image_height;
   bool border_samples;        ///< OpenEXR's `envmap` convention; resampled to cell centres here.
   std::int64_t repaired = 0;  ///< Texels that FlawPolicy::repair changed.

@@ -30,12 +30,15 @@ Recognised recognise(int width, int height, const Metadata& said, const Metadata
   if (!p) {
     if (width == height)
       throw InputError(fmt::format("a square image {} may be sphere or angular: say --from sphere or --from angular", found));
-    if (fits(width, height, Projection::latlong, Layout::single)) p = Projection::latlong;
-    else if (cube_layout_of_shape(width, height)) p = Projection::cube;
+    if (fits(width, height, Projection::latlong, Layout::single))
+      p = Projection::latlong;
+    else if (cube_layout_of_shape(width, height))
+      p = Projection::cube;
     else
       throw InputError(fmt::format(
           "no environment map has this shape {}: latlong and paraboloid are 2:1, cubes 1:6, 6:1, 4:3, 3:4 or 3:2, "
-          "sphere and angular 1:1", found));
+          "sphere and angular 1:1",
+          found));
   }
   if (layout && *p != Projection::cube)
     throw UsageError(fmt::format("a layout is for cube maps, not for a {} map", name(*p)));

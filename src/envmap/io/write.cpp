@@ -93,11 +93,14 @@ struct Excess {
 class Limited {
  public:
   Limited(const Rows& rows, double limit, bool weigh)
-      : limit_(limit), weigh_(weigh), excess_(static_cast<std::size_t>(faces(rows.projection)) * static_cast<std::size_t>(rows.size)) {
+      : limit_(limit),
+        weigh_(weigh),
+        excess_(static_cast<std::size_t>(faces(rows.projection)) * static_cast<std::size_t>(rows.size)) {
     limited_ = rows;
     limited_.fill = [this, &rows](int face, int row, std::span<Colour> out) {
       rows.fill(face, row, out);
-      excess_[static_cast<std::size_t>(face) * static_cast<std::size_t>(rows.size) + static_cast<std::size_t>(row)] = cut(row, out);
+      excess_[static_cast<std::size_t>(face) * static_cast<std::size_t>(rows.size) + static_cast<std::size_t>(row)] =
+          cut(row, out);
     };
   }
   Limited(const Limited&) = delete;
@@ -189,7 +192,8 @@ void write_with_oiio(OutputFile& file, const std::string& path, const std::strin
   OIIO::ImageSpec spec(page.width(), page.height(), 3, type(depth));
   spec.attribute("DateTime", "");  // OpenImageIO would write the time of day.
   // Not in TIFF: it would go into an EXIF directory, and OpenImageIO 2.4 leaves the file's header pointing at that.
-  if (output->format_name() != std::string("tiff")) spec.attribute("oiio:ColorSpace", is_integer(depth) ? "sRGB" : "Linear");
+  if (output->format_name() != std::string("tiff"))
+    spec.attribute("oiio:ColorSpace", is_integer(depth) ? "sRGB" : "Linear");
   set_metadata(spec, data);
   OIIO::Filesystem::IOProxy* proxy = &file;
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
@@ -206,7 +210,8 @@ void write_with_oiio(OutputFile& file, const std::string& path, const std::strin
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection) {
   const std::string ext = extension(path, options);
-  if (ext.empty()) throw UsageError(path + ": no file type; end the name in .exr, .hdr, .pfm, .tif or .png, or say --format");
+  if (ext.empty())
+    throw UsageError(path + ": no file type; end the name in .exr, .hdr, .pfm, .tif or .png, or say --format");
   if (depths(ext).empty())
     throw UsageError(fmt::format("{}: no format writes .{}; try .exr, .hdr, .pfm, .tif or .png", path, ext));
   choose_depth(ext, options);
@@ -243,7 +248,8 @@ Written write(const std::string& path, const Rows& rows, const WriteOptions& opt
   }
   const Excess over = limited.total();
   if (over.count > 0 && !options.clamp)
-    throw OutputError(fmt::format("{}: {} texels over {:g} do not fit {}: choose {}or say --clamp", path, over.count, limit, name(done.depth),
+    throw OutputError(fmt::format("{}: {} texels over {:g} do not fit {}: choose {}or say --clamp", path, over.count,
+                                  limit, name(done.depth),
                                   is_integer(done.depth) ? "a floating-point format, lower --exposure " : "--depth float "));
   done.clamped = over.count;
   done.flux_lost = over.flux > 0 ? over.lost / over.flux : 0;

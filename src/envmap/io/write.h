@@ -17,7 +17,7 @@ struct WriteOptions {
   std::string format;            ///< A file name extension for `-` and names without one; else the name's decides.
   std::optional<Depth> depth;    ///< Asked for; refused where the format cannot hold it.
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.
-  bool clamp = false;            ///< Values beyond what the depth holds: clamp instead of refusing.
+  bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
 };
 
 struct Written {

@@ -30,7 +30,8 @@ bool is_image(const Level& level, int i, int j) {
 // Of a disc, the texels that a tap can reach: at most sqrt(2) x gutter texels of width 2/n from the place it is read for.
 bool is_gutter(const Level& level, int i, int j) {
   if (is_image(level, i, j)) return false;
-  return !on_disc(level.projection()) || radius(level, i, j) <= 1 + 2 * std::numbers::sqrt2 * Level::gutter / level.height();
+  return !on_disc(level.projection()) ||
+         radius(level, i, j) <= 1 + 2 * std::numbers::sqrt2 * Level::gutter / level.height();
 }
 
 std::vector<GutterTexel> gutter_texels(const Level& level) {
@@ -46,7 +47,8 @@ std::vector<GutterTexel> gutter_texels(const Level& level) {
           if (!is_gutter(level, i, j)) continue;
           // Round a disc of one or two texels some lie so far out that they would have gone round the sphere once.
           const double pull = P::on_disc ? std::min(1.0, 1.9 / radius(level, i, j)) : 1;
-          const Direction beyond = P::direction(face, 0.5 + pull * ((i + 0.5) / w - 0.5), 0.5 + pull * ((j + 0.5) / h - 0.5));
+          const Direction beyond =
+              P::direction(face, 0.5 + pull * ((i + 0.5) / w - 0.5), 0.5 + pull * ((j + 0.5) / h - 0.5));
           found.push_back({face, i, j, beyond, P::locate(beyond)});
         }
   });

@@ -12,7 +12,9 @@ template <class T>
 std::span<T> part(std::span<T> band, int y, int begin, int columns, const Slot& slot, int face_width) {
   const auto w = static_cast<std::size_t>(face_width);
   return band.subspan((static_cast<std::size_t>(y - begin) * static_cast<std::size_t>(columns) +
-                       static_cast<std::size_t>(slot.column)) * w, w);
+                       static_cast<std::size_t>(slot.column)) *
+                          w,
+                      w);
 }
 
 }  // namespace
@@ -34,7 +36,8 @@ void Page::gather(int begin, int end, std::span<Colour> out) const {
   };
   tbb::parallel_for(begin, end, [&](int y) {
     std::ranges::fill(out.subspan(static_cast<std::size_t>(y - begin) * static_cast<std::size_t>(width()),
-                                  static_cast<std::size_t>(width())), Colour(0));
+                                  static_cast<std::size_t>(width())),
+                      Colour(0));
     if (face >= 0) return fill(face, {0, 0}, y);
     for (std::size_t f = 0; f < grid.slots.size(); ++f) fill(static_cast<int>(f), grid.slots[f], y);
   });

@@ -11,7 +11,7 @@ namespace envmap {
 
 struct Rows {
   Projection projection;
-  int size;         ///< Height of a face.
+  int size;  ///< Height of a face.
   Forward forward;
   /// Fills row `row` of a face, `out.size()` = its width. Called from many threads at once; always gives the same.
   std::function<void(int face, int row, std::span<Colour> out)> fill;

@@ -97,8 +97,8 @@ HWY_INLINE V atan2_pi(D d, V y, V x) {
   const V odd = polynomial(d, zz, 0.06366197723674223, 0.03536776479922883, 0.024484954201581935, 0.01864400098615914,
                            0.01244201852214326);
   const V tail = hn::Mul(z, hn::Add(even, hn::Mul(z, odd)));
-  const V angle = hn::Add(hn::Mul(q, hn::Set(d, 0.3183098861837907)),
-                          hn::Mul(q, hn::Add(hn::Set(d, -1.9678676675182486e-17), tail)));
+  const V angle =
+      hn::Add(hn::Mul(q, hn::Set(d, 0.3183098861837907)), hn::Mul(q, hn::Add(hn::Set(d, -1.9678676675182486e-17), tail)));
   // Back through the octants: base + angle, or base - angle.
   const V sign = hn::SignBit(d);
   const V steep = hn::IfThenElseZero(hn::Gt(ay, ax), sign), left = hn::And(x, sign);

@@ -36,8 +36,8 @@ Conversion resolved(const Conversion& wanted, const EnvironmentMap& source) {
 
 Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   const Conversion c = resolved(wanted, source);
-  const Rotation to_source = glm::transpose(image_to_world(source.forward)) * glm::transpose(c.rotation) *
-                             image_to_world(c.forward);
+  const Rotation to_source =
+      glm::transpose(image_to_world(source.forward)) * glm::transpose(c.rotation) * image_to_world(c.forward);
   const Level& from = source.base();
   // The same texels: nothing to resample, and nothing to lose at a rim.
   if (interpolates(c) && c.to == from.projection() && c.size == from.height() && to_source == Rotation(1))
@@ -51,12 +51,13 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   for (Level& level : source.levels) fill_gutter(level);
   // The mean costs more than many a conversion: exact solid angles of every texel.
   const double floor = c.filter == Filter::area ? 1e-3 * mean_radiance(source.base()) : 0;
-  const Sampler sample = make_sampler(source.levels, {c.to, c.size, to_source},
-                                      {c.filter, c.samples, c.area_tolerance, floor});
+  const Sampler sample =
+      make_sampler(source.levels, {c.to, c.size, to_source}, {c.filter, c.samples, c.area_tolerance, floor});
   return {c.to, c.size, c.forward, [c, sample](int face, int row, std::span<Colour> out) {
             const Columns in = columns(c.to, c.size, row);
             std::ranges::fill(out, Colour(0));
-            const auto texels = out.subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first));
+            const auto texels =
+                out.subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first));
             sample(face, row, in.first, texels);
             if (c.gain != 1)
               for (Colour& texel : texels) texel = Colour(Direction(texel) * c.gain);

@@ -54,7 +54,8 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
       std::vector<Direction> fine(d.size() * n);
       for (int j = 0; j < n; ++j) {
         texel_directions(level.projection(), level.height() * n, face, row * n + j, in.first * n, fine);
-        for (std::size_t k = 0; k < fine.size(); ++k) sum[k / n] += radiance(pattern, to_world * fine[k]) / double(n * n);
+        for (std::size_t k = 0; k < fine.size(); ++k)
+          sum[k / n] += radiance(pattern, to_world * fine[k]) / double(n * n);
       }
     }
     for (std::size_t k = 0; k < sum.size(); ++k) level.row(face, row)[static_cast<std::size_t>(in.first) + k] = sum[k];
@@ -99,16 +100,20 @@ void add_coverage(const Cone& cone, Level& coverage) {
     const Columns in = columns(coverage.projection(), h, row);
     for (int i = in.first; i < in.end; ++i) {
       const Extent e = extent<P>(cone, face, rect(i, row));
-      if (e.away + e.reach <= cone.radius) *coverage.texel(face, i, row) = Colour(1);
-      else if (e.away - e.reach < cone.radius) least = std::min(least, std::max(0.0, e.away - e.reach));
+      if (e.away + e.reach <= cone.radius)
+        *coverage.texel(face, i, row) = Colour(1);
+      else if (e.away - e.reach < cone.radius)
+        least = std::min(least, std::max(0.0, e.away - e.reach));
     }
   });
   const double ring = *std::ranges::min_element(inner);
-  const double z0 = std::cos(ring), z1 = std::cos(cone.radius), steradians = 4 * pi * std::sin(0.5 * (cone.radius - ring)) * std::sin(0.5 * (cone.radius + ring));
+  const double z0 = std::cos(ring), z1 = std::cos(cone.radius),
+               steradians = 4 * pi * std::sin(0.5 * (cone.radius - ring)) * std::sin(0.5 * (cone.radius + ring));
   if (steradians <= 0) return;
   const double texels = steradians * P::faces * w * h / (4 * pi);
   const auto points = static_cast<std::int64_t>(std::clamp(256 * texels, 0x1p20, 0x1p26));
-  const Direction e1 = glm::normalize(glm::cross(std::abs(cone.axis.x) < 0.7 ? Direction(1, 0, 0) : Direction(0, 1, 0), cone.axis));
+  const Direction e1 =
+      glm::normalize(glm::cross(std::abs(cone.axis.x) < 0.7 ? Direction(1, 0, 0) : Direction(0, 1, 0), cone.axis));
   const Direction e2 = glm::cross(cone.axis, e1);
   for (std::int64_t k = 0; k < points; ++k) {
     const double part = (static_cast<double>(k) + 0.5) / static_cast<double>(points), z = z0 + part * (z1 - z0);
@@ -122,7 +127,8 @@ void add_coverage(const Cone& cone, Level& coverage) {
   for_each_row(P::faces, h, {}, [&](int face, int row) {
     for (int i = 0; i < w; ++i)
       if (Colour& c = *coverage.texel(face, i, row); c.x < 1 && c.y > 0)
-        c.x = static_cast<float>(std::min(1.0, c.y * steradians / static_cast<double>(points) / P::solid_angle(rect(i, row))));
+        c.x = static_cast<float>(
+            std::min(1.0, c.y * steradians / static_cast<double>(points) / P::solid_angle(rect(i, row))));
   });
 }
 
@@ -189,7 +195,8 @@ EnvironmentMap generate(const Pattern& pattern, Projection to, int size, Forward
       for (const Colour& c : map.base().row(face, j))
         if (!(glm::all(glm::greaterThanEqual(c, Colour(0))) &&
               glm::all(glm::lessThanEqual(c, Colour(std::numeric_limits<float>::max())))))
-          throw UsageError("the pattern has negative or infinite radiance: change its values (for sh: a smaller --amplitude)");
+          throw UsageError(
+              "the pattern has negative or infinite radiance: change its values (for sh: a smaller --amplitude)");
   return map;
 }
 

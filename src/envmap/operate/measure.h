@@ -45,10 +45,10 @@ double mean_radiance(const Level& level);
 
 /// Of a against the reference b: the metrics of every command. Infinite where b is black and a is not.
 struct Difference {
-  Flux flux;        ///< (flux a - flux b) / flux b, per channel.
-  double rms;       ///< sqrt(sum w |a-b|^2 / sum w |b|^2), over texels and channels.
-  double maximum;   ///< Largest |a-b| / max(|b|, 0.001 x mean of b), per channel.
-  Texel worst;      ///< Where.
+  Flux flux;       ///< (flux a - flux b) / flux b, per channel.
+  double rms;      ///< sqrt(sum w |a-b|^2 / sum w |b|^2), over texels and channels.
+  double maximum;  ///< Largest |a-b| / max(|b|, 0.001 x mean of b), per channel.
+  Texel worst;     ///< Where.
   [[nodiscard]] double largest_flux() const;
 };
 

@@ -48,9 +48,8 @@ struct Angular {
   }
 
   static double solid_angle(const Rect& r) {
-    return quadrature::inside_disc(
-        {2 * r.u0 - 1, 1 - 2 * r.v1, 2 * r.u1 - 1, 1 - 2 * r.v0},
-        [](double s, double t) { return pi * sine_over_r(std::sqrt(s * s + t * t)); });
+    return quadrature::inside_disc({2 * r.u0 - 1, 1 - 2 * r.v1, 2 * r.u1 - 1, 1 - 2 * r.v0},
+                                   [](double s, double t) { return pi * sine_over_r(std::sqrt(s * s + t * t)); });
   }
 };
 

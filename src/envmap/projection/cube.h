@@ -41,8 +41,7 @@ struct Cube {
     const Axes& a = axes[static_cast<std::size_t>(face)];
     const Direction wide(d);
     const double half = 0.5 / std::abs(wide[axis]);
-    return {face, static_cast<T>(0.5 + half * glm::dot(wide, a.right)),
-            static_cast<T>(0.5 - half * glm::dot(wide, a.up))};
+    return {face, static_cast<T>(0.5 + half * glm::dot(wide, a.right)), static_cast<T>(0.5 - half * glm::dot(wide, a.up))};
   }
 
   static double density(double u, double v) {

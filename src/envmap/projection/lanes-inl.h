@@ -22,7 +22,10 @@ namespace HWY_NAMESPACE {
 /// is the height of the face: a and b are then whole (on latlong maps, half) numbers and their squares are exact.
 struct Scale {
   explicit Scale(double size)
-      : n(size), inverse(1 / size), square(size * size), inverse_square(1 / square),
+      : n(size),
+        inverse(1 / size),
+        square(size * size),
+        inverse_square(1 / square),
         split(0x1.8p27 * std::bit_ceil(static_cast<unsigned>(size))) {}
 
   double n, inverse, square, inverse_square;

@@ -12,9 +12,9 @@
 namespace envmap {
 namespace {
 
-constexpr int max_cells = 64;                // Along a side of a texel at the start.
-constexpr std::size_t max_samples = 65536;   // In one texel: near -Z on a sphere map's rim some never settle.
-constexpr int max_rounds = 12;               // A cell round a pole stays wide however often it is quartered.
+constexpr int max_cells = 64;               // Along a side of a texel at the start.
+constexpr std::size_t max_samples = 65536;  // In one texel: near -Z on a sphere map's rim some never settle.
+constexpr int max_rounds = 12;              // A cell round a pole stays wide however often it is quartered.
 
 struct Area {
   const Level& source;
@@ -28,11 +28,11 @@ struct Area {
 struct Cell {
   Vec2<double> centre;
   double weight;
-  Direction sum;        // Weight x radiance.
+  Direction sum;                // Weight x radiance.
   double kink = 0, smooth = 0;  // Ranges of radiance over kinks and over smooth stretches, times weight.
-  double rim = 0;       // Weight that the disc's rim may have cut wrongly.
-  double size;          // In source texels, if all on one face; else 0.
-  Direction low, high;  // Of the radiance it may hold.
+  double rim = 0;               // Weight that the disc's rim may have cut wrongly.
+  double size;                  // In source texels, if all on one face; else 0.
+  Direction low, high;          // Of the radiance it may hold.
 };
 
 double largest(const Direction& d) { return std::max({d.x, d.y, d.z}); }
@@ -97,7 +97,8 @@ struct Workspace {
     }
 
     // The whole cell reaches sqrt(3) as far from its centre as its samples do.
-    const double mx = 0.5 * (std::numbers::sqrt3 - 1) * (box.u1 - box.u0), my = 0.5 * (std::numbers::sqrt3 - 1) * (box.v1 - box.v0);
+    const double mx = 0.5 * (std::numbers::sqrt3 - 1) * (box.u1 - box.u0),
+                 my = 0.5 * (std::numbers::sqrt3 - 1) * (box.v1 - box.v0);
     box = {box.u0 - mx, box.v0 - my, box.u1 + mx, box.v1 + my};
     Colour low(std::numeric_limits<float>::max()), high(0);
     const bool seam = source.projection() == Projection::latlong;
@@ -143,8 +144,8 @@ double error_bound(const Cell& c, const Direction& mean, double cell_size, bool 
 }
 
 Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& fallback, bool weigh, Workspace& ws) {
-  const Jacobian moved = jacobian({task.to, task.size, task.to_source}, task.source.projection(), task.source.height(), face,
-                              {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
+  const Jacobian moved = jacobian({task.to, task.size, task.to_source}, task.source.projection(), task.source.height(),
+                                  face, {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
   const Vec2<double> covers{glm::length(moved.du), glm::length(moved.dv)};
   const int nu = std::clamp(static_cast<int>(std::ceil(covers.x)), 1, max_cells);
   const int nv = std::clamp(static_cast<int>(std::ceil(covers.y)), 1, max_cells);
@@ -152,7 +153,8 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
   double cell_size = std::max(covers.x / nu, covers.y / nv);
   ws.cells.clear();
   for (int j = 0; j < nv; ++j)
-    for (int i = 0; i < nu; ++i) ws.cells.push_back({.centre = {texel.u0 + (i + 0.5) * side.x, texel.v0 + (j + 0.5) * side.y}});
+    for (int i = 0; i < nu; ++i)
+      ws.cells.push_back({.centre = {texel.u0 + (i + 0.5) * side.x, texel.v0 + (j + 0.5) * side.y}});
 
   double weight = 0;  // Of the cells that are done with.
   Direction sum{0}, mean{0};
@@ -176,7 +178,8 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
         continue;
       }
       for (int k = 0; k < 4; ++k)
-        ws.next.push_back({.centre = {c.centre.x + (k & 1 ? 0.25 : -0.25) * side.x, c.centre.y + (k & 2 ? 0.25 : -0.25) * side.y}});
+        ws.next.push_back(
+            {.centre = {c.centre.x + (k & 1 ? 0.25 : -0.25) * side.x, c.centre.y + (k & 2 ? 0.25 : -0.25) * side.y}});
     }
     if (ws.next.empty() || samples + 4 * ws.next.size() > max_samples) break;
     std::swap(ws.cells, ws.next);

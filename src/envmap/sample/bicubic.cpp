@@ -27,7 +27,8 @@ Colour bicubic(const Level& level, const Location<double>& at) {
   }
   const Colour* a = rows + level.stride() + 1;
   const Colour* b = a + level.stride();
-  return glm::clamp(sum, glm::min(glm::min(a[0], a[1]), glm::min(b[0], b[1])), glm::max(glm::max(a[0], a[1]), glm::max(b[0], b[1])));
+  return glm::clamp(sum, glm::min(glm::min(a[0], a[1]), glm::min(b[0], b[1])),
+                    glm::max(glm::max(a[0], a[1]), glm::max(b[0], b[1])));
 }
 
 }  // namespace envmap

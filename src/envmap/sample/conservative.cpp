@@ -15,10 +15,10 @@
 namespace envmap {
 namespace {
 
-constexpr int band_rows = 32;     // Of the source; one task.
+constexpr int band_rows = 32;      // Of the source; one task.
 constexpr int bands_at_once = 64;  // Fixed, so that sums are added in the same order at any number of threads.
-constexpr int tile_side = 16;     // Of the result; a band touches few.
-constexpr int deepest = 7;        // Quarterings of a texel: a sun is cut to a 16000th.
+constexpr int tile_side = 16;      // Of the result; a band touches few.
+constexpr int deepest = 7;         // Quarterings of a texel: a sun is cut to a 16000th.
 
 // What has fallen into a texel of the result.
 struct Caught {
@@ -41,7 +41,8 @@ struct Caught {
 // The sums of one band, in those tiles of the result that it touches.
 class Tiles {
  public:
-  Tiles(int width, int height) : across_((width + tile_side - 1) / tile_side), down_((height + tile_side - 1) / tile_side) {}
+  Tiles(int width, int height)
+      : across_((width + tile_side - 1) / tile_side), down_((height + tile_side - 1) / tile_side) {}
 
   Caught& at(int face, int x, int y) {
     const int tile = (face * down_ + y / tile_side) * across_ + x / tile_side;
@@ -61,7 +62,10 @@ class Tiles {
       for (int y = y0; y < std::min(y0 + tile_side, height); ++y)
         for (int x = x0; x < std::min(x0 + tile_side, width); ++x) {
           const Caught& from = (*tile)[static_cast<std::size_t>((y - y0) * tile_side + x - x0)];
-          Caught& to = sums[(static_cast<std::size_t>(face) * static_cast<std::size_t>(height) + static_cast<std::size_t>(y)) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+          Caught& to =
+              sums[(static_cast<std::size_t>(face) * static_cast<std::size_t>(height) + static_cast<std::size_t>(y)) *
+                       static_cast<std::size_t>(width) +
+                   static_cast<std::size_t>(x)];
           to.add(from);
         }
     }
@@ -100,7 +104,8 @@ struct Cell {
     const auto& c = corners;
     const auto [x0, x1] = std::minmax({c[0].x, c[1].x, c[2].x, c[3].x});
     const auto [y0, y1] = std::minmax({c[0].y, c[1].y, c[2].y, c[3].y});
-    return {static_cast<int>(x0 + 1e-9), static_cast<int>(x1 - 1e-9), static_cast<int>(y0 + 1e-9), static_cast<int>(y1 - 1e-9)};
+    return {static_cast<int>(x0 + 1e-9), static_cast<int>(x1 - 1e-9), static_cast<int>(y0 + 1e-9),
+            static_cast<int>(y1 - 1e-9)};
   }
   [[nodiscard]] bool in_one_texel() const {
     const Reach r = reach();
@@ -149,7 +154,9 @@ struct Task {
   [[nodiscard]] std::vector<double> all_solid_angles() const {
     std::vector<double> all(static_cast<std::size_t>(width) * static_cast<std::size_t>(target.size));
     tbb::parallel_for(0, target.size, [&](int row) {
-      solid_angles(target.to, target.size, row, std::span(all).subspan(static_cast<std::size_t>(row) * static_cast<std::size_t>(width), static_cast<std::size_t>(width)));
+      solid_angles(target.to, target.size, row,
+                   std::span(all).subspan(static_cast<std::size_t>(row) * static_cast<std::size_t>(width),
+                                          static_cast<std::size_t>(width)));
     });
     return all;
   }
@@ -158,20 +165,28 @@ struct Task {
 class Band {
  public:
   explicit Band(const Task& task)
-      : task_(task), source_(task.source), target_(task.target), to_result_(glm::transpose(task.target.to_source)),
-        width_(task.width), height_(task.target.size), tiles_(task.width, task.target.size) {}
+      : task_(task),
+        source_(task.source),
+        target_(task.target),
+        to_result_(glm::transpose(task.target.to_source)),
+        width_(task.width),
+        height_(task.target.size),
+        tiles_(task.width, task.target.size) {}
 
   void add_row(int face, int row) {
     const Columns in = columns(source_.projection(), source_.height(), row);
     const auto count = static_cast<std::size_t>(in.end - in.first);
-    if (row_below_ != row || face_ != face) place_corners(face, row, in, above_);
-    else std::swap(above_, below_);
+    if (row_below_ != row || face_ != face)
+      place_corners(face, row, in, above_);
+    else
+      std::swap(above_, below_);
     place_corners(face, row + 1, in, below_);
     face_ = face;
     row_below_ = on_disc(source_.projection()) ? -1 : row + 1;  // The rows of a disc differ in length.
     smooth(face, row, in);
     points_.clear();
-    for (int i = in.first; i < in.end; ++i) points_.push_back({(i + 0.5) / source_.width(), (row + 0.5) / source_.height()});
+    for (int i = in.first; i < in.end; ++i)
+      points_.push_back({(i + 0.5) / source_.width(), (row + 0.5) / source_.height()});
     densities_.resize(count);
     densities(source_.projection(), points_, densities_);
     const double area = 1.0 / source_.width() / source_.height();
@@ -181,9 +196,11 @@ class Band {
                       {1.0 / source_.width(), 1.0 / source_.height()},
                       {above_[k], above_[k + 1], below_[k], below_[k + 1]},
                       0};
-      const double slope = std::max(std::abs(above_[k].density - below_[k + 1].density), std::abs(above_[k + 1].density - below_[k].density));
+      const double slope = std::max(std::abs(above_[k].density - below_[k + 1].density),
+                                    std::abs(above_[k + 1].density - below_[k].density));
       const Colour &own = *source_.texel(face, i, row), &near = smooth_[k];
-      const bool even = slope < task_.tolerance * densities_[k] || glm::all(glm::lessThan(glm::abs(near - own), 0.25F * own));
+      const bool even =
+          slope < task_.tolerance * densities_[k] || glm::all(glm::lessThan(glm::abs(near - own), 0.25F * own));
       if (cell.in_one_texel() && inside_disc(cell) && slope < 0.02 * densities_[k] && even)
         add(cell.inside(), densities_[k] * area, Direction(smooth_[k]));
       else
@@ -239,8 +256,11 @@ class Band {
 
   void quarter(const Cell& cell) {
     const Vec2<double> half = 0.5 * cell.size, from = cell.from;
-    const std::array<Vec2<double>, 5> points{{{from.x + half.x, from.y}, {from.x, from.y + half.y}, from + half,
-                                              {from.x + cell.size.x, from.y + half.y}, {from.x + half.x, from.y + cell.size.y}}};
+    const std::array<Vec2<double>, 5> points{{{from.x + half.x, from.y},
+                                              {from.x, from.y + half.y},
+                                              from + half,
+                                              {from.x + cell.size.x, from.y + half.y},
+                                              {from.x + half.x, from.y + cell.size.y}}};
     std::array<Place, 5> p;
     place(face_, points, p);
     const auto& c = cell.corners;
@@ -262,7 +282,8 @@ class Band {
     if (weight == 0) return;
     const double at_stake = stake(cell, weight);
     const auto& c = cell.corners;
-    const double slope = std::max(std::abs(c[0].density - c[3].density), std::abs(c[1].density - c[2].density)) / density[0];
+    const double slope =
+        std::max(std::abs(c[0].density - c[3].density), std::abs(c[1].density - c[2].density)) / density[0];
     // What the rule misses of the product of two slopes is a twelfth of it, and round a pole all of one sign.
     if (!smallest && at_stake * slope > 1) return quarter(cell);
     // A whole texel has kinks through its middle, over which a twentieth of its range goes wrong at worst, a few of
@@ -290,7 +311,8 @@ class Band {
       }
     double texel = 4 * pi;  // The smallest that the cell may fall into.
     for (const Place& p : cell.corners)
-      texel = std::min(texel, task_.steradians[static_cast<std::size_t>(p.row()) * static_cast<std::size_t>(task_.width) + static_cast<std::size_t>(p.column())]);
+      texel = std::min(texel, task_.steradians[static_cast<std::size_t>(p.row()) * static_cast<std::size_t>(task_.width) +
+                                               static_cast<std::size_t>(p.column())]);
     // A texel has about 8 x its width in source texels of border, whose errors add up as independent ones. All of a sliver
     // at a rim is border, with errors of one sign.
     const double share = std::sqrt(weight * (1 << 2 * cell.depth) / texel) / 8;
@@ -303,10 +325,12 @@ class Band {
   // How far the map from the cell to the result is from a parallelogram, over the cell's size.
   static double bend(const Cell& cell, const Place& centre) {
     const auto& c = cell.corners;
-    const double size = std::max({std::abs(c[3].x - c[0].x), std::abs(c[2].x - c[1].x), std::abs(c[3].y - c[0].y), std::abs(c[2].y - c[1].y)});
+    const double size = std::max(
+        {std::abs(c[3].x - c[0].x), std::abs(c[2].x - c[1].x), std::abs(c[3].y - c[0].y), std::abs(c[2].y - c[1].y)});
     if (size > 2) return 1e300;  // Over several texels, or round a pole.
     const double twist = std::hypot(c[0].x - c[1].x - c[2].x + c[3].x, c[0].y - c[1].y - c[2].y + c[3].y);
-    const double bulge = std::hypot(centre.x - 0.25 * (c[0].x + c[1].x + c[2].x + c[3].x), centre.y - 0.25 * (c[0].y + c[1].y + c[2].y + c[3].y));
+    const double bulge = std::hypot(centre.x - 0.25 * (c[0].x + c[1].x + c[2].x + c[3].x),
+                                    centre.y - 0.25 * (c[0].y + c[1].y + c[2].y + c[3].y));
     return (twist + bulge) / std::max(size, 1e-300);
   }
 
@@ -346,7 +370,8 @@ class Band {
       const double part = 0.5 * std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
       area += part;
       moment += part / 3.0 * (a + b + c);
-      if (exact && part > 0) add(to, part * weight, (value(0.5 * (a + b)) + value(0.5 * (b + c)) + value(0.5 * (c + a))) / 3.0);
+      if (exact && part > 0)
+        add(to, part * weight, (value(0.5 * (a + b)) + value(0.5 * (b + c)) + value(0.5 * (c + a))) / 3.0);
     }
     if (!exact && area > 0) add(to, area * weight, value(moment / area));
   }
@@ -371,14 +396,16 @@ std::vector<Caught> catch_all(const Task& task) {
   const Level& source = task.source;
   const Target& target = task.target;
   const int width = task.width, rows = source.faces() * source.height(), bands = (rows + band_rows - 1) / band_rows;
-  std::vector<Caught> sums(static_cast<std::size_t>(faces(target.to)) * static_cast<std::size_t>(width) * static_cast<std::size_t>(target.size));
+  std::vector<Caught> sums(static_cast<std::size_t>(faces(target.to)) * static_cast<std::size_t>(width) *
+                           static_cast<std::size_t>(target.size));
   for (int first = 0; first < bands; first += bands_at_once) {
     const int count = std::min(bands_at_once, bands - first);
     std::vector<std::unique_ptr<Band>> done(static_cast<std::size_t>(count));
     tbb::parallel_for(0, count, [&](int k) {
       auto band = std::make_unique<Band>(task);
       const int begin = (first + k) * band_rows;
-      for (int r = begin; r < std::min(begin + band_rows, rows); ++r) band->add_row(r / source.height(), r % source.height());
+      for (int r = begin; r < std::min(begin + band_rows, rows); ++r)
+        band->add_row(r / source.height(), r % source.height());
       done[static_cast<std::size_t>(k)] = std::move(band);
     });
     for (const auto& band : done) band->tiles().add_to(sums, width, target.size);

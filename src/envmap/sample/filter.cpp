@@ -72,7 +72,8 @@ Sampler make_sampler(const std::vector<Level>& levels, const Target& target, con
     return point_sampler(base, target, options.filter == Filter::bilinear);
   switch (options.filter) {
     case Filter::nearest:
-      return probing(base, target, grid, [&base](const Location<double>& at, const Probes&) { return nearest(base, at); }, true);
+      return probing(
+          base, target, grid, [&base](const Location<double>& at, const Probes&) { return nearest(base, at); }, true);
     case Filter::bicubic:
       return probing(base, target, grid, [&base](const Location<double>& at, const Probes&) { return bicubic(base, at); });
     case Filter::trilinear: return by_plan(trilinear_plan);

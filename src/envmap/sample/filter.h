@@ -13,7 +13,8 @@ namespace envmap {
 /// `automatic` is for operations to settle; no sampler is made of it.
 enum class Filter { automatic, nearest, bilinear, bicubic, trilinear, sat, ewa, area };
 
-inline constexpr std::string_view filter_names[] = {"auto", "nearest", "bilinear", "bicubic", "trilinear", "sat", "ewa", "area"};
+inline constexpr std::string_view filter_names[] = {"auto",      "nearest", "bilinear", "bicubic",
+                                                    "trilinear", "sat",     "ewa",      "area"};
 
 struct FilterOptions {
   Filter filter;

@@ -26,7 +26,9 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
   std::vector<decltype(plan(face, Vec2<double>()))> plans(out.size());
   std::vector<Vec2<double>> points;
   texel_directions(target.to, target.size, face, row, first, directions);
-  const auto centre = [&](std::size_t k) { return Vec2<double>((first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h); };
+  const auto centre = [&](std::size_t k) {
+    return Vec2<double>((first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h);
+  };
   for (std::size_t k = 0; k < out.size(); ++k) {
     const auto& p = plans[k] = plan(face, centre(k));
     if (p.across * p.down == 1) continue;

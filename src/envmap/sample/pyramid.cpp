@@ -33,7 +33,9 @@ Probes ewa_plan(const Target& target, const Level& base, int face, const Vec2<do
   const Jacobian j = jacobian(target, base.projection(), base.height(), face, at);
   const double across = glm::length(j.du), down = glm::length(j.dv);
   const double texel = std::max({1.0, ellipse(j).minor / finer, across / most_probes, down / most_probes});
-  const auto count = [&](double length) { return std::clamp(static_cast<int>(std::ceil(length / texel)), 1, static_cast<int>(most_probes)); };
+  const auto count = [&](double length) {
+    return std::clamp(static_cast<int>(std::ceil(length / texel)), 1, static_cast<int>(most_probes));
+  };
   return {count(across), count(down), std::log2(texel)};
 }
 

@@ -44,8 +44,11 @@ Texel texel_or_beyond(const Level& level, int face, int i, int j) {
 
 template <class T>
 SummedArea<T>::SummedArea(const Level& level, int margin)
-    : margin_(margin), width_(level.width() + 2 * margin), height_(level.height() + 2 * margin),
-      entries_(static_cast<std::size_t>(level.faces()) * static_cast<std::size_t>(width_ + 1) * static_cast<std::size_t>(height_ + 1)) {
+    : margin_(margin),
+      width_(level.width() + 2 * margin),
+      height_(level.height() + 2 * margin),
+      entries_(static_cast<std::size_t>(level.faces()) * static_cast<std::size_t>(width_ + 1) *
+               static_cast<std::size_t>(height_ + 1)) {
   tbb::parallel_for(0, level.faces(), [&](int face) { fill_face(level, face); });
 }
 
@@ -81,7 +84,8 @@ void SummedArea<T>::add_corner(int face, double x, double y, double sign, Direct
   const Entry* a = entry(face, i, j);
   const Entry* b = entry(face, i, j + 1);
   const double w[4] = {sign * (1 - fx) * (1 - fy), sign * fx * (1 - fy), sign * (1 - fx) * fy, sign * fx * fy};
-  light += w[0] * Direction(a[0].light) + w[1] * Direction(a[1].light) + w[2] * Direction(b[0].light) + w[3] * Direction(b[1].light);
+  light += w[0] * Direction(a[0].light) + w[1] * Direction(a[1].light) + w[2] * Direction(b[0].light) +
+           w[3] * Direction(b[1].light);
   weight += w[0] * a[0].weight + w[1] * a[1].weight + w[2] * b[0].weight + w[3] * b[1].weight;
 }
 
@@ -110,7 +114,9 @@ Sampler summed_area_sampler(const Level& source, const Target& target) {
       const Jacobian j = jacobian(target, source.projection(), source.height(), on, at);
       return Box{.half = 0.5 * (glm::abs(j.du) + glm::abs(j.dv))};
     };
-    const auto find = [&](std::span<const Direction> d, std::span<Location<double>> at) { locate(source.projection(), d, at); };
+    const auto find = [&](std::span<const Direction> d, std::span<Location<double>> at) {
+      locate(source.projection(), d, at);
+    };
     sample_probes(target, face, row, first, out, find, plan,
                   [&](const Location<double>& at, const Box& box) { return table->mean(at, box.half); });
   };

@@ -11,8 +11,8 @@ namespace envmap {
 
 struct Target {
   Projection to;
-  int size;             ///< Height of a face.
-  Rotation to_source;   ///< From the image frame of the result to that of the source.
+  int size;            ///< Height of a face.
+  Rotation to_source;  ///< From the image frame of the result to that of the source.
 };
 
 /// Fills texels [first, first + out.size()) of a row of a face of the result. Safe to call from many threads at once;
