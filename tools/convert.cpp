@@ -1,11 +1,10 @@
-#include "envmap/operate/convert.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "command.h"
 #include "envmap/error.h"
+#include "envmap/operate/choose.h"
 
 namespace tools {
 namespace {
@@ -19,9 +18,33 @@ struct Options {
   std::optional<Forward> forward;
   std::optional<Direction> turn;  // Yaw, pitch, roll.
   double exposure = 0;
+  double max_error = 0;  // 0: none asked for.
   Conversion conversion;
   WriteOptions write;
 };
+
+std::string words(const Trial& t) {
+  return std::string(filter_names[static_cast<std::size_t>(t.filter)]) +
+         (t.samples > 1 ? fmt::format(" --samples {}", t.samples) : "");
+}
+
+// The cheapest filter for the error asked for, and what it was measured to do.
+bool settle_filter(Options& o, EnvironmentMap& source, const Common& common) {
+  const Choice choice = cheapest_filter(source, o.conversion, o.max_error);
+  const auto line = [&](const Trial& t) {
+    return fmt::format("{}: max {:.2e}, rms {:.2e} in {} texels, {:.2g} us a texel", words(t), t.maximum, t.rms,
+                       choice.texels, 1e6 * t.seconds_per_texel);
+  };
+  if (common.verbose)
+    for (const Trial& t : choice.trials) note(common, "tried " + line(t));
+  o.conversion = choice.conversion;
+  if (choice.reached)
+    note(common, line(choice.best));
+  else
+    std::fputs(fmt::format("envmap convert: --max-error {:g} is not reached: {}\n", o.max_error, line(choice.best)).c_str(),
+               stderr);
+  return choice.reached;
+}
 
 int run(Options& o, const Common& common) {
   o.read.assumed_forward = o.forward;
@@ -37,6 +60,7 @@ int run(Options& o, const Common& common) {
   o.write.source_depth = source.depth;
   check_output(o.output, o.write, o.conversion.to);
 
+  if (o.max_error > 0 && !settle_filter(o, source.map, common)) return 1;
   if (common.verbose)
     note(common, fmt::format("{} to {}: {}", name(source.map.projection()), name(o.conversion.to),
                              filter_names[static_cast<std::size_t>(resolved(o.conversion, source.map).filter)]));
@@ -81,6 +105,8 @@ Command convert_command() {
                     "six files face_px.exr ... face_nz.exr"},
                    {"envmap convert cross.hdr pano.exr --to latlong --forward -z",
                     "from a cube cross to a panorama with -Z at its centre"},
+                   {"envmap convert probe.exr small.exr --to cube --size 64 --max-error 1e-3",
+                    "the cheapest filter that is right to 0.1% in every texel"},
                    {"envmap convert ball.hdr - --from sphere --to angular | envmap info -",
                     "a mirror ball as light probe, through a pipe"}},
       .writes = true,
@@ -104,6 +130,12 @@ Command convert_command() {
                        "'auto' chose it)")
             ->type_name("E")
             ->check(CLI::Range(1e-7, 1.0));
+        app.add_option(
+               "--max-error", o->max_error,
+               "Take the cheapest filter whose max and rms errors against 'area', measured on this map, are below E; "
+               "exit status 1 where none is")
+            ->type_name("E")
+            ->check(CLI::Range(1e-6, 10.0));
         add_triple(app, "--rotate", o->turn, "Y,P,R", false, "Turn the environment by yaw, pitch, roll in degrees");
         add_forward(app, "--forward", o->forward,
                     "World axis at the centre of latlong and angular images (default: +z)");

@@ -156,6 +156,22 @@ TEST_F(Compare, WithABlackReferenceIsJsonThatParses) {
   EXPECT_FALSE(json::parse(r.out, nullptr, false).is_discarded()) << r.out;
 }
 
+// ---- convert --max-error --------------------------------------------------------------------------------------------
+
+TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
+  succeeds({"generate", "sun", "sun.exr", "--size", "64", "--direction", "1,1,2"});
+  succeeds(
+      {"convert", "sun.exr", "truth.exr", "--to", "cube", "--size", "8", "--filter", "area", "--area-error", "1e-5"});
+  const Result chosen =
+      envmap({"convert", "sun.exr", "small.exr", "--to", "cube", "--size", "8", "--max-error", "1e-2"});
+  EXPECT_EQ(chosen.status, 0) << chosen.err;
+  EXPECT_NE(chosen.err.find("rms"), std::string::npos) << "what was chosen, and what it does";
+  EXPECT_EQ(envmap({"compare", "small.exr", "truth.exr", "--max-error", "1.5e-2", "--max-rms", "1e-2"}).status, 0);
+  // The two ways to the mean agree to a few in 10^5, not to 10^6.
+  fails(1, {"convert", "sun.exr", "none.exr", "--to", "cube", "--size", "8", "--max-error", "1e-6"},
+        {"not reached", "area"});
+}
+
 // ---- help, pages, completions ---------------------------------------------------------------------------------------
 
 class Help : public CommandTest {

@@ -34,13 +34,17 @@ Conversion resolved(const Conversion& wanted, const EnvironmentMap& source) {
   return c;
 }
 
+Target target_of(const Conversion& c, const EnvironmentMap& source) {
+  return {c.to, c.size,
+          glm::transpose(image_to_world(source.forward)) * glm::transpose(c.rotation) * image_to_world(c.forward)};
+}
+
 Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   const Conversion c = resolved(wanted, source);
-  const Rotation to_source =
-      glm::transpose(image_to_world(source.forward)) * glm::transpose(c.rotation) * image_to_world(c.forward);
+  const Target target = target_of(c, source);
   const Level& from = source.base();
   // The same texels: nothing to resample, and nothing to lose at a rim.
-  if (interpolates(c) && c.to == from.projection() && c.size == from.height() && to_source == Rotation(1))
+  if (interpolates(c) && c.to == from.projection() && c.size == from.height() && target.to_source == Rotation(1))
     return {c.to, c.size, c.forward, [&from, c](int face, int row, std::span<Colour> out) {
               const Columns in = columns(c.to, c.size, row);
               std::ranges::fill(out, Colour(0));
@@ -51,8 +55,7 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   for (Level& level : source.levels) fill_gutter(level);
   // The mean costs more than many a conversion: exact solid angles of every texel.
   const double floor = c.filter == Filter::area ? 1e-3 * mean_radiance(source.base()) : 0;
-  const Sampler sample =
-      make_sampler(source.levels, {c.to, c.size, to_source}, {c.filter, c.samples, c.area_tolerance, floor});
+  const Sampler sample = make_sampler(source.levels, target, {c.filter, c.samples, c.area_tolerance, floor});
   return {c.to, c.size, c.forward, [c, sample](int face, int row, std::span<Colour> out) {
             const Columns in = columns(c.to, c.size, row);
             std::ranges::fill(out, Colour(0));

@@ -25,6 +25,9 @@ struct Conversion {
 /// Size and filter as they will be used on this source.
 Conversion resolved(const Conversion& wanted, const EnvironmentMap& source);
 
+/// Where the texels of the result look in the source. @param conversion resolved.
+Target target_of(const Conversion& conversion, const EnvironmentMap& source);
+
 /// The result row by row, the same bytes at any number of threads.
 /// @param source must outlive the rows; its gutters are filled here, which is why it is not const.
 Rows converted(EnvironmentMap& source, const Conversion& wanted);

@@ -293,7 +293,8 @@ class Band {
     if (cell.in_one_texel()) return add(cell.inside(), weight, value());
     Place centre[1];
     place(face_, middle, centre);
-    if (cell.on_one_face() && at_stake * bend(cell, centre[0]) <= 1) return cut(cell, weight, at_stake > 4);
+    const double bent = cell.on_one_face() ? bend(cell, centre[0]) : 1e300;
+    if ((at_stake > 0 ? at_stake * bent : bent) <= 1 || (smallest && bent < 0.1)) return cut(cell, weight, at_stake > 4);
     if (!smallest && at_stake > 0.5) return quarter(cell);
     add(centre[0], weight, value());
   }

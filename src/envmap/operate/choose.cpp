@@ -1,0 +1,146 @@
+#include "envmap/operate/choose.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "envmap/map/gutter.h"
+#include "envmap/maths/sum.h"
+#include "envmap/operate/levels.h"
+#include "envmap/operate/measure.h"
+#include "envmap/sample/area.h"
+
+namespace envmap {
+namespace {
+
+constexpr std::size_t spread = 768, worst = 256, brightest = 256;  // Texels measured.
+constexpr std::int64_t searched = 1 << 20;        // Texels among which the worst are looked for, at most.
+
+struct Candidate {
+  Filter filter;
+  int samples;
+};
+
+// In the order of their cost a texel, as measured with the kernels (tests/bench); of those that cost the same, the better.
+constexpr Candidate candidates[] = {{Filter::nearest, 1},  {Filter::bilinear, 1}, {Filter::bicubic, 1},
+                                    {Filter::bilinear, 2}, {Filter::ewa, 1},      {Filter::bilinear, 4},
+                                    {Filter::bicubic, 4},  {Filter::bilinear, 8}, {Filter::bilinear, 16}};
+
+// The filter's own result in single texels.
+std::vector<Colour> sampled(const Sampler& sampler, std::span<const Texel> texels) {
+  std::vector<Colour> out(texels.size());
+  tbb::parallel_for(std::size_t{0}, texels.size(),
+                    [&](std::size_t k) { sampler(texels[k].face, texels[k].j, texels[k].i, std::span(&out[k], 1)); });
+  return out;
+}
+
+double largest(const Colour& c) { return std::max({c.x, c.y, c.z}); }
+
+// Every k-th texel of those that carry weight, in the order of faces and rows.
+std::vector<Texel> every(std::int64_t count, Projection p, int size) {
+  std::vector<Texel> found;
+  std::int64_t all = 0;
+  for (int row = 0; row < size; ++row) all += columns(p, size, row).end - columns(p, size, row).first;
+  all *= faces(p);
+  const double step = std::max(1.0, static_cast<double>(all) / static_cast<double>(count));
+  double next = 0.5 * step;
+  std::int64_t index = 0;
+  for (int face = 0; face < faces(p); ++face)
+    for (int row = 0; row < size; ++row) {
+      const Columns in = columns(p, size, row);
+      for (; next < static_cast<double>(index + in.end - in.first); next += step)
+        found.push_back({face, in.first + static_cast<int>(next - static_cast<double>(index)), row});
+      index += in.end - in.first;
+    }
+  return found;
+}
+
+// The texels in which one sample and 2 x 2 differ most, for their own radiance and for the light that is wrong.
+std::vector<Texel> hardest(const std::vector<Level>& levels, const Target& target, double floor) {
+  const std::vector<Texel> texels = every(searched, target.to, target.size);
+  const std::vector<Colour> one = sampled(make_sampler(levels, target, {Filter::bilinear, 1}), texels);
+  const std::vector<Colour> four = sampled(make_sampler(levels, target, {Filter::bilinear, 2}), texels);
+  std::vector<Texel> found;
+  std::vector<std::pair<double, std::size_t>> order(texels.size());
+  const auto take = [&](std::size_t count, auto error) {
+    for (std::size_t k = 0; k < texels.size(); ++k) order[k] = {-error(k), k};
+    count = std::min(count, order.size());
+    std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(count));
+    for (std::size_t k = 0; k < count; ++k) found.push_back(texels[order[k].second]);
+  };
+  take(brightest, [&](std::size_t k) { return static_cast<double>(largest(glm::abs(one[k] - four[k]))); });
+  take(worst, [&](std::size_t k) {
+    return largest(glm::abs(one[k] - four[k])) / std::max<double>(largest(four[k]), floor);
+  });
+  return found;
+}
+
+// Steradians of the texels, but for a factor; those on a rim, with their centres outside, count next to nothing.
+std::vector<double> weights(const Target& target, std::span<const Texel> texels) {
+  std::vector<Vec2<double>> centres;
+  for (const Texel& t : texels)
+    centres.push_back({(t.i + 0.5) / (target.size * aspect(target.to)), (t.j + 0.5) / target.size});
+  std::vector<double> found(texels.size());
+  densities(target.to, centres, found);
+  return found;
+}
+
+// The metrics of compare(). For rms the brightest texels stand for themselves and those spread evenly for `share` each:
+// most of the power of a map with a sun is in a few texels.
+Trial measured(const Candidate& candidate, std::span<const Colour> result, std::span<const Colour> truth,
+               std::span<const double> weights, double share, double floor) {
+  Trial t{candidate.filter, candidate.samples, 0, 0, 0};
+  Sum error, power;
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    for (int c = 0; c < 3; ++c) {
+      const double a = result[k][c], b = truth[k][c], off = std::abs(a - b);
+      const double w = weights[k] * (k < spread ? share : k < spread + brightest ? 1 : 0);
+      error.add(w * off * off);
+      power.add(w * b * b);
+      if (off > 0) t.maximum = std::max(t.maximum, off / std::max(b, floor));
+    }
+  t.rms = power.value() > 0 ? std::sqrt(error.value() / power.value()) : std::sqrt(error.value());
+  return t;
+}
+
+}  // namespace
+
+Choice cheapest_filter(EnvironmentMap& source, const Conversion& wanted, double max_error) {
+  const Conversion c = resolved(wanted, source);
+  const Target target = target_of(c, source);
+  add_levels(source.levels);
+  for (Level& level : source.levels) fill_gutter(level);
+  const double floor = 1e-3 * mean_radiance(source.base());
+  std::vector<Texel> texels = every(static_cast<std::int64_t>(spread), c.to, c.size);
+  texels.resize(std::min(texels.size(), spread));
+  std::ranges::copy(hardest(source.levels, target, floor), std::back_inserter(texels));
+  const std::vector<double> w = weights(target, texels);
+  const double all = static_cast<double>(faces(c.to)) * c.size * c.size * aspect(c.to);
+  const double share = std::max(1.0, all / static_cast<double>(spread));
+  const auto truth = sampled(area_sampler(source.base(), target, std::max(1e-7, 0.1 * max_error), floor), texels);
+
+  Choice choice{.conversion = c, .best = {}, .trials = {}, .texels = static_cast<std::int64_t>(texels.size()), .reached = false};
+  const auto attempt = [&](const Candidate& candidate) {
+    choice.conversion.filter = candidate.filter;
+    choice.conversion.samples = candidate.samples;
+    choice.conversion.area_tolerance = std::max(1e-7, 0.25 * max_error);
+    const Sampler sampler = make_sampler(source.levels, target,
+                                         {candidate.filter, candidate.samples, choice.conversion.area_tolerance, floor});
+    const auto start = std::chrono::steady_clock::now();
+    const auto result = sampled(sampler, texels);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    choice.best = measured(candidate, result, truth, w, share, floor);
+    choice.best.seconds_per_texel = took.count() / static_cast<double>(texels.size());
+    choice.trials.push_back(choice.best);
+    choice.reached = choice.best.rms <= max_error && choice.best.maximum <= max_error;
+    return choice.reached;
+  };
+  for (const Candidate& candidate : candidates)
+    if (attempt(candidate)) return choice;
+  attempt({Filter::area, 1});
+  return choice;
+}
+
+}  // namespace envmap
