@@ -7,76 +7,18 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <unordered_map>
 
+#include "envmap/maths/polygon.h"
 #include "envmap/sample/area.h"
 #include "envmap/sample/sample.h"
+#include "envmap/sample/tiles.h"
 
 namespace envmap {
 namespace {
 
 constexpr int band_rows = 32;      // Of the source; one task.
 constexpr int bands_at_once = 64;  // Fixed, so that sums are added in the same order at any number of threads.
-constexpr int tile_side = 16;      // Of the result; a band touches few.
 constexpr int deepest = 7;         // Quarterings of a texel: a sun is cut to a 16000th.
-
-// What has fallen into a texel of the result.
-struct Caught {
-  Direction light{0};
-  double weight = 0;
-  Colour low{std::numeric_limits<float>::max()};  // The least radiance of each channel.
-
-  void add(const Caught& other) {
-    light += other.light;
-    weight += other.weight;
-    low = glm::min(low, other.low);
-  }
-  // The mean over `steradians`, which `weight` meets but for the errors along the borders: those count for what is evenly
-  // there, as so much more or less of it, and not for a sun, whose light must not be stretched with them.
-  [[nodiscard]] Colour mean(double steradians) const {
-    return Colour(Direction(low) + (light - weight * Direction(low)) / steradians);
-  }
-};
-
-// The sums of one band, in those tiles of the result that it touches.
-class Tiles {
- public:
-  Tiles(int width, int height)
-      : across_((width + tile_side - 1) / tile_side), down_((height + tile_side - 1) / tile_side) {}
-
-  Caught& at(int face, int x, int y) {
-    const int tile = (face * down_ + y / tile_side) * across_ + x / tile_side;
-    if (tile != last_) {
-      auto& found = tiles_[tile];
-      if (!found) found = std::make_unique<Tile>();
-      last_ = tile;
-      open_ = found.get();
-    }
-    return (*open_)[static_cast<std::size_t>(y % tile_side * tile_side + x % tile_side)];
-  }
-
-  // Adds all to the sums of the whole result. Each texel has one sum here: the order of the tiles does not matter.
-  void add_to(std::vector<Caught>& sums, int width, int height) const {
-    for (const auto& [index, tile] : tiles_) {
-      const int face = index / (across_ * down_), x0 = index % across_ * tile_side, y0 = index / across_ % down_ * tile_side;
-      for (int y = y0; y < std::min(y0 + tile_side, height); ++y)
-        for (int x = x0; x < std::min(x0 + tile_side, width); ++x) {
-          const Caught& from = (*tile)[static_cast<std::size_t>((y - y0) * tile_side + x - x0)];
-          Caught& to =
-              sums[(static_cast<std::size_t>(face) * static_cast<std::size_t>(height) + static_cast<std::size_t>(y)) *
-                       static_cast<std::size_t>(width) +
-                   static_cast<std::size_t>(x)];
-          to.add(from);
-        }
-    }
-  }
-
- private:
-  using Tile = std::array<Caught, tile_side * tile_side>;
-  int across_, down_, last_ = -1;
-  Tile* open_ = nullptr;
-  std::unordered_map<int, std::unique_ptr<Tile>> tiles_;
-};
 
 // Where a point of the source lies in the result, in texels.
 struct Place {
@@ -118,26 +60,6 @@ struct Cell {
   }
   [[nodiscard]] bool on_one_face() const {
     return corners[0].face == corners[1].face && corners[0].face == corners[2].face && corners[0].face == corners[3].face;
-  }
-};
-
-// A convex polygon in a cell's own coordinates, cut to the side of a line where a x + b y + c >= 0.
-struct Polygon {
-  std::array<Vec2<double>, 8> points;  // Four corners, and one more for each of four cuts.
-  std::size_t count = 0;
-
-  void add(const Vec2<double>& p) {
-    if (count < points.size()) points[count++] = p;
-  }
-  [[nodiscard]] Polygon cut(double a, double b, double c) const {
-    Polygon out;
-    for (std::size_t k = 0; k < count; ++k) {
-      const Vec2<double>&p = points[k], &q = points[(k + 1) % count];
-      const double dp = a * p.x + b * p.y + c, dq = a * q.x + b * q.y + c;
-      if (dp >= 0) out.add(p);
-      if ((dp >= 0) != (dq >= 0)) out.add(glm::mix(p, q, dp / (dp - dq)));
-    }
-    return out;
   }
 };
 
@@ -294,7 +216,8 @@ class Band {
     Place centre[1];
     place(face_, middle, centre);
     const double bent = cell.on_one_face() ? bend(cell, centre[0]) : 1e300;
-    if ((at_stake > 0 ? at_stake * bent : bent) <= 1 || (smallest && bent < 0.1)) return cut(cell, weight, at_stake > 4);
+    if ((at_stake > 0 ? at_stake * bent : bent) <= 1 || (smallest && bent < 0.1))
+      return cut(cell, weight, at_stake > 4);
     if (!smallest && at_stake > 0.5) return quarter(cell);
     add(centre[0], weight, value());
   }
