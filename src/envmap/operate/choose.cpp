@@ -16,7 +16,7 @@ namespace envmap {
 namespace {
 
 constexpr std::size_t spread = 768, worst = 256, brightest = 256;  // Texels measured.
-constexpr std::int64_t searched = 1 << 20;        // Texels among which the worst are looked for, at most.
+constexpr std::int64_t searched = 1 << 20;  // Texels among which the worst are looked for, at most.
 
 struct Candidate {
   Filter filter;
@@ -25,7 +25,7 @@ struct Candidate {
 
 // In the order of their cost a texel, as measured with the kernels (tests/bench); of those that cost the same, the better.
 constexpr Candidate candidates[] = {{Filter::nearest, 1},  {Filter::bilinear, 1}, {Filter::bicubic, 1},
-                                    {Filter::bilinear, 2}, {Filter::ewa, 1},      {Filter::bilinear, 4},
+                                    {Filter::bilinear, 2}, {Filter::bilinear, 4}, {Filter::ewa, 1},
                                     {Filter::bicubic, 4},  {Filter::bilinear, 8}, {Filter::bilinear, 16}};
 
 // The filter's own result in single texels.
@@ -71,9 +71,8 @@ std::vector<Texel> hardest(const std::vector<Level>& levels, const Target& targe
     for (std::size_t k = 0; k < count; ++k) found.push_back(texels[order[k].second]);
   };
   take(brightest, [&](std::size_t k) { return static_cast<double>(largest(glm::abs(one[k] - four[k]))); });
-  take(worst, [&](std::size_t k) {
-    return largest(glm::abs(one[k] - four[k])) / std::max<double>(largest(four[k]), floor);
-  });
+  take(worst,
+       [&](std::size_t k) { return largest(glm::abs(one[k] - four[k])) / std::max<double>(largest(four[k]), floor); });
   return found;
 }
 
@@ -126,13 +125,14 @@ Choice cheapest_filter(EnvironmentMap& source, const Conversion& wanted, double 
     choice.conversion.filter = candidate.filter;
     choice.conversion.samples = candidate.samples;
     choice.conversion.area_tolerance = std::max(1e-7, 0.25 * max_error);
-    const Sampler sampler = make_sampler(source.levels, target,
-                                         {candidate.filter, candidate.samples, choice.conversion.area_tolerance, floor});
+    const FilterOptions options{candidate.filter, candidate.samples, choice.conversion.area_tolerance, floor};
     const auto start = std::chrono::steady_clock::now();
+    const Sampler sampler = make_sampler(source.levels, target, options);
+    const auto made = std::chrono::steady_clock::now();
     const auto result = sampled(sampler, texels);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    const std::chrono::duration<double> making = made - start, sampling = std::chrono::steady_clock::now() - made;
     choice.best = measured(candidate, result, truth, w, share, floor);
-    choice.best.seconds_per_texel = took.count() / static_cast<double>(texels.size());
+    choice.best.seconds_per_texel = making.count() / all + sampling.count() / static_cast<double>(texels.size());
     choice.trials.push_back(choice.best);
     choice.reached = choice.best.rms <= max_error && choice.best.maximum <= max_error;
     return choice.reached;

@@ -9,7 +9,7 @@
 namespace envmap {
 
 /// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare() has
-/// them, and the time it took for each texel.
+/// them, and the time it takes for each texel of the whole map, levels apart.
 struct Trial {
   Filter filter;
   int samples;
