@@ -340,8 +340,9 @@ std::vector<Caught> catch_all(const Task& task) {
 }  // namespace
 
 bool suits_conservative(const Level& source, const Target& target) {
-  return source.projection() != Projection::sphere && source.height() >= 32 &&
-         2 * target.size <= matching_size(source.projection(), source.height(), target.to);
+  return source.projection() != Projection::sphere &&
+         matching_size(source.projection(), source.height(), Projection::latlong) >= 64 &&
+         5 * target.size <= 4 * matching_size(source.projection(), source.height(), target.to);
 }
 
 Level conservative_area(const Level& source, const Target& target, double tolerance, double floor) {

@@ -20,7 +20,7 @@ namespace envmap {
 /// area_sampler().
 Level conservative_area(const Level& source, const Target& target, double tolerance, double floor);
 
-/// Whether conservative_area() serves: the result at least twice as coarse, the source not so small that its texels are
+/// Whether conservative_area() serves: the result at least 1.25 times as coarse, the source not so small that its texels are
 /// bent, and no sphere map, whose reconstruction is not plain bilinear (settle.h).
 bool suits_conservative(const Level& source, const Target& target);
 
