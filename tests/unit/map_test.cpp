@@ -18,6 +18,7 @@ INSTANTIATE_TEST_SUITE_P(, EachGutter, testing::ValuesIn(all_projections),
 
 TEST_P(EachGutter, TexelsDoNotOverlap) {
   Level level(GetParam(), 3);
+  const float border = 2 * Level::gutter;
   float next = 1;
   for (int pass = 0; pass < 2; ++pass)
     for (int f = 0; f < level.faces(); ++f)
@@ -25,7 +26,7 @@ TEST_P(EachGutter, TexelsDoNotOverlap) {
         for (int i = -Level::gutter; i < level.width() + Level::gutter; ++i) {
           if (pass == 0) *level.texel(f, i, j) = Colour(next++);
           if (pass == 1) {
-            EXPECT_EQ(level.texel(f, i, j)->x, next - level.faces() * (level.height() + 4.0F) * (level.width() + 4));
+            EXPECT_EQ(level.texel(f, i, j)->x, next - level.faces() * (level.height() + border) * (level.width() + border));
             ++next;
           }
         }

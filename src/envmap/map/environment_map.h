@@ -17,7 +17,8 @@ namespace envmap {
 /// that far over any edge. fill_gutter() (gutter.h) gives them their values.
 class Level {
  public:
-  static constexpr int gutter = 2;
+  /// Cubic taps reach 2 texels beyond a place, which settle.h may move out by 1.
+  static constexpr int gutter = 3;
 
   /// All texels 0. @param size height of a face, at least 1.
   Level(Projection projection, int size);
