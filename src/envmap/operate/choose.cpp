@@ -86,16 +86,16 @@ std::vector<double> weights(const Target& target, std::span<const Texel> texels)
   return found;
 }
 
-// The metrics of compare(). For rms the brightest texels stand for themselves and those spread evenly for `share` each:
-// most of the power of a map with a sun is in a few texels.
+// The metrics of compare(). For rms the brightest texels stand for themselves and the first `even`, spread over the map,
+// for `share` each: most of the power of a map with a sun is in a few texels.
 Trial measured(const Candidate& candidate, std::span<const Colour> result, std::span<const Colour> truth,
-               std::span<const double> weights, double share, double floor) {
+               std::span<const double> weights, std::size_t even, double share, double floor) {
   Trial t{candidate.filter, candidate.samples, 0, 0, 0};
   Sum error, power;
   for (std::size_t k = 0; k < truth.size(); ++k)
     for (int c = 0; c < 3; ++c) {
       const double a = result[k][c], b = truth[k][c], off = std::abs(a - b);
-      const double w = weights[k] * (k < spread ? share : k < spread + brightest ? 1 : 0);
+      const double w = weights[k] * (k < even ? share : k < even + brightest ? 1 : 0);
       error.add(w * off * off);
       power.add(w * b * b);
       if (off > 0) t.maximum = std::max(t.maximum, off / std::max(b, floor));
@@ -114,10 +114,11 @@ Choice cheapest_filter(EnvironmentMap& source, const Conversion& wanted, double 
   const double floor = 1e-3 * mean_radiance(source.base());
   std::vector<Texel> texels = every(static_cast<std::int64_t>(spread), c.to, c.size);
   texels.resize(std::min(texels.size(), spread));
+  const std::size_t even = texels.size();
   std::ranges::copy(hardest(source.levels, target, floor), std::back_inserter(texels));
   const std::vector<double> w = weights(target, texels);
   const double all = static_cast<double>(faces(c.to)) * c.size * c.size * aspect(c.to);
-  const double share = std::max(1.0, all / static_cast<double>(spread));
+  const double share = std::max(1.0, all / static_cast<double>(even));
   const auto truth = sampled(area_sampler(source.base(), target, std::max(1e-7, 0.1 * max_error), floor), texels);
 
   Choice choice{.conversion = c, .best = {}, .trials = {}, .texels = static_cast<std::int64_t>(texels.size()), .reached = false};
@@ -131,7 +132,7 @@ Choice cheapest_filter(EnvironmentMap& source, const Conversion& wanted, double 
     const auto made = std::chrono::steady_clock::now();
     const auto result = sampled(sampler, texels);
     const std::chrono::duration<double> making = made - start, sampling = std::chrono::steady_clock::now() - made;
-    choice.best = measured(candidate, result, truth, w, share, floor);
+    choice.best = measured(candidate, result, truth, w, even, share, floor);
     choice.best.seconds_per_texel = making.count() / all + sampling.count() / static_cast<double>(texels.size());
     choice.trials.push_back(choice.best);
     choice.reached = choice.best.rms <= max_error && choice.best.maximum <= max_error;

@@ -72,6 +72,10 @@ struct Task {
   double mean_steradians = 4 * pi / (static_cast<double>(faces(target.to)) * width * target.size);
   std::vector<double> steradians = all_solid_angles();  // Of the texels of a face of the result.
 
+  [[nodiscard]] double steradians_at(int column, int row) const {
+    return steradians[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
+  }
+
  private:
   [[nodiscard]] std::vector<double> all_solid_angles() const {
     std::vector<double> all(static_cast<std::size_t>(width) * static_cast<std::size_t>(target.size));
@@ -234,9 +238,7 @@ class Band {
         high = std::max(high, std::max({c[i].x, c[i].y, c[i].z}));
       }
     double texel = 4 * pi;  // The smallest that the cell may fall into.
-    for (const Place& p : cell.corners)
-      texel = std::min(texel, task_.steradians[static_cast<std::size_t>(p.row()) * static_cast<std::size_t>(task_.width) +
-                                               static_cast<std::size_t>(p.column())]);
+    for (const Place& p : cell.corners) texel = std::min(texel, task_.steradians_at(p.column(), p.row()));
     // A texel has about 8 x its width in source texels of border, whose errors add up as independent ones. All of a sliver
     // at a rim is border, with errors of one sign.
     const double share = std::sqrt(weight * (1 << 2 * cell.depth) / texel) / 8;
@@ -357,7 +359,7 @@ Level conservative_area(const Level& source, const Target& target, double tolera
     for (int i = in.first; i < in.end; ++i) {
       const Caught& sum = sums[static_cast<std::size_t>(r) * width + static_cast<std::size_t>(i)];
       // A sliver at a rim, thinner than any cell, is left to the other way.
-      const double steradians = task.steradians[static_cast<std::size_t>(row) * width + static_cast<std::size_t>(i)];
+      const double steradians = task.steradians_at(i, row);
       if (sum.weight > 0 && (!on_disc(target.to) || steradians > 0.01 * task.mean_steradians))
         *result.texel(face, i, row) = sum.mean(steradians);
       else

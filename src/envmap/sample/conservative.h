@@ -12,9 +12,9 @@ namespace envmap {
 /// first-order conservative remapping (Jones 1999, "First- and second-order conservative remapping schemes for grids in
 /// spherical coordinates") with the bilinear reconstruction integrated exactly over every part.
 ///
-/// A texel of the source whose four corners fall into one texel of the result counts there whole. Quarters of the others
-/// are cut along the borders of the result's texels, after quartering them further wherever the map between the two
-/// images bends by more than the tolerance allows.
+/// A texel of the source whose four corners fall into one texel of the result counts there whole. The others are cut
+/// along the borders of the result's texels, after quartering them where their light is too uneven, or the map between
+/// the two images too bent, for the tolerance.
 /// @param source its gutter filled. @param tolerance, floor as of area_sampler().
 /// @return the result whole; texels in which nothing falls, such as the corners of a paraboloid map, come from
 /// area_sampler().

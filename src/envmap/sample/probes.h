@@ -16,7 +16,8 @@ struct Probes {
 
 /// The solid-angle weighted means of probes over texels [first, first + out.size()) of a row. They tile the texel in
 /// (u,v) of the result and go through the direction map one by one, so that no footprint ever meets an edge.
-/// @param find (directions, locations): locate() of the source, or locate_for_bilinear(). @param plan (face, place in it) -> Probes, or anything else with `across` and `down`.
+/// @param find (directions, locations): locate() of the source, or locate_for_bilinear().
+/// @param plan (face, place in it) -> Probes, or anything else with `across` and `down`.
 /// @param probe (Location, what plan gave for the texel) -> Colour.
 template <class Find, class Plan, class Probe>
 void sample_probes(const Target& target, int face, int row, int first, std::span<Colour> out, const Find& find,
