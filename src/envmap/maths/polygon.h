@@ -1,32 +1,23 @@
 /// @file
-/// Convex polygons and what a line cuts off them.
+/// What a line cuts off a polygon.
 #pragma once
 
-#include <array>
+#include <vector>
 
 #include "envmap/maths/vector.h"
 
 namespace envmap {
 
-/// A square cut by up to four lines.
-struct Polygon {
-  std::array<Vec2<double>, 8> points;  // Four corners, and one more for each of four cuts.
-  std::size_t count = 0;
-
-  void add(const Vec2<double>& p) {
-    if (count < points.size()) points[count++] = p;
+/// The side of a line where a x + b y + c >= 0 (Sutherland and Hodgman 1974, "Reentrant polygon clipping").
+/// @param out overwritten; not `points` itself.
+inline void cut(const std::vector<Vec2<double>>& points, double a, double b, double c, std::vector<Vec2<double>>& out) {
+  out.clear();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec2<double>&p = points[k], &q = points[k + 1 < points.size() ? k + 1 : 0];
+    const double dp = a * p.x + b * p.y + c, dq = a * q.x + b * q.y + c;
+    if (dp >= 0) out.push_back(p);
+    if ((dp >= 0) != (dq >= 0)) out.push_back(glm::mix(p, q, dp / (dp - dq)));
   }
-  /// The side of a line where a x + b y + c >= 0 (Sutherland and Hodgman 1974, "Reentrant polygon clipping").
-  [[nodiscard]] Polygon cut(double a, double b, double c) const {
-    Polygon out;
-    for (std::size_t k = 0; k < count; ++k) {
-      const Vec2<double>&p = points[k], &q = points[(k + 1) % count];
-      const double dp = a * p.x + b * p.y + c, dq = a * q.x + b * q.y + c;
-      if (dp >= 0) out.add(p);
-      if ((dp >= 0) != (dq >= 0)) out.add(glm::mix(p, q, dp / (dp - dq)));
-    }
-    return out;
-  }
-};
+}
 
 }  // namespace envmap

@@ -10,7 +10,6 @@
 #include "envmap/maths/sum.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
-#include "envmap/sample/area.h"
 
 namespace envmap {
 namespace {
@@ -23,10 +22,10 @@ struct Candidate {
   int samples;
 };
 
-// In the order of their cost a texel, as measured with the kernels (tests/bench); of those that cost the same, the better.
+// In the order of their cost a texel where the result is coarser (tests/bench), as far as they are below that of `area`.
 constexpr Candidate candidates[] = {{Filter::nearest, 1},  {Filter::bilinear, 1}, {Filter::bicubic, 1},
                                     {Filter::bilinear, 2}, {Filter::bilinear, 4}, {Filter::ewa, 1},
-                                    {Filter::bicubic, 4},  {Filter::bilinear, 8}, {Filter::bilinear, 16}};
+                                    {Filter::bilinear, 8}};
 
 // The filter's own result in single texels.
 std::vector<Colour> sampled(const Sampler& sampler, std::span<const Texel> texels) {
@@ -119,7 +118,8 @@ Choice cheapest_filter(EnvironmentMap& source, const Conversion& wanted, double 
   const std::vector<double> w = weights(target, texels);
   const double all = static_cast<double>(faces(c.to)) * c.size * c.size * aspect(c.to);
   const double share = std::max(1.0, all / static_cast<double>(even));
-  const auto truth = sampled(area_sampler(source.base(), target, std::max(1e-7, 0.1 * max_error), floor), texels);
+  const auto truth =
+      sampled(make_sampler(source.levels, target, {Filter::area, 1, std::max(1e-7, 0.1 * max_error), floor}), texels);
 
   Choice choice{.conversion = c, .best = {}, .trials = {}, .texels = static_cast<std::int64_t>(texels.size()), .reached = false};
   const auto attempt = [&](const Candidate& candidate) {

@@ -37,10 +37,15 @@ struct Cube {
   static Location<T> locate(const Vec3<T>& d) {
     const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
     const int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-    const int face = 2 * axis + (d[axis] < 0);
+    return continued(2 * axis + (d[axis] < 0), d);
+  }
+
+  /// Where a direction in front of a face meets the plane of the face: u and v may lie beyond [0,1].
+  template <class T>
+  static Location<T> continued(int face, const Vec3<T>& d) {
     const Axes& a = axes[static_cast<std::size_t>(face)];
     const Direction wide(d);
-    const double half = 0.5 / std::abs(wide[axis]);
+    const double half = 0.5 / std::abs(wide[face / 2]);
     return {face, static_cast<T>(0.5 + half * glm::dot(wide, a.right)), static_cast<T>(0.5 - half * glm::dot(wide, a.up))};
   }
 

@@ -32,7 +32,12 @@ Columns columns(Projection p, int size, int row) {
 
 void densities(Projection p, std::span<const Vec2<double>> points, std::span<double> out) {
   visit(p, [&](auto q) {
-    for (std::size_t k = 0; k < points.size(); ++k) out[k] = decltype(q)::density(points[k].x, points[k].y);
+    using P = decltype(q);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      // On a latlong map the points of a row have one density, and its sine is what costs.
+      out[k] = std::is_same_v<P, Latlong> && k > 0 && points[k].y == points[k - 1].y
+                   ? out[k - 1]
+                   : P::density(points[k].x, points[k].y);
   });
 }
 

@@ -2,218 +2,170 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
-#include "envmap/sample/footprint.h"
-#include "envmap/sample/sample.h"
-#include "envmap/sample/settle.h"
+#include "envmap/maths/polygon.h"
+#include "envmap/sample/adaptive.h"
+#include "envmap/sample/coverage.h"
+#include "envmap/sample/outline.h"
 
 namespace envmap {
 namespace {
 
-constexpr int max_cells = 64;               // Along a side of a texel at the start.
-constexpr std::size_t max_samples = 65536;  // In one texel: near -Z on a sphere map's rim some never settle.
-constexpr int max_rounds = 12;              // A cell round a pole stays wide however often it is quartered.
+constexpr std::size_t most_pieces = 256;  // That a side of a texel is followed by.
+constexpr std::size_t rim_pieces = 64;    // Of a texel that a disc's rim cuts, at the least.
 
-struct Area {
+// A side that bends by half the tolerance puts that much of a sun into the wrong one of two texels; what else there
+// is goes wrong by a tenth of it.
+constexpr double bend_for_error = 0.5;
+
+struct Task {
   const Level& source;
-  Projection to;
-  int size;
-  Rotation to_source;
-  double tolerance, floor;
+  Target target;
+  double tolerance;
+
+  void find(Sides& sides, int face, int row, int first, std::size_t texels, std::size_t pieces, bool inside) const {
+    sides.face = face, sides.row = row, sides.first = first, sides.texels = texels, sides.pieces = pieces;
+    sides.find(target, source.projection(), inside);
+  }
 };
 
-// A cell of the texel by its centre, what its samples add, and how far off that may be for every unit of its size.
-struct Cell {
-  Vec2<double> centre;
-  double weight;
-  Direction sum;                // Weight x radiance.
-  double kink = 0, smooth = 0;  // Ranges of radiance over kinks and over smooth stretches, times weight.
-  double rim = 0;               // Weight that the disc's rim may have cut wrongly.
-  double size;                  // In source texels, if all on one face; else 0.
-  Direction low, high;          // Of the radiance it may hold.
-};
-
-double largest(const Direction& d) { return std::max({d.x, d.y, d.z}); }
-
-// What one thread needs to evaluate many cells at once; kept between texels so that nothing is allocated in the loop.
+// What one thread works with; kept, so that nothing is allocated for a texel.
 struct Workspace {
-  std::vector<Vec2<double>> points;
-  std::vector<Direction> directions;
-  std::vector<Location<double>> locations;
+  Sides sides;
+  Outline outline;
+  std::vector<Vec2<double>> centres, cut;
   std::vector<double> densities;
-  std::vector<Colour> colours;
-  std::vector<Cell> cells, next;
-
-  // Samples cells of one size, given by their centres.
-  void evaluate(const Area& task, int face, bool weigh, const Vec2<double>& side) {
-    constexpr double gauss = 0.5 * 0.57735026918962576;  // 1 / sqrt(3) of half a side.
-    points.clear();
-    for (const Cell& c : cells)
-      for (int k = 0; k < 4; ++k)
-        points.emplace_back(c.centre.x + (k & 1 ? gauss : -gauss) * side.x, c.centre.y + (k & 2 ? gauss : -gauss) * side.y);
-    directions.resize(points.size());
-    locations.resize(points.size());
-    colours.resize(points.size());
-    densities.assign(points.size(), 1);
-    envmap::directions(task.to, face, points, directions);
-    rotate(task.to_source, directions);
-    locate_for_bilinear(task.source.projection(), task.source.height(), directions, locations);
-    sample_bilinear(task.source, locations, colours);
-    if (weigh) envmap::densities(task.to, points, densities);
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-      gather(task.source, &locations[4 * k], &colours[4 * k], &densities[4 * k], side.x * side.y, cells[k]);
-      cells[k].rim = weigh && on_disc(task.to) ? side.x * side.y * rim_density(task.to, cells[k].centre, side) : 0;
-    }
-  }
-
-  // Of a cell that the rim cuts, the density at its corner nearest the middle: there it is largest. Else 0.
-  static double rim_density(Projection p, const Vec2<double>& centre, const Vec2<double>& side) {
-    const Vec2<double> c = glm::abs(centre - 0.5), nearest = glm::max(c - 0.5 * side, Vec2<double>(0));
-    if (glm::length(nearest) >= 0.5 || glm::length(c + 0.5 * side) <= 0.5) return 0;
-    const Vec2<double> at[1] = {0.5 + nearest};
-    double density[1];
-    envmap::densities(p, at, density);
-    return density[0];
-  }
-
-  static void gather(const Level& source, const Location<double>* at, const Colour* colour, const double* density,
-                     double measure, Cell& cell) {
-    cell.weight = 0;
-    cell.sum = Direction(0);
-    bool one_face = true;
-    Rect box{1e300, 1e300, -1e300, -1e300};
-    double round0 = 1e300, round1 = -1e300;  // The same about the seam of a latlong map.
-    for (int k = 0; k < 4; ++k) {
-      const double x = at[k].u * source.width() - 0.5, y = at[k].v * source.height() - 0.5;
-      box = {std::min(box.u0, x), std::min(box.v0, y), std::max(box.u1, x), std::max(box.v1, y)};
-      const double round = at[k].u < 0.5 ? x + source.width() : x;
-      round0 = std::min(round0, round), round1 = std::max(round1, round);
-      one_face &= at[k].face == at[0].face;
-      const double w = 0.25 * measure * density[k];
-      cell.weight += w;
-      cell.sum += w * Direction(colour[k]);
-    }
-
-    // The whole cell reaches sqrt(3) as far from its centre as its samples do.
-    const double mx = 0.5 * (std::numbers::sqrt3 - 1) * (box.u1 - box.u0),
-                 my = 0.5 * (std::numbers::sqrt3 - 1) * (box.v1 - box.v0);
-    box = {box.u0 - mx, box.v0 - my, box.u1 + mx, box.v1 + my};
-    Colour low(std::numeric_limits<float>::max()), high(0);
-    const bool seam = source.projection() == Projection::latlong;
-    const double across = (seam ? std::min(box.u1 - box.u0, std::numbers::sqrt3 * (round1 - round0)) : box.u1 - box.u0);
-    cell.size = one_face ? std::max(across, box.v1 - box.v0) : 0;
-    if (one_face && box.u1 - box.u0 < 4 && box.v1 - box.v0 < 4) {
-      add_range(source, at[0].face, box, low, high);
-    } else {  // Over an edge or round the seam: about each sample.
-      for (int k = 0; k < 4; ++k) {
-        const double x = at[k].u * source.width() - 0.5, y = at[k].v * source.height() - 0.5;
-        add_range(source, at[k].face, {x - 1, y - 1, x + 1, y + 1}, low, high);
-      }
-    }
-    const bool one_patch = one_face && std::floor(box.u0) == std::floor(box.u1) && std::floor(box.v0) == std::floor(box.v1);
-    cell.low = low;
-    cell.high = high;
-    (one_patch ? cell.smooth : cell.kink) = largest(cell.high - cell.low) * cell.weight;
-  }
-
-  // Least and largest of the texels that the reconstruction uses in a box.
-  static void add_range(const Level& source, int face, const Rect& box, Colour& low, Colour& high) {
-    constexpr int g = Level::gutter;
-    const auto whole = [](double x, int n) { return std::clamp(static_cast<int>(std::floor(x)), -g, n + g - 1); };
-    const int i0 = whole(box.u0, source.width()), i1 = whole(box.u1 + 1, source.width());
-    for (int j = whole(box.v0, source.height()); j <= whole(box.v1 + 1, source.height()); ++j)
-      for (const Colour* c = source.texel(face, i0, j); c <= source.texel(face, i1, j); ++c) {
-        low = glm::min(low, *c);
-        high = glm::max(high, *c);
-      }
-  }
+  Coverage coverage;
+  std::vector<std::size_t> open, again;
 };
 
-// Bound of a cell's error: the range of the values times the cell's size in source texels, times what the rule misses of
-// a kink (0.04 of its height at worst, which is twice the slope), or of a smooth stretch, or of the rim. A cell that
-// spans many source texels has none; but the whole rim of a sphere map is one direction, where neighbours in the result
-// are found far apart with much the same radiance: small cells are judged by what that is about their samples.
-double error_bound(const Cell& c, const Direction& mean, double cell_size, bool sphere) {
-  const double size = std::max(c.size, cell_size), off = largest(glm::max(glm::abs(c.high - mean), glm::abs(c.low - mean)));
-  const double rim = 0.25 * c.rim * off;
-  if (size <= 1) return size * (c.kink / 13 + c.smooth / 1000) + rim;
-  if (c.weight == 0 && c.rim == 0) return 0;
-  return sphere && cell_size < 0.125 ? c.weight * off + rim : std::numeric_limits<double>::infinity();
-}
+struct Mean {
+  Direction light{0};
+  double weight = 0;
+};
 
-Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& fallback, bool weigh, Workspace& ws) {
-  const Jacobian moved = jacobian({task.to, task.size, task.to_source}, task.source.projection(), task.source.height(),
-                                  face, {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
-  const Vec2<double> covers{glm::length(moved.du), glm::length(moved.dv)};
-  const int nu = std::clamp(static_cast<int>(std::ceil(covers.x)), 1, max_cells);
-  const int nv = std::clamp(static_cast<int>(std::ceil(covers.y)), 1, max_cells);
-  Vec2<double> side{(texel.u1 - texel.u0) / nu, (texel.v1 - texel.v0) / nv};
-  double cell_size = std::max(covers.x / nu, covers.y / nv);
-  ws.cells.clear();
-  for (int j = 0; j < nv; ++j)
-    for (int i = 0; i < nu; ++i)
-      ws.cells.push_back({.centre = {texel.u0 + (i + 0.5) * side.x, texel.v0 + (j + 0.5) * side.y}});
-
-  double weight = 0;  // Of the cells that are done with.
-  Direction sum{0}, mean{0};
-  double whole = 0;
-  std::size_t samples = 0;
-  for (int round = 0; round < max_rounds; ++round) {
-    ws.evaluate(task, face, weigh, side);
-    samples += ws.points.size();
-    Direction now = sum;
-    whole = weight;
-    for (const Cell& c : ws.cells) now += c.sum, whole += c.weight;
-    mean = whole > 0 ? now / whole : Direction(0);
-
-    const double allowed = task.tolerance * std::max(largest(mean), task.floor) * whole;
-    const double each = allowed / std::sqrt(static_cast<double>(ws.cells.size()));
-    ws.next.clear();
-    for (const Cell& c : ws.cells) {
-      if (error_bound(c, mean, cell_size, task.source.projection() == Projection::sphere) <= each) {
-        sum += c.sum;
-        weight += c.weight;
-        continue;
-      }
-      for (int k = 0; k < 4; ++k)
-        ws.next.push_back(
-            {.centre = {c.centre.x + (k & 1 ? 0.25 : -0.25) * side.x, c.centre.y + (k & 2 ? 0.25 : -0.25) * side.y}});
+void integrate(const Level& source, int face, std::span<const Vec2<double>> polygon, Workspace& ws, Mean& mean) {
+  Coverage& c = ws.coverage;
+  c.cover(polygon);
+  ws.centres.clear();
+  for (int j = c.top(); j < c.top() + c.rows(); ++j)
+    for (int i = c.left(); i < c.left() + c.columns(); ++i)
+      ws.centres.emplace_back((i + 0.5) / source.width(), (j + 0.5) / source.height());
+  ws.densities.resize(ws.centres.size());
+  densities(source.projection(), ws.centres, ws.densities);
+  const double* weight = c.weights(ws.densities).data();
+  const int w = source.width();
+  const bool over_seam = source.projection() == Projection::latlong && (c.left() < 0 || c.left() + c.columns() > w);
+  for (int j = c.top(); j < c.top() + c.rows(); ++j) {
+    const Colour* texels = source.texel(face, 0, j);
+    for (int i = c.left(); i < c.left() + c.columns(); ++i, ++weight) {
+      mean.light += *weight * Direction(texels[over_seam ? (i % w + w) % w : i]);
+      mean.weight += *weight;
     }
-    if (ws.next.empty() || samples + 4 * ws.next.size() > max_samples) break;
-    std::swap(ws.cells, ws.next);
-    side *= 0.5;
-    cell_size *= 0.5;
   }
-  if (whole > 0) return Colour(mean);
-  // A sliver inside the rim that no sample met.
-  Location<double> at[1];
-  const Direction d = task.to_source * fallback;
-  locate(task.source.projection(), std::span(&d, 1), at);
-  return bilinear(task.source, at[0]);
 }
 
-void sample_area(const Area& task, int face, int row, int first, std::span<Colour> out) {
-  static thread_local Workspace ws;
-  const double w = task.size * aspect(task.to), h = task.size;
-  std::vector<Direction> centres(out.size());
-  texel_directions(task.to, task.size, face, row, first, centres);
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    const double i = first + static_cast<double>(k);
-    const Rect texel{i / w, row / h, (i + 1) / w, (row + 1) / h};
-    // Corners of a paraboloid's square lie outside the disc: they have no solid angle, and any even weight will do.
-    const double s = std::clamp(0.5, texel.u0, texel.u1) - 0.5, t = std::clamp(0.5, texel.v0, texel.v1) - 0.5;
-    const bool weigh = !on_disc(task.to) || s * s + t * t < 0.25;
-    out[k] = texel_mean(task, face, texel, centres[k], weigh, ws);
+// Over the edges of a cube, face by face: great circles are straight on all of them. False where the outline passes behind
+// the plane of a face.
+bool integrate_over_edges(const Level& source, std::size_t texel, Workspace& ws, Mean& mean) {
+  const double size = source.height();
+  unsigned faces = 0;
+  ws.sides.around(texel, [&](std::size_t k) { faces |= 1U << ws.sides.places[k].face; });
+  for (int face = 0; face < Cube::faces; ++face) {
+    if ((faces >> face & 1) == 0) continue;
+    bool before = true;
+    ws.outline.points.clear();
+    ws.sides.around(texel, [&](std::size_t k) {
+      const Direction& d = ws.sides.directions[k];
+      before &= glm::dot(d, Cube::axes[static_cast<std::size_t>(face)].forward) > 0.1;
+      if (before) ws.outline.points.push_back(in_texels(source, Cube::continued(face, d)));
+    });
+    if (!before) return false;
+    const Direction edges[] = {{1, 0, 0.5}, {-1, 0, size - 0.5}, {0, 1, 0.5}, {0, -1, size - 0.5}};
+    for (const Direction& edge : edges) {
+      cut(ws.outline.points, edge.x, edge.y, edge.z, ws.cut);
+      std::swap(ws.cut, ws.outline.points);
+    }
+    if (ws.outline.points.size() > 2) integrate(source, face, ws.outline.points, ws, mean);
   }
+  return true;
+}
+
+enum class Outcome { done, bent, unsuitable };
+
+Outcome texel_mean(const Task& task, std::size_t texel, Workspace& ws, Colour& out) {
+  Mean mean;
+  if (ws.outline.follow(task.source, task.target, ws.sides, texel)) {
+    if (ws.outline.bend(task.tolerance) > 1) return Outcome::bent;
+    integrate(task.source, ws.outline.face, ws.outline.points, ws, mean);
+  } else if (task.source.projection() == Projection::cube) {
+    if (ws.sides.pieces < 8) return Outcome::bent;
+    if (!integrate_over_edges(task.source, texel, ws, mean)) return Outcome::unsuitable;
+  }
+  if (!(mean.weight > 0)) return Outcome::unsuitable;
+  out = Colour(mean.light / mean.weight);
+  return Outcome::done;
+}
+
+// Whether the rim of a disc cuts the texel.
+bool on_rim(const Target& target, int row, int i) {
+  if (!on_disc(target.to)) return false;
+  const double n = target.size, x0 = i / n - 0.5, y0 = row / n - 0.5, x1 = x0 + 1 / n, y1 = y0 + 1 / n;
+  return std::hypot(std::clamp(0.0, x0, x1), std::clamp(0.0, y0, y1)) < 0.5 &&
+         std::hypot(std::max(-x0, x1), std::max(-y0, y1)) > 0.5;
+}
+
+// Pieces a side for the tolerance, by the texels at the ends and in the middle of a block. With one piece there is nothing
+// to see a bend by: it must be far from one.
+std::size_t pieces_for(const Task& task, int face, int row, int first, std::size_t count, Workspace& ws) {
+  double most = 0;
+  for (const std::size_t k : {std::size_t{0}, count / 2, count - 1}) {
+    task.find(ws.sides, face, row, first + static_cast<int>(k), 1, 4, false);
+    const bool outline = ws.outline.follow(task.source, task.target, ws.sides, 0);
+    most = std::max(most, outline ? ws.outline.bend(task.tolerance) : 1);
+  }
+  const double pieces = 4 * std::sqrt(1.2 * most);
+  return pieces < 0.5 ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(pieces)), 2, 16);
 }
 
 }  // namespace
 
 Sampler area_sampler(const Level& source, const Target& target, double tolerance, double floor) {
-  const Area task{source, target.to, target.size, target.to_source, tolerance, floor};
-  return [task](int face, int row, int first, std::span<Colour> out) { sample_area(task, face, row, first, out); };
+  // Densities are taken as linear over a texel, which leaves an eighth of their second derivative.
+  const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
+  if (0.2 * texel * texel > tolerance) return adaptive_sampler(source, target, tolerance, floor);
+  return [task = Task{source, target, bend_for_error * tolerance},
+          otherwise = adaptive_sampler(source, target, tolerance, floor)](int face, int row, int first,
+                                                                          std::span<Colour> out) {
+    constexpr std::size_t block = 32;
+    static thread_local Workspace ws;
+    const auto column = [&](std::size_t k) { return first + static_cast<int>(k); };
+    for (std::size_t start = 0; start < out.size(); start += block) {
+      const std::size_t count = std::min(block, out.size() - start);
+      std::size_t pieces = pieces_for(task, face, row, column(start), count, ws);
+      task.find(ws.sides, face, row, column(start), count, pieces, false);
+      ws.open.clear();
+      for (std::size_t k = start; k < start + count; ++k)
+        if (on_rim(task.target, row, column(k)) || texel_mean(task, k - start, ws, out[k]) != Outcome::done)
+          ws.open.push_back(k);
+      // Those that need more pieces one by one, with four times as many each time.
+      for (pieces = std::max<std::size_t>(8, 4 * pieces); !ws.open.empty(); pieces *= 4) {
+        std::swap(ws.open, ws.again);
+        ws.open.clear();
+        for (const std::size_t k : ws.again) {
+          const bool rim = on_rim(task.target, row, column(k));
+          task.find(ws.sides, face, row, column(k), 1, rim ? std::max(pieces, rim_pieces) : pieces, rim);
+          const Outcome outcome = texel_mean(task, 0, ws, out[k]);
+          if (outcome == Outcome::done) continue;
+          if (outcome == Outcome::bent && 4 * pieces <= most_pieces)
+            ws.open.push_back(k);
+          else
+            otherwise(face, row, column(k), out.subspan(k, 1));
+        }
+      }
+    }
+  };
 }
 
 }  // namespace envmap

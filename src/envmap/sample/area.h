@@ -1,5 +1,5 @@
 /// @file
-/// The reference filter: the solid-angle mean of the bilinear reconstruction over each texel's footprint.
+/// The reference filter: the solid-angle mean of the bilinear reconstruction over each texel.
 #pragma once
 
 #include "envmap/map/environment_map.h"
@@ -7,12 +7,17 @@
 
 namespace envmap {
 
-/// Adaptive quadrature by 2 x 2 Gauss points over cells no larger than a source texel. The reconstruction is smooth but
-/// for kinks where it passes from one patch of four texels to the next, and it never leaves the range of their values:
-/// that range bounds the error of a cell, so that none is accepted because its samples happen to agree. Cells are
-/// quartered until the bounds, added up as independent errors, are below the tolerance, or at 65536 samples a texel.
+/// The outline of each texel is followed through the direction map as a polygon (outline.h), over which the
+/// reconstruction is integrated exactly (coverage.h). Neighbours have the same outlines: what one texel loses the other
+/// gains, and the light of the source is kept. What is left is the bend of the outline between its points, which are set
+/// as densely as the tolerance asks for.
+///
+/// Over the seam and the poles of a latlong map and the edges of a cube the outline goes on. Texels whose outline meets
+/// the rim of a disc in the source, or that look towards -Z of a sphere map, are left to adaptive_sampler(); so are small
+/// sources (at 1e-4 those of less than 140 rows of a latlong map), over whose texels the solid angle is not linear.
 /// @param source its gutter filled; must outlive the sampler.
-/// @param tolerance of a texel, relative to the larger of its value and `floor`.
+/// @param tolerance how far an outline may bend, in source texels, or over its own thickness where that is less. Texels
+/// are right to that, relative to the larger of their value and `floor`, but where a sun is cut in two.
 Sampler area_sampler(const Level& source, const Target& target, double tolerance, double floor);
 
 }  // namespace envmap

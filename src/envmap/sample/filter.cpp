@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
 
 #include "envmap/sample/area.h"
 #include "envmap/sample/bicubic.h"
-#include "envmap/sample/conservative.h"
 #include "envmap/sample/probes.h"
 #include "envmap/sample/pyramid.h"
 #include "envmap/sample/sample.h"
@@ -24,12 +22,6 @@ Sampler probing(const Level& base, const Target& target, const Plan& plan, const
             : locate_for_bilinear(base.projection(), base.height(), directions, at);
     };
     sample_probes(target, face, row, first, out, find, plan, probe);
-  };
-}
-
-Sampler rows_of(Level level) {
-  return [level = std::make_shared<const Level>(std::move(level))](int face, int row, int first, std::span<Colour> out) {
-    std::ranges::copy(level->row(face, row).subspan(static_cast<std::size_t>(first), out.size()), out.begin());
   };
 }
 
@@ -79,10 +71,7 @@ Sampler make_sampler(const std::vector<Level>& levels, const Target& target, con
     case Filter::trilinear: return by_plan(trilinear_plan);
     case Filter::ewa: return by_plan(ewa_plan);
     case Filter::sat: return summed_area_sampler(base, target);
-    case Filter::area:
-      return suits_conservative(base, target)
-                 ? rows_of(conservative_area(base, target, options.area_tolerance, options.floor))
-                 : area_sampler(base, target, options.area_tolerance, options.floor);
+    case Filter::area: return area_sampler(base, target, options.area_tolerance, options.floor);
     case Filter::automatic:
     case Filter::bilinear: break;
   }

@@ -58,12 +58,16 @@ Location<double> settled(const Direction& wanted, const Location<double>& start,
 
 }  // namespace
 
+double settled_below(Projection p, int size) {
+  // With q = sqrt((1 + z) / 2) the curvature of the map grows as q^-3: before this, interpolation is off by less than
+  // 0.04 of the angle that a texel spans at the middle.
+  return p == Projection::sphere ? 2 * std::pow(4.0 / size, 2.0 / 3) - 1 : -2;
+}
+
 void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions, std::span<Location<double>> out) {
   locate(p, directions, out);
   if (p != Projection::sphere) return;
-  // With q = sqrt((1 + z) / 2) the curvature of the map grows as q^-3: before this, interpolation is off by less than
-  // 0.04 of the angle that a texel spans at the middle.
-  const double behind = 2 * std::pow(4.0 / size, 2.0 / 3) - 1;
+  const double behind = settled_below(p, size);
   for (std::size_t k = 0; k < directions.size(); ++k)
     if (directions[k].z < behind) out[k] = settled(directions[k], out[k], size);
 }

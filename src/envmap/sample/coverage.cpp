@@ -1,0 +1,95 @@
+#include "envmap/sample/coverage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace envmap {
+
+void Coverage::cover(std::span<const Vec2<double>> points) {
+  Vec2<double> low = points[0], high = points[0];
+  double area = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Vec2<double>&a = points[k], &b = points[k + 1 < points.size() ? k + 1 : 0];
+    low = glm::min(low, a), high = glm::max(high, a);
+    area += (b.y - a.y) * (a.x + b.x - 2 * points[0].x);
+  }
+  sign_ = area > 0 ? -1 : 1;  // A side that goes down takes from what lies to its right.
+  left_ = static_cast<int>(std::floor(low.x)), top_ = static_cast<int>(std::floor(low.y));
+  across_ = static_cast<int>(std::floor(high.x)) - left_ + 1, down_ = static_cast<int>(std::floor(high.y)) - top_ + 1;
+  cells_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_), {});
+  const Vec2<double> origin(left_, top_);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    add_side(points[k] - origin, points[k + 1 < points.size() ? k + 1 : 0] - origin);
+}
+
+// From row to row, always downwards.
+void Coverage::add_side(const Vec2<double>& a, const Vec2<double>& b) {
+  if (a.y == b.y) return;
+  if (a.y > b.y) {
+    sign_ = -sign_;
+    add_side(b, a);
+    sign_ = -sign_;
+    return;
+  }
+  const double slope = (b.x - a.x) / (b.y - a.y);
+  Vec2<double> from = a;
+  for (int row = static_cast<int>(a.y); from.y < b.y; ++row) {
+    const Vec2<double> to = row + 1 < b.y ? Vec2<double>(a.x + (row + 1 - a.y) * slope, row + 1) : b;
+    from.x <= to.x ? add_in_row(row, from, to) : add_in_row(row, to, from);
+    from = to;
+  }
+}
+
+// From column to column, always to the right; y may go either way, and counts by how far.
+void Coverage::add_in_row(int row, const Vec2<double>& a, const Vec2<double>& b) {
+  const double slope = b.x > a.x ? (b.y - a.y) / (b.x - a.x) : 0;
+  Vec2<double> from = a;
+  for (int column = static_cast<int>(a.x);; ++column) {
+    const bool last = !(column + 1 < b.x);
+    const Vec2<double> to = last ? b : Vec2<double>(column + 1, a.y + (column + 1 - a.x) * slope);
+    add_piece(cells_[static_cast<std::size_t>(std::min(row, down_ - 1) * across_ + std::min(column, across_ - 1))],
+              {from.x - column, from.y - row}, {to.x - column, to.y - row});
+    if (last) return;
+    from = to;
+  }
+}
+
+// Moments of what lies to the right of a straight piece within its cell, the unit square: integrals along the piece of
+// polynomials of the fifth degree at most, for which three Gauss points are exact.
+void Coverage::add_piece(Cell& cell, const Vec2<double>& a, const Vec2<double>& b) {
+  constexpr double places[] = {0.11270166537925831, 0.5, 0.88729833462074169}, parts[] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+  const double dy = sign_ * std::abs(b.y - a.y);
+  for (int k = 0; k < 3; ++k) {
+    const double x = a.x + places[k] * (b.x - a.x), y = a.y + places[k] * (b.y - a.y), w = parts[k] * dy;
+    const double one = w * (1 - x), in_x = 0.5 * w * (1 - x * x), in_xx = w / 3 * (1 - x * x * x);
+    cell.one += one, cell.x += in_x, cell.xx += in_xx;
+    cell.y += y * one, cell.xy += y * in_x, cell.xxy += y * in_xx;
+    cell.yy += y * y * one, cell.xyy += y * y * in_x;
+    cell.beyond += w, cell.beyond_y += y * w, cell.beyond_yy += y * y * w;
+  }
+}
+
+std::span<const double> Coverage::weights(std::span<const double> densities) {
+  const auto wide = static_cast<std::size_t>(columns());
+  weights_.assign(wide * static_cast<std::size_t>(rows()), 0);
+  // Rounding must not make a weight negative: there may be a sun of 1e9 beside it.
+  const auto add = [&](std::size_t k, double weight) { weights_[k] += std::max(0.0, weight); };
+  const Cell* cell = cells_.data();
+  for (std::size_t row = 0; row < static_cast<std::size_t>(down_); ++row) {
+    double one = 0, y = 0, yy = 0;  // What the sides to the left of the cell give it.
+    for (std::size_t k = row * wide; k < row * wide + static_cast<std::size_t>(across_); ++k, ++cell) {
+      const Cell m{cell->one + one,  cell->x + one / 2, cell->xx + one / 3, cell->y + y,
+                   cell->xy + y / 2, cell->xxy + y / 3, cell->yy + yy,      cell->xyy + yy / 2};
+      one += cell->beyond, y += cell->beyond_y, yy += cell->beyond_yy;
+      const double a = densities[k], b = densities[k + 1], c = densities[k + wide], d = densities[k + wide + 1];
+      const double gx = 0.5 * (b - a + d - c), gy = 0.5 * (c - a + d - b), g = 0.25 * (a + b + c + d) - 0.5 * (gx + gy);
+      add(k, g * (m.one - m.x - m.y + m.xy) + gx * (m.x - m.xx - m.xy + m.xxy) + gy * (m.y - m.xy - m.yy + m.xyy));
+      add(k + 1, g * (m.x - m.xy) + gx * (m.xx - m.xxy) + gy * (m.xy - m.xyy));
+      add(k + wide, g * (m.y - m.xy) + gx * (m.xy - m.xxy) + gy * (m.yy - m.xyy));
+      add(k + wide + 1, g * m.xy + gx * m.xxy + gy * m.xyy);
+    }
+  }
+  return weights_;
+}
+
+}  // namespace envmap

@@ -1,0 +1,169 @@
+#include "envmap/sample/outline.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "envmap/sample/settle.h"
+
+namespace envmap {
+namespace {
+
+// Beyond the rim, seen from the middle: onto the rim. On a level side whose neighbouring point lies inside: where the side
+// itself meets the rim, or else the piece would cut a corner off.
+Vec2<double> moved_onto_rim(const Vec2<double>& p, double piece) {
+  const Vec2<double> c = p - 0.5;
+  const double radius = glm::length(c);
+  if (radius <= 0.5) return p;
+  const double x = std::copysign(std::sqrt(std::max(0.0, 0.25 - c.y * c.y)), c.x);
+  if (std::abs(c.y) < 0.5 && std::abs(c.x - x) < piece) return {0.5 + x, p.y};
+  const double y = std::copysign(std::sqrt(std::max(0.0, 0.25 - c.x * c.x)), c.y);
+  if (std::abs(c.x) < 0.5 && std::abs(c.y - y) < piece) return {p.x, 0.5 + y};
+  return 0.5 + 0.5 / radius * c;
+}
+
+// Whether a direction of the source lies in a texel of the result.
+bool shows(const Target& target, const Sides& sides, std::size_t texel, const Direction& direction) {
+  const Direction d[1] = {glm::transpose(target.to_source) * direction};
+  Location<double> at[1];
+  locate(target.to, d, at);
+  const double x = at[0].u * target.size * aspect(target.to) - sides.first - static_cast<double>(texel);
+  const double y = at[0].v * target.size - sides.row;
+  return at[0].face == sides.face && x >= 0 && x <= 1 && y >= 0 && y <= 1;
+}
+
+}  // namespace
+
+void Sides::find(const Target& target, Projection source, bool inside) {
+  const double h = target.size, w = h * aspect(target.to), n = static_cast<double>(pieces);
+  points.clear();
+  for (std::size_t r = 0; r <= pieces; ++r)
+    for (std::size_t k = 0; k <= pieces * texels; k += r == 0 || r == pieces ? 1 : pieces) {
+      const Vec2<double> p((first + static_cast<double>(k) / n) / w, (row + static_cast<double>(r) / n) / h);
+      points.push_back(inside ? moved_onto_rim(p, 1 / (n * h)) : p);
+    }
+  directions.resize(points.size());
+  places.resize(points.size());
+  envmap::directions(target.to, face, points, directions);
+  rotate(target.to_source, directions);
+  locate(source, directions, places);
+}
+
+double Outline::bend(double tolerance) const {
+  Vec2<double> low = points[0], high = points[0];
+  double most = 0, area = 0;
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+    const Vec2<double>&a = points[k], &b = points[k + 1];
+    const double narrow = narrowing(b.y);
+    area += narrow * (b.y - a.y) * (a.x + b.x - 2 * points[0].x);
+    low = glm::min(low, a), high = glm::max(high, a);
+    if (corners[k + 1]) continue;
+    const Vec2<double> chord = (points[k + 2] - a) * Vec2<double>(narrow, 1), step = (b - a) * Vec2<double>(narrow, 1);
+    const double length = glm::length(chord);
+    if (length > 0) most = std::max(most, std::abs(chord.x * step.y - chord.y * step.x) / length);
+  }
+  const double across = (high.x - low.x) * narrowing(0.5 * (low.y + high.y));
+  const double thickness = 0.5 * std::abs(area) / std::max({across, high.y - low.y, 1e-300});
+  return 0.25 * most / (tolerance * std::min(1.0, thickness));
+}
+
+double Outline::narrowing(double y) const {
+  if (latlong_rows == 0) return 1;
+  const double angle = pi * std::max(0.0, std::min(y + 0.5, latlong_rows - 0.5 - y)) / latlong_rows;
+  return angle < 1.2 ? angle * (1 - angle * angle / 6) : 1;
+}
+
+namespace {
+
+// The way round a texel on a latlong map: over the seam it goes on; past a pole, where the longitude runs, it gets more
+// points; and through a pole it goes along the map's border, where all places are one direction.
+struct LatlongPath {
+  Outline& out;
+  const Level& source;
+  const Target& target;
+  const Sides& sides;
+  std::size_t texel;
+  Direction last{0};
+  bool from_pole = false;
+
+  void go_to(const Direction& d, const Location<double>& at, bool corner, int depth = 0) {
+    const double w = source.width();
+    const bool to_pole = d.x * d.x + d.z * d.z < 1e-28;
+    Vec2<double> p = in_texels(source, at);
+    if (out.points.empty()) {
+      out.add(p, true);
+    } else if (to_pole) {
+      out.add({out.points.back().x, p.y}, true);
+    } else if (from_pole) {
+      leave_pole(d, p, corner);
+    } else {
+      const double before = out.points.back().x;
+      p.x -= w * std::round((p.x - before) / w);
+      if (std::abs(p.x - before) > w / 64 && depth < 50) {
+        const Direction half[1] = {glm::normalize(last + d)};
+        Location<double> place[1];
+        locate(Projection::latlong, half, place);
+        go_to(half[0], place[0], false, depth + 1);
+        return go_to(d, at, corner, depth + 1);
+      }
+      out.add(p, corner);
+    }
+    last = d;
+    from_pole = to_pole;
+  }
+
+  void leave_pole(const Direction& d, Vec2<double> p, bool corner) {
+    const double w = source.width();
+    Vec2<double>& pole = out.points.back();
+    if (out.points.size() == 1) pole.x = p.x;
+    const double right = p.x - w * std::floor((p.x - pole.x) / w) - pole.x;  // From 0 to w.
+    // Straight over it: to that side which the texel is on.
+    const bool straight = std::abs(right - 0.5 * w) < 0.1 * w;
+    const double quarter = (pole.x + 0.25 * w + 0.5) / w, near = d.y > 0 ? 1e-7 : 1 - 1e-7;
+    const bool to_right = straight ? shows(target, sides, texel, Latlong::direction(0, quarter, near)) : right < 0.5 * w;
+    p.x = pole.x + (to_right ? right : right - w);
+    out.add({p.x, pole.y}, true);
+    out.add(p, corner);
+  }
+
+  // Back to the beginning. False where both poles lie inside.
+  bool close() {
+    const Vec2<double> first = out.points.front(), from = out.points.back();
+    if (std::abs(first.x - from.x) > 0.5 && !from_pole) {
+      const bool north = shows(target, sides, texel, {0, 1, 0});
+      if (north == shows(target, sides, texel, {0, -1, 0})) return false;
+      const double border = north ? -0.5 : source.height() - 0.5;
+      out.add({from.x, border}, true);
+      out.add({first.x, border}, true);
+    }
+    out.add(first, true);
+    return true;
+  }
+};
+
+}  // namespace
+
+bool Outline::follow(const Level& source, const Target& target, const Sides& sides, std::size_t texel) {
+  const Projection p = source.projection();
+  const bool disc = on_disc(p);
+  const double behind = settled_below(p, source.height()), rim = disc ? 0.5 - 1.0 * Level::gutter / source.height() : 2;
+  points.clear();
+  corners.clear();
+  latlong_rows = p == Projection::latlong ? source.height() : 0;
+  face = sides.places[texel * sides.pieces].face;
+  std::size_t n = 0;
+  if (p == Projection::latlong) {
+    LatlongPath path{*this, source, target, sides, texel};
+    sides.around(texel, [&](std::size_t k) { path.go_to(sides.directions[k], sides.places[k], n++ % sides.pieces == 0); });
+    return path.close();
+  }
+  bool whole = true;
+  sides.around(texel, [&](std::size_t k) {
+    const Location<double>& at = sides.places[k];
+    whole &= at.face == face && sides.directions[k].z >= behind && std::hypot(at.u - 0.5, at.v - 0.5) < rim;
+    add(in_texels(source, at), n++ % sides.pieces == 0);
+  });
+  // Round -Z the outline would enclose all the rest of a disc.
+  return whole && !(disc && shows(target, sides, texel, {0, 0, -1}));
+}
+
+}  // namespace envmap

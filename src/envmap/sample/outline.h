@@ -1,0 +1,70 @@
+/// @file
+/// The outline of a texel of a result as the source sees it.
+#pragma once
+
+#include <vector>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/sample/target.h"
+
+namespace envmap {
+
+/// The sides of neighbouring texels in a row of the result, each followed by `pieces` straight pieces: `pieces` + 1 rows of
+/// points. The first and the last hold `pieces` points a texel, those between them only the points on upright sides.
+struct Sides {
+  int face = 0, row = 0, first = 0;  ///< The texels' place in the result.
+  std::size_t pieces = 0, texels = 0;
+  std::vector<Vec2<double>> points;
+  std::vector<Direction> directions;     ///< In the frame of the source.
+  std::vector<Location<double>> places;  ///< In the source.
+
+  /// For texels [first, first + texels) of a row: fills the rest.
+  /// @param inside points beyond a disc's rim move onto it.
+  void find(const Target& target, Projection source, bool inside);
+
+  /// Calls f with the indices of the points round a texel, from its upper left corner and back to it; every `pieces`-th is
+  /// a corner.
+  template <class F>
+  void around(std::size_t texel, F&& f) const {
+    const std::size_t across = pieces * texels + 1, between = texels + 1, below = across + (pieces - 1) * between;
+    const auto upright = [&](std::size_t side, std::size_t r) { return across + (r - 1) * between + side; };
+    for (std::size_t k = 0; k <= pieces; ++k) f(texel * pieces + k);
+    for (std::size_t r = 1; r < pieces; ++r) f(upright(texel + 1, r));
+    for (std::size_t k = pieces + 1; k-- > 0;) f(below + texel * pieces + k);
+    for (std::size_t r = pieces; r-- > 1;) f(upright(texel, r));
+    f(texel * pieces);
+  }
+};
+
+/// A texel's outline on one face of the source, in source texels with their centres at whole numbers. Beyond the sides of
+/// a latlong map its x goes on.
+struct Outline {
+  int face = -1;
+  std::vector<Vec2<double>> points;  ///< The last is the first again.
+  std::vector<bool> corners;         ///< Where the outline may turn.
+  int latlong_rows = 0;              ///< Of a source that is a latlong map.
+
+  void add(const Vec2<double>& p, bool corner) {
+    points.push_back(p);
+    corners.push_back(corner);
+  }
+
+  /// Follows the outline of texel `first` + k. False where it is none on one face, or where bilinear interpolation would
+  /// not show the directions themselves.
+  bool follow(const Level& source, const Target& target, const Sides& sides, std::size_t k);
+
+  /// How far a side bends away from its pieces: the largest distance over what `tolerance` of a texel is, or of the
+  /// outline's own thickness where that is less.
+  [[nodiscard]] double bend(double tolerance) const;
+
+ private:
+  // How long a step along a row of the source is, over one at the equator of a latlong map.
+  [[nodiscard]] double narrowing(double y) const;
+};
+
+/// A location in source texels with their centres at whole numbers.
+inline Vec2<double> in_texels(const Level& source, const Location<double>& at) {
+  return {at.u * source.width() - 0.5, at.v * source.height() - 0.5};
+}
+
+}  // namespace envmap
