@@ -167,8 +167,9 @@ TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
   EXPECT_EQ(chosen.status, 0) << chosen.err;
   EXPECT_NE(chosen.err.find("rms"), std::string::npos) << "what was chosen, and what it does";
   EXPECT_EQ(envmap({"compare", "small.exr", "truth.exr", "--max-error", "1.5e-2", "--max-rms", "1e-2"}).status, 0);
-  // The two ways to the mean agree to a few in 10^5, not to 10^6.
-  fails(1, {"convert", "sun.exr", "none.exr", "--to", "cube", "--size", "8", "--max-error", "1e-6"},
+  // At the back of a mirror ball texels span tens of degrees, and even the mean has an end.
+  succeeds({"convert", "sun.exr", "ball.exr", "--to", "sphere", "--size", "32"});
+  fails(1, {"convert", "ball.exr", "none.exr", "--to", "cube", "--size", "8", "--max-error", "1e-6"},
         {"not reached", "area"});
 }
 
