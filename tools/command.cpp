@@ -19,8 +19,8 @@ namespace tools {
 using namespace envmap;
 
 std::vector<Command> all_commands() {
-  return {convert_command(), info_command(),   compare_command(),   generate_command(),
-          preview_command(), manual_command(), completion_command()};
+  return {convert_command(),  mipmap_command(),  info_command(),   compare_command(),
+          generate_command(), preview_command(), manual_command(), completion_command()};
 }
 
 std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run) {
@@ -106,6 +106,9 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
               "World axis at the centre of a latlong or angular input (default: metadata, then --forward, then +z)");
   app.add_flag("--ignore-envmap-attribute", options.ignore_envmap_attribute,
                "Read files with OpenEXR's envmap attribute as cell-centred, not as border samples");
+  app.add_option("--level", options.level, "Mip level to read, of files that have some; 0 is the finest (default: 0)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 31));
   app.add_flag("--drop-channels", options.drop_channels, "Read R, G and B of files with more channels");
 }
 
@@ -147,22 +150,25 @@ std::string escaped(const std::string& name) {
   return out;
 }
 
-// The files that a name with {face} stands for.
-std::string make_names(const std::string& path) {
-  if (!has_face(path)) return escaped(path);
+// The files that a name with {face} and {level} stands for.
+std::string make_names(const std::string& path, int levels) {
   std::string all;
-  for (int face = 0; face < 6; ++face) all += (face ? " " : "") + escaped(face_path(path, face));
+  for (int level = 0; level < (has_level(path) ? levels : 1); ++level)
+    for (int face = 0; face < (has_face(path) ? 6 : 1); ++face) {
+      const std::string one = level_path(path, level);
+      all += (all.empty() ? "" : " ") + escaped(has_face(one) ? face_path(one, face) : one);
+    }
   return all;
 }
 
 }  // namespace
 
 std::unique_ptr<OutputFile> open_depfile(const std::string& output, const std::vector<std::string>& inputs,
-                                         const Common& common) {
+                                         const Common& common, int levels) {
   if (common.depfile.empty()) return nullptr;
-  std::string text = make_names(output) + ":";
+  std::string text = make_names(output, levels) + ":";
   for (const std::string& input : inputs)
-    if (input != "-") text += " " + make_names(input);
+    if (input != "-") text += " " + make_names(input, count_level_files(input));
   text += "\n";
   auto file = std::make_unique<OutputFile>(common.depfile);
   file->write(text.data(), text.size());
@@ -171,19 +177,25 @@ std::unique_ptr<OutputFile> open_depfile(const std::string& output, const std::v
 
 void write_map(const std::string& path, const Rows& rows, const WriteOptions& options,
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
+  write_map(path, std::span(&rows, 1), options, inputs, verb, common);
+}
+
+void write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+               const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
-  const auto depfile = open_depfile(path, inputs, common);
-  const Written written = write(path, rows, options, progress_line(common, verb));
+  const Rows& rows = levels.front();
+  const auto depfile = open_depfile(path, inputs, common, static_cast<int>(levels.size()));
+  const Written written = write(path, levels, options, progress_line(common, verb));
   if (depfile) depfile->commit();
   if (written.clamped > 0)
     note(common,
          fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
   if (common.verbose)
-    note(common,
-         fmt::format("{}: {} {}x{}{}, {}, made and written in {:.2f} s", path, name(rows.projection),
-                     rows.size * aspect(rows.projection), rows.size,
-                     rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
-                     name(written.depth), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+    note(common, fmt::format("{}: {} {}x{}{}{}, {}, made and written in {:.2f} s", path, name(rows.projection),
+                             rows.width(), rows.size,
+                             rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
+                             levels.size() > 1 ? fmt::format(", {} levels", levels.size()) : "", name(written.depth),
+                             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
 }
 
 Progress progress_line(const Common& common, const std::string& what) {

@@ -38,6 +38,7 @@ struct Command {
 };
 
 Command convert_command();
+Command mipmap_command();
 Command info_command();
 Command compare_command();
 Command generate_command();
@@ -102,14 +103,18 @@ void add_repair(CLI::App& app, envmap::ReadOptions& options);
 /// A map from a file; repairs are told on standard error.
 envmap::Source read_map(const std::string& path, const envmap::ReadOptions& options, const Common& common);
 
-/// Makes and writes a map, tells what was clamped, writes the depfile. @param verb what the progress line says.
+/// Makes and writes a map with its levels, tells what was clamped, writes the depfile. @param verb what the progress line
+/// says.
+void write_map(const std::string& path, std::span<const envmap::Rows> levels, const envmap::WriteOptions& options,
+               const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 void write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 
 /// The file that --depfile asks for, written but not yet shown, or null: `output: inputs` in Make syntax. To be opened
 /// before the output is written and committed after it: where there can be no depfile, there is no output.
+/// @param levels that the output has, where its name has {level}.
 std::unique_ptr<envmap::OutputFile> open_depfile(const std::string& output, const std::vector<std::string>& inputs,
-                                                 const Common& common);
+                                                 const Common& common, int levels = 1);
 
 /// A line on standard error where that is a terminal, for work that takes over a second.
 envmap::Progress progress_line(const Common& common, const std::string& what);

@@ -121,8 +121,8 @@ TEST(Page, ScatterUndoesGather) {
     Level back(Projection::cube, 4);
     // In two bands, cut through a face.
     const auto cut = static_cast<std::size_t>(3 * page.width());
-    scatter(std::span(image).first(cut), 0, 3, page.grid, back);
-    scatter(std::span(image).subspan(cut), 3, page.height(), page.grid, back);
+    scatter(std::span(image).first(cut), page.width(), 0, 3, page.grid, back);
+    scatter(std::span(image).subspan(cut), page.width(), 3, page.height(), page.grid, back);
     for (int f = 0; f < 6; ++f)
       for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 4; ++i) EXPECT_EQ(*back.texel(f, i, j), *map.base().texel(f, i, j)) << name(layout);

@@ -1,17 +1,42 @@
 #include "envmap/io/metadata.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <charconv>
 #include <sstream>
 
 namespace envmap {
 namespace {
 
-std::string value(const OIIO::ImageSpec& spec, const std::string& key) {
-  if (const std::string own = spec.get_string_attribute(key); !own.empty()) return own;
+constexpr std::string_view prefix = "envmap:";
+
+// Facts come out of files and go into others: one word of plain characters each.
+bool is_word(const std::string& text) {
+  return !text.empty() && text.size() < 100 &&
+         std::ranges::all_of(text, [](unsigned char c) { return c > ' ' && c < 0x7f && c != '='; });
+}
+
+// Name and value of every attribute envmap:NAME, the first of each; attributes before words of the image description.
+Facts all_facts(const OIIO::ImageSpec& spec) {
+  Facts facts;
+  const auto add = [&](const std::string& name, const std::string& text) {
+    if (is_word(name) && is_word(text)) facts.emplace(name, text);
+  };
+  for (const OIIO::ParamValue& p : spec.extra_attribs)
+    if (const std::string name = p.name().string(); name.starts_with(prefix) && p.type() == OIIO::TypeDesc::STRING)
+      add(name.substr(prefix.size()), p.get_string());
   std::istringstream words(spec.get_string_attribute("ImageDescription"));
   for (std::string word; words >> word;)
-    if (word.starts_with(key + "=")) return word.substr(key.size() + 1);
-  return {};
+    if (const auto equals = word.find('='); word.starts_with(prefix) && equals != std::string::npos)
+      add(word.substr(prefix.size(), equals - prefix.size()), word.substr(equals + 1));
+  return facts;
+}
+
+std::optional<int> number(const std::string& text) {
+  int n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  return error == std::errc() && end == text.data() + text.size() && n > 0 ? std::optional(n) : std::nullopt;
 }
 
 }  // namespace
@@ -32,19 +57,35 @@ Metadata metadata(const OIIO::ImageSpec& spec) {
   const std::string texture = spec.get_string_attribute("textureformat");
   if (texture == "LatLong Environment") return {.projection = Projection::latlong, .forward = Forward::plus_z};
   if (texture == "CubeFace Environment") return {.projection = Projection::cube, .layout = Layout::column};
-  return {projection_named(value(spec, "envmap:projection")), layout_named(value(spec, "envmap:layout")),
-          forward_named(value(spec, "envmap:forward"))};
+  return metadata(all_facts(spec));
+}
+
+Metadata metadata(Facts facts) {
+  const auto take = [&](const char* name) {
+    const auto node = facts.extract(name);
+    return node ? node.mapped() : std::string();
+  };
+  Metadata data{projection_named(take("projection")), layout_named(take("layout")), forward_named(take("forward")),
+                number(take("levels"))};
+  data.facts = std::move(facts);
+  return data;
+}
+
+Facts facts(const Metadata& data) {
+  Facts all = data.facts;
+  if (data.projection) all["projection"] = name(*data.projection);
+  if (data.layout) all["layout"] = name(*data.layout);
+  if (data.forward) all["forward"] = forward_names[static_cast<std::size_t>(*data.forward)];
+  if (data.levels) all["levels"] = std::to_string(*data.levels);
+  return all;
 }
 
 void set_metadata(OIIO::ImageSpec& spec, const Metadata& data) {
   std::string words;
-  const auto set = [&](const std::string& key, std::string_view text) {
-    spec.attribute(key, std::string(text));
-    words += (words.empty() ? "" : " ") + key + "=" + std::string(text);
-  };
-  if (data.projection) set("envmap:projection", name(*data.projection));
-  if (data.layout) set("envmap:layout", name(*data.layout));
-  if (data.forward) set("envmap:forward", forward_names[static_cast<std::size_t>(*data.forward)]);
+  for (const auto& [key, text] : facts(data)) {
+    spec.attribute(std::string(prefix) + key, text);
+    words += fmt::format("{}{}{}={}", words.empty() ? "" : " ", prefix, key, text);
+  }
   spec.attribute("ImageDescription", words);
 }
 

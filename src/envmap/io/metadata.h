@@ -4,6 +4,7 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -12,17 +13,27 @@
 
 namespace envmap {
 
-/// The attributes envmap:projection, envmap:layout and envmap:forward. Formats without attributes of one's own carry
-/// them as words of the image description ("envmap:projection=cube envmap:layout=row").
+/// Further facts by name, such as the lobe of a prefiltered map: attributes envmap:NAME. One word each, no spaces.
+using Facts = std::map<std::string, std::string>;
+
+/// The attributes envmap:projection, envmap:layout, envmap:forward, envmap:levels and envmap:NAME of other facts.
+/// Formats without attributes of one's own carry them as words of the image description
+/// ("envmap:projection=cube envmap:layout=row").
 struct Metadata {
   std::optional<Projection> projection = {};
   std::optional<Layout> layout = {};
   std::optional<Forward> forward = {};
+  std::optional<int> levels = {};  ///< Of a chain that ends early in a file that must go on to one texel.
+  Facts facts = {};
 };
 
 /// Values that mean nothing to this version are passed over.
 Metadata metadata(const OIIO::ImageSpec& spec);
 void set_metadata(OIIO::ImageSpec& spec, const Metadata& data);
+
+/// The same, as name and text without the prefix `envmap:`.
+Metadata metadata(Facts facts);
+Facts facts(const Metadata& data);
 
 std::optional<Forward> forward_named(std::string_view name);
 

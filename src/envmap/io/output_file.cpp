@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Temporary files that a signal must remove. A handler may only touch atomics and call unlink.
-std::array<std::atomic<const char*>, 16> pending;
+std::array<std::atomic<const char*>, 256> pending;
 
 extern "C" void remove_pending(int signal) {
   for (auto& slot : pending)

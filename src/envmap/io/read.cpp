@@ -182,18 +182,18 @@ void check_size(const Image& image, const OIIO::ImageSpec& spec) {
                            bytes / 0x1p30, memory / 0x1p30));
 }
 
-// Rows [begin, end) as RGB.
-void read_band(Image& image, const Channels& channels, int begin, int end, std::span<Colour> out) {
-  const OIIO::ImageSpec& spec = image.input->spec();
+// Rows [begin, end) of a level as RGB. The spec is that level's.
+void read_band(Image& image, const OIIO::ImageSpec& spec, int level, const Channels& channels, int begin, int end,
+               std::span<Colour> out) {
   const auto colour = static_cast<OIIO::stride_t>(sizeof(Colour));
   const OIIO::stride_t line = colour * spec.width;
   const int last = channels.first + channels.count;
   const SilentLibraries silent(!spec.format.is_floating_point());
   const bool read =
       spec.tile_width > 0
-          ? image.input->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, spec.z, spec.z + 1,
-                                    channels.first, last, OIIO::TypeDesc::FLOAT, out.data(), colour, line)
-          : image.input->read_scanlines(0, 0, spec.y + begin, spec.y + end, spec.z, channels.first, last,
+          ? image.input->read_tiles(0, level, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, spec.z,
+                                    spec.z + 1, channels.first, last, OIIO::TypeDesc::FLOAT, out.data(), colour, line)
+          : image.input->read_scanlines(0, level, spec.y + begin, spec.y + end, spec.z, channels.first, last,
                                         OIIO::TypeDesc::FLOAT, out.data(), colour, line);
   // Some readers say true and leave a message: a cut TIFF would be black from there on.
   if (!read || image.input->has_error()) {
@@ -204,9 +204,33 @@ void read_band(Image& image, const Channels& channels, int begin, int end, std::
     for (Colour& c : out) c = Colour(c.x);
 }
 
-// A level of the map, whose memory is taken when the first rows have been read: a header can promise anything.
-Level read_pixels(Image& image, const Channels& channels, const Recognised& found) {
-  const OIIO::ImageSpec& spec = image.input->spec();
+// Size of a face in a level of a file: halved and rounded down each time. A latlong image has no place for less.
+struct FaceSize {
+  int width, height;
+};
+
+FaceSize face_size(const Recognised& base, int level) {
+  const int height = std::max(1, base.size >> level);
+  const int wide = std::max(1, (base.size * aspect(base.projection)) >> level);
+  return {base.projection == Projection::latlong ? wide : height * aspect(base.projection), height};
+}
+
+// The chain goes on while there is more than one texel to a face.
+int complete_levels(const Recognised& base) {
+  int levels = 1;
+  while (face_size(base, levels - 1).width > 1 || face_size(base, levels - 1).height > 1) ++levels;
+  return levels;
+}
+
+// A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
+// can promise anything.
+Level read_pixels(Image& image, int stored, const Channels& channels, const Recognised& base, int number) {
+  const OIIO::ImageSpec spec = image.input->spec(0, stored);
+  const FaceSize face = face_size(base, number);
+  const Grid places = grid(base.layout);
+  if (spec.width < places.columns * face.width || spec.height < places.rows * face.height)
+    image.fail(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, spec.width, spec.height,
+                           face.width, face.height));
   const bool encoded = spec.format.is_floating_point() == false &&
                        !OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
   // Whole rows of tiles; enough lines that every core decompresses.
@@ -217,10 +241,10 @@ Level read_pixels(Image& image, const Channels& channels, const Recognised& foun
   for (int begin = 0; begin < spec.height; begin += band_rows) {
     const int end = std::min(begin + band_rows, spec.height);
     const auto rows = std::span(band).first(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(spec.width));
-    read_band(image, channels, begin, end, rows);
+    read_band(image, spec, stored, channels, begin, end, rows);
     if (encoded) decode_srgb(rows);
-    if (!level) level.emplace(found.projection, found.size);
-    scatter(rows, begin, end, grid(found.layout), *level);
+    if (!level) level.emplace(base.projection, face.height, face.width);
+    scatter(rows, spec.width, begin, end, places, *level);
   }
   return std::move(*level);
 }
@@ -242,14 +266,15 @@ void to_cell_centres(Level& level) {
       }
 }
 
-void settle_flaws(const std::string& name, const ReadOptions& options, Source& source) {
+// @param shown what the message says after "texels".
+void settle_flaws(const std::string& name, const ReadOptions& options, Level& level, Source& source,
+                  const std::string& shown) {
   if (options.flaws == FlawPolicy::keep) return;
-  Level& level = source.map.base();
   const Flaws flaws = find_flaws(level);
   if (flaws.count() == 0) return;
   if (options.flaws == FlawPolicy::repair) {
     try {
-      source.repaired = repair(level);
+      source.repaired += repair(level);
     } catch (const InputError& e) {
       throw InputError(name + ": " + e.what());
     }
@@ -264,24 +289,39 @@ void settle_flaws(const std::string& name, const ReadOptions& options, Source& s
   add(flaws.negative, "negative");
   const std::string face = level.faces() > 1 ? fmt::format(" of face {}", flaws.first->face) : "";
   throw InputError(
-      fmt::format("{}: {} of {} texels are no radiance ({}), the first at ({},{}){}: say --repair to replace them",
-                  name, flaws.count(), static_cast<std::int64_t>(level.faces()) * level.width() * level.height(),
+      fmt::format("{}: {} of {} texels{} are no radiance ({}), the first at ({},{}){}: say --repair to replace them",
+                  name, flaws.count(), static_cast<std::int64_t>(level.faces()) * level.width() * level.height(), shown,
                   counts, flaws.first->i, flaws.first->j, face));
 }
 
-Source read_image(const std::string& path, const ReadOptions& options) {
-  Image image;
+void open(Image& image, const std::string& path) {
   if (path == "-") {
     image.name = "standard input";
     open_stream(image, std::cin);
   } else {
     open_file(image, path);
   }
+}
+
+// The numbers of the levels to read, of those there are.
+std::vector<int> wanted_levels(const std::string& name, const ReadOptions& options, int levels) {
+  if (options.level >= levels)
+    throw InputError(levels == 1
+                         ? fmt::format("{}: has no level {}: there is but one, 0", name, options.level)
+                         : fmt::format("{}: has no level {}: its levels are 0 to {}", name, options.level, levels - 1));
+  std::vector<int> wanted{options.level};
+  for (int k = 1; options.all_levels && k < levels; ++k) wanted.push_back(k);
+  return wanted;
+}
+
+Source read_image(const std::string& path, const ReadOptions& options) {
+  Image image;
+  open(image, level_path(path, 0));
   const OIIO::ImageSpec spec = image.input->spec();
   check_size(image, spec);
   const Channels channels = choose_channels(image, options);
   const Metadata recorded = metadata(spec);
-  const Metadata said{options.projection, options.layout, std::nullopt};
+  const Metadata said{options.projection, options.layout};
   const Recognised found = [&] {
     try {
       return recognise(spec.width, spec.height, said, recorded);
@@ -295,44 +335,75 @@ Source read_image(const std::string& path, const ReadOptions& options) {
                 .format = image.input->format_name(),
                 .image_width = spec.width,
                 .image_height = spec.height,
-                .border_samples = has_border_samples(spec) && !options.ignore_envmap_attribute};
-  source.map.levels.push_back(read_pixels(image, channels, found));
+                .border_samples = has_border_samples(spec) && !options.ignore_envmap_attribute,
+                .facts = recorded.facts};
+  const int complete = complete_levels(found);
+  if (has_level(path)) {
+    source.levels = std::min(complete, count_level_files(path));
+  } else {
+    while (source.levels < complete && image.input->seek_subimage(0, source.levels)) ++source.levels;
+    (void)image.input->geterror();
+    source.levels = std::min(source.levels, recorded.levels.value_or(complete));
+  }
+  for (const int k : wanted_levels(image.name, options, source.levels)) {
+    if (has_level(path) && k > 0) {
+      Image one;
+      open(one, level_path(path, k));
+      check_size(one, one.input->spec());
+      source.map.levels.push_back(read_pixels(one, 0, choose_channels(one, options), found, k));
+    } else {
+      source.map.levels.push_back(read_pixels(image, k, channels, found, k));
+    }
+  }
   if (has_forward(found.projection))
     source.map.forward =
         options.forward.value_or(recorded.forward.value_or(options.assumed_forward.value_or(Forward::plus_z)));
   return source;
 }
 
-Source read_faces(const std::string& path, const ReadOptions& options) {
-  if (options.projection && *options.projection != Projection::cube)
-    throw UsageError(fmt::format("{{face}} in a file name is for cube maps, not for a {} map", name(*options.projection)));
-  std::optional<Source> source;
+// One level out of six files, of a cube that is `size` high at its base; 0: what the first file says.
+Level read_face_files(const std::string& path, const ReadOptions& options, int number, int size, Source& source) {
+  std::optional<Level> level;
   for (int face = 0; face < 6; ++face) {
     Image image;
-    open_file(image, face_path(path, face));
+    open_file(image, face_path(level_path(path, number), face));
     const OIIO::ImageSpec spec = image.input->spec();
     check_size(image, spec);
     if (spec.width != spec.height)
       image.fail(fmt::format("a cube face must be square, not {}x{}", spec.width, spec.height));
-    if (!source) {
-      source.emplace(Source{.map = {},
-                            .layout = Layout::files,
-                            .depth = depth_of(spec.format),
-                            .format = image.input->format_name(),
-                            .image_width = spec.width,
-                            .image_height = spec.height,
-                            .border_samples = false});
-      source->map.levels.emplace_back(Projection::cube, spec.height);
+    if (size == 0) {
+      size = spec.height;
+      source.depth = depth_of(spec.format);
+      source.format = image.input->format_name();
+      source.image_width = source.image_height = size;
     }
-    Level& level = source->map.base();
-    if (spec.height != level.height())
-      image.fail(fmt::format("{}x{}, but the first face is {}x{}", spec.width, spec.height, level.width(), level.height()));
+    const int wanted = std::max(1, size >> number);
+    if (spec.height != wanted)
+      image.fail(number == 0 ? fmt::format("{}x{}, but the first face is {}x{}", spec.width, spec.height, wanted, wanted)
+                             : fmt::format("{}x{}, but level {} of faces of {}x{} is {}x{}", spec.width, spec.height,
+                                           number, size, size, wanted, wanted));
+    if (!level) level.emplace(Projection::cube, wanted);
     // Any projection of one square face.
-    const Recognised square{Projection::sphere, Layout::single, spec.height};
-    const Level one = read_pixels(image, choose_channels(image, options), square);
-    for (int j = 0; j < level.height(); ++j) std::ranges::copy(one.row(0, j), level.row(face, j).begin());
+    const Level one =
+        read_pixels(image, 0, choose_channels(image, options), {Projection::sphere, Layout::single, wanted}, 0);
+    for (int j = 0; j < wanted; ++j) std::ranges::copy(one.row(0, j), level->row(face, j).begin());
   }
-  return std::move(*source);
+  return std::move(*level);
+}
+
+Source read_faces(const std::string& path, const ReadOptions& options) {
+  if (options.projection && *options.projection != Projection::cube)
+    throw UsageError(fmt::format("{{face}} in a file name is for cube maps, not for a {} map", name(*options.projection)));
+  Source source{.map = {}, .layout = Layout::files};
+  // Level 0 even where another is wanted: it tells how large that one must be.
+  source.map.levels.push_back(read_face_files(path, options, 0, 0, source));
+  const int size = source.map.base().height();
+  source.levels =
+      has_level(path) ? std::min(complete_levels({Projection::cube, Layout::files, size}), count_level_files(path)) : 1;
+  for (const int k : wanted_levels(path, options, source.levels))
+    if (k > 0) source.map.levels.push_back(read_face_files(path, options, k, size, source));
+  if (options.level > 0) source.map.levels.erase(source.map.levels.begin());
+  return source;
 }
 
 }  // namespace
@@ -341,8 +412,11 @@ Source read(const std::string& path, const ReadOptions& options) {
   const std::string name = path == "-" ? "standard input" : path;
   try {
     Source source = has_face(path) ? read_faces(path, options) : read_image(path, options);
-    if (source.border_samples) to_cell_centres(source.map.base());
-    settle_flaws(name, options, source);
+    for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
+      Level& level = source.map.levels[k];
+      if (source.border_samples) to_cell_centres(level);
+      settle_flaws(name, options, level, source, k > 0 ? fmt::format(" of level {}", k) : "");
+    }
     return source;
   } catch (const std::bad_alloc&) {
     throw InputError(name + ": not enough memory to read it");

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "envmap/io/depth.h"
+#include "envmap/io/metadata.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/layout.h"
 
@@ -24,6 +25,8 @@ struct ReadOptions {
   bool ignore_envmap_attribute = false;    ///< Take texels as cell-centred whatever OpenEXR's attribute says.
   bool drop_channels = false;              ///< Read RGB and leave alpha and other channels behind.
   FlawPolicy flaws = FlawPolicy::refuse;
+  int level = 0;            ///< The level to read, as the only one of the map.
+  bool all_levels = false;  ///< Read them all; `level` must be 0.
 };
 
 struct Source {
@@ -33,10 +36,13 @@ struct Source {
   std::string format;  ///< OpenImageIO's name for it: openexr, hdr, ...
   int image_width, image_height;
   bool border_samples;        ///< OpenEXR's `envmap` convention; resampled to cell centres here.
+  int levels = 1;             ///< That the file has; `map` holds those that were asked for.
+  Facts facts = {};           ///< Further metadata, such as the lobe.
   std::int64_t repaired = 0;  ///< Texels that FlawPolicy::repair changed.
 };
 
-/// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz).
+/// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz) and `{level}` for
+/// those of all levels, numbered from 0.
 /// @throws InputError in one line, naming the file; UsageError where the options contradict each other.
 Source read(const std::string& path, const ReadOptions& options);
 

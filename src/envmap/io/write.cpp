@@ -13,12 +13,14 @@
 #include <vector>
 
 #include "envmap/error.h"
+#include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "envmap/io/pfm.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/page.h"
+#include "envmap/operate/levels.h"
 
 namespace envmap {
 namespace {
@@ -42,6 +44,9 @@ std::vector<Depth> depths(const std::string& ext) {
   if (ext == "jpg" || ext == "jpeg" || ext == "tga" || ext == "bmp" || ext == "webp") return {Depth::uint8};
   return {};
 }
+
+// Whether all levels of a map go into one file.
+bool holds_levels(const std::string& ext) { return ext == "exr"; }
 
 // What was asked for, or the least depth that keeps what the source had, or the most there is.
 Depth choose_depth(const std::string& ext, const WriteOptions& options) {
@@ -80,69 +85,9 @@ double largest_value(const std::string& ext, Depth depth) {
   return std::numeric_limits<float>::max();
 }
 
-// ---- values that do not fit ------------------------------------------------------------------------------------------
-
-// What one row of one face had beyond the limit.
-struct Excess {
-  std::int64_t count = 0;
-  double lost = 0, flux = 0;
-};
-
-// The rows, cut at the largest value the file holds; what is cut is noted per row, so that the sums do not depend on
-// the order in which rows are made.
-class Limited {
- public:
-  Limited(const Rows& rows, double limit, bool weigh)
-      : limit_(limit),
-        weigh_(weigh),
-        excess_(static_cast<std::size_t>(faces(rows.projection)) * static_cast<std::size_t>(rows.size)) {
-    limited_ = rows;
-    limited_.fill = [this, &rows](int face, int row, std::span<Colour> out) {
-      rows.fill(face, row, out);
-      excess_[static_cast<std::size_t>(face) * static_cast<std::size_t>(rows.size) + static_cast<std::size_t>(row)] =
-          cut(row, out);
-    };
-  }
-  Limited(const Limited&) = delete;
-
-  [[nodiscard]] const Rows& rows() const { return limited_; }
-  [[nodiscard]] Excess total() const {
-    Excess sum;
-    for (const Excess& e : excess_) {
-      sum.count += e.count;
-      sum.lost += e.lost;
-      sum.flux += e.flux;
-    }
-    return sum;
-  }
-
- private:
-  [[nodiscard]] Excess cut(int row, std::span<Colour> out) const {
-    Excess e;
-    const auto limit = static_cast<float>(limit_);
-    std::vector<double> w;
-    if (weigh_) {
-      w.resize(out.size());
-      solid_angles(limited_.projection, limited_.size, row, w);
-    }
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      const Colour c = out[i], over = glm::max(c - limit, Colour(0));
-      e.count += over.x > 0 || over.y > 0 || over.z > 0;
-      out[i] = glm::min(c, Colour(limit));
-      if (weigh_) e.lost += w[i] * (over.x + over.y + over.z), e.flux += w[i] * (c.x + c.y + c.z);
-    }
-    return e;
-  }
-
-  double limit_;
-  bool weigh_;
-  Rows limited_;
-  std::vector<Excess> excess_;
-};
-
 // ---- one file --------------------------------------------------------------------------------------------------------
 
-// Enough rows that every core has some, few enough that they stay small beside the source.
+// Enough rows that every core has some, few enough that they stay small beside the source; the side of a tile.
 constexpr int band_rows = 64;
 
 using WriteBand = std::function<void(int begin, int end, std::vector<Colour>& band)>;
@@ -185,37 +130,92 @@ void round_to_rgbe(std::span<Colour> pixels) {
   }
 }
 
-void write_with_oiio(OutputFile& file, const std::string& path, const std::string& ext, const Page& page, Depth depth,
-                     const Metadata& data, const Progress& progress) {
+// One image, or all levels of one, the largest first: then in tiles, as renderers' texture caches want them.
+void write_with_oiio(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Page> levels,
+                     Depth depth, const Metadata& data, const Progress& progress) {
   const auto fail = [&](const std::string& why) { throw OutputError(fmt::format("{}: not written: {}", path, why)); };
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("x." + ext);
-  OIIO::ImageSpec spec(page.width(), page.height(), 3, type(depth));
+  const bool tiled = levels.size() > 1;
+  OIIO::ImageSpec spec(levels[0].width(), levels[0].height(), 3, type(depth));
   spec.attribute("DateTime", "");  // OpenImageIO would write the time of day.
   // Not in TIFF: it would go into an EXIF directory, and OpenImageIO 2.4 leaves the file's header pointing at that.
   if (output->format_name() != std::string("tiff"))
     spec.attribute("oiio:ColorSpace", is_integer(depth) ? "sRGB" : "Linear");
   set_metadata(spec, data);
+  if (tiled) {
+    spec.tile_width = spec.tile_height = band_rows;
+    spec.attribute("textureformat", "Plain Texture");  // What makes OpenImageIO write levels.
+  }
   OIIO::Filesystem::IOProxy* proxy = &file;
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  if (!output->open("x." + ext, spec)) fail(output->geterror());
-  for_each_band(page, progress, [&](int begin, int end, std::vector<Colour>& band) {
-    if (is_integer(depth)) encode_srgb(band);
-    if (ext == "hdr") round_to_rgbe(band);
-    if (!output->write_scanlines(begin, end, 0, OIIO::TypeDesc::FLOAT, band.data())) fail(output->geterror());
-  });
+  double done = 0, all = 0;
+  for (const Page& level : levels) all += 1.0 * level.width() * level.height();
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    spec.width = spec.full_width = levels[k].width();
+    spec.height = spec.full_height = levels[k].height();
+    if (!output->open("x." + ext, spec, k == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendMIPLevel))
+      fail(output->geterror());
+    const double part = 1.0 * spec.width * spec.height;
+    const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+    for_each_band(levels[k], so_far, [&](int begin, int end, std::vector<Colour>& band) {
+      if (is_integer(depth)) encode_srgb(band);
+      if (ext == "hdr") round_to_rgbe(band);
+      const bool written = tiled ? output->write_tiles(0, spec.width, begin, end, 0, 1, OIIO::TypeDesc::FLOAT, band.data())
+                                 : output->write_scanlines(begin, end, 0, OIIO::TypeDesc::FLOAT, band.data());
+      if (!written) fail(output->geterror());
+    });
+    done += part;
+  }
   if (!output->close()) fail(output->geterror());
 }
 
+// ---- levels in one file ----------------------------------------------------------------------------------------------
+
+// Each level as large as the formats say, half of the one before and rounded down, down to one texel. Faces lie at the
+// top left of it (so OpenEXR's ImfEnvmap.h finds them, too). A chain that ends early is gone on with; where an image is
+// too small for faces of one texel, it shows their mean.
+class FileLevels {
+ public:
+  FileLevels(std::span<const Rows* const> given, const Grid& grid) {
+    for (const Rows* rows : given) rows_.push_back(*rows);
+    Level last = level_of(rows_.back());
+    for (more_.push_back(std::move(last)); has_next(more_.back()); more_.push_back(half_level(more_.back()))) {
+    }
+    for (std::size_t k = 1; k < more_.size(); ++k) rows_.push_back(rows_of(more_[k], rows_[0].forward));
+    Colour mean(0);
+    for (int f = 0; f < more_.back().faces(); ++f) mean += *more_.back().texel(f, 0, 0);
+    mean /= static_cast<float>(more_.back().faces());
+    const Page base{rows_[0], grid};
+    for (std::size_t k = 0; k == 0 || base.width() >> k > 0 || base.height() >> k > 0; ++k) {
+      const int wide = std::max(1, base.width() >> k), high = std::max(1, base.height() >> k);
+      if (k < rows_.size())
+        pages_.push_back({rows_[k], grid, -1, wide, high});
+      else
+        pages_.push_back({rows_.back(), {1, 1, {}}, -1, wide, high, mean});
+    }
+  }
+
+  [[nodiscard]] std::span<const Page> pages() const { return pages_; }
+
+ private:
+  std::vector<Rows> rows_;
+  std::vector<Level> more_;
+  std::vector<Page> pages_;
+};
+
 }  // namespace
 
-void check_output(const std::string& path, const WriteOptions& options, Projection projection) {
+void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
   const std::string ext = extension(path, options);
   if (ext.empty())
     throw UsageError(path + ": no file type; end the name in .exr, .hdr, .pfm, .tif or .png, or say --format");
   if (depths(ext).empty())
     throw UsageError(fmt::format("{}: no format writes .{}; try .exr, .hdr, .pfm, .tif or .png", path, ext));
   choose_depth(ext, options);
-  choose_layout(path, options, projection);
+  const Layout layout = choose_layout(path, options, projection);
+  if (levels && !has_level(path) && (!holds_levels(ext) || layout == Layout::files))
+    throw UsageError(fmt::format("{}: {} one level: put {{level}} where its number shall stand in the file name", path,
+                                 layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
   if (path == "-") return;
   const fs::path parent = fs::path(path).parent_path();
   const std::string folder = parent.empty() ? "." : parent.string();
@@ -225,34 +225,59 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 }
 
 Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {
-  check_output(path, options, rows.projection);
+  return write(path, std::span(&rows, 1), options, progress);
+}
+
+Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
+  const Rows& base = levels.front();
+  check_output(path, options, base.projection, levels.size() > 1);
   const std::string ext = extension(path, options);
-  Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, options, rows.projection)};
+  Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, options, base.projection)};
   const double limit = largest_value(ext, done.depth);
-  const Limited limited(rows, limit, options.clamp);
-  const Metadata data{rows.projection, rows.projection == Projection::cube ? std::optional(done.layout) : std::nullopt,
-                      has_forward(rows.projection) ? std::optional(rows.forward) : std::nullopt};
+  std::vector<std::unique_ptr<Limited>> limited;
+  std::vector<const Rows*> rows;
+  for (const Rows& level : levels) {
+    limited.push_back(std::make_unique<Limited>(level, limit, options.clamp));
+    rows.push_back(&limited.back()->rows());
+  }
+  Metadata data{.projection = base.projection, .facts = options.facts};
+  if (base.projection == Projection::cube) data.layout = done.layout;
+  if (has_forward(base.projection)) data.forward = base.forward;
 
   // All files are written before the first appears.
-  const int count = done.layout == Layout::files ? faces(rows.projection) : 1;
   std::vector<std::unique_ptr<OutputFile>> files;
-  for (int k = 0; k < count; ++k) {
-    const std::string one = count > 1 ? face_path(path, k) : path;
-    files.push_back(std::make_unique<OutputFile>(one));
-    const Page page{limited.rows(), grid(done.layout), count > 1 ? k : -1};
-    const Progress part = !progress ? progress : [&progress, k, count](double p) { progress((k + p) / count); };
+  const auto write_file = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
+    files.push_back(std::make_unique<OutputFile>(name));
     if (ext == "pfm")
-      write_pfm(*files.back(), page);
+      write_pfm(*files.back(), pages[0]);
     else
-      write_with_oiio(*files.back(), one, ext, page, done.depth, data, part);
+      write_with_oiio(*files.back(), name, ext, pages, done.depth, data, part);
+  };
+  if (levels.size() > 1 && !has_level(path)) {
+    data.levels = static_cast<int>(levels.size());
+    write_file(path, FileLevels(rows, grid(done.layout)).pages(), progress);
+  } else {
+    const int count = done.layout == Layout::files ? faces(base.projection) : 1;
+    for (std::size_t level = 0; level < levels.size(); ++level)
+      for (int k = 0; k < count; ++k) {
+        const std::string one = level_path(path, static_cast<int>(level));
+        const Page page{*rows[level], grid(done.layout), count > 1 ? k : -1};
+        const Progress part =
+            !progress || level > 0 ? Progress() : [&progress, k, count](double p) { progress((k + p) / count); };
+        write_file(count > 1 ? face_path(one, k) : one, std::span(&page, 1), part);
+      }
   }
-  const Excess over = limited.total();
+  Excess over;
+  for (const auto& level : limited) {
+    const Excess e = level->total();
+    over.count += e.count;
+    done.flux_lost = std::max(done.flux_lost, e.flux > 0 ? e.lost / e.flux : 0);
+  }
   if (over.count > 0 && !options.clamp)
     throw OutputError(fmt::format("{}: {} texels over {:g} do not fit {}: choose {}or say --clamp", path, over.count,
                                   limit, name(done.depth),
                                   is_integer(done.depth) ? "a floating-point format, lower --exposure " : "--depth float "));
   done.clamped = over.count;
-  done.flux_lost = over.flux > 0 ? over.lost / over.flux : 0;
   for (const auto& file : files) file->commit();
   return done;
 }

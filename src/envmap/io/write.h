@@ -6,6 +6,7 @@
 #include <string>
 
 #include "envmap/io/depth.h"
+#include "envmap/io/metadata.h"
 #include "envmap/map/layout.h"
 #include "envmap/map/rows.h"
 #include "envmap/operate/progress.h"
@@ -18,22 +19,28 @@ struct WriteOptions {
   std::optional<Depth> depth;    ///< Asked for; refused where the format cannot hold it.
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.
   bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
+  Facts facts = {};                    ///< Further metadata, such as the lobe: attributes envmap:NAME.
 };
 
 struct Written {
   Depth depth;
   Layout layout;
-  std::int64_t clamped = 0;  ///< Texels.
-  double flux_lost = 0;      ///< Part of the map's flux that clamping took.
+  std::int64_t clamped = 0;  ///< Texels, of all levels.
+  double flux_lost = 0;      ///< Part of a level's flux that clamping took; of several levels, the largest.
 };
 
 /// Says early what write() would say late: an unknown extension, a folder that cannot be written.
-/// @throws UsageError or OutputError.
-void check_output(const std::string& path, const WriteOptions& options, Projection projection);
+/// @param levels whether there will be more than one. @throws UsageError or OutputError.
+void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels = false);
 
-/// Writes a map as its rows are made; every file appears whole or not at all, and holds no date, host or user.
-/// @param path a file, `-` for standard output, or a name with `{face}` for six files. @param progress may be empty.
+/// Writes a map with its levels as their rows are made; every file appears whole or not at all, and holds no date, host
+/// or user. EXR holds levels, in tiles (down to one texel: a chain that ends early is gone on with, and envmap:levels
+/// says where it ended); for other formats and for files of one face the name must have `{level}`.
+/// @param path a file, `-` for standard output, or a name with `{face}` for six files and `{level}` for one a level.
+/// @param levels the base first; each half the one before, rounded down (see half_level()). @param progress may be empty.
 /// @throws OutputError where it cannot be written, or values do not fit and `clamp` is not set.
+Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+              const Progress& progress = {});
 Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress = {});
 
 }  // namespace envmap

@@ -2,10 +2,10 @@
 
 namespace envmap {
 
-Level::Level(Projection projection, int size)
+Level::Level(Projection projection, int size, int width)
     : projection_(projection),
       faces_(envmap::faces(projection)),
-      width_(size * aspect(projection)),
+      width_(width > 0 ? width : size * aspect(projection)),
       height_(size),
       pixels_(index(faces_, -gutter, -gutter) + 1, Colour(0)) {}
 

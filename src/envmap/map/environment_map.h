@@ -20,8 +20,9 @@ class Level {
   /// Cubic taps reach 2 texels beyond a place, which settle.h may move out by 1.
   static constexpr int gutter = 3;
 
-  /// All texels 0. @param size height of a face, at least 1.
-  Level(Projection projection, int size);
+  /// All texels 0. @param size height of a face, at least 1. @param width of a face; 0: size x the aspect of the projection.
+  /// Only the coarser levels of a latlong map have another: they halve each side and round it down, 90x45 45x22 ... 1x1.
+  Level(Projection projection, int size, int width = 0);
 
   [[nodiscard]] Projection projection() const { return projection_; }
   [[nodiscard]] int faces() const { return faces_; }

@@ -12,17 +12,18 @@ namespace envmap {
 struct Page {
   const Rows& rows;
   Grid grid;
-  int face = -1;  ///< The only face shown, or -1 for all of them.
+  int face = -1;           ///< The only face shown, or -1 for all of them.
+  int wide = 0, high = 0;  ///< Of the image, where it reaches further right and down than the faces do.
+  Colour background{0};    ///< Where no face lies.
 
-  [[nodiscard]] int face_width() const { return rows.size * aspect(rows.projection); }
-  [[nodiscard]] int width() const { return face < 0 ? grid.columns * face_width() : face_width(); }
-  [[nodiscard]] int height() const { return face < 0 ? grid.rows * rows.size : rows.size; }
+  [[nodiscard]] int width() const { return wide > 0 ? wide : (face < 0 ? grid.columns : 1) * rows.width(); }
+  [[nodiscard]] int height() const { return high > 0 ? high : (face < 0 ? grid.rows : 1) * rows.size; }
 
-  /// Image rows [begin, end) into `out`, `width()` texels each; 0 where no face lies. Runs in parallel.
+  /// Image rows [begin, end) into `out`, `width()` texels each. Runs in parallel.
   void gather(int begin, int end, std::span<Colour> out) const;
 };
 
-/// The other way: image rows [begin, end) of a whole grid into the faces.
-void scatter(std::span<const Colour> rows, int begin, int end, const Grid& grid, Level& level);
+/// The other way: image rows [begin, end), `width` texels each, into the faces.
+void scatter(std::span<const Colour> rows, int width, int begin, int end, const Grid& grid, Level& level);
 
 }  // namespace envmap

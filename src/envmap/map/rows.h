@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "envmap/map/environment_map.h"
 
@@ -15,9 +16,19 @@ struct Rows {
   Forward forward;
   /// Fills row `row` of a face, `out.size()` = its width. Called from many threads at once; always gives the same.
   std::function<void(int face, int row, std::span<Colour> out)> fill;
+  int columns = 0;  ///< Width of a face where that is not size x aspect: see Level.
+
+  [[nodiscard]] int width() const { return columns > 0 ? columns : size * aspect(projection); }
 };
 
-/// The rows of level 0 of a map, which must outlive them.
+/// The rows of a level, which must outlive them.
+Rows rows_of(const Level& level, Forward forward);
+
+/// The rows of level 0 of a map, and those of all its levels.
 Rows rows_of(const EnvironmentMap& map);
+std::vector<Rows> all_rows_of(const EnvironmentMap& map);
+
+/// All rows, made in parallel. No gutter is filled.
+Level level_of(const Rows& rows);
 
 }  // namespace envmap

@@ -111,7 +111,7 @@ double inside_disc(const Rect& r, F&& f) {
   const double far_s = std::max(std::abs(r.u0), std::abs(r.u1)), far_t = std::max(std::abs(r.v0), std::abs(r.v1));
   if (far_s * far_s + far_t * far_t > 1) return cut_by_disc<12>(r, f);
   if (side > 0.02) return rectangle<8>(r, f);
-  return rectangle<3>(r, f);
+  return side > 0.001 ? rectangle<3>(r, f) : rectangle<2>(r, f);
 }
 
 }  // namespace quadrature

@@ -1,72 +1,131 @@
 #include "envmap/operate/levels.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 
-#include "envmap/operate/parallel.h"
+#include "envmap/map/gutter.h"
+#include "envmap/sample/sample.h"
 
 namespace envmap {
 namespace {
 
-// A part of a source texel that a texel of the result covers, along one axis.
-struct Part {
-  int index;        // Of the source texel.
-  double from, to;  // In units of the face.
+// Along one axis: the edges of the texels of both levels cut the face into cells. Those of texel k of the coarse level
+// are [first[k], first[k + 1]): two, or three where a size is odd, or one where nothing is halved.
+struct Cells {
+  std::vector<double> edges;  // In units of the face, from 0 to 1.
+  std::vector<int> source;    // The fine texel that each lies in.
+  std::vector<int> first;
 };
 
-// What a texel of the result covers along one axis: halving a size covers two texels, or parts of three.
-struct Parts {
-  std::array<Part, 3> parts;
-  std::size_t count = 0;
-
-  [[nodiscard]] const Part* begin() const { return parts.data(); }
-  [[nodiscard]] const Part* end() const { return parts.data() + count; }
-};
-
-// What texel k of `coarse` covers of `fine` texels; exact in doubles up to 2^26 texels a side.
-Parts parts(int k, int coarse, int fine) {
-  const double from = static_cast<double>(k) * fine / coarse, to = static_cast<double>(k + 1) * fine / coarse;
-  Parts found;
-  for (int i = static_cast<int>(from); i < to; ++i)
-    found.parts[found.count++] = {i, std::max<double>(from, i) / fine, std::min<double>(to, i + 1) / fine};
-  return found;
+// Exact in doubles up to 2^26 texels a side.
+Cells cells(int fine, int coarse) {
+  Cells all{{0}, {}, {0}};
+  for (int k = 0; k < coarse; ++k) {
+    const double from = static_cast<double>(k) * fine / coarse, to = static_cast<double>(k + 1) * fine / coarse;
+    for (int i = static_cast<int>(from); i < to; ++i) {
+      all.edges.push_back(std::min<double>(to, i + 1) / fine);
+      all.source.push_back(i);
+    }
+    all.first.push_back(static_cast<int>(all.source.size()));
+  }
+  return all;
 }
 
-// Texel i of one row of every face; the faces share their weights.
-template <class P>
-void halve_texel(const Level& fine, const Parts& rows, const Parts& columns, int i, int row, Level& coarse) {
-  std::array<Flux, P::faces> sums{};
-  double whole = 0;
-  const auto add = [&](const Part& x, const Part& y, double w) {
-    whole += w;
-    for (int f = 0; f < P::faces; ++f) sums[static_cast<std::size_t>(f)] += w * Flux(*fine.texel(f, x.index, y.index));
-  };
-  for (const Part& y : rows)
-    for (const Part& x : columns) add(x, y, P::solid_angle({x.from, y.from, x.to, y.to}));
-  if (whole == 0 && P::filled) {
-    for (const Part& y : rows)
-      for (const Part& x : columns) add(x, y, (y.to - y.from) * (x.to - x.from));
+// What the cells of one row of the coarse level count for, and the sum for each of its texels. Everything here is the
+// same from the left and from the right, so half of it is computed.
+struct RowWeights {
+  std::array<std::vector<double>, 3> parts;  // By fine row, then by cell.
+  std::vector<double> whole;                 // By coarse texel.
+};
+
+void weigh(Projection p, Weights weights, const Cells& across, const Cells& down, int row, RowWeights& out) {
+  const std::size_t count = across.source.size(), half = (count + 1) / 2;
+  const auto first = static_cast<std::size_t>(down.first[static_cast<std::size_t>(row)]),
+             end = static_cast<std::size_t>(down.first[static_cast<std::size_t>(row) + 1]);
+  out.whole.assign(across.first.size() - 1, 0);
+  for (std::size_t part = 0; part < end - first; ++part) {
+    std::vector<double>& w = out.parts[part];
+    w.resize(count);
+    const double v0 = down.edges[first + part], v1 = down.edges[first + part + 1];
+    if (weights == Weights::uniform) {
+      for (std::size_t c = 0; c < count; ++c) w[c] = (v1 - v0) * (across.edges[c + 1] - across.edges[c]);
+    } else {
+      solid_angles(p, std::span(across.edges).first(half + 1), v0, v1, std::span(w).first(half));
+      std::copy_n(w.begin(), count - half, w.rbegin());
+    }
+    for (std::size_t i = 0; i < out.whole.size(); ++i)
+      for (int c = across.first[i]; c < across.first[i + 1]; ++c) out.whole[i] += w[static_cast<std::size_t>(c)];
   }
-  if (whole == 0) return;
-  for (int f = 0; f < P::faces; ++f) *coarse.texel(f, i, row) = Colour(sums[static_cast<std::size_t>(f)] / whole);
+}
+
+// One row of one face. @param rows of the fine level, one for each part. Where nothing counts, 0.
+void halve_row(const Cells& across, const RowWeights& weights, std::span<const Colour* const> rows, std::span<Colour> out) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    Flux sum(0);
+    for (std::size_t part = 0; part < rows.size(); ++part)
+      for (int c = across.first[i]; c < across.first[i + 1]; ++c)
+        sum += weights.parts[part][static_cast<std::size_t>(c)] *
+               Flux(rows[part][across.source[static_cast<std::size_t>(c)]]);
+    out[i] = weights.whole[i] > 0 ? Colour(sum / weights.whole[i]) : Colour(0);
+  }
+}
+
+// Texels of a paraboloid map without any part in the disc: what the other half shows in their direction.
+void fill_beyond_disc(Level& level) {
+  Level sound = level;
+  fill_gutter(sound);
+  const int n = level.height();
+  const auto distance = [n](int i) { return std::max(0, std::abs(2 * i + 1 - n) - 1) / double(n); };  // Of the near edge.
+  tbb::parallel_for(0, n, [&](int j) {
+    for (int i = 0; i < n; ++i) {
+      if (distance(i) * distance(i) + distance(j) * distance(j) < 1) continue;
+      for (int face = 0; face < level.faces(); ++face) {
+        const Direction beyond = Paraboloid::direction(face, (i + 0.5) / n, (j + 0.5) / n);
+        *level.texel(face, i, j) = bilinear(sound, Paraboloid::locate(beyond));
+      }
+    }
+  });
 }
 
 }  // namespace
 
-Level half_level(const Level& fine) {
-  Level coarse(fine.projection(), std::max(1, fine.height() / 2));
-  visit(fine.projection(), [&](auto p) {
-    for_each_row(1, coarse.height(), {}, [&](int, int row) {
-      const Parts rows = parts(row, coarse.height(), fine.height());
-      for (int i = 0; i < coarse.width(); ++i)
-        halve_texel<decltype(p)>(fine, rows, parts(i, coarse.width(), fine.width()), i, row, coarse);
-    });
+bool has_next(const Level& level) { return level.width() > 1 || level.height() > 1; }
+
+Level half_level(const Level& fine, Weights weights) {
+  Level coarse(fine.projection(), std::max(1, fine.height() / 2), std::max(1, fine.width() / 2));
+  const Cells across = cells(fine.width(), coarse.width()), down = cells(fine.height(), coarse.height());
+  // Rows as far from the top as from the bottom share their weights, as do all faces.
+  tbb::parallel_for(tbb::blocked_range<int>(0, (coarse.height() + 1) / 2), [&](const tbb::blocked_range<int>& range) {
+    RowWeights shared;
+    for (int row = range.begin(); row < range.end(); ++row) {
+      weigh(fine.projection(), weights, across, down, row, shared);
+      const std::span<const int> sources =
+          std::span(down.source)
+              .subspan(static_cast<std::size_t>(down.first[static_cast<std::size_t>(row)]),
+                       static_cast<std::size_t>(down.first[static_cast<std::size_t>(row) + 1] -
+                                                down.first[static_cast<std::size_t>(row)]));
+      const auto halve = [&](int face, bool mirrored) {
+        std::array<const Colour*, 3> rows{};
+        for (std::size_t part = 0; part < sources.size(); ++part)
+          rows[part] = fine.texel(face, 0, mirrored ? fine.height() - 1 - sources[part] : sources[part]);
+        halve_row(across, shared, std::span(rows).first(sources.size()),
+                  coarse.row(face, mirrored ? coarse.height() - 1 - row : row));
+      };
+      for (int face = 0; face < fine.faces(); ++face) {
+        halve(face, false);
+        if (coarse.height() - 1 - row != row) halve(face, true);
+      }
+    }
   });
+  if (fine.projection() == Projection::paraboloid && weights == Weights::solid_angle) fill_beyond_disc(coarse);
   return coarse;
 }
 
-void add_levels(std::vector<Level>& levels) {
-  while (levels.back().height() > 1) levels.push_back(half_level(levels.back()));
+void add_levels(std::vector<Level>& levels, Weights weights, int count) {
+  while (has_next(levels.back()) && (count == 0 || levels.size() < static_cast<std::size_t>(count)))
+    levels.push_back(half_level(levels.back(), weights));
 }
 
 }  // namespace envmap

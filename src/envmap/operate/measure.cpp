@@ -64,7 +64,9 @@ FluxSum flux(const Level& level) {
 }
 
 // The columns of a row that touch the disc, whatever is stored beside them.
-Columns weighted_columns(const Level& level, int j) { return columns(level.projection(), level.height(), j); }
+Columns weighted_columns(const Level& level, int j) {
+  return on_disc(level.projection()) ? columns(level.projection(), level.height(), j) : Columns{0, level.width()};
+}
 
 const Colour& at(const Level& level, const Texel& t) { return *level.texel(t.face, t.i, t.j); }
 

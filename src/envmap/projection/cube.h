@@ -2,6 +2,7 @@
 /// Cube maps: six squares +X -X +Y -Y +Z -Z, seen from inside. Source: OpenEXR's ImfEnvmap.h.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -56,7 +57,12 @@ struct Cube {
 
   /// Two spherical triangles by Van Oosterom and Strackee 1983: tan(half) = det / (...). The determinant of corners at
   /// height 1 is the rectangle's area itself, so nothing cancels however small the texel.
+  /// Small texels faster and as well by the density: N points err by about (side / 4)^(2N).
   static double solid_angle(const Rect& r) {
+    if (const double side = 2 * std::max(r.u1 - r.u0, r.v1 - r.v0); side < 0.01) {
+      const auto f = [](double u, double v) { return density(u, v); };
+      return side < 0.001 ? quadrature::rectangle<2>(r, f) : quadrature::rectangle<3>(r, f);
+    }
     const double s0 = 2 * r.u0 - 1, s1 = 2 * r.u1 - 1, t0 = 1 - 2 * r.v1, t1 = 1 - 2 * r.v0;
     const Direction a{s0, t0, 1}, b{s1, t0, 1}, c{s1, t1, 1}, d{s0, t1, 1};
     const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c), ld = glm::length(d);

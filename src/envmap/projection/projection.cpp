@@ -44,12 +44,24 @@ void densities(Projection p, std::span<const Vec2<double>> points, std::span<dou
 void solid_angles(Projection p, int size, int row, std::span<double> out) {
   visit(p, [&](auto q) {
     using P = decltype(q);
-    const double width = size * P::aspect, v0 = static_cast<double>(row) / size, v1 = (row + 1.0) / size;
+    const double width = static_cast<double>(out.size()), v0 = static_cast<double>(row) / size, v1 = (row + 1.0) / size;
     if constexpr (std::is_same_v<P, Latlong>) {
       std::fill(out.begin(), out.end(), P::solid_angle({0, v0, 1, v1}) / width);
     } else {
       for (std::size_t i = 0; i < out.size(); ++i)
         out[i] = P::solid_angle({static_cast<double>(i) / width, v0, (static_cast<double>(i) + 1) / width, v1});
+    }
+  });
+}
+
+void solid_angles(Projection p, std::span<const double> edges, double v0, double v1, std::span<double> out) {
+  visit(p, [&](auto q) {
+    using P = decltype(q);
+    if constexpr (std::is_same_v<P, Latlong>) {
+      const double row = P::solid_angle({0, v0, 1, v1});
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = row * (edges[i + 1] - edges[i]);
+    } else {
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = P::solid_angle({edges[i], v0, edges[i + 1], v1});
     }
   });
 }

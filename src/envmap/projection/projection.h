@@ -72,8 +72,13 @@ void locate(Projection p, std::span<const Direction> directions, std::span<Locat
 /// Solid angle per du dv at points of a face; 0 outside the disc.
 void densities(Projection p, std::span<const Vec2<double>> points, std::span<double> out);
 
-/// Steradians of each texel of a row; every face has the same. Outside the disc 0, on the rim the part inside.
+/// Steradians of each texel of a row of `out.size()` texels; every face has the same. Outside the disc 0, on the rim the
+/// part inside.
 void solid_angles(Projection p, int size, int row, std::span<double> out);
+
+/// Steradians of the rectangles between neighbouring `edges` across (ascending u) and v0 and v1; out.size() is one less than
+/// edges.size().
+void solid_angles(Projection p, std::span<const double> edges, double v0, double v1, std::span<double> out);
 
 /// How the direction moves with u and v; infinite nowhere: differences over `step` (in units of the face) either way.
 struct Derivative {

@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "envmap/error.h"
+#include "envmap/operate/levels.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+constexpr std::string_view weight_names[] = {"solid-angle", "uniform"};
+
+struct Options {
+  std::string input, output;
+  ReadOptions read;
+  int levels = 0;  // 0: all.
+  bool keep = false;
+  Weights weights = Weights::solid_angle;
+  WriteOptions write;
+};
+
+int run(Options& o, const Common& common) {
+  if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: leave out --level");
+  o.read.all_levels = o.keep;
+  Source source = read_map(o.input, o.read, common);
+  EnvironmentMap& map = source.map;
+  o.write.source_depth = source.depth;
+  if (o.keep) o.write.facts = source.facts;
+  check_output(o.output, o.write, map.projection(), o.levels != 1 && has_next(map.base()));
+  if (o.levels > 0 && map.levels.size() > static_cast<std::size_t>(o.levels))
+    map.levels.erase(map.levels.begin() + o.levels, map.levels.end());
+  add_levels(map.levels, o.weights, o.levels);
+  write_map(o.output, all_rows_of(map), o.write, {o.input}, "write", common);
+  return 0;
+}
+
+}  // namespace
+
+Command mipmap_command() {
+  return {.name = "mipmap",
+          .summary = "Write an environment map with mip levels that keep the light",
+          .description =
+              "Each level halves each side of the one before, rounded down, to one texel. Every texel is the mean of "
+              "what it "
+              "covers, weighted by exact solid angle and summed in float64: the flux of every level is that of the "
+              "map, and "
+              "white stays white. Of texels on the rim of a disc the part inside counts. Beyond the disc of a "
+              "paraboloid map "
+              "each level goes on with what its other half shows; of sphere and angular maps texels there are 0.\n\n"
+              "--weights uniform takes plain means of the image instead, as glGenerateMipmap does: for comparison.\n\n"
+              "EXR files hold levels as tiled mip-maps. Other formats take a file for each: put {level} into the name.",
+          .examples = {{"envmap mipmap probe.hdr probe.exr", "a tiled EXR file with all levels, for renderers"},
+                       {"envmap mipmap cube.exr 'cube_{level}.hdr'", "cube_0.hdr, cube_1.hdr ..."},
+                       {"envmap mipmap cube.exr plain.exr --weights uniform && envmap info plain.exr --levels",
+                        "how far plain means are off"}},
+          .writes = true,
+          .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
+            auto o = std::make_shared<Options>();
+            app.add_option(
+                   "INPUT", o->input,
+                   "File to read, '-' for standard input; {face} in the name reads six files, {level} one a level")
+                ->required();
+            app.add_option(
+                   "OUTPUT", o->output,
+                   "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level")
+                ->required();
+            app.add_option("--levels", o->levels, "How many, with the map itself (default: down to one texel)")
+                ->type_name("N")
+                ->check(CLI::Range(1, 32));
+            add_choice(app, "--weights", o->weights, joined(weight_names), one_of<Weights>(weight_names),
+                       "What texels count for in a mean (default: solid-angle)");
+            app.add_flag("--keep", o->keep, "Keep the levels that the input has, and make those that it lacks");
+            add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
+            add_depth(app, o->write.depth);
+            app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
+                ->type_name("EXT");
+            app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+            add_read_options(app, o->read);
+            add_repair(app, o->read);
+            return [o, &common] { return run(*o, common); };
+          }};
+}
+
+}  // namespace tools
