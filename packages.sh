@@ -10,7 +10,7 @@ set -eu
 # (checks the man pages). fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
 packages='
   g++ cmake ninja-build pkg-config
-  libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev
+  libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libzstd-dev
   nlohmann-json3-dev
   libgtest-dev libopenexr-dev openexr openimageio-tools mandoc fonts-dejavu-core'
 

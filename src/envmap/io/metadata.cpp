@@ -11,12 +11,6 @@ namespace {
 
 constexpr std::string_view prefix = "envmap:";
 
-// Facts come out of files and go into others: one word of plain characters each.
-bool is_word(const std::string& text) {
-  return !text.empty() && text.size() < 100 &&
-         std::ranges::all_of(text, [](unsigned char c) { return c > ' ' && c < 0x7f && c != '='; });
-}
-
 // Name and value of every attribute envmap:NAME, the first of each; attributes before words of the image description.
 Facts all_facts(const OIIO::ImageSpec& spec) {
   Facts facts;
@@ -58,6 +52,11 @@ Metadata metadata(const OIIO::ImageSpec& spec) {
   if (texture == "LatLong Environment") return {.projection = Projection::latlong, .forward = Forward::plus_z};
   if (texture == "CubeFace Environment") return {.projection = Projection::cube, .layout = Layout::column};
   return metadata(all_facts(spec));
+}
+
+bool is_word(const std::string& text) {
+  return !text.empty() && text.size() < 100 &&
+         std::ranges::all_of(text, [](unsigned char c) { return c > ' ' && c < 0x7f && c != '='; });
 }
 
 Metadata metadata(Facts facts) {

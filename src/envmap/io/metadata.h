@@ -31,6 +31,9 @@ struct Metadata {
 Metadata metadata(const OIIO::ImageSpec& spec);
 void set_metadata(OIIO::ImageSpec& spec, const Metadata& data);
 
+/// Facts come out of files and go into others: each name and text must be one short word of plain characters.
+bool is_word(const std::string& text);
+
 /// The same, as name and text without the prefix `envmap:`.
 Metadata metadata(Facts facts);
 Facts facts(const Metadata& data);

@@ -1,22 +1,16 @@
 #include "envmap/io/read.h"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <iterator>
-#include <memory>
+#include <limits>
 #include <vector>
 
 #include "envmap/error.h"
+#include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/path.h"
 #include "envmap/io/recognise.h"
@@ -26,111 +20,6 @@
 
 namespace envmap {
 namespace {
-
-namespace fs = std::filesystem;
-
-// What OpenImageIO complained of, as one line.
-std::string first_line(std::string message) {
-  message = message.substr(0, message.find('\n'));
-  return message.empty() ? "no image format reads it" : message;
-}
-
-// An open image: a file, or standard input held in memory (proxy and bytes must outlive the reader).
-struct Image {
-  std::string name;
-  std::uintmax_t size = 0;  // Of the file in bytes; 0 if unknown.
-  std::vector<char> bytes;
-  std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
-  std::unique_ptr<OIIO::ImageInput> input;
-
-  // Channel names and what a library quotes come from the file: no line breaks and no commands to the terminal.
-  [[noreturn]] void fail(std::string why) const {
-    std::ranges::replace_if(
-        why, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
-    throw InputError(name + ": " + why);
-  }
-};
-
-// libpng and libjpeg print to standard error what OpenImageIO then reports, too. An error is one line: ours.
-class SilentLibraries {
- public:
-  explicit SilentLibraries(bool silence) : kept_(silence ? ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3) : -1) {
-    if (kept_ < 0) return;
-    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO), ::close(nowhere);
-  }
-  ~SilentLibraries() {
-    if (kept_ >= 0) ::dup2(kept_, STDERR_FILENO), ::close(kept_);
-  }
-  SilentLibraries(const SilentLibraries&) = delete;
-
- private:
-  int kept_;
-};
-
-constexpr std::size_t head_size = 16;
-
-// The format that the first bytes say; a Targa file has no such mark, only its name. OpenImageIO asked about a file it
-// does not know tries 30 readers in turn, and some write beyond their memory even for sound files (2.4: ICO, IFF):
-// none is asked but the one that fits.
-std::string format_of(std::string_view head, const std::string& path) {
-  if (head.starts_with("\x76\x2f\x31\x01")) return "openexr";
-  if (head.starts_with("#?")) return "hdr";
-  if (head.starts_with("\x89PNG")) return "png";
-  if (head.starts_with("II") || head.starts_with("MM")) return "tiff";
-  if (head.starts_with("\xff\xd8")) return "jpeg";
-  if (head.starts_with("DDS ")) return "dds";
-  if (head.size() > 1 && head[0] == 'P' && std::string_view("123456Ff").find(head[1]) != head.npos) return "pnm";
-  if (head.starts_with("BM")) return "bmp";
-  if (head.starts_with("SDPX") || head.starts_with("XPDS")) return "dpx";
-  if (head.starts_with("8BPS")) return "psd";
-  if (head.starts_with("\x01\xda")) return "sgi";
-  if (head.starts_with("GIF8")) return "gif";
-  if (head.find("jP  ") == 4 || head.starts_with("\xff\x4f\xff\x51")) return "jpeg2000";
-  if (head.starts_with("RIFF") && head.find("WEBP") == 8) return "webp";
-  return OIIO::Strutil::iends_with(path, ".tga") ? "targa" : "";
-}
-
-void open_as(Image& image, std::string_view head, const std::string& path, const OIIO::ImageSpec& config) {
-  const std::string format = format_of(head, path), unread = "not an image that can be read: ";
-  if (format.empty())
-    image.fail(unread +
-               "neither EXR, HDR, PFM, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, DPX, PSD, SGI nor DDS");
-  const SilentLibraries silent(true);
-  image.input = OIIO::ImageInput::create(format);
-  OIIO::ImageSpec spec;
-  if (!image.input || !image.input->open(path, spec, config))
-    image.fail(unread + first_line(image.input ? image.input->geterror() : OIIO::geterror()));
-}
-
-// Standard input and pipes, which cannot be read twice.
-void open_stream(Image& image, std::istream& stream) {
-  image.bytes.assign(std::istreambuf_iterator<char>(stream), {});
-  image.size = image.bytes.size();
-  if (image.bytes.empty()) image.fail("is empty");
-  image.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
-  OIIO::ImageSpec config;
-  void* proxy = image.memory.get();
-  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  open_as(image, {image.bytes.data(), std::min<std::size_t>(image.size, head_size)}, image.name, config);
-}
-
-void open_file(Image& image, const std::string& path) {
-  image.name = path;
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status))
-    image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
-  if (fs::is_directory(status)) image.fail("is a folder; name a file");
-  if (::access(path.c_str(), R_OK) != 0) image.fail(std::strerror(errno));
-  std::ifstream stream(path, std::ios::binary);
-  if (!fs::is_regular_file(status)) return open_stream(image, stream);
-  image.size = fs::file_size(path, error);
-  if (image.size == 0) image.fail("is empty");
-  char head[head_size] = {};
-  stream.read(head, sizeof head);
-  open_as(image, {head, sizeof head}, path, {});
-}
 
 // First channel of the R, G, B to read, and how many: 3, or 1 for grey.
 struct Channels {
@@ -202,24 +91,6 @@ void read_band(Image& image, const OIIO::ImageSpec& spec, int level, const Chann
   }
   if (channels.count == 1)
     for (Colour& c : out) c = Colour(c.x);
-}
-
-// Size of a face in a level of a file: halved and rounded down each time. A latlong image has no place for less.
-struct FaceSize {
-  int width, height;
-};
-
-FaceSize face_size(const Recognised& base, int level) {
-  const int height = std::max(1, base.size >> level);
-  const int wide = std::max(1, (base.size * aspect(base.projection)) >> level);
-  return {base.projection == Projection::latlong ? wide : height * aspect(base.projection), height};
-}
-
-// The chain goes on while there is more than one texel to a face.
-int complete_levels(const Recognised& base) {
-  int levels = 1;
-  while (face_size(base, levels - 1).width > 1 || face_size(base, levels - 1).height > 1) ++levels;
-  return levels;
 }
 
 // A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
@@ -294,15 +165,6 @@ void settle_flaws(const std::string& name, const ReadOptions& options, Level& le
                   counts, flaws.first->i, flaws.first->j, face));
 }
 
-void open(Image& image, const std::string& path) {
-  if (path == "-") {
-    image.name = "standard input";
-    open_stream(image, std::cin);
-  } else {
-    open_file(image, path);
-  }
-}
-
 // The numbers of the levels to read, of those there are.
 std::vector<int> wanted_levels(const std::string& name, const ReadOptions& options, int levels) {
   if (options.level >= levels)
@@ -314,45 +176,80 @@ std::vector<int> wanted_levels(const std::string& name, const ReadOptions& optio
   return wanted;
 }
 
+Recognised recognise(const Image& image, const ReadOptions& options, const Metadata& recorded, int width, int height) {
+  try {
+    if (!image.texture || !image.texture->cube)
+      return recognise(width, height, {options.projection, options.layout}, recorded);
+  } catch (const InputError& e) {
+    image.fail(e.what());
+  }
+  if (options.projection && *options.projection != Projection::cube)
+    image.fail(fmt::format("holds a cube map, not a {} map", name(*options.projection)));
+  if (options.layout)
+    throw UsageError(image.name + ": holds cube faces as the APIs define them: leave out --from-layout");
+  return {Projection::cube, Layout::api, height};
+}
+
+// A level, `stored` by that number in the file.
+Level read_level(Image& image, const ReadOptions& options, int stored, const Recognised& base, int number) {
+  if (!image.texture) return read_pixels(image, stored, choose_channels(image, options), base, number);
+  try {
+    return read_texture(*image.file, *image.texture, stored, base, number, options.drop_channels);
+  } catch (const InputError& e) {
+    image.fail(e.what());
+  }
+}
+
+// What a file says of itself, without its levels.
+Source read_head(const Image& image, const ReadOptions& options, Metadata& recorded) {
+  if (image.texture) {
+    const Texture& t = *image.texture;
+    recorded = t.recorded;
+    return {.depth = format_of(t.texels).depth,
+            .format = t.container,
+            .image_width = t.width,
+            .image_height = t.height,
+            .levels = t.levels};
+  }
+  const OIIO::ImageSpec& spec = image.input->spec();
+  check_size(image, spec);
+  recorded = metadata(spec);
+  return {.depth = depth_of(spec.format),
+          .format = image.input->format_name(),
+          .image_width = spec.width,
+          .image_height = spec.height,
+          .border_samples = has_border_samples(spec) && !options.ignore_envmap_attribute,
+          .levels = recorded.levels.value_or(std::numeric_limits<int>::max())};
+}
+
+// Levels that OpenImageIO finds in a file, at most.
+int count_levels(Image& image, int most) {
+  int levels = 1;
+  while (levels < most && image.input->seek_subimage(0, levels)) ++levels;
+  (void)image.input->geterror();
+  return levels;
+}
+
 Source read_image(const std::string& path, const ReadOptions& options) {
   Image image;
   open(image, level_path(path, 0));
-  const OIIO::ImageSpec spec = image.input->spec();
-  check_size(image, spec);
-  const Channels channels = choose_channels(image, options);
-  const Metadata recorded = metadata(spec);
-  const Metadata said{options.projection, options.layout};
-  const Recognised found = [&] {
-    try {
-      return recognise(spec.width, spec.height, said, recorded);
-    } catch (const InputError& e) {
-      image.fail(e.what());
-    }
-  }();
-  Source source{.map = {},
-                .layout = found.layout,
-                .depth = depth_of(spec.format),
-                .format = image.input->format_name(),
-                .image_width = spec.width,
-                .image_height = spec.height,
-                .border_samples = has_border_samples(spec) && !options.ignore_envmap_attribute,
-                .facts = recorded.facts};
-  const int complete = complete_levels(found);
-  if (has_level(path)) {
-    source.levels = std::min(complete, count_level_files(path));
-  } else {
-    while (source.levels < complete && image.input->seek_subimage(0, source.levels)) ++source.levels;
-    (void)image.input->geterror();
-    source.levels = std::min(source.levels, recorded.levels.value_or(complete));
-  }
+  Metadata recorded;
+  Source source = read_head(image, options, recorded);
+  const Recognised found = recognise(image, options, recorded, source.image_width, source.image_height);
+  source.layout = found.layout;
+  source.facts = recorded.facts;
+  const int most = std::min(source.levels, complete_levels(found));
+  source.levels = has_level(path) ? std::min(complete_levels(found), count_level_files(path))
+                  : image.texture ? most
+                                  : count_levels(image, most);
   for (const int k : wanted_levels(image.name, options, source.levels)) {
     if (has_level(path) && k > 0) {
       Image one;
       open(one, level_path(path, k));
-      check_size(one, one.input->spec());
-      source.map.levels.push_back(read_pixels(one, 0, choose_channels(one, options), found, k));
+      if (one.input) check_size(one, one.input->spec());
+      source.map.levels.push_back(read_level(one, options, 0, found, k));
     } else {
-      source.map.levels.push_back(read_pixels(image, k, channels, found, k));
+      source.map.levels.push_back(read_level(image, options, k, found, k));
     }
   }
   if (has_forward(found.projection))
@@ -366,26 +263,26 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
   std::optional<Level> level;
   for (int face = 0; face < 6; ++face) {
     Image image;
-    open_file(image, face_path(level_path(path, number), face));
-    const OIIO::ImageSpec spec = image.input->spec();
-    check_size(image, spec);
-    if (spec.width != spec.height)
-      image.fail(fmt::format("a cube face must be square, not {}x{}", spec.width, spec.height));
+    open(image, face_path(level_path(path, number), face));
+    Metadata recorded;
+    const Source head = read_head(image, options, recorded);
+    const int w = head.image_width, h = head.image_height;
+    if (w != h) image.fail(fmt::format("a cube face must be square, not {}x{}", w, h));
+    if (image.texture && image.texture->cube) image.fail("holds a whole cube map, not one face");
     if (size == 0) {
-      size = spec.height;
-      source.depth = depth_of(spec.format);
-      source.format = image.input->format_name();
+      size = h;
+      source.depth = head.depth;
+      source.format = head.format;
       source.image_width = source.image_height = size;
     }
     const int wanted = std::max(1, size >> number);
-    if (spec.height != wanted)
-      image.fail(number == 0 ? fmt::format("{}x{}, but the first face is {}x{}", spec.width, spec.height, wanted, wanted)
-                             : fmt::format("{}x{}, but level {} of faces of {}x{} is {}x{}", spec.width, spec.height,
-                                           number, size, size, wanted, wanted));
+    if (h != wanted)
+      image.fail(number == 0 ? fmt::format("{}x{}, but the first face is {}x{}", w, h, wanted, wanted)
+                             : fmt::format("{}x{}, but level {} of faces of {}x{} is {}x{}", w, h, number, size, size,
+                                           wanted, wanted));
     if (!level) level.emplace(Projection::cube, wanted);
     // Any projection of one square face.
-    const Level one =
-        read_pixels(image, 0, choose_channels(image, options), {Projection::sphere, Layout::single, wanted}, 0);
+    const Level one = read_level(image, options, 0, {Projection::sphere, Layout::single, wanted}, 0);
     for (int j = 0; j < wanted; ++j) std::ranges::copy(one.row(0, j), level->row(face, j).begin());
   }
   return std::move(*level);

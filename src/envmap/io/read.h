@@ -30,15 +30,15 @@ struct ReadOptions {
 };
 
 struct Source {
-  EnvironmentMap map;
-  Layout layout;
+  EnvironmentMap map = {};
+  Layout layout = Layout::single;
   Depth depth;
-  std::string format;  ///< OpenImageIO's name for it: openexr, hdr, ...
+  std::string format;  ///< openexr, hdr, ktx2, dds, ...; else OpenImageIO's name for it.
   int image_width, image_height;
-  bool border_samples;        ///< OpenEXR's `envmap` convention; resampled to cell centres here.
-  int levels = 1;             ///< That the file has; `map` holds those that were asked for.
-  Facts facts = {};           ///< Further metadata, such as the lobe.
-  std::int64_t repaired = 0;  ///< Texels that FlawPolicy::repair changed.
+  bool border_samples = false;  ///< OpenEXR's `envmap` convention; resampled to cell centres here.
+  int levels = 1;               ///< That the file has; `map` holds those that were asked for.
+  Facts facts = {};             ///< Further metadata, such as the lobe.
+  std::int64_t repaired = 0;    ///< Texels that FlawPolicy::repair changed.
 };
 
 /// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz) and `{level}` for

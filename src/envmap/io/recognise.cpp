@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "envmap/error.h"
 
 namespace envmap {
@@ -21,6 +23,20 @@ std::optional<Layout> cube_layout_of_shape(int width, int height) {
 }
 
 }  // namespace
+
+FaceSize face_size(const Recognised& base, int level) {
+  const int height = std::max(1, base.size >> level);
+  // A latlong image rounds each side by itself.
+  const int width = base.projection == Projection::latlong ? std::max(1, 2 * base.size >> level) : height;
+  return {width, height};
+}
+
+int complete_levels(const Recognised& base) {
+  int levels = 1;
+  for (FaceSize s = face_size(base, 0); s.width > 1 || s.height > 1; s = face_size(base, levels++)) {
+  }
+  return levels;
+}
 
 Recognised recognise(int width, int height, const Metadata& said, const Metadata& recorded) {
   const std::string found = fmt::format("({}x{})", width, height);

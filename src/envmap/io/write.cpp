@@ -2,7 +2,6 @@
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,10 @@
 #include <vector>
 
 #include "envmap/error.h"
+#include "envmap/io/bands.h"
+#include "envmap/io/chain.h"
+#include "envmap/io/dds.h"
+#include "envmap/io/ktx2.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/output_file.h"
@@ -20,7 +23,6 @@
 #include "envmap/io/pfm.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/page.h"
-#include "envmap/operate/levels.h"
 
 namespace envmap {
 namespace {
@@ -41,12 +43,16 @@ std::vector<Depth> depths(const std::string& ext) {
   if (ext == "hdr" || ext == "pfm") return {Depth::single};
   if (ext == "tif" || ext == "tiff") return {Depth::uint8, Depth::uint16, Depth::single};
   if (ext == "png" || ext == "ppm") return {Depth::uint8, Depth::uint16};
+  if (ext == "ktx2" || ext == "dds") return {Depth::half, Depth::single, Depth::rgb9e5};
   if (ext == "jpg" || ext == "jpeg" || ext == "tga" || ext == "bmp" || ext == "webp") return {Depth::uint8};
   return {};
 }
 
 // Whether all levels of a map go into one file.
-bool holds_levels(const std::string& ext) { return ext == "exr"; }
+bool holds_levels(const std::string& ext) { return ext == "exr" || ext == "ktx2" || ext == "dds"; }
+
+// Textures hold the faces of a cube as such, not side by side in one image.
+bool is_texture(const std::string& ext) { return ext == "ktx2" || ext == "dds"; }
 
 // What was asked for, or the least depth that keeps what the source had, or the most there is.
 Depth choose_depth(const std::string& ext, const WriteOptions& options) {
@@ -57,16 +63,23 @@ Depth choose_depth(const std::string& ext, const WriteOptions& options) {
     for (const Depth d : held) names += (names.empty() ? "" : " or ") + std::string(name(d));
     throw UsageError(fmt::format("--depth {}: .{} files hold {}", name(*options.depth), ext, names));
   }
+  if (std::ranges::find(held, options.source_depth) != held.end()) return options.source_depth;
   for (const Depth d : held)
     if (d >= options.source_depth) return d;
   return held.back();
 }
 
-Layout choose_layout(const std::string& path, const WriteOptions& options, Projection p) {
+Layout choose_layout(const std::string& path, const std::string& ext, const WriteOptions& options, Projection p) {
   if (p != Projection::cube) {
     if (options.layout) throw UsageError(fmt::format("--layout is for cube maps; this is a {} map", name(p)));
     if (has_face(path)) throw UsageError("{face} in a file name is for cube maps");
     return default_layout(p);
+  }
+  if (is_texture(ext)) {
+    if (options.layout || has_face(path))
+      throw UsageError(fmt::format("{}: .{} files hold cube faces as the APIs define them: leave out {}", path, ext,
+                                   options.layout ? "--layout" : "{face}"));
+    return Layout::api;
   }
   if (options.layout == Layout::files && !has_face(path))
     throw UsageError("--layout files: put {face} where px, nx, py, ny, pz, nz shall stand in the file name");
@@ -81,41 +94,12 @@ Layout choose_layout(const std::string& path, const WriteOptions& options, Proje
 double largest_value(const std::string& ext, Depth depth) {
   if (is_integer(depth)) return 1;
   if (depth == Depth::half) return 65504;
+  if (depth == Depth::rgb9e5) return largest_rgb9e5;
   if (ext == "hdr") return 1.69e38;  // 255/256 x 2^127
   return std::numeric_limits<float>::max();
 }
 
 // ---- one file --------------------------------------------------------------------------------------------------------
-
-// Enough rows that every core has some, few enough that they stay small beside the source; the side of a tile.
-constexpr int band_rows = 64;
-
-using WriteBand = std::function<void(int begin, int end, std::vector<Colour>& band)>;
-
-// Bands from the top; the next one is made while one is written.
-void for_each_band(const Page& page, const Progress& progress, const WriteBand& write_band) {
-  const auto make = [&](int begin, std::vector<Colour>& band) {
-    const int end = std::min(begin + band_rows, page.height());
-    band.resize(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(page.width()));
-    page.gather(begin, end, band);
-  };
-  std::vector<Colour> band, next;
-  make(0, band);
-  for (int begin = 0; begin < page.height(); begin += band_rows) {
-    const int end = std::min(begin + band_rows, page.height());
-    tbb::task_group ahead;
-    if (end < page.height()) ahead.run([&] { make(end, next); });
-    try {
-      write_band(begin, end, band);
-    } catch (...) {
-      ahead.wait();
-      throw;
-    }
-    ahead.wait();
-    std::swap(band, next);
-    if (progress) progress(static_cast<double>(end) / page.height());
-  }
-}
 
 // To the nearest value that shares an exponent among its channels (Ward 1991): OpenImageIO 2.4 truncates, which loses
 // 0.4% of the light. A quarter of a step is added so that truncation gives back what was rounded.
@@ -169,50 +153,18 @@ void write_with_oiio(OutputFile& file, const std::string& path, const std::strin
   if (!output->close()) fail(output->geterror());
 }
 
-// ---- levels in one file ----------------------------------------------------------------------------------------------
-
-// Each level as large as the formats say, half of the one before and rounded down, down to one texel. Faces lie at the
-// top left of it (so OpenEXR's ImfEnvmap.h finds them, too). A chain that ends early is gone on with; where an image is
-// too small for faces of one texel, it shows their mean.
-class FileLevels {
- public:
-  FileLevels(std::span<const Rows* const> given, const Grid& grid) {
-    for (const Rows* rows : given) rows_.push_back(*rows);
-    Level last = level_of(rows_.back());
-    for (more_.push_back(std::move(last)); has_next(more_.back()); more_.push_back(half_level(more_.back()))) {
-    }
-    for (std::size_t k = 1; k < more_.size(); ++k) rows_.push_back(rows_of(more_[k], rows_[0].forward));
-    Colour mean(0);
-    for (int f = 0; f < more_.back().faces(); ++f) mean += *more_.back().texel(f, 0, 0);
-    mean /= static_cast<float>(more_.back().faces());
-    const Page base{rows_[0], grid};
-    for (std::size_t k = 0; k == 0 || base.width() >> k > 0 || base.height() >> k > 0; ++k) {
-      const int wide = std::max(1, base.width() >> k), high = std::max(1, base.height() >> k);
-      if (k < rows_.size())
-        pages_.push_back({rows_[k], grid, -1, wide, high});
-      else
-        pages_.push_back({rows_.back(), {1, 1, {}}, -1, wide, high, mean});
-    }
-  }
-
-  [[nodiscard]] std::span<const Page> pages() const { return pages_; }
-
- private:
-  std::vector<Rows> rows_;
-  std::vector<Level> more_;
-  std::vector<Page> pages_;
-};
-
 }  // namespace
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
   const std::string ext = extension(path, options);
   if (ext.empty())
-    throw UsageError(path + ": no file type; end the name in .exr, .hdr, .pfm, .tif or .png, or say --format");
+    throw UsageError(path +
+                     ": no file type; end the name in .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png, or say --format");
   if (depths(ext).empty())
-    throw UsageError(fmt::format("{}: no format writes .{}; try .exr, .hdr, .pfm, .tif or .png", path, ext));
+    throw UsageError(fmt::format("{}: no format writes .{}; try .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png", path, ext));
   choose_depth(ext, options);
-  const Layout layout = choose_layout(path, options, projection);
+  const Layout layout = choose_layout(path, ext, options, projection);
+  if (options.zstd && ext != "ktx2") throw UsageError(path + ": --zstd is for .ktx2 files");
   if (levels && !has_level(path) && (!holds_levels(ext) || layout == Layout::files))
     throw UsageError(fmt::format("{}: {} one level: put {{level}} where its number shall stand in the file name", path,
                                  layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
@@ -232,36 +184,41 @@ Written write(const std::string& path, std::span<const Rows> levels, const Write
   const Rows& base = levels.front();
   check_output(path, options, base.projection, levels.size() > 1);
   const std::string ext = extension(path, options);
-  Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, options, base.projection)};
+  Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, ext, options, base.projection)};
   const double limit = largest_value(ext, done.depth);
   std::vector<std::unique_ptr<Limited>> limited;
-  std::vector<const Rows*> rows;
+  std::vector<Rows> rows;
   for (const Rows& level : levels) {
     limited.push_back(std::make_unique<Limited>(level, limit, options.clamp));
-    rows.push_back(&limited.back()->rows());
+    rows.push_back(done.layout == Layout::api ? in_api_orientation(limited.back()->rows()) : limited.back()->rows());
   }
   Metadata data{.projection = base.projection, .facts = options.facts};
-  if (base.projection == Projection::cube) data.layout = done.layout;
+  if (base.projection == Projection::cube && done.layout != Layout::api) data.layout = done.layout;
   if (has_forward(base.projection)) data.forward = base.forward;
 
   // All files are written before the first appears.
   std::vector<std::unique_ptr<OutputFile>> files;
   const auto write_file = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
     files.push_back(std::make_unique<OutputFile>(name));
+    const bool cube = done.layout == Layout::api;
     if (ext == "pfm")
       write_pfm(*files.back(), pages[0]);
+    else if (ext == "ktx2")
+      write_ktx2(*files.back(), pages, {texels_of(done.depth), cube, options.zstd}, data, part);
+    else if (ext == "dds")
+      write_dds(*files.back(), pages, texels_of(done.depth), cube, part);
     else
       write_with_oiio(*files.back(), name, ext, pages, done.depth, data, part);
   };
   if (levels.size() > 1 && !has_level(path)) {
-    data.levels = static_cast<int>(levels.size());
-    write_file(path, FileLevels(rows, grid(done.layout)).pages(), progress);
+    if (!is_texture(ext)) data.levels = static_cast<int>(levels.size());
+    write_file(path, Chain(rows, done.layout, !is_texture(ext)).pages(), progress);
   } else {
     const int count = done.layout == Layout::files ? faces(base.projection) : 1;
     for (std::size_t level = 0; level < levels.size(); ++level)
       for (int k = 0; k < count; ++k) {
         const std::string one = level_path(path, static_cast<int>(level));
-        const Page page{*rows[level], grid(done.layout), count > 1 ? k : -1};
+        const Page page{rows[level], grid(done.layout), count > 1 ? k : -1};
         const Progress part =
             !progress || level > 0 ? Progress() : [&progress, k, count](double p) { progress((k + p) / count); };
         write_file(count > 1 ? face_path(one, k) : one, std::span(&page, 1), part);

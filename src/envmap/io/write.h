@@ -19,6 +19,7 @@ struct WriteOptions {
   std::optional<Depth> depth;    ///< Asked for; refused where the format cannot hold it.
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.
   bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
+  bool zstd = false;                   ///< Compress KTX2 files with Zstandard.
   Facts facts = {};                    ///< Further metadata, such as the lobe: attributes envmap:NAME.
 };
 
@@ -35,7 +36,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 
 /// Writes a map with its levels as their rows are made; every file appears whole or not at all, and holds no date, host
 /// or user. EXR holds levels, in tiles (down to one texel: a chain that ends early is gone on with, and envmap:levels
-/// says where it ended); for other formats and for files of one face the name must have `{level}`.
+/// says where it ended), as do KTX2 and DDS; for other formats and for files of one face the name must have `{level}`.
 /// @param path a file, `-` for standard output, or a name with `{face}` for six files and `{level}` for one a level.
 /// @param levels the base first; each half the one before, rounded down (see half_level()). @param progress may be empty.
 /// @throws OutputError where it cannot be written, or values do not fit and `clamp` is not set.

@@ -26,9 +26,10 @@ std::string_view name(Layout layout) {
     case Layout::cross: return "cross";
     case Layout::vcross: return "vcross";
     case Layout::grid3x2: return "3x2";
-    case Layout::files: break;
+    case Layout::files: return "files";
+    case Layout::api: break;
   }
-  return "files";
+  return "api";
 }
 
 std::optional<Layout> layout_named(std::string_view wanted) {
@@ -46,7 +47,8 @@ Grid grid(Layout layout) {
     case Layout::vcross: return {3, 4, vcross_slots};
     case Layout::grid3x2: return {3, 2, grid_slots};
     case Layout::column:
-    case Layout::files: break;
+    case Layout::files:
+    case Layout::api: break;
   }
   return {1, 6, column_slots};
 }

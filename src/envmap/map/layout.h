@@ -10,8 +10,9 @@
 
 namespace envmap {
 
-/// `single` for one face, `pair` for the two halves of a paraboloid map, the rest for cubes; `files` is one file a face.
-enum class Layout { single, pair, column, row, cross, vcross, grid3x2, files };
+/// `single` for one face, `pair` for the two halves of a paraboloid map, the rest for cubes; `files` is one file a face,
+/// `api` a cube texture of KTX2 and DDS, whose faces are turned as the graphics APIs define them.
+enum class Layout { single, pair, column, row, cross, vcross, grid3x2, files, api };
 
 inline constexpr Layout cube_layouts[] = {Layout::column, Layout::row,     Layout::cross,
                                           Layout::vcross, Layout::grid3x2, Layout::files};

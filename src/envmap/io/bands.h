@@ -1,0 +1,22 @@
+/// @file
+/// A page in bands of rows, so that no image need be in memory whole.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "envmap/map/page.h"
+#include "envmap/operate/progress.h"
+
+namespace envmap {
+
+/// Enough rows that every core has some, few enough that they stay small beside the source; the side of a tile in files
+/// that have tiles.
+inline constexpr int band_rows = 64;
+
+using WriteBand = std::function<void(int begin, int end, std::vector<Colour>& band)>;
+
+/// Bands from the top; the next one is made while one is written. @param progress may be empty.
+void for_each_band(const Page& page, const Progress& progress, const WriteBand& write_band);
+
+}  // namespace envmap

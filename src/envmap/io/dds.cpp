@@ -1,0 +1,129 @@
+#include "envmap/io/dds.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "envmap/error.h"
+#include "envmap/io/bands.h"
+
+namespace envmap {
+namespace {
+
+constexpr std::uint32_t four(const char (&c)[5]) {
+  return static_cast<std::uint32_t>(c[0]) | static_cast<std::uint32_t>(c[1]) << 8 |
+         static_cast<std::uint32_t>(c[2]) << 16 | static_cast<std::uint32_t>(c[3]) << 24;
+}
+
+struct Header {
+  std::uint32_t magic, size, flags, height, width, pitch, depth, levels;
+  std::array<std::uint32_t, 11> reserved;
+  struct PixelFormat {
+    std::uint32_t size, flags, four_cc, bits, red, green, blue, alpha;
+  } format;
+  std::uint32_t caps, caps2, caps3, caps4, reserved2;
+};
+static_assert(sizeof(Header) == 128);
+
+struct Dx10 {
+  std::uint32_t dxgi, dimension, misc, array_size, misc2;
+};
+static_assert(sizeof(Dx10) == 20);
+
+using Bits = const std::uint32_t;
+constexpr Bits flags_of_texture = 0x1 | 0x2 | 0x4 | 0x1000;  // Caps, height, width, pixel format.
+constexpr Bits flag_pitch = 0x8, flag_levels = 0x20000, format_four_cc = 0x4;
+constexpr Bits caps_texture = 0x1000, caps_complex = 0x8, caps_levels = 0x400000;
+constexpr Bits caps2_cube = 0x200, caps2_all_faces = 0xfc00, caps2_volume = 0x200000;
+constexpr Bits dimension_2d = 3, misc_cube = 0x4, alpha_opaque = 3;
+
+// Direct3D 9 wrote its formats' numbers where four characters stand: A16B16G16R16F and A32B32G32R32F.
+constexpr std::uint32_t d3d9_half = 113, d3d9_float = 116;
+
+}  // namespace
+
+void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bool cube, const Progress& progress) {
+  const TexelFormat& format = format_of(texels);
+  const bool chain = levels.size() > 1;
+  Header h{};
+  h.magic = four("DDS ");
+  h.size = sizeof(Header) - 4;
+  h.flags = flags_of_texture | flag_pitch | (chain ? flag_levels : 0);
+  h.width = static_cast<std::uint32_t>(levels[0].width());
+  h.height = cube ? h.width : static_cast<std::uint32_t>(levels[0].height());
+  h.pitch = h.width * static_cast<std::uint32_t>(format.bytes);
+  h.levels = static_cast<std::uint32_t>(levels.size());
+  h.format = {.size = sizeof(Header::PixelFormat), .flags = format_four_cc, .four_cc = four("DX10")};
+  h.caps = caps_texture | (chain || cube ? caps_complex : 0) | (chain ? caps_levels : 0);
+  h.caps2 = cube ? caps2_cube | caps2_all_faces : 0;
+  const Dx10 dx10{format.dxgi, dimension_2d, cube ? misc_cube : 0, 1, alpha_opaque};
+  file.write(&h, sizeof h);
+  file.write(&dx10, sizeof dx10);
+
+  const int faces = cube ? 6 : 1;
+  double all = 0, done = 0;
+  for (const Page& page : levels) all += 1.0 * faces * page.width() * (page.height() / faces);
+  std::vector<std::byte> packed;
+  for (int face = 0; face < faces; ++face)
+    for (const Page& page : levels) {
+      const Page one = cube ? Page{page.rows, page.grid, face} : page;
+      const auto width = static_cast<std::size_t>(one.width());
+      const double part = 1.0 * one.width() * one.height();
+      const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+      for_each_band(one, so_far, [&](int, int, std::vector<Colour>& band) {
+        encode_rows(format, band, width, packed);
+        file.write(packed.data(), packed.size());
+      });
+      done += part;
+    }
+}
+
+std::optional<Texture> open_dds(OIIO::Filesystem::IOProxy& file) {
+  const auto h = read_as<Header>(file, 0);
+  if (!(h.format.flags & format_four_cc)) return std::nullopt;
+  std::uint64_t start = sizeof(Header);
+  const TexelFormat* format = nullptr;
+  bool cube = h.caps2 & caps2_cube;
+  std::uint32_t images = 1;
+  if (h.format.four_cc == four("DX10")) {
+    const auto dx10 = read_as<Dx10>(file, start);
+    start += sizeof(Dx10);
+    if (dx10.dxgi != 0) format = std::ranges::find(texel_formats, dx10.dxgi, &TexelFormat::dxgi);
+    if (dx10.dimension != dimension_2d) images = 0;
+    cube = dx10.misc & misc_cube;
+    images *= dx10.array_size;
+  } else if (h.format.four_cc == d3d9_half || h.format.four_cc == d3d9_float) {
+    format = &format_of(h.format.four_cc == d3d9_half ? Texels::rgba16f : Texels::rgba32f);
+    if (cube && (h.caps2 & caps2_all_faces) != caps2_all_faces) images = 0;
+  }
+  if (format == nullptr || format == std::end(texel_formats)) return std::nullopt;
+  if (images != 1 || h.caps2 & caps2_volume)
+    throw InputError("DDS with an array, slices or some faces only: one flat image or one cube map is read");
+  constexpr std::uint32_t most = 1 << 20;
+  Texture t{.container = "dds",
+            .texels = format->texels,
+            .width = static_cast<int>(std::min(h.width, most + 1)),
+            .height = static_cast<int>(std::min(h.height, most + 1)),
+            .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
+            .cube = cube};
+  check_texture(t, file.size());
+  t.bytes = [start, t](OIIO::Filesystem::IOProxy& from, int level) {
+    std::uint64_t before = 0, chain = 0;
+    for (int k = 0; k < t.levels; ++k) {
+      if (k < level) before += t.image_bytes(k);
+      chain += t.image_bytes(k);
+    }
+    std::vector<std::byte> bytes;
+    for (std::uint64_t face = 0; face < (t.cube ? 6 : 1); ++face) {
+      const auto image = read_bytes(from, start + face * chain + before, t.image_bytes(level));
+      bytes.insert(bytes.end(), image.begin(), image.end());
+    }
+    return bytes;
+  };
+  return t;
+}
+
+}  // namespace envmap

@@ -1,0 +1,130 @@
+#include "envmap/io/image.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include "envmap/error.h"
+#include "envmap/io/dds.h"
+#include "envmap/io/ktx2.h"
+
+namespace envmap {
+
+namespace fs = std::filesystem;
+
+std::string first_line(std::string message) {
+  message = message.substr(0, message.find('\n'));
+  return message.empty() ? "no image format reads it" : message;
+}
+
+void Image::fail(std::string why) const {
+  std::ranges::replace_if(
+      why, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+  throw InputError(name + ": " + why);
+}
+
+SilentLibraries::SilentLibraries(bool silence) : kept_(silence ? ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3) : -1) {
+  if (kept_ < 0) return;
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO), ::close(nowhere);
+}
+
+SilentLibraries::~SilentLibraries() {
+  if (kept_ >= 0) ::dup2(kept_, STDERR_FILENO), ::close(kept_);
+}
+
+namespace {
+
+constexpr std::size_t head_size = 16;
+
+// The format that the first bytes say; a Targa file has no such mark, only its name. OpenImageIO asked about a file it
+// does not know tries 30 readers in turn, and some write beyond their memory even for sound files (2.4: ICO, IFF):
+// none is asked but the one that fits.
+std::string format_of(std::string_view head, const std::string& path) {
+  if (head.starts_with("\x76\x2f\x31\x01")) return "openexr";
+  if (head.starts_with("#?")) return "hdr";
+  if (head.starts_with("\x89PNG")) return "png";
+  if (head.starts_with("II") || head.starts_with("MM")) return "tiff";
+  if (head.starts_with("\xff\xd8")) return "jpeg";
+  if (head.starts_with("DDS ")) return "dds";
+  if (head.starts_with(ktx2_mark)) return "ktx2";
+  if (head.size() > 1 && head[0] == 'P' && std::string_view("123456Ff").find(head[1]) != head.npos) return "pnm";
+  if (head.starts_with("BM")) return "bmp";
+  if (head.starts_with("SDPX") || head.starts_with("XPDS")) return "dpx";
+  if (head.starts_with("8BPS")) return "psd";
+  if (head.starts_with("\x01\xda")) return "sgi";
+  if (head.starts_with("GIF8")) return "gif";
+  if (head.find("jP  ") == 4 || head.starts_with("\xff\x4f\xff\x51")) return "jpeg2000";
+  if (head.starts_with("RIFF") && head.find("WEBP") == 8) return "webp";
+  return OIIO::Strutil::iends_with(path, ".tga") ? "targa" : "";
+}
+
+void open_as(Image& image, std::string_view head, const std::string& path, const OIIO::ImageSpec& config) {
+  const std::string format = format_of(head, path), unread = "not an image that can be read: ";
+  if (format == "ktx2" || format == "dds") {
+    if (!image.file) image.file = std::make_unique<OIIO::Filesystem::IOFile>(path, OIIO::Filesystem::IOProxy::Read);
+    try {
+      image.texture = format == "ktx2" ? open_ktx2(*image.file) : open_dds(*image.file);
+    } catch (const InputError& e) {
+      image.fail(e.what());
+    }
+    if (image.texture) return;
+  }
+  if (format.empty())
+    image.fail(
+        unread +
+        "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, DPX, PSD nor SGI");
+  const SilentLibraries silent(true);
+  image.input = OIIO::ImageInput::create(format);
+  OIIO::ImageSpec spec;
+  if (!image.input || !image.input->open(path, spec, config))
+    image.fail(unread + first_line(image.input ? image.input->geterror() : OIIO::geterror()));
+}
+
+// Standard input and pipes, which cannot be read twice.
+void open_stream(Image& image, std::istream& stream) {
+  image.bytes.assign(std::istreambuf_iterator<char>(stream), {});
+  image.size = image.bytes.size();
+  if (image.bytes.empty()) image.fail("is empty");
+  image.file = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
+  OIIO::ImageSpec config;
+  void* proxy = image.file.get();
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  open_as(image, {image.bytes.data(), std::min<std::size_t>(image.size, head_size)}, image.name, config);
+}
+
+void open_file(Image& image, const std::string& path) {
+  image.name = path;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status))
+    image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
+  if (fs::is_directory(status)) image.fail("is a folder; name a file");
+  if (::access(path.c_str(), R_OK) != 0) image.fail(std::strerror(errno));
+  std::ifstream stream(path, std::ios::binary);
+  if (!fs::is_regular_file(status)) return open_stream(image, stream);
+  image.size = fs::file_size(path, error);
+  if (image.size == 0) image.fail("is empty");
+  char head[head_size] = {};
+  stream.read(head, sizeof head);
+  open_as(image, {head, sizeof head}, path, {});
+}
+
+}  // namespace
+
+void open(Image& image, const std::string& path) {
+  if (path == "-") {
+    image.name = "standard input";
+    open_stream(image, std::cin);
+  } else {
+    open_file(image, path);
+  }
+}
+
+}  // namespace envmap

@@ -1,0 +1,258 @@
+#include "envmap/io/ktx2.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <numeric>
+
+#include "envmap/error.h"
+#include "envmap/io/bands.h"
+
+namespace envmap {
+namespace {
+
+// Section 3, "File Structure": what comes first in a file.
+struct Header {
+  std::array<char, 12> identifier;
+  std::uint32_t vk_format, type_size, width, height, depth, layers, faces, levels, scheme;
+  std::uint32_t dfd_offset, dfd_size, kvd_offset, kvd_size;
+  std::uint64_t sgd_offset, sgd_size;
+};
+static_assert(sizeof(Header) == 80);
+
+struct LevelIndex {
+  std::uint64_t offset, size, plain_size;
+};
+
+enum Scheme : std::uint32_t { plain = 0, zstandard = 2 };
+
+// ---- data format descriptor ------------------------------------------------------------------------------------------
+
+using Words = std::vector<std::uint32_t>;
+
+// A sample of a basic descriptor block: which bits hold a channel, and what the least and largest of them mean.
+void add_sample(Words& words, unsigned offset, unsigned length, unsigned channel_type, std::uint32_t lower,
+                std::uint32_t upper) {
+  words.insert(words.end(), {offset | (length - 1) << 16 | channel_type << 24, 0, lower, upper});
+}
+
+// Linear BT.709 colour, one texel a block. E5B9G9R9's limits are those of the Data Format Specification 1.4, table 105: the
+// shared exponent counts for each channel.
+Words descriptor(const TexelFormat& format) {
+  constexpr unsigned is_float = 0x80, is_signed = 0x40, is_exponent = 0x20, alpha = 15;
+  constexpr std::uint32_t one = 0x3f800000, minus_one = 0xbf800000;  // As floats.
+  constexpr std::uint32_t rgbsda = 1, bt709 = 1, linear = 1;
+  Words words{0, 0, 0, rgbsda | bt709 << 8 | linear << 16, 0, static_cast<std::uint32_t>(format.bytes), 0};
+  if (format.texels == Texels::rgb9e5) {
+    for (unsigned c = 0; c < 3; ++c) {
+      add_sample(words, 9 * c, 9, c, 0, 8448);
+      add_sample(words, 27, 5, c | is_exponent, 15, 31);
+    }
+  } else {
+    const auto channels = static_cast<unsigned>(format.channels), bits = static_cast<unsigned>(8 * format.bytes) / channels;
+    for (unsigned c = 0; c < channels; ++c)
+      add_sample(words, c * bits, bits, (c == 3 ? alpha : c) | is_float | is_signed, minus_one, one);
+  }
+  const auto size = static_cast<std::uint32_t>(4 * words.size());
+  words[0] = size;
+  words[2] = 2 | (size - 4) << 16;  // Version 1.3 and later; size of the block.
+  return words;
+}
+
+// ---- key/value pairs -------------------------------------------------------------------------------------------------
+
+// In the order of the keys' code points; values end in NUL, pairs are padded to 4 bytes.
+std::string key_values(const Metadata& data) {
+  std::map<std::string, std::string> pairs{{"KTXorientation", "rd"}, {"KTXwriter", "envmap"}};
+  for (const auto& [name, text] : facts(data)) pairs["envmap:" + name] = text;
+  std::string bytes;
+  for (const auto& [key, value] : pairs) {
+    const std::string pair = key + '\0' + value + '\0';
+    const auto size = static_cast<std::uint32_t>(pair.size());
+    bytes.append(reinterpret_cast<const char*>(&size), sizeof size).append(pair);
+    bytes.append((4 - bytes.size() % 4) % 4, '\0');
+  }
+  return bytes;
+}
+
+std::map<std::string, std::string> parse_key_values(std::span<const std::byte> bytes) {
+  std::map<std::string, std::string> pairs;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (std::size_t at = 0; at + 4 <= text.size();) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, text.data() + at, sizeof size);
+    if (size > text.size() - at - 4) throw InputError("damaged: a key/value pair reaches beyond its section");
+    const std::string_view pair = text.substr(at + 4, size), key = pair.substr(0, pair.find('\0'));
+    std::string_view value = pair.substr(std::min(pair.size(), key.size() + 1));
+    if (value.ends_with('\0')) value.remove_suffix(1);
+    pairs.emplace(key, value);
+    at += 4 + (static_cast<std::size_t>(size) + 3) / 4 * 4;
+  }
+  return pairs;
+}
+
+// Of pairs envmap:NAME.
+Metadata recorded(const std::map<std::string, std::string>& pairs) {
+  constexpr std::string_view prefix = "envmap:";
+  Facts facts;
+  for (const auto& [key, value] : pairs)
+    if (key.starts_with(prefix) && is_word(key.substr(prefix.size())) && is_word(value))
+      facts.emplace(key.substr(prefix.size()), value);
+  return metadata(std::move(facts));
+}
+
+// ---- levels ----------------------------------------------------------------------------------------------------------
+
+// Texels on their way to the file, through Zstandard where that is asked for. One worker gives the bytes that any number
+// of workers gives; none would give others.
+class LevelWriter {
+ public:
+  LevelWriter(OutputFile& file, bool zstd) : file_(file), context_(zstd ? ZSTD_createCCtx() : nullptr, ZSTD_freeCCtx) {
+    if (!zstd) return;
+    const auto workers = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_nbWorkers, static_cast<int>(std::max<std::size_t>(1, workers)));
+    packed_.resize(ZSTD_CStreamOutSize());
+  }
+
+  void begin(std::uint64_t size) {
+    if (context_) ZSTD_CCtx_setPledgedSrcSize(context_.get(), size);
+  }
+  void write(std::span<const std::byte> bytes) {
+    if (context_)
+      compress(bytes, ZSTD_e_continue);
+    else
+      file_.write(bytes.data(), bytes.size());
+  }
+  void end() {
+    if (context_) compress({}, ZSTD_e_end);
+  }
+
+ private:
+  void compress(std::span<const std::byte> bytes, ZSTD_EndDirective directive) {
+    ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
+    for (bool more = true; more;) {
+      ZSTD_outBuffer out{packed_.data(), packed_.size(), 0};
+      const std::size_t left = ZSTD_compressStream2(context_.get(), &out, &in, directive);
+      if (ZSTD_isError(left)) throw OutputError(fmt::format("not compressed: {}", ZSTD_getErrorName(left)));
+      file_.write(packed_.data(), out.pos);
+      more = directive == ZSTD_e_end ? left > 0 : in.pos < in.size;
+    }
+  }
+
+  OutputFile& file_;
+  std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context_;
+  std::vector<char> packed_;
+};
+
+std::vector<std::byte> decompressed(std::span<const std::byte> packed, std::uint64_t size) {
+  const auto fail = [](const std::string& why) { throw InputError("damaged: a level does not decompress: " + why); };
+  if (const auto promised = ZSTD_getFrameContentSize(packed.data(), packed.size());
+      promised == ZSTD_CONTENTSIZE_ERROR || (promised != ZSTD_CONTENTSIZE_UNKNOWN && promised > size))
+    fail("not one Zstandard frame of its size");
+  std::vector<std::byte> bytes(size);
+  const std::size_t found = ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size());
+  if (ZSTD_isError(found)) fail(ZSTD_getErrorName(found));
+  if (found != size) fail("it is too short");
+  return bytes;
+}
+
+}  // namespace
+
+void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const Metadata& data,
+                const Progress& progress) {
+  const TexelFormat& format = format_of(options.texels);
+  const Words dfd = descriptor(format);
+  const std::string kvd = key_values(data);
+  Header h{};
+  std::ranges::copy(ktx2_mark, h.identifier.begin());
+  h.vk_format = format.vulkan;
+  h.type_size = format.type_size;
+  h.width = static_cast<std::uint32_t>(levels[0].width());
+  h.height = options.cube ? h.width : static_cast<std::uint32_t>(levels[0].height());
+  h.faces = options.cube ? 6 : 1;
+  h.levels = static_cast<std::uint32_t>(levels.size());
+  h.scheme = options.zstd ? zstandard : plain;
+  h.dfd_offset = static_cast<std::uint32_t>(sizeof(Header) + levels.size() * sizeof(LevelIndex));
+  h.dfd_size = static_cast<std::uint32_t>(4 * dfd.size());
+  h.kvd_offset = h.dfd_offset + h.dfd_size;
+  h.kvd_size = static_cast<std::uint32_t>(kvd.size());
+
+  double all = 0, done = 0;
+  for (const Page& page : levels) all += 1.0 * page.width() * page.height();
+  std::vector<LevelIndex> index(levels.size());
+  std::vector<std::byte> packed;
+  LevelWriter out(file, options.zstd);
+  file.seek(h.kvd_offset + h.kvd_size);
+  for (std::size_t k = levels.size(); k-- > 0;) {
+    const Page& page = levels[k];
+    const auto width = static_cast<std::size_t>(page.width());
+    const auto align = options.zstd ? 1 : std::lcm(static_cast<std::int64_t>(format.bytes), std::int64_t{4});
+    file.seek((file.tell() + align - 1) / align * align);
+    index[k].offset = static_cast<std::uint64_t>(file.tell());
+    index[k].plain_size = width * static_cast<std::size_t>(page.height()) * static_cast<std::size_t>(format.bytes);
+    const double part = 1.0 * page.width() * page.height();
+    const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+    out.begin(index[k].plain_size);
+    for_each_band(page, so_far, [&](int, int, std::vector<Colour>& band) {
+      encode_rows(format, band, width, packed);
+      out.write(packed);
+    });
+    out.end();
+    index[k].size = static_cast<std::uint64_t>(file.tell()) - index[k].offset;
+    done += part;
+  }
+  file.seek(0);
+  file.write(&h, sizeof h);
+  file.write(index.data(), index.size() * sizeof(LevelIndex));
+  file.write(dfd.data(), h.dfd_size);
+  file.write(kvd.data(), kvd.size());
+}
+
+Texture open_ktx2(OIIO::Filesystem::IOProxy& file) {
+  const auto h = read_as<Header>(file, 0);
+  const auto* format = std::ranges::find(texel_formats, h.vk_format, &TexelFormat::vulkan);
+  if (format == std::end(texel_formats))
+    throw InputError(fmt::format("KTX2 with VkFormat {}: only float and shared-exponent RGB is read", h.vk_format));
+  if (h.scheme != plain && h.scheme != zstandard)
+    throw InputError(fmt::format("KTX2 with supercompression {}: only none and Zstandard are read", h.scheme));
+  if (h.depth != 0 || h.layers > 1 || h.height == 0 || (h.faces != 1 && h.faces != 6))
+    throw InputError("KTX2 with layers, slices or some faces only: one flat image or one cube map is read");
+  constexpr std::uint32_t most = 1 << 20;
+  Texture t{.container = "ktx2",
+            .texels = format->texels,
+            .width = static_cast<int>(std::min(h.width, most + 1)),
+            .height = static_cast<int>(std::min(h.height, most + 1)),
+            .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
+            .cube = h.faces == 6};
+  check_texture(t, file.size());
+  std::map<std::string, std::string> pairs;
+  if (h.kvd_size > 0) pairs = parse_key_values(read_bytes(file, h.kvd_offset, h.kvd_size));
+  if (const std::string& o = pairs["KTXorientation"]; !o.empty()) {
+    t.bottom_up = o == "ru";
+    if (o != "rd" && (o != "ru" || t.cube))
+      throw InputError(fmt::format("KTX2 of orientation '{}': 'rd' is read, and 'ru' of flat images", o));
+  }
+  t.recorded = recorded(pairs);
+
+  std::vector<LevelIndex> index;
+  for (int k = 0; k < t.levels; ++k) {
+    index.push_back(read_as<LevelIndex>(file, sizeof(Header) + static_cast<std::size_t>(k) * sizeof(LevelIndex)));
+    const std::uint64_t wanted = (t.cube ? 6 : 1) * t.image_bytes(k);
+    if (index.back().plain_size != wanted || (h.scheme == plain && index.back().size != wanted))
+      throw InputError(fmt::format("damaged: level {} has {} bytes, not {}", k, index.back().plain_size, wanted));
+  }
+  t.bytes = [index, scheme = h.scheme](OIIO::Filesystem::IOProxy& from, int level) {
+    const LevelIndex& at = index[static_cast<std::size_t>(level)];
+    std::vector<std::byte> bytes = read_bytes(from, at.offset, at.size);
+    return scheme == plain ? bytes : decompressed(bytes, at.plain_size);
+  };
+  return t;
+}
+
+}  // namespace envmap

@@ -1,0 +1,95 @@
+#include "envmap/io/texels.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace envmap {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "KTX2 and DDS files are little-endian, and so is this code");
+
+std::uint32_t to_rgb9e5(const Colour& c) {
+  const float most = std::max({c.x, c.y, c.z});
+  int exponent = 0;
+  std::frexp(most, &exponent);  // most < 2^exponent.
+  exponent = std::max(exponent, -15);
+  if (std::lround(std::ldexp(most, 9 - exponent)) == 512) ++exponent;
+  const auto mantissa = [&](float x) { return static_cast<std::uint32_t>(std::lround(std::ldexp(x, 9 - exponent))); };
+  return mantissa(c.x) | mantissa(c.y) << 9 | mantissa(c.z) << 18 | static_cast<std::uint32_t>(exponent + 15) << 27;
+}
+
+Colour from_rgb9e5(std::uint32_t word) {
+  const float step = std::ldexp(1.0F, static_cast<int>(word >> 27) - 24);
+  return step * Colour(static_cast<float>(word & 511), static_cast<float>(word >> 9 & 511),
+                       static_cast<float>(word >> 18 & 511));
+}
+
+// A float without sign, 5 bits of exponent and `bits` of mantissa: as half, but shorter.
+float small_float(std::uint32_t word, int bits) {
+  const std::uint32_t exponent = word >> bits & 31, mantissa = word & ((1U << bits) - 1);
+  if (exponent == 31)
+    return mantissa ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
+  const std::uint32_t whole = exponent ? mantissa | 1U << bits : mantissa;
+  return std::ldexp(static_cast<float>(whole), std::max(1, static_cast<int>(exponent)) - 15 - bits);
+}
+
+// Floats with three or four channels.
+bool colours(std::span<const float> values, std::size_t channels, std::span<Colour> to) {
+  bool opaque = true;
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const float* v = values.data() + i * channels;
+    to[i] = Colour(v[0], v[1], v[2]);
+    if (channels == 4) opaque = opaque && v[3] == 1;
+  }
+  return opaque;
+}
+
+}  // namespace
+
+void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to) {
+  if (texels == Texels::rgb9e5) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const std::uint32_t word = to_rgb9e5(from[i]);
+      std::memcpy(to.data() + 4 * i, &word, 4);
+    }
+    return;
+  }
+  std::vector<float> values;
+  values.reserve(4 * from.size());
+  for (const Colour& c : from) values.insert(values.end(), {c.x, c.y, c.z, 1});
+  if (texels == Texels::rgba32f)
+    std::memcpy(to.data(), values.data(), to.size());
+  else
+    OIIO::convert_pixel_values(OIIO::TypeDesc::FLOAT, values.data(), OIIO::TypeDesc::HALF, to.data(),
+                               static_cast<int>(values.size()));
+}
+
+bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to) {
+  const TexelFormat& format = format_of(texels);
+  if (texels == Texels::rgb9e5 || texels == Texels::rg11b10f) {
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      std::uint32_t word = 0;
+      std::memcpy(&word, from.data() + 4 * i, 4);
+      to[i] = texels == Texels::rgb9e5
+                  ? from_rgb9e5(word)
+                  : Colour(small_float(word & 2047, 6), small_float(word >> 11 & 2047, 6), small_float(word >> 22, 5));
+    }
+    return true;
+  }
+  const auto channels = static_cast<std::size_t>(format.channels);
+  std::vector<float> values(channels * to.size());
+  if (format.depth == Depth::single)
+    std::memcpy(values.data(), from.data(), values.size() * sizeof(float));
+  else
+    OIIO::convert_pixel_values(OIIO::TypeDesc::HALF, from.data(), OIIO::TypeDesc::FLOAT, values.data(),
+                               static_cast<int>(values.size()));
+  return colours(values, channels, to);
+}
+
+}  // namespace envmap

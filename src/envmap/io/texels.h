@@ -1,0 +1,54 @@
+/// @file
+/// Texels as GPUs hold them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "envmap/io/depth.h"
+#include "envmap/maths/vector.h"
+
+namespace envmap {
+
+/// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits.
+enum class Texels { rgba16f, rgba32f, rgb9e5, rgb16f, rgb32f, rg11b10f };
+
+struct TexelFormat {
+  Texels texels;
+  const char* name;
+  int bytes;  ///< Of a texel.
+  int channels;
+  Depth depth;              ///< That holds its values.
+  std::uint32_t vulkan;     ///< VkFormat (Vulkan 1.3, "Formats").
+  std::uint32_t dxgi;       ///< DXGI_FORMAT; 0 where there is none.
+  std::uint32_t type_size;  ///< Bytes of what an API swaps on a big-endian machine: KTX2's typeSize.
+};
+
+inline constexpr TexelFormat texel_formats[] = {
+    {Texels::rgba16f, "half RGBA", 8, 4, Depth::half, 97, 10, 2},
+    {Texels::rgba32f, "float RGBA", 16, 4, Depth::single, 109, 2, 4},
+    {Texels::rgb9e5, "E5B9G9R9", 4, 3, Depth::rgb9e5, 123, 67, 4},
+    {Texels::rgb16f, "half RGB", 6, 3, Depth::half, 90, 0, 2},
+    {Texels::rgb32f, "float RGB", 12, 3, Depth::single, 106, 6, 4},
+    {Texels::rg11b10f, "B10G11R11", 4, 3, Depth::half, 122, 26, 4},
+};
+
+inline const TexelFormat& format_of(Texels t) { return texel_formats[static_cast<int>(t)]; }
+
+/// What a depth is written as. @param depth half, single or rgb9e5.
+inline Texels texels_of(Depth depth) {
+  return depth == Depth::half ? Texels::rgba16f : depth == Depth::rgb9e5 ? Texels::rgb9e5 : Texels::rgba32f;
+}
+
+/// The largest value that E5B9G9R9 holds: 511/512 x 2^16.
+inline constexpr double largest_rgb9e5 = 65408;
+
+/// Alpha is 1. Values must be finite, not negative and within what the format holds. Shared exponents are rounded to
+/// nearest (OpenGL 4.6, 8.5.2). @param texels one of texels_of().
+void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to);
+
+/// @return whether every alpha is 1.
+bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to);
+
+}  // namespace envmap

@@ -1,0 +1,69 @@
+/// @file
+/// What KTX2 and DDS files have in common: levels of one image each, or of six faces where they are a cube map.
+#pragma once
+
+#include <OpenImageIO/filesystem.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <vector>
+
+#include "envmap/io/metadata.h"
+#include "envmap/io/recognise.h"
+#include "envmap/io/texels.h"
+#include "envmap/map/rows.h"
+
+namespace envmap {
+
+/// A texture in a file: its header, checked against the length of the file.
+struct Texture {
+  const char* container;  ///< ktx2 or dds.
+  Texels texels;
+  int width = 0, height = 0, levels = 1;  ///< Each level has half the sides of the one before, rounded down, at least 1.
+  bool cube = false;
+  bool bottom_up = false;  ///< The first row of an image is its lowest.
+  Metadata recorded = {};
+  /// Bytes of a level: its rows without padding, face after face +X -X +Y -Y +Z -Z. @throws InputError without file name.
+  std::function<std::vector<std::byte>(OIIO::Filesystem::IOProxy& file, int level)> bytes;
+
+  [[nodiscard]] int level_width(int level) const { return std::max(1, width >> level); }
+  [[nodiscard]] int level_height(int level) const { return std::max(1, height >> level); }
+  /// Bytes of one image of a level.
+  [[nodiscard]] std::uint64_t image_bytes(int level) const {
+    return static_cast<std::uint64_t>(level_width(level)) * static_cast<std::uint64_t>(level_height(level)) *
+           static_cast<std::uint64_t>(format_of(texels).bytes);
+  }
+};
+
+/// Bytes [offset, offset + size) of a file. @throws InputError where it ends before.
+std::vector<std::byte> read_bytes(OIIO::Filesystem::IOProxy& file, std::uint64_t offset, std::uint64_t size);
+
+/// The plain structure T that lies there. @throws InputError as read_bytes().
+template <class T>
+T read_as(OIIO::Filesystem::IOProxy& file, std::uint64_t offset) {
+  T value;
+  const std::vector<std::byte> bytes = read_bytes(file, offset, sizeof(T));
+  std::memcpy(&value, bytes.data(), sizeof(T));
+  return value;
+}
+
+/// Rows of an image, `width` texels each, as the file holds them.
+void encode_rows(const TexelFormat& format, std::span<const Colour> from, std::size_t width, std::vector<std::byte>& to);
+
+/// Whether all levels there can be of these sides are there at most, and memory could hold them. @throws InputError.
+void check_texture(const Texture& texture, std::uint64_t file_size);
+
+/// The faces of a cube as the APIs store them (OpenGL 4.6 table 8.19, Vulkan 1.3 "Cube Map Face Selection", Direct3D): seen
+/// from outside; right and down are +X (-Z,-Y), -X (+Z,-Y), +Y (+X,+Z), -Y (+X,-Z), +Z (+X,-Y), -Z (-X,-Y). That is ours
+/// with X and Z faces mirrored left to right and Y faces top to bottom. A lookup with world direction d then returns the
+/// radiance from d.
+Rows in_api_orientation(const Rows& rows);
+
+/// A level out of a texture. @param stored its number in the file. @param base what recognise() or the cube flag says of level 0.
+/// @param number the level of `base` that it is. @param any_alpha whether an alpha other than 1 is left behind; else it is an InputError.
+Level read_texture(OIIO::Filesystem::IOProxy& file, const Texture& texture, int stored, const Recognised& base,
+                   int number, bool any_alpha);
+
+}  // namespace envmap
