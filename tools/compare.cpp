@@ -24,15 +24,35 @@ bool same_frame(const EnvironmentMap& a, const EnvironmentMap& b) {
   return a.projection() == b.projection() && a.base().height() == b.base().height() && a.forward == b.forward;
 }
 
+// A level of A beyond the first. Where B has it too, texel by texel; else its flux against that of B.
+struct LevelDifference : Difference {
+  int number;
+  bool same_texels;
+};
+
+std::vector<LevelDifference> compare_levels(const EnvironmentMap& a, const EnvironmentMap& b) {
+  std::vector<LevelDifference> all;
+  for (std::size_t k = 1; k < a.levels.size(); ++k) {
+    const bool both = same_frame(a, b) && k < b.levels.size();
+    LevelDifference d{both ? compare(a.levels[k], b.levels[k]) : Difference{}, static_cast<int>(k), both};
+    if (!both) d.flux = flux_difference(a.levels[k], b.base());
+    all.push_back(d);
+  }
+  return all;
+}
+
 // JSON has no infinity.
 ordered_json number(double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json("infinite"); }
 
 int run(const Options& o, const Common& common) {
   if (!o.difference.empty()) check_output(o.difference, {}, Projection::cube);
-  Source a = read_map(o.a, o.read, common);
-  ReadOptions read_b = o.read;
+  ReadOptions read_a = o.read;
+  read_a.all_levels = o.read.level == 0;
+  Source a = read_map(o.a, read_a, common);
+  ReadOptions read_b = read_a;
   if (o.from_b) read_b.projection = o.from_b;
   const Source b = read_map(o.b, read_b, common);
+  const std::vector<LevelDifference> levels = compare_levels(a.map, b.map);
   const bool resampled = !same_frame(a.map, b.map);
   if (resampled)
     a.map = convert(a.map,
@@ -42,7 +62,11 @@ int run(const Options& o, const Common& common) {
   const Difference d = compare(a.map.base(), b.map.base(), &shown);
 
   const auto within = [](double value, const std::optional<double>& limit) { return !limit || value <= *limit; };
-  const bool same = within(d.maximum, o.max_error) && within(d.rms, o.max_rms) && within(d.largest_flux(), o.max_flux);
+  bool same = within(d.maximum, o.max_error) && within(d.rms, o.max_rms) && within(d.largest_flux(), o.max_flux);
+  for (const LevelDifference& level : levels) {
+    same = same && within(level.largest_flux(), o.max_flux);
+    if (level.same_texels) same = same && within(level.maximum, o.max_error) && within(level.rms, o.max_rms);
+  }
   if (common.json) {
     ordered_json j;
     j["a"] = o.a;
@@ -52,11 +76,19 @@ int run(const Options& o, const Common& common) {
     j["rms"] = number(d.rms);
     j["max"] = number(d.maximum);
     j["worst"] = {{"face", d.worst.face}, {"texel", {d.worst.i, d.worst.j}}};
+    for (const LevelDifference& level : levels)
+      j["levels"].push_back({{"level", level.number},
+                             {"flux", {number(level.flux.x), number(level.flux.y), number(level.flux.z)}},
+                             {"rms", level.same_texels ? number(level.rms) : ordered_json(nullptr)},
+                             {"max", level.same_texels ? number(level.maximum) : ordered_json(nullptr)}});
     j["within"] = same;
     print(fmt::format("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace)));
   } else {
     print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n", d.flux.x,
                       d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j));
+    for (const LevelDifference& level : levels)
+      print(fmt::format("level {:2}  flux {:+.3e} {:+.3e} {:+.3e}{}\n", level.number, level.flux.x, level.flux.y,
+                        level.flux.z, level.same_texels ? fmt::format("  rms {:.3e}  max {:.3e}", level.rms, level.maximum) : ""));
     if (resampled) note(common, fmt::format("{} was resampled to the texels of {}", o.a, o.b));
   }
   if (!o.difference.empty()) {
@@ -83,6 +115,8 @@ Command compare_command() {
           "sum w |a-b|^2 / sum w |b|^2 with w the solid angle; max is the largest |a-b| / max(|b|, 0.001 x mean of b) "
           "of any "
           "texel and channel. Where projection, size or forward axis differ, A is resampled to the texels of B.\n\n"
+          "Of a map with mip levels each level is shown: against the same of B where B has it, else its flux against that of "
+          "B. Limits hold for all of them; --level compares one.\n\n"
           "Exit status 1 where a limit is given and exceeded.",
       .examples = {{"envmap compare new.exr golden.exr --max-rms 1e-3", "a golden-file test: exit status 1 if beyond"},
                    {"envmap compare cube.exr probe.hdr --json", "how much a conversion lost; A is resampled to B"},

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "envmap/error.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/sampling.h"
 
@@ -15,7 +16,7 @@ using nlohmann::ordered_json;
 struct Options {
   std::string input;
   ReadOptions read;
-  bool sampling = false;
+  bool sampling = false, levels = false;
 };
 
 ordered_json facts(const Source& s, const std::string& file) {
@@ -33,6 +34,7 @@ ordered_json facts(const Source& s, const std::string& file) {
   j["layout"] = name(s.layout);
   if (has_forward(s.map.projection())) j["forward"] = forward_names[static_cast<std::size_t>(s.map.forward)];
   if (s.border_samples) j["border_samples"] = true;
+  j["levels"] = s.levels;
   j["faces"] = level.faces();
   j["face_width"] = level.width();
   j["face_height"] = level.height();
@@ -47,6 +49,7 @@ ordered_json facts(const Source& s, const std::string& file) {
                     {"value", to_json(Direction(m.brightest_value))},
                     {"face", m.brightest_texel.face},
                     {"texel", {m.brightest_texel.i, m.brightest_texel.j}}};
+  for (const auto& [key, text] : s.facts) j["metadata"][key] = text;
   j["nan"] = flaws.nan;
   j["infinite"] = flaws.infinite;
   j["negative"] = flaws.negative;
@@ -67,6 +70,9 @@ void print_facts(const ordered_json& j) {
                                  j.contains("forward") ? ", " + text("forward") + " at the centre" : ""));
   if (j.contains("border_samples")) line("", "OpenEXR envmap attribute: samples on the border, read as cell centres");
   line("faces", fmt::format("{} of {}x{}", j["faces"].get<int>(), j["face_width"].get<int>(), j["face_height"].get<int>()));
+  if (const int count = j["levels"].get<int>(); count > 1) line("levels", std::to_string(count));
+  if (j.contains("metadata"))
+    for (const auto& [key, value] : j["metadata"].items()) line(key.c_str(), value.get<std::string>());
   line("", fmt::format("{:>12} {:>12} {:>12}", "R", "G", "B"));
   for (const char* key : {"minimum", "maximum", "mean", "flux"}) line(key, numbers(j[key]));
   if (j["stops"].is_number())
@@ -83,9 +89,39 @@ void print_facts(const ordered_json& j) {
                             j["negative"].get<long>()));
 }
 
-int run(const Options& o, const Common& common) {
+// JSON has no infinity.
+ordered_json number(double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json("infinite"); }
+
+// Size and flux of each level, and how far the flux is off that of the first.
+ordered_json levels(const EnvironmentMap& map) {
+  ordered_json table;
+  for (const Level& level : map.levels) {
+    const Flux off = flux_difference(level, map.base());
+    table.push_back({{"face_width", level.width()},
+                     {"face_height", level.height()},
+                     {"flux", to_json(flux(level))},
+                     {"flux_difference", {number(off.x), number(off.y), number(off.z)}}});
+  }
+  return table;
+}
+
+void print_levels(const EnvironmentMap& map) {
+  print(fmt::format("\n{:>5} {:>11}  {:>12} {:>12} {:>12}  {:^32}\n", "level", "faces", "flux R", "G", "B",
+                    "difference from level 0"));
+  for (std::size_t k = 0; k < map.levels.size(); ++k) {
+    const Level& level = map.levels[k];
+    const Flux f = flux(level), off = flux_difference(level, map.base());
+    print(fmt::format("{:5} {:>11}  {:12.6g} {:12.6g} {:12.6g}  {:+.2e}  {:+.2e}  {:+.2e}\n", k,
+                      fmt::format("{}x{}", level.width(), level.height()), f.x, f.y, f.z, off.x, off.y, off.z));
+  }
+}
+
+int run(Options& o, const Common& common) {
+  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
+  o.read.all_levels = o.levels;
   const Source source = read_map(o.input, o.read, common);
   ordered_json j = facts(source, o.input);
+  if (o.levels) j["level_table"] = levels(source.map);
   std::vector<SamplingRow> table;
   if (o.sampling) table = sampling_table(source.map.projection(), source.map.base().height());
   if (common.json) {
@@ -99,6 +135,7 @@ int run(const Options& o, const Common& common) {
     return 0;
   }
   print_facts(j);
+  if (o.levels) print_levels(source.map);
   if (o.sampling)
     print(fmt::format("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean",
                       "anisotropy"));
@@ -124,11 +161,13 @@ Command info_command() {
           "centre of a face to the pole (latlong), the corner (cube) or the rim.",
       .examples = {{"envmap info probe.hdr", "facts as text"},
                    {"envmap info probe.exr --json | jq .flux", "one fact for a script"},
+                   {"envmap info chain.ktx2 --levels", "with the flux of every mip level"},
                    {"envmap info ball.exr --from sphere --sampling", "with the table of texel solid angles"}},
       .reports = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
         app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
+        app.add_flag("--levels", o->levels, "Add the table of mip levels and how far the flux of each is off");
         app.add_flag("--sampling", o->sampling, "Add the table of texel solid angle and anisotropy from centre to rim");
         add_read_options(app, o->read);
         o->read.flaws = FlawPolicy::keep;

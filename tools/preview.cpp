@@ -24,6 +24,7 @@ struct Options {
   ReadOptions read;
   std::optional<double> exposure;
   int height = 256, columns = 3;
+  bool levels = false;
 };
 
 constexpr int border = 8, caption = 22;
@@ -37,10 +38,9 @@ void tone_map(std::vector<Colour>& pixels, double scale) {
   encode_srgb(pixels);
 }
 
-OIIO::ImageBuf picture(const Source& source, double scale, int height) {
-  const Layout layout =
-      source.map.projection() == Projection::cube ? Layout::cross : default_layout(source.map.projection());
-  const Rows rows = rows_of(source.map);
+OIIO::ImageBuf picture(const Level& level, double scale, int height) {
+  const Layout layout = level.projection() == Projection::cube ? Layout::cross : default_layout(level.projection());
+  const Rows rows = rows_of(level, Forward::plus_z);
   const Page page{rows, grid(layout)};
   std::vector<Colour> pixels(static_cast<std::size_t>(page.width()) * static_cast<std::size_t>(page.height()));
   page.gather(0, page.height(), pixels);
@@ -64,12 +64,15 @@ void save_png(const OIIO::ImageBuf& image, const std::string& path) {
   file.commit();
 }
 
-int run(const Options& o, const Common& common) {
+int run(Options& o, const Common& common) {
+  o.read.all_levels = o.levels;
+  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
   if (o.names.size() < 2) throw UsageError("name at least one map and the picture to write");
   const std::string& output = o.names.back();
   if (std::filesystem::path(output).extension() != ".png") throw UsageError(output + ": the picture must be a .png");
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
   std::vector<OIIO::ImageBuf> pictures;
+  std::vector<std::string> captions;
   double scale = 0;
   for (const std::string& input : inputs) {
     const Source source = read_map(input, o.read, common);
@@ -78,7 +81,10 @@ int run(const Options& o, const Common& common) {
       const double mean = mean_radiance(source.map.base());
       scale = o.exposure ? std::exp2(*o.exposure) : mean > 0 ? 0.4 / mean : 1;
     }
-    pictures.push_back(picture(source, scale, o.height));
+    for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
+      pictures.push_back(picture(source.map.levels[k], scale, o.height));
+      captions.push_back(std::filesystem::path(input).filename().string() + (o.levels ? fmt::format(" level {}", k) : ""));
+    }
   }
 
   const int columns = std::min(o.columns, static_cast<int>(pictures.size()));
@@ -94,7 +100,7 @@ int run(const Options& o, const Common& common) {
     OIIO::ImageBufAlgo::paste(sheet, x + (cell - pictures[k].spec().width) / 2, y, 0, 0, pictures[k]);
     // Without any font on the machine the sheet has no names.
     (void)OIIO::ImageBufAlgo::render_text(sheet, x + 2, y + o.height + 16,
-                                          std::filesystem::path(inputs[k]).filename().string(), 14, "DejaVuSans",
+                                          captions[k], 14, "DejaVuSans",
                                           {0.8F, 0.8F, 0.8F});
     (void)sheet.geterror();
   }
@@ -115,6 +121,7 @@ Command preview_command() {
           "otherwise. "
           "Tone curve x / (1 + x) (Reinhard et al. 2002), sRGB. Cubes are drawn as crosses.",
       .examples = {{"envmap preview probe.hdr probe.png", "one map"},
+                   {"envmap preview chain.ktx2 levels.png --levels", "all mip levels of a map, each as large"},
                    {"envmap preview latlong.exr cube.exr sphere.exr sheet.png", "a contact sheet"}},
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -126,6 +133,7 @@ Command preview_command() {
             ->check(CLI::Range(-100.0, 100.0));
         app.add_option("--height", o->height, "Height of each picture (default: 256)")->type_name("N")->check(CLI::Range(16, 4096));
         app.add_option("--columns", o->columns, "Pictures side by side (default: 3)")->type_name("N")->check(CLI::Range(1, 64));
+        app.add_flag("--levels", o->levels, "Draw all mip levels of each map");
         add_read_options(app, o->read);
         add_repair(app, o->read);
         return [o, &common] { return run(*o, common); };

@@ -42,6 +42,9 @@ struct FluxSum {
   [[nodiscard]] Flux value() const { return {channel[0].value(), channel[1].value(), channel[2].value()}; }
 };
 
+// x / 0 is infinite, 0 / 0 is agreement.
+double ratio(double x, double y) { return x == 0 ? 0 : x / y; }
+
 // Solid angles of row j of every face: computed once, used for all faces.
 std::vector<double> weights(const Level& level, int j) {
   std::vector<double> w(static_cast<std::size_t>(level.width()));
@@ -49,7 +52,7 @@ std::vector<double> weights(const Level& level, int j) {
   return w;
 }
 
-FluxSum flux(const Level& level) {
+FluxSum flux_sum(const Level& level) {
   FluxSum total;
   for (const FluxSum& row : map_rows<FluxSum>(level.height(), [&](int j) {
          FluxSum sum;
@@ -176,7 +179,7 @@ Measures measure(const EnvironmentMap& map) {
   for (const Row& r : rows) all.add(r);
   if (all.brightest == -inf) all = Row{Direction(0), Direction(0), 0, 0, {0, 0, 0}};  // Not one sound texel.
 
-  const FluxSum sum = flux(level);
+  const FluxSum sum = flux_sum(level);
   Direction d[1];
   texel_directions(level.projection(), level.height(), all.texel.face, all.texel.j, all.texel.i, d);
   return {.minimum = all.low,
@@ -191,17 +194,23 @@ Measures measure(const EnvironmentMap& map) {
           .brightest_value = *level.texel(all.texel.face, all.texel.i, all.texel.j)};
 }
 
+Flux flux(const Level& level) { return flux_sum(level).value(); }
+
 double mean_radiance(const Level& level) {
-  const FluxSum sum = flux(level);
+  const FluxSum sum = flux_sum(level);
   const Flux f = sum.value();
   return sum.weight.value() > 0 ? (f.x + f.y + f.z) / (3 * sum.weight.value()) : 0;
+}
+
+Flux flux_difference(const Level& a, const Level& b) {
+  const Flux fa = flux(a), fb = flux(b);
+  return {ratio(fa.x - fb.x, fb.x), ratio(fa.y - fb.y, fb.y), ratio(fa.z - fb.z, fb.z)};
 }
 
 double Difference::largest_flux() const { return std::max({std::abs(flux.x), std::abs(flux.y), std::abs(flux.z)}); }
 
 Difference compare(const Level& a, const Level& b, Level* shown) {
   const double floor = 1e-3 * mean_radiance(b);
-  const auto ratio = [](double x, double y) { return x == 0 ? 0 : x / y; };  // x / 0 is infinite, 0 / 0 is agreement.
   struct Row {
     Sum error, power;
     double maximum = -1;
@@ -229,9 +238,8 @@ Difference compare(const Level& a, const Level& b, Level* shown) {
     all.power.add(r.power);
     if (r.maximum > all.maximum) all.maximum = r.maximum, all.worst = r.worst;
   }
-  const Flux fa = flux(a).value(), fb = flux(b).value();
   Difference out{};
-  for (int k = 0; k < 3; ++k) out.flux[k] = ratio(fa[k] - fb[k], fb[k]);
+  out.flux = flux_difference(a, b);
   out.rms = std::sqrt(ratio(all.error.value(), all.power.value()));
   out.maximum = all.maximum;
   out.worst = all.worst;

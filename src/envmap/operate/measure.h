@@ -40,6 +40,9 @@ struct Measures {
 };
 Measures measure(const EnvironmentMap& map);
 
+/// Sum of radiance x solid angle of the sound texels.
+Flux flux(const Level& level);
+
 /// Mean of the three channels over the sphere, of the sound texels.
 double mean_radiance(const Level& level);
 
@@ -51,6 +54,9 @@ struct Difference {
   Texel worst;     ///< Where.
   [[nodiscard]] double largest_flux() const;
 };
+
+/// (flux a - flux b) / flux b, per channel. The two need not be of one size.
+Flux flux_difference(const Level& a, const Level& b);
 
 /// Both of one projection and size. @param shown if given, is set to |a-b| per texel.
 Difference compare(const Level& a, const Level& b, Level* shown = nullptr);
