@@ -112,6 +112,12 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
   app.add_flag("--drop-channels", options.drop_channels, "Read R, G and B of files with more channels");
 }
 
+void add_file_options(CLI::App& app, WriteOptions& options) {
+  app.add_flag("--openexr-envmap", options.openexr_envmap,
+               "Write EXR as OpenEXR's own tools do: with the envmap attribute and samples on the border of the image");
+  app.add_flag("--zstd", options.zstd, "Compress a KTX2 file with Zstandard");
+}
+
 void add_repair(CLI::App& app, ReadOptions& options) {
   app.add_flag_callback(
       "--repair", [&options] { options.flaws = FlawPolicy::repair; },

@@ -95,6 +95,8 @@ CLI::Option* add_triple(CLI::App& app, const std::string& flag, std::optional<en
 
 /// The options of reading: --from, --from-layout, --from-forward and so on.
 void add_read_options(CLI::App& app, envmap::ReadOptions& options);
+/// What one file format alone knows: --openexr-envmap, --zstd.
+void add_file_options(CLI::App& app, envmap::WriteOptions& options);
 /// --repair, for commands that want sound radiance.
 void add_repair(CLI::App& app, envmap::ReadOptions& options);
 

@@ -143,7 +143,7 @@ Command convert_command() {
         add_depth(app, o->write.depth);
         app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
             ->type_name("EXT");
-        app.add_flag("--zstd", o->write.zstd, "Compress a KTX2 file with Zstandard");
+        add_file_options(app, o->write);
         app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
         add_read_options(app, o->read);
         add_repair(app, o->read);

@@ -47,10 +47,12 @@ bool has_border_samples(const OIIO::ImageSpec& spec) {
 }
 
 Metadata metadata(const OIIO::ImageSpec& spec) {
-  // OpenEXR's own attribute comes first: its tools carry ours along from the file they converted.
-  const std::string texture = spec.get_string_attribute("textureformat");
-  if (texture == "LatLong Environment") return {.projection = Projection::latlong, .forward = Forward::plus_z};
-  if (texture == "CubeFace Environment") return {.projection = Projection::cube, .layout = Layout::column};
+  // OpenEXR's own attribute comes first: its tools carry ours along from the file they converted, and OpenImageIO's name
+  // for theirs, too. The shape tells what they made of it: they know 2:1 and 1:6.
+  if (has_border_samples(spec)) {
+    if (spec.height == 6 * spec.width) return {.projection = Projection::cube, .layout = Layout::column};
+    return {.projection = Projection::latlong, .forward = Forward::plus_z};
+  }
   return metadata(all_facts(spec));
 }
 

@@ -15,6 +15,7 @@
 #include "envmap/io/path.h"
 #include "envmap/io/recognise.h"
 #include "envmap/io/srgb.h"
+#include "envmap/map/border.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/measure.h"
 
@@ -52,7 +53,10 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
 
 void check_size(const Image& image, const OIIO::ImageSpec& spec) {
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1) image.fail("not a flat image");
-  if (spec.full_width != spec.width || spec.full_height != spec.height || spec.full_x != spec.x || spec.full_y != spec.y)
+  // Of tiled cube maps OpenImageIO calls one face the display window.
+  const bool cube = has_border_samples(spec) && spec.height == 6 * spec.width;
+  if (!cube &&
+      (spec.full_width != spec.width || spec.full_height != spec.height || spec.full_x != spec.x || spec.full_y != spec.y))
     image.fail("its data window is not its display window: only part of the sphere is there");
   // A tile may reach beyond the image, but OpenImageIO takes memory for all of it, and divides by its sides.
   constexpr int roomy = 4096;
@@ -118,23 +122,6 @@ Level read_pixels(Image& image, int stored, const Channels& channels, const Reco
     scatter(rows, spec.width, begin, end, places, *level);
   }
   return std::move(*level);
-}
-
-// From samples at the border (sample i of W at u = i/(W-1)) to cell centres, within each face.
-void to_cell_centres(Level& level) {
-  if (level.width() < 2 || level.height() < 2) return;
-  const Level from = level;
-  const double sx = (level.width() - 1.0) / level.width(), sy = (level.height() - 1.0) / level.height();
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < level.height(); ++j)
-      for (int i = 0; i < level.width(); ++i) {
-        const double x = (i + 0.5) * sx, y = (j + 0.5) * sy;
-        const int left = std::min(static_cast<int>(x), level.width() - 2),
-                  top = std::min(static_cast<int>(y), level.height() - 2);
-        const float fx = static_cast<float>(x - left), fy = static_cast<float>(y - top);
-        const Colour *a = from.texel(face, left, top), *b = a + from.stride();
-        *level.texel(face, i, j) = (1 - fy) * ((1 - fx) * a[0] + fx * a[1]) + fy * ((1 - fx) * b[0] + fx * b[1]);
-      }
 }
 
 // @param shown what the message says after "texels".
@@ -311,7 +298,7 @@ Source read(const std::string& path, const ReadOptions& options) {
     Source source = has_face(path) ? read_faces(path, options) : read_image(path, options);
     for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
       Level& level = source.map.levels[k];
-      if (source.border_samples) to_cell_centres(level);
+      if (source.border_samples) level = to_cell_centres(level);
       settle_flaws(name, options, level, source, k > 0 ? fmt::format(" of level {}", k) : "");
     }
     return source;

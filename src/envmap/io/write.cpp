@@ -22,7 +22,9 @@
 #include "envmap/io/path.h"
 #include "envmap/io/pfm.h"
 #include "envmap/io/srgb.h"
+#include "envmap/map/border.h"
 #include "envmap/map/page.h"
+#include "envmap/operate/levels.h"
 
 namespace envmap {
 namespace {
@@ -116,7 +118,7 @@ void round_to_rgbe(std::span<Colour> pixels) {
 
 // One image, or all levels of one, the largest first: then in tiles, as renderers' texture caches want them.
 void write_with_oiio(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Page> levels,
-                     Depth depth, const Metadata& data, const Progress& progress) {
+                     Depth depth, const Metadata& data, bool openexr_envmap, const Progress& progress) {
   const auto fail = [&](const std::string& why) { throw OutputError(fmt::format("{}: not written: {}", path, why)); };
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("x." + ext);
   const bool tiled = levels.size() > 1;
@@ -130,6 +132,8 @@ void write_with_oiio(OutputFile& file, const std::string& path, const std::strin
     spec.tile_width = spec.tile_height = band_rows;
     spec.attribute("textureformat", "Plain Texture");  // What makes OpenImageIO write levels.
   }
+  if (openexr_envmap)
+    spec.attribute("textureformat", data.projection == Projection::cube ? "CubeFace Environment" : "LatLong Environment");
   OIIO::Filesystem::IOProxy* proxy = &file;
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   double done = 0, all = 0;
@@ -153,36 +157,10 @@ void write_with_oiio(OutputFile& file, const std::string& path, const std::strin
   if (!output->close()) fail(output->geterror());
 }
 
-}  // namespace
-
-void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
-  const std::string ext = extension(path, options);
-  if (ext.empty())
-    throw UsageError(path +
-                     ": no file type; end the name in .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png, or say --format");
-  if (depths(ext).empty())
-    throw UsageError(fmt::format("{}: no format writes .{}; try .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png", path, ext));
-  choose_depth(ext, options);
-  const Layout layout = choose_layout(path, ext, options, projection);
-  if (options.zstd && ext != "ktx2") throw UsageError(path + ": --zstd is for .ktx2 files");
-  if (levels && !has_level(path) && (!holds_levels(ext) || layout == Layout::files))
-    throw UsageError(fmt::format("{}: {} one level: put {{level}} where its number shall stand in the file name", path,
-                                 layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
-  if (path == "-") return;
-  const fs::path parent = fs::path(path).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
-  std::error_code error;
-  if (!fs::is_directory(folder, error)) throw OutputError(fmt::format("{}: no such folder: {}", path, folder));
-  if (fs::is_directory(path, error)) throw OutputError(path + ": is a folder; name a file");
-}
-
-Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {
-  return write(path, std::span(&rows, 1), options, progress);
-}
-
-Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
+// All files of a map, whose samples lie where the files want them.
+Written write_files(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+                    const Progress& progress) {
   const Rows& base = levels.front();
-  check_output(path, options, base.projection, levels.size() > 1);
   const std::string ext = extension(path, options);
   Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, ext, options, base.projection)};
   const double limit = largest_value(ext, done.depth);
@@ -208,7 +186,7 @@ Written write(const std::string& path, std::span<const Rows> levels, const Write
     else if (ext == "dds")
       write_dds(*files.back(), pages, texels_of(done.depth), cube, part);
     else
-      write_with_oiio(*files.back(), name, ext, pages, done.depth, data, part);
+      write_with_oiio(*files.back(), name, ext, pages, done.depth, data, options.openexr_envmap, part);
   };
   if (levels.size() > 1 && !has_level(path)) {
     if (!is_texture(ext)) data.levels = static_cast<int>(levels.size());
@@ -237,6 +215,48 @@ Written write(const std::string& path, std::span<const Rows> levels, const Write
   done.clamped = over.count;
   for (const auto& file : files) file->commit();
   return done;
+}
+
+}  // namespace
+
+void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
+  const std::string ext = extension(path, options);
+  if (ext.empty())
+    throw UsageError(path +
+                     ": no file type; end the name in .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png, or say --format");
+  if (depths(ext).empty())
+    throw UsageError(fmt::format("{}: no format writes .{}; try .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png", path, ext));
+  choose_depth(ext, options);
+  const Layout layout = choose_layout(path, ext, options, projection);
+  if (options.openexr_envmap && (ext != "exr" || (layout != Layout::column && projection != Projection::latlong)))
+    throw UsageError(path + ": --openexr-envmap is for .exr files of latlong maps and of cubes in a column");
+  if (options.zstd && ext != "ktx2") throw UsageError(path + ": --zstd is for .ktx2 files");
+  if (levels && !has_level(path) && (!holds_levels(ext) || layout == Layout::files))
+    throw UsageError(fmt::format("{}: {} one level: put {{level}} where its number shall stand in the file name", path,
+                                 layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
+  if (path == "-") return;
+  const fs::path parent = fs::path(path).parent_path();
+  const std::string folder = parent.empty() ? "." : parent.string();
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) throw OutputError(fmt::format("{}: no such folder: {}", path, folder));
+  if (fs::is_directory(path, error)) throw OutputError(path + ": is a folder; name a file");
+}
+
+Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {
+  return write(path, std::span(&rows, 1), options, progress);
+}
+
+Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
+  const Rows& base = levels.front();
+  check_output(path, options, base.projection, levels.size() > 1);
+  if (!options.openexr_envmap) return write_files(path, levels, options, progress);
+  if (base.forward != Forward::plus_z)
+    throw UsageError(path + ": OpenEXR's envmap files have +z at the centre: say --forward +z");
+  EnvironmentMap border;
+  for (const Rows& rows : levels) border.levels.push_back(level_of(rows));
+  if (levels.size() > 1) add_levels(border.levels);
+  for (Level& level : border.levels) level = to_border(level);
+  return write_files(path, all_rows_of(border), options, progress);
 }
 
 }  // namespace envmap

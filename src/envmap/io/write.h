@@ -19,8 +19,9 @@ struct WriteOptions {
   std::optional<Depth> depth;    ///< Asked for; refused where the format cannot hold it.
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.
   bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
-  bool zstd = false;                   ///< Compress KTX2 files with Zstandard.
-  Facts facts = {};                    ///< Further metadata, such as the lobe: attributes envmap:NAME.
+  bool openexr_envmap = false;  ///< OpenEXR's envmap attribute, samples on the border: EXR, latlong or cube column.
+  bool zstd = false;            ///< Compress KTX2 files with Zstandard.
+  Facts facts = {};             ///< Further metadata, such as the lobe: attributes envmap:NAME.
 };
 
 struct Written {

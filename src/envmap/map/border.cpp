@@ -1,0 +1,48 @@
+#include "envmap/map/border.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "envmap/map/gutter.h"
+#include "envmap/sample/bicubic.h"
+
+namespace envmap {
+
+Level to_cell_centres(const Level& border) {
+  if (border.width() < 2 || border.height() < 2) return border;
+  Level level(border.projection(), border.height(), border.width());
+  const double sx = (level.width() - 1.0) / level.width(), sy = (level.height() - 1.0) / level.height();
+  tbb::parallel_for(0, level.faces() * level.height(), [&](int k) {
+    const int face = k / level.height(), j = k % level.height();
+    const double y = (j + 0.5) * sy;
+    const int top = std::min(static_cast<int>(y), level.height() - 2);
+    const float fy = static_cast<float>(y - top);
+    for (int i = 0; i < level.width(); ++i) {
+      const double x = (i + 0.5) * sx;
+      const int left = std::min(static_cast<int>(x), level.width() - 2);
+      const float fx = static_cast<float>(x - left);
+      const Colour *a = border.texel(face, left, top), *b = a + border.stride();
+      *level.texel(face, i, j) = (1 - fy) * ((1 - fx) * a[0] + fx * a[1]) + fy * ((1 - fx) * b[0] + fx * b[1]);
+    }
+  });
+  return level;
+}
+
+Level to_border(Level& centres) {
+  const int w = centres.width(), h = centres.height();
+  Level border(centres.projection(), h, w);
+  fill_gutter(centres);
+  const auto place = [](int i, int n) { return n > 1 ? i / (n - 1.0) : 0.5; };
+  tbb::parallel_for(0, centres.faces() * h, [&](int k) {
+    const int face = k / h, j = k % h;
+    for (int i = 0; i < w; ++i) *border.texel(face, i, j) = bicubic(centres, {face, place(i, w), place(j, h)});
+    if (centres.projection() != Projection::latlong || h == 1 || (j > 0 && j < h - 1)) return;
+    Direction sum(0);
+    for (const Colour& c : border.row(face, j)) sum += Direction(c);
+    std::ranges::fill(border.row(face, j), Colour(sum / double(w)));
+  });
+  return border;
+}
+
+}  // namespace envmap
