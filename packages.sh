@@ -6,13 +6,13 @@
 #   sh packages.sh bench     also what tests/bench builds with, and the tools it times beside envmap
 set -eu
 
-# For the tests: libgtest-dev, libopenexr-dev and openexr (files as OpenEXR itself makes them), openimageio-tools, mandoc
-# (checks the man pages). fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
+# For the tests: libgtest-dev, libopenexr-dev and openexr (files as OpenEXR itself makes them), openimageio-tools, python3
+# and zstd (tests/ktx2_check.py), mandoc (checks the man pages). fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
 packages='
   g++ cmake ninja-build pkg-config
   libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libzstd-dev
   nlohmann-json3-dev
-  libgtest-dev libopenexr-dev openexr openimageio-tools mandoc fonts-dejavu-core'
+  libgtest-dev libopenexr-dev openexr openimageio-tools python3 zstd mandoc fonts-dejavu-core'
 
 fail() {
   echo "packages.sh: $1" >&2
@@ -21,7 +21,7 @@ fail() {
 
 case ${1:-} in
   '') ;;
-  bench) packages="$packages libbenchmark-dev python3 pfstools ffmpeg" ;;
+  bench) packages="$packages libbenchmark-dev pfstools ffmpeg" ;;
   *) fail "$1: only 'bench' or nothing" ;;
 esac
 

@@ -123,6 +123,53 @@ TEST_P(Damage, ChangedBytesNeverEndTheProgramByASignal) {
   }
 }
 
+// Textures of this project's own readers, as the program writes them; `compression` is an option.
+class DamagedTexture : public CommandTest, public ::testing::WithParamInterface<Kind> {
+ protected:
+  std::string sound() const {
+    succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "8"});
+    std::vector<std::string> arguments{"mipmap", "in.exr", GetParam().file};
+    if (GetParam().compression) arguments.emplace_back(GetParam().compression);
+    succeeds(arguments);
+    return read(GetParam().file);
+  }
+};
+
+TEST_P(DamagedTexture, CutAnywhereIsRefused) {
+  const std::string whole = sound();
+  for (const std::size_t length : {std::size_t{11}, std::size_t{90}, std::size_t{140}, whole.size() / 2, whole.size() - 1}) {
+    SCOPED_TRACE(length);
+    write("cut", whole.substr(0, length));
+    fails(3, {"info", "cut", "--levels"}, {"cut"});
+  }
+}
+
+// Words of the header at their extreme: sizes, counts and offsets that no file can hold.
+TEST_F(CommandTest, TextureHeadersThatPromiseTooMuchAreRefused) {
+  succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "8"});
+  const auto refuse = [&](const std::string& name, std::initializer_list<std::size_t> words) {
+    succeeds({"mipmap", "in.exr", name});
+    const std::string whole = read(name);
+    for (const std::size_t at : words) {
+      SCOPED_TRACE(testing::Message() << name << " at " << at);
+      std::string bytes = whole;
+      bytes.replace(at, 4, 4, '\xff');
+      write("bad", bytes);
+      fails(3, {"info", "bad"}, {"bad"}, {.memory = std::uint64_t{4} << 30});
+    }
+  };
+  // Format, width, height, depth, layers, faces, levels, scheme, key/value offset and length; offset and lengths of level 0.
+  refuse("map.ktx2", {12, 20, 24, 28, 32, 36, 40, 44, 56, 60, 80, 88, 96});
+  // Height, width, levels; format, dimension, array size.
+  refuse("map.dds", {12, 16, 28, 128, 132, 140});
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, DamagedTexture,
+                         ::testing::Values(Kind{"ktx2", "map.ktx2"},
+                                           Kind{"ktx2_zstd", "map.ktx2", TypeDesc::FLOAT, "--zstd"},
+                                           Kind{"dds", "map.dds"}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
 constexpr Kind kinds[] = {{"exr_half_zip", "map.exr", TypeDesc::HALF, "zip"},
                           {"exr_float_piz", "map.exr", TypeDesc::FLOAT, "piz"},
                           {"hdr", "map.hdr"},

@@ -23,6 +23,7 @@ ReadOptions options(unsigned choice) {
   o.flaws = choice & 2 ? FlawPolicy::repair : FlawPolicy::refuse;
   o.ignore_envmap_attribute = choice & 4;
   o.drop_channels = !(choice & 8);
+  o.all_levels = choice & 64;
   if (choice & 16) o.projection = all_projections[(choice >> 5) % std::size(all_projections)];
   return o;
 }

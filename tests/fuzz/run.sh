@@ -33,6 +33,14 @@ for format in exr hdr pfm tif png ppm jpg tga bmp webp; do
     seed $projection-$format
   done
 done
+for projection in latlong cube; do
+  ./envmap generate directions corpus/in.exr --to $projection --size 5
+  for kind in 'ktx2 --depth half' 'ktx2 --depth float --zstd' 'ktx2 --depth rgb9e5' 'dds --depth half' 'dds --depth rgb9e5' 'exr --depth half'; do
+    ./envmap mipmap corpus/in.exr corpus/map.${kind%% *} ${kind#* }
+    mv corpus/map.${kind%% *} corpus/map
+    seed "$projection-levels-$(echo "$kind" | tr ' ' -)"
+  done
+done
 ./envmap generate directions corpus/in.exr --to latlong --size 6
 for kind in 'exr --tile 4 4' 'exr -d half --compression dwaa' 'exr -d half --compression b44' 'exr --compression piz' \
   'exr --compression rle' 'exr --compression pxr24' 'tif --tile 16 16' 'tif -d uint8 --compression lzw' \

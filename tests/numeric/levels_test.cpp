@@ -2,8 +2,12 @@
 #include "envmap/operate/levels.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
 
 #include "envmap/map/gutter.h"
+#include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
 
 namespace envmap {
@@ -49,6 +53,106 @@ TEST_P(EachLevels, KeepWhiteWhiteDownToOneTexel) {
             EXPECT_NEAR(x, 1, 1e-6) << level.height() << ": " << i << "," << j;
           }
         }
+}
+
+// What a texel of the rectangle [u0,u1] x [v0,v1] should hold: the mean over its part of the sphere, by the midpoints of a
+// fine grid and the projection's density.
+template <class F>
+Colour mean_over(Projection p, int face, const Rect& r, F&& f) {
+  constexpr int n = 24;
+  Flux sum(0);
+  double whole = 0;
+  for (int b = 0; b < n; ++b)
+    for (int a = 0; a < n; ++a) {
+      const Vec2<double> at[1] = {{std::lerp(r.u0, r.u1, (a + 0.5) / n), std::lerp(r.v0, r.v1, (b + 0.5) / n)}};
+      double w[1];
+      densities(p, at, w);
+      if (w[0] == 0) continue;
+      Direction d[1];
+      directions(p, face, at, d);
+      sum += w[0] * f(d[0]);
+      whole += w[0];
+    }
+  return whole > 0 ? Colour(sum / whole) : Colour(0);
+}
+
+// Each texel of each level shows the part of the sphere that it covers and nothing else: no seam, no shift, no dark rim.
+TEST_P(EachLevels, ShowTheMeanOfTheEnvironmentInEveryTexel) {
+  const auto environment = [](const Direction& d) { return Flux(1 + d.x, std::exp(d.y), 1 + d.z * d.x); };
+  for (const int size : {32, 45}) {
+    std::vector<Level> levels{Level(GetParam(), size)};
+    const auto rect = [](const Level& level, int i, int j) {
+      const double w = level.width(), h = level.height();
+      return Rect{i / w, j / h, (i + 1) / w, (j + 1) / h};
+    };
+    const auto expected = [&](const Level& level, int face, int i, int j) {
+      return mean_over(GetParam(), face, rect(level, i, j), environment);
+    };
+    Level& base = levels.front();
+    for (int f = 0; f < base.faces(); ++f)
+      for (int j = 0; j < base.height(); ++j)
+        for (int i = 0; i < base.width(); ++i) *base.texel(f, i, j) = expected(base, f, i, j);
+    add_levels(levels);
+    for (const Level& level : levels)
+      for (int f = 0; f < level.faces(); ++f)
+        for (int j = 0; j < level.height(); ++j)
+          for (int i = 0; i < level.width(); ++i) {
+            const Rect r = rect(level, i, j);
+            std::vector<double> w(static_cast<std::size_t>(level.width()));
+            solid_angles(GetParam(), level.height(), j, w);
+            if (w[static_cast<std::size_t>(i)] <= 0.3 * w[static_cast<std::size_t>(level.width() / 2)]) continue;
+            // Of odd sizes, texels that straddle two are taken as constant over each part: an error of their own size.
+            const double allowed = size == 45 ? 0.08 : on_disc(GetParam()) ? 0.01 : 1e-4;
+            const Colour off = glm::abs(*level.texel(f, i, j) - expected(level, f, i, j));
+            EXPECT_LT(std::max({off.x, off.y, off.z}), allowed)
+                << level.width() << "x" << level.height() << " face " << f << ": " << i << "," << j << " at " << r.u0;
+          }
+  }
+}
+
+TEST_P(EachLevels, AreTheSameBitsAtAnyNumberOfThreads) {
+  std::vector<std::vector<Level>> chains;
+  for (const std::size_t threads : {1U, 2U, 5U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    chains.push_back(generate(Directions{}, GetParam(), 99, Forward::plus_z).levels);
+    add_levels(chains.back());
+  }
+  for (std::size_t k = 0; k < chains[0].size(); ++k)
+    for (int f = 0; f < chains[0][k].faces(); ++f)
+      for (int j = 0; j < chains[0][k].height(); ++j)
+        for (const auto& chain : chains) EXPECT_TRUE(std::ranges::equal(chain[k].row(f, j), chains[0][k].row(f, j)));
+}
+
+TEST(Levels, OfUniformWeightsArePlainMeansOfFour) {
+  const Level base = generate(Directions{}, Projection::cube, 16, Forward::plus_z).base();
+  const Level half = half_level(base, Weights::uniform);
+  for (int f = 0; f < 6; ++f)
+    for (int j = 0; j < 8; ++j)
+      for (int i = 0; i < 8; ++i) {
+        const Colour *a = base.texel(f, 2 * i, 2 * j), *b = a + base.stride();
+        const Colour mean = 0.25F * (a[0] + a[1] + b[0] + b[1]);
+        EXPECT_LT(glm::length(*half.texel(f, i, j) - mean), 1e-6);
+      }
+}
+
+TEST(Levels, OfAParaboloidGoOnBeyondItsDisc) {
+  std::vector<Level> levels{generate(Directions{}, Projection::paraboloid, 64, Forward::plus_z).base()};
+  Level& base = levels.front();
+  for (int f = 0; f < 2; ++f)  // Nothing of what other programs leave there is used.
+    for (int j = 0; j < 64; ++j)
+      for (int i = 0; i < 64; ++i)
+        if (std::hypot(2 * i + 1 - 64, 2 * j + 1 - 64) > 66) *base.texel(f, i, j) = Colour(100);
+  add_levels(levels);
+  for (std::size_t k = 1; k < 4; ++k) {
+    const int n = levels[k].height();
+    for (int f = 0; f < 2; ++f)
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+          const Direction d = Paraboloid::direction(f, (i + 0.5) / n, (j + 0.5) / n);
+          EXPECT_LT(glm::length(Direction(*levels[k].texel(f, i, j)) - (0.5 + 0.5 * d)), 1.0 / n)
+              << n << ": " << i << "," << j;
+        }
+  }
 }
 
 }  // namespace

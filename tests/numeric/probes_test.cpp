@@ -5,6 +5,7 @@
 
 #include "envmap/io/read.h"
 #include "envmap/operate/convert.h"
+#include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 
 namespace envmap {
@@ -21,6 +22,23 @@ TEST(Probes, FluxThroughEveryProjection) {
       EXPECT_NEAR(mean_radiance(convert(source.map, area).base()) / flux, 1, 1e-4) << entry << name(p);
       EXPECT_NEAR(mean_radiance(convert(source.map, {.to = p, .filter = Filter::bilinear}).base()) / flux, 1, 2e-3)
           << entry << name(p);
+    }
+  }
+}
+
+TEST(Probes, FluxOfEveryLevel) {
+  const std::filesystem::path folder = ENVMAP_PROBES;
+  if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "no probes";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    Source source = read(entry.path().string(), {});
+    for (const Projection p : all_projections) {
+      EnvironmentMap map = convert(source.map, {.to = p, .size = 200, .filter = Filter::bilinear});
+      add_levels(map.levels);
+      for (const Level& level : map.levels) {
+        const Flux off = flux_difference(level, map.base());
+        EXPECT_LT(std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}), 1e-6)
+            << entry << name(p) << ": " << level.height();
+      }
     }
   }
 }

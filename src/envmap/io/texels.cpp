@@ -16,6 +16,7 @@ static_assert(std::endian::native == std::endian::little, "KTX2 and DDS files ar
 
 std::uint32_t to_rgb9e5(const Colour& c) {
   const float most = std::max({c.x, c.y, c.z});
+  if (most == 0) return 0;
   int exponent = 0;
   std::frexp(most, &exponent);  // most < 2^exponent.
   exponent = std::max(exponent, -15);

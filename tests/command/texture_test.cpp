@@ -1,0 +1,165 @@
+// KTX2 and DDS, byte by byte: faces as the APIs define them, what the containers demand, what others' files may hold.
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "picture.h"
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+// OpenGL 4.6, table 8.19: of a direction with major axis m, s = (sc / |m| + 1) / 2 and t = (tc / |m| + 1) / 2 with
+//   +X: sc = -z, tc = -y    +Y: sc = x, tc = z     +Z: sc = x, tc = -y
+//   -X: sc = z, tc = -y     -Y: sc = x, tc = -z    -Z: sc = -x, tc = -y
+// Direct3D and Vulkan say the same. Worked out by hand for the four texels of each face of 2x2.
+struct Entry {
+  Vec direction;
+  int face, i, j;
+};
+constexpr Entry api_table[] = {{{1, .5, .5}, 0, 0, 0},    {{1, .5, -.5}, 0, 1, 0},  {{1, -.5, .5}, 0, 0, 1},
+                               {{1, -.5, -.5}, 0, 1, 1},  {{-1, .5, -.5}, 1, 0, 0}, {{-1, .5, .5}, 1, 1, 0},
+                               {{-1, -.5, -.5}, 1, 0, 1}, {{-1, -.5, .5}, 1, 1, 1}, {{-.5, 1, -.5}, 2, 0, 0},
+                               {{.5, 1, -.5}, 2, 1, 0},   {{-.5, 1, .5}, 2, 0, 1},  {{.5, 1, .5}, 2, 1, 1},
+                               {{-.5, -1, .5}, 3, 0, 0},  {{.5, -1, .5}, 3, 1, 0},  {{-.5, -1, -.5}, 3, 0, 1},
+                               {{.5, -1, -.5}, 3, 1, 1},  {{-.5, .5, 1}, 4, 0, 0},  {{.5, .5, 1}, 4, 1, 0},
+                               {{-.5, -.5, 1}, 4, 0, 1},  {{.5, -.5, 1}, 4, 1, 1},  {{.5, .5, -1}, 5, 0, 0},
+                               {{-.5, .5, -1}, 5, 1, 0},  {{.5, -.5, -1}, 5, 0, 1}, {{-.5, -.5, -1}, 5, 1, 1}};
+
+template <class T>
+T value_at(const std::string& bytes, std::size_t offset) {
+  T value{};
+  if (offset + sizeof value <= bytes.size()) std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+class Texture : public CommandTest {
+ protected:
+  // Expects what `generate directions` shows towards each entry in float RGBA texels, faces this far apart.
+  static void expect_table(const std::string& bytes, std::size_t start, std::size_t face_bytes) {
+    for (const Entry& e : api_table) {
+      const auto colour = colour_of(e.direction);
+      const std::size_t at =
+          start + static_cast<std::size_t>(e.face) * face_bytes + static_cast<std::size_t>(2 * e.j + e.i) * 16;
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(value_at<float>(bytes, at + 4 * k), colour[k], 1e-6) << "face " << e.face << ": " << e.i << "," << e.j;
+      EXPECT_EQ(value_at<float>(bytes, at + 12), 1);
+    }
+  }
+
+  [[nodiscard]] Result check(const std::string& name) const { return shell("python3 '" ENVMAP_KTX2_CHECK "' " + name); }
+};
+
+TEST_F(Texture, HasTheFacesThatTheApisLookUp) {
+  succeeds({"generate", "directions", "cube.exr", "--to", "cube", "--size", "2"});
+  succeeds({"mipmap", "cube.exr", "cube.ktx2", "--depth", "float"});
+  const std::string ktx2 = read("cube.ktx2");
+  expect_table(ktx2, value_at<std::uint64_t>(ktx2, 80), 64);  // The level index begins at 80, base first.
+  succeeds({"mipmap", "cube.exr", "cube.dds", "--depth", "float"});
+  const std::string dds = read("cube.dds");
+  expect_table(dds, 148, 64 + 16);  // A face has all its levels.
+  EXPECT_EQ(dds.size(), 148U + 6 * (64 + 16));
+  for (const char* name : {"cube.ktx2", "cube.dds"}) {
+    succeeds({"convert", name, "back.exr", "--filter", "nearest"});
+    EXPECT_EQ(load(path("back.exr")), load(path("cube.exr"))) << name;
+  }
+}
+
+TEST_F(Texture, OfKtx2IsWhatTheSpecificationDemands) {
+  // Depth and largest rms of it.
+  constexpr std::pair<const char*, const char*> depths[] = {{"half", "5e-4"}, {"float", "0"}, {"rgb9e5", "2e-3"}};
+  constexpr const char* sizes[] = {"16", "5", "1"};
+  std::size_t turn = 0;
+  for (const std::string projection : {"latlong", "cube", "sphere", "paraboloid", "angular", "cube", "latlong"}) {
+    const auto& [depth, limit] = depths[turn % 3];
+    const std::string size = sizes[turn++ / 2 % 3];
+    SCOPED_TRACE(projection + " " + size + " " + depth);
+    succeeds({"generate", "directions", "in.exr", "--to", projection, "--size", size});
+    succeeds({"mipmap", "in.exr", "plain.ktx2", "--depth", depth});
+    succeeds({"mipmap", "in.exr", "packed.ktx2", "--depth", depth, "--zstd"});
+    const Result r = check("plain.ktx2 packed.ktx2");
+    EXPECT_EQ(r.status, 0) << r.out << r.err;
+    succeeds({"compare", "plain.ktx2", "in.exr", "--max-rms", limit, "--level", "0"});
+    succeeds({"compare", "packed.ktx2", "plain.ktx2", "--max-error", "0"});
+  }
+}
+
+TEST_F(Texture, IsFaultedByTheCheckWhereverAByteIsWrong) {
+  succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "4"});
+  succeeds({"mipmap", "in.exr", "good.ktx2"});
+  const std::string good = read("good.ktx2");
+  // Format, type size, faces, scheme, offsets, a level's length, total size, version, model, bits of a sample, a key.
+  for (const std::size_t at : {0, 12, 16, 36, 44, 48, 56, 88, 152, 160, 164, 180, 262}) {
+    std::string bad = good;
+    bad.at(at) = static_cast<char>(bad.at(at) ^ 0x40);
+    write("bad.ktx2", bad);
+    EXPECT_EQ(check("bad.ktx2").status, 1) << "byte " << at;
+  }
+}
+
+TEST_F(Texture, OfDdsHasTheHeaderThatDirectXDemands) {
+  succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "8"});
+  const std::pair<const char*, std::uint32_t> formats[] = {{"half", 10}, {"float", 2}, {"rgb9e5", 67}};
+  for (const auto& [depth, dxgi] : formats) {
+    succeeds({"mipmap", "in.exr", "cube.dds", "--depth", depth});
+    const std::string bytes = read("cube.dds");
+    const auto word = [&](std::size_t at) { return value_at<std::uint32_t>(bytes, at); };
+    EXPECT_EQ(bytes.substr(0, 4), "DDS ");
+    EXPECT_EQ(word(4), 124U);                 // Size of the header.
+    EXPECT_EQ(word(8) & 0x21007U, 0x21007U);  // Caps, height, width, pixel format, level count are there.
+    EXPECT_EQ(word(12), 8U);
+    EXPECT_EQ(word(16), 8U);
+    EXPECT_EQ(word(28), 4U);   // Levels.
+    EXPECT_EQ(word(76), 32U);  // Size of the pixel format.
+    EXPECT_EQ(word(80), 4U);   // It is a FourCC:
+    EXPECT_EQ(bytes.substr(84, 4), "DX10");
+    EXPECT_EQ(word(108), 0x1000U | 0x8U | 0x400000U);  // Texture, complex, levels.
+    EXPECT_EQ(word(112), 0x200U | 0xfc00U);            // Cube with all faces.
+    EXPECT_EQ(word(128), dxgi);
+    EXPECT_EQ(word(132), 3U);  // A 2D texture,
+    EXPECT_EQ(word(136), 4U);  // and six of them a cube,
+    EXPECT_EQ(word(140), 1U);  // of which there is one.
+    const std::size_t texel = dxgi == 2 ? 16 : dxgi == 10 ? 8 : 4;
+    EXPECT_EQ(bytes.size(), 148 + 6 * (64 + 16 + 4 + 1) * texel);
+  }
+}
+
+// As another writer might have made it: float RGB, no key/value data, the first row at the bottom.
+TEST_F(Texture, OfOtherWritersIsRead) {
+  std::string file("\xabKTX 20\xbb\r\n\x1a\n", 12);
+  const auto add = [&](auto value) { file.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  const std::string pair("KTXorientation\0ru\0\0\0", 20);
+  for (const std::uint32_t word : {106U, 4U, 4U, 2U, 0U, 0U, 1U, 0U, 0U, 104U, 0U, 104U, 24U}) add(word);
+  for (const std::uint64_t word : {0U, 0U, 128U, 96U, 96U}) add(word);
+  add(std::uint32_t{18});
+  file += pair;
+  Picture upright = latlong_directions(2);
+  for (int y = 2; y-- > 0;)
+    for (int k = 0; k < 12; ++k) add(upright.at(0, y)[k]);
+  write("other.ktx2", file);
+  succeeds({"convert", "other.ktx2", "out.exr", "--filter", "nearest"});
+  EXPECT_EQ(load(path("out.exr")), upright);
+}
+
+TEST_F(Texture, SaysWhatItCannotBe) {
+  succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "4"});
+  fails(2, {"mipmap", "in.exr", "out.ktx2", "--layout", "row"}, {"out.ktx2", "--layout"});
+  fails(2, {"mipmap", "in.exr", "out_{face}.dds"}, {"{face}"});
+  fails(2, {"mipmap", "in.exr", "out.dds", "--zstd"}, {"--zstd"});
+  fails(2, {"mipmap", "in.exr", "out.ktx2", "--depth", "uint8"}, {"half or float or rgb9e5"});
+  fails(2, {"mipmap", "in.exr", "out.ktx2", "--openexr-envmap"}, {".exr"});
+  succeeds({"mipmap", "in.exr", "out.ktx2"});
+  fails(3, {"info", "out.ktx2", "--from", "latlong"}, {"out.ktx2", "cube"});
+  fails(2, {"info", "out.ktx2", "--from-layout", "row"}, {"--from-layout"});
+  fails(3, {"info", "out.ktx2", "--level", "3"}, {"levels are 0 to 2"});
+  std::string bytes = read("out.ktx2");
+  for (const auto& [offset, value] : {std::pair{12, 145}, {44, 1}, {28, 2}, {32, 7}, {36, 5}}) {  // BC7, BasisLZ, ...
+    std::string other = bytes;
+    other.at(static_cast<std::size_t>(offset)) = static_cast<char>(value);
+    write("other.ktx2", other);
+    fails(3, {"info", "other.ktx2"}, {"other.ktx2"});
+  }
+}
+
+}  // namespace
+}  // namespace command_tests

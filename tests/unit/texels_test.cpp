@@ -1,0 +1,69 @@
+// Texels as GPUs hold them, against values worked out by hand.
+#include "envmap/io/texels.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+namespace envmap {
+namespace {
+
+std::uint32_t word(const Colour& c) {
+  std::uint32_t packed = 0;
+  encode(Texels::rgb9e5, std::span(&c, 1), std::as_writable_bytes(std::span(&packed, 1)));
+  return packed;
+}
+
+Colour colour(Texels texels, std::uint32_t packed) {
+  Colour c;
+  decode(texels, std::as_bytes(std::span(&packed, 1)), std::span(&c, 1));
+  return c;
+}
+
+// OpenGL 4.6, 8.5.2: mantissas in bits 0, 9 and 18, exponent from bit 27; value = mantissa x 2^(exponent - 15 - 9).
+TEST(Texels, SharedExponentOfKnownValues) {
+  EXPECT_EQ(word({1, 1, 1}), 0x84020100U);
+  EXPECT_EQ(word({0, 0, 0}), 0U);
+  EXPECT_EQ(word({65408, 0, 0}), 31U << 27 | 511U);
+  EXPECT_EQ(word({0, std::ldexp(1.0F, -24), 0}), 1U << 9);
+  EXPECT_EQ(word({1.9999F, 0, 0}), 17U << 27 | 256U);  // 512 after rounding, so the exponent goes up.
+  EXPECT_EQ(colour(Texels::rgb9e5, 0x84020100U), Colour(1));
+  EXPECT_EQ(colour(Texels::rgb9e5, 31U << 27 | 511U << 18), Colour(0, 0, 65408));
+}
+
+TEST(Texels, SharedExponentRoundsToNearest) {
+  std::mt19937 random(1);
+  for (int k = 0; k < 20000; ++k) {
+    const float scale = std::ldexp(1.0F, static_cast<int>(random() % 38) - 22);
+    const auto value = [&] { return std::min(65408.0F, scale * static_cast<float>(random() % 100001) / 100000); };
+    const Colour c(value(), value(), value()), back = colour(Texels::rgb9e5, word(c));
+    const float most = std::max({c.x, c.y, c.z}), step = std::max(std::ldexp(1.0F, -24), most / 256);
+    for (int i = 0; i < 3; ++i) EXPECT_LE(std::abs(back[i] - c[i]), 0.5F * step) << c.x << " " << c.y << " " << c.z;
+  }
+}
+
+TEST(Texels, SmallFloatsOfKnownValues) {
+  EXPECT_EQ(colour(Texels::rg11b10f, 15U << 6 | (15U << 6) << 11 | (15U << 5) << 22), Colour(1));
+  EXPECT_EQ(colour(Texels::rg11b10f, (30U << 6 | 63U)), Colour(65024, 0, 0));          // The largest of 11 bits.
+  EXPECT_EQ(colour(Texels::rg11b10f, 1U << 22), Colour(0, 0, std::ldexp(1.0F, -19)));  // The smallest of 10.
+  EXPECT_TRUE(std::isinf(colour(Texels::rg11b10f, 31U << 6).x));
+}
+
+TEST(Texels, AlphaIsOneAndSeen) {
+  const Colour c(0.25F, 2, 1000);
+  for (const Texels t : {Texels::rgba16f, Texels::rgba32f}) {
+    std::array<std::byte, 16> bytes{};
+    const auto used = std::span(bytes).first(static_cast<std::size_t>(format_of(t).bytes));
+    encode(t, std::span(&c, 1), used);
+    Colour back;
+    EXPECT_TRUE(decode(t, used, std::span(&back, 1)));
+    EXPECT_EQ(back, c);
+    std::memset(used.data() + used.size() - used.size() / 4, 0, used.size() / 4);
+    EXPECT_FALSE(decode(t, used, std::span(&back, 1)));
+  }
+}
+
+}  // namespace
+}  // namespace envmap
