@@ -54,6 +54,7 @@ int run(const Options& o, const Common& common) {
   const Source b = read_map(o.b, read_b, common);
   const std::vector<LevelDifference> levels = compare_levels(a.map, b.map);
   const bool resampled = !same_frame(a.map, b.map);
+  a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());  // Or a filter might read them as its own.
   if (resampled)
     a.map = convert(a.map,
                     {.to = b.map.projection(), .size = b.map.base().height(), .filter = o.filter, .forward = b.map.forward},
@@ -88,7 +89,8 @@ int run(const Options& o, const Common& common) {
                       d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j));
     for (const LevelDifference& level : levels)
       print(fmt::format("level {:2}  flux {:+.3e} {:+.3e} {:+.3e}{}\n", level.number, level.flux.x, level.flux.y,
-                        level.flux.z, level.same_texels ? fmt::format("  rms {:.3e}  max {:.3e}", level.rms, level.maximum) : ""));
+                        level.flux.z,
+                        level.same_texels ? fmt::format("  rms {:.3e}  max {:.3e}", level.rms, level.maximum) : ""));
     if (resampled) note(common, fmt::format("{} was resampled to the texels of {}", o.a, o.b));
   }
   if (!o.difference.empty()) {
@@ -115,7 +117,8 @@ Command compare_command() {
           "sum w |a-b|^2 / sum w |b|^2 with w the solid angle; max is the largest |a-b| / max(|b|, 0.001 x mean of b) "
           "of any "
           "texel and channel. Where projection, size or forward axis differ, A is resampled to the texels of B.\n\n"
-          "Of a map with mip levels each level is shown: against the same of B where B has it, else its flux against that of "
+          "Of a map with mip levels each level is shown: against the same of B where B has it, else its flux against "
+          "that of "
           "B. Limits hold for all of them; --level compares one.\n\n"
           "Exit status 1 where a limit is given and exceeded.",
       .examples = {{"envmap compare new.exr golden.exr --max-rms 1e-3", "a golden-file test: exit status 1 if beyond"},

@@ -99,9 +99,7 @@ int run(Options& o, const Common& common) {
     const int y = border + static_cast<int>(k) / columns * (o.height + caption + border);
     OIIO::ImageBufAlgo::paste(sheet, x + (cell - pictures[k].spec().width) / 2, y, 0, 0, pictures[k]);
     // Without any font on the machine the sheet has no names.
-    (void)OIIO::ImageBufAlgo::render_text(sheet, x + 2, y + o.height + 16,
-                                          captions[k], 14, "DejaVuSans",
-                                          {0.8F, 0.8F, 0.8F});
+    (void)OIIO::ImageBufAlgo::render_text(sheet, x + 2, y + o.height + 16, captions[k], 14, "DejaVuSans", {0.8F, 0.8F, 0.8F});
     (void)sheet.geterror();
   }
   const auto depfile = open_depfile(output, inputs, common);

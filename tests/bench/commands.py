@@ -67,6 +67,16 @@ def jobs(n, latlong, cube, angular, envmaps):
         return Row('ffmpeg', f'ffmpeg -v error -y -i {{in}} -vf v360={projections}:interp=linear:w={width}:h={height} '
                    '-c:v exr -format half -compression zip16 {out}', None)
 
+    def levels(name, source, projection, others):
+        # All levels, and beside it what only reads and writes as many: not judged here, see README.md under 'Accuracy'.
+        chain = source.with_name(f'{projection}-levels.exr')
+        rows = [Row('copy', f'oiiotool -a {chain} -o {{out}}', None)]
+        for label, envmap in envmaps:
+            mipmap = envmap.replace(' convert ', ' mipmap ').split(' --filter ')[0]
+            rows += [Row(label, f'{mipmap} {{in}} {{out}}', None),
+                     Row(f'{label} uniform', f'{mipmap} {{in}} {{out}} --weights uniform', None)]
+        return Job(name, source, projection, projection, rows + others)
+
     face, small, border = n // 2, n // 32, ('border', 'border')
     flop = 'oiiotool {out} --flop -o {judged}'  # Its mirror ball is seen from the other side.
     mip = 'oiiotool {out} --selectmip 4 -o {judged}'
@@ -89,6 +99,11 @@ def jobs(n, latlong, cube, angular, envmaps):
         job(f'cube {face} to latlong {2 * n}x{n}', cube, 'cube', 'latlong', n,
             [Row('exrenvmap', f'exrenvmap -ci -l -w {2 * n} {{in}} {{out}}', border),
              v360('c1x6:e', 2 * n, n)]),
+        levels(f'levels of latlong {2 * n}x{n}', latlong, 'latlong',
+               [Row('maketx', 'maketx --envlatl -d half {in} -o {out}', None)]),
+        levels(f'levels of cube {face}', cube, 'cube',
+               [Row('exrenvmap', f'exrenvmap -ci -c -m -w {face} {{in}} {{out}}', None)]),
+        levels(f'levels of angular {2 * n}', angular, 'angular', []),
         job(f'angular {2 * n} to latlong {2 * n}x{n}', angular, 'angular', 'latlong', n,
             [pfs('angular+polar', 2 * n)]),
     ]
@@ -184,6 +199,8 @@ def make_inputs(envmap, probe, n, folder):
             '--direction', '2,2,3', '--radius', 4, '--value', '100,80,50')
     run('convert', '-q', latlong, cube, '--to', 'cube', '--filter', 'bilinear')
     run('convert', '-q', latlong, angular, '--to', 'angular', '--filter', 'bilinear')
+    for source in (latlong, cube, angular):
+        run('mipmap', '-q', source, folder / f'{source.stem}-levels.exr')
     return latlong, cube, angular
 
 

@@ -102,7 +102,7 @@ TEST_P(EachLevels, ShowTheMeanOfTheEnvironmentInEveryTexel) {
             solid_angles(GetParam(), level.height(), j, w);
             if (w[static_cast<std::size_t>(i)] <= 0.3 * w[static_cast<std::size_t>(level.width() / 2)]) continue;
             // Of odd sizes, texels that straddle two are taken as constant over each part: an error of their own size.
-            const double allowed = size == 45 ? 0.08 : on_disc(GetParam()) ? 0.01 : 1e-4;
+            const double allowed = size == 45 ? 0.12 : on_disc(GetParam()) ? 0.02 : 1e-3;
             const Colour off = glm::abs(*level.texel(f, i, j) - expected(level, f, i, j));
             EXPECT_LT(std::max({off.x, off.y, off.z}), allowed)
                 << level.width() << "x" << level.height() << " face " << f << ": " << i << "," << j << " at " << r.u0;

@@ -101,8 +101,12 @@ void read_band(Image& image, const OIIO::ImageSpec& spec, int level, const Chann
 // can promise anything.
 Level read_pixels(Image& image, int stored, const Channels& channels, const Recognised& base, int number) {
   const OIIO::ImageSpec spec = image.input->spec(0, stored);
-  const FaceSize face = face_size(base, number);
+  FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
+  // A latlong image is all of the sphere, also where its writer rounded up.
+  const auto rounded_up = [](int is, int wanted) { return is == wanted || is == wanted + 1; };
+  if (base.projection == Projection::latlong && rounded_up(spec.width, face.width) && rounded_up(spec.height, face.height))
+    face = {spec.width, spec.height};
   if (spec.width < places.columns * face.width || spec.height < places.rows * face.height)
     image.fail(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, spec.width, spec.height,
                            face.width, face.height));

@@ -217,6 +217,16 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   return done;
 }
 
+// A chain that was read may round as its writer did; what is written is halved and rounded down.
+void check_sizes(const std::string& path, std::span<const Rows> levels) {
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const int width = std::max(1, levels[0].width() >> k), height = std::max(1, levels[0].size >> k);
+    if (levels[k].width() != width || levels[k].size != height)
+      throw UsageError(fmt::format("{}: level {} is {}x{}, not {}x{}: make levels anew, without --keep", path, k,
+                                   levels[k].width(), levels[k].size, width, height));
+  }
+}
+
 }  // namespace
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
@@ -249,6 +259,7 @@ Written write(const std::string& path, const Rows& rows, const WriteOptions& opt
 Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
   const Rows& base = levels.front();
   check_output(path, options, base.projection, levels.size() > 1);
+  check_sizes(path, levels);
   if (!options.openexr_envmap) return write_files(path, levels, options, progress);
   if (base.forward != Forward::plus_z)
     throw UsageError(path + ": OpenEXR's envmap files have +z at the centre: say --forward +z");
