@@ -4,6 +4,7 @@
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
+#include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -126,6 +127,34 @@ TEST_F(Io, BorderSamplesAreMovedToCellCentres) {
   EXPECT_TRUE(read_right.border_samples);
   EXPECT_LT(worst(read_right.map.base()), 0.01);
   EXPECT_GT(worst(read(path("m.exr"), {.ignore_envmap_attribute = true}).map.base()), 0.4);
+}
+
+// OpenEXR may round levels up: no texel of a latlong image is left out, and nothing of another size is written.
+TEST_F(Io, LevelsThatAreRoundedUpAreRead) {
+  const int w = 10, h = 5;
+  Imf::Header header(w, h);
+  header.setTileDescription(Imf::TileDescription(16, 16, Imf::MIPMAP_LEVELS, Imf::ROUND_UP));
+  const std::vector<float> white(w * h, 1);
+  Imf::FrameBuffer frame;
+  for (const char* channel : {"R", "G", "B"}) {
+    header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+    frame.insert(channel, Imf::Slice(Imf::FLOAT, const_cast<char*>(reinterpret_cast<const char*>(white.data())),
+                                     sizeof(float), sizeof(float) * w));
+  }
+  {
+    Imf::TiledOutputFile out(path("up.exr").c_str(), header);
+    out.setFrameBuffer(frame);
+    for (int level = 0; level < out.numLevels(); ++level)
+      out.writeTiles(0, out.numXTiles(level) - 1, 0, out.numYTiles(level) - 1, level);
+  }
+  const Source source = read(path("up.exr"), {.all_levels = true});
+  ASSERT_EQ(source.map.levels.size(), 4U);  // 10x5 5x3 3x2 2x1, of which the last would be 1x1 if rounded down.
+  EXPECT_EQ(source.map.levels[1].width(), 5);
+  EXPECT_EQ(source.map.levels[1].height(), 3);
+  for (const Level& level : source.map.levels)
+    for (int j = 0; j < level.height(); ++j)
+      for (const Colour& c : level.row(0, j)) EXPECT_EQ(c, Colour(1));
+  EXPECT_THROW(write(path("out.exr"), all_rows_of(source.map), {}), UsageError);
 }
 
 TEST(Srgb, CurveOfTheStandard) {
