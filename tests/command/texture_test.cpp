@@ -141,6 +141,29 @@ TEST_F(Texture, OfOtherWritersIsRead) {
   EXPECT_EQ(load(path("out.exr")), upright);
 }
 
+// What OpenImageIO is left to read: 8-bit texels, here B G R, encoded; and never a channel without bits.
+TEST_F(Texture, OfDdsWithBytesIsReadToo) {
+  std::string file = "DDS ";
+  const auto add = [&](std::initializer_list<std::uint32_t> words) {
+    for (const std::uint32_t word : words) file.append(reinterpret_cast<const char*>(&word), sizeof word);
+  };
+  add({124, 0x1007, 2, 4, 0, 0, 0});
+  file.append(44, '\0');
+  add({32, 0x40, 0, 24, 0xff0000, 0xff00, 0xff, 0, 0x1000, 0, 0, 0, 0});
+  for (int k = 0; k < 8; ++k) file += std::string("\x00\x00\xff", 3);
+  write("red.dds", file);
+  succeeds({"convert", "red.dds", "red.exr", "--filter", "nearest", "--depth", "float"});
+  const Picture red = load(path("red.exr"));
+  EXPECT_EQ(red.width, 4);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(red.at(3, 1)[k], k == 0 ? 1 : 0, 1e-6);
+  for (const std::size_t word : {88, 92, 100}) {  // Bits of a texel, and of red and blue.
+    std::string bad = file;
+    bad.replace(word, 4, 4, '\0');
+    write("bad.dds", bad);
+    fails(3, {"info", "bad.dds"}, {"no bits"});
+  }
+}
+
 TEST_F(Texture, SaysWhatItCannotBe) {
   succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "4"});
   fails(2, {"mipmap", "in.exr", "out.ktx2", "--layout", "row"}, {"out.ktx2", "--layout"});

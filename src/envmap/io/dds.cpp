@@ -35,13 +35,26 @@ static_assert(sizeof(Dx10) == 20);
 
 using Bits = const std::uint32_t;
 constexpr Bits flags_of_texture = 0x1 | 0x2 | 0x4 | 0x1000;  // Caps, height, width, pixel format.
-constexpr Bits flag_pitch = 0x8, flag_levels = 0x20000, format_four_cc = 0x4;
+constexpr Bits flag_pitch = 0x8, flag_levels = 0x20000;
+constexpr Bits format_alpha = 0x1, format_alpha_only = 0x2, format_four_cc = 0x4, format_luminance = 0x20000;
 constexpr Bits caps_texture = 0x1000, caps_complex = 0x8, caps_levels = 0x400000;
 constexpr Bits caps2_cube = 0x200, caps2_all_faces = 0xfc00, caps2_volume = 0x200000;
 constexpr Bits dimension_2d = 3, misc_cube = 0x4, alpha_opaque = 3;
 
 // Direct3D 9 wrote its formats' numbers where four characters stand: A16B16G16R16F and A32B32G32R32F.
 constexpr std::uint32_t d3d9_half = 113, d3d9_float = 116;
+
+// Of integer texels: OpenImageIO 2.4 goes round and round where a channel has no bits.
+void check_masks(const Header& h) {
+  const auto& f = h.format;
+  const bool alpha_only = f.flags & format_alpha_only, grey = f.flags & format_luminance;
+  const std::uint32_t there = f.bits >= 32 ? ~0U : (1U << f.bits) - 1;
+  const auto sound = [&](std::uint32_t mask) { return mask != 0 && (mask & ~there) == 0; };
+  if (f.bits == 0 || f.bits > 32 || f.bits % 8 != 0 || (!alpha_only && !sound(f.red)) ||
+      (!alpha_only && !grey && (!sound(f.green) || !sound(f.blue))) ||
+      ((alpha_only || f.flags & format_alpha) && !sound(f.alpha)))
+    throw InputError("damaged: DDS with channels that have no bits");
+}
 
 }  // namespace
 
@@ -83,7 +96,10 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
 
 std::optional<Texture> open_dds(OIIO::Filesystem::IOProxy& file) {
   const auto h = read_as<Header>(file, 0);
-  if (!(h.format.flags & format_four_cc)) return std::nullopt;
+  if (!(h.format.flags & format_four_cc)) {
+    check_masks(h);
+    return std::nullopt;
+  }
   std::uint64_t start = sizeof(Header);
   const TexelFormat* format = nullptr;
   bool cube = h.caps2 & caps2_cube;
