@@ -152,10 +152,15 @@ TEST(Trilinear, IsBilinearOnALevelAndBetweenLevels) {
   for (Level& level : levels) fill_gutter(level);
   ASSERT_EQ(levels.size(), 5U);
   const Location<double> at{3, 0.3, 0.71};
+  const auto trilinear = [&](double lod) {
+    Colour out;
+    sample_trilinear(levels, {&at, 1}, lod, {&out, 1});
+    return out;
+  };
   for (std::size_t l = 0; l < levels.size(); ++l)
-    EXPECT_EQ(trilinear(levels, at, static_cast<double>(l)).x, bilinear(levels[l], at).x);
-  EXPECT_NEAR(trilinear(levels, at, 1.25).x, 0.75 * bilinear(levels[1], at).x + 0.25 * bilinear(levels[2], at).x, 1e-6);
-  EXPECT_EQ(trilinear(levels, at, 99).x, bilinear(levels[4], at).x);
+    EXPECT_EQ(trilinear(static_cast<double>(l)).x, bilinear(levels[l], at).x);
+  EXPECT_NEAR(trilinear(1.25).x, 0.75 * bilinear(levels[1], at).x + 0.25 * bilinear(levels[2], at).x, 1e-6);
+  EXPECT_EQ(trilinear(99).x, bilinear(levels[4], at).x);
 }
 
 // Right of and below a sun, sums in float hold nothing but the sun: the sky there comes out as noise.

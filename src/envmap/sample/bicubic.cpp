@@ -31,4 +31,8 @@ Colour bicubic(const Level& level, const Location<double>& at) {
                     glm::max(glm::max(a[0], a[1]), glm::max(b[0], b[1])));
 }
 
+void sample_bicubic(const Level& level, std::span<const Location<double>> at, std::span<Colour> out) {
+  for (std::size_t k = 0; k < at.size(); ++k) out[k] = bicubic(level, at[k]);
+}
+
 }  // namespace envmap

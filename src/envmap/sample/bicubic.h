@@ -2,6 +2,8 @@
 /// Cubic interpolation of one level.
 #pragma once
 
+#include <span>
+
 #include "envmap/map/environment_map.h"
 
 namespace envmap {
@@ -10,5 +12,6 @@ namespace envmap {
 /// Its negative lobes would ring round a sun and go below 0: the value stays in the range of the 4 texels around the
 /// place. Wants a level whose gutter is filled.
 Colour bicubic(const Level& level, const Location<double>& at);
+void sample_bicubic(const Level& level, std::span<const Location<double>> at, std::span<Colour> out);
 
 }  // namespace envmap

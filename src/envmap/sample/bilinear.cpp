@@ -36,13 +36,13 @@ HWY_INLINE V whole_below(D d, V x) {
   return hn::Sub(nearest, hn::IfThenElseZero(hn::Gt(nearest, x), hn::Set(d, 1)));
 }
 
-void place(const Level& level, Places& places) {
+void place(const Level& level, std::size_t count, Places& places) {
   const hn::ScalableTag<double> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto width = hn::Set(d, level.width()), height = hn::Set(d, level.height()), half = hn::Set(d, 0.5);
   const auto rows = hn::Set(d, level.height() + 2 * Level::gutter);
   const auto stride = hn::Set(d, static_cast<double>(level.stride()));
-  for (std::size_t k = 0; k < block; k += hn::Lanes(d)) {
+  for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
     const auto x = hn::Sub(hn::Mul(hn::Load(d, places.u + k), width), half);
     const auto y = hn::Sub(hn::Mul(hn::Load(d, places.v + k), height), half);
     const auto left = whole_below(d, x), top = whole_below(d, y);
@@ -81,8 +81,10 @@ void SampleBilinear(const Level& level, std::span<const Location<double>> at, st
       const Location<double>& l = at[start + k];
       places.face[k] = l.face, places.u[k] = l.u, places.v[k] = l.v;
     }
-    for (std::size_t k = count; k < block; ++k) places.face[k] = places.u[k] = places.v[k] = 0;
-    place(level, places);
+    // Lanes beyond the last one are worked out, too.
+    const std::size_t end = std::min(block, count + hn::Lanes(hn::ScalableTag<double>()));
+    for (std::size_t k = count; k < end; ++k) places.face[k] = places.u[k] = places.v[k] = 0;
+    place(level, count, places);
     blend(level.texel(0, 0, 0), level.stride(), places, count, &out[start]);
   }
 }

@@ -55,19 +55,23 @@ Sampler point_sampler(const Level& base, const Target& target, bool bilinear) {
 Sampler make_sampler(const std::vector<Level>& levels, const Target& target, const FilterOptions& options) {
   const Level& base = levels.front();
   const auto grid = [n = options.samples](int, const Vec2<double>&) { return Probes{n, n}; };
+  const auto all_of = [&base](auto sample) {
+    return [&base, sample](std::span<const Location<double>> at, const Probes&, std::span<Colour> out) {
+      sample(base, at, out);
+    };
+  };
   const auto by_plan = [&](auto plan) {
     return probing(
         base, target, [&base, target, plan](int face, const Vec2<double>& at) { return plan(target, base, face, at); },
-        [&levels](const Location<double>& at, const Probes& p) { return trilinear(levels, at, p.lod); });
+        [&levels](std::span<const Location<double>> at, const Probes& p, std::span<Colour> out) {
+          sample_trilinear(levels, at, p.lod, out);
+        });
   };
   if (options.samples == 1 && (options.filter == Filter::nearest || options.filter == Filter::bilinear))
     return point_sampler(base, target, options.filter == Filter::bilinear);
   switch (options.filter) {
-    case Filter::nearest:
-      return probing(
-          base, target, grid, [&base](const Location<double>& at, const Probes&) { return nearest(base, at); }, true);
-    case Filter::bicubic:
-      return probing(base, target, grid, [&base](const Location<double>& at, const Probes&) { return bicubic(base, at); });
+    case Filter::nearest: return probing(base, target, grid, all_of(sample_nearest), true);
+    case Filter::bicubic: return probing(base, target, grid, all_of(sample_bicubic));
     case Filter::trilinear: return by_plan(trilinear_plan);
     case Filter::ewa: return by_plan(ewa_plan);
     case Filter::sat: return summed_area_sampler(base, target);
@@ -75,7 +79,7 @@ Sampler make_sampler(const std::vector<Level>& levels, const Target& target, con
     case Filter::automatic:
     case Filter::bilinear: break;
   }
-  return probing(base, target, grid, [&base](const Location<double>& at, const Probes&) { return bilinear(base, at); });
+  return probing(base, target, grid, all_of(sample_bilinear));
 }
 
 }  // namespace envmap

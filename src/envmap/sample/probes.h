@@ -2,6 +2,7 @@
 /// Means of probes: every filter that looks at a few places of the source for each texel.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "envmap/sample/target.h"
@@ -18,10 +19,17 @@ struct Probes {
 /// (u,v) of the result and go through the direction map one by one, so that no footprint ever meets an edge.
 /// @param find (directions, locations): locate() of the source, or locate_for_bilinear().
 /// @param plan (face, place in it) -> Probes, or anything else with `across` and `down`.
-/// @param probe (Location, what plan gave for the texel) -> Colour.
+/// @param probe (the probes' locations, what plan gave for the texel, colours to fill).
 template <class Find, class Plan, class Probe>
 void sample_probes(const Target& target, int face, int row, int first, std::span<Colour> out, const Find& find,
                    const Plan& plan, const Probe& probe) {
+  constexpr std::size_t block = 32;  // Texels whose probes' places all stay in a near cache.
+  if (out.size() > block) {
+    for (std::size_t k = 0; k < out.size(); k += block)
+      sample_probes(target, face, row, first + static_cast<int>(k), out.subspan(k, std::min(block, out.size() - k)),
+                    find, plan, probe);
+    return;
+  }
   const double h = target.size, w = h * aspect(target.to);
   std::vector<Direction> directions(out.size());
   std::vector<decltype(plan(face, Vec2<double>()))> plans(out.size());
@@ -46,17 +54,27 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
   rotate(target.to_source, directions);
   find(directions, locations);
 
+  std::vector<Colour> colours;
   std::size_t next = 0;
   for (std::size_t k = 0; k < out.size(); ++k) {
     const std::size_t count = static_cast<std::size_t>(plans[k].across) * static_cast<std::size_t>(plans[k].down);
-    Direction sum(0);
-    double whole = 0;
-    for (std::size_t n = 0; count > 1 && n < count; ++n, ++next) {
-      if (weights[next] == 0) continue;
-      sum += weights[next] * Direction(probe(locations[out.size() + next], plans[k]));
-      whole += weights[next];
+    if (count > 1) {
+      const std::span<const double> weight = std::span(weights).subspan(next, count);
+      colours.resize(count);
+      probe(std::span<const Location<double>>(locations).subspan(out.size() + next, count), plans[k], std::span(colours));
+      next += count;
+      Direction sum(0);
+      double whole = 0;
+      for (std::size_t n = 0; n < count; ++n) {
+        sum += weight[n] * Direction(colours[n]);
+        whole += weight[n];
+      }
+      if (whole > 0) {
+        out[k] = Colour(sum / whole);
+        continue;
+      }
     }
-    out[k] = whole > 0 ? Colour(sum / whole) : probe(locations[k], plans[k]);
+    probe(std::span<const Location<double>>(&locations[k], 1), plans[k], out.subspan(k, 1));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "envmap/sample/footprint.h"
 #include "envmap/sample/sample.h"
@@ -16,12 +17,16 @@ constexpr double most_probes = 32;  // Along a side of a texel: what is more obl
 
 }  // namespace
 
-Colour trilinear(std::span<const Level> levels, const Location<double>& at, double lod) {
+void sample_trilinear(std::span<const Level> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out) {
   const double level = std::clamp(lod, 0.0, static_cast<double>(levels.size() - 1));
   const auto fine = static_cast<std::size_t>(level);
   const auto f = static_cast<float>(level - static_cast<double>(fine));
-  const Colour near = bilinear(levels[fine], at);
-  return f == 0 ? near : (1 - f) * near + f * bilinear(levels[fine + 1], at);
+  sample_bilinear(levels[fine], at, out);
+  if (f == 0) return;
+  static thread_local std::vector<Colour> coarse;
+  coarse.resize(at.size());
+  sample_bilinear(levels[fine + 1], at, coarse);
+  for (std::size_t k = 0; k < at.size(); ++k) out[k] = (1 - f) * out[k] + f * coarse[k];
 }
 
 Probes trilinear_plan(const Target& target, const Level& base, int face, const Vec2<double>& at) {

@@ -9,7 +9,7 @@ namespace envmap {
 
 /// Between the two levels next to `lod` (0 is the finest), bilinear in each (Williams 1983, "Pyramidal parametrics").
 /// @param levels with their gutters filled.
-Colour trilinear(std::span<const Level> levels, const Location<double>& at, double lod);
+void sample_trilinear(std::span<const Level> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out);
 
 /// One probe at the level where a texel is as wide as the footprint is long: never aliases, blurs what is oblique.
 Probes trilinear_plan(const Target& target, const Level& base, int face, const Vec2<double>& at);

@@ -118,7 +118,9 @@ Sampler summed_area_sampler(const Level& source, const Target& target) {
       locate(source.projection(), d, at);
     };
     sample_probes(target, face, row, first, out, find, plan,
-                  [&](const Location<double>& at, const Box& box) { return table->mean(at, box.half); });
+                  [&](std::span<const Location<double>> at, const Box& box, std::span<Colour> to) {
+                    for (std::size_t k = 0; k < at.size(); ++k) to[k] = table->mean(at[k], box.half);
+                  });
   };
 }
 
