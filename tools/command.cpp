@@ -112,9 +112,24 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
   app.add_flag("--drop-channels", options.drop_channels, "Read R, G and B of files with more channels");
 }
 
+void add_max_memory(CLI::App& app, ReadOptions& options) {
+  app.add_option(
+         "--max-memory", options.max_memory,
+         "Memory to take, such as 2G or 500M: a map too large for it lies in a scratch file in $TMPDIR, else in "
+         "/var/tmp (default: no limit)")
+      ->type_name("SIZE")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::Range(std::size_t{1} << 26, std::size_t{1} << 50, "SIZE of 64M and more"));
+}
+
 void add_file_options(CLI::App& app, WriteOptions& options) {
   app.add_flag("--openexr-envmap", options.openexr_envmap,
                "Write EXR as OpenEXR's own tools do: with the envmap attribute and samples on the border of the image");
+  app.add_option("--compression", options.compression,
+                 "Of EXR files: none, rle, zips, zip, piz or pxr24; b44, b44a, dwaa or dwab lose something; zip:1 ... "
+                 "zip:9 and "
+                 "dwaa:45 set how hard (default: zip)")
+      ->type_name("KIND");
   app.add_flag("--zstd", options.zstd, "Compress a KTX2 file with Zstandard");
 }
 

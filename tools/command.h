@@ -97,6 +97,8 @@ CLI::Option* add_triple(CLI::App& app, const std::string& flag, std::optional<en
 void add_read_options(CLI::App& app, envmap::ReadOptions& options);
 /// What one file format alone knows: --openexr-envmap, --zstd.
 void add_file_options(CLI::App& app, envmap::WriteOptions& options);
+/// --max-memory, for commands that need few texels at a time.
+void add_max_memory(CLI::App& app, envmap::ReadOptions& options);
 /// --repair, for commands that want sound radiance.
 void add_repair(CLI::App& app, envmap::ReadOptions& options);
 

@@ -60,6 +60,9 @@ int run(Options& o, const Common& common) {
   o.write.source_depth = source.depth;
   check_output(o.output, o.write, o.conversion.to);
 
+  if (source.map.base().max_memory() > 0 && o.conversion.filter == Filter::sat)
+    throw UsageError(
+        "--filter sat needs a table of all texels in memory: leave out --max-memory or choose another filter");
   if (o.max_error > 0 && !settle_filter(o, source.map, common)) return 1;
   if (common.verbose)
     note(common, fmt::format("{} to {}: {}", name(source.map.projection()), name(o.conversion.to),
@@ -146,6 +149,7 @@ Command convert_command() {
         add_file_options(app, o->write);
         app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
         add_read_options(app, o->read);
+        add_max_memory(app, o->read);
         add_repair(app, o->read);
         return [o, &common] { return run(*o, common); };
       }};

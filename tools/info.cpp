@@ -170,6 +170,7 @@ Command info_command() {
         app.add_flag("--levels", o->levels, "Add the table of mip levels and how far the flux of each is off");
         app.add_flag("--sampling", o->sampling, "Add the table of texel solid angle and anisotropy from centre to rim");
         add_read_options(app, o->read);
+        add_max_memory(app, o->read);
         o->read.flaws = FlawPolicy::keep;
         return [o, &common] { return run(*o, common); };
       }};

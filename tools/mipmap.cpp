@@ -78,6 +78,7 @@ Command mipmap_command() {
             add_file_options(app, o->write);
             app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
             add_read_options(app, o->read);
+            add_max_memory(app, o->read);
             add_repair(app, o->read);
             return [o, &common] { return run(*o, common); };
           }};

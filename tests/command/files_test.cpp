@@ -279,5 +279,41 @@ TEST_F(Depfile, IsNotWrittenForARunThatFails) {
   fails(3, {"convert", "missing.exr", "out.exr", "--depfile", "out.d"}, {"missing.exr"});
 }
 
+// ---- memory and compression ----------------------------------------------------------------------------------------
+
+class Memory : public CommandTest {};
+
+TEST_F(Memory, ALimitOnMemoryChangesNoByte) {
+  succeeds({"generate", "sky", "sky.exr", "--size", "1300", "--depth", "half"});  // 40 MB as it is worked on.
+  for (const std::string to : {"cube", "sphere"})
+    for (const std::string size : {"150", "700"}) {  // By the area filter, and by the bilinear one.
+      succeeds({"convert", "sky.exr", "free.exr", "--to", to, "--size", size});
+      succeeds({"convert", "sky.exr", "held.exr", "--to", to, "--size", size, "--max-memory", "64M"});
+      EXPECT_EQ(read("free.exr"), read("held.exr")) << to << " " << size;
+    }
+  succeeds({"mipmap", "sky.exr", "free.exr"});
+  succeeds({"mipmap", "sky.exr", "held.exr", "--max-memory", "64M"});
+  EXPECT_EQ(read("free.exr"), read("held.exr"));
+  fails(2, {"convert", "sky.exr", "none.exr", "--filter", "sat", "--max-memory", "64M"}, {"sat", "--max-memory"});
+  fails(2, {"convert", "sky.exr", "none.exr", "--max-memory", "64X"}, {"--max-memory"});
+  const Result nowhere = shell("TMPDIR=/nowhere \"$ENVMAP\" convert sky.exr none.exr --to cube --max-memory 64M");
+  EXPECT_EQ(nowhere.status, 4);
+  EXPECT_NE(nowhere.err.find("/nowhere"), std::string::npos) << nowhere.err;
+  EXPECT_FALSE(files().contains("none.exr"));
+}
+
+TEST_F(Memory, CompressionIsChosen) {
+  succeeds({"generate", "sun", "sun.exr", "--size", "64"});
+  succeeds({"convert", "sun.exr", "none.exr", "--compression", "none"});
+  for (const std::string kind : {"rle", "zips", "zip", "zip:9", "piz", "pxr24"}) {
+    succeeds({"convert", "sun.exr", "small.exr", "--compression", kind});
+    EXPECT_LE(read("small.exr").size(), read("none.exr").size() / (kind == "rle" ? 1 : 2)) << kind;
+    succeeds({"compare", "small.exr", "none.exr", "--max-error", kind == "pxr24" ? "1e-4" : "0"});
+  }
+  for (const std::string kind : {"zip:0", "zip:10", "best", "piz:3", "dwaa:", "dwaa:x"})
+    fails(2, {"convert", "sun.exr", "small.exr", "--compression", kind}, {"--compression", "zip:9"});
+  fails(2, {"convert", "sun.exr", "small.hdr", "--compression", "piz"}, {".exr"});
+}
+
 }  // namespace
 }  // namespace command_tests

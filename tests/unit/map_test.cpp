@@ -179,5 +179,24 @@ TEST(Recognise, WhatIsSaidComesFirstThenWhatIsRecorded) {
   EXPECT_THROW(recognise(1000, 600, {}, paraboloid), InputError);
 }
 
+// ---- storage ---------------------------------------------------------------------------------------------------------
+
+TEST(Storage, AScratchFileHoldsWhatMemoryHolds) {
+  for (const std::size_t limit : {std::size_t{0}, std::size_t{1}}) {  // With one byte, trim() always lets go.
+    Storage s(5000, limit);
+    EXPECT_EQ(s.data()[4999], Colour(0));
+    for (int k = 0; k < 5000; ++k) s.data()[k] = Colour(static_cast<float>(k));
+    s.trim();
+    Storage copy = s;
+    s.data()[7] = Colour(1);
+    s.trim();
+    EXPECT_EQ(s.data()[7].x, 1);
+    EXPECT_EQ(copy.data()[7].x, 7);
+    const Storage moved = std::move(copy);
+    EXPECT_EQ(moved.data()[4999].x, 4999);
+    EXPECT_EQ(moved.limit(), limit);
+  }
+}
+
 }  // namespace
 }  // namespace envmap

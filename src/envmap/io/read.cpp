@@ -51,7 +51,7 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   return {first, count};
 }
 
-void check_size(const Image& image, const OIIO::ImageSpec& spec) {
+void check_size(const Image& image, const OIIO::ImageSpec& spec, const ReadOptions& options) {
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1) image.fail("not a flat image");
   // Of tiled cube maps OpenImageIO calls one face the display window.
   const bool cube = has_border_samples(spec) && spec.height == 6 * spec.width;
@@ -70,9 +70,9 @@ void check_size(const Image& image, const OIIO::ImageSpec& spec) {
   // A header can promise anything. No compression in use makes a map 20,000 times smaller.
   if (image.size > 0 && bytes > 0x1p28 && bytes > 2e4 * static_cast<double>(image.size))
     image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, spec.width, spec.height));
-  if (bytes > memory)
-    image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}", spec.width, spec.height,
-                           bytes / 0x1p30, memory / 0x1p30));
+  if (bytes > memory && options.max_memory == 0)
+    image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}: say --max-memory", spec.width,
+                           spec.height, bytes / 0x1p30, memory / 0x1p30));
 }
 
 // Rows [begin, end) of a level as RGB. The spec is that level's.
@@ -97,9 +97,15 @@ void read_band(Image& image, const OIIO::ImageSpec& spec, int level, const Chann
     for (Colour& c : out) c = Colour(c.x);
 }
 
+// The limit where the map would take more than half of it; else none.
+std::size_t scratch(std::size_t max_memory, const OIIO::ImageSpec& spec) {
+  return spec.image_pixels() * sizeof(Colour) > max_memory / 2 ? max_memory : 0;
+}
+
 // A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
 // can promise anything.
-Level read_pixels(Image& image, int stored, const Channels& channels, const Recognised& base, int number) {
+Level read_pixels(Image& image, int stored, const Channels& channels, const Recognised& base, int number,
+                  std::size_t max_memory) {
   const OIIO::ImageSpec spec = image.input->spec(0, stored);
   FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
@@ -122,8 +128,9 @@ Level read_pixels(Image& image, int stored, const Channels& channels, const Reco
     const auto rows = std::span(band).first(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(spec.width));
     read_band(image, spec, stored, channels, begin, end, rows);
     if (encoded) decode_srgb(rows);
-    if (!level) level.emplace(base.projection, face.height, face.width);
+    if (!level) level.emplace(base.projection, face.height, face.width, scratch(max_memory, spec));
     scatter(rows, spec.width, begin, end, places, *level);
+    level->trim();
   }
   return std::move(*level);
 }
@@ -183,7 +190,8 @@ Recognised recognise(const Image& image, const ReadOptions& options, const Metad
 
 // A level, `stored` by that number in the file.
 Level read_level(Image& image, const ReadOptions& options, int stored, const Recognised& base, int number) {
-  if (!image.texture) return read_pixels(image, stored, choose_channels(image, options), base, number);
+  if (!image.texture)
+    return read_pixels(image, stored, choose_channels(image, options), base, number, options.max_memory);
   try {
     return read_texture(*image.file, *image.texture, stored, base, number, options.drop_channels);
   } catch (const InputError& e) {
@@ -203,7 +211,7 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
             .levels = t.levels};
   }
   const OIIO::ImageSpec& spec = image.input->spec();
-  check_size(image, spec);
+  check_size(image, spec, options);
   recorded = metadata(spec);
   return {.depth = depth_of(spec.format),
           .format = image.input->format_name(),
@@ -237,7 +245,7 @@ Source read_image(const std::string& path, const ReadOptions& options) {
     if (has_level(path) && k > 0) {
       Image one;
       open(one, level_path(path, k));
-      if (one.input) check_size(one, one.input->spec());
+      if (one.input) check_size(one, one.input->spec(), options);
       source.map.levels.push_back(read_level(one, options, 0, found, k));
     } else {
       source.map.levels.push_back(read_level(image, options, k, found, k));

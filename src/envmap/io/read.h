@@ -23,6 +23,7 @@ struct ReadOptions {
   std::optional<Forward> forward;          ///< Overrides the metadata.
   std::optional<Forward> assumed_forward;  ///< Where there is no metadata; otherwise +z.
   bool ignore_envmap_attribute = false;    ///< Take texels as cell-centred whatever OpenEXR's attribute says.
+  std::size_t max_memory = 0;  ///< Bytes that the process may take; larger maps lie in a scratch file. 0: no limit.
   bool drop_channels = false;              ///< Read RGB and leave alpha and other channels behind.
   FlawPolicy flaws = FlawPolicy::refuse;
   int level = 0;            ///< The level to read, as the only one of the map.

@@ -118,7 +118,7 @@ void round_to_rgbe(std::span<Colour> pixels) {
 
 // One image, or all levels of one, the largest first: then in tiles, as renderers' texture caches want them.
 void write_with_oiio(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Page> levels,
-                     Depth depth, const Metadata& data, bool openexr_envmap, const Progress& progress) {
+                     Depth depth, const Metadata& data, const WriteOptions& options, const Progress& progress) {
   const auto fail = [&](const std::string& why) { throw OutputError(fmt::format("{}: not written: {}", path, why)); };
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("x." + ext);
   const bool tiled = levels.size() > 1;
@@ -132,7 +132,8 @@ void write_with_oiio(OutputFile& file, const std::string& path, const std::strin
     spec.tile_width = spec.tile_height = band_rows;
     spec.attribute("textureformat", "Plain Texture");  // What makes OpenImageIO write levels.
   }
-  if (openexr_envmap)
+  if (!options.compression.empty()) spec.attribute("compression", options.compression);
+  if (options.openexr_envmap)
     spec.attribute("textureformat", data.projection == Projection::cube ? "CubeFace Environment" : "LatLong Environment");
   OIIO::Filesystem::IOProxy* proxy = &file;
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
@@ -186,7 +187,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
     else if (ext == "dds")
       write_dds(*files.back(), pages, texels_of(done.depth), cube, part);
     else
-      write_with_oiio(*files.back(), name, ext, pages, done.depth, data, options.openexr_envmap, part);
+      write_with_oiio(*files.back(), name, ext, pages, done.depth, data, options, part);
   };
   if (levels.size() > 1 && !has_level(path)) {
     if (!is_texture(ext)) data.levels = static_cast<int>(levels.size());
@@ -217,6 +218,23 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   return done;
 }
 
+void check_compression(const std::string& path, const std::string& ext, const std::string& wanted) {
+  if (wanted.empty()) return;
+  if (ext != "exr") throw UsageError(path + ": --compression is for .exr files");
+  const auto colon = wanted.find(':');
+  const std::string kind = wanted.substr(0, colon), level = colon == std::string::npos ? "" : wanted.substr(colon + 1);
+  constexpr std::string_view kinds[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
+  const bool zip = kind.starts_with("zip"), dwa = kind.starts_with("dwa");
+  const bool number = !level.empty() && level.size() < 6 && level.find_first_not_of("0123456789") == std::string::npos;
+  const int n = number ? std::stoi(level) : 0;
+  if (std::ranges::find(kinds, kind) == std::end(kinds) ||
+      (colon != std::string::npos && !(zip && n >= 1 && n <= 9) && !(dwa && n >= 1)))
+    throw UsageError(
+        fmt::format("--compression {}: is none of none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, "
+                    "zip:1 to zip:9, dwaa:N and dwab:N",
+                    wanted));
+}
+
 // A chain that was read may round as its writer did; what is written is halved and rounded down.
 void check_sizes(const std::string& path, std::span<const Rows> levels) {
   for (std::size_t k = 0; k < levels.size(); ++k) {
@@ -240,6 +258,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   const Layout layout = choose_layout(path, ext, options, projection);
   if (options.openexr_envmap && (ext != "exr" || (layout != Layout::column && projection != Projection::latlong)))
     throw UsageError(path + ": --openexr-envmap is for .exr files of latlong maps and of cubes in a column");
+  check_compression(path, ext, options.compression);
   if (options.zstd && ext != "ktx2") throw UsageError(path + ": --zstd is for .ktx2 files");
   if (levels && !has_level(path) && (!holds_levels(ext) || layout == Layout::files))
     throw UsageError(fmt::format("{}: {} one level: put {{level}} where its number shall stand in the file name", path,

@@ -2,12 +2,12 @@
 
 namespace envmap {
 
-Level::Level(Projection projection, int size, int width)
+Level::Level(Projection projection, int size, int width, std::size_t max_memory)
     : projection_(projection),
       faces_(envmap::faces(projection)),
       width_(width > 0 ? width : size * aspect(projection)),
       height_(size),
-      pixels_(index(faces_, -gutter, -gutter) + 1, Colour(0)) {}
+      pixels_(index(faces_, -gutter, -gutter) + 1, max_memory) {}
 
 Rotation image_to_world(Forward forward) {
   switch (forward) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/map/storage.h"
 #include "envmap/projection/projection.h"
 
 namespace envmap {
@@ -22,7 +23,8 @@ class Level {
 
   /// All texels 0. @param size height of a face, at least 1. @param width of a face; 0: size x the aspect of the projection.
   /// Only the coarser levels of a latlong map have another: they halve each side and round it down, 90x45 45x22 ... 1x1.
-  Level(Projection projection, int size, int width = 0);
+  /// @param max_memory of the process, in bytes: the texels then lie in a scratch file (storage.h). 0: in memory.
+  Level(Projection projection, int size, int width = 0, std::size_t max_memory = 0);
 
   [[nodiscard]] Projection projection() const { return projection_; }
   [[nodiscard]] int faces() const { return faces_; }
@@ -39,6 +41,10 @@ class Level {
     return {texel(face, 0, j), static_cast<std::size_t>(width_)};
   }
 
+  /// The limit that the texels were made with, and what holds to it: to be called while many of them are gone through.
+  [[nodiscard]] std::size_t max_memory() const { return pixels_.limit(); }
+  void trim() const { pixels_.trim(); }
+
   /// Texels from one row to the next.
   [[nodiscard]] std::ptrdiff_t stride() const { return width_ + 2 * gutter; }
 
@@ -50,7 +56,7 @@ class Level {
 
   Projection projection_;
   int faces_, width_, height_;
-  std::vector<Colour> pixels_;  // One more than there are texels: vector code loads four floats at a time.
+  Storage pixels_;  // One more than there are texels: vector code loads four floats at a time.
 };
 
 /// The world axis at the centre of latlong and angular images; the other projections always show +Z there.

@@ -55,6 +55,15 @@ std::vector<GutterTexel> gutter_texels(const Level& level) {
   return found;
 }
 
+constexpr std::size_t between_trims = 256;
+
+void store(Level& level, const std::vector<GutterTexel>& texels, const std::vector<Colour>& values) {
+  for (std::size_t k = 0; k < texels.size(); ++k) {
+    if (k % between_trims == 0) level.trim();
+    *level.texel(texels[k].face, texels[k].i, texels[k].j) = values[k];
+  }
+}
+
 // ---- faces whose edges follow their texels: cube, latlong -----------------------------------------------------------
 
 // Bilinear values. Some taps are gutter themselves, with a weight of about half a texel / size: start from the nearest
@@ -62,9 +71,11 @@ std::vector<GutterTexel> gutter_texels(const Level& level) {
 void fill_by_bilinear(Level& level, const std::vector<GutterTexel>& texels) {
   std::vector<Colour> values(texels.size());
   for (int round = 0; round < 4; ++round) {
-    for (std::size_t k = 0; k < texels.size(); ++k)
+    for (std::size_t k = 0; k < texels.size(); ++k) {
+      if (k % between_trims == 0) level.trim();
       values[k] = round == 0 ? nearest(level, texels[k].source) : bilinear(level, texels[k].source);
-    for (std::size_t k = 0; k < texels.size(); ++k) *level.texel(texels[k].face, texels[k].i, texels[k].j) = values[k];
+    }
+    store(level, texels, values);
   }
 }
 
@@ -139,12 +150,13 @@ void fill_by_fit(Level& level, const std::vector<GutterTexel>& texels) {
   std::vector<Colour> values(texels.size());
   for (std::size_t k = 0; k < texels.size(); ++k) {
     const GutterTexel& t = texels[k];
+    if (k % between_trims == 0) level.trim();
     TangentFit fit(t.beyond);
     add_neighbours(fit, level, t.face, t.i, t.j);
     add_neighbours(fit, level, t.source.face, t.source.u * level.width() - 0.5, t.source.v * level.height() - 0.5);
     values[k] = fit.empty() ? *level.texel(0, level.width() / 2, level.height() / 2) : fit.value();
   }
-  for (std::size_t k = 0; k < texels.size(); ++k) *level.texel(texels[k].face, texels[k].i, texels[k].j) = values[k];
+  store(level, texels, values);
 }
 
 }  // namespace

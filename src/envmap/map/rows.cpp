@@ -8,7 +8,10 @@ namespace envmap {
 
 Rows rows_of(const Level& level, Forward forward) {
   return {level.projection(), level.height(), forward,
-          [&level](int face, int row, std::span<Colour> out) { std::ranges::copy(level.row(face, row), out.begin()); },
+          [&level](int face, int row, std::span<Colour> out) {
+            std::ranges::copy(level.row(face, row), out.begin());
+            level.trim();
+          },
           level.width()};
 }
 

@@ -1,6 +1,7 @@
 #include "envmap/operate/convert.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "envmap/map/gutter.h"
 #include "envmap/operate/levels.h"
@@ -18,6 +19,14 @@ double pitch(Projection p, int size) {
 // Whether the texels of the source themselves come out where nothing is turned or resized.
 bool interpolates(const Conversion& c) {
   return c.samples == 1 && (c.filter == Filter::nearest || c.filter == Filter::bilinear || c.filter == Filter::bicubic);
+}
+
+// Texels of the result between looks at the memory of a source in a scratch file: each place may bring in 16 pages, a
+// large area more than that.
+std::size_t between_trims(const Level& from, const Conversion& c) {
+  if (from.max_memory() == 0) return std::numeric_limits<std::size_t>::max();
+  const double covers = pitch(c.to, c.size) / pitch(from.projection(), from.height());
+  return static_cast<std::size_t>(std::clamp(256 * 64 / (covers * covers), 1.0, 256.0));
 }
 
 }  // namespace
@@ -48,6 +57,7 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
     return {c.to, c.size, c.forward, [&from, c](int face, int row, std::span<Colour> out) {
               const Columns in = columns(c.to, c.size, row);
               std::ranges::fill(out, Colour(0));
+              from.trim();
               for (int i = in.first; i < in.end; ++i)
                 out[static_cast<std::size_t>(i)] = Colour(Direction(*from.texel(face, i, row)) * c.gain);
             }};
@@ -56,12 +66,16 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   // The mean costs more than many a conversion: exact solid angles of every texel.
   const double floor = c.filter == Filter::area ? 1e-3 * mean_radiance(source.base()) : 0;
   const Sampler sample = make_sampler(source.levels, target, {c.filter, c.samples, c.area_tolerance, floor});
-  return {c.to, c.size, c.forward, [c, sample](int face, int row, std::span<Colour> out) {
+  const std::size_t at_once = between_trims(from, c);
+  return {c.to, c.size, c.forward, [c, sample, at_once, &source](int face, int row, std::span<Colour> out) {
             const Columns in = columns(c.to, c.size, row);
             std::ranges::fill(out, Colour(0));
             const auto texels =
                 out.subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first));
-            sample(face, row, in.first, texels);
+            for (std::size_t k = 0; k < texels.size(); k += at_once) {
+              sample(face, row, in.first + static_cast<int>(k), texels.subspan(k, std::min(at_once, texels.size() - k)));
+              for (const Level& level : source.levels) level.trim();
+            }
             if (c.gain != 1)
               for (Colour& texel : texels) texel = Colour(Direction(texel) * c.gain);
           }};

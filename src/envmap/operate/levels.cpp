@@ -76,6 +76,7 @@ void halve_row(const Cells& across, const RowWeights& weights, std::span<const C
 void fill_beyond_disc(Level& level) {
   Level sound = level;
   fill_gutter(sound);
+  sound.trim();
   const int n = level.height();
   const auto distance = [n](int i) { return std::max(0, std::abs(2 * i + 1 - n) - 1) / double(n); };  // Of the near edge.
   tbb::parallel_for(0, n, [&](int j) {
@@ -94,7 +95,8 @@ void fill_beyond_disc(Level& level) {
 bool has_next(const Level& level) { return level.width() > 1 || level.height() > 1; }
 
 Level half_level(const Level& fine, Weights weights) {
-  Level coarse(fine.projection(), std::max(1, fine.height() / 2), std::max(1, fine.width() / 2));
+  Level coarse(fine.projection(), std::max(1, fine.height() / 2), std::max(1, fine.width() / 2),
+               fine.max_memory());
   const Cells across = cells(fine.width(), coarse.width()), down = cells(fine.height(), coarse.height());
   // Rows as far from the top as from the bottom share their weights, as do all faces.
   tbb::parallel_for(tbb::blocked_range<int>(0, (coarse.height() + 1) / 2), [&](const tbb::blocked_range<int>& range) {
@@ -117,6 +119,8 @@ Level half_level(const Level& fine, Weights weights) {
         halve(face, false);
         if (coarse.height() - 1 - row != row) halve(face, true);
       }
+      fine.trim();
+      coarse.trim();
     }
   });
   if (fine.projection() == Projection::paraboloid && weights == Weights::solid_angle) fill_beyond_disc(coarse);

@@ -56,6 +56,7 @@ FluxSum flux_sum(const Level& level) {
   FluxSum total;
   for (const FluxSum& row : map_rows<FluxSum>(level.height(), [&](int j) {
          FluxSum sum;
+         level.trim();
          const std::vector<double> w = weights(level, j);
          for (int face = 0; face < level.faces(); ++face)
            for (int i = 0; i < level.width(); ++i)
@@ -87,6 +88,7 @@ void for_each_around(const Level& level, const Texel& t, F&& f) {
 Flaws find_flaws(const Level& level) {
   const auto rows = map_rows<Flaws>(level.faces() * level.height(), [&](int k) {
     Flaws found;
+    level.trim();
     const int face = k / level.height(), j = k % level.height();
     const Columns in = weighted_columns(level, j);
     for (int i = in.first; i < in.end; ++i) {
@@ -112,6 +114,7 @@ std::int64_t repair(Level& level) {
   std::int64_t changed = 0;
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < level.height(); ++j) {
+      level.trim();
       const Columns in = weighted_columns(level, j);
       for (int i = in.first; i < in.end; ++i) {
         Colour& c = *level.texel(face, i, j);
@@ -165,6 +168,7 @@ Measures measure(const EnvironmentMap& map) {
   };
   const auto rows = map_rows<Row>(level.faces() * level.height(), [&](int k) {
     Row r;
+    level.trim();
     const int face = k / level.height(), j = k % level.height();
     const Columns in = weighted_columns(level, j);
     for (int i = in.first; i < in.end; ++i) {

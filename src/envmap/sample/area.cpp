@@ -116,12 +116,18 @@ bool on_rim(const Target& target, int row, int i) {
          std::hypot(std::max(-x0, x1), std::max(-y0, y1)) > 0.5;
 }
 
+constexpr int block = 32;  // Texels of a row that get as many pieces a side. Blocks begin at multiples of this, or the
+                           // result would depend on how a row is taken apart.
+
 // Pieces a side for the tolerance, by the texels at the ends and in the middle of a block. With one piece there is nothing
 // to see a bend by: it must be far from one.
-std::size_t pieces_for(const Task& task, int face, int row, int first, std::size_t count, Workspace& ws) {
+std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Workspace& ws) {
+  const Columns in = columns(task.target.to, task.target.size, row);
+  const int begin = any_of_block / block * block, first = std::max(in.first, begin),
+            last = std::min(in.end, begin + block) - 1;
   double most = 0;
-  for (const std::size_t k : {std::size_t{0}, count / 2, count - 1}) {
-    task.find(ws.sides, face, row, first + static_cast<int>(k), 1, 4, false);
+  for (const int column : {first, (first + last) / 2, last}) {
+    task.find(ws.sides, face, row, column, 1, 4, false);
     const bool outline = ws.outline.follow(task.source, task.target, ws.sides, 0);
     most = std::max(most, outline ? ws.outline.bend(task.tolerance) : 1);
   }
@@ -129,41 +135,44 @@ std::size_t pieces_for(const Task& task, int face, int row, int first, std::size
   return pieces < 0.5 ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(pieces)), 2, 16);
 }
 
+// Texels of one block; those that need more pieces one by one, with four times as many each time.
+void sample_block(const Task& task, const Sampler& otherwise, int face, int row, int first, std::span<Colour> out) {
+  static thread_local Workspace ws;
+  const auto column = [&](std::size_t k) { return first + static_cast<int>(k); };
+  std::size_t pieces = pieces_for(task, face, row, first, ws);
+  task.find(ws.sides, face, row, first, out.size(), pieces, false);
+  ws.open.clear();
+  for (std::size_t k = 0; k < out.size(); ++k)
+    if (on_rim(task.target, row, column(k)) || texel_mean(task, k, ws, out[k]) != Outcome::done) ws.open.push_back(k);
+  for (pieces = std::max<std::size_t>(8, 4 * pieces); !ws.open.empty(); pieces *= 4) {
+    std::swap(ws.open, ws.again);
+    ws.open.clear();
+    for (const std::size_t k : ws.again) {
+      const bool rim = on_rim(task.target, row, column(k));
+      task.find(ws.sides, face, row, column(k), 1, rim ? std::max(pieces, rim_pieces) : pieces, rim);
+      const Outcome outcome = texel_mean(task, 0, ws, out[k]);
+      if (outcome == Outcome::bent && 4 * pieces <= most_pieces)
+        ws.open.push_back(k);
+      else if (outcome != Outcome::done)
+        otherwise(face, row, column(k), out.subspan(k, 1));
+    }
+  }
+}
+
 }  // namespace
 
 Sampler area_sampler(const Level& source, const Target& target, double tolerance, double floor) {
+  const Sampler otherwise = adaptive_sampler(source, target, tolerance, floor);
   // Densities are taken as linear over a texel, which leaves an eighth of their second derivative.
   const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
-  if (0.2 * texel * texel > tolerance) return adaptive_sampler(source, target, tolerance, floor);
-  return [task = Task{source, target, bend_for_error * tolerance},
-          otherwise = adaptive_sampler(source, target, tolerance, floor)](int face, int row, int first,
-                                                                          std::span<Colour> out) {
-    constexpr std::size_t block = 32;
-    static thread_local Workspace ws;
-    const auto column = [&](std::size_t k) { return first + static_cast<int>(k); };
-    for (std::size_t start = 0; start < out.size(); start += block) {
-      const std::size_t count = std::min(block, out.size() - start);
-      std::size_t pieces = pieces_for(task, face, row, column(start), count, ws);
-      task.find(ws.sides, face, row, column(start), count, pieces, false);
-      ws.open.clear();
-      for (std::size_t k = start; k < start + count; ++k)
-        if (on_rim(task.target, row, column(k)) || texel_mean(task, k - start, ws, out[k]) != Outcome::done)
-          ws.open.push_back(k);
-      // Those that need more pieces one by one, with four times as many each time.
-      for (pieces = std::max<std::size_t>(8, 4 * pieces); !ws.open.empty(); pieces *= 4) {
-        std::swap(ws.open, ws.again);
-        ws.open.clear();
-        for (const std::size_t k : ws.again) {
-          const bool rim = on_rim(task.target, row, column(k));
-          task.find(ws.sides, face, row, column(k), 1, rim ? std::max(pieces, rim_pieces) : pieces, rim);
-          const Outcome outcome = texel_mean(task, 0, ws, out[k]);
-          if (outcome == Outcome::done) continue;
-          if (outcome == Outcome::bent && 4 * pieces <= most_pieces)
-            ws.open.push_back(k);
-          else
-            otherwise(face, row, column(k), out.subspan(k, 1));
-        }
-      }
+  if (0.2 * texel * texel > tolerance) return otherwise;
+  const Task task{source, target, bend_for_error * tolerance};
+  return [task, otherwise](int face, int row, int first, std::span<Colour> out) {
+    while (!out.empty()) {
+      const auto count = std::min(out.size(), static_cast<std::size_t>(block - first % block));
+      sample_block(task, otherwise, face, row, first, out.first(count));
+      first += static_cast<int>(count);
+      out = out.subspan(count);
     }
   };
 }

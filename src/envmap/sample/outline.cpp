@@ -38,7 +38,7 @@ void Sides::find(const Target& target, Projection source, bool inside) {
   points.clear();
   for (std::size_t r = 0; r <= pieces; ++r)
     for (std::size_t k = 0; k <= pieces * texels; k += r == 0 || r == pieces ? 1 : pieces) {
-      const Vec2<double> p((first + static_cast<double>(k) / n) / w, (row + static_cast<double>(r) / n) / h);
+      const Vec2<double> p((first * n + static_cast<double>(k)) / n / w, (row * n + static_cast<double>(r)) / n / h);
       points.push_back(inside ? moved_onto_rim(p, 1 / (n * h)) : p);
     }
   directions.resize(points.size());
