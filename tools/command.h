@@ -43,6 +43,8 @@ Command info_command();
 Command compare_command();
 Command generate_command();
 Command preview_command();
+Command prefilter_command();
+Command sh_command();
 Command manual_command();
 Command completion_command();
 

@@ -1,0 +1,26 @@
+/// @file
+/// The second half of the split sum: what GGX reflects of white light, for any reflectance at normal incidence.
+#pragma once
+
+#include <vector>
+
+#include "envmap/maths/vector.h"
+#include "envmap/operate/progress.h"
+
+namespace envmap {
+
+/// Scale and bias: the part reflected is scale x F0 + bias, with Schlick's Fresnel term (1994).
+struct ScaleBias {
+  double scale, bias;
+};
+
+/// Integral of D G F / (4 cos(n,v)) over the hemisphere (Karis 2013, "Real shading in Unreal Engine 4"), with Smith's
+/// height-correlated masking and shadowing G (Heitz 2014, "Understanding the masking-shadowing function", equation 99),
+/// alpha = roughness^2. To about 1e-5.
+/// @param cosine of the angle between normal and view, above 0. @param roughness perceptual, 0 to 1.
+ScaleBias brdf(double cosine, double roughness);
+
+/// size x size texels, columns cosine (i + 0.5) / size, rows roughness (j + 0.5) / size: red scale, green bias, blue 0.
+std::vector<Colour> brdf_table(int size, const Progress& progress = {});
+
+}  // namespace envmap

@@ -1,0 +1,44 @@
+/// @file
+/// The light that a few neighbouring directions get from a list of lights: the inner loop of the hierarchical method.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "envmap/prefilter/light.h"
+#include "envmap/prefilter/lobe.h"
+
+namespace envmap {
+
+/// A light as seen from a tile: everything relative to the tile's middle, worked out in double, so that float32 holds it
+/// for lobes of any width. With offset o from the middle, x = 1 - cos is (|o - centre|^2 + sag) / 2, the variance of the
+/// cosine over the light variance + slope . o + o^T covariance o, the mean cosine of a channel above that of all
+/// (lean + dipole . o) / flux.
+struct Lamp {
+  std::array<float, 3> centre;
+  float sag;
+  float variance;
+  std::array<float, 3> slope;
+  std::array<float, 6> covariance;
+  LightFlux flux;
+  LightFlux lean;
+  std::array<std::array<float, 3>, light_channels> dipole;
+};
+
+Lamp lamp_of(const Light& light, const Direction& middle);
+
+/// Directions near each other. Offsets from the middle, padded to whole vectors by the caller with what it likes.
+struct Tile {
+  static constexpr std::size_t most = 64;
+  Direction middle;  ///< A unit vector.
+  std::size_t count = 0;
+  alignas(64) std::array<float, most> x, y, z;
+  alignas(64) std::array<std::array<float, most>, light_channels> sums;
+};
+
+/// Sets the sums of a tile. Each lamp is taken as two lights one standard deviation of the cosine to either side, which
+/// have its flux, mean and variance (two-point Gauss-Hermite quadrature); what each has of a channel follows from the
+/// channel's own mean. Nothing is ever negative.
+void gather(const Lobe& lobe, std::span<const Lamp> lamps, Tile& tile);
+
+}  // namespace envmap

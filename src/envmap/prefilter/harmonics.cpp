@@ -1,0 +1,207 @@
+#include "envmap/prefilter/harmonics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "envmap/maths/quadrature.h"
+#include "envmap/maths/sum.h"
+#include "envmap/operate/parallel.h"
+#include "envmap/prefilter/patch.h"
+
+namespace envmap {
+namespace {
+
+// Recursion factors of normalised associated Legendre functions: P_l^m = a (y P_{l-1}^m - b P_{l-2}^m).
+struct Recursion {
+  int order;
+  std::vector<double> a, b;  // At l (l + 1) / 2 + m.
+
+  explicit Recursion(int n) : order(n) {
+    for (int l = 0; l <= n; ++l)
+      for (int m = 0; m <= l; ++m) {
+        const double ll = 1.0 * l * l, mm = 1.0 * m * m, k = 1.0 * (l - 1) * (l - 1);
+        a.push_back(l > m ? std::sqrt((4 * ll - 1) / (ll - mm)) : 0);
+        b.push_back(l > m + 1 ? std::sqrt((k - mm) / (4 * k - 1)) : 0);
+      }
+  }
+
+  // f(index, value) for every harmonic. The sectoral functions carry sin^m with cos and sin of m times the longitude as
+  // powers of (z + i x): nothing is divided by, at the poles neither.
+  template <class F>
+  void each(const Direction& d, F&& f) const {
+    double cosine = 1, sine = 0, sectoral = std::sqrt(0.25 / pi);
+    for (int m = 0; m <= order; ++m) {
+      double before = 0, now = sectoral;
+      for (int l = m; l <= order; ++l) {
+        if (l > m) {
+          const auto k = static_cast<std::size_t>(l * (l + 1) / 2 + m);
+          const double next = a[k] * (d.y * now - b[k] * before);
+          before = now;
+          now = next;
+        }
+        f(l * (l + 1) + m, now * cosine);
+        if (m > 0) f(l * (l + 1) - m, now * sine);
+      }
+      const double c = cosine * d.z - sine * d.x;
+      sine = cosine * d.x + sine * d.z;
+      cosine = c;
+      sectoral *= std::sqrt((2 * m + 3) / (2.0 * m + 2)) * (m == 0 ? std::sqrt(2.0) : 1);
+    }
+  }
+};
+
+// f(direction, solid angle) at points dense enough for harmonics of the order.
+template <class P, class F>
+void for_points(int face, const Rect& rect, double small, int depth, F&& f) {
+  const Coverage where = coverage<P>(rect);
+  if (where == Coverage::outside) return;
+  const Patch p = patch<P>(face, rect);
+  if (p.solid_angle <= 0) return;
+  if ((p.reach > small && depth > 0) || (where == Coverage::cut && depth > 6)) {
+    for (const Rect& q : quarters(rect)) for_points<P>(face, q, small, depth - 1, f);
+  } else if (where == Coverage::cut) {
+    f(glm::normalize(p.centre), p.solid_angle);
+  } else {
+    std::array<Direction, 4> points;
+    std::array<double, 4> weights;
+    gauss_points<P>(face, rect, points, weights);
+    for (std::size_t k = 0; k < 4; ++k) f(points[k], weights[k]);
+  }
+}
+
+template <class P>
+std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const Rotation& to_world, int face, int row) {
+  std::vector<Flux> sums(static_cast<std::size_t>((recursion.order + 1) * (recursion.order + 1)), Flux(0));
+  const double w = level.width(), h = level.height();
+  const Columns in = columns(level.projection(), level.height(), row);
+  for (int i = in.first; i < in.end; ++i) {
+    const Flux radiance(*level.texel(face, i, row));
+    if (radiance == Flux(0)) continue;
+    // Four Gauss points integrate harmonics of degree l over a texel to (l x side)^4 / 4320.
+    const Rect rect{i / w, row / h, (i + 1) / w, (row + 1) / h};
+    for_points<P>(face, rect, 0.2 / (1 + recursion.order), 9, [&](const Direction& d, double weight) {
+      const Flux part = weight * radiance;
+      recursion.each(to_world * d, [&](int k, double y) { sums[static_cast<std::size_t>(k)] += y * part; });
+    });
+  }
+  return sums;
+}
+
+}  // namespace
+
+void harmonics_at(int order, const Direction& d, std::span<double> out) {
+  Recursion(order).each(d, [&](int k, double y) { out[static_cast<std::size_t>(k)] = y; });
+}
+
+Harmonics project(const EnvironmentMap& map, int order, const Progress& progress) {
+  const Level& level = map.base();
+  const Recursion recursion(order);
+  const Rotation to_world = image_to_world(map.forward);
+  Harmonics found{order, std::vector<Flux>(static_cast<std::size_t>((order + 1) * (order + 1)), Flux(0))};
+  std::vector<std::array<Sum, 3>> totals(found.coefficients.size());
+  const int rows = level.faces() * level.height();
+  constexpr int band = 64;  // Rows at once: their sums stay small however high the order.
+  for (int start = 0; start < rows; start += band) {
+    const auto parts = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
+      return visit(level.projection(), [&](auto p) {
+        return row_of<decltype(p)>(level, recursion, to_world, (start + k) / level.height(), (start + k) % level.height());
+      });
+    });
+    for (const auto& part : parts)
+      for (std::size_t k = 0; k < totals.size(); ++k)
+        for (int c = 0; c < 3; ++c) totals[k][static_cast<std::size_t>(c)].add(part[k][c]);
+    if (progress) progress(static_cast<double>(std::min(rows, start + band)) / rows);
+  }
+  for (std::size_t k = 0; k < totals.size(); ++k)
+    found.coefficients[k] = {totals[k][0].value(), totals[k][1].value(), totals[k][2].value()};
+  return found;
+}
+
+Flux evaluate(const Harmonics& h, const Direction& d) {
+  Flux sum(0);
+  Recursion(h.order).each(d, [&](int k, double y) { sum += y * h.coefficients[static_cast<std::size_t>(k)]; });
+  return sum;
+}
+
+EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward) {
+  EnvironmentMap map;
+  map.levels.emplace_back(to, size);
+  map.forward = has_forward(to) ? forward : Forward::plus_z;
+  Level& level = map.base();
+  const Recursion recursion(h.order);
+  const Rotation to_world = image_to_world(map.forward);
+  for_each_row(level.faces(), size, {}, [&](int face, int row) {
+    const Columns in = columns(to, size, row);
+    std::vector<Direction> d(static_cast<std::size_t>(in.end - in.first));
+    texel_directions(to, size, face, row, in.first, d);
+    for (std::size_t k = 0; k < d.size(); ++k) {
+      Flux sum(0);
+      recursion.each(to_world * d[k], [&](int n, double y) { sum += y * h.coefficients[static_cast<std::size_t>(n)]; });
+      *level.texel(face, in.first + static_cast<int>(k), row) = Colour(glm::max(sum, Flux(0)));
+    }
+  });
+  return map;
+}
+
+std::vector<double> zonal(const Lobe& lobe, int order) {
+  std::vector<double> factors(static_cast<std::size_t>(order + 1), 0);
+  // Panels that halve towards the middle of the lobe and towards the horizon, where it may be bent.
+  std::vector<double> breaks{0};
+  for (int k = -60; k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
+  for (int k = -2; k >= -40; --k) breaks.push_back(1 - std::ldexp(1.0, k));
+  breaks.push_back(1);
+  const auto add = [&](double lo, double hi) {
+    const auto& rule = quadrature::rule<24>();
+    for (std::size_t n = 0; n < 24; ++n) {
+      const double x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * rule.node[n], c = 1 - x;
+      const double weight =
+          0.5 * (hi - lo) * rule.weight[n] * 2 * pi * std::visit([x](const auto& l) { return l.value(x); }, lobe);
+      double before = 1, now = c;
+      for (int l = 0; l <= order; ++l) {
+        factors[static_cast<std::size_t>(l)] += weight * (l == 0 ? 1 : now);
+        if (l > 0) {
+          const double next = ((2 * l + 1) * c * now - l * before) / (l + 1);
+          before = now;
+          now = next;
+        }
+      }
+    }
+  };
+  for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
+    // P_l turns over about every pi / l radians.
+    const double lo = breaks[k], hi = breaks[k + 1];
+    const int parts = 1 + static_cast<int>((std::acos(1 - hi) - std::acos(1 - lo)) * order / 10);
+    for (int n = 0; n < parts; ++n) add(lo + (hi - lo) * n / parts, lo + (hi - lo) * (n + 1) / parts);
+  }
+  return factors;
+}
+
+std::vector<double> irradiance_factors(int order) {
+  std::vector<double> factors;
+  double central = 1;  // l! / (2^l ((l/2)!)^2) of even l.
+  for (int l = 0; l <= order; ++l) {
+    if (l == 1) {
+      factors.push_back(2 * pi / 3);
+    } else if (l % 2 == 1) {
+      factors.push_back(0);
+    } else {
+      if (l > 0) central *= (l - 1.0) / l;
+      factors.push_back((l / 2 % 2 == 1 ? 2 * pi : -2 * pi) / ((l + 2.0) * (l - 1.0)) * central);
+    }
+  }
+  return factors;
+}
+
+std::vector<double> hann_window(int order) {
+  std::vector<double> factors;
+  for (int l = 0; l <= order; ++l) factors.push_back(0.5 + 0.5 * std::cos(pi * l / (order + 1)));
+  return factors;
+}
+
+void scale_degrees(Harmonics& h, std::span<const double> factors) {
+  for (int l = 0; l <= h.order; ++l)
+    for (int m = -l; m <= l; ++m)
+      h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)] *= factors[static_cast<std::size_t>(l)];
+}
+
+}  // namespace envmap

@@ -1,0 +1,50 @@
+/// @file
+/// Real spherical harmonics of a map.
+///
+/// Basis: Y_l^m real and orthonormal, polar axis +Y, longitude from +Z to +X, m > 0 cosines, m < 0 sines, no
+/// Condon-Shortley phase. The first nine, in the order l (l + 1) + m in which coefficients stand, of a unit vector (x, y, z):
+///   0.282095   0.488603 x   0.488603 y   0.488603 z
+///   1.092548 x z   1.092548 x y   0.315392 (3 y^2 - 1)   1.092548 y z   0.546274 (z^2 - x^2)
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/operate/progress.h"
+#include "envmap/prefilter/lobe.h"
+
+namespace envmap {
+
+struct Harmonics {
+  int order = 0;                   ///< The largest degree l.
+  std::vector<Flux> coefficients;  ///< (order + 1)^2, at l (l + 1) + m.
+};
+
+/// Values of all harmonics up to an order in one direction. @param out (order + 1)^2 values.
+void harmonics_at(int order, const Direction& d, std::span<double> out);
+
+/// Coefficients of the radiance of a map, world frame: the integral of L Y over the sphere, L constant over each texel.
+Harmonics project(const EnvironmentMap& map, int order, const Progress& progress = {});
+
+/// Value of the series in a direction.
+Flux evaluate(const Harmonics& h, const Direction& d);
+
+/// The series as a map; what is below 0 in it, between the rings of bright lights, is cut to 0. @return the map.
+EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward);
+
+/// What convolution with a lobe multiplies degree l with: the integral of lobe x P_l over the sphere; 1 for l = 0
+/// (Funk and Hecke's theorem).
+std::vector<double> zonal(const Lobe& lobe, int order);
+
+/// The same for the irradiance E = integral of L max(0, cos): pi, 2 pi / 3, pi / 4, 0, -pi / 24, 0, pi / 64, ...
+/// (Ramamoorthi and Hanrahan 2001, "An efficient representation for irradiance environment maps", equation 8).
+std::vector<double> irradiance_factors(int order);
+
+/// Hann's window, (1 + cos(pi l / (order + 1))) / 2: less ringing round bright lights for less detail.
+std::vector<double> hann_window(int order);
+
+/// Multiplies every degree by its factor.
+void scale_degrees(Harmonics& h, std::span<const double> factors);
+
+}  // namespace envmap

@@ -1,0 +1,241 @@
+#include "envmap/prefilter/hierarchical.h"
+
+#include <cstdlib>
+#include <cmath>
+
+#include "envmap/operate/parallel.h"
+
+namespace envmap {
+namespace {
+
+double env(const char* n, double d) { const char* s = getenv(n); return s ? atof(s) : d; }
+
+const double sr = env("SR", 0.5), sg = env("SG", 0.05);
+constexpr double floor_of_error = 1e-3;  // Of the mean: smaller results are held to this.
+
+// What a light can do at most for the directions of a tile.
+struct Reach {
+  double near, far;  // Least and largest 1 - cos.
+  double sine;       // Largest sine to its middle.
+};
+
+template <class P>
+class Walk {
+ public:
+  Walk(const LightTree& tree, const LobeBounds& lobe, const Tile& tile, double radius)
+      : tree_(tree), lobe_(lobe), middle_(tile.middle), radius_(radius) {}
+
+  // The least that any direction of the tile gets, from below.
+  void survey() {
+    least_.fill(floor_of_error);
+    least_[3] = 1;
+    surveying_ = true;
+    top();
+    for (std::size_t c = 0; c < 3; ++c) least_[c] = std::max(floor_of_error, got_[c]);
+  }
+
+  // Lists the lights.
+  Gathered list(double limit, std::vector<Lamp>& lamps) {
+    surveying_ = false;
+    limit_ = limit;
+    lamps_ = &lamps;
+    bounds_ = {};
+    top();
+    return {bounds_.sum, std::sqrt(bounds_.power)};
+  }
+
+ private:
+  void top() {
+    for (int face = 0; face < P::faces; ++face) block(tree_.last(), face, 0, 0);
+  }
+
+  Reach reach(const Light& light) const {
+    const double d = glm::length(light.centre - middle_);
+    const double near = std::max(0.0, d - radius_ - light.reach), far = d + radius_ + light.reach;
+    return {0.5 * near * near, std::min(2.0, 0.5 * far * far), std::min(1.0, d + radius_ + 0.5 * light.reach)};
+  }
+
+  // Remainder of the series, for a flux of 1.
+  double remainder(const Light& light, const Reach& r) const {
+    double found = 0, hi = r.far;
+    const double extent = r.sine * light.reach;
+    if (r.far >= 1) {
+      // The horizon may cross the light: two lights for a bent lobe are wrong by a part of what it is there.
+      found = 0.12 * lobe_.most(std::max(r.near, 1 - 2 * extent));
+      hi = 1 - extent;
+    }
+    if (hi > r.near) {
+      const double cube = r.sine * light.spread;
+      found += 0.5 * lobe_.second(r.near, hi) * r.sine * r.sine * light.uneven +
+               lobe_.third(r.near, hi) * cube * cube * cube / 3;
+    }
+    return found;
+  }
+
+  bool good(const Light& light, const Reach& r) {
+    double flux = 0;
+    for (std::size_t c = 0; c < 4; ++c) flux = std::max(flux, light.flux[c] / least_[c]);
+    if (surveying_) {
+      const double gap = lobe_.most(r.near) - lobe_.least(r.far);
+      return light.reach < sr * radius_ || gap * flux < sg;
+    }
+    const double error = remainder(light, r) * flux;
+    if (error > limit_) return false;
+    bounds_.sum += error;
+    bounds_.power += error * error;
+    return true;
+  }
+
+  void take(const Light& light, const Reach& r) {
+    if (surveying_) {
+      const double value = lobe_.least(r.far);
+      for (std::size_t c = 0; c < 4; ++c) got_[c] += value * light.flux[c];
+      for (std::size_t c = 0; c < 3; ++c) least_[c] = std::max(least_[c], got_[c]);
+    } else {
+      lamps_->push_back(lamp_of(light, middle_));
+    }
+  }
+
+  void block(int k, int face, int i, int j) {
+    const Light& light = tree_.light(k, face, i, j);
+    const Reach r = reach(light);
+    if (r.near >= 1 || light.flux[3] <= 0) return;
+    if (good(light, r)) return take(light, r);
+    if (k == tree_.first()) return texels(face, i << k, j << k, 1 << k);
+    const auto& finer = tree_.blocks(k - 1);
+    for (int y = 2 * j; y < std::min(finer.height, 2 * j + 2); ++y)
+      for (int x = 2 * i; x < std::min(finer.width, 2 * i + 2); ++x) block(k - 1, face, x, y);
+  }
+
+  void texels(int face, int left, int top, int side) {
+    const Level& source = tree_.source();
+    const double w = source.width(), h = source.height(), scale = tree_.mean() > 0 ? 1 / tree_.mean() : 0;
+    for (int j = top; j < std::min(source.height(), top + side); ++j)
+      for (int i = left; i < std::min(source.width(), left + side); ++i)
+        piece(face, {i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
+  }
+
+  void piece(int face, const Rect& rect, const Flux& radiance, int depth) {
+    const Patch area = patch<P>(face, rect);
+    if (area.solid_angle <= 0) return;
+    const Light light = light_of(area, radiance);
+    const Reach r = reach(light);
+    if (r.near >= 1) return;
+    if (depth == 24 || good(light, r)) return take(light, r);
+    for (const Rect& q : quarters(rect)) piece(face, q, radiance, depth + 1);
+  }
+
+  const LightTree& tree_;
+  const LobeBounds& lobe_;
+  Direction middle_;
+  double radius_;
+  std::array<double, 4> least_{}, got_{};
+  bool surveying_ = true;
+  double limit_ = 0;
+  struct {
+    double sum = 0, power = 0;
+  } bounds_;
+  std::vector<Lamp>* lamps_ = nullptr;
+};
+
+double radius_of(const Tile& tile) {
+  double square = 0;
+  for (std::size_t k = 0; k < tile.count; ++k)
+    square = std::max(square, static_cast<double>(tile.x[k] * tile.x[k] + tile.y[k] * tile.y[k] + tile.z[k] * tile.z[k]));
+  return std::sqrt(square);
+}
+
+std::atomic<long> lamps_total{0}, lanes_total{0};
+
+// Directions -> tile.
+void set_tile(std::span<const Direction> directions, Tile& tile) {
+  Direction sum(0);
+  for (const Direction& d : directions) sum += d;
+  tile.middle = glm::length(sum) > 0.1 ? glm::normalize(sum) : directions[0];
+  tile.count = directions.size();
+  for (std::size_t k = 0; k < Tile::most; ++k) {
+    const Vec3<float> o(directions[std::min(k, tile.count - 1)] - tile.middle);
+    tile.x[k] = o.x, tile.y[k] = o.y, tile.z[k] = o.z;
+  }
+}
+
+// How far apart the directions of a tile may be.
+double tile_radius(const Lobe& lobe) {
+  return std::visit([](const auto& l) {
+    const double r = env("TW", 0.7) * std::sqrt(2 * l.width());
+    // Where the horizon is seen.
+    return l.value(0.9) > 1e-3 ? std::min(r, env("TK", 0.06)) : r;
+  }, lobe);
+}
+
+// A block of texels of the result, cut until its directions are near each other.
+void fill_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Target& target, const Accuracy& accuracy, double radius, int face,
+               int x, int y, int w, int h, Level& out) {
+  std::array<Direction, Tile::most> directions;
+  std::array<Colour, Tile::most> colours;
+  std::size_t count = 0;
+  std::array<Colour*, Tile::most> texels;
+  for (int j = y; j < y + h; ++j) {
+    const Columns in = columns(target.to, target.size, j);
+    const int first = std::max(x, in.first), end = std::min(x + w, in.end);
+    if (first >= end) continue;
+    const auto n = static_cast<std::size_t>(end - first);
+    texel_directions(target.to, target.size, face, j, first, std::span(directions).subspan(count, n));
+    for (int i = first; i < end; ++i) texels[count++] = out.texel(face, i, j);
+  }
+  if (count == 0) return;
+  const std::span all = std::span(directions).first(count);
+  rotate(target.to_source, all);
+  Tile tile;
+  set_tile(all, tile);
+  if (count > 1 && radius_of(tile) > radius) {
+    if (w >= h) {
+      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x, y, w / 2, h, out);
+      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x + w / 2, y, w - w / 2, h, out);
+    } else {
+      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x, y, w, h / 2, out);
+      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x, y + h / 2, w, h - h / 2, out);
+    }
+    return;
+  }
+  gather_tile(tree, lobe, bounds, accuracy, tile, colours);
+  for (std::size_t k = 0; k < count; ++k) *texels[k] = colours[k];
+}
+
+}  // namespace
+
+Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy, Tile& tile, std::span<Colour> out) {
+  thread_local std::vector<Lamp> lamps;
+  lamps.clear();
+  const double radius = radius_of(tile);
+  const Gathered gathered = visit(tree.source().projection(), [&](auto p) {
+    Walk<decltype(p)> walk(tree, bounds, tile, radius);
+    walk.survey();
+    return walk.list(accuracy.light, lamps);
+  });
+  lamps_total += (long)lamps.size();
+  lanes_total += 1;
+  gather(lobe, lamps, tile);
+  for (std::size_t k = 0; k < tile.count; ++k) {
+    // White comes out as 1: what the lights miss of it they miss of all.
+    const double scale = tree.mean() / tile.sums[3][k];
+    out[k] = Colour(scale * tile.sums[0][k], scale * tile.sums[1][k], scale * tile.sums[2][k]);
+  }
+  return gathered;
+}
+
+void hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target, const Accuracy& accuracy,
+                            Level& out, const Progress& progress) {
+  constexpr int side = 8;
+  const double radius = tile_radius(lobe);
+  const LobeBounds bounds(lobe);
+  lamps_total = 0; lanes_total = 0;
+  for_each_row(out.faces(), (out.height() + side - 1) / side, progress, [&](int face, int row) {
+    const int y = row * side, h = std::min(side, out.height() - y);
+    for (int x = 0; x < out.width(); x += side)
+      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x, y, std::min(side, out.width() - x), h, out);
+  });
+  if (getenv("STAT")) fprintf(stderr, "tiles %ld lamps/tile %.0f outputs/tile %.1f\n", lanes_total.load(), double(lamps_total)/lanes_total, double(out.faces())*out.width()*out.height()/lanes_total);
+}
+
+}  // namespace envmap

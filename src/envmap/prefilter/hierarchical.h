@@ -1,0 +1,33 @@
+/// @file
+/// Prefiltering by a quad-tree of the source: coarse in the tail of the lobe, fine in its core, exact round bright texels.
+#pragma once
+
+#include "envmap/operate/progress.h"
+#include "envmap/prefilter/gather.h"
+#include "envmap/prefilter/light_tree.h"
+#include "envmap/prefilter/lobe_bounds.h"
+#include "envmap/sample/target.h"
+
+namespace envmap {
+
+/// How a light is judged good enough for a direction: by the remainder of Taylor's series of the lobe about its mean
+/// cosine, bounded by the lobe's derivatives and the light's moments, over what the direction gets at least.
+struct Accuracy {
+  double light;  ///< The largest remainder of a light, relative to the result (or to 0.001 x the mean, if larger).
+};
+
+/// The remainders of all lights of a tile, relative to the result: added up, and as if they were independent.
+struct Gathered {
+  double sum, root;
+};
+
+/// Result for the directions of a tile, in units of radiance, lobes normalised. @param tile sums are overwritten.
+Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy,
+                     Tile& tile, std::span<Colour> out);
+
+/// Fills a whole map. @param out of the projection and size of the target.
+/// @return for each texel row of tiles... see .cpp
+void hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target, const Accuracy& accuracy,
+                            Level& out, const Progress& progress = {});
+
+}  // namespace envmap

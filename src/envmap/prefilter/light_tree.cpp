@@ -1,0 +1,67 @@
+#include "envmap/prefilter/light_tree.h"
+
+#include "envmap/operate/measure.h"
+#include "envmap/operate/parallel.h"
+
+namespace envmap {
+namespace {
+
+constexpr std::int64_t most_stored = 1 << 19;  // Blocks of the lowest level: 80 MB.
+
+LightTree::Blocks empty(int width, int height, int faces) {
+  return {width, height, std::vector<Light>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(faces))};
+}
+
+int halves(int n) { return (n + 1) / 2; }
+
+// f(face, i, j) -> Light for all blocks of a level.
+template <class F>
+void fill(LightTree::Blocks& blocks, int faces, F&& f) {
+  for_each_row(faces, blocks.height, {}, [&](int face, int j) {
+    for (int i = 0; i < blocks.width; ++i)
+      blocks.lights[(static_cast<std::size_t>(face) * static_cast<std::size_t>(blocks.height) + static_cast<std::size_t>(j)) *
+                        static_cast<std::size_t>(blocks.width) +
+                    static_cast<std::size_t>(i)] = f(face, i, j);
+  });
+}
+
+}  // namespace
+
+LightTree::LightTree(const Level& source) : source_(source), mean_(mean_radiance(source)) {
+  const int width = source.width(), height = source.height(), faces = source.faces();
+  while (static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_) > most_stored) ++first_;
+  const int side = 1 << first_;
+  const double scale = mean_ > 0 ? 1 / mean_ : 0;
+  Blocks& lowest = blocks_.emplace_back(empty((width + side - 1) / side, (height + side - 1) / side, faces));
+  visit(source.projection(), [&](auto p) {
+    using P = decltype(p);
+    fill(lowest, faces, [&](int face, int bi, int bj) {
+      thread_local std::vector<Light> texels;
+      texels.clear();
+      for (int j = bj * side; j < std::min(height, (bj + 1) * side); ++j)
+        for (int i = bi * side; i < std::min(width, (bi + 1) * side); ++i) {
+          const double w = width, h = height;
+          const Patch area = patch<P>(face, {i / w, j / h, (i + 1) / w, (j + 1) / h});
+          if (area.solid_angle > 0) texels.push_back(light_of(area, scale * Flux(*source.texel(face, i, j))));
+        }
+      return united(texels);
+    });
+  });
+  while (blocks_.back().width > 1 || blocks_.back().height > 1) {
+    const Blocks& fine = blocks_.back();
+    Blocks coarse = empty(halves(fine.width), halves(fine.height), faces);
+    fill(coarse, faces, [&](int face, int i, int j) {
+      std::array<Light, 4> parts;
+      std::size_t count = 0;
+      for (int y = 2 * j; y < std::min(fine.height, 2 * j + 2); ++y)
+        for (int x = 2 * i; x < std::min(fine.width, 2 * i + 2); ++x) {
+          const Light& part = light(last(), face, x, y);
+          if (part.flux[3] > 0) parts[count++] = part;
+        }
+      return united(std::span(parts).first(count));
+    });
+    blocks_.push_back(std::move(coarse));
+  }
+}
+
+}  // namespace envmap

@@ -1,0 +1,43 @@
+/// @file
+/// The source as a quad-tree of lights: every block of 2^k x 2^k texels of a face with its moments.
+#pragma once
+
+#include <vector>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/prefilter/light.h"
+
+namespace envmap {
+
+/// Blocks above a size are stored; smaller ones are few where a lobe is wide and are made as they are wanted: the texels
+/// of a block, and below a texel its quarters.
+class LightTree {
+ public:
+  struct Blocks {
+    int width, height;  ///< Blocks across and down a face.
+    std::vector<Light> lights;
+  };
+
+  /// @param source must outlive the tree.
+  explicit LightTree(const Level& source);
+
+  [[nodiscard]] const Level& source() const { return source_; }
+  [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
+  [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
+  [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
+  [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[static_cast<std::size_t>(k - first_)]; }
+  [[nodiscard]] const Light& light(int k, int face, int i, int j) const {
+    const Blocks& b = blocks(k);
+    return b.lights[(static_cast<std::size_t>(face) * static_cast<std::size_t>(b.height) + static_cast<std::size_t>(j)) *
+                        static_cast<std::size_t>(b.width) +
+                    static_cast<std::size_t>(i)];
+  }
+
+ private:
+  const Level& source_;
+  double mean_;
+  int first_ = 0;
+  std::vector<Blocks> blocks_;
+};
+
+}  // namespace envmap

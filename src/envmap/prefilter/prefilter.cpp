@@ -1,0 +1,254 @@
+#include "envmap/prefilter/prefilter.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <tuple>
+
+#include "envmap/error.h"
+#include "envmap/operate/convert.h"
+#include "envmap/operate/measure.h"
+#include "envmap/operate/parallel.h"
+#include "envmap/prefilter/exact.h"
+#include "envmap/prefilter/harmonics.h"
+#include "envmap/prefilter/hierarchical.h"
+
+namespace envmap {
+
+// Small maps are blown up, which changes nothing where radiance is constant over a texel: the tree then holds their texels
+// in parts small enough for any lobe's tail.
+struct PrefilterSource::Prepared {
+  Level grown;
+  LightTree tree;
+  explicit Prepared(const Level& source);
+};
+
+namespace {
+
+constexpr int least_height = 64;
+constexpr double finest = 1e-5;  // Errors below this are left to float64.
+
+Level grown(const Level& source) {
+  const int times = source.height() >= least_height ? 1 : (least_height + source.height() - 1) / source.height();
+  Level out(source.projection(), source.height() * times);
+  for_each_row(out.faces(), out.height(), {}, [&](int face, int j) {
+    for (int i = 0; i < out.width(); ++i) *out.texel(face, i, j) = *source.texel(face, i / times, j / times);
+  });
+  return out;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Rotation to_source(const Prefilter& p, const EnvironmentMap& source) {
+  return glm::transpose(image_to_world(source.forward)) * image_to_world(p.forward);
+}
+
+EnvironmentMap empty_map(const Prefilter& p) {
+  EnvironmentMap map;
+  map.levels.emplace_back(p.to, p.size);
+  map.forward = p.forward;
+  return map;
+}
+
+// ---- the methods ----------------------------------------------------------------------------------------------------
+
+// Directions of a row's texels in the image frame of the source.
+std::vector<Direction> row_directions(const Prefilter& p, const Rotation& turn, int face, int row) {
+  const Columns in = columns(p.to, p.size, row);
+  std::vector<Direction> d(static_cast<std::size_t>(in.end - in.first));
+  texel_directions(p.to, p.size, face, row, in.first, d);
+  rotate(turn, d);
+  return d;
+}
+
+EnvironmentMap by_exact(const EnvironmentMap& source, const Prefilter& p, const Lobe& lobe, const Progress& progress) {
+  EnvironmentMap map = empty_map(p);
+  std::vector<Direction> all;
+  std::vector<Colour*> texels;
+  const Rotation turn = to_source(p, source);
+  for (int face = 0; face < map.base().faces(); ++face)
+    for (int row = 0; row < p.size; ++row) {
+      const std::vector<Direction> d = row_directions(p, turn, face, row);
+      all.insert(all.end(), d.begin(), d.end());
+      for (std::size_t k = 0; k < d.size(); ++k)
+        texels.push_back(map.base().texel(face, columns(p.to, p.size, row).first + static_cast<int>(k), row));
+    }
+  const std::vector<Flux> found = exact_prefilter(source.base(), lobe, all, progress);
+  for (std::size_t k = 0; k < found.size(); ++k) *texels[k] = Colour(found[k]);
+  return map;
+}
+
+EnvironmentMap by_harmonics(const EnvironmentMap& source, const Prefilter& p, const Lobe& lobe, const Progress& progress) {
+  std::vector<double> factors = zonal(lobe, p.order > 0 ? p.order : 32);
+  while (p.order == 0 && factors.size() > 3 && std::abs(factors.back()) < 1e-3 * p.max_error) factors.pop_back();
+  Harmonics h = project(source, static_cast<int>(factors.size()) - 1, progress);
+  scale_degrees(h, factors);
+  return evaluate(h, p.to, p.size, p.forward);
+}
+
+EnvironmentMap by_tree(const EnvironmentMap& source, const LightTree& tree, const Prefilter& p, const Lobe& lobe,
+                       double accuracy, const Progress& progress) {
+  EnvironmentMap map = empty_map(p);
+  hierarchical_prefilter(tree, lobe, {p.to, p.size, to_source(p, source)}, {accuracy}, map.base(), progress);
+  return map;
+}
+
+EnvironmentMap by_mirror(const EnvironmentMap& source, const Prefilter& p) {
+  EnvironmentMap copy = source;
+  return convert(copy, {.to = p.to, .size = p.size, .filter = Filter::nearest, .forward = p.forward});
+}
+
+// ---- the check ------------------------------------------------------------------------------------------------------
+
+// Texels worth looking at in a result: spread evenly, the darkest, the brightest, the steepest for their own radiance.
+std::vector<Texel> hardest(const Level& level) {
+  constexpr std::size_t even = 128, each = 48;
+  std::vector<Texel> all;
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j)
+      for (int i = columns(level.projection(), level.height(), j).first; i < columns(level.projection(), level.height(), j).end; ++i)
+        all.push_back({face, i, j});
+  if (all.size() <= even + 3 * each) return all;
+  std::vector<Texel> found;
+  for (std::size_t k = 0; k < even; ++k) found.push_back(all[(2 * k + 1) * all.size() / (2 * even)]);
+  const auto least = [&](const Texel& t) {
+    const Colour& c = *level.texel(t.face, t.i, t.j);
+    return std::min({c.x, c.y, c.z});
+  };
+  const auto most = [&](const Texel& t) {
+    const Colour& c = *level.texel(t.face, t.i, t.j);
+    return std::max({c.x, c.y, c.z});
+  };
+  const auto slope = [&](const Texel& t) {
+    const Colour& c = *level.texel(t.face, t.i, t.j);
+    const Colour& beside = *level.texel(t.face, t.i > 0 ? t.i - 1 : t.i, t.j > 0 ? t.j - 1 : t.j);
+    const Colour off = glm::abs(c - beside) / glm::max(c, Colour(1e-30F));
+    return std::max({off.x, off.y, off.z});
+  };
+  const auto take = [&](auto key) {
+    std::vector<std::pair<float, std::size_t>> order(all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) order[k] = {key(all[k]), k};
+    std::ranges::nth_element(order, order.begin() + each);
+    for (std::size_t k = 0; k < each; ++k) found.push_back(all[order[k].second]);
+  };
+  take(least);
+  take([&](const Texel& t) { return -most(t); });
+  take([&](const Texel& t) { return -slope(t); });
+  return found;
+}
+
+// The integral in one direction; what is left out of it, as independent errors, below `bound` of it.
+Flux reference(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Direction& d, double bound) {
+  Tile tile;
+  tile.middle = d;
+  tile.count = 1;
+  tile.x.fill(0), tile.y.fill(0), tile.z.fill(0);
+  Colour found[1];
+  double light = 0.03 * bound;
+  for (int round = 0; round < 20; ++round) {
+    const double left = gather_tile(tree, lobe, bounds, {light}, tile, found).root;
+    if (left <= bound) break;
+    light *= std::clamp(0.8 * bound / left, 0.01, 0.5);
+  }
+  return Flux(found[0]);
+}
+
+// The largest error of a result in the texels that are hardest.
+void check(const EnvironmentMap& source, const LightTree& tree, const Prefilter& p, const Lobe& lobe, Prefiltered& done) {
+  const Level& level = done.map.base();
+  const std::vector<Texel> texels = hardest(level);
+  const Rotation turn = to_source(p, source);
+  const double floor = 1e-3 * tree.mean();
+  const LobeBounds bounds(lobe);
+  std::vector<double> errors(texels.size());
+  tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t k) {
+    const Texel& t = texels[k];
+    Direction d[1];
+    texel_directions(p.to, p.size, t.face, t.j, t.i, d);
+    const Flux truth = reference(tree, lobe, bounds, turn * d[0], 0.1 * std::max(finest, p.max_error));
+    for (int c = 0; c < 3; ++c) {
+      const double off = std::abs((*level.texel(t.face, t.i, t.j))[c] - truth[c]);
+      if (off > 0) errors[k] = std::max(errors[k], off / std::max(truth[c], floor));
+    }
+  });
+  done.directions = static_cast<std::int64_t>(texels.size());
+  done.error = texels.empty() ? 0 : std::ranges::max(errors);
+  done.reached = done.error <= p.max_error;
+}
+
+void scale(Level& level, double factor) {
+  if (factor == 1) return;
+  for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
+    for (Colour& c : level.row(face, row)) c = Colour(factor * Flux(c));
+  });
+}
+
+// What --scale makes of a normalised lobe.
+double factor(const Prefilter& p) {
+  if (!p.scale) return 1;
+  return p.shape == Shape::phong ? *p.scale * 2 * pi / (p.parameter + 1) : *p.scale;
+}
+
+}  // namespace
+
+PrefilterSource::Prepared::Prepared(const Level& source) : grown(envmap::grown(source)), tree(grown) {}
+
+Lobe lobe_of(const Prefilter& p) {
+  switch (p.shape) {
+    case Shape::diffuse: return Cosine{};
+    case Shape::phong:
+      if (!(p.parameter >= 0 && p.parameter <= 1e9)) throw UsageError("a Phong exponent is from 0 to 1e9");
+      return p.parameter == 1 ? Lobe(Cosine{}) : Lobe(Phong{p.parameter});
+    case Shape::ggx: break;
+  }
+  if (!(p.parameter >= 0 && p.parameter <= 1)) throw UsageError("a roughness is from 0 to 1");
+  return Ggx(p.parameter);
+}
+
+PrefilterSource::PrefilterSource(const EnvironmentMap& map) : map_(map), prepared_(std::make_unique<Prepared>(map.base())) {}
+PrefilterSource::~PrefilterSource() = default;
+
+Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progress) const {
+  const Lobe lobe = lobe_of(wanted);
+  const LightTree& tree = prepared_->tree;
+  const auto start = std::chrono::steady_clock::now();
+  Prefiltered done{.map = {}, .method = wanted.method};
+  if (is_mirror(wanted)) {
+    done.map = by_mirror(map_, wanted);
+    done.method = Method::exact;
+  } else if (wanted.method == Method::exact || (wanted.method == Method::automatic && wanted.max_error < finest)) {
+    done.map = by_exact(map_, wanted, lobe, progress);
+    done.method = Method::exact;
+  } else if (wanted.method == Method::sh) {
+    done.map = by_harmonics(map_, wanted, lobe, progress);
+    done.seconds = seconds_since(start);
+    check(map_, tree, wanted, lobe, done);
+  } else {
+    done.method = Method::hierarchical;
+    // What one light may be off while the sum is right: measured on probes, then refined until it is.
+    double accuracy = wanted.max_error * (std::visit([](const auto& l) { return l.value(0.9); }, lobe) > 1e-3 ? 1 : 12);
+    for (int round = 0; round < 8; ++round) {
+      const auto again = std::chrono::steady_clock::now();
+      done.map = by_tree(map_, tree, wanted, lobe, accuracy, progress);
+      done.seconds = seconds_since(again);
+      check(map_, tree, wanted, lobe, done);
+      if (done.reached || wanted.method == Method::hierarchical) break;
+      accuracy *= std::clamp(0.5 * wanted.max_error / done.error, 0.02, 0.5);
+    }
+    if (!done.reached && wanted.method == Method::automatic) {
+      const auto again = std::chrono::steady_clock::now();
+      done = {.map = by_exact(map_, wanted, lobe, progress), .method = Method::exact};
+      done.seconds = seconds_since(again);
+    }
+  }
+  if (done.seconds == 0) done.seconds = seconds_since(start);
+  scale(done.map.base(), factor(wanted));
+  return done;
+}
+
+}  // namespace envmap

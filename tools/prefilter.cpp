@@ -1,0 +1,237 @@
+#include "envmap/prefilter/prefilter.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "command.h"
+#include "envmap/error.h"
+#include "envmap/io/write_table.h"
+#include "envmap/prefilter/brdf_table.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Options {
+  std::string input, output, table;
+  ReadOptions read;
+  WriteOptions write;
+  Prefilter map;
+  int size = 0, levels = 1, table_size = 128;
+  std::optional<Projection> to;
+  std::optional<Forward> forward;
+  std::optional<double> exponent, roughness, scale;
+  std::vector<double> exponents, roughnesses;
+};
+
+// What to make for each level: as many as were asked for, or as parameters were given.
+std::vector<Prefilter> levels_of(const Options& o) {
+  std::vector<double> parameters = o.map.shape == Shape::phong ? o.exponents : o.roughnesses;
+  const auto only = [&](bool given, const char* option, Shape shape) {
+    if (given && o.map.shape != shape)
+      throw UsageError(fmt::format("{} is for --lobe {}", option, shape_names[static_cast<std::size_t>(shape)]));
+  };
+  only(o.exponent || !o.exponents.empty(), o.exponent ? "--exponent" : "--exponents", Shape::phong);
+  only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", Shape::ggx);
+  if (!parameters.empty() && (o.exponent || o.roughness))
+    throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
+                                : "--roughness and --roughnesses: give one of them");
+  if (o.map.shape == Shape::diffuse && o.levels > 1) throw UsageError("--levels: a diffuse map has one");
+  if (!parameters.empty() && o.levels > 1 && o.levels != static_cast<int>(parameters.size()))
+    throw UsageError(fmt::format("--levels {}: {} parameters are given", o.levels, parameters.size()));
+  if (parameters.empty()) {
+    for (int k = 0; k < o.levels; ++k) {
+      if (o.map.shape == Shape::phong)
+        parameters.push_back(o.exponent.value_or(0) / std::exp2(2 * k));
+      else if (o.roughness || o.levels == 1)
+        parameters.push_back(o.roughness.value_or(0));
+      else
+        parameters.push_back(static_cast<double>(k) / (o.levels - 1));
+    }
+    if (o.map.shape == Shape::phong && !o.exponent)
+      throw UsageError("--lobe phong: say --exponent M or --exponents A,B,...");
+    if (o.map.shape == Shape::ggx && !o.roughness && o.levels == 1)
+      throw UsageError("--lobe ggx: say --roughness R, --roughnesses A,B,... or --levels N");
+    if (o.roughness && o.levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
+  }
+  std::vector<Prefilter> all;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    Prefilter p = o.map;
+    p.parameter = parameters[k];
+    p.size = std::max(1, o.map.size >> k);
+    lobe_of(p);
+    all.push_back(p);
+  }
+  return all;
+}
+
+std::string words(const Prefilter& p) {
+  switch (p.shape) {
+    case Shape::diffuse: return "diffuse";
+    case Shape::phong: return fmt::format("phong {:g}", p.parameter);
+    case Shape::ggx: break;
+  }
+  return fmt::format("ggx {:g}", p.parameter);
+}
+
+// What the file says of its lobes: one number for each level.
+Facts record(const std::vector<Prefilter>& levels) {
+  const Prefilter& first = levels.front();
+  Facts facts{{"lobe", std::string(shape_names[static_cast<std::size_t>(first.shape)])}};
+  std::string numbers;
+  for (const Prefilter& p : levels) numbers += (numbers.empty() ? "" : ",") + fmt::format("{:g}", p.parameter);
+  if (first.shape == Shape::phong) facts["exponent"] = numbers;
+  if (first.shape == Shape::ggx) facts["roughness"] = numbers;
+  if (first.scale) facts["scale"] = fmt::format("{:g}", *first.scale);
+  return facts;
+}
+
+bool report(const Prefilter& p, const Prefiltered& done, const Common& common) {
+  const std::string line =
+      done.method == Method::exact
+          ? fmt::format("{}, {}: exact, {:.3f} s", words(p), p.size, done.seconds)
+          : fmt::format("{}, {}: {}, {:.3f} s, max {:.1e} in {} texels", words(p), p.size,
+                        method_names[static_cast<std::size_t>(done.method)], done.seconds, done.error, done.directions);
+  if (done.reached)
+    note(common, line);
+  else
+    std::fputs(fmt::format("envmap prefilter: --max-error {:g} is not reached: {}\n", p.max_error, line).c_str(), stderr);
+  return done.reached;
+}
+
+void write_brdf_table(const Options& o, const Common& common) {
+  write_table(o.table, brdf_table(o.table_size, progress_line(common, "brdf table")), o.table_size);
+}
+
+int run(Options& o, const Common& common) {
+  if (o.input.empty() != o.output.empty() || (o.input.empty() && o.table.empty()))
+    throw UsageError("name an INPUT and an OUTPUT, or --brdf-table FILE alone");
+  if (!o.table.empty()) check_table(o.table);
+  if (o.input.empty()) {
+    write_brdf_table(o, common);
+    return 0;
+  }
+  o.map.to = o.to.value_or(Projection::cube);
+  o.map.scale = o.scale;
+  check_output(o.output, o.write, o.map.to);
+  o.read.assumed_forward = o.forward;
+  const Source source = read_map(o.input, o.read, common);
+  o.map.size = o.size > 0 ? o.size
+               : o.map.shape == Shape::diffuse
+                   ? matching_size(Projection::cube, 64, o.map.to)
+                   : matching_size(source.map.projection(), source.map.base().height(), o.map.to);
+  o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
+  const std::vector<Prefilter> wanted = levels_of(o);
+  check_output(o.output, o.write, o.map.to, wanted.size() > 1);
+
+  const PrefilterSource prepared(source.map);
+  EnvironmentMap made{.levels = {}, .forward = o.map.forward};
+  for (const Prefilter& p : wanted) {
+    Prefiltered done = prepared.make(p, progress_line(common, "prefilter " + words(p)));
+    if (!report(p, done, common)) return 1;
+    made.levels.push_back(std::move(done.map.base()));
+  }
+  o.write.source_depth = source.depth;
+  if (is_integer(o.write.source_depth)) o.write.source_depth = Depth::half;
+  o.write.facts = record(wanted);
+  write_map(o.output, all_rows_of(made), o.write, {o.input}, "write", common);
+  if (!o.table.empty()) write_brdf_table(o, common);
+  return 0;
+}
+
+}  // namespace
+
+Command prefilter_command() {
+  return {
+      .name = "prefilter",
+      .summary = "Blur a map by a lobe: diffuse, Phong and GGX maps for renderers",
+      .description =
+          "Makes the map of what a surface reflects: for each direction, the environment weighted by the lobe of a "
+          "material round it. Radiance is taken as constant over each texel of the input.\n\n"
+          "diffuse: E(n) = k/pi integral L(l) cos(n,l) dl, the irradiance over pi; a diffuse surface of albedo a has "
+          "the "
+          "radiance a E. phong: R(r) = k integral L(l) cos(r,l)^M dl with k = (M+1)/(2 pi), or what --scale says. ggx: "
+          "the first half of the split sum, R(r) = k integral L(l) D(h) cos(n,l) dl over the same of a white map, with "
+          "n = v = r, h half way between r and l, and Trowbridge and Reitz's D of alpha = roughness^2; --brdf-table "
+          "writes the other half. With k = 1 (and phong's own) a white map stays white. Roughness 0 is a mirror: each "
+          "texel is that of the input in its direction. A lobe narrower than a texel of the output leaves gaps between "
+          "the texels, as point samples do: choose a larger --size.\n\n"
+          "--levels N makes a chain, level k of a face of --size / 2^k: phong takes M at level 0 and a quarter of it "
+          "at "
+          "each level more, ggx roughness 0 to 1 over the levels. --exponents and --roughnesses list them instead.\n\n"
+          "Methods: 'hierarchical' sums over a quad-tree of the input, coarse where the lobe is faint and smooth, fine "
+          "in its core and round bright texels. 'exact' sums over every texel in float64. 'sh' goes through spherical "
+          "harmonics of --order. 'auto' is hierarchical, refined until --max-error holds in 256 texels or more: some "
+          "spread evenly, and the darkest, brightest and steepest; where that does not help, exact. The other methods "
+          "are checked as well; beyond --max-error the exit status is 1 and nothing is written.\n\n"
+          "--brdf-table: the second half of the split sum for GGX and Smith's height-correlated masking: row by "
+          "row perceptual roughness, column by column cos(n,v), both at (i + 0.5) / N; red times F0 plus green is the "
+          "part of white light reflected.",
+      .examples = {{"envmap prefilter probe.hdr diffuse.exr --lobe diffuse",
+                    "a cube of 64 with the irradiance over pi"},
+                   {"envmap prefilter probe.hdr gloss.exr --lobe phong --exponent 100 --to latlong --size 128",
+                    "a Phong lobe, as a panorama"},
+                   {"envmap prefilter probe.exr ggx.exr --lobe ggx --roughness 0.3 --size 128 --max-error 1e-4",
+                    "GGX of one roughness, right to 0.01% in every texel checked"},
+                   {"envmap prefilter probe.exr chain.ktx2 --lobe ggx --size 256 --levels 6 --brdf-table brdf.exr",
+                    "what a renderer of glTF materials wants: roughness 0 to 1 over six levels, and the table"},
+                   {"envmap prefilter probe.exr 'phong_{level}.hdr' --lobe phong --exponent 2048 --size 256 --levels 9",
+                    "a file for each level: exponents 2048, 512, 128 ..."},
+                   {"envmap prefilter --brdf-table brdf.exr", "the table that goes with every GGX map"}},
+      .writes = true,
+      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
+        auto o = std::make_shared<Options>();
+        app.add_option("INPUT", o->input,
+                       "File to read, '-' for standard input; {face} in the name reads six files, {level} one a level");
+        app.add_option(
+            "OUTPUT", o->output,
+            "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level");
+        add_choice(app, "--lobe", o->map.shape, joined(shape_names), one_of<Shape>(shape_names),
+                   "The material's lobe (default: diffuse)");
+        app.add_option("--exponent", o->exponent, "Phong's M, 0 to 1e9")->type_name("M")->check(CLI::Range(0.0, 1e9));
+        app.add_option("--exponents", o->exponents, "One for each level")
+            ->type_name("M,...")
+            ->delimiter(',')
+            ->check(CLI::Range(0.0, 1e9));
+        app.add_option("--roughness", o->roughness, "GGX's perceptual roughness, 0 to 1")->type_name("R")->check(CLI::Range(0.0, 1.0));
+        app.add_option("--roughnesses", o->roughnesses, "One for each level")
+            ->type_name("R,...")
+            ->delimiter(',')
+            ->check(CLI::Range(0.0, 1.0));
+        app.add_option("--levels", o->levels, "Levels of the chain (default: 1)")->type_name("N")->check(CLI::Range(1, 17));
+        app.add_option("--scale", o->scale, "The factor k (default: white stays 1)")->type_name("K")->check(CLI::Range(0.0, 1e30));
+        add_projection(app, "--to", o->to, "Projection of the output (default: cube)");
+        add_size(app, o->size,
+                 "Height of a face (default: 64 a cube's face for diffuse, else the input's degrees per texel)");
+        add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
+        add_forward(app, "--forward", o->forward,
+                    "World axis at the centre of latlong and angular images (default: +z)");
+        add_choice(app, "--method", o->map.method, joined(method_names), one_of<Method>(method_names),
+                   "How it is worked out (default: auto)");
+        app.add_option("--order", o->map.order,
+                       "Of the harmonics of --method sh (default: what the lobe needs, 32 at most)")
+            ->type_name("N")
+            ->check(CLI::Range(1, 200));
+        app.add_option("--max-error", o->map.max_error,
+                       "Largest error of a texel, relative to it or to 0.001 x the mean (default: 1e-3)")
+            ->type_name("E")
+            ->check(CLI::Range(1e-7, 10.0));
+        app.add_option("--brdf-table", o->table, "Write the split sum's table of scale and bias, too")
+            ->type_name("FILE");
+        app.add_option("--table-size", o->table_size, "Texels a side of that table (default: 128)")
+            ->type_name("N")
+            ->check(CLI::Range(1, 1024));
+        add_depth(app, o->write.depth);
+        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
+            ->type_name("EXT");
+        app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+        add_file_options(app, o->write);
+        add_read_options(app, o->read);
+        add_repair(app, o->read);
+        return [o, &common] { return run(*o, common); };
+      }};
+}
+
+}  // namespace tools
