@@ -20,7 +20,8 @@ struct Options {
 };
 
 std::string text(const Harmonics& h, const Options& o) {
-  std::string lines = fmt::format("# {} to order {}: l m red green blue\n", o.irradiance ? "irradiance" : "radiance", h.order);
+  std::string lines =
+      fmt::format("# {} to order {}: l m red green blue\n", o.irradiance ? "irradiance" : "radiance", h.order);
   for (int l = 0; l <= h.order; ++l)
     for (int m = -l; m <= l; ++m) {
       const Flux& c = h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)];
@@ -33,7 +34,8 @@ std::string json(const Harmonics& h, const Options& o) {
   nlohmann::ordered_json report;
   report["file"] = o.input;
   report["quantity"] = o.irradiance ? "irradiance" : "radiance";
-  report["basis"] = "real, orthonormal, polar axis +Y, longitude from +Z to +X, m > 0 cosines, m < 0 sines, no Condon-Shortley phase";
+  report["basis"] =
+      "real, orthonormal, polar axis +Y, longitude from +Z to +X, m > 0 cosines, m < 0 sines, no Condon-Shortley phase";
   report["order"] = h.order;
   if (o.window) report["window"] = "hann";
   for (const Flux& c : h.coefficients) report["coefficients"].push_back(to_json(c));
@@ -61,43 +63,52 @@ int run(Options& o, const Common& common) {
 }  // namespace
 
 Command sh_command() {
-  return {
-      .name = "sh",
-      .summary = "Spherical-harmonic coefficients of a map, of its radiance or its irradiance",
-      .description =
-          "Prints the coefficients, the integrals of radiance x harmonic over the sphere, in lines 'l m red green blue' or "
-          "with --json as an array in the order l (l + 1) + m. Each texel counts with its solid angle, radiance constant "
-          "over it.\n\n"
-          "The basis is real and orthonormal, in world axes: polar axis +Y, longitude from +Z to +X, m > 0 cosines, m < 0 "
-          "sines, no Condon-Shortley phase. Of a unit vector (x, y, z) the first nine are 0.282095; 0.488603 x, 0.488603 y, "
-          "0.488603 z; 1.092548 xz, 1.092548 xy, 0.315392 (3 y^2 - 1), 1.092548 yz, 0.546274 (z^2 - x^2).\n\n"
-          "--irradiance multiplies degree l by A_l = pi, 2 pi/3, pi/4, 0, -pi/24, ... (Ramamoorthi and Hanrahan 2001): the "
-          "series then is the irradiance E(n) of a plane with normal n, pi times what 'prefilter --lobe diffuse' gives. To "
-          "order 2 it is right to some percent; round a sun it is not.",
-      .examples = {{"envmap sh probe.hdr --irradiance", "nine colours that light diffuse surfaces"},
-                   {"envmap sh probe.hdr --order 4 --json", "25 colours of the radiance, as JSON"},
-                   {"envmap sh probe.hdr --order 8 --window --evaluate soft.exr --to latlong --size 128 -q",
-                    "what the series to order 8 shows, with less ringing"}},
-      .reports = true,
-      .writes = true,
-      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
-        auto o = std::make_shared<Options>();
-        app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
-        app.add_option("--order", o->order, "The largest degree l (default: 2)")->type_name("N")->check(CLI::Range(0, 200));
-        app.add_flag("--irradiance", o->irradiance, "Coefficients of the irradiance, not of the radiance");
-        app.add_flag("--window", o->window, "Hann's window: less ringing round bright lights for less detail");
-        app.add_option("--evaluate", o->output, "Write the series as a map, too; below 0 it is cut to 0")->type_name("OUT");
-        add_projection(app, "--to", o->to, "Projection of that map (default: cube)");
-        add_size(app, o->size, "Height of its faces (default: 64)");
-        add_layout(app, "--layout", o->write.layout, "Where its cube faces lie (default: column)");
-        add_forward(app, "--forward", o->forward, "World axis at the centre of latlong and angular images (default: +z)");
-        add_depth(app, o->write.depth);
-        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")->type_name("EXT");
-        app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
-        add_read_options(app, o->read);
-        add_repair(app, o->read);
-        return [o, &common] { return run(*o, common); };
-      }};
+  return {.name = "sh",
+          .summary = "Spherical-harmonic coefficients of a map, of its radiance or its irradiance",
+          .description =
+              "Prints the coefficients, the integrals of radiance x harmonic over the sphere, in lines 'l m red green "
+              "blue' or "
+              "with --json as an array in the order l (l + 1) + m. Each texel counts with its solid angle, radiance "
+              "constant "
+              "over it.\n\n"
+              "The basis is real and orthonormal, in world axes: polar axis +Y, longitude from +Z to +X, m > 0 "
+              "cosines, m < 0 "
+              "sines, no Condon-Shortley phase. Of a unit vector (x, y, z) the first nine are 0.282095; 0.488603 x, "
+              "0.488603 y, "
+              "0.488603 z; 1.092548 xz, 1.092548 xy, 0.315392 (3 y^2 - 1), 1.092548 yz, 0.546274 (z^2 - x^2).\n\n"
+              "--irradiance multiplies degree l by A_l = pi, 2 pi/3, pi/4, 0, -pi/24, ... (Ramamoorthi and Hanrahan "
+              "2001): the "
+              "series then is the irradiance E(n) of a plane with normal n, pi times what 'prefilter --lobe diffuse' "
+              "gives. To "
+              "order 2 it is right to some percent; round a sun it is not.",
+          .examples = {{"envmap sh probe.hdr --irradiance", "nine colours that light diffuse surfaces"},
+                       {"envmap sh probe.hdr --order 4 --json", "25 colours of the radiance, as JSON"},
+                       {"envmap sh probe.hdr --order 8 --window --evaluate soft.exr --to latlong --size 128 -q",
+                        "what the series to order 8 shows, with less ringing"}},
+          .reports = true,
+          .writes = true,
+          .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
+            auto o = std::make_shared<Options>();
+            app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")
+                ->required();
+            app.add_option("--order", o->order, "The largest degree l (default: 2)")->type_name("N")->check(CLI::Range(0, 200));
+            app.add_flag("--irradiance", o->irradiance, "Coefficients of the irradiance, not of the radiance");
+            app.add_flag("--window", o->window, "Hann's window: less ringing round bright lights for less detail");
+            app.add_option("--evaluate", o->output, "Write the series as a map, too; below 0 it is cut to 0")
+                ->type_name("OUT");
+            add_projection(app, "--to", o->to, "Projection of that map (default: cube)");
+            add_size(app, o->size, "Height of its faces (default: 64)");
+            add_layout(app, "--layout", o->write.layout, "Where its cube faces lie (default: column)");
+            add_forward(app, "--forward", o->forward,
+                        "World axis at the centre of latlong and angular images (default: +z)");
+            add_depth(app, o->write.depth);
+            app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
+                ->type_name("EXT");
+            app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+            add_read_options(app, o->read);
+            add_repair(app, o->read);
+            return [o, &common] { return run(*o, common); };
+          }};
 }
 
 }  // namespace tools

@@ -59,7 +59,8 @@ std::vector<Colour> brdf_table(int size, const Progress& progress) {
   for_each_row(1, size, progress, [&](int, int j) {
     for (int i = 0; i < size; ++i) {
       const ScaleBias found = brdf((i + 0.5) / size, (j + 0.5) / size);
-      table[static_cast<std::size_t>(j) * static_cast<std::size_t>(size) + static_cast<std::size_t>(i)] = Colour(found.scale, found.bias, 0);
+      table[static_cast<std::size_t>(j) * static_cast<std::size_t>(size) + static_cast<std::size_t>(i)] =
+          Colour(found.scale, found.bias, 0);
     }
   });
   return table;

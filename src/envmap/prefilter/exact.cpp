@@ -32,14 +32,15 @@ struct Border {
   [[nodiscard]] double at(double u, double v, double du, double dv) const {
     constexpr double step = 5e-4;
     const Direction l = P::direction(face, u, v);
-    const Direction move = (P::direction(face, u + step * du, v + step * dv) -
-                            P::direction(face, u - step * du, v - step * dv)) / (2 * step);
+    const Direction move =
+        (P::direction(face, u + step * du, v + step * dv) - P::direction(face, u - step * du, v - step * dv)) / (2 * step);
     const double x = versine(r, l);
     if (x < 1e-300) return 0;
     return (near ? lobe.share(x) : -lobe.missing(x)) / (2 * pi * x * (2 - x)) * glm::dot(r, glm::cross(l, move));
   }
   [[nodiscard]] double gauss(double u0, double v0, double u1, double v1) const {
-    return quadrature::line<5>(0, 1, [&](double t) { return at(u0 + t * (u1 - u0), v0 + t * (v1 - v0), u1 - u0, v1 - v0); });
+    return quadrature::line<5>(0, 1,
+                               [&](double t) { return at(u0 + t * (u1 - u0), v0 + t * (v1 - v0), u1 - u0, v1 - v0); });
   }
   [[nodiscard]] double edge(double u0, double v0, double u1, double v1, double whole, double tolerance, int depth) const {
     const double u = 0.5 * (u0 + u1), v = 0.5 * (v0 + v1);
@@ -52,7 +53,8 @@ struct Border {
 template <class P, class L>
 double round_border(const L& lobe, const Direction& r, int face, const Rect& rect, double nearest, double reach) {
   const Border<P, L> border{lobe, r, face, nearest <= 0 || lobe.missing(nearest) > 0.5};
-  const std::array<Vec2<double>, 5> c{{{rect.u0, rect.v0}, {rect.u1, rect.v0}, {rect.u1, rect.v1}, {rect.u0, rect.v1}, {rect.u0, rect.v0}}};
+  const std::array<Vec2<double>, 5> c{
+      {{rect.u0, rect.v0}, {rect.u1, rect.v0}, {rect.u1, rect.v1}, {rect.u0, rect.v1}, {rect.u0, rect.v0}}};
   std::array<double, 4> rough{};
   // Where the horizon leaves but a corner the points may see nothing: what there is at most counts a little.
   double scale = 1e-3 * reach * (border.near ? 1 : lobe.missing(nearest));
@@ -61,7 +63,8 @@ double round_border(const L& lobe, const Direction& r, int face, const Rect& rec
     scale += std::abs(rough[k]);
   }
   double sum = 0;
-  for (std::size_t k = 0; k < 4; ++k) sum += border.edge(c[k].x, c[k].y, c[k + 1].x, c[k + 1].y, rough[k], 1e-8 * scale, 16);
+  for (std::size_t k = 0; k < 4; ++k)
+    sum += border.edge(c[k].x, c[k].y, c[k + 1].x, c[k + 1].y, rough[k], 1e-8 * scale, 16);
   // u, v and the outward direction may be left- or right-handed.
   const double u = 0.5 * (rect.u0 + rect.u1), v = 0.5 * (rect.v0 + rect.v1);
   const double h = 1e-3 * (rect.u1 - rect.u0), k = 1e-3 * (rect.v1 - rect.v0);
@@ -143,7 +146,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
       if (simple && unevenness(lobe, directions[k], p) < 0.05) {
         for (std::size_t n = 0; n < 4; ++n) part += weights[n] * lobe.value(versine(directions[k], points[n]));
       } else {
-        part = lobe_over<P>(lobe, directions[k], face, rect, 14);
+        part = lobe_over<P>(lobe, directions[k], face, rect, 6);
       }
       sums[k] += part * radiance;
     }

@@ -31,8 +31,10 @@ void gather_lanes(const Lanes& lobe, std::span<const Lamp> lamps, Tile& tile) {
       const V square = hn::Add(hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy)), hn::Mul(oz, oz));
       const V versine = hn::Mul(half, hn::Add(square, hn::Set(d, lamp.sag)));
       const auto& m = lamp.covariance;
-      const V outer = hn::Add(hn::Add(hn::Mul(hn::Set(d, m[0]), xx), hn::Mul(hn::Set(d, m[3]), yy)), hn::Mul(hn::Set(d, m[5]), zz));
-      const V mixed = hn::Add(hn::Add(hn::Mul(hn::Set(d, m[1]), xy), hn::Mul(hn::Set(d, m[2]), xz)), hn::Mul(hn::Set(d, m[4]), yz));
+      const V outer =
+          hn::Add(hn::Add(hn::Mul(hn::Set(d, m[0]), xx), hn::Mul(hn::Set(d, m[3]), yy)), hn::Mul(hn::Set(d, m[5]), zz));
+      const V mixed =
+          hn::Add(hn::Add(hn::Mul(hn::Set(d, m[1]), xy), hn::Mul(hn::Set(d, m[2]), xz)), hn::Mul(hn::Set(d, m[4]), yz));
       const V variance = hn::Add(hn::Add(hn::Set(d, lamp.variance), dot(lamp.slope)), hn::Add(outer, mixed));
       const V deviation = hn::Sqrt(hn::Max(variance, tiny));
       const V near = lobe.value(d, hn::Sub(versine, deviation));
@@ -66,7 +68,9 @@ namespace envmap {
 
 HWY_EXPORT(Gather);
 
-void gather(const Lobe& lobe, std::span<const Lamp> lamps, Tile& tile) { HWY_DYNAMIC_DISPATCH(Gather)(lobe, lamps, tile); }
+void gather(const Lobe& lobe, std::span<const Lamp> lamps, Tile& tile) {
+  HWY_DYNAMIC_DISPATCH(Gather)(lobe, lamps, tile);
+}
 
 Lamp lamp_of(const Light& light, const Direction& middle) {
   const Direction at = light.centre - middle, slope = light.covariance.times(middle);

@@ -1,16 +1,13 @@
 #include "envmap/prefilter/hierarchical.h"
 
-#include <cstdlib>
 #include <cmath>
 
+#include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
 
 namespace envmap {
 namespace {
 
-double env(const char* n, double d) { const char* s = getenv(n); return s ? atof(s) : d; }
-
-const double sr = env("SR", 0.5), sg = env("SG", 0.05);
 constexpr double floor_of_error = 1e-3;  // Of the mean: smaller results are held to this.
 
 // What a light can do at most for the directions of a tile.
@@ -69,7 +66,8 @@ class Walk {
       found += 0.5 * lobe_.second(r.near, hi) * r.sine * r.sine * light.uneven +
                lobe_.third(r.near, hi) * cube * cube * cube / 3;
     }
-    return found;
+    // Two means of the same lobe differ by what it changes at most: above the horizon its derivatives may have no bound.
+    return std::min(found, 0.5 * (lobe_.most(r.near) - lobe_.least(r.far)));
   }
 
   bool good(const Light& light, const Reach& r) {
@@ -77,7 +75,7 @@ class Walk {
     for (std::size_t c = 0; c < 4; ++c) flux = std::max(flux, light.flux[c] / least_[c]);
     if (surveying_) {
       const double gap = lobe_.most(r.near) - lobe_.least(r.far);
-      return light.reach < sr * radius_ || gap * flux < sg;
+      return light.reach < 0.5 * radius_ || gap * flux < 0.05;
     }
     const double error = remainder(light, r) * flux;
     if (error > limit_) return false;
@@ -145,8 +143,6 @@ double radius_of(const Tile& tile) {
   return std::sqrt(square);
 }
 
-std::atomic<long> lamps_total{0}, lanes_total{0};
-
 // Directions -> tile.
 void set_tile(std::span<const Direction> directions, Tile& tile) {
   Direction sum(0);
@@ -159,52 +155,74 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
   }
 }
 
-// How far apart the directions of a tile may be.
-double tile_radius(const Lobe& lobe) {
-  return std::visit([](const auto& l) {
-    const double r = env("TW", 0.7) * std::sqrt(2 * l.width());
-    // Where the horizon is seen.
-    return l.value(0.9) > 1e-3 ? std::min(r, env("TK", 0.06)) : r;
-  }, lobe);
+std::size_t index_of(const Level& level, const Texel& t) {
+  const auto w = static_cast<std::size_t>(level.width()), h = static_cast<std::size_t>(level.height());
+  return (static_cast<std::size_t>(t.face) * h + static_cast<std::size_t>(t.j)) * w + static_cast<std::size_t>(t.i);
 }
 
+// How far from their middle the directions of a tile may be: they share a list of lights, which is as long as the worst of
+// them needs. The figures are those that were fastest.
+double tile_radius(const Lobe& lobe) {
+  return std::visit(
+      [](const auto& l) {
+        const double radius = 0.7 * std::sqrt(2 * l.width());
+        return l.value(0.9) > 1e-3 ? std::min(radius, 0.1) : radius;
+      },
+      lobe);
+}
+
+// What the tiles of a map share.
+struct Job {
+  const LightTree& tree;
+  const Lobe& lobe;
+  const LobeBounds& bounds;
+  const Target& target;
+  const Accuracy& accuracy;
+  double radius;
+  Level& out;
+  std::vector<float>& doubt;
+};
+
 // A block of texels of the result, cut until its directions are near each other.
-void fill_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Target& target, const Accuracy& accuracy, double radius, int face,
-               int x, int y, int w, int h, Level& out) {
+void fill_tile(const Job& job, int face, int x, int y, int w, int h) {
   std::array<Direction, Tile::most> directions;
-  std::array<Colour, Tile::most> colours;
+  std::array<Texel, Tile::most> texels;
   std::size_t count = 0;
-  std::array<Colour*, Tile::most> texels;
   for (int j = y; j < y + h; ++j) {
-    const Columns in = columns(target.to, target.size, j);
+    const Columns in = columns(job.target.to, job.target.size, j);
     const int first = std::max(x, in.first), end = std::min(x + w, in.end);
     if (first >= end) continue;
-    const auto n = static_cast<std::size_t>(end - first);
-    texel_directions(target.to, target.size, face, j, first, std::span(directions).subspan(count, n));
-    for (int i = first; i < end; ++i) texels[count++] = out.texel(face, i, j);
+    const std::span row = std::span(directions).subspan(count, static_cast<std::size_t>(end - first));
+    texel_directions(job.target.to, job.target.size, face, j, first, row);
+    for (int i = first; i < end; ++i) texels[count++] = {face, i, j};
   }
   if (count == 0) return;
   const std::span all = std::span(directions).first(count);
-  rotate(target.to_source, all);
+  rotate(job.target.to_source, all);
   Tile tile;
   set_tile(all, tile);
-  if (count > 1 && radius_of(tile) > radius) {
-    if (w >= h) {
-      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x, y, w / 2, h, out);
-      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x + w / 2, y, w - w / 2, h, out);
-    } else {
-      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x, y, w, h / 2, out);
-      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x, y + h / 2, w, h - h / 2, out);
-    }
+  if (count > 1 && radius_of(tile) > job.radius) {
+    const int left = w >= h ? w / 2 : w, top = w >= h ? h : h / 2;
+    fill_tile(job, face, x, y, left, top);
+    if (w >= h)
+      fill_tile(job, face, x + left, y, w - left, h);
+    else
+      fill_tile(job, face, x, y + top, w, h - top);
     return;
   }
-  gather_tile(tree, lobe, bounds, accuracy, tile, colours);
-  for (std::size_t k = 0; k < count; ++k) *texels[k] = colours[k];
+  std::array<Colour, Tile::most> colours;
+  const Gathered gathered = gather_tile(job.tree, job.lobe, job.bounds, job.accuracy, tile, colours);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Texel& t = texels[k];
+    *job.out.texel(t.face, t.i, t.j) = colours[k];
+    job.doubt[index_of(job.out, t)] = static_cast<float>(gathered.root);
+  }
 }
 
 }  // namespace
 
-Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy, Tile& tile, std::span<Colour> out) {
+Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy,
+                     Tile& tile, std::span<Colour> out) {
   thread_local std::vector<Lamp> lamps;
   lamps.clear();
   const double radius = radius_of(tile);
@@ -213,8 +231,6 @@ Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& 
     walk.survey();
     return walk.list(accuracy.light, lamps);
   });
-  lamps_total += (long)lamps.size();
-  lanes_total += 1;
   gather(lobe, lamps, tile);
   for (std::size_t k = 0; k < tile.count; ++k) {
     // White comes out as 1: what the lights miss of it they miss of all.
@@ -224,18 +240,17 @@ Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& 
   return gathered;
 }
 
-void hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target, const Accuracy& accuracy,
-                            Level& out, const Progress& progress) {
+std::vector<float> hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target,
+                                          const Accuracy& accuracy, Level& out, const Progress& progress) {
   constexpr int side = 8;
-  const double radius = tile_radius(lobe);
   const LobeBounds bounds(lobe);
-  lamps_total = 0; lanes_total = 0;
+  std::vector<float> doubt(index_of(out, {out.faces(), 0, 0}), 0);
+  const Job job{tree, lobe, bounds, target, accuracy, tile_radius(lobe), out, doubt};
   for_each_row(out.faces(), (out.height() + side - 1) / side, progress, [&](int face, int row) {
     const int y = row * side, h = std::min(side, out.height() - y);
-    for (int x = 0; x < out.width(); x += side)
-      fill_tile(tree, lobe, bounds, target, accuracy, radius, face, x, y, std::min(side, out.width() - x), h, out);
+    for (int x = 0; x < out.width(); x += side) fill_tile(job, face, x, y, std::min(side, out.width() - x), h);
   });
-  if (getenv("STAT")) fprintf(stderr, "tiles %ld lamps/tile %.0f outputs/tile %.1f\n", lanes_total.load(), double(lamps_total)/lanes_total, double(out.faces())*out.width()*out.height()/lanes_total);
+  return doubt;
 }
 
 }  // namespace envmap

@@ -26,8 +26,8 @@ Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& 
                      Tile& tile, std::span<Colour> out);
 
 /// Fills a whole map. @param out of the projection and size of the target.
-/// @return for each texel row of tiles... see .cpp
-void hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target, const Accuracy& accuracy,
-                            Level& out, const Progress& progress = {});
+/// @return `root` of the tile of every texel, by face, row and column.
+std::vector<float> hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target,
+                                          const Accuracy& accuracy, Level& out, const Progress& progress = {});
 
 }  // namespace envmap

@@ -9,7 +9,9 @@ namespace {
 constexpr std::int64_t most_stored = 1 << 19;  // Blocks of the lowest level: 80 MB.
 
 LightTree::Blocks empty(int width, int height, int faces) {
-  return {width, height, std::vector<Light>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(faces))};
+  return {width, height,
+          std::vector<Light>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                             static_cast<std::size_t>(faces))};
 }
 
 int halves(int n) { return (n + 1) / 2; }

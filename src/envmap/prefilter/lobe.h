@@ -35,13 +35,13 @@ struct Phong {
   double exponent;
 
   [[nodiscard]] double scale() const { return (exponent + 1) / (2 * pi); }
-  [[nodiscard]] double value(double x) const {
-    return x < 1 ? scale() * std::exp(exponent * std::log1p(-x)) : 0;
-  }
+  [[nodiscard]] double value(double x) const { return x < 1 ? scale() * std::exp(exponent * std::log1p(-x)) : 0; }
   [[nodiscard]] double share(double x) const { return x < 1 ? -std::expm1((exponent + 1) * std::log1p(-x)) : 1; }
   [[nodiscard]] double missing(double x) const { return x < 1 ? std::exp((exponent + 1) * std::log1p(-x)) : 0; }
   [[nodiscard]] double rate(double x) const { return x < 1 ? exponent / (1 - x) : 0; }
-  [[nodiscard]] double second(double x) const { return value(x) * exponent * std::abs(exponent - 1) / ((1 - x) * (1 - x)); }
+  [[nodiscard]] double second(double x) const {
+    return value(x) * exponent * std::abs(exponent - 1) / ((1 - x) * (1 - x));
+  }
   [[nodiscard]] double third(double x) const { return second(x) * std::abs(exponent - 2) / (1 - x); }
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 2 / (exponent + 1)); }
 };

@@ -39,10 +39,10 @@ struct Symmetric {
 
 struct Patch {
   double solid_angle = 0;
-  Direction centre{0};    ///< Mean direction: inside the sphere, by half the variance.
+  Direction centre{0};     ///< Mean direction: inside the sphere, by half the variance.
   Symmetric covariance{};  ///< Of directions about the centre.
-  double spread = 0;      ///< Cube root of the mean |direction - centre|^3, or a little above.
-  double reach = 0;       ///< No direction is farther from the centre.
+  double spread = 0;       ///< Cube root of the mean |direction - centre|^3, or a little above.
+  double reach = 0;        ///< No direction is farther from the centre.
 };
 
 /// Where the rectangle stands to the unit disc.

@@ -33,18 +33,18 @@ struct Prefilter {
   int size = 64;  ///< Height of a face.
   Forward forward = Forward::plus_z;
   Method method = Method::automatic;
-  int order = 0;           ///< Of the method sh; 0: what the lobe needs, at most 32.
+  int order = 0;            ///< Of the method sh; 0: what the lobe needs, at most 32.
   double max_error = 1e-3;  ///< Metric `max` of compare().
 };
 
 /// What was done, and what it was measured to do.
 struct Prefiltered {
   EnvironmentMap map;
-  Method method;              ///< Never automatic.
-  double seconds = 0;         ///< To make it, without the check.
-  double error = 0;           ///< Largest of the directions checked; 0 for the exact method.
+  Method method;                ///< Never automatic.
+  double seconds = 0;           ///< To make it, without the check.
+  double error = 0;             ///< Largest of the directions checked; 0 for the exact method.
   std::int64_t directions = 0;  ///< Checked.
-  bool reached = true;        ///< error <= max_error, or the exact method.
+  bool reached = true;          ///< error <= max_error, or the exact method.
 };
 
 /// Whether the lobe is a mirror's, ggx of roughness 0: the result is then the texel of the source in its direction.

@@ -1,0 +1,105 @@
+// Spherical harmonics against the generator's own formula, closed forms and each other.
+#include "envmap/prefilter/harmonics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "envmap/operate/generate.h"
+#include "envmap/operate/measure.h"
+#include "envmap/prefilter/prefilter.h"
+
+namespace envmap {
+namespace {
+
+TEST(Harmonics, AreTheBasisThatGenerateDraws) {
+  for (const Direction& d :
+       {Direction(0, 1, 0), Direction(0, -1, 0), Direction(1, 0, 0), glm::normalize(Direction(1, -2, 3))}) {
+    std::vector<double> y(31 * 31);
+    harmonics_at(30, d, y);
+    for (int l = 0; l <= 30; ++l)
+      for (int m = -l; m <= l; ++m)
+        EXPECT_NEAR(y[static_cast<std::size_t>(l * (l + 1) + m)], real_harmonic(l, m, d), 1e-11) << l << " " << m;
+  }
+}
+
+TEST(Harmonics, FirstNineAreThePolynomialsStated) {
+  const Direction d = glm::normalize(Direction(0.3, -0.5, 0.8));
+  std::vector<double> y(9);
+  harmonics_at(2, d, y);
+  const double truth[] = {0.282095,
+                          0.488603 * d.x,
+                          0.488603 * d.y,
+                          0.488603 * d.z,
+                          1.092548 * d.x * d.z,
+                          1.092548 * d.x * d.y,
+                          0.315392 * (3 * d.y * d.y - 1),
+                          1.092548 * d.y * d.z,
+                          0.546274 * (d.z * d.z - d.x * d.x)};
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(y[k], truth[k], 1e-6) << k;
+}
+
+class EachHarmonics : public testing::TestWithParam<Projection> {};
+INSTANTIATE_TEST_SUITE_P(, EachHarmonics, testing::ValuesIn(all_projections),
+                         [](const auto& p) { return std::string(name(p.param)); });
+
+TEST_P(EachHarmonics, ComeBackFromAMapOfOne) {
+  for (const auto& [degree, order] : {std::pair{1, 0}, {2, -1}, {3, 3}}) {
+    const Forward forward = has_forward(GetParam()) ? Forward::plus_x : Forward::plus_z;
+    const EnvironmentMap map = generate(Harmonic{degree, order, 1, 0.5}, GetParam(), 96, forward);
+    const Harmonics h = project(map, 4);
+    for (int l = 0; l <= 4; ++l)
+      for (int m = -l; m <= l; ++m) {
+        const double truth = l == 0 ? std::sqrt(4 * pi) : l == degree && m == order ? 0.5 : 0;
+        EXPECT_NEAR(h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)].x, truth, 4e-3) << l << " " << m;
+      }
+    const EnvironmentMap drawn = evaluate(h, GetParam(), 24, forward);
+    EXPECT_LT(compare(drawn.base(), generate(Harmonic{degree, order, 1, 0.5}, GetParam(), 24, forward).base()).maximum, 2e-2);
+  }
+}
+
+TEST(Harmonics, OfAWhiteMapAreExact) {
+  for (const Projection p : all_projections) {
+    const Harmonics h = project(generate(Constant{Direction(1)}, p, 5, Forward::plus_z), 6);
+    EXPECT_NEAR(h.coefficients[0].x, std::sqrt(4 * pi), 1e-6) << name(p);
+    // At a rim, texels that the disc cuts are taken by their means.
+    for (std::size_t k = 1; k < h.coefficients.size(); ++k)
+      EXPECT_NEAR(h.coefficients[k].x, 0, on_disc(p) ? 2e-3 : 1e-6) << name(p) << " " << k;
+  }
+}
+
+TEST(Harmonics, IrradianceFactorsAreThoseOfThePaperAndOfTheLobe) {
+  const std::vector<double> a = irradiance_factors(8), z = zonal(Cosine{}, 8);
+  const double truth[] = {pi, 2 * pi / 3, pi / 4, 0, -pi / 24, 0, pi / 64};
+  for (std::size_t k = 0; k < 7; ++k) EXPECT_NEAR(a[k], truth[k], 1e-12) << k;
+  for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(a[k], pi * z[k], 1e-9) << k;
+}
+
+TEST(Harmonics, ZonalFactorsOfPhong) {
+  // Of cos^m: 1, (m+1)/(m+2), and for P_2 (3 (m+1)/(m+3) - 1) / 2.
+  for (const double m : {0.0, 0.5, 5.0, 1e3, 1e6}) {
+    const std::vector<double> z = zonal(Phong{m}, 2);
+    EXPECT_NEAR(z[0], 1, 1e-9) << m;
+    EXPECT_NEAR(z[1], (m + 1) / (m + 2), 1e-9) << m;
+    EXPECT_NEAR(z[2], (3 * (m + 1) / (m + 3) - 1) / 2, 1e-9) << m;
+  }
+  for (const double r : {0.0, 0.1, 0.5, 0.99, 1.0}) EXPECT_NEAR(zonal(Ggx(r), 2)[0], 1, 1e-6) << r;
+}
+
+TEST(Harmonics, WindowsLeaveTheMean) {
+  const std::vector<double> w = hann_window(4);
+  EXPECT_EQ(w[0], 1);
+  for (std::size_t k = 1; k < 5; ++k) EXPECT_LT(w[k], w[k - 1]);
+}
+
+TEST(Harmonics, IsTheDiffuseMapOfASoftEnvironment) {
+  const EnvironmentMap map = generate(Harmonic{2, 1, 1, 0.5}, Projection::cube, 64, Forward::plus_z);
+  const PrefilterSource source(map);
+  const Prefiltered tree = source.make({.size = 8, .max_error = 1e-4}),
+                    series = source.make({.size = 8, .method = Method::sh, .max_error = 1e-3});
+  EXPECT_TRUE(series.reached);
+  EXPECT_LT(compare(series.map.base(), tree.map.base()).maximum, 1e-3);
+}
+
+}  // namespace
+}  // namespace envmap

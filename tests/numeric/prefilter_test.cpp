@@ -1,0 +1,364 @@
+// Prefiltered maps against sums written here from the definitions, closed forms, furnaces, symmetry and flux.
+#include "envmap/prefilter/prefilter.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <random>
+
+#include "envmap/operate/convert.h"
+#include "envmap/operate/generate.h"
+#include "envmap/operate/measure.h"
+#include "envmap/prefilter/brdf_table.h"
+#include "envmap/prefilter/exact.h"
+#include "every_target.h"
+#include "formulae.h"
+
+namespace envmap {
+namespace {
+
+// ---- the definitions once more ---------------------------------------------------------------------------------------
+
+// The lobe times its factor, of the cosine between the direction asked for and that of the light; not normalised.
+double kernel(const Prefilter& p, double cosine) {
+  if (cosine <= 0) return 0;
+  switch (p.shape) {
+    case Shape::diffuse: return cosine;
+    case Shape::phong: return std::pow(cosine, p.parameter);
+    case Shape::ggx: break;
+  }
+  const double alpha = p.parameter * p.parameter, nh2 = 0.5 * (1 + cosine);  // The half vector leans half as far.
+  const double d = nh2 * (alpha * alpha - 1) + 1;
+  return alpha * alpha / (pi * d * d) * cosine;
+}
+
+// Integral of L x kernel / that of the kernel, n x n points a texel.
+Flux brute_force(const Level& source, const Prefilter& p, const Direction& r, int n) {
+  long double whole = 0, sums[3] = {};
+  const double w = source.width() * n, h = source.height() * n;
+  for (int face = 0; face < source.faces(); ++face)
+    for (int j = 0; j < source.height() * n; ++j)
+      for (int i = 0; i < source.width() * n; ++i) {
+        const double u = (i + 0.5) / w, v = (j + 0.5) / h;
+        const Vec2<double> at[1] = {{u, v}};
+        double density[1];
+        densities(source.projection(), at, density);
+        if (density[0] == 0) continue;
+        const Direction l = formulae::rounded(formulae::direction(source.projection(), face, u, v));
+        const double weight = density[0] / (w * h) * kernel(p, glm::dot(l, r));
+        whole += weight;
+        for (int c = 0; c < 3; ++c) sums[c] += weight * (*source.texel(face, i / n, j / n))[c];
+      }
+  return {static_cast<double>(sums[0] / whole), static_cast<double>(sums[1] / whole), static_cast<double>(sums[2] / whole)};
+}
+
+// Colours without any relation between the channels, and a sun.
+EnvironmentMap landscape(Projection projection, int size, float sun = 2000) {
+  EnvironmentMap map;
+  map.levels.emplace_back(projection, size);
+  std::mt19937 random(29);
+  Level& level = map.base();
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < size; ++j)
+      for (int i = columns(projection, size, j).first; i < columns(projection, size, j).end; ++i)
+        for (int c = 0; c < 3; ++c)
+          (*level.texel(face, i, j))[c] =
+              0.05F + static_cast<float>(random() % 1000) / 1000 * (c + 1) * (j < size / 2 ? 1.F : 0.1F);
+  *level.texel(level.faces() - 1, level.width() / 3, size / 3) = Colour(sun, 0.8F * sun, 0.5F * sun);
+  return map;
+}
+
+Direction direction_of(const Prefilter& p, int face, int i, int j) {
+  Direction d[1];
+  texel_directions(p.to, p.size, face, j, i, d);
+  return d[0];
+}
+
+double relative(const Flux& a, const Flux& b, double floor) {
+  double worst = 0;
+  for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(a[c] - b[c]) / std::max(b[c], floor));
+  return worst;
+}
+
+const Prefilter lobes[] = {{.shape = Shape::diffuse},
+                           {.shape = Shape::phong, .parameter = 0.01, .max_error = 1e-2},
+                           {.shape = Shape::phong, .parameter = 3.7},
+                           {.shape = Shape::phong, .parameter = 60},
+                           {.shape = Shape::ggx, .parameter = 0.35},
+                           {.shape = Shape::ggx, .parameter = 1}};
+
+std::string words(const Prefilter& p) {
+  return std::string(shape_names[static_cast<std::size_t>(p.shape)]) + " " + std::to_string(p.parameter);
+}
+
+class EachPrefilter : public testing::TestWithParam<Projection> {};
+INSTANTIATE_TEST_SUITE_P(, EachPrefilter, testing::ValuesIn(all_projections),
+                         [](const auto& p) { return std::string(name(p.param)); });
+
+// ---- right ------------------------------------------------------------------------------------------------------------
+
+TEST_P(EachPrefilter, AgreesWithTheDefinition) {
+  const EnvironmentMap source = landscape(GetParam(), 12);
+  const double floor = 1e-3 * mean_radiance(source.base());
+  const PrefilterSource prepared(source);
+  for (Prefilter p : lobes) {
+    p.to = GetParam() == Projection::cube ? Projection::latlong : Projection::cube;
+    p.size = 4;
+    const Prefiltered done = prepared.make(p);
+    EXPECT_TRUE(done.reached) << words(p);
+    for (const auto& [i, j] : {std::pair{0, 0}, {1, 2}, {3, 3}}) {
+      const Direction r = direction_of(p, 0, i, j);
+      const Flux truth = brute_force(source.base(), p, r, 24);
+      const Flux exact = exact_prefilter(source.base(), lobe_of(p), std::span(&r, 1))[0];
+      // Points on the horizon and the rim of the brute force count whole or not at all: of a sun up to 1 / (24 points).
+      const double tolerance = p.parameter == 0.01 ? 2e-2 : 1e-3;
+      EXPECT_LT(relative(exact, truth, floor), tolerance) << words(p) << " exact at " << i << "," << j;
+      EXPECT_LT(relative(Flux(*done.map.base().texel(0, i, j)), exact, floor), 1.5 * p.max_error)
+          << words(p) << " at " << i << "," << j;
+    }
+  }
+}
+
+TEST_P(EachPrefilter, WhiteStaysWhite) {
+  const EnvironmentMap white = generate(Constant{Direction(1)}, GetParam(), 9, Forward::plus_z);
+  const PrefilterSource prepared(white);
+  for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx})
+    for (const double parameter : {0.0, 0.01, 0.5, 1.0, 1e3, 1e6, 1e8}) {
+      Prefilter p{.shape = shape, .parameter = parameter, .size = 4};
+      if ((shape == Shape::diffuse && parameter > 0) || (shape == Shape::ggx && parameter > 1)) continue;
+      for (const Method method : {Method::automatic, Method::exact}) {
+        if (method == Method::exact && parameter > 1e3) p.size = 2;
+        p.method = method;
+        const Prefiltered done = prepared.make(p);
+        for (int face = 0; face < 6; ++face)
+          for (int j = 0; j < p.size; ++j)
+            for (const Colour& c : done.map.base().row(face, j))
+              for (int k = 0; k < 3; ++k) ASSERT_NEAR(c[k], 1, 1e-6) << words(p);
+      }
+    }
+}
+
+TEST(Prefilter, HalfAWhiteSphereGivesOnePlusCosineOverTwo) {
+  EnvironmentMap half;
+  half.levels.emplace_back(Projection::latlong, 64);
+  for (int j = 0; j < 32; ++j) std::ranges::fill(half.base().row(0, j), Colour(1));
+  const PrefilterSource prepared(half);
+  const Prefilter p{.size = 16, .max_error = 1e-4};
+  const Prefiltered done = prepared.make(p);
+  for (int face = 0; face < 6; ++face)
+    for (int j = 0; j < 16; ++j)
+      for (int i = 0; i < 16; ++i) {
+        const double truth = 0.5 * (1 + direction_of(p, face, i, j).y);
+        EXPECT_NEAR(done.map.base().texel(face, i, j)->x, truth, 1e-4 * std::max(truth, 5e-4));
+      }
+}
+
+TEST(Prefilter, OneTexelGivesTheLobe) {
+  // A small texel is a point: the result is its flux times the lobe, whose factor --scale replaces.
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::cube, 256);
+  *map.base().texel(4, 128, 128) = Colour(1e6F);
+  double omega[256];
+  solid_angles(Projection::cube, 256, 128, omega);
+  Direction sun[1];
+  texel_directions(Projection::cube, 256, 4, 128, 128, sun);
+  const PrefilterSource prepared(map);
+  for (Prefilter p :
+       {Prefilter{.shape = Shape::phong, .parameter = 8}, {.shape = Shape::phong, .parameter = 8, .scale = 2}, {.scale = 3}}) {
+    p.size = 8;
+    const Prefiltered done = prepared.make(p);
+    const double factor = p.shape == Shape::diffuse ? 3 / pi : p.scale.value_or(9 / (2 * pi));
+    for (int i = 0; i < 8; ++i) {
+      const double truth = 1e6 * omega[128] * factor * kernel(p, glm::dot(sun[0], direction_of(p, 4, i, 3)));
+      EXPECT_NEAR(done.map.base().texel(4, i, 3)->x, truth, 1.5e-3 * truth) << words(p);
+    }
+  }
+}
+
+TEST(Prefilter, AGradientKeepsItsMeanAndLosesSlope) {
+  // L = a + b y: convolution keeps a and multiplies b with the lobe's first moment, (m+1)/(m+2) for Phong, 2/3 diffuse.
+  const EnvironmentMap map = generate(Gradient{Direction(0.5), Direction(1.5)}, Projection::latlong, 128, Forward::plus_z);
+  const PrefilterSource prepared(map);
+  for (const auto& [p, slope] : {std::pair{Prefilter{.size = 8}, 2.0 / 3},
+                                 {Prefilter{.shape = Shape::phong, .parameter = 9, .size = 8}, 10.0 / 11}}) {
+    const Prefiltered done = prepared.make(p);
+    for (int face = 0; face < 6; ++face)
+      for (int j = 0; j < 8; ++j)
+        EXPECT_NEAR(done.map.base().texel(face, 3, j)->x, 1 + 0.5 * slope * direction_of(p, face, 3, j).y, 1e-3);
+  }
+}
+
+TEST(Prefilter, ManyErrorsAskedForHoldAgainstTheExactSum) {
+  const EnvironmentMap source = landscape(Projection::cube, 32, 5e4F);
+  const double floor = 1e-3 * mean_radiance(source.base());
+  const PrefilterSource prepared(source);
+  for (Prefilter p : lobes)
+    for (const double error : {1e-2, 1e-4}) {
+      if (p.parameter == 0.01 && error < 1e-2) continue;  // Seconds.
+      p.size = 8;
+      p.max_error = error;
+      const Prefiltered done = prepared.make(p);
+      ASSERT_TRUE(done.reached);
+      std::vector<Direction> d;
+      std::vector<Flux> found;
+      for (int k = 0; k < 60; ++k) {
+        d.push_back(direction_of(p, k % 6, (k * 5) % 8, (k * 3) % 8));
+        found.emplace_back(*done.map.base().texel(k % 6, (k * 5) % 8, (k * 3) % 8));
+      }
+      const std::vector<Flux> truth = exact_prefilter(source.base(), lobe_of(p), d);
+      for (std::size_t k = 0; k < d.size(); ++k)
+        EXPECT_LT(relative(found[k], truth[k], floor), 1.2 * error) << words(p);
+    }
+}
+
+TEST(Prefilter, TurningTheSourceTurnsTheResult) {
+  EnvironmentMap source = landscape(Projection::cube, 24);
+  // A quarter turn about +Y takes faces to faces, texel for texel.
+  EnvironmentMap turned =
+      convert(source, {.to = Projection::cube, .size = 24, .filter = Filter::nearest, .rotation = rotation(90, 0, 0)});
+  for (Prefilter p : {lobes[0], lobes[3], lobes[4]}) {
+    p.size = 8;
+    Prefiltered a = PrefilterSource(source).make(p), b = PrefilterSource(turned).make(p);
+    const EnvironmentMap c =
+        convert(a.map, {.to = Projection::cube, .size = 8, .filter = Filter::nearest, .rotation = rotation(90, 0, 0)});
+    EXPECT_LT(compare(b.map.base(), c.base()).maximum, 2e-3) << words(p);
+  }
+}
+
+TEST(Prefilter, PhongKeepsTheFlux) {
+  const EnvironmentMap source = landscape(Projection::latlong, 32);
+  const Flux before = measure(source).flux;
+  const PrefilterSource prepared(source);
+  for (const double exponent : {1.0, 50.0}) {
+    const Prefiltered done = prepared.make({.shape = Shape::phong, .parameter = exponent, .size = 96, .max_error = 1e-4});
+    const Flux after = measure(done.map).flux;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c] / before[c], 1, 1e-4) << exponent;
+  }
+}
+
+TEST(Prefilter, ResolutionOfTheSourceChangesNothing) {
+  EnvironmentMap coarse = landscape(Projection::latlong, 32), fine;
+  fine.levels.emplace_back(Projection::latlong, 256);
+  for (int j = 0; j < 256; ++j)
+    for (int i = 0; i < 512; ++i) *fine.base().texel(0, i, j) = *coarse.base().texel(0, i / 8, j / 8);
+  for (Prefilter p : lobes) {
+    p.size = 8;
+    const Prefiltered a = PrefilterSource(coarse).make(p), b = PrefilterSource(fine).make(p);
+    EXPECT_LT(compare(a.map.base(), b.map.base()).maximum, 2 * p.max_error) << words(p);
+  }
+}
+
+// ---- extremes ---------------------------------------------------------------------------------------------------------
+
+TEST(Prefilter, NarrowLobesTendToTheMirror) {
+  const EnvironmentMap source = landscape(Projection::cube, 16);
+  const PrefilterSource prepared(source);
+  for (Prefilter p : {Prefilter{.shape = Shape::phong, .parameter = 1e8},
+                      {.shape = Shape::ggx, .parameter = 0.001},
+                      {.shape = Shape::ggx, .parameter = 0}}) {
+    p.size = 16;
+    const Prefiltered done = prepared.make(p);
+    const Direction d = direction_of(p, 2, 5, 6);
+    EXPECT_LT(compare(done.map.base(), source.base()).maximum, 2e-3) << words(p);
+    if (is_mirror(p)) continue;
+    EXPECT_LT(relative(exact_prefilter(source.base(), lobe_of(p), std::span(&d, 1))[0],
+                       Flux(*source.base().texel(2, 5, 6)), 1e-3),
+              1e-4);
+  }
+}
+
+TEST(Prefilter, ANarrowLobeOnAnEdgeSeesHalfOfEitherSide) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::cube, 1);
+  for (int face = 0; face < 6; ++face) *map.base().texel(face, 0, 0) = Colour(static_cast<float>(face));
+  const Direction d = glm::normalize(Direction(1, 0.1, 1));  // Between +X, 0, and +Z, 4.
+  for (const Lobe& lobe : {Lobe(Phong{1e4}), Lobe(Phong{1e8}), Lobe(Ggx(0.01))})
+    EXPECT_NEAR(exact_prefilter(map.base(), lobe, std::span(&d, 1))[0].x, 2, 1e-3);
+}
+
+TEST(Prefilter, SunsOfAnyStrengthAndBlackAreFinite) {
+  for (const float sun : {1e4F, 1e9F}) {
+    const EnvironmentMap source = landscape(Projection::latlong, 32, sun);
+    const PrefilterSource prepared(source);
+    for (Prefilter p : lobes) {
+      if (p.parameter == 0.01 && sun > 1e4F) continue;  // Seconds.
+      p.size = 8;
+      const Prefiltered done = prepared.make(p);
+      EXPECT_TRUE(done.reached) << words(p);
+      EXPECT_EQ(find_flaws(done.map.base()).count(), 0) << words(p);
+    }
+  }
+  for (const double value : {0.0, 1e-42}) {
+    const EnvironmentMap source = generate(Constant{Direction(value)}, Projection::cube, 1, Forward::plus_z);
+    for (Prefilter p : lobes) {
+      p.size = 2;
+      const Prefiltered done = PrefilterSource(source).make(p);
+      EXPECT_EQ(find_flaws(done.map.base()).count(), 0);
+      EXPECT_NEAR(done.map.base().texel(0, 0, 0)->x, value, 2e-45) << words(p);
+    }
+  }
+}
+
+TEST(Prefilter, ThreadsAndInstructionSetsChangeNoBit) {
+  const EnvironmentMap source = landscape(Projection::cube, 64);
+  const PrefilterSource prepared(source);
+  const auto same = [](const Level& a, const Level& b) {
+    for (int f = 0; f < a.faces(); ++f)
+      for (int j = 0; j < a.height(); ++j)
+        if (!std::ranges::equal(a.row(f, j), b.row(f, j))) return false;
+    return true;
+  };
+  for (Prefilter p : {lobes[0], lobes[3], lobes[4]}) {
+    p.size = 12;
+    const Prefiltered reference = prepared.make(p);
+    {
+      const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+      EXPECT_TRUE(same(PrefilterSource(source).make(p).map.base(), reference.map.base())) << words(p);
+    }
+    on_every_target([&](const char* target) {
+      EXPECT_TRUE(same(prepared.make(p).map.base(), reference.map.base())) << words(p) << " " << target;
+    });
+  }
+}
+
+// ---- the table --------------------------------------------------------------------------------------------------------
+
+TEST(BrdfTable, SmoothIsFresnelAndAllReflectNoMoreThanThereIs) {
+  for (const double c : {0.1, 0.5, 0.9}) {
+    const ScaleBias smooth = brdf(c, 0.01);
+    EXPECT_NEAR(smooth.bias, std::pow(1 - c, 5), 1e-3);
+    EXPECT_NEAR(smooth.scale, 1 - std::pow(1 - c, 5), 1e-3);
+    for (const double r : {0.2, 0.6, 1.0}) {
+      const ScaleBias b = brdf(c, r);
+      EXPECT_GT(b.scale, 0);
+      EXPECT_GE(b.bias, 0);
+      EXPECT_LE(b.scale + b.bias, 1 + 1e-6);
+    }
+  }
+}
+
+TEST(BrdfTable, AgreesWithAnIntegralOverDirectionsOfLight) {
+  for (const auto& [cosine, roughness] : {std::pair{0.3, 0.5}, {0.8, 0.7}, {0.5, 1.0}}) {
+    const double a2 = std::pow(roughness, 4);
+    const Direction v(std::sqrt(1 - cosine * cosine), 0, cosine);
+    const auto smith = [&](double c) { return std::sqrt(a2 + (1 - a2) * c * c); };
+    double scale = 0, bias = 0;
+    constexpr int n = 700;
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) {
+        const double z = (j + 0.5) / n, s = std::sqrt(1 - z * z), phi = 2 * pi * (k + 0.5) / n;
+        const Direction l(s * std::cos(phi), s * std::sin(phi), z), h = glm::normalize(l + v);
+        const double nh = h.z * h.z * (a2 - 1) + 1, d = a2 / (pi * nh * nh);
+        const double g = 2 * z * cosine / (cosine * smith(z) + z * smith(cosine));
+        const double f = std::pow(1 - glm::dot(v, h), 5), value = d * g / (4 * cosine) * 2 * pi / (1.0 * n * n);
+        scale += value * (1 - f);
+        bias += value * f;
+      }
+    EXPECT_NEAR(brdf(cosine, roughness).scale, scale, 2e-4);
+    EXPECT_NEAR(brdf(cosine, roughness).bias, bias, 2e-4);
+  }
+}
+
+}  // namespace
+}  // namespace envmap
