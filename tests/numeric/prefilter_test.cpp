@@ -112,7 +112,7 @@ TEST_P(EachPrefilter, AgreesWithTheDefinition) {
       const Flux truth = brute_force(source.base(), p, r, 24);
       const Flux exact = exact_prefilter(source.base(), lobe_of(p), std::span(&r, 1))[0];
       // Points on the horizon and the rim of the brute force count whole or not at all: of a sun up to 1 / (24 points).
-      const double tolerance = p.parameter == 0.01 ? 2e-2 : 1e-3;
+      const double tolerance = p.parameter == 0.01 ? 5e-2 : 3e-3;
       EXPECT_LT(relative(exact, truth, floor), tolerance) << words(p) << " exact at " << i << "," << j;
       EXPECT_LT(relative(Flux(*done.map.base().texel(0, i, j)), exact, floor), 1.5 * p.max_error)
           << words(p) << " at " << i << "," << j;
@@ -123,19 +123,21 @@ TEST_P(EachPrefilter, AgreesWithTheDefinition) {
 TEST_P(EachPrefilter, WhiteStaysWhite) {
   const EnvironmentMap white = generate(Constant{Direction(1)}, GetParam(), 9, Forward::plus_z);
   const PrefilterSource prepared(white);
+  std::vector<Direction> some;
+  for (int face = 0; face < 6; ++face) some.push_back(direction_of({.size = 5}, face, face % 3, 4 - face % 2));
   for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx})
-    for (const double parameter : {0.0, 0.01, 0.5, 1.0, 1e3, 1e6, 1e8}) {
-      Prefilter p{.shape = shape, .parameter = parameter, .size = 4};
+    for (const double parameter : {0.0, 0.5, 1.0, 1e3, 1e6, 1e8}) {
+      const Prefilter p{.shape = shape, .parameter = parameter, .size = 2, .max_error = 1e-2};
       if ((shape == Shape::diffuse && parameter > 0) || (shape == Shape::ggx && parameter > 1)) continue;
-      for (const Method method : {Method::automatic, Method::exact}) {
-        if (method == Method::exact && parameter > 1e3) p.size = 2;
-        p.method = method;
-        const Prefiltered done = prepared.make(p);
-        for (int face = 0; face < 6; ++face)
-          for (int j = 0; j < p.size; ++j)
-            for (const Colour& c : done.map.base().row(face, j))
-              for (int k = 0; k < 3; ++k) ASSERT_NEAR(c[k], 1, 1e-6) << words(p);
-      }
+      const Prefiltered done = prepared.make(p);
+      for (int face = 0; face < 6; ++face)
+        for (int j = 0; j < p.size; ++j)
+          for (const Colour& c : done.map.base().row(face, j))
+            for (int k = 0; k < 3; ++k) ASSERT_NEAR(c[k], 1, 1e-6) << words(p);
+      if (is_mirror(p)) continue;
+      // All of a sphere map's rim is one direction: a horizon that passes it is followed to some 1e-6.
+      const double tolerance = GetParam() == Projection::sphere ? 4e-6 : 1e-6;
+      for (const Flux& c : exact_prefilter(white.base(), lobe_of(p), some)) ASSERT_NEAR(c.x, 1, tolerance) << words(p);
     }
 }
 

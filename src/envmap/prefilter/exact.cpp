@@ -21,6 +21,61 @@ double versine(const Direction& a, const Direction& b) {
 
 // ---- round the border -----------------------------------------------------------------------------------------------
 
+// A piece of the border of a texel's part inside the disc: along u, along v, or of the rim, w running from `from` to `to`.
+// Lines that end at the rim run by an angle, with s or t = edge x sin w: at the rim of a sphere map the direction goes with
+// the square root of the distance, and smoothly with w.
+struct Piece {
+  enum { along_u, along_v, along_s, along_t, rim } kind;
+  double fixed, from, to;
+
+  [[nodiscard]] Vec2<double> at(double w) const {
+    const auto half_chord = [](double v) { return 0.5 * std::sqrt(std::max(0.0, 4 * v * (1 - v))); };
+    switch (kind) {
+      case along_u: return {w, fixed};
+      case along_v: return {fixed, w};
+      case along_s: return {0.5 + half_chord(fixed) * std::sin(w), fixed};
+      case along_t: return {fixed, 0.5 + half_chord(fixed) * std::sin(w)};
+      case rim: break;
+    }
+    return {0.5 + 0.5 * std::cos(w), 0.5 + 0.5 * std::sin(w)};
+  }
+};
+
+// The edges of the rectangle in the order of the corners, as far as they lie in the disc, and the rim between them.
+template <class P>
+std::vector<Piece> pieces(const Rect& r) {
+  if (coverage<P>(r) == Coverage::inside)
+    return {{Piece::along_u, r.v0, r.u0, r.u1},
+            {Piece::along_v, r.u1, r.v0, r.v1},
+            {Piece::along_u, r.v1, r.u1, r.u0},
+            {Piece::along_v, r.u0, r.v1, r.v0}};
+  std::vector<Piece> found;
+  const auto chord = [&](decltype(Piece::kind) kind, double fixed, double from, double to) {
+    const double half = 0.25 - (fixed - 0.5) * (fixed - 0.5);
+    if (half <= 0) return;
+    const auto angle = [&](double w) { return std::asin(std::clamp((w - 0.5) / std::sqrt(half), -1.0, 1.0)); };
+    if (angle(from) != angle(to)) found.push_back({kind, fixed, angle(from), angle(to)});
+  };
+  chord(Piece::along_s, r.v0, r.u0, r.u1);
+  chord(Piece::along_t, r.u1, r.v0, r.v1);
+  chord(Piece::along_s, r.v1, r.u1, r.u0);
+  chord(Piece::along_t, r.u0, r.v1, r.v0);
+  if (!P::filled) return found;  // All of the rim is one direction.
+  std::vector<double> breaks{-pi, pi};
+  for (const double u : {r.u0, r.u1})
+    if (const double c = 2 * u - 1; std::abs(c) < 1) breaks.insert(breaks.end(), {std::acos(c), -std::acos(c)});
+  for (const double v : {r.v0, r.v1})
+    if (const double c = 2 * v - 1; std::abs(c) < 1)
+      breaks.insert(breaks.end(), {std::asin(c), c >= 0 ? pi - std::asin(c) : -pi - std::asin(c)});
+  std::ranges::sort(breaks);
+  for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
+    const Piece arc{Piece::rim, 0, breaks[k], breaks[k + 1]};
+    const Vec2<double> middle = arc.at(0.5 * (arc.from + arc.to));
+    if (middle.x >= r.u0 && middle.x <= r.u1 && middle.y >= r.v0 && middle.y <= r.v1) found.push_back(arc);
+  }
+  return found;
+}
+
 template <class P, class L>
 struct Border {
   const L& lobe;
@@ -28,49 +83,51 @@ struct Border {
   int face;
   bool near;  // S itself; else S - 1, which is 0 for everything far away.
 
-  // The integrand at a point that moves by (du,dv): S d(azimuth) = S / sin^2 x det(r, l, dl).
-  [[nodiscard]] double at(double u, double v, double du, double dv) const {
-    constexpr double step = 5e-4;
-    const Direction l = P::direction(face, u, v);
-    const Direction move =
-        (P::direction(face, u + step * du, v + step * dv) - P::direction(face, u - step * du, v - step * dv)) / (2 * step);
+  // The integrand: S d(azimuth) = S / sin^2 x det(r, l, dl).
+  [[nodiscard]] double at(const Piece& piece, double w, double step) const {
+    const auto direction = [&](double to) {
+      const Vec2<double> place = piece.at(to);
+      return P::direction(face, place.x, place.y);
+    };
+    const Direction l = direction(w), move = (direction(w + step) - direction(w - step)) / (2 * step);
     const double x = versine(r, l);
     if (x < 1e-300) return 0;
     return (near ? lobe.share(x) : -lobe.missing(x)) / (2 * pi * x * (2 - x)) * glm::dot(r, glm::cross(l, move));
   }
-  [[nodiscard]] double gauss(double u0, double v0, double u1, double v1) const {
-    return quadrature::line<5>(0, 1,
-                               [&](double t) { return at(u0 + t * (u1 - u0), v0 + t * (v1 - v0), u1 - u0, v1 - v0); });
+  [[nodiscard]] double gauss(const Piece& piece, double from, double to) const {
+    const double step = 5e-4 * std::abs(to - from);
+    return quadrature::line<5>(from, to, [&](double w) { return at(piece, w, step); });
   }
-  [[nodiscard]] double edge(double u0, double v0, double u1, double v1, double whole, double tolerance, int depth) const {
-    const double u = 0.5 * (u0 + u1), v = 0.5 * (v0 + v1);
-    const double a = gauss(u0, v0, u, v), b = gauss(u, v, u1, v1);
+  [[nodiscard]] double integral(const Piece& piece, double from, double to, double whole, double tolerance, int depth) const {
+    const double middle = 0.5 * (from + to), a = gauss(piece, from, middle), b = gauss(piece, middle, to);
     if (depth == 0 || std::abs(a + b - whole) <= tolerance) return a + b;
-    return edge(u0, v0, u, v, a, tolerance, depth - 1) + edge(u, v, u1, v1, b, tolerance, depth - 1);
+    return integral(piece, from, middle, a, tolerance, depth - 1) + integral(piece, middle, to, b, tolerance, depth - 1);
   }
 };
+
+// Whether u, v and the outward direction are right-handed: else the border runs the other way round.
+template <class P>
+bool right_handed(int face) {
+  constexpr double h = 1e-3;
+  const Direction l = P::direction(face, 0.6, 0.6);
+  return glm::dot(l, glm::cross(P::direction(face, 0.6 + h, 0.6) - l, P::direction(face, 0.6, 0.6 + h) - l)) > 0;
+}
 
 template <class P, class L>
 double round_border(const L& lobe, const Direction& r, int face, const Rect& rect, double nearest, double reach) {
   const Border<P, L> border{lobe, r, face, nearest <= 0 || lobe.missing(nearest) > 0.5};
-  const std::array<Vec2<double>, 5> c{
-      {{rect.u0, rect.v0}, {rect.u1, rect.v0}, {rect.u1, rect.v1}, {rect.u0, rect.v1}, {rect.u0, rect.v0}}};
-  std::array<double, 4> rough{};
+  const std::vector<Piece> all = pieces<P>(rect);
+  std::vector<double> rough;
   // Where the horizon leaves but a corner the points may see nothing: what there is at most counts a little.
   double scale = 1e-3 * reach * (border.near ? 1 : lobe.missing(nearest));
-  for (std::size_t k = 0; k < 4; ++k) {
-    rough[k] = border.gauss(c[k].x, c[k].y, c[k + 1].x, c[k + 1].y);
-    scale += std::abs(rough[k]);
+  for (const Piece& piece : all) {
+    rough.push_back(border.gauss(piece, piece.from, piece.to));
+    scale += std::abs(rough.back());
   }
   double sum = 0;
-  for (std::size_t k = 0; k < 4; ++k)
-    sum += border.edge(c[k].x, c[k].y, c[k + 1].x, c[k + 1].y, rough[k], 1e-8 * scale, 16);
-  // u, v and the outward direction may be left- or right-handed.
-  const double u = 0.5 * (rect.u0 + rect.u1), v = 0.5 * (rect.v0 + rect.v1);
-  const double h = 1e-3 * (rect.u1 - rect.u0), k = 1e-3 * (rect.v1 - rect.v0);
-  const Direction l = P::direction(face, u, v);
-  const double turn = glm::dot(l, glm::cross(P::direction(face, u + h, v) - l, P::direction(face, u, v + k) - l));
-  return std::max(0.0, turn > 0 ? sum : -sum);
+  for (std::size_t k = 0; k < all.size(); ++k)
+    sum += border.integral(all[k], all[k].from, all[k].to, rough[k], 1e-8 * scale, 16);
+  return std::max(0.0, right_handed<P>(face) ? sum : -sum);
 }
 
 // ---- one texel --------------------------------------------------------------------------------------------------------
@@ -80,17 +137,6 @@ double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) 
   return quadrature::rectangle<4>(rect, [&](double u, double v) {
     return P::density(u, v) * lobe.value(versine(r, P::direction(face, u, v)));
   });
-}
-
-// The part of a rectangle inside the disc.
-template <class P, class L>
-double over_cut(const L& lobe, const Direction& r, int face, const Rect& rect) {
-  return quadrature::inside_disc({2 * rect.u0 - 1, 1 - 2 * rect.v1, 2 * rect.u1 - 1, 1 - 2 * rect.v0},
-                                 [&](double s, double t) {
-                                   const double u = 0.5 + 0.5 * s, v = 0.5 - 0.5 * t;
-                                   const double x = versine(r, P::direction(face, u, v));
-                                   return 0.25 * P::density(u, v) * lobe.value(x);
-                                 });
 }
 
 // How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it.
@@ -104,21 +150,17 @@ double unevenness(const L& lobe, const Direction& r, const Patch& p) {
 }
 
 template <class P, class L>
-double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, int depth) {
+double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect) {
   const Coverage where = coverage<P>(rect);
   if (where == Coverage::outside) return 0;
   const Patch p = patch<P>(face, rect);
   const double near = std::max(0.0, glm::length(r - p.centre) - p.reach);
   if (p.solid_angle <= 0 || lobe.missing(0.5 * near * near) < nothing) return 0;
-  const double uneven = unevenness(lobe, r, p);
-  if (where == Coverage::inside) {
-    if (uneven <= 0.4 && p.reach < 0.2) return over_area<P>(lobe, r, face, rect);
-    if (p.reach < 0.3) return round_border<P>(lobe, r, face, rect, 0.5 * near * near, p.reach);
-  } else if (uneven <= 0.4 || depth == 0) {
-    return over_cut<P>(lobe, r, face, rect);
-  }
+  if (where == Coverage::inside && p.reach < 0.2 && unevenness(lobe, r, p) <= 0.4)
+    return over_area<P>(lobe, r, face, rect);
+  if (p.reach < 0.3) return round_border<P>(lobe, r, face, rect, 0.5 * near * near, p.reach);
   double sum = 0;
-  for (const Rect& q : quarters(rect)) sum += lobe_over<P>(lobe, r, face, q, depth - 1);
+  for (const Rect& q : quarters(rect)) sum += lobe_over<P>(lobe, r, face, q);
   return sum;
 }
 
@@ -146,7 +188,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
       if (simple && unevenness(lobe, directions[k], p) < 0.05) {
         for (std::size_t n = 0; n < 4; ++n) part += weights[n] * lobe.value(versine(directions[k], points[n]));
       } else {
-        part = lobe_over<P>(lobe, directions[k], face, rect, 6);
+        part = lobe_over<P>(lobe, directions[k], face, rect);
       }
       sums[k] += part * radiance;
     }

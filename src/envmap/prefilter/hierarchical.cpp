@@ -113,13 +113,15 @@ class Walk {
         piece(face, {i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
   }
 
+  // Part of a texel. What is too large for simple moments is cut without a look at it.
   void piece(int face, const Rect& rect, const Flux& radiance, int depth) {
-    const Patch area = patch<P>(face, rect);
-    if (area.solid_angle <= 0) return;
-    const Light light = light_of(area, radiance);
-    const Reach r = reach(light);
-    if (r.near >= 1) return;
-    if (depth == 24 || good(light, r)) return take(light, r);
+    if (const std::optional<Patch> area = small_patch<P>(face, rect, depth == 24)) {
+      if (area->solid_angle <= 0) return;
+      const Light light = light_of(*area, radiance);
+      const Reach r = reach(light);
+      if (r.near >= 1) return;
+      if (depth == 24 || good(light, r)) return take(light, r);
+    }
     for (const Rect& q : quarters(rect)) piece(face, q, radiance, depth + 1);
   }
 

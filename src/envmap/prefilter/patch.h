@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/vector.h"
@@ -97,22 +98,17 @@ void gauss_points(int face, const Rect& r, std::array<Direction, 4>& points, std
   }
 }
 
-/// Moments of a rectangle, by Gauss points where it is small (1e-9 of the solid angle), by its quarters where not.
+/// Moments of a small rectangle by its Gauss points, to 1e-9 of the solid angle and somewhat less where the rim cuts it.
+/// @return nothing where it spans more than 0.05 radians and `anyway` is not set.
 template <class P>
-Patch patch(int face, const Rect& r, int depth = 0) {
-  constexpr double small = 0.05;  // Radians.
+std::optional<Patch> small_patch(int face, const Rect& r, bool anyway = false) {
   const Coverage where = coverage<P>(r);
-  if (where == Coverage::outside) return {};
+  if (where == Coverage::outside) return Patch{};
   std::array<Direction, 4> points;
   std::array<double, 4> weights;
   gauss_points<P>(face, r, points, weights);
   const double across = 1.75 * std::max(glm::length(points[0] - points[3]), glm::length(points[1] - points[2]));
-  if ((across > small && depth < 9) || (where == Coverage::cut && depth < 3)) {
-    std::array<Patch, 4> parts;
-    const auto q = quarters(r);
-    for (std::size_t k = 0; k < 4; ++k) parts[k] = patch<P>(face, q[k], depth + 1);
-    return united(parts);
-  }
+  if (across > 0.05 && !anyway) return std::nullopt;
   Patch found;
   found.solid_angle = weights[0] + weights[1] + weights[2] + weights[3];
   if (where == Coverage::cut) {
@@ -127,13 +123,25 @@ Patch patch(int face, const Rect& r, int depth = 0) {
     }
     found.solid_angle = inside;
   }
-  if (found.solid_angle <= 0) return {};
+  if (found.solid_angle <= 0) return Patch{};
   for (std::size_t k = 0; k < 4; ++k) found.centre += weights[k] / found.solid_angle * points[k];
   for (std::size_t k = 0; k < 4; ++k)
     found.covariance.add_square(points[k] - found.centre, weights[k] / found.solid_angle);
-  found.reach = 0.5 * across;
+  found.reach = where == Coverage::cut ? across : 0.5 * across;
   found.spread = 0.27 * across;  // 0.43 of a side.
   return found;
+}
+
+/// Moments of any rectangle, by its quarters where it is not small.
+template <class P>
+Patch patch(int face, const Rect& r, int depth = 0) {
+  const bool rough = depth < 3 && coverage<P>(r) == Coverage::cut;
+  if (!rough)
+    if (const std::optional<Patch> found = small_patch<P>(face, r, depth == 9)) return *found;
+  std::array<Patch, 4> parts;
+  const auto q = quarters(r);
+  for (std::size_t k = 0; k < 4; ++k) parts[k] = patch<P>(face, q[k], depth + 1);
+  return united(parts);
 }
 
 }  // namespace envmap

@@ -1,0 +1,121 @@
+// prefilter and sh as their users run them: files, metadata, chains, the same bytes for any number of threads, errors.
+#include <nlohmann/json.hpp>
+
+#include "picture.h"
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+constexpr int no = 1, usage = 2, bad_input = 3, not_written = 4;
+
+class Prefilter : public CommandTest {
+ protected:
+  Prefilter() { succeeds({"generate", "sun", "in.exr", "--size", "16", "--radius", "8", "--value", "300"}); }
+
+  [[nodiscard]] std::string attribute(const std::string& file, const std::string& name) const {
+    const auto input = OIIO::ImageInput::open(path(file));
+    return input ? std::string(input->spec().get_string_attribute(name)) : "";
+  }
+};
+
+TEST_F(Prefilter, WritesADiffuseCubeOf64AndSaysHowItWent) {
+  const Result r = envmap({"prefilter", "in.exr", "out.exr"});
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_NE(r.err.find("diffuse, 64: hierarchical"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("max "), std::string::npos) << r.err;
+  const Picture p = load(path("out.exr"));
+  EXPECT_EQ(p.width, 64);
+  EXPECT_EQ(p.height, 384);
+  EXPECT_EQ(attribute("out.exr", "envmap:lobe"), "diffuse");
+}
+
+TEST_F(Prefilter, MethodsAgree) {
+  for (const char* method : {"exact", "hierarchical", "sh"})
+    succeeds({"prefilter", "in.exr", std::string(method) + ".exr", "--lobe", "phong", "--exponent", "6", "--size", "4",
+              "--depth", "float", "--method", method, "--max-error", "5e-2", "-q"});
+  EXPECT_EQ(envmap({"compare", "hierarchical.exr", "exact.exr", "--max-error", "5e-2"}).status, 0);
+  EXPECT_EQ(envmap({"compare", "sh.exr", "exact.exr", "--max-error", "5e-2"}).status, 0);
+}
+
+TEST_F(Prefilter, AChainHoldsOneNumberALevel) {
+  succeeds({"prefilter", "in.exr", "ggx.exr", "--lobe", "ggx", "--levels", "3", "--size", "8", "-q"});
+  EXPECT_EQ(attribute("ggx.exr", "envmap:roughness"), "0,0.5,1");
+  succeeds({"prefilter", "in.exr", "phong_{level}.hdr", "--lobe", "phong", "--exponents", "40,10", "--size", "8", "-q"});
+  EXPECT_EQ(load(path("phong_0.hdr")).width, 8);
+  EXPECT_EQ(load(path("phong_1.hdr")).width, 4);
+  // The second level is the map of its exponent.
+  succeeds({"prefilter", "in.exr", "one.hdr", "--lobe", "phong", "--exponent", "10", "--size", "4", "-q"});
+  EXPECT_EQ(difference(load(path("phong_1.hdr")), load(path("one.hdr"))), 0);
+}
+
+TEST_F(Prefilter, AnyNumberOfThreadsGivesTheSameBytes) {
+  for (const char* threads : {"1", "3"})
+    succeeds({"prefilter", "in.exr", std::string("t") + threads + ".exr", "--lobe", "ggx", "--roughness", "0.3",
+              "--size", "16", "-q", "--threads", threads});
+  EXPECT_EQ(read("t1.exr"), read("t3.exr"));
+}
+
+TEST_F(Prefilter, ScaleIsTheFactor) {
+  succeeds({"generate", "constant", "white.exr", "--size", "4", "--value", "1"});
+  succeeds({"prefilter", "white.exr", "out.exr", "--lobe", "diffuse", "--scale", "3", "--size", "2", "-q"});
+  EXPECT_NEAR(load(path("out.exr")).values[0], 3, 2e-3);
+  succeeds(
+      {"prefilter", "white.exr", "out.exr", "--lobe", "phong", "--exponent", "3", "--scale", "1", "--size", "2", "-q"});
+  EXPECT_NEAR(load(path("out.exr")).values[0], 2 * 3.14159265 / 4, 2e-3);
+}
+
+TEST_F(Prefilter, AnErrorThatIsNotReachedWritesNothing) {
+  fails(no, {"prefilter", "in.exr", "out.exr", "--method", "sh", "--order", "1", "--max-error", "1e-3", "--size", "8"},
+        {"--max-error", "not reached", "sh"});
+}
+
+TEST_F(Prefilter, RefusesWhatMakesNoSense) {
+  fails(usage, {"prefilter"}, {"INPUT", "OUTPUT"});
+  fails(usage, {"prefilter", "in.exr"}, {"OUTPUT"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "phong"}, {"--exponent"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "ggx"}, {"--roughness"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--roughness", "0.5"}, {"--roughness", "ggx"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "ggx", "--exponent", "5"}, {"--exponent", "phong"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "ggx", "--roughness", "2"}, {"--roughness"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponent", "-1"}, {"--exponent"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "velvet"}, {"velvet", "diffuse"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--levels", "3"}, {"--levels", "diffuse"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponents", "9,3", "--levels", "3"}, {"--levels"});
+  fails(usage, {"prefilter", "--brdf-table", "out.png"}, {"out.png", ".exr"});
+  fails(bad_input, {"prefilter", "none.exr", "out.exr"}, {"none.exr"});
+  fails(not_written, {"prefilter", "in.exr", "none/out.exr"}, {"none"});
+}
+
+TEST_F(Prefilter, WritesTheTableAlone) {
+  succeeds({"prefilter", "--brdf-table", "brdf.exr", "--table-size", "8"});
+  const Picture p = load(path("brdf.exr"));
+  EXPECT_EQ(p.width, 8);
+  EXPECT_EQ(p.height, 8);
+  // Nearly smooth and seen from above: all of F0, next to nothing more.
+  EXPECT_NEAR(p.at(7, 0)[0], 1, 5e-3);
+  EXPECT_NEAR(p.at(7, 0)[1], 0, 5e-3);
+}
+
+TEST_F(Prefilter, CoefficientsAsTextAndJson) {
+  succeeds({"generate", "constant", "white.exr", "--size", "4", "--value", "1"});
+  const Result text = envmap({"sh", "white.exr", "--irradiance", "--order", "1"});
+  ASSERT_EQ(text.status, 0);
+  EXPECT_NE(text.out.find("# irradiance to order 1"), std::string::npos);
+  const Result json = envmap({"sh", "white.exr", "--json"});
+  ASSERT_EQ(json.status, 0);
+  const auto report = nlohmann::json::parse(json.out);
+  ASSERT_EQ(report["coefficients"].size(), 9U);
+  EXPECT_NEAR(report["coefficients"][0][0].get<double>(), 3.5449077, 1e-5);  // sqrt(4 pi)
+  EXPECT_NEAR(report["coefficients"][4][1].get<double>(), 0, 1e-5);
+  fails(usage, {"sh", "white.exr", "--order", "-1"}, {"--order"});
+}
+
+TEST_F(Prefilter, SeriesComeBackAsMaps) {
+  succeeds({"generate", "sh", "y.exr", "--size", "64", "--degree", "2", "--order", "1"});
+  EXPECT_EQ(envmap({"sh", "y.exr", "--evaluate", "back.exr", "--to", "latlong", "--size", "64", "-q"}).status, 0);
+  EXPECT_EQ(envmap({"compare", "back.exr", "y.exr", "--max-error", "1e-2"}).status, 0);
+}
+
+}  // namespace
+}  // namespace command_tests
