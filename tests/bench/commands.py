@@ -77,6 +77,14 @@ def jobs(n, latlong, cube, angular, envmaps):
                      Row(f'{label} uniform', f'{mipmap} {{in}} {{out}} --weights uniform', None)]
         return Job(name, source, projection, projection, rows + others)
 
+    def blurred(name, source, projection, options, result):
+        # Beside what only reads the source and writes a map of the result's size: envmap checks its own errors.
+        rows = [Row('copy', f'oiiotool {{in}} --cut {result}x{6 * result}+0+0 -d half -o {{out}}', None)]
+        for label, envmap in envmaps:
+            program = envmap.split(' convert ')[0]
+            rows.append(Row(label, f'{program} prefilter -q {{in}} {{out}} {options}', None))
+        return Job(name, source, projection, 'cube', rows)
+
     face, small, border = n // 2, n // 32, ('border', 'border')
     flop = 'oiiotool {out} --flop -o {judged}'  # Its mirror ball is seen from the other side.
     mip = 'oiiotool {out} --selectmip 4 -o {judged}'
@@ -104,6 +112,10 @@ def jobs(n, latlong, cube, angular, envmaps):
         levels(f'levels of cube {face}', cube, 'cube',
                [Row('exrenvmap', f'exrenvmap -ci -c -m -w {face} {{in}} {{out}}', None)]),
         levels(f'levels of angular {2 * n}', angular, 'angular', []),
+        blurred(f'diffuse of latlong {2 * n}x{n}', latlong, 'latlong', '--max-error 1e-4', 64),
+        blurred(f'phong chain of latlong {2 * n}x{n}', latlong, 'latlong',
+                '--lobe phong --size 256 --levels 9 --exponent 2048', 256),
+        blurred(f'ggx chain of cube {face}', cube, 'cube', '--lobe ggx --size 256 --levels 6', 256),
         job(f'angular {2 * n} to latlong {2 * n}x{n}', angular, 'angular', 'latlong', n,
             [pfs('angular+polar', 2 * n)]),
     ]
