@@ -51,6 +51,7 @@ Target target_of(const Conversion& c, const EnvironmentMap& source) {
 Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   const Conversion c = resolved(wanted, source);
   const Target target = target_of(c, source);
+  if (reads_levels(c.filter)) add_levels(source.levels);
   const Level& from = source.base();
   // The same texels: nothing to resample, and nothing to lose at a rim.
   if (interpolates(c) && c.to == from.projection() && c.size == from.height() && target.to_source == Rotation(1))
@@ -61,7 +62,6 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
               for (int i = in.first; i < in.end; ++i)
                 out[static_cast<std::size_t>(i)] = Colour(Direction(*from.texel(face, i, row)) * c.gain);
             }};
-  if (reads_levels(c.filter)) add_levels(source.levels);
   for (Level& level : source.levels) fill_gutter(level);
   // The mean costs more than many a conversion: exact solid angles of every texel.
   const double floor = c.filter == Filter::area ? 1e-3 * mean_radiance(source.base()) : 0;
