@@ -1,0 +1,45 @@
+/// @file
+/// What it takes to draw the map of a scene round a point, and what comes of it. One file for each way of drawing.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/scene/scene.h"
+
+namespace envmap {
+
+/// One map to draw.
+struct Viewpoint {
+  Projection to = Projection::cube;
+  int size = 256;                  ///< Height of a face.
+  Direction at{0};                 ///< World.
+  Rotation axes{1};                ///< From the map's frame to the world's.
+  double near = 0.01, far = 1000;  ///< Spheres round `at`: nothing nearer or further is drawn.
+  int without = -1;                ///< The node that is left out with all below it; -1: none.
+  int samples = 1;                 ///< A texel.
+};
+
+/// The scene at one moment.
+struct Shot {
+  const Scene& scene;
+  Pose pose;
+  const EnvironmentMap* environment = nullptr;  ///< Background and light; null: black.
+  Colour ambient{0};                            ///< Radiance from everywhere, beside the environment.
+};
+
+/// A mesh in its place. All of a scene's, in the order of nodes: what a surface is numbered by.
+struct Instance {
+  int node, mesh;
+};
+std::vector<Instance> instances(const Scene& scene);
+
+/// A drawn map with what is needed to judge it, texel by texel in the order of faces, rows and columns.
+struct Drawn {
+  EnvironmentMap radiance;
+  std::vector<float> distances;         ///< From the point, in metres; infinite where nothing was hit.
+  std::vector<std::uint32_t> surfaces;  ///< 1 + index into instances(); 0 where nothing was hit.
+};
+
+}  // namespace envmap

@@ -1,0 +1,63 @@
+#include "envmap/scene/scene.h"
+
+#include <algorithm>
+#define GLM_ENABLE_EXPERIMENTAL
+#include <glm/gtx/matrix_decompose.hpp>
+
+namespace envmap {
+namespace {
+
+Direction between(const Direction& a, const Direction& b, double t) { return a + (b - a) * t; }
+Quaternion between(const Quaternion& a, const Quaternion& b, double t) { return glm::slerp(a, b, t); }
+
+// The value at a time; `rest` where there are no keys.
+template <class T>
+T at(const std::vector<Motion::Key<T>>& keys, double time, const T& rest) {
+  if (keys.empty()) return rest;
+  const auto next = std::ranges::upper_bound(keys, time, {}, &Motion::Key<T>::time);
+  if (next == keys.begin()) return keys.front().value;
+  const auto last = std::prev(next);
+  if (next == keys.end()) return last->value;
+  return between(last->value, next->value, (time - last->time) / (next->time - last->time));
+}
+
+Matrix moved(const Matrix& rest, const Motion& motion, double time) {
+  Direction scale, skew, translation;
+  Quaternion rotation;
+  glm::vec<4, double, glm::highp> perspective;
+  if (!glm::decompose(rest, scale, rotation, translation, skew, perspective)) scale = Direction(0);
+  Matrix local = glm::mat4_cast(glm::normalize(at(motion.rotations, time, rotation)));
+  const Direction size = at(motion.scales, time, scale);
+  for (int axis = 0; axis < 3; ++axis) local[axis] *= size[axis];
+  local[3] = {at(motion.translations, time, translation), 1};
+  return local;
+}
+
+}  // namespace
+
+Pose pose(const Scene& scene, double time) {
+  Pose world(scene.nodes.size());
+  for (std::size_t i = 0; i < world.size(); ++i) world[i] = scene.nodes[i].local;
+  for (const Motion& motion : scene.motions) {
+    Matrix& local = world[static_cast<std::size_t>(motion.node)];
+    local = moved(local, motion, time);
+  }
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (const int parent = scene.nodes[i].parent; parent >= 0)
+      world[i] = world[static_cast<std::size_t>(parent)] * world[i];
+  return world;
+}
+
+std::optional<int> find_node(const Scene& scene, const std::string& name) {
+  const auto found = std::ranges::find(scene.nodes, name, &Node::name);
+  if (found == scene.nodes.end()) return std::nullopt;
+  return static_cast<int>(found - scene.nodes.begin());
+}
+
+bool lies_under(const Scene& scene, int node, int ancestor) {
+  for (; node >= 0; node = scene.nodes[static_cast<std::size_t>(node)].parent)
+    if (node == ancestor) return true;
+  return false;
+}
+
+}  // namespace envmap

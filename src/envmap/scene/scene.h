@@ -1,0 +1,113 @@
+/// @file
+/// A scene as it is drawn: triangles, materials, lights and cameras on a tree of nodes that may move.
+/// Words and frame are glTF 2.0's: right-handed, +Y up, metres, counter-clockwise front faces, linear colours.
+#pragma once
+
+#include <cstdint>
+#include <glm/gtc/quaternion.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "envmap/maths/vector.h"
+
+namespace envmap {
+
+using Matrix = glm::mat<4, 4, double, glm::highp>;
+using Quaternion = glm::qua<double, glm::highp>;
+
+/// An image on a surface; texel 0 is the upper left corner, as texture coordinates (0,0) are in glTF.
+struct Texture {
+  enum class Wrap { repeat, mirror, clamp };
+  int width = 0, height = 0;
+  std::vector<glm::u8vec4> texels;  ///< Rows from the top.
+  bool srgb = true;                 ///< Colours are; roughness and metalness are plain numbers.
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+};
+
+/// glTF's metallic-roughness material. A texture is an index into Scene::textures, -1 where there is none.
+struct Material {
+  std::string name;
+  glm::vec4 base_colour{1};
+  int base_colour_texture = -1;
+  float metallic = 0, roughness = 1;
+  int metallic_roughness_texture = -1;  ///< Green roughness, blue metalness.
+  Colour emissive{0};                   ///< KHR_materials_emissive_strength is multiplied in.
+  int emissive_texture = -1;
+  float transmission = 0, ior = 1.5F;  ///< KHR_materials_transmission, KHR_materials_ior.
+  float alpha_cutoff = 0;              ///< Above 0: what is below it in alpha is a hole.
+  bool double_sided = false;
+};
+
+/// Triangles of one material. All vectors but indices have one element a vertex.
+struct Mesh {
+  int material = 0;
+  std::vector<glm::vec3> positions, normals;
+  std::vector<glm::vec2> coordinates;  ///< Of textures.
+  std::vector<std::uint32_t> indices;  ///< Three a triangle.
+};
+
+/// A place in the tree. Parents come before their children.
+struct Node {
+  std::string name;
+  int parent = -1;  ///< Index into Scene::nodes; -1: the root.
+  Matrix local{1};  ///< Into the parent, at rest.
+  std::vector<int> meshes;
+};
+
+/// KHR_lights_punctual, in the frame of its node: at the origin, shining along -Z.
+struct Light {
+  enum class Kind { point, spot, directional };
+  Kind kind = Kind::point;
+  int node = 0;
+  Colour intensity{1};          ///< Candela; directional: lux.
+  double range = 0;             ///< Metres; 0: no end.
+  double inner = 0, outer = 0;  ///< Half angles of the cone in radians.
+};
+
+/// In the frame of its node: at the origin, looking along -Z, +Y up.
+struct Camera {
+  std::string name;
+  int node = 0;
+  double vertical_field = 0.8;  ///< Of view, whole angle in radians.
+  double aspect = 0;            ///< Width over height; 0: the picture's.
+  double near = 0.01, far = 1000;
+};
+
+/// Key frames of one node. A part without keys stays as it is at rest.
+struct Motion {
+  template <class T>
+  struct Key {
+    double time;  ///< Seconds; rising.
+    T value;
+  };
+  int node = 0;
+  std::vector<Key<Direction>> translations, scales;
+  std::vector<Key<Quaternion>> rotations;
+};
+
+struct Scene {
+  std::vector<Node> nodes;
+  std::vector<Mesh> meshes;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<Light> lights;
+  std::vector<Camera> cameras;
+  std::vector<Motion> motions;
+  std::vector<std::string> unmodelled;  ///< What the file uses and this does not draw, each named once.
+};
+
+/// World matrices of all nodes.
+using Pose = std::vector<Matrix>;
+
+/// @param time in seconds; before the first key and after the last one things stand still. Keys are joined by lines,
+/// rotations by great arcs.
+Pose pose(const Scene& scene, double time);
+
+/// The first node of that name, if there is one.
+std::optional<int> find_node(const Scene& scene, const std::string& name);
+
+/// Whether a node is `ancestor` or lies below it.
+bool lies_under(const Scene& scene, int node, int ancestor);
+
+}  // namespace envmap
