@@ -3,17 +3,18 @@
 # With all of them there it asks dpkg once and ends: no network, no root.
 #
 #   sh packages.sh           what the build, the tests and the tour need
-#   sh packages.sh bench     also what tests/bench builds with, and the tools it times beside envmap
+#   sh packages.sh bench     also the tools that tests/bench times beside envmap
 set -eu
 
-# For the tests: libgtest-dev, libopenexr-dev and openexr (files as OpenEXR itself makes them), openimageio-tools, python3
-# and zstd (tests/ktx2_check.py), mandoc (checks the man pages). fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
+# For the tests: libgtest-dev, libbenchmark-dev (CI builds the benchmarks too), libopenexr-dev and openexr (files as
+# OpenEXR itself makes them), openimageio-tools, python3 and zstd (tests/ktx2_check.py), mandoc (checks the man pages).
+# fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
 packages='
   g++ cmake ninja-build pkg-config
   libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libzstd-dev
   nlohmann-json3-dev
   libassimp-dev libembree-dev libosmesa6-dev libegl-dev python3-glad
-  libgtest-dev libopenexr-dev openexr openimageio-tools python3 zstd mandoc fonts-dejavu-core'
+  libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 zstd mandoc fonts-dejavu-core'
 
 fail() {
   echo "packages.sh: $1" >&2
@@ -22,7 +23,7 @@ fail() {
 
 case ${1:-} in
   '') ;;
-  bench) packages="$packages libbenchmark-dev pfstools ffmpeg" ;;
+  bench) packages="$packages pfstools ffmpeg" ;;
   *) fail "$1: only 'bench' or nothing" ;;
 esac
 

@@ -57,7 +57,7 @@ Picture read(const std::string& path, const std::string& projection, std::string
   std::vector<Colour> pixels(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
   if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, pixels.data()))
     throw std::runtime_error(fmt::format("{}: {}", path, input->geterror()));
-  scatter(pixels, 0, spec.height, faces_in, picture.level);
+  scatter(pixels, spec.width, 0, spec.height, faces_in, picture.level);
   return picture;
 }
 
