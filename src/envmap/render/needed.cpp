@@ -1,0 +1,137 @@
+#include "envmap/render/needed.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "envmap/projection/projection.h"
+
+namespace envmap {
+namespace {
+
+constexpr int deepest = 6;
+// From the middle of a face of the cube to its corners: acos(1/sqrt 3), rounded up.
+constexpr double corner_angle = 0.95532;
+
+struct Corner {
+  Direction position, normal;
+};
+using Facet = std::array<Corner, 3>;
+
+Corner halfway(const Corner& a, const Corner& b) {
+  return {(a.position + b.position) * 0.5, (a.normal + b.normal) * 0.5};
+}
+
+// The cap round three directions about their mean; every direction where they may surround half a sphere.
+Cap cap_of(const std::array<Direction, 3>& v) {
+  const Direction sum = v[0] + v[1] + v[2];
+  if (glm::length(sum) < 1e-6) return {v[0], pi};
+  Cap cap{glm::normalize(sum), 0};
+  for (const Direction& d : v) cap.angle = std::max(cap.angle, angle_between(cap.axis, d));
+  if (cap.angle >= pi / 2) cap.angle = pi;
+  return cap;
+}
+
+Direction unit(const Direction& v) {
+  const double length = glm::length(v);
+  return length > 0 ? v / length : Direction(0, 0, 1);
+}
+
+struct Search {
+  const Viewer& viewer;
+  const Optics& optics;
+  double fineness;
+  std::vector<Cap>& caps;
+
+  [[nodiscard]] bool out_of_sight(const Facet& f) const {
+    return std::ranges::any_of(viewer.planes, [&](const auto& plane) {
+      return std::ranges::all_of(f, [&](const Corner& c) { return glm::dot(Direction(plane), c.position) + plane.w < 0; });
+    });
+  }
+
+  void add(const Facet& f, int depth) {
+    if (out_of_sight(f)) return;
+    const auto rays = [&](int i) { return unit(f[static_cast<std::size_t>(i)].position - viewer.at); };
+    const auto normals = [&](int i) { return unit(f[static_cast<std::size_t>(i)].normal); };
+    const Cap view = cap_of({rays(0), rays(1), rays(2)}), normal = cap_of({normals(0), normals(1), normals(2)});
+    const double angle = view.angle + 2 * normal.angle;
+    if (angle <= fineness || depth == deepest) {
+      caps.push_back({optics.turned(view.axis, normal.axis), std::min(angle, pi)});
+      // Where some of the rays graze the surface, a normal may turn either way to face the viewer.
+      if (optics.refracts() && std::abs(glm::dot(view.axis, normal.axis)) < std::sin(std::min(angle, pi / 2))) {
+        const double facing = glm::dot(view.axis, normal.axis) > 0 ? -1 : 1;
+        caps.push_back({unit(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
+      }
+      return;
+    }
+    const Corner a = halfway(f[1], f[2]), b = halfway(f[2], f[0]), c = halfway(f[0], f[1]);
+    for (const Facet& part : {Facet{f[0], c, b}, Facet{c, f[1], a}, Facet{b, a, f[2]}, Facet{a, b, c}})
+      add(part, depth + 1);
+  }
+};
+
+}  // namespace
+
+Direction Optics::turned(const Direction& view, const Direction& normal) const {
+  if (!refracts()) return glm::reflect(view, normal);
+  return unit(glm::refract(view, glm::faceforward(normal, view, normal), 1 / ior));
+}
+
+std::vector<Cap> shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
+                                  double fineness) {
+  const Rotation turn(world), normals = glm::determinant(turn) != 0 ? glm::transpose(glm::inverse(turn)) : turn;
+  const double handed = glm::determinant(turn) < 0 ? -1 : 1;  // A mirrored node's triangles are wound the other way.
+  const auto corner = [&](std::uint32_t index) {
+    return Corner{Direction(world * glm::vec<4, double, glm::highp>(mesh.positions[index], 1)),
+                  unit(normals * Direction(mesh.normals[index]))};
+  };
+  std::vector<Cap> caps;
+  Search search{viewer, optics, fineness, caps};
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const Facet f{corner(mesh.indices[i]), corner(mesh.indices[i + 1]), corner(mesh.indices[i + 2])};
+    const Direction facing = glm::cross(f[1].position - f[0].position, f[2].position - f[0].position) * handed;
+    if (!optics.double_sided && glm::dot(facing, viewer.at - f[0].position) <= 0) continue;
+    search.add(f, 0);
+  }
+  return caps;
+}
+
+std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axes, double margin) {
+  std::array<bool, 6> reached{};
+  const Rotation to_map = glm::transpose(axes);
+  for (const Cap& cap : caps) {
+    const double angle = cap.angle + margin;
+    const double reach = angle < pi / 2 ? std::sin(angle) : 2;
+    const Direction axis = to_map * cap.axis;
+    for (int face = 0; face < 6; ++face) {
+      if (angle_between(axis, Cube::direction(face, 0.5, 0.5)) > angle + corner_angle) continue;
+      // A face is what lies on the inner side of four planes through the point, each at 45 degrees between two axes.
+      const int along = face / 2;
+      const double forward = face % 2 == 0 ? axis[along] : -axis[along];
+      const double side = std::max(std::abs(axis[(along + 1) % 3]), std::abs(axis[(along + 2) % 3]));
+      if ((forward - side) / std::numbers::sqrt2 >= -reach) reached[static_cast<std::size_t>(face)] = true;
+    }
+  }
+  return reached;
+}
+
+Cap enclosing(std::span<const Cap> caps) {
+  Direction sum(0);
+  for (const Cap& cap : caps) sum += cap.axis;
+  Cap best{unit(sum), pi};
+  const auto widest = [&](const Direction& axis) {
+    const Cap* far = &caps.front();
+    double angle = -1;
+    for (const Cap& cap : caps)
+      if (const double a = angle_between(axis, cap.axis) + cap.angle; a > angle) angle = a, far = &cap;
+    return std::pair(std::min(angle, pi), far);
+  };
+  Direction centre = best.axis;
+  for (int step = 2; step < 64; ++step) {
+    const auto [angle, far] = widest(centre);
+    if (angle < best.angle) best = {centre, angle};
+    centre = unit(centre + (far->axis - centre) / double(step));
+  }
+  return best;
+}
+
+}  // namespace envmap

@@ -1,0 +1,137 @@
+// What a mirror shows, against rays reflected at random places of it.
+#include "envmap/render/needed.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "envmap/projection/projection.h"
+
+namespace envmap {
+namespace {
+
+using Vector4 = glm::vec<4, double, glm::highp>;
+
+// A sphere of unit radius, `rings` high.
+Mesh ball(int rings) {
+  Mesh mesh;
+  for (int j = 0; j <= rings; ++j)
+    for (int i = 0; i <= 2 * rings; ++i) {
+      const double polar = pi * j / rings, turn = pi * i / rings;
+      const glm::vec3 p(std::sin(polar) * std::cos(turn), std::cos(polar), -std::sin(polar) * std::sin(turn));
+      mesh.positions.push_back(p);
+      mesh.normals.push_back(p);
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (2 * rings + 1) + i); };
+  for (int j = 0; j < rings; ++j)
+    for (int i = 0; i < 2 * rings; ++i)
+      for (const std::uint32_t corner : {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)})
+        mesh.indices.push_back(corner);
+  return mesh;
+}
+
+// A square in the plane y = 0, facing up, bulging by its normals only.
+Mesh plate(double half, double bulge) {
+  Mesh mesh;
+  for (const auto& [x, z] : {std::pair(-1, -1), {-1, 1}, {1, 1}, {1, -1}}) {
+    mesh.positions.emplace_back(half * x, 0, half * z);
+    mesh.normals.push_back(glm::normalize(glm::vec3(bulge * x, 1, bulge * z)));
+  }
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+// Rays from the viewer to random places of a mesh, turned there; those that the viewer's planes hide left out.
+std::vector<Direction> rays(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform;
+  std::vector<Direction> shown;
+  const Rotation normals = glm::transpose(glm::inverse(Rotation(world)));
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+    for (int n = 0; n < 30; ++n) {
+      double a = uniform(random), b = uniform(random);
+      if (a + b > 1) a = 1 - a, b = 1 - b;
+      std::array<Direction, 3> p, v;
+      for (std::size_t k = 0; k < 3; ++k) {
+        p[k] = Direction(world * Vector4(mesh.positions[mesh.indices[i + k]], 1));
+        v[k] = glm::normalize(normals * Direction(mesh.normals[mesh.indices[i + k]]));
+      }
+      const Direction at = p[0] * (1 - a - b) + p[1] * a + p[2] * b;
+      if (!optics.double_sided && glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), viewer.at - at) <= 0) continue;
+      bool seen = true;
+      for (const Vector4& plane : viewer.planes) seen = seen && glm::dot(Direction(plane), at) + plane.w >= 0;
+      if (seen)
+        shown.push_back(
+            optics.turned(glm::normalize(at - viewer.at), glm::normalize(v[0] * (1 - a - b) + v[1] * a + v[2] * b)));
+    }
+  return shown;
+}
+
+// Every ray lies in a cap, and in a face that is said to be reached. @return how many faces are.
+int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
+  const std::vector<Cap> caps = shown_directions(viewer, mesh, world, optics);
+  const Rotation axes = rotation(20, 30, 40);
+  const auto reached = reached_faces(caps, axes, 0);
+  const Cap all = caps.empty() ? Cap{{0, 0, 1}, 0} : enclosing(caps);
+  for (const Direction& ray : rays(viewer, mesh, world, optics)) {
+    double nearest = 10;
+    for (const Cap& cap : caps) nearest = std::min(nearest, angle_between(ray, cap.axis) - cap.angle);
+    EXPECT_LE(nearest, 1e-9);
+    EXPECT_LE(angle_between(ray, all.axis), all.angle + 1e-9);
+    EXPECT_TRUE(reached[static_cast<std::size_t>(Cube::locate(glm::transpose(axes) * ray).face)]);
+  }
+  return static_cast<int>(std::ranges::count(reached, true));
+}
+
+TEST(Needed, EveryRayOfAMirrorIsHeld) {
+  const Matrix place = glm::translate(Matrix(1), Direction(0.2, 0.1, -4)) * glm::scale(Matrix(1), Direction(1, 2, 0.5));
+  for (const Direction& at : {Direction(0, 0, 3), Direction(0.5, 3, -3), Direction(2, 0, -4)}) {
+    expect_held({at, {}}, ball(4), place, {});
+    expect_held({at, {}}, ball(5), Matrix(1), {});
+    for (const double bulge : {0.0, 0.1, 1.0}) {
+      expect_held({at, {}}, plate(2, bulge), Matrix(1), {0, true});
+      expect_held({at, {}}, plate(2, bulge), place, {0, true});
+    }
+  }
+}
+
+TEST(Needed, EveryRayOfALensIsHeld) {
+  for (const double ior : {1.0, 1.33, 2.4}) {
+    expect_held({{0.5, 3, -3}, {}}, plate(2, 0.3), Matrix(1), {ior, true});
+    expect_held({{0.5, 3, -3}, {}}, ball(4), Matrix(1), {ior, false});
+    expect_held({{0.5, 3, -3}, {}}, ball(4), Matrix(1), {ior, true});
+  }
+}
+
+TEST(Needed, WhatIsOutOfSightNeedsNothing) {
+  const Vector4 ahead(0, 0, -1, 0);  // The viewer at the origin sees -Z.
+  EXPECT_TRUE(shown_directions({{0, 0, 0}, {ahead}}, ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {}).empty());
+  EXPECT_TRUE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {}).empty()) << "seen from behind";
+  EXPECT_FALSE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {0, true}).empty());
+  expect_held({{0, 0, 0}, {ahead}}, ball(4), glm::translate(Matrix(1), Direction(0, 0, -0.5)), {});
+}
+
+TEST(Needed, AFlatMirrorTakesOneHalfAndABallTakesAll) {
+  const std::vector<Cap> flat = shown_directions({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {});
+  const Cap all = enclosing(flat);
+  EXPECT_LT(all.angle, 0.6);
+  EXPECT_GT(all.axis.y, 0.3);
+  EXPECT_LT(all.axis.z, -0.3);
+  EXPECT_LE(expect_held({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {}), 3);
+  EXPECT_EQ(expect_held({{0, 0, 3}, {}}, ball(6), Matrix(1), {}), 6);
+  EXPECT_GT(enclosing(shown_directions({{0, 0, 3}, {}}, ball(16), Matrix(1), {})).angle, pi / 2);
+}
+
+TEST(Needed, AFaceIsReachedWhereACapTouchesIt) {
+  const auto reached = [](const Direction& axis, double angle) {
+    return reached_faces(std::vector{Cap{glm::normalize(axis), angle}}, Rotation(1), 0);
+  };
+  EXPECT_EQ(reached({0, 0, 1}, 0.78), (std::array{false, false, false, false, true, false}));
+  EXPECT_EQ(reached({0, 0, 1}, 0.79), (std::array{true, true, true, true, true, false}));
+  EXPECT_EQ(reached({1, 0, 1}, 0.01), (std::array{true, false, false, false, true, false}));
+  EXPECT_EQ(reached({-1, -1, -1}, 0.01), (std::array{false, true, false, true, false, true}));
+  EXPECT_EQ(reached({0, 1, 0}, pi), (std::array{true, true, true, true, true, true}));
+}
+
+}  // namespace
+}  // namespace envmap
