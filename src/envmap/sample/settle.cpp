@@ -11,10 +11,19 @@ struct Patch {
   Direction value, dx, dy;
 };
 
-Patch patch(double x, double y, int size) {
+// The directions of four texels. Kept from one call to the next: steps and neighbours mostly stay between the same ones.
+struct Corners {
+  double left = -1e9, top = -1e9;
+  Direction a, b, c, d;
+};
+
+Patch patch(double x, double y, int size, Corners& corners) {
   const double left = std::floor(x), top = std::floor(y), fx = x - left, fy = y - top;
-  const auto at = [&](double i, double j) { return Sphere::direction(0, (i + 0.5) / size, (j + 0.5) / size); };
-  const Direction a = at(left, top), b = at(left + 1, top), c = at(left, top + 1), d = at(left + 1, top + 1);
+  if (left != corners.left || top != corners.top) {
+    const auto at = [&](double i, double j) { return Sphere::direction(0, (i + 0.5) / size, (j + 0.5) / size); };
+    corners = {left, top, at(left, top), at(left + 1, top), at(left, top + 1), at(left + 1, top + 1)};
+  }
+  const auto& [x0, y0, a, b, c, d] = corners;
   return {glm::mix(glm::mix(a, b, fx), glm::mix(c, d, fx), fy), glm::mix(b - a, d - c, fy), glm::mix(c - a, d - b, fx)};
 }
 
@@ -23,13 +32,13 @@ struct Candidate {
   double x, y, miss;
 };
 
-Candidate newton(const Direction& wanted, double x, double y, int size, int rounds, double good) {
+Candidate newton(const Direction& wanted, double x, double y, int size, int rounds, double good, Corners& corners) {
   // In the tangent plane of the direction; behind, where all this happens, X is never along it.
   const Direction e1 = glm::normalize(glm::cross(wanted, Direction(1, 0, 0))), e2 = glm::cross(wanted, e1);
   const double x0 = x, y0 = y;
   Candidate best{x, y, 1e300};
   for (int round = 0; round < rounds; ++round) {
-    const Patch p = patch(x, y, size);
+    const Patch p = patch(x, y, size, corners);
     const double r1 = glm::dot(p.value, e1), r2 = glm::dot(p.value, e2), miss = r1 * r1 + r2 * r2;
     if (miss < best.miss) best = {x, y, miss};
     if (miss < good) break;
@@ -44,13 +53,13 @@ Candidate newton(const Direction& wanted, double x, double y, int size, int roun
   return best;
 }
 
-Location<double> settled(const Direction& wanted, const Location<double>& start, int size) {
+Location<double> settled(const Direction& wanted, const Location<double>& start, int size, Corners& corners) {
   const double x = start.u * size - 0.5, y = start.v * size - 0.5, good = 1e-8 / (1.0 * size * size);
-  Candidate best = newton(wanted, x, y, size, 5, good);
+  Candidate best = newton(wanted, x, y, size, 5, good, corners);
   // The patches meet in kinks, on which Newton's method may bounce: a few texels at the rim start again around.
   for (int k = 0; k < 8 && best.miss > good; ++k) {
     const double angle = 0.25 * pi * k;
-    const Candidate c = newton(wanted, x + 0.6 * std::cos(angle), y + 0.6 * std::sin(angle), size, 8, good);
+    const Candidate c = newton(wanted, x + 0.6 * std::cos(angle), y + 0.6 * std::sin(angle), size, 8, good, corners);
     if (c.miss < best.miss) best = c;
   }
   return {0, (best.x + 0.5) / size, (best.y + 0.5) / size};
@@ -68,8 +77,9 @@ void locate_for_bilinear(Projection p, int size, std::span<const Direction> dire
   locate(p, directions, out);
   if (p != Projection::sphere) return;
   const double behind = settled_below(p, size);
+  Corners corners;
   for (std::size_t k = 0; k < directions.size(); ++k)
-    if (directions[k].z < behind) out[k] = settled(directions[k], out[k], size);
+    if (directions[k].z < behind) out[k] = settled(directions[k], out[k], size, corners);
 }
 
 }  // namespace envmap
