@@ -81,22 +81,16 @@ Command convert_command() {
           "Reads an environment map, resamples it and writes it. Directions keep their meaning: world axes are "
           "right-handed "
           "with +Y up, +Z lies at the centre of latlong and angular images unless --forward says otherwise, and "
-          "nothing "
-          "is mirrored. Texels outside the disc of sphere and angular maps are written as 0.\n\n"
+          "nothing is mirrored. Texels outside the disc of sphere and angular maps are written as 0.\n\n"
           "Filters, from fast to exact. 'nearest' takes the texel at the centre of each texel of the result. "
-          "'bilinear' "
-          "interpolates there. 'bicubic' does so by Catmull-Rom's curve, kept within the range of the four texels "
-          "around. "
-          "--samples N takes N x N places a texel instead of one. 'trilinear' reads solid-angle weighted mip levels: "
-          "it "
-          "never aliases, but blurs where a texel is long and narrow in the source. 'sat' takes the mean over an "
-          "upright "
-          "box in the source, from a summed-area table. 'ewa' puts the footprint of each texel together from trilinear "
-          "probes. 'area' is the reference: the solid-angle mean of the bilinearly reconstructed source over the "
-          "footprint, "
-          "refined until the estimated error of the texel is below --area-error. 'auto' is bilinear, and area where "
-          "the "
-          "result is coarser than the source (a texel spans over 1.25 times as many degrees).\n\n"
+          "'bilinear' interpolates there. 'bicubic' does so by Catmull-Rom's curve, kept within the range of the four "
+          "texels around. --samples N takes N x N places a texel instead of one. 'trilinear' reads solid-angle "
+          "weighted mip levels: it never aliases, but blurs where a texel is long and narrow in the source. 'sat' "
+          "takes the mean over an upright box in the source, from a summed-area table. 'ewa' puts the footprint of "
+          "each texel together from trilinear probes. 'area' is the reference: the solid-angle mean of the bilinearly "
+          "reconstructed source over the footprint, refined until the estimated error of the texel is below "
+          "--area-error. 'auto' is area where the result is coarser than the source (a texel spans over 1.25 times as "
+          "many degrees), else bilinear, with --samples 2 where it is less than twice as fine.\n\n"
           "--rotate turns the environment about +Z by the roll, then +X by the pitch, then +Y by the yaw, "
           "right-handed: "
           "with --rotate 90,0,0 what was seen towards +Z is seen towards +X.\n\n"
@@ -125,7 +119,7 @@ Command convert_command() {
         add_choice(app, "--filter", o->conversion.filter, joined(filter_names), one_of<Filter>(filter_names),
                    "How the input is sampled (default: auto)");
         app.add_option("--samples", o->conversion.samples,
-                       "N x N samples a texel, of nearest, bilinear and bicubic (default: 1)")
+                       "N x N samples a texel, of nearest, bilinear and bicubic (default: 1; of auto as above)")
             ->type_name("N")
             ->check(CLI::Range(1, 64));
         app.add_option("--area-error", o->conversion.area_tolerance,

@@ -16,7 +16,13 @@ double pitch(Projection p, int size) {
   return visit(p, [](auto q) { return decltype(q)::span; }) / size;
 }
 
-// Whether the texels of the source themselves come out where nothing is turned or resized.
+// Whether the result's texels are the source's own.
+bool same_texels(const Conversion& c, const EnvironmentMap& source) {
+  return c.to == source.projection() && c.size == source.base().height() &&
+         target_of(c, source).to_source == Rotation(1);
+}
+
+// Whether a filter then gives their values back.
 bool interpolates(const Conversion& c) {
   return c.samples == 1 && (c.filter == Filter::nearest || c.filter == Filter::bilinear || c.filter == Filter::bicubic);
 }
@@ -35,11 +41,12 @@ Conversion resolved(const Conversion& wanted, const EnvironmentMap& source) {
   Conversion c = wanted;
   if (c.size == 0) c.size = matching_size(source.projection(), source.base().height(), c.to);
   if (c.area_tolerance == 0) c.area_tolerance = c.filter == Filter::automatic ? 1e-3 : 1e-4;
+  if (!has_forward(c.to)) c.forward = Forward::plus_z;
   if (c.filter == Filter::automatic) {
     const double covers = pitch(c.to, c.size) / pitch(source.projection(), source.base().height());
     c.filter = covers > 1.25 ? Filter::area : Filter::bilinear;
+    if (covers > 0.5 && !same_texels(c, source)) c.samples = std::max(c.samples, 2);
   }
-  if (!has_forward(c.to)) c.forward = Forward::plus_z;
   return c;
 }
 
@@ -54,7 +61,7 @@ Rows converted(EnvironmentMap& source, const Conversion& wanted) {
   if (reads_levels(c.filter)) add_levels(source.levels);
   const Level& from = source.base();
   // The same texels: nothing to resample, and nothing to lose at a rim.
-  if (interpolates(c) && c.to == from.projection() && c.size == from.height() && target.to_source == Rotation(1))
+  if (interpolates(c) && same_texels(c, source))
     return {c.to, c.size, c.forward, [&from, c](int face, int row, std::span<Colour> out) {
               const Columns in = columns(c.to, c.size, row);
               std::ranges::fill(out, Colour(0));

@@ -12,7 +12,8 @@ namespace envmap {
 struct Conversion {
   Projection to = Projection::cube;
   int size = 0;                       ///< Height of a face; 0: matching_size() of the source.
-  Filter filter = Filter::automatic;  ///< `automatic`: bilinear, and area where a texel covers over 1.25 of the source.
+  /// `automatic`: area where a texel covers over 1.25 of the source, else bilinear, with 2 samples or more down to 0.5.
+  Filter filter = Filter::automatic;
   int samples = 1;                    ///< Along each side of a texel, for nearest, bilinear and bicubic.
   Forward forward = Forward::plus_z;  ///< Axis at the centre of the result, if it is latlong or angular.
   Rotation rotation{1};               ///< Turns the environment: radiance from d comes out from rotation x d.

@@ -14,39 +14,70 @@
 namespace envmap {
 namespace {
 
-template <class Plan, class Probe>
-Sampler probing(const Level& base, const Target& target, const Plan& plan, const Probe& probe, bool plain = false) {
+// Samples worked on at once: few enough that their directions and locations stay in the nearest cache.
+constexpr std::size_t block = 256;
+
+using Sample = void (*)(const Level&, std::span<const Location<double>>, std::span<Colour>);
+
+// A run of samples in a row of texels: their directions, where they lie in the source, what is there.
+void sample_row(const Level& base, const Target& target, bool settle, Sample sample, int size, int face, int row,
+                int first, std::span<Colour> out) {
+  std::array<Direction, block> all_directions;
+  std::array<Location<double>, block> all_locations;
+  const std::span directions = std::span(all_directions).first(out.size());
+  const std::span locations = std::span(all_locations).first(out.size());
+  texel_directions(target.to, size, face, row, first, directions);
+  rotate(target.to_source, directions);
+  settle ? locate_for_bilinear(base.projection(), base.height(), directions, locations)
+         : locate(base.projection(), directions, locations);
+  sample(base, locations, out);
+}
+
+// Solid angle of samples in a row, relative. What lies outside a disc counts where nothing lies inside, only.
+void weigh(Projection p, int size, int row, int first, std::span<double> weights) {
+  std::array<Vec2<double>, block> points;
+  const double h = size, w = h * aspect(p);
+  for (std::size_t k = 0; k < weights.size(); ++k)
+    points[k] = {(first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h};
+  densities(p, std::span(points).first(weights.size()), weights);
+  for (double& weight : weights) weight = std::max(weight, 1e-30);
+}
+
+// n x n samples a texel: one in each texel of a map n times as fine, and their solid-angle weighted means.
+Sampler grid_sampler(const Level& base, const Target& target, int n, bool settle, Sample sample) {
+  const auto fine = static_cast<std::size_t>(n), at_once = block / fine;
   return [=, &base](int face, int row, int first, std::span<Colour> out) {
-    const auto find = [&](std::span<const Direction> directions, std::span<Location<double>> at) {
-      plain ? locate(base.projection(), directions, at)
-            : locate_for_bilinear(base.projection(), base.height(), directions, at);
-    };
-    sample_probes(target, face, row, first, out, find, plan, probe);
+    std::array<Colour, block> colours;
+    std::array<double, block> weights;
+    std::array<Direction, block> sums;
+    std::array<double, block> wholes;
+    for (std::size_t start = 0; start < out.size(); start += at_once) {
+      const std::span texels = out.subspan(start, std::min(at_once, out.size() - start));
+      const int column = n * (first + static_cast<int>(start));
+      const std::size_t count = fine * texels.size();
+      sums.fill(Direction(0));
+      wholes.fill(0);
+      for (int part = 0; part < n; ++part) {
+        const int fine_row = n * row + part;
+        sample_row(base, target, settle, sample, n * target.size, face, fine_row, column, std::span(colours).first(count));
+        weigh(target.to, n * target.size, fine_row, column, std::span(weights).first(count));
+        for (std::size_t k = 0; k < texels.size(); ++k)
+          for (std::size_t m = k * fine; m < (k + 1) * fine; ++m) {
+            sums[k] += weights[m] * Direction(colours[m]);
+            wholes[k] += weights[m];
+          }
+      }
+      for (std::size_t k = 0; k < texels.size(); ++k) texels[k] = Colour(sums[k] / wholes[k]);
+    }
   };
 }
 
-// Texels worked on at once: few enough that their directions and locations stay in the nearest cache.
-constexpr std::size_t block = 256;
-
-// One sample a texel, nearest or bilinear: directions of the texels, where they lie in the source, what is there.
-Sampler point_sampler(const Level& base, const Target& target, bool bilinear) {
+// The same for one sample, which needs no mean.
+Sampler point_sampler(const Level& base, const Target& target, bool settle, Sample sample) {
   return [=, &base](int face, int row, int first, std::span<Colour> out) {
-    std::array<Direction, block> directions;
-    std::array<Location<double>, block> locations;
-    for (std::size_t start = 0; start < out.size(); start += block) {
-      const std::span texels = out.subspan(start, std::min(block, out.size() - start));
-      const std::span d = std::span(directions).first(texels.size());
-      const std::span at = std::span(locations).first(texels.size());
-      texel_directions(target.to, target.size, face, row, first + static_cast<int>(start), d);
-      rotate(target.to_source, d);
-      if (bilinear) {
-        locate_for_bilinear(base.projection(), base.height(), d, at);
-        sample_bilinear(base, at, texels);
-      } else {
-        locate(base.projection(), d, at);
-        sample_nearest(base, at, texels);
-      }
-    }
+    for (std::size_t k = 0; k < out.size(); k += block)
+      sample_row(base, target, settle, sample, target.size, face, row, first + static_cast<int>(k),
+                 out.subspan(k, std::min(block, out.size() - k)));
   };
 }
 
@@ -54,32 +85,34 @@ Sampler point_sampler(const Level& base, const Target& target, bool bilinear) {
 
 Sampler make_sampler(const std::vector<Level>& levels, const Target& target, const FilterOptions& options) {
   const Level& base = levels.front();
-  const auto grid = [n = options.samples](int, const Vec2<double>&) { return Probes{n, n}; };
-  const auto all_of = [&base](auto sample) {
-    return [&base, sample](std::span<const Location<double>> at, const Probes&, std::span<Colour> out) {
-      sample(base, at, out);
+  const auto points = [&](Sample sample, bool settle = true) {
+    return options.samples == 1 ? point_sampler(base, target, settle, sample)
+                                : grid_sampler(base, target, options.samples, settle, sample);
+  };
+  const auto probes = [&](auto plan) -> Sampler {
+    return [=, &base, &levels](int face, int row, int first, std::span<Colour> out) {
+      sample_probes(
+          target, face, row, first, out,
+          [&](std::span<const Direction> directions, std::span<Location<double>> at) {
+            locate_for_bilinear(base.projection(), base.height(), directions, at);
+          },
+          [&](int, const Vec2<double>& at) { return plan(target, base, face, at); },
+          [&](std::span<const Location<double>> at, const Probes& p, std::span<Colour> colours) {
+            sample_trilinear(levels, at, p.lod, colours);
+          });
     };
   };
-  const auto by_plan = [&](auto plan) {
-    return probing(
-        base, target, [&base, target, plan](int face, const Vec2<double>& at) { return plan(target, base, face, at); },
-        [&levels](std::span<const Location<double>> at, const Probes& p, std::span<Colour> out) {
-          sample_trilinear(levels, at, p.lod, out);
-        });
-  };
-  if (options.samples == 1 && (options.filter == Filter::nearest || options.filter == Filter::bilinear))
-    return point_sampler(base, target, options.filter == Filter::bilinear);
   switch (options.filter) {
-    case Filter::nearest: return probing(base, target, grid, all_of(sample_nearest), true);
-    case Filter::bicubic: return probing(base, target, grid, all_of(sample_bicubic));
-    case Filter::trilinear: return by_plan(trilinear_plan);
-    case Filter::ewa: return by_plan(ewa_plan);
+    case Filter::nearest: return points(sample_nearest, false);
+    case Filter::bicubic: return points(sample_bicubic);
+    case Filter::trilinear: return probes(trilinear_plan);
+    case Filter::ewa: return probes(ewa_plan);
     case Filter::sat: return summed_area_sampler(base, target);
     case Filter::area: return area_sampler(base, target, options.area_tolerance, options.floor);
     case Filter::automatic:
     case Filter::bilinear: break;
   }
-  return probing(base, target, grid, all_of(sample_bilinear));
+  return points(sample_bilinear);
 }
 
 }  // namespace envmap
