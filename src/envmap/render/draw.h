@@ -21,11 +21,14 @@ struct Viewpoint {
   int samples = 1;                 ///< A texel.
 };
 
+struct EnvironmentLight;
+
 /// The scene at one moment.
 struct Shot {
   const Scene& scene;
   Pose pose;
-  const EnvironmentMap* environment = nullptr;  ///< Background and light; null: black.
+  const EnvironmentMap* environment = nullptr;  ///< Background, gutters filled; null: black.
+  const EnvironmentLight* light = nullptr;      ///< What it gives surfaces (shading.h); null: reflections alone.
   Colour ambient{0};                            ///< Radiance from everywhere, beside the environment.
 };
 
