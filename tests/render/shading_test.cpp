@@ -20,7 +20,7 @@ struct Room {
   EnvironmentLight light;
   explicit Room(const Pattern& pattern) : map(generate(pattern, Projection::latlong, 64, Forward::plus_z)) {
     fill_gutter(map.base());
-    light = environment_light(map);
+    light = environment_light(map, 16);
   }
   [[nodiscard]] Lighting lighting() const { return {{}, &map, &light, Colour(0)}; }
 };

@@ -13,7 +13,7 @@ namespace envmap {
 
 // ---- the environment -------------------------------------------------------------------------------------------------
 
-EnvironmentLight environment_light(const EnvironmentMap& map) {
+EnvironmentLight environment_light(const EnvironmentMap& map, int size, const Progress& progress) {
   EnvironmentLight light;
   Harmonics h = project(map, 2);
   scale_degrees(h, irradiance_factors(2));
@@ -27,11 +27,12 @@ EnvironmentLight environment_light(const EnvironmentMap& map) {
   for (int k = 1; k <= glossy_levels; ++k) {
     Prefiltered made = source.make({.shape = Shape::ggx,
                                     .parameter = static_cast<double>(k) / glossy_levels,
-                                    .size = glossy_size,
+                                    .size = size,
                                     .method = Method::hierarchical,
                                     .max_error = 1e-2});
     fill_gutter(made.map.base());
     light.glossy.push_back(std::move(made.map.base()));
+    if (progress) progress(static_cast<double>(k) / glossy_levels);
   }
   return light;
 }

@@ -11,6 +11,7 @@
 #include <array>
 #include <vector>
 
+#include "envmap/operate/progress.h"
 #include "envmap/render/draw.h"
 
 namespace envmap {
@@ -29,13 +30,14 @@ struct EnvironmentLight {
   /// Irradiance over pi in direction (x,y,z): the sum of these times 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2; what falls
   /// below 0 beside suns is 0 (Ramamoorthi and Hanrahan 2001). Off by 1% on average and 9% at worst.
   std::array<Colour, 9> irradiance{};
-  /// GGX-prefiltered cubes in the world's frame, gutters filled, all of `glossy_size`: roughness 1/n, 2/n, ... 1. Roughness 0
+  /// GGX-prefiltered cubes in the world's frame, gutters filled, all of one size: roughness 1/n, 2/n, ... 1. Roughness 0
   /// is the environment itself.
   std::vector<Level> glossy;
 };
 inline constexpr int glossy_size = 64, glossy_levels = 5;
 
-EnvironmentLight environment_light(const EnvironmentMap& map);
+/// @param size of the glossy cubes. @param progress may be empty.
+EnvironmentLight environment_light(const EnvironmentMap& map, int size = glossy_size, const Progress& progress = {});
 
 /// Scale and bias of the split sum (prefilter/brdf_table.h), made once: columns cosine, rows roughness.
 inline constexpr int split_sum_size = 32;
