@@ -1,4 +1,7 @@
 // Scenes from files: what is in hand-written glTF and OBJ, and what is said of broken ones.
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -229,6 +232,53 @@ TEST_F(SceneTest, StripsFansQuantisedAndSparseVertices) {
                                              {"values", {{"bufferView", value}}}};
   file.write(folder / "a.gltf");
   EXPECT_EQ(read_scene(path("a.gltf")).meshes[0].positions[2], glm::vec3(7, 8, 9));
+}
+
+// A triangle and its normals, compressed by Draco's own encoder.
+std::string draco_triangle() {
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(1);
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int normal = builder.AddAttribute(draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32);
+  const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, up[3] = {0, 1, 0};
+  builder.SetAttributeValuesForFace(position, draco::FaceIndex(0), corners[0], corners[1], corners[2]);
+  builder.SetAttributeValuesForFace(normal, draco::FaceIndex(0), up, up, up);
+  draco::EncoderBuffer buffer;
+  draco::Encoder encoder;
+  encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(*builder.Finalize(), &buffer).ok());
+  return {buffer.data(), buffer.size()};
+}
+
+TEST_F(SceneTest, MeshesThatDracoCompressed) {
+  GltfFile file = triangle();
+  const std::string bytes = draco_triangle();
+  const int view = file.add<std::uint8_t>({bytes.begin(), bytes.end()}, "SCALAR", 1);
+  file.document["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  json& extension = file.document["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+  extension = {{"bufferView", view}, {"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}};
+  file.write(folder / "a.glb");
+  const Scene scene = read_scene(path("a.glb"));
+  ASSERT_EQ(scene.meshes[0].indices.size(), 3U);
+  Direction sum(0);
+  for (const std::uint32_t v : scene.meshes[0].indices) sum += Direction(scene.meshes[0].positions[v]);
+  near(sum, {1, 1, 0}, 1e-3);
+  near(Direction(scene.meshes[0].normals[0]), {0, 1, 0}, 2e-2);
+  EXPECT_TRUE(scene.unmodelled.empty());
+  extension["attributes"]["POSITION"] = 7;
+  file.write(folder / "a.glb");
+  EXPECT_NE(why(path("a.glb")).find("lacks an attribute"), std::string::npos);
+  extension["attributes"]["POSITION"] = 0;
+  for (std::size_t k = 0; k < bytes.size(); ++k) {  // Damaged anywhere it is refused or still a mesh.
+    GltfFile damaged = file;
+    damaged.bytes[file.bytes.size() - bytes.size() + k] ^= 0x55;
+    damaged.write(folder / "b.glb");
+    EXPECT_EQ(why(path("b.glb")).find('\n'), std::string::npos);
+    damaged = file;
+    damaged.document["bufferViews"][static_cast<std::size_t>(view)]["byteLength"] = k;
+    damaged.write(folder / "b.glb");
+    EXPECT_NE(why(path("b.glb")), "") << k;
+  }
 }
 
 // ---- broken files ----------------------------------------------------------------------------------------------------

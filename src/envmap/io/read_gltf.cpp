@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "envmap/error.h"
+#include "envmap/io/draco.h"
 #include "envmap/io/gltf_document.h"
 #include "envmap/io/read_texture.h"
 #include "envmap/scene/mesh.h"
@@ -17,7 +18,8 @@ namespace envmap {
 namespace {
 
 constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength", "KHR_lights_punctual",
-                                         "KHR_materials_transmission", "KHR_materials_ior", "KHR_mesh_quantization"};
+                                         "KHR_materials_transmission",      "KHR_materials_ior",
+                                         "KHR_mesh_quantization",           "KHR_draco_mesh_compression"};
 
 struct Reader {
   const GltfDocument& document;
@@ -156,6 +158,33 @@ std::vector<std::uint32_t> triangles(const std::vector<std::uint32_t>& v, const 
   return found;
 }
 
+Mesh plain(const GltfDocument& document, const Field& primitive) {
+  const Field attributes = primitive["attributes"];
+  Mesh mesh;
+  mesh.positions = vectors<glm::vec3>(document, attributes["POSITION"], 0);
+  if (mesh.positions.empty()) return mesh;
+  const std::size_t count = mesh.positions.size();
+  mesh.normals = vectors<glm::vec3>(document, attributes["NORMAL"], count);
+  mesh.coordinates = vectors<glm::vec2>(document, attributes["TEXCOORD_0"], count);
+  mesh.indices = triangles(corners(document, primitive["indices"], count), primitive);
+  return mesh;
+}
+
+Mesh compressed(const GltfDocument& document, const Field& primitive) {
+  const Field extension = primitive["extensions"]["KHR_draco_mesh_compression"], attributes = extension["attributes"];
+  const auto id = [](const Field& field) {
+    return field.there() ? std::optional(static_cast<unsigned>(field.index(std::size_t{1} << 31))) : std::nullopt;
+  };
+  try {
+    return decode_draco(view_bytes(document, extension["bufferView"]),
+                        {.position = static_cast<unsigned>(attributes["POSITION"].index(std::size_t{1} << 31)),
+                         .normal = id(attributes["NORMAL"]),
+                         .coordinate = id(attributes["TEXCOORD_0"])});
+  } catch (const InputError& e) {
+    primitive.fail(e.what());
+  }
+}
+
 void read_mesh(Reader& r, const Field& field) {
   const Field primitives = field["primitives"];
   std::vector<int>& made = r.meshes.emplace_back();
@@ -167,14 +196,10 @@ void read_mesh(Reader& r, const Field& field) {
     }
     if (primitive["targets"].size() > 0) r.lacks("morph targets");
     if (attributes["COLOR_0"].there()) r.lacks("colours of vertices");
-    Mesh mesh;
+    Mesh mesh = primitive["extensions"]["KHR_draco_mesh_compression"].there() ? compressed(r.document, primitive)
+                                                                              : plain(r.document, primitive);
+    if (mesh.indices.empty()) continue;
     mesh.material = material_of(r, primitive["material"]);
-    mesh.positions = vectors<glm::vec3>(r.document, attributes["POSITION"], 0);
-    if (mesh.positions.empty()) continue;
-    const std::size_t count = mesh.positions.size();
-    mesh.normals = vectors<glm::vec3>(r.document, attributes["NORMAL"], count);
-    mesh.coordinates = vectors<glm::vec2>(r.document, attributes["TEXCOORD_0"], count);
-    mesh.indices = triangles(corners(r.document, primitive["indices"], count), primitive);
     complete(mesh);
     made.push_back(static_cast<int>(r.scene.meshes.size()));
     r.scene.meshes.push_back(std::move(mesh));
