@@ -216,7 +216,8 @@ TEST(Raycast, SamplesAreTheMeanOfWhatTheySee) {
   // The wall ahead is half left out: an edge through the middle of texels at an odd size.
   Scene scene = box(1);
   const Drawn one = raycast(shot_of(scene), {.to = Projection::cube, .size = 65, .at = {0.1, 0.2, 0.3}});
-  const Drawn many = raycast(shot_of(scene), {.to = Projection::cube, .size = 65, .at = {0.1, 0.2, 0.3}, .samples = 256, .which = 1U << 5});
+  const Drawn many =
+      raycast(shot_of(scene), {.to = Projection::cube, .size = 65, .at = {0.1, 0.2, 0.3}, .samples = 256, .which = 1U << 5});
   // Face -Z shows wall -Z, 1.3 away and 0.9 wide to the right: it ends at s = 0.9 / 1.3, t = 0.8 / 1.3.
   const double edge = (0.5 + 0.5 * 0.9 / 1.3) * 65;
   const int i = static_cast<int>(edge);

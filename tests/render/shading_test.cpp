@@ -18,9 +18,10 @@ Direction tilted(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
 struct Room {
   EnvironmentMap map;
   EnvironmentLight light;
-  explicit Room(const Pattern& pattern) : map(generate(pattern, Projection::latlong, 64, Forward::plus_z)) {
+  explicit Room(const Pattern& pattern, int size = 6)
+      : map(generate(pattern, Projection::latlong, 64, Forward::plus_z)) {
     fill_gutter(map.base());
-    light = environment_light(map, 16);
+    light = environment_light(map, size);
   }
   [[nodiscard]] Lighting lighting() const { return {{}, &map, &light, Colour(0)}; }
 };
@@ -122,7 +123,7 @@ TEST(Shading, AMirrorShowsTheEnvironmentAndGlassLetsItThrough) {
 }
 
 TEST(Shading, RoughMetalBlursAsGgxDoes) {
-  const Room room(Gradient{Direction(0), Direction(1)});
+  const Room room(Gradient{Direction(0), Direction(1)}, 16);
   // In a linear environment the prefiltered value is 1/2 + y c / 2, c the mean cosine of the lobe, found by its own integral.
   for (const float roughness : {0.3F, 0.6F, 1.0F}) {
     const double a = std::pow(roughness, 2);
