@@ -1,0 +1,69 @@
+/// @file
+/// A scene where the graphics card can read it. What does not move is uploaded once; a frame sends matrices and lights.
+#pragma once
+
+#include <vector>
+
+#include "envmap/render/draw.h"
+#include "envmap/render/gl.h"
+
+namespace envmap {
+
+/// An instance as it is drawn.
+struct Part {
+  int node, mesh;
+  GLsizei indices;
+  std::size_t first_index;
+  Vec3<double> centre;  ///< Of a sphere round the mesh, in the frame of its node.
+  double radius;
+  std::uint8_t stencil;  ///< What it leaves in the stencil: 1 + its group, which may be that of other groups, too.
+  int group;             ///< Of its material.
+  bool holes;            ///< The material has an alpha_cutoff.
+  bool double_sided;
+};
+
+struct Ball {
+  Direction centre;
+  double radius;
+};
+
+/// Materials with the same textures, which are shaded together.
+struct Group {
+  int base_colour, metallic_roughness, emissive;  ///< Index into Scene::textures or -1.
+  bool operator==(const Group&) const = default;
+};
+
+/// Needs a current context, and goes before it.
+class GpuScene {
+ public:
+  /// @throws UsageError where a texture is larger than GL takes.
+  explicit GpuScene(const Scene& scene);
+
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
+  [[nodiscard]] std::size_t triangles() const { return triangles_; }
+  [[nodiscard]] int lights() const { return lights_; }
+
+  /// What surely holds a part, in the world.
+  [[nodiscard]] Ball ball(const Part& part, const Pose& pose) const;
+
+  /// Where everything is, seen from `at` in a frame of `axes`.
+  void place(const Scene& scene, const Pose& pose, const Direction& at, const Rotation& axes);
+
+  /// Binds vertices and buffers for drawing and shading, and the textures of a group.
+  void bind() const;
+  void bind(const Group& group) const;
+  /// Draws one part. @param mode GL_TRIANGLES or GL_PATCHES.
+  void draw(const Part& part, GLenum mode) const;
+
+ private:
+  std::vector<Part> parts_;
+  std::vector<Group> groups_;
+  std::size_t triangles_ = 0;
+  int lights_ = 0;
+  gl::Buffer vertices_, indices_, materials_, instances_, light_buffer_;
+  gl::VertexArray layout_;
+  std::vector<gl::Texture> textures_;
+};
+
+}  // namespace envmap

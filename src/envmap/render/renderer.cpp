@@ -1,0 +1,229 @@
+#include "envmap/render/renderer.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+
+#include "envmap/error.h"
+
+namespace envmap {
+namespace {
+
+constexpr double tessellation_tolerance = 0.25;  // Pixels.
+
+template <class M>
+std::array<float, 9> floats(const M& m) {
+  std::array<float, 9> out{};
+  for (int k = 0; k < 9; ++k) out[static_cast<std::size_t>(k)] = static_cast<float>(m[k / 3][k % 3]);
+  return out;
+}
+
+// How near to -Z a vertex may come: the figures of Heidrich's and later implementations.
+float singularity(Projection p) { return p == Projection::paraboloid ? 0.5F : 0.05F; }
+
+// Whether a sphere can be seen in a face at all.
+bool in_face(Projection p, const Direction& centre, double radius) {
+  if (p == Projection::cube)
+    return centre.z >= -radius && std::max(std::abs(centre.x), std::abs(centre.y)) - centre.z <= std::sqrt(2.0) * radius;
+  const double distance = glm::length(centre);
+  if (p != Projection::paraboloid || distance <= radius) return true;
+  return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= 1.92;
+}
+
+}  // namespace
+
+MapTexture::MapTexture(Projection p, int n) : projection(p), size(n), texture(gl::make_texture(GL_TEXTURE_2D_ARRAY)) {
+  glTextureStorage3D(texture, 1, GL_RGBA32F, n * aspect(p), n, faces(p));
+  gl::check("map");
+}
+
+Vec2<double> sample_offset(int sample, int samples) {
+  // Korobov's lattice with the golden ratio; its first point moved to the middle of its cell.
+  const double along = (sample + 0.5) / samples, across = (sample + 0.5) * 0.6180339887498949;
+  if (samples == 1) return Vec2<double>(0);
+  return {along - 0.5, across - std::floor(across) - 0.5};
+}
+
+Renderer::Renderer(const Scene& scene, const EnvironmentMap* environment)
+    : gpu_(scene), no_vertices_(gl::make_vertex_array()) {
+  std::string defines;
+  if (environment != nullptr) {
+    environment_ = upload(*environment);
+    defines = fmt::format("#define MAP {}\n", static_cast<int>(environment_->projection));
+  }
+  const gl::Stage everywhere{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}};
+  if (environment_) {
+    background_ =
+        gl::make_program({everywhere, {GL_FRAGMENT_SHADER, {"locate.glsl", "environment.glsl", "background.frag.glsl"}}},
+                         defines);
+    shade_ = gl::make_program({everywhere,
+                               {GL_FRAGMENT_SHADER,
+                                {"instances.glsl", "triangle.glsl", "locate.glsl", "environment.glsl", "shading.glsl",
+                                 "shade.frag.glsl"}}},
+                              defines);
+    for (const gl::Program* p : {&background_, &shade_}) gl::set(*p, "to_environment", floats(environment_->to_map));
+  } else {
+    background_ = gl::make_program({everywhere, {GL_FRAGMENT_SHADER, {"environment.glsl", "background.frag.glsl"}}});
+    shade_ =
+        gl::make_program({everywhere,
+                          {GL_FRAGMENT_SHADER,
+                           {"instances.glsl", "triangle.glsl", "environment.glsl", "shading.glsl", "shade.frag.glsl"}}});
+  }
+}
+
+const gl::Program& Renderer::visibility_program(Method method, Projection p, bool holes) {
+  gl::Program& program = programs_[{method, p, holes}];
+  if (program != 0) return program;
+  const std::string defines = fmt::format("#define IMAGE {}\n{}", static_cast<int>(p), holes ? "#define HOLES\n" : "");
+  const bool plain = p == Projection::cube && method != Method::exact;
+  const std::string_view last = method == Method::exact ? "exact.frag.glsl"
+                                : plain                 ? "raster.frag.glsl"
+                                                        : "distort.frag.glsl";
+  const gl::Stage place{GL_VERTEX_SHADER, {"instances.glsl", "place.vert.glsl"}};
+  const gl::Stage seen{GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
+  if (method == Method::exact)
+    program = gl::make_program(
+        {place, {GL_GEOMETRY_SHADER, {"instances.glsl", "images.glsl", "bounds.glsl", "exact.geom.glsl"}}, seen}, defines);
+  else if (plain)
+    program = gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "images.glsl", "raster.vert.glsl"}}, seen}, defines);
+  else if (method == Method::distort)
+    program =
+        gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "distort.vert.glsl"}}, seen},
+                         defines);
+  else
+    program = gl::make_program(
+        {place,
+         {GL_TESS_CONTROL_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "tessellate.tesc.glsl"}},
+         {GL_TESS_EVALUATION_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "tessellate.tese.glsl"}},
+         seen},
+        defines);
+  return program;
+}
+
+const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
+  if (from.samples > 1) return sample_rays_ = make_rays(from.to, from.size, face, sample_offset(sample, from.samples));
+  gl::Texture& known = rays_[{from.to, from.size, face}];
+  if (known == 0) known = make_rays(from.to, from.size, face, Vec2<double>(0));
+  return known;
+}
+
+void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, Method method, int face) {
+  const bool tessellated = method == Method::tessellate && from.to != Projection::cube;
+  const Rotation to_face = map_to_face(from.to, face), world_to_face = to_face * glm::transpose(from.axes);
+  glBindFramebuffer(GL_FRAMEBUFFER, canvas_->seen);
+  glViewport(0, 0, canvas_->width, canvas_->height);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_GREATER);
+  glEnable(GL_STENCIL_TEST);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  glDisable(GL_BLEND);
+  constexpr std::array<GLuint, 4> nothing{};
+  glClearNamedFramebufferuiv(canvas_->seen, GL_COLOR, 0, nothing.data());
+  glClearNamedFramebufferfi(canvas_->seen, GL_DEPTH_STENCIL, 0, 0, 0);
+  glPatchParameteri(GL_PATCH_VERTICES, 3);
+  const std::array<float, 2> range{static_cast<float>(from.near), static_cast<float>(from.far)};
+  const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
+  for (const bool holes : {false, true}) {
+    const gl::Program* program = nullptr;
+    GLint instance = -1;
+    for (std::size_t k = 0; k < gpu_.parts().size(); ++k) {
+      const Part& part = gpu_.parts()[k];
+      if (part.holes != holes || part.indices == 0) continue;
+      if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
+      const Ball ball = gpu_.ball(part, shot.pose);
+      const Direction centre = world_to_face * (ball.centre - from.at);
+      if (glm::length(centre) - ball.radius > from.far || !in_face(from.to, centre, ball.radius)) continue;
+      if (program == nullptr) {
+        program = &visibility_program(method, from.to, holes);
+        gl::set(*program, "range", range);
+        gl::set(*program, "pixel", pixel);
+        gl::set(*program, "to_face", floats(to_face));
+        gl::set(*program, "singularity", singularity(from.to));
+        gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
+        instance = glGetUniformLocation(*program, "instance");
+        glUseProgram(*program);
+      }
+      if (holes) gpu_.bind(gpu_.groups()[static_cast<std::size_t>(part.group)]);
+      glUniform1i(instance, static_cast<GLint>(k));
+      glStencilFunc(GL_ALWAYS, part.stencil, 0xff);
+      // Exact sees to its sides itself. Images that show the world mirrored turn the others round.
+      const bool one_side = method != Method::exact && !part.double_sided;
+      (one_side ? glEnable : glDisable)(GL_CULL_FACE);
+      if (one_side)
+        glFrontFace((glm::determinant(to_face) < 0) !=
+                            (glm::determinant(Rotation(shot.pose[static_cast<std::size_t>(part.node)])) < 0)
+                        ? GL_CW
+                        : GL_CCW);
+      gpu_.draw(part, tessellated ? GL_PATCHES : GL_TRIANGLES);
+    }
+  }
+  glDisable(GL_CULL_FACE);
+}
+
+void Renderer::shade(const Viewpoint& from, const Shot& shot, MapTexture& to, int face, int sample) {
+  glNamedFramebufferTextureLayer(canvas_->lit, GL_COLOR_ATTACHMENT0, to.texture, 0, face);
+  glBindFramebuffer(GL_FRAMEBUFFER, canvas_->lit);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_FALSE);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  // Radiance of all samples, distance of the first.
+  (sample > 0 ? glEnable : glDisable)(GL_BLEND);
+  glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
+  const auto weight = static_cast<float>(1.0 / from.samples);
+  if (environment_) glBindTextureUnit(4, environment_->texture);
+  glBindTextureUnit(5, canvas_->surfaces);
+  for (const gl::Program* p : {&background_, &shade_}) {
+    gl::set(*p, "to_world", floats(from.axes));
+    gl::set(*p, "weight", weight);
+  }
+  glUseProgram(background_);
+  glStencilFunc(GL_EQUAL, 0, 0xff);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  const std::array<float, 3> ambient{shot.ambient.x, shot.ambient.y, shot.ambient.z};
+  gl::set(shade_, "ambient", ambient);
+  gl::set(shade_, "light_count", gpu_.lights());
+  gl::set(shade_, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
+  glUseProgram(shade_);
+  for (std::size_t group = 0; group < gpu_.groups().size(); ++group) {
+    gl::set(shade_, "group", static_cast<int>(group));
+    gpu_.bind(gpu_.groups()[group]);
+    glStencilFunc(GL_EQUAL, static_cast<GLint>(1 + group % 255), 0xff);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+}
+
+void Renderer::draw(const Viewpoint& from, const Shot& shot, Method method, MapTexture& to,
+                    std::vector<std::uint32_t>* surfaces) {
+  if (from.to == Projection::latlong && (method == Method::distort || method == Method::tessellate))
+    throw UsageError(fmt::format("{} cannot draw latlong maps, which are cut open from pole to pole: exact or resample",
+                                 method_names[static_cast<std::size_t>(method)]));
+  const int width = from.size * aspect(from.to);
+  if (!canvas_ || canvas_->width != width || canvas_->height != from.size) canvas_.emplace(width, from.size);
+  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(from.size);
+  std::vector<glm::uvec2> seen;
+  gpu_.place(shot.scene, shot.pose, from.at, from.axes);
+  gpu_.bind();
+  for (int face = 0; face < faces(from.to); ++face) {
+    if ((from.which >> face & 1U) == 0) continue;
+    for (int sample = 0; sample < from.samples; ++sample) {
+      glBindTextureUnit(0, rays(from, face, sample));
+      find_surfaces(from, shot, method, face);
+      if (surfaces != nullptr && sample == 0) {
+        seen.resize(texels);
+        glGetTextureImage(canvas_->surfaces, 0, GL_RG_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(8 * texels),
+                          seen.data());
+        surfaces->resize(texels * static_cast<std::size_t>(faces(from.to)));
+        for (std::size_t k = 0; k < texels; ++k) (*surfaces)[static_cast<std::size_t>(face) * texels + k] = seen[k].x;
+      }
+      shade(from, shot, to, face, sample);
+    }
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl::check("drawing");
+}
+
+}  // namespace envmap

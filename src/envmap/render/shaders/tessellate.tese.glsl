@@ -1,0 +1,7 @@
+layout(triangles, equal_spacing, ccw) in;
+in vec3 corner[];
+
+void main() {
+  gl_Position = distorted(
+      to_face * (gl_TessCoord.x * corner[0] + gl_TessCoord.y * corner[1] + gl_TessCoord.z * corner[2]));
+}
