@@ -52,6 +52,8 @@ Canvas::Canvas(int w, int h)
     throw UsageError(fmt::format("a face of {}x{}: this renderer draws up to {}", w, h, largest));
   glTextureStorage2D(surfaces, 1, GL_RG32UI, width, height);
   glTextureParameteri(surfaces, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  // Without this a texture of integers is incomplete.
+  glTextureParameteri(surfaces, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   GLuint name = 0;
   glCreateRenderbuffers(1, &name);
   depth = gl::Renderbuffer(name);

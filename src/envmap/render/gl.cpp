@@ -1,11 +1,10 @@
-#include <vector>
-//
+#include "envmap/render/gl.h"
+
 #include <fmt/format.h>
 
 #include <new>
 #include <stdexcept>
 
-#include "envmap/render/gl.h"
 #include "envmap/render/shaders.h"
 
 namespace envmap::gl {
@@ -95,6 +94,10 @@ void set(const Program& p, const char* name, std::span<const float, 3> value) {
 }
 void set(const Program& p, const char* name, std::span<const float, 9> columns) {
   glProgramUniformMatrix3fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, columns.data());
+}
+
+void set(const Program& p, const char* name, const glm::mat4& value) {
+  glProgramUniformMatrix4fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, &value[0][0]);
 }
 
 void check(const char* doing) {

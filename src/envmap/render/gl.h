@@ -4,11 +4,13 @@
 
 #include <glad/gl.h>
 
+#include <glm/glm.hpp>
 #include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace envmap::gl {
 
@@ -83,6 +85,8 @@ void set(const Program& program, const char* name, float value);
 void set(const Program& program, const char* name, std::span<const float, 2> value);
 void set(const Program& program, const char* name, std::span<const float, 3> value);
 void set(const Program& program, const char* name, std::span<const float, 9> columns);
+
+void set(const Program& program, const char* name, const glm::mat4& value);
 
 /// @throws std::bad_alloc where GL ran out of memory, std::runtime_error on any other error since the last call.
 void check(const char* doing);

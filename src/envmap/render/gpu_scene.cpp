@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "envmap/error.h"
@@ -10,24 +11,23 @@
 namespace envmap {
 namespace {
 
-// As the shaders declare them: std430 of instances.glsl, triangle.glsl and shading.glsl.
-struct GpuVertex {
-  glm::vec3 position, normal;
-  glm::vec2 coordinates;
+// As the shaders read them: triangle.glsl and shading.glsl.
+struct GpuCorner {
+  glm::vec3 position;
+  float u;
+  glm::vec3 normal;
+  float v;
 };
 struct GpuInstance {
-  glm::mat4 to_map, normals;
-  std::int32_t material, first_index, facing, mirrored;
+  std::array<glm::vec4, 3> to_map, normals;  // Rows.
 };
 struct GpuMaterial {
   glm::vec4 base_colour, emissive;
   float metallic, roughness, transmission, ior;
-  std::int32_t base_colour_texture, metallic_roughness_texture, emissive_texture, group;
 };
 struct GpuLight {
   glm::vec4 position, direction, intensity, cone;
 };
-static_assert(sizeof(GpuVertex) == 32 && sizeof(GpuInstance) == 144 && sizeof(GpuMaterial) == 64);
 
 template <class T>
 const T& at(const std::vector<T>& all, int index) {
@@ -72,25 +72,26 @@ void set_bounds(const Mesh& mesh, Part& part) {
   part.radius = mesh.positions.empty() ? 0 : 0.5 * glm::length(high - low);
 }
 
-std::vector<GpuMaterial> materials_of(const Scene& scene, std::vector<Group>& groups) {
+std::vector<GpuMaterial> materials_of(const Scene& scene) {
   std::vector<GpuMaterial> all;
-  for (const Material& m : scene.materials) {
-    const Group group{m.base_colour_texture, m.metallic_roughness_texture, m.emissive_texture};
-    const auto known = std::ranges::find(groups, group);
-    const auto number = static_cast<std::int32_t>(known - groups.begin());
-    if (known == groups.end()) groups.push_back(group);
-    all.push_back({m.base_colour,
-                   {m.emissive, m.alpha_cutoff},
-                   m.metallic,
-                   m.roughness,
-                   m.transmission,
-                   m.ior,
-                   m.base_colour_texture + 1,
-                   m.metallic_roughness_texture + 1,
-                   m.emissive_texture + 1,
-                   number});
-  }
+  for (const Material& m : scene.materials)
+    all.push_back({m.base_colour, {m.emissive, m.alpha_cutoff}, m.metallic, m.roughness, m.transmission, m.ior});
   return all;
+}
+
+int group_of(const Material& m, std::vector<Group>& groups) {
+  const Group group{m.base_colour_texture, m.metallic_roughness_texture, m.emissive_texture};
+  const auto known = std::ranges::find(groups, group);
+  const auto number = static_cast<int>(known - groups.begin());
+  if (known == groups.end()) groups.push_back(group);
+  return number;
+}
+
+// Four floats a texel.
+gl::Texture texels_of(const gl::Buffer& buffer) {
+  gl::Texture texture = gl::make_texture(GL_TEXTURE_BUFFER);
+  glTextureBuffer(texture, GL_RGBA32F, buffer);
+  return texture;
 }
 
 GpuLight light_of(const Light& light, const Matrix& world, const Direction& eye) {
@@ -104,39 +105,54 @@ GpuLight light_of(const Light& light, const Matrix& world, const Direction& eye)
 }  // namespace
 
 GpuScene::GpuScene(const Scene& scene) : lights_(static_cast<int>(scene.lights.size())) {
-  std::vector<GpuVertex> vertices;
+  std::vector<glm::vec3> vertices;
   std::vector<std::uint32_t> indices;
+  std::vector<GpuCorner> corners;
   std::vector<std::size_t> first_index;
   for (const Mesh& mesh : scene.meshes) {
     const auto base = static_cast<std::uint32_t>(vertices.size());
     first_index.push_back(indices.size());
-    for (std::size_t k = 0; k < mesh.positions.size(); ++k)
-      vertices.push_back({mesh.positions[k], mesh.normals[k], mesh.coordinates[k]});
-    for (const std::uint32_t index : mesh.indices) indices.push_back(base + index);
+    vertices.insert(vertices.end(), mesh.positions.begin(), mesh.positions.end());
+    for (const std::uint32_t k : mesh.indices) {
+      indices.push_back(base + k);
+      corners.push_back({mesh.positions[k], mesh.coordinates[k].x, mesh.normals[k], mesh.coordinates[k].y});
+    }
   }
-  const std::vector<GpuMaterial> materials = materials_of(scene, groups_);
   for (const Instance& instance : instances(scene)) {
     const Mesh& mesh = at(scene.meshes, instance.mesh);
+    const Material& material = at(scene.materials, mesh.material);
+    const int group = group_of(material, groups_);
     Part part{.node = instance.node,
               .mesh = instance.mesh,
               .indices = static_cast<GLsizei>(mesh.indices.size()),
               .first_index = at(first_index, instance.mesh),
-              .stencil = static_cast<std::uint8_t>(1 + at(materials, mesh.material).group % 255),
-              .group = at(materials, mesh.material).group,
-              .holes = at(scene.materials, mesh.material).alpha_cutoff > 0,
-              .double_sided = at(scene.materials, mesh.material).double_sided};
+              .stencil = static_cast<std::uint8_t>(1 + group),
+              .material = mesh.material,
+              .group = group,
+              .holes = material.alpha_cutoff > 0,
+              .double_sided = material.double_sided};
     set_bounds(mesh, part);
     triangles_ += mesh.indices.size() / 3;
     parts_.push_back(part);
   }
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  if (2 * corners.size() > static_cast<std::size_t>(most))
+    throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / 6));
+  if (groups_.size() > 255)
+    throw UsageError(fmt::format("materials with {} sets of textures: this renderer takes 255", groups_.size()));
   vertices_ = gl::make_buffer(vertices);
   indices_ = gl::make_buffer(indices);
-  materials_ = gl::make_buffer(materials);
+  corners_ = gl::make_buffer(corners);
+  materials_ = gl::make_buffer(materials_of(scene));
   instances_ = gl::make_buffer(nullptr, parts_.size() * sizeof(GpuInstance), GL_DYNAMIC_STORAGE_BIT);
   light_buffer_ = gl::make_buffer(nullptr, scene.lights.size() * sizeof(GpuLight), GL_DYNAMIC_STORAGE_BIT);
+  corner_texels_ = texels_of(corners_);
+  material_texels_ = texels_of(materials_);
+  instance_texels_ = texels_of(instances_);
   for (const Texture& image : scene.textures) textures_.push_back(upload(image));
   layout_ = gl::make_vertex_array();
-  glVertexArrayVertexBuffer(layout_, 0, vertices_, 0, sizeof(GpuVertex));
+  glVertexArrayVertexBuffer(layout_, 0, vertices_, 0, sizeof(glm::vec3));
   glVertexArrayElementBuffer(layout_, indices_);
   glEnableVertexArrayAttrib(layout_, 0);
   glVertexArrayAttribFormat(layout_, 0, 3, GL_FLOAT, GL_FALSE, 0);
@@ -144,36 +160,33 @@ GpuScene::GpuScene(const Scene& scene) : lights_(static_cast<int>(scene.lights.s
   gl::check("upload of the scene");
 }
 
-Ball GpuScene::ball(const Part& part, const Pose& pose) const {
-  const Matrix& world = at(pose, part.node);
-  // Frobenius' norm is at least the largest factor by which a length grows.
-  double norm = 0;
-  for (int axis = 0; axis < 3; ++axis) norm += glm::dot(Direction(world[axis]), Direction(world[axis]));
-  return {Direction(world * glm::vec<4, double, glm::highp>(part.centre, 1)), std::sqrt(norm) * part.radius};
-}
-
 void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye, const Rotation& axes) {
-  std::vector<GpuInstance> placed;
+  std::vector<GpuInstance> rows;
+  placed_.clear();
   const Matrix turn(glm::transpose(axes));
   for (const Part& part : parts_) {
     // The difference of two places, in double: a map far from the world's origin is as sharp as one at it.
     Matrix world = at(pose, part.node);
     world[3] = {Direction(world[3]) - eye, 1};
     const Rotation linear(world);
-    const bool mirrored = glm::determinant(linear) < 0;
-    const Mesh& mesh = at(scene.meshes, part.mesh);
-    const bool both = at(scene.materials, mesh.material).double_sided;
+    const double sign = glm::determinant(linear) < 0 ? -1 : 1;
     // Cofactors: the inverse transpose but for a factor, and there for matrices that have no inverse.
-    const Rotation normals(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                           glm::cross(linear[0], linear[1]));
-    placed.push_back({glm::mat4(turn * world), glm::mat4(glm::mat3(mirrored ? -normals : normals)), mesh.material,
-                      static_cast<std::int32_t>(part.first_index),
-                      both       ? 0
-                      : mirrored ? -1
-                                 : 1,
-                      mirrored});
+    const Rotation normals = sign * Rotation(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                                             glm::cross(linear[0], linear[1]));
+    // Frobenius' norm is at least the largest factor by which a length grows.
+    double norm = 0;
+    for (int axis = 0; axis < 3; ++axis) norm += glm::dot(linear[axis], linear[axis]);
+    const Matrix to_map = turn * world;
+    placed_.push_back({glm::mat4(to_map),
+                       sign < 0,
+                       {Direction(to_map * glm::vec<4, double, glm::highp>(part.centre, 1)), std::sqrt(norm) * part.radius}});
+    const glm::mat4 to_map_rows = glm::transpose(glm::mat4(to_map));
+    const glm::mat3 normal_rows = glm::transpose(glm::mat3(normals));
+    rows.push_back(
+        {{to_map_rows[0], to_map_rows[1], to_map_rows[2]},
+         {glm::vec4(normal_rows[0], part.material), glm::vec4(normal_rows[1], sign), glm::vec4(normal_rows[2], 0)}});
   }
-  glNamedBufferSubData(instances_, 0, static_cast<GLsizeiptr>(placed.size() * sizeof(GpuInstance)), placed.data());
+  glNamedBufferSubData(instances_, 0, static_cast<GLsizeiptr>(rows.size() * sizeof(GpuInstance)), rows.data());
   std::vector<GpuLight> lights;
   for (const Light& light : scene.lights) lights.push_back(light_of(light, at(pose, light.node), eye));
   glNamedBufferSubData(light_buffer_, 0, static_cast<GLsizeiptr>(lights.size() * sizeof(GpuLight)), lights.data());
@@ -181,16 +194,15 @@ void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye,
 
 void GpuScene::bind() const {
   glBindVertexArray(layout_);
-  const GLuint buffers[] = {instances_, materials_, indices_, vertices_, light_buffer_};
-  glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, 5, buffers);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, light_buffer_);
+  glBindTextureUnit(6, corner_texels_);
+  glBindTextureUnit(7, instance_texels_);
+  glBindTextureUnit(8, material_texels_);
 }
 
 void GpuScene::bind(const Group& group) const {
-  const int wanted[] = {group.base_colour, group.metallic_roughness, group.emissive};
-  for (GLuint unit = 1; const int texture : wanted) {
-    glBindTextureUnit(unit, texture < 0 ? 0 : at(textures_, texture));
-    ++unit;
-  }
+  for (GLuint unit = 1; const int texture : {group.base_colour, group.metallic_roughness, group.emissive})
+    glBindTextureUnit(unit++, texture < 0 ? 0 : static_cast<GLuint>(at(textures_, texture)));
 }
 
 void GpuScene::draw(const Part& part, GLenum mode) const {

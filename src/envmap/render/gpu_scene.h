@@ -13,11 +13,11 @@ namespace envmap {
 struct Part {
   int node, mesh;
   GLsizei indices;
-  std::size_t first_index;
-  Vec3<double> centre;  ///< Of a sphere round the mesh, in the frame of its node.
+  std::size_t first_index;  ///< A third of it is the number of its first triangle.
+  Vec3<double> centre;      ///< Of a sphere round the mesh, in the frame of its node.
   double radius;
-  std::uint8_t stencil;  ///< What it leaves in the stencil: 1 + its group, which may be that of other groups, too.
-  int group;             ///< Of its material.
+  std::uint8_t stencil;  ///< What it leaves in the stencil: 1 + its group.
+  int material, group;   ///< Group of the material.
   bool holes;            ///< The material has an alpha_cutoff.
   bool double_sided;
 };
@@ -33,6 +33,13 @@ struct Group {
   bool operator==(const Group&) const = default;
 };
 
+/// How a part lies seen from a viewpoint.
+struct Placed {
+  glm::mat4 to_map;  ///< From the mesh to the frame of the map, the viewpoint at the origin.
+  bool mirrored;     ///< Right becomes left on the way to the world.
+  Ball ball;         ///< What surely holds it, in the frame of the map.
+};
+
 /// Needs a current context, and goes before it.
 class GpuScene {
  public:
@@ -44,11 +51,9 @@ class GpuScene {
   [[nodiscard]] std::size_t triangles() const { return triangles_; }
   [[nodiscard]] int lights() const { return lights_; }
 
-  /// What surely holds a part, in the world.
-  [[nodiscard]] Ball ball(const Part& part, const Pose& pose) const;
-
-  /// Where everything is, seen from `at` in a frame of `axes`.
+  /// Where everything is, seen from `at` in a frame of `axes`: one element a part.
   void place(const Scene& scene, const Pose& pose, const Direction& at, const Rotation& axes);
+  [[nodiscard]] const std::vector<Placed>& placed() const { return placed_; }
 
   /// Binds vertices and buffers for drawing and shading, and the textures of a group.
   void bind() const;
@@ -58,10 +63,12 @@ class GpuScene {
 
  private:
   std::vector<Part> parts_;
+  std::vector<Placed> placed_;
   std::vector<Group> groups_;
   std::size_t triangles_ = 0;
   int lights_ = 0;
-  gl::Buffer vertices_, indices_, materials_, instances_, light_buffer_;
+  gl::Buffer vertices_, indices_, corners_, materials_, instances_, light_buffer_;
+  gl::Texture corner_texels_, material_texels_, instance_texels_;
   gl::VertexArray layout_;
   std::vector<gl::Texture> textures_;
 };

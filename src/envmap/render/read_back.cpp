@@ -15,7 +15,7 @@ constexpr float nowhere = std::numeric_limits<float>::infinity();
 Drawn resample(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
   Viewpoint all_round = from;
   all_round.to = Projection::cube;
-  Drawn cube = draw(renderer, all_round, shot, Method::distort);
+  Drawn cube = draw(renderer, all_round, shot, DrawMethod::distort);
   Drawn out{convert(cube.radiance, {.to = from.to, .size = from.size, .filter = Filter::bilinear}), {}, {}};
   const auto width = static_cast<std::size_t>(from.size * aspect(from.to)), size = static_cast<std::size_t>(from.size);
   out.distances.assign(static_cast<std::size_t>(faces(from.to)) * width * size, nowhere);
@@ -62,9 +62,9 @@ EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances) {
   return out;
 }
 
-Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, Method method) {
-  if (method == Method::resample && from.to != Projection::cube) return resample(renderer, from, shot);
-  if (method == Method::resample) method = Method::distort;
+Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMethod method) {
+  if (method == DrawMethod::resample && from.to != Projection::cube) return resample(renderer, from, shot);
+  if (method == DrawMethod::resample) method = DrawMethod::distort;
   MapTexture map(from.to, from.size);
   Drawn out;
   renderer.draw(from, shot, method, map, &out.surfaces);

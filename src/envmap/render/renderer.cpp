@@ -48,47 +48,45 @@ Vec2<double> sample_offset(int sample, int samples) {
 
 Renderer::Renderer(const Scene& scene, const EnvironmentMap* environment)
     : gpu_(scene), no_vertices_(gl::make_vertex_array()) {
-  std::string defines;
-  if (environment != nullptr) {
-    environment_ = upload(*environment);
-    defines = fmt::format("#define MAP {}\n", static_cast<int>(environment_->projection));
-  }
-  const gl::Stage everywhere{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}};
-  if (environment_) {
-    background_ =
-        gl::make_program({everywhere, {GL_FRAGMENT_SHADER, {"locate.glsl", "environment.glsl", "background.frag.glsl"}}},
-                         defines);
-    shade_ = gl::make_program({everywhere,
-                               {GL_FRAGMENT_SHADER,
-                                {"instances.glsl", "triangle.glsl", "locate.glsl", "environment.glsl", "shading.glsl",
-                                 "shade.frag.glsl"}}},
-                              defines);
-    for (const gl::Program* p : {&background_, &shade_}) gl::set(*p, "to_environment", floats(environment_->to_map));
-  } else {
-    background_ = gl::make_program({everywhere, {GL_FRAGMENT_SHADER, {"environment.glsl", "background.frag.glsl"}}});
-    shade_ =
-        gl::make_program({everywhere,
-                          {GL_FRAGMENT_SHADER,
-                           {"instances.glsl", "triangle.glsl", "environment.glsl", "shading.glsl", "shade.frag.glsl"}}});
-  }
+  if (environment != nullptr) environment_ = upload(*environment);
+  background_ = lighting_program("background.frag.glsl", 0);
 }
 
-const gl::Program& Renderer::visibility_program(Method method, Projection p, bool holes) {
+gl::Program Renderer::lighting_program(std::string_view last, int textures) const {
+  std::string defines = fmt::format("#define TEXTURES {}\n", textures);
+  if (environment_) defines += fmt::format("#define MAP {}\n", static_cast<int>(environment_->projection));
+  gl::Program program =
+      gl::make_program({{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}},
+                        {GL_FRAGMENT_SHADER, {"triangle.glsl", "locate.glsl", "environment.glsl", "shading.glsl", last}}},
+                       defines);
+  if (environment_) gl::set(program, "to_environment", floats(environment_->to_map));
+  return program;
+}
+
+const gl::Program& Renderer::shade_program(const Group& group) {
+  const int textures =
+      (group.base_colour >= 0 ? 1 : 0) + (group.metallic_roughness >= 0 ? 2 : 0) + (group.emissive >= 0 ? 4 : 0);
+  gl::Program& program = shade_[static_cast<std::size_t>(textures)];
+  if (program == 0) program = lighting_program("shade.frag.glsl", textures);
+  return program;
+}
+
+const gl::Program& Renderer::visibility_program(DrawMethod method, Projection p, bool holes) {
   gl::Program& program = programs_[{method, p, holes}];
   if (program != 0) return program;
   const std::string defines = fmt::format("#define IMAGE {}\n{}", static_cast<int>(p), holes ? "#define HOLES\n" : "");
-  const bool plain = p == Projection::cube && method != Method::exact;
-  const std::string_view last = method == Method::exact ? "exact.frag.glsl"
-                                : plain                 ? "raster.frag.glsl"
-                                                        : "distort.frag.glsl";
+  const bool plain = p == Projection::cube && method != DrawMethod::exact;
+  const std::string_view last = method == DrawMethod::exact ? "exact.frag.glsl"
+                                : plain                     ? "raster.frag.glsl"
+                                                            : "distort.frag.glsl";
   const gl::Stage place{GL_VERTEX_SHADER, {"instances.glsl", "place.vert.glsl"}};
   const gl::Stage seen{GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
-  if (method == Method::exact)
+  if (method == DrawMethod::exact)
     program = gl::make_program(
         {place, {GL_GEOMETRY_SHADER, {"instances.glsl", "images.glsl", "bounds.glsl", "exact.geom.glsl"}}, seen}, defines);
   else if (plain)
     program = gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "images.glsl", "raster.vert.glsl"}}, seen}, defines);
-  else if (method == Method::distort)
+  else if (method == DrawMethod::distort)
     program =
         gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "distort.vert.glsl"}}, seen},
                          defines);
@@ -109,9 +107,9 @@ const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
   return known;
 }
 
-void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, Method method, int face) {
-  const bool tessellated = method == Method::tessellate && from.to != Projection::cube;
-  const Rotation to_face = map_to_face(from.to, face), world_to_face = to_face * glm::transpose(from.axes);
+void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face) {
+  const bool tessellated = method == DrawMethod::tessellate && from.to != Projection::cube;
+  const Rotation to_face = map_to_face(from.to, face);
   glBindFramebuffer(GL_FRAMEBUFFER, canvas_->seen);
   glViewport(0, 0, canvas_->width, canvas_->height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -120,6 +118,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, Method met
   glDepthFunc(GL_GREATER);
   glEnable(GL_STENCIL_TEST);
   glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  glStencilMask(0xff);
   glDisable(GL_BLEND);
   constexpr std::array<GLuint, 4> nothing{};
   glClearNamedFramebufferuiv(canvas_->seen, GL_COLOR, 0, nothing.data());
@@ -129,14 +128,13 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, Method met
   const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
   for (const bool holes : {false, true}) {
     const gl::Program* program = nullptr;
-    GLint instance = -1;
     for (std::size_t k = 0; k < gpu_.parts().size(); ++k) {
       const Part& part = gpu_.parts()[k];
+      const Placed& placed = gpu_.placed()[k];
       if (part.holes != holes || part.indices == 0) continue;
       if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
-      const Ball ball = gpu_.ball(part, shot.pose);
-      const Direction centre = world_to_face * (ball.centre - from.at);
-      if (glm::length(centre) - ball.radius > from.far || !in_face(from.to, centre, ball.radius)) continue;
+      if (glm::length(placed.ball.centre) - placed.ball.radius > from.far) continue;
+      if (!in_face(from.to, to_face * placed.ball.centre, placed.ball.radius)) continue;
       if (program == nullptr) {
         program = &visibility_program(method, from.to, holes);
         gl::set(*program, "range", range);
@@ -144,20 +142,22 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, Method met
         gl::set(*program, "to_face", floats(to_face));
         gl::set(*program, "singularity", singularity(from.to));
         gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
-        instance = glGetUniformLocation(*program, "instance");
         glUseProgram(*program);
       }
-      if (holes) gpu_.bind(gpu_.groups()[static_cast<std::size_t>(part.group)]);
-      glUniform1i(instance, static_cast<GLint>(k));
+      if (holes) {
+        const Group& group = gpu_.groups()[static_cast<std::size_t>(part.group)];
+        gpu_.bind(group);
+        gl::set(*program, "material", part.material);
+        gl::set(*program, "textured", group.base_colour >= 0 ? 1 : 0);
+      }
+      gl::set(*program, "to_map", placed.to_map);
+      gl::set(*program, "instance", static_cast<int>(k));
+      gl::set(*program, "first_triangle", static_cast<int>(part.first_index / 3));
+      gl::set(*program, "facing", part.double_sided ? 0 : placed.mirrored ? -1 : 1);
       glStencilFunc(GL_ALWAYS, part.stencil, 0xff);
-      // Exact sees to its sides itself. Images that show the world mirrored turn the others round.
-      const bool one_side = method != Method::exact && !part.double_sided;
-      (one_side ? glEnable : glDisable)(GL_CULL_FACE);
-      if (one_side)
-        glFrontFace((glm::determinant(to_face) < 0) !=
-                            (glm::determinant(Rotation(shot.pose[static_cast<std::size_t>(part.node)])) < 0)
-                        ? GL_CW
-                        : GL_CCW);
+      // Exact sees to its sides itself. Images that show the world mirrored turn those of the others round.
+      (method == DrawMethod::exact || part.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
+      glFrontFace((glm::determinant(to_face) < 0) != placed.mirrored ? GL_CW : GL_CCW);
       gpu_.draw(part, tessellated ? GL_PATCHES : GL_TRIANGLES);
     }
   }
@@ -170,37 +170,35 @@ void Renderer::shade(const Viewpoint& from, const Shot& shot, MapTexture& to, in
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
   glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  glStencilMask(0);
   // Radiance of all samples, distance of the first.
   (sample > 0 ? glEnable : glDisable)(GL_BLEND);
   glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
-  const auto weight = static_cast<float>(1.0 / from.samples);
   if (environment_) glBindTextureUnit(4, environment_->texture);
   glBindTextureUnit(5, canvas_->surfaces);
-  for (const gl::Program* p : {&background_, &shade_}) {
-    gl::set(*p, "to_world", floats(from.axes));
-    gl::set(*p, "weight", weight);
-  }
-  glUseProgram(background_);
-  glStencilFunc(GL_EQUAL, 0, 0xff);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
   const std::array<float, 3> ambient{shot.ambient.x, shot.ambient.y, shot.ambient.z};
-  gl::set(shade_, "ambient", ambient);
-  gl::set(shade_, "light_count", gpu_.lights());
-  gl::set(shade_, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
-  glUseProgram(shade_);
-  for (std::size_t group = 0; group < gpu_.groups().size(); ++group) {
-    gl::set(shade_, "group", static_cast<int>(group));
-    gpu_.bind(gpu_.groups()[group]);
-    glStencilFunc(GL_EQUAL, static_cast<GLint>(1 + group % 255), 0xff);
+  const auto light = [&](const gl::Program& program, int stencil) {
+    gl::set(program, "to_world", floats(from.axes));
+    gl::set(program, "weight", static_cast<float>(1.0 / from.samples));
+    gl::set(program, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
+    gl::set(program, "ambient", ambient);
+    gl::set(program, "light_count", gpu_.lights());
+    glUseProgram(program);
+    glStencilFunc(GL_EQUAL, stencil, 0xff);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+  };
+  light(background_, 0);
+  for (std::size_t group = 0; group < gpu_.groups().size(); ++group) {
+    gpu_.bind(gpu_.groups()[group]);
+    light(shade_program(gpu_.groups()[group]), static_cast<int>(1 + group));
   }
 }
 
-void Renderer::draw(const Viewpoint& from, const Shot& shot, Method method, MapTexture& to,
+void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
                     std::vector<std::uint32_t>* surfaces) {
-  if (from.to == Projection::latlong && (method == Method::distort || method == Method::tessellate))
+  if (from.to == Projection::latlong && (method == DrawMethod::distort || method == DrawMethod::tessellate))
     throw UsageError(fmt::format("{} cannot draw latlong maps, which are cut open from pole to pole: exact or resample",
-                                 method_names[static_cast<std::size_t>(method)]));
+                                 draw_method_names[static_cast<std::size_t>(method)]));
   const int width = from.size * aspect(from.to);
   if (!canvas_ || canvas_->width != width || canvas_->height != from.size) canvas_.emplace(width, from.size);
   const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(from.size);

@@ -2,6 +2,7 @@
 /// Maps of a scene, drawn with OpenGL: a pass that finds what each texel sees, by one of the methods, and one that lights it.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -32,29 +33,32 @@ class Renderer {
   /// Draws the faces of `from.which` and leaves the others alone.
   /// @param method of those that draw: exact, distort or tessellate. @param surfaces of Drawn, if that is asked for.
   /// @throws UsageError: distort and tessellate know no latlong maps; the face is too large.
-  void draw(const Viewpoint& from, const Shot& shot, Method method, MapTexture& to,
+  void draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
             std::vector<std::uint32_t>* surfaces = nullptr);
 
   [[nodiscard]] const GpuScene& scene() const { return gpu_; }
 
  private:
-  const gl::Program& visibility_program(Method method, Projection p, bool holes);
+  const gl::Program& visibility_program(DrawMethod method, Projection p, bool holes);
+  [[nodiscard]] gl::Program lighting_program(std::string_view last, int textures) const;
+  const gl::Program& shade_program(const Group& group);
   const gl::Texture& rays(const Viewpoint& from, int face, int sample);
-  void find_surfaces(const Viewpoint& from, const Shot& shot, Method method, int face);
+  void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face);
   void shade(const Viewpoint& from, const Shot& shot, MapTexture& to, int face, int sample);
 
   GpuScene gpu_;
   std::optional<EnvironmentTexture> environment_;
   std::optional<Canvas> canvas_;
-  std::map<std::tuple<Method, Projection, bool>, gl::Program> programs_;
+  std::map<std::tuple<DrawMethod, Projection, bool>, gl::Program> programs_;
   std::map<std::tuple<Projection, int, int>, gl::Texture> rays_;  // Of texels' centres, by projection, size and face.
   gl::Texture sample_rays_;
-  gl::Program shade_, background_;
+  std::array<gl::Program, 8> shade_;  // By the textures that a group has.
+  gl::Program background_;
   gl::VertexArray no_vertices_;
 };
 
 /// The map in memory, by any method but raycast: `resample` draws a cube of the same size and converts it.
-Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, Method method);
+Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMethod method);
 
 /// What is in the texture, with distances if asked for.
 EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances = nullptr);

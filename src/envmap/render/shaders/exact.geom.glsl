@@ -10,7 +10,7 @@ void emit_corner(vec2 at, mat3 n, vec4 p) {
   gl_Position = vec4(at.x, -at.y, 0.5, 1);  // Rows run from the top.
   sides = n;
   plane = p;
-  triangle = uint(gl_PrimitiveIDIn);
+  triangle = uint(first_triangle + gl_PrimitiveIDIn);
   EmitVertex();
 }
 
@@ -29,7 +29,6 @@ void main() {
   vec3 a = placed[0], b = placed[1], c = placed[2];
   vec3 normal = cross(b - a, c - a);
   float height = dot(normal, a);
-  int facing = instances[instance].facing;
   // Seen edge on, or from behind.
   if (height == 0 || facing * height > 0) return;
   mat3 n = mat3(side(a, b), side(b, c), side(c, a));

@@ -3,5 +3,5 @@ layout(location = 0) in vec3 position;
 out vec3 placed;
 
 void main() {
-  placed = (instances[instance].to_map * vec4(position, 1)).xyz;
+  placed = (to_map * vec4(position, 1)).xyz;
 }

@@ -3,7 +3,7 @@ layout(location = 0) in vec3 position;
 out vec3 placed;
 
 void main() {
-  placed = (instances[instance].to_map * vec4(position, 1)).xyz;
+  placed = (to_map * vec4(position, 1)).xyz;
   vec3 p = to_face * placed;
   // The near plane touches the near sphere's cube from inside; there is no far one.
   gl_Position = vec4(p.x, -p.y, 0.57 * range.x, p.z);
