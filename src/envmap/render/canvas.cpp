@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include "envmap/error.h"
+#include "envmap/render/draw.h"
 
 namespace envmap {
 namespace {
@@ -13,27 +14,10 @@ std::vector<glm::vec4> rays_of(Projection p, int size, int face, const Vec2<doub
   std::vector<glm::vec4> rays(static_cast<std::size_t>(width) * static_cast<std::size_t>(size), glm::vec4(0));
   tbb::parallel_for(0, size, [&](int row) {
     const Columns in = columns(p, size, row);
-    const auto count = static_cast<std::size_t>(in.end - in.first);
-    std::vector<Direction> found(count);
-    if (offset == Vec2<double>(0)) {
-      texel_directions(p, size, face, row, in.first, found);
-    } else {
-      std::vector<Vec2<double>> points(count);
-      for (std::size_t k = 0; k < count; ++k)
-        points[k] = {(in.first + static_cast<double>(k) + 0.5 + offset.x) / width, (row + 0.5 + offset.y) / size};
-      directions(p, face, points, found);
-      // A sample beyond the rim sees the rim.
-      if (on_disc(p) && !visit(p, [](auto q) { return decltype(q)::filled; }))
-        for (std::size_t k = 0; k < count; ++k) {
-          const Vec2<double> at = 2.0 * points[k] - 1.0;
-          if (const double r = glm::length(at); r > 1) {
-            const Vec2<double> rim = 0.5 + 0.5 * at / r;
-            directions(p, face, std::span(&rim, 1), std::span(&found[k], 1));
-          }
-        }
-    }
+    std::vector<Direction> found(static_cast<std::size_t>(in.end - in.first));
+    sample_directions(p, size, face, row, offset, found);
     glm::vec4* to = &rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
-    for (std::size_t k = 0; k < count; ++k) to[static_cast<std::size_t>(in.first) + k] = {glm::vec3(found[k]), 0};
+    for (std::size_t k = 0; k < found.size(); ++k) to[static_cast<std::size_t>(in.first) + k] = {glm::vec3(found[k]), 0};
   });
   return rays;
 }

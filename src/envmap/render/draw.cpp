@@ -1,6 +1,7 @@
 #include "envmap/render/draw.h"
 
 #include <cmath>
+#include <limits>
 
 namespace envmap {
 
@@ -29,6 +30,21 @@ void sample_directions(Projection p, int size, int face, int row, const Vec2<dou
     if (const double r = glm::length(2.0 * at - 1.0); stop_at_rim && r > 1) at = 0.5 + (at - 0.5) / r;
   }
   directions(p, face, points, out);
+}
+
+Direction centre_of(const Scene& scene, const Pose& pose, int node) {
+  Direction low(std::numeric_limits<double>::infinity()), high(-low);
+  for (const Instance& instance : instances(scene)) {
+    if (!lies_under(scene, instance.node, node)) continue;
+    const Matrix& world = pose[static_cast<std::size_t>(instance.node)];
+    for (const glm::vec3& p : scene.meshes[static_cast<std::size_t>(instance.mesh)].positions) {
+      const Direction place(world * glm::vec<4, double, glm::highp>(p, 1));
+      low = glm::min(low, place);
+      high = glm::max(high, place);
+    }
+  }
+  if (low.x > high.x) return Direction(pose[static_cast<std::size_t>(node)][3]);
+  return 0.5 * (low + high);
 }
 
 }  // namespace envmap

@@ -39,6 +39,10 @@ struct Instance {
 };
 std::vector<Instance> instances(const Scene& scene);
 
+/// Where the map of a node is drawn from: the centre of the box that holds its meshes and those below it; where it has
+/// none, its origin. World.
+Direction centre_of(const Scene& scene, const Pose& pose, int node);
+
 /// A drawn map with what is needed to judge it, texel by texel in the order of faces, rows and columns.
 struct Drawn {
   EnvironmentMap radiance;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "envmap/error.h"
+#include "envmap/render/shading.h"
 
 namespace envmap {
 namespace {
@@ -94,12 +95,11 @@ gl::Texture texels_of(const gl::Buffer& buffer) {
   return texture;
 }
 
-GpuLight light_of(const Light& light, const Matrix& world, const Direction& eye) {
-  const Direction towards = -Direction(world[2]);
-  return {{glm::vec3(Direction(world[3]) - eye), static_cast<float>(light.kind)},
-          {glm::vec3(towards / std::max(1e-300, glm::length(towards))), static_cast<float>(light.range)},
+GpuLight from_viewpoint(const PlacedLight& light, const Direction& eye) {
+  return {{glm::vec3(light.position - eye), static_cast<float>(light.kind)},
+          {glm::vec3(light.direction), static_cast<float>(light.range)},
           {light.intensity, 0},
-          {static_cast<float>(std::cos(light.inner)), static_cast<float>(std::cos(light.outer)), 0, 0}};
+          {static_cast<float>(light.inner), static_cast<float>(light.outer), 0, 0}};
 }
 
 }  // namespace
@@ -188,16 +188,16 @@ void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye,
   }
   glNamedBufferSubData(instances_, 0, static_cast<GLsizeiptr>(rows.size() * sizeof(GpuInstance)), rows.data());
   std::vector<GpuLight> lights;
-  for (const Light& light : scene.lights) lights.push_back(light_of(light, at(pose, light.node), eye));
+  for (const PlacedLight& light : placed_lights(scene, pose)) lights.push_back(from_viewpoint(light, eye));
   glNamedBufferSubData(light_buffer_, 0, static_cast<GLsizeiptr>(lights.size() * sizeof(GpuLight)), lights.data());
 }
 
 void GpuScene::bind() const {
   glBindVertexArray(layout_);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, light_buffer_);
-  glBindTextureUnit(6, corner_texels_);
-  glBindTextureUnit(7, instance_texels_);
-  glBindTextureUnit(8, material_texels_);
+  glBindTextureUnit(8, corner_texels_);
+  glBindTextureUnit(9, instance_texels_);
+  glBindTextureUnit(10, material_texels_);
 }
 
 void GpuScene::bind(const Group& group) const {
@@ -205,9 +205,13 @@ void GpuScene::bind(const Group& group) const {
     glBindTextureUnit(unit++, texture < 0 ? 0 : static_cast<GLuint>(at(textures_, texture)));
 }
 
-void GpuScene::draw(const Part& part, GLenum mode) const {
-  glDrawElements(mode, part.indices, GL_UNSIGNED_INT,
+void GpuScene::draw(const Part& part) const {
+  glDrawElements(GL_TRIANGLES, part.indices, GL_UNSIGNED_INT,
                  reinterpret_cast<const void*>(part.first_index * sizeof(std::uint32_t)));
+}
+
+void GpuScene::draw_patches(const Part& part) const {
+  glDrawArrays(GL_PATCHES, static_cast<GLint>(part.first_index), part.indices);
 }
 
 }  // namespace envmap

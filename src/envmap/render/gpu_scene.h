@@ -58,8 +58,9 @@ class GpuScene {
   /// Binds vertices and buffers for drawing and shading, and the textures of a group.
   void bind() const;
   void bind(const Group& group) const;
-  /// Draws one part. @param mode GL_TRIANGLES or GL_PATCHES.
-  void draw(const Part& part, GLenum mode) const;
+  /// Draws one part; as patches whose vertices are not fetched for them: gl_VertexID / 3 is the triangle's number.
+  void draw(const Part& part) const;
+  void draw_patches(const Part& part) const;
 
  private:
   std::vector<Part> parts_;

@@ -39,15 +39,8 @@ MapTexture::MapTexture(Projection p, int n) : projection(p), size(n), texture(gl
   gl::check("map");
 }
 
-Vec2<double> sample_offset(int sample, int samples) {
-  // Korobov's lattice with the golden ratio; its first point moved to the middle of its cell.
-  const double along = (sample + 0.5) / samples, across = (sample + 0.5) * 0.6180339887498949;
-  if (samples == 1) return Vec2<double>(0);
-  return {along - 0.5, across - std::floor(across) - 0.5};
-}
-
-Renderer::Renderer(const Scene& scene, const EnvironmentMap* environment)
-    : gpu_(scene), no_vertices_(gl::make_vertex_array()) {
+Renderer::Renderer(const Scene& scene, const EnvironmentMap* environment, const EnvironmentLight* light)
+    : gpu_(scene), light_(upload(light)), lit_by_environment_(light != nullptr) {
   if (environment != nullptr) environment_ = upload(*environment);
   background_ = lighting_program("background.frag.glsl", 0);
 }
@@ -60,6 +53,7 @@ gl::Program Renderer::lighting_program(std::string_view last, int textures) cons
                         {GL_FRAGMENT_SHADER, {"triangle.glsl", "locate.glsl", "environment.glsl", "shading.glsl", last}}},
                        defines);
   if (environment_) gl::set(program, "to_environment", floats(environment_->to_map));
+  glProgramUniform3fv(program, glGetUniformLocation(program, "irradiance"), 9, &light_.irradiance[0].x);
   return program;
 }
 
@@ -74,7 +68,8 @@ const gl::Program& Renderer::shade_program(const Group& group) {
 const gl::Program& Renderer::visibility_program(DrawMethod method, Projection p, bool holes) {
   gl::Program& program = programs_[{method, p, holes}];
   if (program != 0) return program;
-  const std::string defines = fmt::format("#define IMAGE {}\n{}", static_cast<int>(p), holes ? "#define HOLES\n" : "");
+  const std::string defines = fmt::format("#define IMAGE {}\n{}", static_cast<int>(p), holes ? "#define HOLES\n" : "") +
+                              (method == DrawMethod::tessellate ? "#define TESSELLATED\n" : "");
   const bool plain = p == Projection::cube && method != DrawMethod::exact;
   const std::string_view last = method == DrawMethod::exact ? "exact.frag.glsl"
                                 : plain                     ? "raster.frag.glsl"
@@ -92,7 +87,7 @@ const gl::Program& Renderer::visibility_program(DrawMethod method, Projection p,
                          defines);
   else
     program = gl::make_program(
-        {place,
+        {{GL_VERTEX_SHADER, {"instances.glsl", "triangle.glsl", "patch.vert.glsl"}},
          {GL_TESS_CONTROL_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "tessellate.tesc.glsl"}},
          {GL_TESS_EVALUATION_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "tessellate.tese.glsl"}},
          seen},
@@ -158,7 +153,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
       // Exact sees to its sides itself. Images that show the world mirrored turn those of the others round.
       (method == DrawMethod::exact || part.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
       glFrontFace((glm::determinant(to_face) < 0) != placed.mirrored ? GL_CW : GL_CCW);
-      gpu_.draw(part, tessellated ? GL_PATCHES : GL_TRIANGLES);
+      tessellated ? gpu_.draw_patches(part) : gpu_.draw(part);
     }
   }
   glDisable(GL_CULL_FACE);
@@ -176,6 +171,8 @@ void Renderer::shade(const Viewpoint& from, const Shot& shot, MapTexture& to, in
   glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
   if (environment_) glBindTextureUnit(4, environment_->texture);
   glBindTextureUnit(5, canvas_->surfaces);
+  if (lit_by_environment_) glBindTextureUnit(6, light_.glossy);
+  glBindTextureUnit(7, light_.split_sum);
   const std::array<float, 3> ambient{shot.ambient.x, shot.ambient.y, shot.ambient.z};
   const auto light = [&](const gl::Program& program, int stencil) {
     gl::set(program, "to_world", floats(from.axes));

@@ -27,8 +27,9 @@ struct MapTexture {
 /// Needs a current context, and goes before it.
 class Renderer {
  public:
-  /// @param environment background of all maps; null: black. @throws UsageError where GL cannot hold a part of the scene.
-  Renderer(const Scene& scene, const EnvironmentMap* environment);
+  /// @param environment background of all maps; null: black. @param light what it gives surfaces (shading.h), or null.
+  /// @throws UsageError where GL cannot hold a part of the scene.
+  Renderer(const Scene& scene, const EnvironmentMap* environment, const EnvironmentLight* light = nullptr);
 
   /// Draws the faces of `from.which` and leaves the others alone.
   /// @param method of those that draw: exact, distort or tessellate. @param surfaces of Drawn, if that is asked for.
@@ -48,13 +49,14 @@ class Renderer {
 
   GpuScene gpu_;
   std::optional<EnvironmentTexture> environment_;
+  LightTexture light_;
+  bool lit_by_environment_;
   std::optional<Canvas> canvas_;
   std::map<std::tuple<DrawMethod, Projection, bool>, gl::Program> programs_;
   std::map<std::tuple<Projection, int, int>, gl::Texture> rays_;  // Of texels' centres, by projection, size and face.
   gl::Texture sample_rays_;
   std::array<gl::Program, 8> shade_;  // By the textures that a group has.
   gl::Program background_;
-  gl::VertexArray no_vertices_;
 };
 
 /// The map in memory, by any method but raycast: `resample` draws a cube of the same size and converts it.
@@ -62,8 +64,5 @@ Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMeth
 
 /// What is in the texture, with distances if asked for.
 EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances = nullptr);
-
-/// Where the samples of a texel lie, from its centre: a rank-1 lattice; one sample is the centre.
-Vec2<double> sample_offset(int sample, int samples);
 
 }  // namespace envmap

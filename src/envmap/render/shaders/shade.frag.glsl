@@ -46,6 +46,8 @@ void main() {
   surface.metallic = rest.x;
   surface.roughness = rest.y;
   surface.emissive = glow.rgb;
+  surface.transmission = rest.z;
+  surface.ior = rest.w;
 #if TEXTURES != 0
   vec2 place = t.places * weights;
   vec2 along = change(t, at, ivec2(1, 0), place), down = change(t, at, ivec2(0, 1), place);

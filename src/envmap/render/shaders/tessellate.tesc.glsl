@@ -2,7 +2,9 @@
 // curve shrinks with n^2. Both triangles of a side find the same number.
 layout(vertices = 3) out;
 in vec3 placed[];
+flat in uint number[];
 out vec3 corner[];
+patch out uint patch_number;
 uniform float tolerance;
 
 float pieces(vec3 a, vec3 b) {
@@ -23,6 +25,7 @@ float pieces(vec3 a, vec3 b) {
 void main() {
   corner[gl_InvocationID] = placed[gl_InvocationID];
   if (gl_InvocationID != 0) return;
+  patch_number = number[0];
   float bc = pieces(placed[1], placed[2]), ca = pieces(placed[2], placed[0]), ab = pieces(placed[0], placed[1]);
   gl_TessLevelOuter[0] = bc;
   gl_TessLevelOuter[1] = ca;
