@@ -57,16 +57,17 @@ std::string frame_path(const std::string& path, int frame) {
   return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
 }
 
-// A node of that name, else a place.
-std::optional<int> node_of(const Scene& scene, Options& o) {
-  if (const auto node = find_node(scene, o.at)) return node;
+// The node of that name; -1 for a place.
+int node_of(const Scene& scene, Options& o) {
+  if (o.at.empty()) return -1;
+  if (const auto node = find_node(scene, o.at)) return *node;
   double x = 0, y = 0, z = 0;
   int end = 0;
   if (std::sscanf(o.at.c_str(), "%lf,%lf,%lf%n", &x, &y, &z, &end) != 3 || end != static_cast<int>(o.at.size()) ||
       !std::isfinite(x + y + z))
     throw UsageError(fmt::format("--at: '{}' is no node of {} and not X,Y,Z", o.at, o.scene));
   o.from.at = {x, y, z};
-  return std::nullopt;
+  return -1;
 }
 
 struct Sky {
@@ -117,7 +118,7 @@ int run(Options& o, const Common& common) {
   check_output(sequence ? frame_path(o.output, range.first) : o.output, o.write, o.from.to);
   const Scene scene = read_scene(o.scene);
   tell_scene(o, scene, common);
-  const std::optional<int> node = o.at.empty() ? std::nullopt : node_of(scene, o);
+  o.from.without = node_of(scene, o);
   const std::optional<Sky> sky = sky_of(o, common);
   const DrawMethod method = settled(o, scene);
 
@@ -136,10 +137,7 @@ int run(Options& o, const Common& common) {
   for (int frame = range.first; frame <= range.last; ++frame) {
     const Shot shot{scene, pose(scene, o.time + (sequence ? frame / o.rate : 0)), background, light,
                     Colour(o.ambient.value_or(Direction(0)))};
-    if (node) {
-      o.from.at = centre_of(scene, shot.pose, *node);
-      o.from.without = *node;
-    }
+    if (o.from.without >= 0) o.from.at = centre_of(scene, shot.pose, o.from.without);
     const auto start = Clock::now();
     Drawn drawn = method == DrawMethod::raycast ? raycast(shot, o.from, progress_line(common, "cast"))
                                                 : draw(*renderer, o.from, shot, method);

@@ -37,8 +37,8 @@ inline Scene room(int edge) {
     const auto vertex = [&](int i, int j) { return static_cast<std::uint32_t>(j * edge + i); };
     for (int j = 0; j + 1 < edge; ++j)
       for (int i = 0; i + 1 < edge; ++i)
-        for (const std::uint32_t index : {vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i, j),
-                                          vertex(i + 1, j + 1), vertex(i + 1, j)})
+        for (const std::uint32_t index :
+             {vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)})
           mesh.indices.push_back(index);
     scene.meshes.push_back(mesh);
     scene.nodes.push_back({.name = "wall " + std::to_string(face), .meshes = {face}});
@@ -103,8 +103,9 @@ inline Faults judge(const Drawn& map, const Viewpoint& from) {
     else if (map.surfaces[k] != truth.surface)
       ++faults.surface;
     else
-      faults.colour = std::max(
-          faults.colour, static_cast<double>(glm::length(glm::vec3(colour_at(map, k) - Colour(0.5 * (truth.place + 1.0))))));
+      faults.colour =
+          std::max(faults.colour,
+                   static_cast<double>(glm::length(glm::vec3(colour_at(map, k) - Colour(0.5 * (truth.place + 1.0))))));
     if (!(std::abs(map.distances[k] - truth.distance) <= 0.01 * truth.distance)) ++faults.distance;
   });
   faults.holes /= texels;
