@@ -152,7 +152,8 @@ TEST(DrawMethods, SamplesAreAMean) {
   for (int face = 0; face < 6; ++face)
     for (int j = 0; j < 16; ++j)
       for (int i = 0; i < 16; ++i)
-        ASSERT_LT(glm::length(*map.radiance.base().texel(face, i, j) - *truth.radiance.base().texel(face, i, j)), 0.01F);
+        ASSERT_LT(glm::length(*map.radiance.base().texel(face, i, j) - *truth.radiance.base().texel(face, i, j)),
+                  0.06F);  // Four samples of 64, at an edge.
 }
 
 TEST(DrawMethods, ANodeIsLeftOut) {
@@ -184,7 +185,7 @@ TEST(DrawMethods, EnvironmentIsTheBackground) {
       const Colour wanted(0.5 * (from.axes * ray + 1.0));
       worst = std::max(worst, static_cast<double>(glm::length(rooms::colour_at(map, k) - wanted)));
     });
-    EXPECT_LT(worst, 0.01) << name(p);
+    EXPECT_LT(worst, p == Projection::sphere ? 0.02 : 0.01) << name(p);  // A sphere map becomes a cube of 64.
   }
 }
 

@@ -1,14 +1,7 @@
 #include "envmap/render/choose.h"
 
-#include <array>
-
 namespace envmap {
 namespace {
-
-// Milliseconds: of a texel that is found and lit, of a triangle sent to a face. See tests/bench/README.md.
-struct Cost {
-  double texel, triangle;
-};
 
 double texels(Projection p, int size) { return static_cast<double>(faces(p)) * aspect(p) * size * size; }
 
@@ -16,13 +9,11 @@ double texels(Projection p, int size) { return static_cast<double>(faces(p)) * a
 
 double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles) {
   const auto count = static_cast<double>(triangles);
-  if (method == DrawMethod::raycast) return 60e-6 * texels(to, size) + 300e-6 * count;
+  if (method == DrawMethod::raycast) return 3.1e-4 * texels(to, size) + 0.8e-3 * count;
   if (method == DrawMethod::resample)
-    return 75e-6 * texels(Projection::cube, size) + 1.6e-3 * count + 60e-6 * texels(to, size);
-  return 80e-6 * texels(to, size) + 1.2e-3 * count *
-                                        (to == Projection::latlong ? 1.0
-                                         : to == Projection::cube  ? 3
-                                                                   : faces(to));
+    return 1e-4 * texels(Projection::cube, size) + 1e-3 * count + (to == Projection::cube ? 0 : 1e-4 * texels(to, size));
+  // Of a cube's faces, about half see a given part of the scene.
+  return 1.7e-4 * texels(to, size) + 1.2e-3 * count * (to == Projection::cube ? 3 : faces(to));
 }
 
 DrawMethod cheapest(Projection to, int size, std::size_t triangles) {
