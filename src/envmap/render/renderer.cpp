@@ -102,7 +102,7 @@ const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
   return known;
 }
 
-void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face) {
+void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample) {
   const bool tessellated = method == DrawMethod::tessellate && from.to != Projection::cube;
   const Rotation to_face = map_to_face(from.to, face);
   glBindFramebuffer(GL_FRAMEBUFFER, canvas_->seen);
@@ -115,12 +115,15 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
   glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
   glStencilMask(0xff);
   glDisable(GL_BLEND);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   constexpr std::array<GLuint, 4> nothing{};
   glClearNamedFramebufferuiv(canvas_->seen, GL_COLOR, 0, nothing.data());
   glClearNamedFramebufferfi(canvas_->seen, GL_DEPTH_STENCIL, 0, 0, 0);
   glPatchParameteri(GL_PATCH_VERTICES, 3);
   const std::array<float, 2> range{static_cast<float>(from.near), static_cast<float>(from.far)};
   const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
+  const Vec2<double> offset = sample_offset(sample, from.samples);
+  const std::array<float, 2> shift{-static_cast<float>(offset.x) * pixel[0], -static_cast<float>(offset.y) * pixel[1]};
   for (const bool holes : {false, true}) {
     const gl::Program* program = nullptr;
     for (std::size_t k = 0; k < gpu_.parts().size(); ++k) {
@@ -134,6 +137,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
         program = &visibility_program(method, from.to, holes);
         gl::set(*program, "range", range);
         gl::set(*program, "pixel", pixel);
+        gl::set(*program, "shift", shift);
         gl::set(*program, "to_face", floats(to_face));
         gl::set(*program, "singularity", singularity(from.to));
         gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
@@ -168,7 +172,8 @@ void Renderer::shade(const Viewpoint& from, const Shot& shot, MapTexture& to, in
   glStencilMask(0);
   // Radiance of all samples, distance of the first.
   (sample > 0 ? glEnable : glDisable)(GL_BLEND);
-  glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
+  glBlendFunc(GL_ONE, GL_ONE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, sample > 0 ? GL_FALSE : GL_TRUE);
   if (environment_) glBindTextureUnit(4, environment_->texture);
   glBindTextureUnit(5, canvas_->surfaces);
   if (lit_by_environment_) glBindTextureUnit(6, light_.glossy);
@@ -206,7 +211,7 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
     if ((from.which >> face & 1U) == 0) continue;
     for (int sample = 0; sample < from.samples; ++sample) {
       glBindTextureUnit(0, rays(from, face, sample));
-      find_surfaces(from, shot, method, face);
+      find_surfaces(from, shot, method, face, sample);
       if (surfaces != nullptr && sample == 0) {
         seen.resize(texels);
         glGetTextureImage(canvas_->surfaces, 0, GL_RG_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(8 * texels),
@@ -217,6 +222,7 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
       shade(from, shot, to, face, sample);
     }
   }
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   gl::check("drawing");
 }

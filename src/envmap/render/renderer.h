@@ -44,7 +44,7 @@ class Renderer {
   [[nodiscard]] gl::Program lighting_program(std::string_view last, int textures) const;
   const gl::Program& shade_program(const Group& group);
   const gl::Texture& rays(const Viewpoint& from, int face, int sample);
-  void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face);
+  void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample);
   void shade(const Viewpoint& from, const Shot& shot, MapTexture& to, int face, int sample);
 
   GpuScene gpu_;

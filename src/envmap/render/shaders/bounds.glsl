@@ -63,8 +63,8 @@ Rectangle rectangle_of(Angles angles) {
   if (angles.from_axis.x > 1.912) return nothing;
   float slack = pixel_slack * pixel.x;
 #else
-  // Texels on the rim look up to a pixel and a half further inside than they lie.
-  float slack = (radius(angles.from_axis.y) > 1 - 4 * pixel.x ? 1.5 : pixel_slack) * pixel.x;
+  // Texels on the rim look up to two pixels further inside than they lie.
+  float slack = (radius(angles.from_axis.y) > 1 - 4 * pixel.x ? 2 : pixel_slack) * pixel.x;
 #endif
   vec2 r = vec2(radius(angles.from_axis.x), radius(angles.from_axis.y));
   float half_turn = 0.5 * (angles.round_it.y - angles.round_it.x), middle = angles.round_it.x + half_turn;
@@ -96,14 +96,14 @@ Rectangle rectangle_of(vec3 a, vec3 b, vec3 c, float near) {
   float plane = 0.577 * near, size = max(length(a), max(length(b), length(c)));
   bool crosses = any(lessThan(z, vec3(plane)));
   // Where the cut is too far from exact for that, the whole face.
-  if (crosses && plane < 1e-5 * size) return Rectangle(vec2(0), vec2(1.01, 0), vec2(0, 1.01));
+  if (crosses && plane < 1e-5 * size) return Rectangle(vec2(0), vec2(1 + pixel.x, 0), vec2(0, 1 + pixel.y));
   vec2 low = vec2(1e30), high = vec2(-1e30);
   extend_by_side(a, b, plane, low, high);
   extend_by_side(b, c, plane, low, high);
   extend_by_side(c, a, plane, low, high);
   vec2 slack = pixel_slack * pixel + (crosses ? 1e-6 * size / plane : 0);
-  low = max(low - slack, -1.01);
-  high = min(high + slack, 1.01);
+  low = max(low - slack, -1 - pixel);
+  high = min(high + slack, 1 + pixel);
   if (any(lessThanEqual(high, low))) return nothing;
   return Rectangle(0.5 * (low + high), vec2(0.5 * (high.x - low.x), 0), vec2(0, 0.5 * (high.y - low.y)));
 }

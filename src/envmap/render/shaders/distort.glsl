@@ -5,7 +5,7 @@ uniform float singularity;
 
 vec4 distorted(vec3 p) {
 #if IMAGE == CUBE
-  return vec4(p.x, -p.y, 0.57 * range.x, p.z);
+  return vec4(vec2(p.x, -p.y) + shift * p.z, 0.57 * range.x, p.z);
 #else
   float distance = max(length(p), 1e-30);
   vec3 d = p / distance;
@@ -13,6 +13,6 @@ vec4 distorted(vec3 p) {
   vec2 outwards = across > 0 ? d.xy / across : vec2(1, 0);
   vec2 at = radius(acos(z)) * outwards;
   // Affine in 1 / distance, as the depth of a plain projection is in 1 / z.
-  return vec4(at.x, -at.y, range.x / distance, 1);
+  return vec4(vec2(at.x, -at.y) + shift, range.x / distance, 1);
 #endif
 }

@@ -7,7 +7,7 @@ flat out vec4 plane;   // Normal of the triangle, and its product with any of it
 flat out uint triangle;
 
 void emit_corner(vec2 at, mat3 n, vec4 p) {
-  gl_Position = vec4(at.x, -at.y, 0.5, 1);  // Rows run from the top.
+  gl_Position = vec4(vec2(at.x, -at.y) + shift, 0.5, 1);  // Rows run from the top.
   sides = n;
   plane = p;
   triangle = uint(first_triangle + gl_PrimitiveIDIn);

@@ -9,6 +9,7 @@
 const float pi = 3.14159265358979;
 uniform mat3 to_face;
 uniform vec2 pixel;  // Of the image, in clip space.
+uniform vec2 shift;  // Brings where a sample lies to the centre of its texel, where the rasteriser looks.
 
 #if IMAGE != CUBE && IMAGE != LATLONG
 float radius(float angle) {
