@@ -17,12 +17,20 @@ std::vector<glm::vec4> rays_of(Projection p, int size, int face, const Vec2<doub
     std::vector<Direction> found(static_cast<std::size_t>(in.end - in.first));
     sample_directions(p, size, face, row, offset, found);
     glm::vec4* to = &rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
-    for (std::size_t k = 0; k < found.size(); ++k) to[static_cast<std::size_t>(in.first) + k] = {glm::vec3(found[k]), 0};
+    for (std::size_t k = 0; k < found.size(); ++k)
+      to[static_cast<std::size_t>(in.first) + k] = {glm::vec3(found[k]), 0};
   });
   return rays;
 }
 
 }  // namespace
+
+void check_face(int width, int height) {
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (std::max(width, height) > largest)
+    throw UsageError(fmt::format("a face of {}x{}: this renderer draws up to {}", width, height, largest));
+}
 
 Canvas::Canvas(int w, int h)
     : width(w),
@@ -30,10 +38,7 @@ Canvas::Canvas(int w, int h)
       surfaces(gl::make_texture(GL_TEXTURE_2D)),
       seen(gl::make_framebuffer()),
       lit(gl::make_framebuffer()) {
-  GLint largest = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  if (std::max(w, h) > largest)
-    throw UsageError(fmt::format("a face of {}x{}: this renderer draws up to {}", w, h, largest));
+  check_face(w, h);
   glTextureStorage2D(surfaces, 1, GL_RG32UI, width, height);
   glTextureParameteri(surfaces, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   // Without this a texture of integers is incomplete.

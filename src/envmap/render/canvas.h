@@ -11,6 +11,9 @@
 
 namespace envmap {
 
+/// @throws UsageError where a face is larger than GL draws.
+void check_face(int width, int height);
+
 /// Which surface each texel sees, and how near it is: what all methods draw, and shading reads. It is made new for each
 /// face; a map has one canvas.
 struct Canvas {

@@ -35,6 +35,7 @@ bool in_face(Projection p, const Direction& centre, double radius) {
 }  // namespace
 
 MapTexture::MapTexture(Projection p, int n) : projection(p), size(n), texture(gl::make_texture(GL_TEXTURE_2D_ARRAY)) {
+  check_face(n * aspect(p), n);
   glTextureStorage3D(texture, 1, GL_RGBA32F, n * aspect(p), n, faces(p));
   gl::check("map");
 }
