@@ -45,6 +45,7 @@ Command generate_command();
 Command preview_command();
 Command prefilter_command();
 Command sh_command();
+Command render_command();
 Command manual_command();
 Command completion_command();
 

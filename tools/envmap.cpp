@@ -14,7 +14,7 @@
 
 namespace {
 
-enum Status { done = 0, usage = 2, bad_input = 3, not_written = 4 };
+enum Status { done = 0, usage = 2, bad_input = 3, not_written = 4, no_renderer = 5 };
 
 int complain(const std::string& who, std::string what, int status) {
   std::replace(what.begin(), what.end(), '\n', ' ');
@@ -61,6 +61,8 @@ int main(int argc, char** argv) {
     return complain(who, e.what(), bad_input);
   } catch (const envmap::OutputError& e) {
     return complain(who, e.what(), not_written);
+  } catch (const envmap::RendererError& e) {
+    return complain(who, e.what(), no_renderer);
   } catch (const std::bad_alloc&) {
     return complain(who, "not enough memory: choose a smaller --size", not_written);
   } catch (const std::exception& e) {

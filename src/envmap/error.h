@@ -1,5 +1,5 @@
 /// @file
-/// The three ways an operation fails. The program turns each into its exit status; nothing else is thrown on purpose.
+/// The four ways an operation fails. The program turns each into its exit status; nothing else is thrown on purpose.
 #pragma once
 
 #include <stdexcept>
@@ -18,6 +18,11 @@ struct InputError : std::runtime_error {
 
 /// An output could not be written; nothing was left behind (exit status 4).
 struct OutputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// There is nothing to draw with (exit status 5).
+struct RendererError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 

@@ -94,7 +94,7 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
     }
 }
 
-std::optional<Texture> open_dds(OIIO::Filesystem::IOProxy& file) {
+std::optional<TextureFile> open_dds(OIIO::Filesystem::IOProxy& file) {
   const auto h = read_as<Header>(file, 0);
   if (!(h.format.flags & format_four_cc)) {
     check_masks(h);
@@ -119,7 +119,7 @@ std::optional<Texture> open_dds(OIIO::Filesystem::IOProxy& file) {
   if (images != 1 || h.caps2 & caps2_volume)
     throw InputError("DDS with an array, slices or some faces only: one flat image or one cube map is read");
   constexpr std::uint32_t most = 1 << 20;
-  Texture t{.container = "dds",
+  TextureFile t{.container = "dds",
             .texels = format->texels,
             .width = static_cast<int>(std::min(h.width, most + 1)),
             .height = static_cast<int>(std::min(h.height, most + 1)),

@@ -89,14 +89,7 @@ void open_as(Image& image, std::string_view head, const std::string& path, const
 
 // Standard input and pipes, which cannot be read twice.
 void open_stream(Image& image, std::istream& stream) {
-  image.bytes.assign(std::istreambuf_iterator<char>(stream), {});
-  image.size = image.bytes.size();
-  if (image.bytes.empty()) image.fail("is empty");
-  image.file = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
-  OIIO::ImageSpec config;
-  void* proxy = image.file.get();
-  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  open_as(image, {image.bytes.data(), std::min<std::size_t>(image.size, head_size)}, image.name, config);
+  open_bytes(image, image.name, {std::istreambuf_iterator<char>(stream), {}});
 }
 
 void open_file(Image& image, const std::string& path) {
@@ -117,6 +110,17 @@ void open_file(Image& image, const std::string& path) {
 }
 
 }  // namespace
+
+void open_bytes(Image& image, std::string name, std::vector<char> bytes, OIIO::ImageSpec config) {
+  image.name = std::move(name);
+  image.bytes = std::move(bytes);
+  image.size = image.bytes.size();
+  if (image.bytes.empty()) image.fail("is empty");
+  image.file = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
+  void* proxy = image.file.get();
+  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  open_as(image, {image.bytes.data(), std::min<std::size_t>(image.size, head_size)}, image.name, config);
+}
 
 void open(Image& image, const std::string& path) {
   if (path == "-") {

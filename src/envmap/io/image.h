@@ -21,7 +21,7 @@ struct Image {
   std::vector<char> bytes;
   std::unique_ptr<OIIO::Filesystem::IOProxy> file;  ///< What a texture or standard input is read from.
   std::unique_ptr<OIIO::ImageInput> input;
-  std::optional<Texture> texture;
+  std::optional<TextureFile> texture;
 
   /// Throws InputError. Channel names and what a library quotes come from the file: no line breaks and no commands to the
   /// terminal remain.
@@ -30,6 +30,9 @@ struct Image {
 
 /// @param path `-` for standard input. @throws InputError where there is no such file or no format reads it.
 void open(Image& image, const std::string& path);
+
+/// The same of a file's bytes in memory. @param config of OpenImageIO.
+void open_bytes(Image& image, std::string name, std::vector<char> bytes, OIIO::ImageSpec config = {});
 
 /// What OpenImageIO complained of, as one line.
 std::string first_line(std::string message);

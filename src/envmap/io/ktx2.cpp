@@ -214,7 +214,7 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
   file.write(kvd.data(), kvd.size());
 }
 
-Texture open_ktx2(OIIO::Filesystem::IOProxy& file) {
+TextureFile open_ktx2(OIIO::Filesystem::IOProxy& file) {
   const auto h = read_as<Header>(file, 0);
   const auto* format = std::ranges::find(texel_formats, h.vk_format, &TexelFormat::vulkan);
   if (format == std::end(texel_formats))
@@ -224,7 +224,7 @@ Texture open_ktx2(OIIO::Filesystem::IOProxy& file) {
   if (h.depth != 0 || h.layers > 1 || h.height == 0 || (h.faces != 1 && h.faces != 6))
     throw InputError("KTX2 with layers, slices or some faces only: one flat image or one cube map is read");
   constexpr std::uint32_t most = 1 << 20;
-  Texture t{.container = "ktx2",
+  TextureFile t{.container = "ktx2",
             .texels = format->texels,
             .width = static_cast<int>(std::min(h.width, most + 1)),
             .height = static_cast<int>(std::min(h.height, most + 1)),

@@ -202,7 +202,7 @@ Level read_level(Image& image, const ReadOptions& options, int stored, const Rec
 // What a file says of itself, without its levels.
 Source read_head(const Image& image, const ReadOptions& options, Metadata& recorded) {
   if (image.texture) {
-    const Texture& t = *image.texture;
+    const TextureFile& t = *image.texture;
     recorded = t.recorded;
     return {.depth = format_of(t.texels).depth,
             .format = t.container,

@@ -28,7 +28,7 @@ std::vector<std::byte> read_bytes(OIIO::Filesystem::IOProxy& file, std::uint64_t
   return bytes;
 }
 
-void check_texture(const Texture& t, std::uint64_t file_size) {
+void check_texture(const TextureFile& t, std::uint64_t file_size) {
   constexpr int most = 1 << 20;
   if (t.width < 1 || t.height < 1 || t.width > most || t.height > most)
     throw InputError(fmt::format("not a flat image: {}x{}", t.width, t.height));
@@ -63,7 +63,7 @@ Rows in_api_orientation(const Rows& rows) {
   return turned;
 }
 
-Level read_texture(OIIO::Filesystem::IOProxy& file, const Texture& t, int stored, const Recognised& base, int number,
+Level read_texture(OIIO::Filesystem::IOProxy& file, const TextureFile& t, int stored, const Recognised& base, int number,
                    bool any_alpha) {
   const std::vector<std::byte> bytes = t.bytes(file, stored);
   const int w = t.level_width(stored), h = t.level_height(stored);

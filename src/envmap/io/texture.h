@@ -18,7 +18,7 @@
 namespace envmap {
 
 /// A texture in a file: its header, checked against the length of the file.
-struct Texture {
+struct TextureFile {
   const char* container;  ///< ktx2 or dds.
   Texels texels;
   int width = 0, height = 0, levels = 1;  ///< Each level has half the sides of the one before, rounded down, at least 1.
@@ -53,7 +53,7 @@ T read_as(OIIO::Filesystem::IOProxy& file, std::uint64_t offset) {
 void encode_rows(const TexelFormat& format, std::span<const Colour> from, std::size_t width, std::vector<std::byte>& to);
 
 /// Whether all levels there can be of these sides are there at most, and memory could hold them. @throws InputError.
-void check_texture(const Texture& texture, std::uint64_t file_size);
+void check_texture(const TextureFile& texture, std::uint64_t file_size);
 
 /// The faces of a cube as the APIs store them (OpenGL 4.6 table 8.19, Vulkan 1.3 "Cube Map Face Selection", Direct3D): seen
 /// from outside; right and down are +X (-Z,-Y), -X (+Z,-Y), +Y (+X,+Z), -Y (+X,-Z), +Z (+X,-Y), -Z (-X,-Y). That is ours
@@ -63,7 +63,7 @@ Rows in_api_orientation(const Rows& rows);
 
 /// A level out of a texture. @param stored its number in the file. @param base what recognise() or the cube flag says of level 0.
 /// @param number the level of `base` that it is. @param any_alpha whether an alpha other than 1 is left behind; else it is an InputError.
-Level read_texture(OIIO::Filesystem::IOProxy& file, const Texture& texture, int stored, const Recognised& base,
+Level read_texture(OIIO::Filesystem::IOProxy& file, const TextureFile& texture, int stored, const Recognised& base,
                    int number, bool any_alpha);
 
 }  // namespace envmap

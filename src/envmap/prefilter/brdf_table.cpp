@@ -17,7 +17,7 @@ double lambda(double cosine, double alpha) {
 
 }  // namespace
 
-ScaleBias brdf(double cosine, double roughness) {
+ScaleBias brdf(double cosine, double roughness, int azimuths) {
   const double alpha = std::max(1e-6, roughness * roughness), a2 = alpha * alpha;
   const Direction v(std::sqrt(std::max(0.0, 1 - cosine * cosine)), 0, cosine);
   const double masked = lambda(cosine, alpha);
@@ -34,11 +34,11 @@ ScaleBias brdf(double cosine, double roughness) {
   };
   // u near 1 is where the tail is: panels that halve towards it.
   const auto& rule = quadrature::rule<8>();
-  constexpr int azimuths = 64;
+  const int panels = azimuths * 3 / 8;
   ScaleBias sum{0, 0};
   double lo = 0;
-  for (int panel = 1; panel <= 24; ++panel) {
-    const double hi = panel == 24 ? 1 : 1 - std::ldexp(1.0, -panel);
+  for (int panel = 1; panel <= panels; ++panel) {
+    const double hi = panel == panels ? 1 : 1 - std::ldexp(1.0, -panel);
     for (std::size_t n = 0; n < 8; ++n) {
       const double u = 0.5 * (lo + hi) + 0.5 * (hi - lo) * rule.node[n];
       for (int k = 0; k < azimuths; ++k) {
@@ -54,11 +54,11 @@ ScaleBias brdf(double cosine, double roughness) {
   return sum;
 }
 
-std::vector<Colour> brdf_table(int size, const Progress& progress) {
+std::vector<Colour> brdf_table(int size, const Progress& progress, int azimuths) {
   std::vector<Colour> table(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
   for_each_row(1, size, progress, [&](int, int j) {
     for (int i = 0; i < size; ++i) {
-      const ScaleBias found = brdf((i + 0.5) / size, (j + 0.5) / size);
+      const ScaleBias found = brdf((i + 0.5) / size, (j + 0.5) / size, azimuths);
       table[static_cast<std::size_t>(j) * static_cast<std::size_t>(size) + static_cast<std::size_t>(i)] =
           Colour(found.scale, found.bias, 0);
     }

@@ -18,9 +18,10 @@ struct ScaleBias {
 /// height-correlated masking and shadowing G (Heitz 2014, "Understanding the masking-shadowing function", equation 99),
 /// alpha = roughness^2. To about 1e-5.
 /// @param cosine of the angle between normal and view, above 0. @param roughness perceptual, 0 to 1.
-ScaleBias brdf(double cosine, double roughness);
+/// @param azimuths of half vectors; with 24 it takes a seventh of the time and is right to 2e-3.
+ScaleBias brdf(double cosine, double roughness, int azimuths = 64);
 
 /// size x size texels, columns cosine (i + 0.5) / size, rows roughness (j + 0.5) / size: red scale, green bias, blue 0.
-std::vector<Colour> brdf_table(int size, const Progress& progress = {});
+std::vector<Colour> brdf_table(int size, const Progress& progress = {}, int azimuths = 64);
 
 }  // namespace envmap

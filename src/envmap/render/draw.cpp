@@ -1,5 +1,8 @@
 #include "envmap/render/draw.h"
 
+#include <cmath>
+#include <limits>
+
 namespace envmap {
 
 std::vector<Instance> instances(const Scene& scene) {
@@ -7,6 +10,41 @@ std::vector<Instance> instances(const Scene& scene) {
   for (std::size_t node = 0; node < scene.nodes.size(); ++node)
     for (const int mesh : scene.nodes[node].meshes) all.push_back({static_cast<int>(node), mesh});
   return all;
+}
+
+Vec2<double> sample_offset(int sample, int samples) {
+  // Korobov's lattice with the golden ratio; its first point moved to the middle of its cell.
+  const double along = (sample + 0.5) / samples, across = (sample + 0.5) * 0.6180339887498949;
+  if (samples == 1) return Vec2<double>(0);
+  return {along - 0.5, across - std::floor(across) - 0.5};
+}
+
+void sample_directions(Projection p, int size, int face, int row, const Vec2<double>& offset, std::span<Direction> out) {
+  const int first = columns(p, size, row).first;
+  if (offset == Vec2<double>(0)) return texel_directions(p, size, face, row, first, out);
+  const bool stop_at_rim = visit(p, [](auto q) { return decltype(q)::on_disc && !decltype(q)::filled; });
+  std::vector<Vec2<double>> points(out.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    Vec2<double>& at = points[k];
+    at = {(first + static_cast<double>(k) + 0.5 + offset.x) / (size * aspect(p)), (row + 0.5 + offset.y) / size};
+    if (const double r = glm::length(2.0 * at - 1.0); stop_at_rim && r > 1) at = 0.5 + (at - 0.5) / r;
+  }
+  directions(p, face, points, out);
+}
+
+Direction centre_of(const Scene& scene, const Pose& pose, int node) {
+  Direction low(std::numeric_limits<double>::infinity()), high(-low);
+  for (const Instance& instance : instances(scene)) {
+    if (!lies_under(scene, instance.node, node)) continue;
+    const Matrix& world = pose[static_cast<std::size_t>(instance.node)];
+    for (const glm::vec3& p : scene.meshes[static_cast<std::size_t>(instance.mesh)].positions) {
+      const Direction place(world * glm::vec<4, double, glm::highp>(p, 1));
+      low = glm::min(low, place);
+      high = glm::max(high, place);
+    }
+  }
+  if (low.x > high.x) return Direction(pose[static_cast<std::size_t>(node)][3]);
+  return 0.5 * (low + high);
 }
 
 }  // namespace envmap

@@ -18,14 +18,18 @@ struct Viewpoint {
   Rotation axes{1};                ///< From the map's frame to the world's.
   double near = 0.01, far = 1000;  ///< Spheres round `at`: nothing nearer or further is drawn.
   int without = -1;                ///< The node that is left out with all below it; -1: none.
-  int samples = 1;                 ///< A texel.
+  int samples = 1;                 ///< A texel. Distances and surfaces are those of the first.
+  unsigned which = ~0U;            ///< Faces to draw, a bit each.
 };
+
+struct EnvironmentLight;
 
 /// The scene at one moment.
 struct Shot {
   const Scene& scene;
   Pose pose;
-  const EnvironmentMap* environment = nullptr;  ///< Background and light; null: black.
+  const EnvironmentMap* environment = nullptr;  ///< Background, gutters filled; null: black.
+  const EnvironmentLight* light = nullptr;      ///< What it gives surfaces (shading.h); null: reflections alone.
   Colour ambient{0};                            ///< Radiance from everywhere, beside the environment.
 };
 
@@ -35,11 +39,22 @@ struct Instance {
 };
 std::vector<Instance> instances(const Scene& scene);
 
+/// Where the map of a node is drawn from: the centre of the box that holds its meshes and those below it; where it has
+/// none, its origin. World.
+Direction centre_of(const Scene& scene, const Pose& pose, int node);
+
 /// A drawn map with what is needed to judge it, texel by texel in the order of faces, rows and columns.
 struct Drawn {
   EnvironmentMap radiance;
   std::vector<float> distances;         ///< From the point, in metres; infinite where nothing was hit.
   std::vector<std::uint32_t> surfaces;  ///< 1 + index into instances(); 0 where nothing was hit.
 };
+
+/// Where the samples of a texel lie, from its centre: a rank-1 lattice; one sample is the centre.
+Vec2<double> sample_offset(int sample, int samples);
+
+/// Unit vectors, in the map's frame, from one sample of each of a row's texels, of columns(): see texel_directions(). A
+/// sample beyond the rim of a disc sees the rim.
+void sample_directions(Projection p, int size, int face, int row, const Vec2<double>& offset, std::span<Direction> out);
 
 }  // namespace envmap

@@ -56,7 +56,7 @@ struct Node {
 };
 
 /// KHR_lights_punctual, in the frame of its node: at the origin, shining along -Z.
-struct Light {
+struct PunctualLight {
   enum class Kind { point, spot, directional };
   Kind kind = Kind::point;
   int node = 0;
@@ -91,7 +91,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
   std::vector<Texture> textures;
-  std::vector<Light> lights;
+  std::vector<PunctualLight> lights;
   std::vector<Camera> cameras;
   std::vector<Motion> motions;
   std::vector<std::string> unmodelled;  ///< What the file uses and this does not draw, each named once.

@@ -1,0 +1,129 @@
+// Water in a basin: drops fall, waves run, the sky is reflected through a dual-paraboloid map and the basin refracted by
+// Snell's law. Writes one picture a frame.
+#include <OpenImageIO/imagebuf.h>
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+
+#include "basin.h"
+#include "envmap/error.h"
+#include "envmap/io/read.h"
+#include "envmap/io/srgb.h"
+#include "envmap/map/gutter.h"
+#include "envmap/operate/convert.h"
+#include "envmap/operate/generate.h"
+
+namespace {
+
+using namespace envmap;
+using namespace water;
+
+const Direction sun = glm::normalize(Direction(-0.45, 0.7, -0.55));
+
+// A blue sky with a sun, or what a file holds, as a dual-paraboloid map whose axis is up.
+Level make_sky(const std::string& path, int size) {
+  EnvironmentMap map;
+  if (path.empty()) {
+    map = generate(Gradient{Direction(0.55, 0.5, 0.4), Direction(0.12, 0.3, 0.75)}, Projection::cube, 256, Forward::plus_z);
+    const EnvironmentMap disc = generate(Sun{sun, 2, Direction(60, 52, 40), 0, 0}, Projection::cube, 256, Forward::plus_z);
+    for (int face = 0; face < 6; ++face)
+      for (int j = 0; j < 256; ++j)
+        for (int i = 0; i < 256; ++i) *map.base().texel(face, i, j) += *disc.base().texel(face, i, j);
+  } else {
+    map = std::move(read(path, {}).map);
+  }
+  Conversion wanted{.to = Projection::paraboloid, .size = size, .filter = Filter::bilinear, .samples = 4};
+  wanted.rotation = glm::transpose(sky_axes());  // From the world to the map.
+  EnvironmentMap sky = convert(map, wanted);
+  fill_gutter(sky.base());
+  return std::move(sky.base());
+}
+
+struct Settings {
+  std::string output, sky;
+  int frames = 96, height = 360, samples = 2;
+};
+
+std::vector<Colour> picture(const View& view, const Settings& s, int width) {
+  const Direction eye(0.5, 1.75, 2.6), towards = glm::normalize(Direction(0.02, -0.1, -0.05) - eye);
+  const Direction right = glm::normalize(glm::cross(towards, Direction(0, 1, 0))), up = glm::cross(right, towards);
+  const double half = std::tan(0.5 * 0.75);
+  std::vector<Colour> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(s.height));
+  tbb::parallel_for(0, s.height, [&](int j) {
+    for (int i = 0; i < width; ++i) {
+      Flux sum(0);
+      for (int k = 0; k < s.samples * s.samples; ++k) {
+        const double x = i + (k % s.samples + 0.5) / s.samples - 0.5 * width;
+        const double y = 0.5 * s.height - j - (k / s.samples + 0.5) / s.samples;
+        sum += look(view, eye, glm::normalize(towards + half * 2 / s.height * (x * right + y * up)));
+      }
+      pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] =
+          Colour(sum / static_cast<double>(s.samples * s.samples));
+    }
+  });
+  return pixels;
+}
+
+void write_picture(const std::string& path, std::vector<Colour> pixels, int width, int height) {
+  if (!path.ends_with(".exr")) {
+    for (Colour& c : pixels) c = glm::min(c, Colour(1));
+    encode_srgb(pixels);
+  }
+  const OIIO::ImageBuf image(OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::FLOAT), pixels.data());
+  if (!image.write(path, path.ends_with(".exr") ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::UINT8))
+    throw OutputError(path + ": " + image.geterror());
+}
+
+void run(const Settings& s) {
+  const int width = s.height * 16 / 9;
+  const Level sky = make_sky(s.sky, 512);
+  const Basin basin;
+  HeightField field(192, 120);
+  constexpr double stiffness = 0.12, kept = 0.9985;
+  constexpr int steps = 6;  // A frame.
+  for (int frame = 0; frame < s.frames; ++frame) {
+    // Every 20 frames a drop, at places that the golden ratio spreads.
+    if (frame % 20 == 0) {
+      const double x = std::fmod(0.3 + 0.618034 * (frame / 20), 1), y = std::fmod(0.45 + 0.754878 * (frame / 20), 1);
+      field.drop(20 + x * 152, 20 + y * 80, 5, 0.07);
+    }
+    for (int k = 0; k < steps; ++k) field.step(stiffness, kept);
+    const View view{basin, field, sky, sun, caustics(basin, field, sun)};
+    std::string path = s.output;
+    path.replace(path.find("{frame}"), 7, fmt::format("{:04}", frame));
+    write_picture(path, picture(view, s, width), width, s.height);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Water in a basin, a picture a frame. Example: water frame-{frame}.png --frames 48");
+  Settings s;
+  app.add_option("OUT", s.output, "Name of the pictures, with {frame} in it: .png or .exr")
+      ->required()
+      ->check([](const std::string& name) { return name.find("{frame}") == name.npos ? "{frame} is missing" : ""; });
+  app.add_option("--frames", s.frames, "How many")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--size", s.height, "Height of a picture")->check(CLI::Range(16, 4320))->capture_default_str();
+  app.add_option("--samples", s.samples, "N x N samples a pixel")->check(CLI::Range(1, 16))->capture_default_str();
+  app.add_option("--sky", s.sky, "An environment map to reflect; otherwise a blue sky");
+  try {
+    app.parse(argc, argv);
+    run(s);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  } catch (const InputError& e) {
+    std::cerr << "water: " << e.what() << '\n';
+    return 3;
+  } catch (const OutputError& e) {
+    std::cerr << "water: " << e.what() << '\n';
+    return 4;
+  } catch (const UsageError& e) {
+    std::cerr << "water: " << e.what() << '\n';
+    return 2;
+  }
+}

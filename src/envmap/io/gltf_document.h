@@ -1,0 +1,83 @@
+/// @file
+/// A glTF 2.0 file, its JSON and its buffers, and what is needed to trust them. Source: Khronos, "glTF 2.0 Specification"
+/// 2.0.1. Everything here throws InputError, without the name of the file, where the file breaks it.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace envmap {
+
+/// A value of the document that knows its place, so that what is wrong with it can be said. May be absent.
+class Field {
+ public:
+  Field(const nlohmann::json* value, std::string place) : value_(value), place_(std::move(place)) {}
+
+  [[nodiscard]] bool there() const { return value_ != nullptr; }
+  [[nodiscard]] Field operator[](const char* key) const;  ///< Absent where there is none.
+  [[nodiscard]] Field operator[](std::size_t element) const;
+  [[nodiscard]] std::size_t size() const;  ///< Of an array; 0 where it is absent.
+
+  [[nodiscard]] double number() const;
+  [[nodiscard]] double number(double otherwise) const { return there() ? number() : otherwise; }
+  [[nodiscard]] double number(double otherwise, double least, double most) const;
+  /// A whole number from 0 to end - 1.
+  [[nodiscard]] std::size_t index(std::size_t end) const;
+  [[nodiscard]] std::size_t index(std::size_t end, std::size_t otherwise) const {
+    return there() ? index(end) : otherwise;
+  }
+  [[nodiscard]] std::string text(const std::string& otherwise = {}) const;
+  [[nodiscard]] bool truth(bool otherwise) const;
+  /// An array of so many numbers; `otherwise` where it is absent.
+  [[nodiscard]] std::vector<double> numbers(std::vector<double> otherwise) const;
+
+  [[noreturn]] void fail(const std::string& why) const;
+  [[nodiscard]] const nlohmann::json& json() const { return *value_; }
+
+ private:
+  const nlohmann::json* value_;
+  std::string place_;
+};
+
+/// Numbers of the same shape in a buffer, known to lie inside it.
+struct Accessor {
+  std::size_t count = 0;
+  int components = 1;
+  int type = 0;  ///< 5120 int8, 5121 uint8, 5122 int16, 5123 uint16, 5125 uint32, 5126 float.
+  bool normalized = false;
+  bool sparse = false;
+  std::size_t stride = 0;
+  std::span<const std::byte> bytes;  ///< From the first element; empty: all are 0.
+};
+
+struct GltfDocument {
+  std::filesystem::path folder;  ///< Where the files lie that it names.
+  nlohmann::json json;
+  std::vector<std::vector<std::byte>> buffers;
+
+  [[nodiscard]] Field root() const { return {&json, ""}; }
+  /// An element of one of the lists at the top, by a field that holds its index.
+  [[nodiscard]] Field refer(const Field& index, const char* list) const;
+};
+
+/// The file with all its buffers, of which each is as long as it says.
+GltfDocument open_gltf(const std::string& path);
+
+/// What an URI holds: a data URI, or a file beside the document.
+std::vector<std::byte> bytes_at(const GltfDocument& document, const Field& uri);
+
+/// @param view a field with the index of a bufferView.
+std::span<const std::byte> view_bytes(const GltfDocument& document, const Field& view);
+
+/// @param accessor a field with the index of one.
+Accessor open_accessor(const GltfDocument& document, const Field& accessor);
+
+/// All its numbers as they are meant: sparse ones put in place, normalised integers divided. @param components it must have.
+std::vector<double> accessor_numbers(const GltfDocument& document, const Field& accessor, int components);
+
+}  // namespace envmap

@@ -1,0 +1,459 @@
+#include "envmap/io/read_gltf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <map>
+#include <string_view>
+
+#include "envmap/error.h"
+#include "envmap/io/draco.h"
+#include "envmap/io/gltf_document.h"
+#include "envmap/io/read_texture.h"
+#include "envmap/scene/mesh.h"
+
+namespace envmap {
+namespace {
+
+constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength", "KHR_lights_punctual",
+                                         "KHR_materials_transmission",      "KHR_materials_ior",
+                                         "KHR_mesh_quantization",           "KHR_draco_mesh_compression"};
+
+struct Reader {
+  const GltfDocument& document;
+  Scene scene = {};
+  std::vector<std::vector<int>> meshes = {};                  // Of scene.meshes, for each mesh of the document.
+  std::vector<int> nodes = {};                                // In scene.nodes, for each node; -1: not in the scene.
+  std::map<std::pair<std::size_t, bool>, int> textures = {};  // By index and whether they are colours.
+  int plain_material = -1;                                    // Of primitives that name none.
+
+  void lacks(const std::string& what) { note_unmodelled(scene, what); }
+};
+
+// ---- materials -------------------------------------------------------------------------------------------------------
+
+Texture::Wrap wrap_of(const Field& mode) {
+  switch (mode.index(65536, 10497)) {
+    case 10497: return Texture::Wrap::repeat;
+    case 33648: return Texture::Wrap::mirror;
+    case 33071: return Texture::Wrap::clamp;
+    default: mode.fail("is no way to wrap");
+  }
+}
+
+Texture open_texture(const GltfDocument& document, const Field& field) {
+  const Field image = document.refer(field["source"], "images"), view = image["bufferView"];
+  std::vector<std::byte> read;
+  if (!view.there()) read = bytes_at(document, image["uri"]);
+  const std::span<const std::byte> bytes = view.there() ? view_bytes(document, view) : std::span<const std::byte>(read);
+  const auto* first = reinterpret_cast<const char*>(bytes.data());
+  const std::string text = image["uri"].text();
+  const std::string name = text.empty() || text.starts_with("data:") ? "an image in the file" : text;
+  return decode_texture(name, {first, first + bytes.size()});
+}
+
+// @param info a textureInfo, may be absent. @return index into scene.textures or -1.
+int texture(Reader& r, const Field& info, bool colour) {
+  if (!info.there()) return -1;
+  const Field field = r.document.refer(info["index"], "textures");
+  if (info["texCoord"].index(64, 0) > 0) r.lacks("a second set of texture coordinates");
+  if (!field["source"].there()) {
+    r.lacks("images in other formats than PNG and JPEG");
+    return -1;
+  }
+  const std::pair key(info["index"].index(1u << 31), colour);
+  if (const auto found = r.textures.find(key); found != r.textures.end()) return found->second;
+  Texture t = open_texture(r.document, field);
+  t.srgb = colour;
+  if (field["sampler"].there()) {
+    const Field sampler = r.document.refer(field["sampler"], "samplers");
+    t.wrap_u = wrap_of(sampler["wrapS"]);
+    t.wrap_v = wrap_of(sampler["wrapT"]);
+    if (sampler["magFilter"].index(65536, 9729) == 9728) r.lacks("textures without interpolation");
+  }
+  r.scene.textures.push_back(std::move(t));
+  return r.textures[key] = static_cast<int>(r.scene.textures.size()) - 1;
+}
+
+Material material(Reader& r, const Field& field) {
+  const Field metallic = field["pbrMetallicRoughness"], extensions = field["extensions"];
+  Material m{.name = field["name"].text()};
+  const auto base = metallic["baseColorFactor"].numbers({1, 1, 1, 1});
+  m.base_colour = glm::vec4(base[0], base[1], base[2], base[3]);
+  m.base_colour_texture = texture(r, metallic["baseColorTexture"], true);
+  m.metallic = static_cast<float>(metallic["metallicFactor"].number(1, 0, 1));
+  m.roughness = static_cast<float>(metallic["roughnessFactor"].number(1, 0, 1));
+  m.metallic_roughness_texture = texture(r, metallic["metallicRoughnessTexture"], false);
+  const auto emissive = field["emissiveFactor"].numbers({0, 0, 0});
+  const double strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"].number(1, 0, 1e30);
+  m.emissive = Colour(Flux(emissive[0], emissive[1], emissive[2]) * strength);
+  m.emissive_texture = texture(r, field["emissiveTexture"], true);
+  const Field transmission = extensions["KHR_materials_transmission"];
+  m.transmission = static_cast<float>(transmission["transmissionFactor"].number(0, 0, 1));
+  if (transmission["transmissionTexture"].there()) r.lacks("textures of transmission");
+  // 0 stands for infinity there, the old metal-like workflow; it reflects everything.
+  m.ior = static_cast<float>(extensions["KHR_materials_ior"]["ior"].number(1.5, 0, 1e6));
+  if (m.ior < 1) m.ior = m.ior == 0 ? 1e6F : 1;
+  m.double_sided = field["doubleSided"].truth(false);
+  const std::string mode = field["alphaMode"].text("OPAQUE");
+  if (mode == "MASK") m.alpha_cutoff = static_cast<float>(field["alphaCutoff"].number(0.5, 0, 1e6));
+  if (mode == "BLEND") r.lacks("alpha blending");
+  if (field["normalTexture"].there()) r.lacks("normal maps");
+  if (field["occlusionTexture"].there()) r.lacks("occlusion maps");
+  return m;
+}
+
+int material_of(Reader& r, const Field& index) {
+  if (index.there()) return static_cast<int>(index.index(r.document.root()["materials"].size()));
+  if (r.plain_material < 0) {
+    r.plain_material = static_cast<int>(r.scene.materials.size());
+    r.scene.materials.push_back({.metallic = 1, .roughness = 1});
+  }
+  return r.plain_material;
+}
+
+// ---- meshes ----------------------------------------------------------------------------------------------------------
+
+template <class V>
+std::vector<V> vectors(const GltfDocument& document, const Field& accessor, std::size_t expected) {
+  std::vector<V> found;
+  if (!accessor.there()) return found;
+  const std::vector<double> numbers = accessor_numbers(document, accessor, V::length());
+  found.resize(numbers.size() / static_cast<std::size_t>(V::length()));
+  if (expected > 0 && found.size() != expected)
+    accessor.fail(fmt::format("has {} values for {} vertices", found.size(), expected));
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    found[k / static_cast<std::size_t>(V::length())][static_cast<int>(k) % V::length()] = static_cast<float>(numbers[k]);
+  return found;
+}
+
+std::vector<std::uint32_t> corners(const GltfDocument& document, const Field& accessor, std::size_t vertices) {
+  std::vector<std::uint32_t> found;
+  if (!accessor.there()) {
+    for (std::size_t k = 0; k < vertices; ++k) found.push_back(static_cast<std::uint32_t>(k));
+    return found;
+  }
+  for (const double n : accessor_numbers(document, accessor, 1)) {
+    if (!(n >= 0) || n >= static_cast<double>(vertices) || n != std::floor(n))
+      accessor.fail(fmt::format("points to vertex {}, but there are {}", n, vertices));
+    found.push_back(static_cast<std::uint32_t>(n));
+  }
+  return found;
+}
+
+// Triangles of a list, a strip or a fan (specification, 3.7.2.1).
+std::vector<std::uint32_t> triangles(const std::vector<std::uint32_t>& v, const Field& primitive) {
+  const std::size_t mode = primitive["mode"].index(7, 4);
+  if (mode == 4) {
+    if (v.size() % 3 != 0) primitive.fail(fmt::format("has {} corners, not three a triangle", v.size()));
+    return v;
+  }
+  std::vector<std::uint32_t> found;
+  for (std::size_t k = 0; k + 2 < v.size(); ++k) {
+    if (mode == 5) found.insert(found.end(), {v[k], v[k + 1 + k % 2], v[k + 2 - k % 2]});
+    if (mode == 6) found.insert(found.end(), {v[0], v[k + 1], v[k + 2]});
+  }
+  return found;
+}
+
+Mesh plain(const GltfDocument& document, const Field& primitive) {
+  const Field attributes = primitive["attributes"];
+  Mesh mesh;
+  mesh.positions = vectors<glm::vec3>(document, attributes["POSITION"], 0);
+  if (mesh.positions.empty()) return mesh;
+  const std::size_t count = mesh.positions.size();
+  mesh.normals = vectors<glm::vec3>(document, attributes["NORMAL"], count);
+  mesh.coordinates = vectors<glm::vec2>(document, attributes["TEXCOORD_0"], count);
+  mesh.indices = triangles(corners(document, primitive["indices"], count), primitive);
+  return mesh;
+}
+
+Mesh compressed(const GltfDocument& document, const Field& primitive) {
+  const Field extension = primitive["extensions"]["KHR_draco_mesh_compression"], attributes = extension["attributes"];
+  const auto id = [](const Field& field) {
+    return field.there() ? std::optional(static_cast<unsigned>(field.index(std::size_t{1} << 31))) : std::nullopt;
+  };
+  try {
+    return decode_draco(view_bytes(document, extension["bufferView"]),
+                        {.position = static_cast<unsigned>(attributes["POSITION"].index(std::size_t{1} << 31)),
+                         .normal = id(attributes["NORMAL"]),
+                         .coordinate = id(attributes["TEXCOORD_0"])});
+  } catch (const InputError& e) {
+    primitive.fail(e.what());
+  }
+}
+
+void read_mesh(Reader& r, const Field& field) {
+  const Field primitives = field["primitives"];
+  std::vector<int>& made = r.meshes.emplace_back();
+  for (std::size_t k = 0; k < primitives.size(); ++k) {
+    const Field primitive = primitives[k], attributes = primitive["attributes"];
+    if (primitive["mode"].index(7, 4) < 4) {
+      r.lacks("points and lines");
+      continue;
+    }
+    if (primitive["targets"].size() > 0) r.lacks("morph targets");
+    if (attributes["COLOR_0"].there()) r.lacks("colours of vertices");
+    Mesh mesh = primitive["extensions"]["KHR_draco_mesh_compression"].there() ? compressed(r.document, primitive)
+                                                                              : plain(r.document, primitive);
+    if (mesh.indices.empty()) continue;
+    mesh.material = material_of(r, primitive["material"]);
+    complete(mesh);
+    made.push_back(static_cast<int>(r.scene.meshes.size()));
+    r.scene.meshes.push_back(std::move(mesh));
+  }
+}
+
+// Files can name the same bytes again and again, so what they have says nothing of what they make.
+void check_corners(const GltfDocument& document) {
+  const Field meshes = document.root()["meshes"];
+  std::size_t corners = 0;
+  for (std::size_t m = 0; m < meshes.size(); ++m)
+    for (std::size_t k = 0; k < meshes[m]["primitives"].size(); ++k) {
+      const Field primitive = meshes[m]["primitives"][k];
+      for (const Field& list : {primitive["indices"], primitive["attributes"]["POSITION"]})
+        if (list.there()) corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
+      if (corners > most_corners)
+        primitive.fail(fmt::format("is one too many: over {} million corners", most_corners / 1000000));
+    }
+}
+
+// ---- nodes -----------------------------------------------------------------------------------------------------------
+
+// What a node's matrix is made of; a node that moves has no other.
+struct Placement {
+  Direction translation{0}, scale{1};
+  Quaternion rotation{1, 0, 0, 0};
+};
+
+Placement placement(const Field& node) {
+  const auto t = node["translation"].numbers({0, 0, 0}), q = node["rotation"].numbers({0, 0, 0, 1}),
+             s = node["scale"].numbers({1, 1, 1});
+  const Quaternion turn(q[3], q[0], q[1], q[2]);
+  if (!(glm::length(turn) > 1e-6)) node["rotation"].fail("is no rotation");
+  return {{t[0], t[1], t[2]}, {s[0], s[1], s[2]}, glm::normalize(turn)};
+}
+
+Matrix local_matrix(const Field& node) {
+  if (node["matrix"].there()) {
+    const auto numbers = node["matrix"].numbers(std::vector<double>(16));
+    Matrix m;
+    for (int k = 0; k < 16; ++k) m[k / 4][k % 4] = numbers[static_cast<std::size_t>(k)];
+    for (int k = 0; k < 4; ++k)
+      if (m[k][3] != (k == 3 ? 1 : 0)) node["matrix"].fail("is not affine");
+    return m;
+  }
+  const Placement p = placement(node);
+  return glm::scale(glm::translate(Matrix(1), p.translation) * glm::mat4_cast(p.rotation), p.scale);
+}
+
+void read_light(Reader& r, const Field& node, int index) {
+  const Field reference = node["extensions"]["KHR_lights_punctual"]["light"];
+  if (!reference.there()) return;
+  const Field all = r.document.root()["extensions"]["KHR_lights_punctual"]["lights"];
+  const Field field = all[reference.index(all.size())], spot = field["spot"];
+  const std::string type = field["type"].text();
+  PunctualLight light{.node = index};
+  if (type == "spot")
+    light.kind = PunctualLight::Kind::spot;
+  else if (type == "directional")
+    light.kind = PunctualLight::Kind::directional;
+  else if (type != "point")
+    field["type"].fail("is '" + type + "', no kind of light");
+  const auto colour = field["color"].numbers({1, 1, 1});
+  light.intensity = Colour(Flux(colour[0], colour[1], colour[2]) * field["intensity"].number(1, 0, 1e30));
+  light.range = field["range"].number(0, 0, 1e30);
+  light.outer = spot["outerConeAngle"].number(pi / 4, 0, pi / 2);
+  light.inner = spot["innerConeAngle"].number(0, 0, light.outer);
+  r.scene.lights.push_back(light);
+}
+
+void read_camera(Reader& r, const Field& node, int index) {
+  if (!node["camera"].there()) return;
+  const Field field = r.document.refer(node["camera"], "cameras"), perspective = field["perspective"];
+  if (!perspective.there()) return r.lacks("orthographic cameras");
+  Camera camera{.name = field["name"].text(), .node = index};
+  camera.vertical_field = perspective["yfov"].number(0.8, 1e-4, pi - 1e-4);
+  camera.aspect = perspective["aspectRatio"].number(0, 0, 1e6);
+  camera.near = perspective["znear"].number(0.01, 0, 1e30);
+  camera.far = std::max(perspective["zfar"].number(1e9, 0, 1e30), camera.near);
+  if (camera.name.empty()) camera.name = r.scene.nodes[static_cast<std::size_t>(index)].name;
+  r.scene.cameras.push_back(camera);
+}
+
+// The parent of each node; -1 of roots. Each node has one at most, so what goes round never comes to a root.
+std::vector<int> parents(const Field& nodes) {
+  std::vector<int> found(nodes.size(), -1);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Field children = nodes[k]["children"];
+    for (std::size_t c = 0; c < children.size(); ++c) {
+      const std::size_t child = children[c].index(nodes.size());
+      if (found[child] >= 0) children[c].fail(fmt::format("is node {}, which has another parent", child));
+      found[child] = static_cast<int>(k);
+    }
+  }
+  std::vector<int> checked(nodes.size(), -1);  // By the walk that came through.
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    for (int up = static_cast<int>(k); up >= 0; up = found[static_cast<std::size_t>(up)]) {
+      int& mark = checked[static_cast<std::size_t>(up)];
+      if (mark == static_cast<int>(k)) nodes[k].fail("lies below itself");
+      if (mark >= 0) break;
+      mark = static_cast<int>(k);
+    }
+  return found;
+}
+
+std::vector<std::size_t> roots(const GltfDocument& document, const std::vector<int>& parent) {
+  std::vector<std::size_t> found;
+  const Field scenes = document.root()["scenes"];
+  if (scenes.size() == 0) {
+    for (std::size_t k = 0; k < parent.size(); ++k)
+      if (parent[k] < 0) found.push_back(k);
+    return found;
+  }
+  const Field listed = scenes[document.root()["scene"].index(scenes.size(), 0)]["nodes"];
+  for (std::size_t k = 0; k < listed.size(); ++k) {
+    found.push_back(listed[k].index(parent.size()));
+    if (parent[found.back()] >= 0) listed[k].fail(fmt::format("is node {}, which is no root", found.back()));
+    if (std::ranges::count(found, found.back()) > 1) listed[k].fail(fmt::format("is node {} again", found.back()));
+  }
+  return found;
+}
+
+void read_nodes(Reader& r) {
+  const Field all = r.document.root()["nodes"];
+  const std::vector<int> parent = parents(all);
+  r.nodes.assign(all.size(), -1);
+  std::vector<std::size_t> order = roots(r.document, parent);
+  for (std::size_t next = 0; next < order.size(); ++next) {
+    const Field field = all[order[next]], children = field["children"];
+    const int index = static_cast<int>(next), above = parent[order[next]];
+    r.nodes[order[next]] = index;
+    Node node{.name = field["name"].text(), .local = local_matrix(field)};
+    if (above >= 0) node.parent = r.nodes[static_cast<std::size_t>(above)];
+    if (field["skin"].there()) r.lacks("skins");
+    if (field["mesh"].there()) node.meshes = r.meshes[field["mesh"].index(r.meshes.size())];
+    r.scene.nodes.push_back(std::move(node));
+    read_light(r, field, index);
+    read_camera(r, field, index);
+    for (std::size_t c = 0; c < children.size(); ++c) order.push_back(children[c].index(all.size()));
+  }
+}
+
+// ---- movements -------------------------------------------------------------------------------------------------------
+
+// Pieces that a cubic spline between two keys is drawn in: straight ones, off by 1/500 of its bow.
+constexpr int pieces = 16;
+
+Quaternion as(const std::vector<double>& v, std::size_t at, const Quaternion*) {
+  return Quaternion(v[at + 3], v[at], v[at + 1], v[at + 2]);
+}
+Direction as(const std::vector<double>& v, std::size_t at, const Direction*) { return {v[at], v[at + 1], v[at + 2]}; }
+
+template <class T>
+std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field& sampler) {
+  constexpr const T* kind = nullptr;
+  constexpr std::size_t wide = T::length();
+  const std::vector<double> times = accessor_numbers(document, sampler["input"], 1);
+  const std::vector<double> values = accessor_numbers(document, sampler["output"], T::length());
+  const std::string between = sampler["interpolation"].text("LINEAR");
+  const bool cubic = between == "CUBICSPLINE", steps = between == "STEP";
+  if (!cubic && !steps && between != "LINEAR") sampler["interpolation"].fail("is '" + between + "', no interpolation");
+  if (values.size() != times.size() * wide * (cubic ? 3 : 1))
+    sampler["output"].fail("does not have a value for each time");
+  std::vector<Motion::Key<T>> keys;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (k > 0 && !(times[k] > times[k - 1])) sampler["input"].fail("holds times that do not rise");
+    if (k > 0 && steps) keys.push_back({times[k], keys.back().value});
+    if (k > 0 && cubic) {
+      // Hermite's spline (specification, appendix C.4); in tangent, value and out tangent stand together.
+      const T p0 = as(values, (3 * k - 2) * wide, kind), m0 = as(values, (3 * k - 1) * wide, kind);
+      const T p1 = as(values, (3 * k + 1) * wide, kind), m1 = as(values, 3 * k * wide, kind);
+      const double span = times[k] - times[k - 1];
+      for (int piece = 1; piece < pieces; ++piece) {
+        const double t = static_cast<double>(piece) / pieces, t2 = t * t, t3 = t2 * t;
+        keys.push_back({times[k - 1] + t * span, p0 * (2 * t3 - 3 * t2 + 1) + m0 * (span * (t3 - 2 * t2 + t)) +
+                                                     p1 * (3 * t2 - 2 * t3) + m1 * (span * (t3 - t2))});
+      }
+    }
+    keys.push_back({times[k], as(values, (cubic ? 3 * k + 1 : k) * wide, kind)});
+  }
+  return keys;
+}
+
+void read_motions(Reader& r) {
+  const Field animations = r.document.root()["animations"], nodes = r.document.root()["nodes"];
+  std::map<int, Motion> moving;  // By node of the scene.
+  for (std::size_t a = 0; a < animations.size(); ++a) {
+    const Field channels = animations[a]["channels"], samplers = animations[a]["samplers"];
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      const Field target = channels[c]["target"];
+      if (!target["node"].there()) continue;
+      const std::size_t at = target["node"].index(nodes.size());
+      const Field sampler = samplers[channels[c]["sampler"].index(samplers.size())];
+      const std::string path = target["path"].text();
+      if (path == "weights") r.lacks("morph targets");
+      if (path == "weights" || r.nodes[at] < 0) continue;
+      if (nodes[at]["matrix"].there()) target.fail("moves a node that has a matrix");
+      Motion& motion = moving[r.nodes[at]];
+      const auto fill = [&](auto& keys) {
+        using T = decltype(keys.front().value);
+        if (!keys.empty()) return r.lacks("several animations of one node");
+        keys = read_keys<std::remove_reference_t<T>>(r.document, sampler);
+      };
+      if (path == "translation")
+        fill(motion.translations);
+      else if (path == "rotation")
+        fill(motion.rotations);
+      else if (path == "scale")
+        fill(motion.scales);
+      else
+        target["path"].fail("is '" + path + "', nothing that moves");
+    }
+  }
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const auto found = moving.find(r.nodes[k]);
+    if (r.nodes[k] < 0 || found == moving.end()) continue;
+    // What has no keys stays as the file says, whatever a matrix could be taken apart to.
+    const Placement rest = placement(nodes[k]);
+    Motion& motion = found->second;
+    motion.node = r.nodes[k];
+    if (motion.translations.empty()) motion.translations = {{0, rest.translation}};
+    if (motion.rotations.empty()) motion.rotations = {{0, rest.rotation}};
+    if (motion.scales.empty()) motion.scales = {{0, rest.scale}};
+    r.scene.motions.push_back(std::move(motion));
+  }
+}
+
+// ----------------------------------------------------------------------------------------------------------------------
+
+void check_extensions(Reader& r) {
+  const Field used = r.document.root()["extensionsUsed"], required = r.document.root()["extensionsRequired"];
+  const auto known = [](const std::string& name) { return std::ranges::find(modelled, name) != std::end(modelled); };
+  for (std::size_t k = 0; k < required.size(); ++k)
+    if (const std::string name = required[k].text(); !known(name))
+      throw InputError("needs the extension " + name + ", which is not read");
+  for (std::size_t k = 0; k < used.size(); ++k)
+    if (const std::string name = used[k].text(); !known(name)) r.lacks("the extension " + name);
+}
+
+}  // namespace
+
+Scene read_gltf(const std::string& path) {
+  const GltfDocument document = open_gltf(path);
+  Reader r{document};
+  check_extensions(r);
+  check_corners(document);
+  const Field materials = document.root()["materials"], meshes = document.root()["meshes"];
+  for (std::size_t k = 0; k < materials.size(); ++k) {
+    r.scene.materials.push_back(material(r, materials[k]));
+  }
+  for (std::size_t k = 0; k < meshes.size(); ++k) read_mesh(r, meshes[k]);
+  read_nodes(r);
+  read_motions(r);
+  return std::move(r.scene);
+}
+
+}  // namespace envmap

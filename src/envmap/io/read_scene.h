@@ -1,0 +1,21 @@
+/// @file
+/// Reading scenes: glTF 2.0 (.gltf, .glb) and Wavefront OBJ.
+#pragma once
+
+#include <string>
+
+#include "envmap/scene/scene.h"
+
+namespace envmap {
+
+/// What is in glTF's default scene: nodes with their meshes, materials, textures, KHR_lights_punctual, cameras and the
+/// movements of nodes; extensions: KHR_materials_emissive_strength, _transmission, _ior, KHR_mesh_quantization,
+/// KHR_draco_mesh_compression. Normals are
+/// those of the triangles where the file has none. Of OBJ files meshes with their materials, in one node a group.
+/// Scene::unmodelled names what else they use; a file that *requires* an extension not named here is refused.
+///
+/// Every index, count and number is checked before it is used.
+/// @throws InputError in one line, naming the file.
+Scene read_scene(const std::string& path);
+
+}  // namespace envmap

@@ -1,0 +1,79 @@
+#include "envmap/render/canvas.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "envmap/error.h"
+#include "envmap/render/draw.h"
+
+namespace envmap {
+namespace {
+
+std::vector<glm::vec4> rays_of(Projection p, int size, int face, const Vec2<double>& offset) {
+  const int width = size * aspect(p);
+  std::vector<glm::vec4> rays(static_cast<std::size_t>(width) * static_cast<std::size_t>(size), glm::vec4(0));
+  tbb::parallel_for(0, size, [&](int row) {
+    const Columns in = columns(p, size, row);
+    std::vector<Direction> found(static_cast<std::size_t>(in.end - in.first));
+    sample_directions(p, size, face, row, offset, found);
+    glm::vec4* to = &rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
+    for (std::size_t k = 0; k < found.size(); ++k)
+      to[static_cast<std::size_t>(in.first) + k] = {glm::vec3(found[k]), 0};
+  });
+  return rays;
+}
+
+}  // namespace
+
+void check_face(int width, int height) {
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (std::max(width, height) > largest)
+    throw UsageError(fmt::format("a face of {}x{}: this renderer draws up to {}", width, height, largest));
+}
+
+Canvas::Canvas(int w, int h)
+    : width(w),
+      height(h),
+      surfaces(gl::make_texture(GL_TEXTURE_2D)),
+      seen(gl::make_framebuffer()),
+      lit(gl::make_framebuffer()) {
+  check_face(w, h);
+  glTextureStorage2D(surfaces, 1, GL_RG32UI, width, height);
+  glTextureParameteri(surfaces, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  // Without this a texture of integers is incomplete.
+  glTextureParameteri(surfaces, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  GLuint name = 0;
+  glCreateRenderbuffers(1, &name);
+  depth = gl::Renderbuffer(name);
+  glNamedRenderbufferStorage(depth, GL_DEPTH32F_STENCIL8, width, height);
+  glNamedFramebufferTexture(seen, GL_COLOR_ATTACHMENT0, surfaces, 0);
+  glNamedFramebufferRenderbuffer(seen, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth);
+  glNamedFramebufferRenderbuffer(lit, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth);
+  gl::check("canvas");
+}
+
+gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offset) {
+  const std::vector<glm::vec4> rays = rays_of(p, size, face, offset);
+  gl::Texture texture = gl::make_texture(GL_TEXTURE_2D);
+  glTextureStorage2D(texture, 1, GL_RGBA32F, size * aspect(p), size);
+  glTextureSubImage2D(texture, 0, 0, 0, size * aspect(p), size, GL_RGBA, GL_FLOAT, rays.data());
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  return texture;
+}
+
+Rotation map_to_face(Projection p, int face) {
+  switch (p) {
+    case Projection::cube: {
+      const Cube::Axes& axes = Cube::axes[static_cast<std::size_t>(face)];
+      return glm::transpose(Rotation(axes.right, axes.up, axes.forward));
+    }
+    case Projection::latlong: return Rotation(0, 1, 0, 0, 0, 1, 1, 0, 0);  // Z, X, Y.
+    case Projection::paraboloid: return Rotation(1, 0, 0, 0, 1, 0, 0, 0, face == 0 ? 1 : -1);
+    case Projection::angular: return Rotation(-1, 0, 0, 0, 1, 0, 0, 0, 1);
+    case Projection::sphere: break;
+  }
+  return Rotation(1);
+}
+
+}  // namespace envmap

@@ -1,0 +1,36 @@
+/// @file
+/// What one face of a map is drawn into.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "envmap/maths/vector.h"
+#include "envmap/projection/projection.h"
+#include "envmap/render/gl.h"
+
+namespace envmap {
+
+/// @throws UsageError where a face is larger than GL draws.
+void check_face(int width, int height);
+
+/// Which surface each texel sees, and how near it is: what all methods draw, and shading reads. It is made new for each
+/// face; a map has one canvas.
+struct Canvas {
+  Canvas(int width, int height);
+
+  int width, height;
+  gl::Texture surfaces;    ///< Instance + 1 and triangle.
+  gl::Renderbuffer depth;  ///< near / distance, and the stencil of Part.
+  gl::Framebuffer seen;    ///< The two of them.
+  gl::Framebuffer lit;     ///< The layer of a map that is shaded, and the stencil.
+};
+
+/// Directions through the texels of a face in the frame of the map; 0 where the texel is no part of it.
+/// @param offset from the centres, in texels.
+gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offset);
+
+/// Rows are right, up and into the face of a cube; for other projections see images.glsl.
+Rotation map_to_face(Projection p, int face);
+
+}  // namespace envmap

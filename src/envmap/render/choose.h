@@ -1,0 +1,18 @@
+/// @file
+/// Which way of drawing is the cheapest that is right.
+#pragma once
+
+#include "envmap/render/method.h"
+
+namespace envmap {
+
+/// Milliseconds that a map takes on two cores of llvmpipe, by a straight line through measurements (tests/bench/README.md):
+/// so much for each texel drawn, and so much for each triangle in each face it is sent to. Ratios carry over to other
+/// machines, not the figures.
+/// @param method exact, resample or raycast.
+double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles);
+
+/// exact, resample or raycast, whichever costs least.
+DrawMethod cheapest(Projection to, int size, std::size_t triangles);
+
+}  // namespace envmap

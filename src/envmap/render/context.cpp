@@ -1,0 +1,208 @@
+#include "envmap/render/context.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <glad/gl.h>
+// After glad, which stands in for GL's own header.
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/osmesa.h>
+
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "envmap/error.h"
+
+namespace envmap {
+
+// What makes a context current, and undoes it.
+struct Context::Handle {
+  virtual ~Handle() = default;
+  [[nodiscard]] virtual GLADloadfunc loader() const = 0;
+};
+
+namespace {
+
+// A library that stays open: drivers do not survive being unloaded and loaded again.
+class Library {
+ public:
+  explicit Library(const char* name) : handle_(dlopen(name, RTLD_NOW | RTLD_LOCAL)) {
+    if (handle_ == nullptr) throw RendererError(dlerror());
+  }
+
+  template <class F>
+  F* function(const char* name) const {
+    void* found = dlsym(handle_, name);
+    if (found == nullptr) throw RendererError(dlerror());
+    return reinterpret_cast<F*>(found);
+  }
+
+ private:
+  void* handle_;
+};
+
+struct OsMesa {
+  Library library{"libOSMesa.so.8"};
+  decltype(&OSMesaCreateContextAttribs) create =
+      library.function<decltype(OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
+  decltype(&OSMesaMakeCurrent) make_current = library.function<decltype(OSMesaMakeCurrent)>("OSMesaMakeCurrent");
+  decltype(&OSMesaDestroyContext) destroy = library.function<decltype(OSMesaDestroyContext)>("OSMesaDestroyContext");
+  GLADloadfunc load = library.function<GLADapiproc(const char*)>("OSMesaGetProcAddress");
+};
+
+template <class Base>
+struct OsMesaContext : Base {
+  OsMesa mesa;
+  OSMesaContext context;
+  std::array<GLubyte, 4> pixel{};  // All drawing goes to framebuffer objects, but there must be one.
+
+  OsMesaContext() {
+    constexpr std::array<int, 13> wanted{OSMESA_FORMAT,
+                                         OSMESA_RGBA,
+                                         OSMESA_DEPTH_BITS,
+                                         0,
+                                         OSMESA_PROFILE,
+                                         OSMESA_CORE_PROFILE,
+                                         OSMESA_CONTEXT_MAJOR_VERSION,
+                                         4,
+                                         OSMESA_CONTEXT_MINOR_VERSION,
+                                         5,
+                                         0,
+                                         0,
+                                         0};
+    context = mesa.create(wanted.data(), nullptr);
+    if (context == nullptr) throw RendererError("OSMesa gives no OpenGL 4.5 core context");
+    if (mesa.make_current(context, pixel.data(), GL_UNSIGNED_BYTE, 1, 1) != GL_TRUE) {
+      mesa.destroy(context);
+      throw RendererError("OSMesa cannot make its context current");
+    }
+  }
+  ~OsMesaContext() override { mesa.destroy(context); }
+  [[nodiscard]] GLADloadfunc loader() const override { return mesa.load; }
+};
+
+struct Egl {
+  Library library{"libEGL.so.1"};
+  PFNEGLGETPROCADDRESSPROC load =
+      library.function<std::remove_pointer_t<PFNEGLGETPROCADDRESSPROC>>("eglGetProcAddress");
+
+  template <class F>
+  F function(const char* name) const {
+    const auto found = reinterpret_cast<F>(load(name));
+    if (found == nullptr) throw RendererError(fmt::format("EGL lacks {}", name));
+    return found;
+  }
+
+  PFNEGLGETPLATFORMDISPLAYPROC display = function<PFNEGLGETPLATFORMDISPLAYPROC>("eglGetPlatformDisplay");
+  PFNEGLINITIALIZEPROC initialize = function<PFNEGLINITIALIZEPROC>("eglInitialize");
+  PFNEGLTERMINATEPROC terminate = function<PFNEGLTERMINATEPROC>("eglTerminate");
+  PFNEGLBINDAPIPROC bind_api = function<PFNEGLBINDAPIPROC>("eglBindAPI");
+  PFNEGLCREATECONTEXTPROC create = function<PFNEGLCREATECONTEXTPROC>("eglCreateContext");
+  PFNEGLDESTROYCONTEXTPROC destroy = function<PFNEGLDESTROYCONTEXTPROC>("eglDestroyContext");
+  PFNEGLMAKECURRENTPROC make_current = function<PFNEGLMAKECURRENTPROC>("eglMakeCurrent");
+  PFNEGLQUERYSTRINGPROC query = function<PFNEGLQUERYSTRINGPROC>("eglQueryString");
+
+  // Graphics cards, and last what Mesa draws with on the processor. None where EGL cannot list them.
+  [[nodiscard]] std::vector<EGLDeviceEXT> devices(bool cards_only) const {
+    const auto list = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(load("eglQueryDevicesEXT"));
+    const auto ask = reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(load("eglQueryDeviceStringEXT"));
+    std::array<EGLDeviceEXT, 32> found{};
+    EGLint count = 0;
+    if (list == nullptr || ask == nullptr || list(found.size(), found.data(), &count) != EGL_TRUE) return {};
+    std::vector<EGLDeviceEXT> cards, others;
+    for (EGLint k = 0; k < count; ++k) {
+      const EGLDeviceEXT device = found[static_cast<std::size_t>(k)];
+      const char* extensions = ask(device, EGL_EXTENSIONS);
+      const bool software = extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software") != nullptr;
+      (software ? others : cards).push_back(device);
+    }
+    if (!cards_only) cards.insert(cards.end(), others.begin(), others.end());
+    return cards;
+  }
+};
+
+template <class Base>
+struct EglContext : Base {
+  Egl egl;
+  EGLDisplay display;
+  EGLContext context = EGL_NO_CONTEXT;
+
+  EglContext(const Egl& library, EGLenum platform, void* device)
+      : egl(library), display(egl.display(platform, device, nullptr)) {
+    if (display == EGL_NO_DISPLAY || egl.initialize(display, nullptr, nullptr) != EGL_TRUE)
+      throw RendererError("EGL opens no display of this kind");
+    constexpr std::array<EGLint, 7> wanted{
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    if (egl.bind_api(EGL_OPENGL_API) == EGL_TRUE)
+      context = egl.create(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted.data());
+    if (context != EGL_NO_CONTEXT && egl.make_current(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE)
+      return;
+    close();
+    throw RendererError("EGL gives no OpenGL 4.5 core context");
+  }
+  ~EglContext() override { close(); }
+  [[nodiscard]] GLADloadfunc loader() const override { return egl.load; }
+
+ private:
+  void close() {
+    egl.make_current(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (context != EGL_NO_CONTEXT) egl.destroy(display, context);
+    egl.terminate(display);
+  }
+};
+
+// Surfaceless first, then device by device. The first context that can be had.
+template <class Base>
+std::unique_ptr<Base> open_egl(bool cards_only) {
+  const Egl egl;
+  const std::vector<EGLDeviceEXT> devices = egl.devices(cards_only);
+  if (cards_only && devices.empty()) throw RendererError("EGL finds no graphics card");
+  std::string reason = "EGL finds no device";
+  const char* known = egl.query(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  if (known != nullptr && std::strstr(known, "EGL_MESA_platform_surfaceless") != nullptr) try {
+      return std::make_unique<EglContext<Base>>(egl, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY);
+    } catch (const RendererError& e) {
+      reason = e.what();
+    }
+  for (const EGLDeviceEXT device : devices) try {
+      return std::make_unique<EglContext<Base>>(egl, EGL_PLATFORM_DEVICE_EXT, device);
+    } catch (const RendererError& e) {
+      reason = e.what();
+    }
+  throw RendererError(reason);
+}
+
+bool draws_on_processor(const std::string& renderer) {
+  return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+}
+
+}  // namespace
+
+Context::Context(ContextKind kind) {
+  const auto use = [this](std::unique_ptr<Handle> handle, const char* through) {
+    if (gladLoadGL(handle->loader()) == 0) throw RendererError(fmt::format("{}: no functions of OpenGL", through));
+    const std::string name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    handle_ = std::move(handle);
+    on_processor_ = draws_on_processor(name);
+    renderer_ = fmt::format("{}, {}", through, name);
+  };
+  if (kind != ContextKind::osmesa) try {
+      use(open_egl<Handle>(kind == ContextKind::automatic), "EGL");
+      if (kind == ContextKind::egl || !on_processor_) return;
+    } catch (const RendererError& e) {
+      if (kind == ContextKind::egl) throw RendererError(fmt::format("no context through EGL: {}", e.what()));
+    }
+  handle_.reset();
+  try {
+    use(std::make_unique<OsMesaContext<Handle>>(), "OSMesa");
+  } catch (const RendererError& e) {
+    throw RendererError(fmt::format("no context through OSMesa: {}", e.what()));
+  }
+}
+
+Context::~Context() = default;
+Context::Context(Context&&) noexcept = default;
+
+}  // namespace envmap

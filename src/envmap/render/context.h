@@ -1,0 +1,35 @@
+/// @file
+/// A current OpenGL 4.5 core context without a window: OSMesa on the processor, or EGL on a graphics card. Both are
+/// opened when they are asked for; the program is linked to neither.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace envmap {
+
+enum class ContextKind { automatic, osmesa, egl };
+inline constexpr std::string_view context_names[] = {"auto", "osmesa", "egl"};
+
+/// Current on the thread that made it, from then on; nothing of GL may be called on another one. GL's functions (gl.h)
+/// belong to the context made last, so there is one at a time.
+class Context {
+ public:
+  /// @param kind `automatic`: a graphics card through EGL, else OSMesa.
+  /// @throws RendererError with the reason.
+  explicit Context(ContextKind kind);
+  ~Context();
+  Context(Context&&) noexcept;
+
+  [[nodiscard]] const std::string& renderer() const { return renderer_; }  ///< As GL names it, and through what.
+  [[nodiscard]] bool on_processor() const { return on_processor_; }        ///< llvmpipe or softpipe.
+
+ private:
+  struct Handle;
+  std::unique_ptr<Handle> handle_;
+  std::string renderer_;
+  bool on_processor_ = true;
+};
+
+}  // namespace envmap

@@ -1,0 +1,110 @@
+#include "envmap/render/gl.h"
+
+#include <fmt/format.h>
+
+#include <new>
+#include <stdexcept>
+
+#include "envmap/render/shaders.h"
+
+namespace envmap::gl {
+namespace {
+
+struct DeleteShader {
+  void operator()(GLuint name) const { glDeleteShader(name); }
+};
+using Shader = Object<DeleteShader>;
+
+Shader compile(const Stage& stage, const std::string& defines) {
+  std::string text = "#version 450 core\n" + defines, names;
+  for (const std::string_view file : stage.files) {
+    // Line numbers of messages are those of the file.
+    text += "#line 1\n";
+    text += shader_source(file);
+    names += (names.empty() ? "" : " ") + std::string(file);
+  }
+  Shader shader(glCreateShader(stage.kind));
+  const char* lines = text.c_str();
+  glShaderSource(shader, 1, &lines, nullptr);
+  glCompileShader(shader);
+  GLint compiled = 0;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+  if (compiled == GL_TRUE) return shader;
+  std::string message(4096, '\0');
+  GLsizei length = 0;
+  glGetShaderInfoLog(shader, static_cast<GLsizei>(message.size()), &length, message.data());
+  message.resize(static_cast<std::size_t>(length));
+  throw std::runtime_error(fmt::format("{}: {}", names, message));
+}
+
+}  // namespace
+
+Buffer make_buffer(const void* data, std::size_t bytes, GLbitfield flags) {
+  GLuint name = 0;
+  glCreateBuffers(1, &name);
+  Buffer buffer(name);
+  if (bytes == 0)
+    glNamedBufferStorage(buffer, 16, nullptr, flags);
+  else
+    glNamedBufferStorage(buffer, static_cast<GLsizeiptr>(bytes), data, flags);
+  return buffer;
+}
+
+Texture make_texture(GLenum target) {
+  GLuint name = 0;
+  glCreateTextures(target, 1, &name);
+  return Texture(name);
+}
+
+VertexArray make_vertex_array() {
+  GLuint name = 0;
+  glCreateVertexArrays(1, &name);
+  return VertexArray(name);
+}
+
+Framebuffer make_framebuffer() {
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  return Framebuffer(name);
+}
+
+Program make_program(std::initializer_list<Stage> stages, const std::string& defines) {
+  Program program(glCreateProgram());
+  for (const Stage& stage : stages) glAttachShader(program, compile(stage, defines));
+  glLinkProgram(program);
+  GLint linked = 0;
+  glGetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (linked == GL_TRUE) return program;
+  std::string message(4096, '\0');
+  GLsizei length = 0;
+  glGetProgramInfoLog(program, static_cast<GLsizei>(message.size()), &length, message.data());
+  message.resize(static_cast<std::size_t>(length));
+  throw std::runtime_error(message);
+}
+
+void set(const Program& p, const char* name, int value) { glProgramUniform1i(p, glGetUniformLocation(p, name), value); }
+void set(const Program& p, const char* name, float value) {
+  glProgramUniform1f(p, glGetUniformLocation(p, name), value);
+}
+void set(const Program& p, const char* name, std::span<const float, 2> value) {
+  glProgramUniform2fv(p, glGetUniformLocation(p, name), 1, value.data());
+}
+void set(const Program& p, const char* name, std::span<const float, 3> value) {
+  glProgramUniform3fv(p, glGetUniformLocation(p, name), 1, value.data());
+}
+void set(const Program& p, const char* name, std::span<const float, 9> columns) {
+  glProgramUniformMatrix3fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, columns.data());
+}
+
+void set(const Program& p, const char* name, const glm::mat4& value) {
+  glProgramUniformMatrix4fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, &value[0][0]);
+}
+
+void check(const char* doing) {
+  const GLenum error = glGetError();
+  if (error == GL_NO_ERROR) return;
+  if (error == GL_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw std::runtime_error(fmt::format("{}: OpenGL says error 0x{:x}", doing, error));
+}
+
+}  // namespace envmap::gl

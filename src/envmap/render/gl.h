@@ -1,0 +1,94 @@
+/// @file
+/// OpenGL's functions, and its objects as values that delete themselves. They must go before their context.
+#pragma once
+
+#include <glad/gl.h>
+
+#include <glm/glm.hpp>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace envmap::gl {
+
+/// The name of an object that is deleted with the value. 0: none.
+template <class Delete>
+class Object {
+ public:
+  Object() = default;
+  explicit Object(GLuint name) : name_(name) {}
+  Object(Object&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+  Object& operator=(Object other) noexcept {
+    std::swap(name_, other.name_);
+    return *this;
+  }
+  ~Object() {
+    if (name_ != 0) Delete()(name_);
+  }
+  operator GLuint() const { return name_; }  // NOLINT: it is what GL's functions take
+
+ private:
+  GLuint name_ = 0;
+};
+
+struct DeleteBuffer {
+  void operator()(GLuint name) const { glDeleteBuffers(1, &name); }
+};
+struct DeleteTexture {
+  void operator()(GLuint name) const { glDeleteTextures(1, &name); }
+};
+struct DeleteRenderbuffer {
+  void operator()(GLuint name) const { glDeleteRenderbuffers(1, &name); }
+};
+struct DeleteFramebuffer {
+  void operator()(GLuint name) const { glDeleteFramebuffers(1, &name); }
+};
+struct DeleteVertexArray {
+  void operator()(GLuint name) const { glDeleteVertexArrays(1, &name); }
+};
+struct DeleteProgram {
+  void operator()(GLuint name) const { glDeleteProgram(name); }
+};
+
+using Buffer = Object<DeleteBuffer>;
+using Texture = Object<DeleteTexture>;
+using Renderbuffer = Object<DeleteRenderbuffer>;
+using Framebuffer = Object<DeleteFramebuffer>;
+using VertexArray = Object<DeleteVertexArray>;
+using Program = Object<DeleteProgram>;
+
+/// A buffer that holds this and does not grow. Empty ones hold 16 bytes, since GL binds none of 0.
+Buffer make_buffer(const void* data, std::size_t bytes, GLbitfield flags = 0);
+template <class T>
+Buffer make_buffer(const std::vector<T>& all, GLbitfield flags = 0) {
+  return make_buffer(all.data(), all.size() * sizeof(T), flags);
+}
+
+Texture make_texture(GLenum target);
+VertexArray make_vertex_array();
+Framebuffer make_framebuffer();
+
+/// One stage of a program: files of shaders/, put one behind the other under `#version` and the definitions.
+struct Stage {
+  GLenum kind;
+  std::initializer_list<std::string_view> files;
+};
+/// @param defines lines such as "#define PROJECTION 2\n". @throws std::runtime_error with GL's message.
+Program make_program(std::initializer_list<Stage> stages, const std::string& defines = {});
+
+/// Sets a uniform of the program, if it has it.
+void set(const Program& program, const char* name, int value);
+void set(const Program& program, const char* name, float value);
+void set(const Program& program, const char* name, std::span<const float, 2> value);
+void set(const Program& program, const char* name, std::span<const float, 3> value);
+void set(const Program& program, const char* name, std::span<const float, 9> columns);
+
+void set(const Program& program, const char* name, const glm::mat4& value);
+
+/// @throws std::bad_alloc where GL ran out of memory, std::runtime_error on any other error since the last call.
+void check(const char* doing);
+
+}  // namespace envmap::gl

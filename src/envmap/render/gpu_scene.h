@@ -1,0 +1,77 @@
+/// @file
+/// A scene where the graphics card can read it. What does not move is uploaded once; a frame sends matrices and lights.
+#pragma once
+
+#include <vector>
+
+#include "envmap/render/draw.h"
+#include "envmap/render/gl.h"
+
+namespace envmap {
+
+/// An instance as it is drawn.
+struct Part {
+  int node, mesh;
+  GLsizei indices;
+  std::size_t first_index;  ///< A third of it is the number of its first triangle.
+  Vec3<double> centre;      ///< Of a sphere round the mesh, in the frame of its node.
+  double radius;
+  std::uint8_t stencil;  ///< What it leaves in the stencil: 1 + its group.
+  int material, group;   ///< Group of the material.
+  bool holes;            ///< The material has an alpha_cutoff.
+  bool double_sided;
+};
+
+struct Ball {
+  Direction centre;
+  double radius;
+};
+
+/// Materials with the same textures, which are shaded together.
+struct Group {
+  int base_colour, metallic_roughness, emissive;  ///< Index into Scene::textures or -1.
+  bool operator==(const Group&) const = default;
+};
+
+/// How a part lies seen from a viewpoint.
+struct Placed {
+  glm::mat4 to_map;  ///< From the mesh to the frame of the map, the viewpoint at the origin.
+  bool mirrored;     ///< Right becomes left on the way to the world.
+  Ball ball;         ///< What surely holds it, in the frame of the map.
+};
+
+/// Needs a current context, and goes before it.
+class GpuScene {
+ public:
+  /// @throws UsageError where a texture is larger than GL takes.
+  explicit GpuScene(const Scene& scene);
+
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
+  [[nodiscard]] std::size_t triangles() const { return triangles_; }
+  [[nodiscard]] int lights() const { return lights_; }
+
+  /// Where everything is, seen from `at` in a frame of `axes`: one element a part.
+  void place(const Scene& scene, const Pose& pose, const Direction& at, const Rotation& axes);
+  [[nodiscard]] const std::vector<Placed>& placed() const { return placed_; }
+
+  /// Binds vertices and buffers for drawing and shading, and the textures of a group.
+  void bind() const;
+  void bind(const Group& group) const;
+  /// Draws one part; as patches whose vertices are not fetched for them: gl_VertexID / 3 is the triangle's number.
+  void draw(const Part& part) const;
+  void draw_patches(const Part& part) const;
+
+ private:
+  std::vector<Part> parts_;
+  std::vector<Placed> placed_;
+  std::vector<Group> groups_;
+  std::size_t triangles_ = 0;
+  int lights_ = 0;
+  gl::Buffer vertices_, indices_, corners_, materials_, instances_, light_buffer_;
+  gl::Texture corner_texels_, material_texels_, instance_texels_;
+  gl::VertexArray layout_;
+  std::vector<gl::Texture> textures_;
+};
+
+}  // namespace envmap

@@ -1,0 +1,19 @@
+/// @file
+/// The ways of drawing a map, and which of them is the cheapest that is exact.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "envmap/projection/projection.h"
+
+namespace envmap {
+
+/// exact: each texel's ray meets the triangles themselves. distort: vertices moved by the map's formula, sides straight.
+/// tessellate: the same, cut until the sides bend within a quarter of a pixel. resample: six faces of a cube, and the
+/// bilinear filter of convert(). raycast: a tree of boxes (raycast.h), no OpenGL.
+enum class DrawMethod { automatic, exact, distort, tessellate, resample, raycast };
+inline constexpr std::string_view draw_method_names[] = {"auto",       "exact",    "distort",
+                                                         "tessellate", "resample", "raycast"};
+
+}  // namespace envmap

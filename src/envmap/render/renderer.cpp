@@ -1,0 +1,231 @@
+#include "envmap/render/renderer.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+
+#include "envmap/error.h"
+
+namespace envmap {
+namespace {
+
+constexpr double tessellation_tolerance = 0.25;  // Pixels.
+
+template <class M>
+std::array<float, 9> floats(const M& m) {
+  std::array<float, 9> out{};
+  for (int k = 0; k < 9; ++k) out[static_cast<std::size_t>(k)] = static_cast<float>(m[k / 3][k % 3]);
+  return out;
+}
+
+// How near to -Z a vertex may come: the figures of Heidrich's and later implementations.
+float singularity(Projection p) { return p == Projection::paraboloid ? 0.5F : 0.05F; }
+
+// Whether a sphere can be seen in a face at all.
+bool in_face(Projection p, const Direction& centre, double radius) {
+  if (p == Projection::cube)
+    return centre.z >= -radius && std::max(std::abs(centre.x), std::abs(centre.y)) - centre.z <= std::sqrt(2.0) * radius;
+  const double distance = glm::length(centre);
+  if (p != Projection::paraboloid || distance <= radius) return true;
+  return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= 1.92;
+}
+
+}  // namespace
+
+MapTexture::MapTexture(Projection p, int n) : projection(p), size(n), texture(gl::make_texture(GL_TEXTURE_2D_ARRAY)) {
+  check_face(n * aspect(p), n);
+  glTextureStorage3D(texture, 1, GL_RGBA32F, n * aspect(p), n, faces(p));
+  gl::check("map");
+}
+
+Renderer::Renderer(const Scene& scene, const EnvironmentMap* environment, const EnvironmentLight* light)
+    : gpu_(scene), light_(upload(light)), lit_by_environment_(light != nullptr) {
+  if (environment != nullptr) environment_ = upload(*environment);
+  background_ = lighting_program("background.frag.glsl", 0);
+}
+
+gl::Program Renderer::lighting_program(std::string_view last, int textures) const {
+  std::string defines = fmt::format("#define TEXTURES {}\n", textures);
+  if (environment_) defines += fmt::format("#define MAP {}\n", static_cast<int>(environment_->projection));
+  gl::Program program =
+      gl::make_program({{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}},
+                        {GL_FRAGMENT_SHADER, {"triangle.glsl", "locate.glsl", "environment.glsl", "shading.glsl", last}}},
+                       defines);
+  if (environment_) gl::set(program, "to_environment", floats(environment_->to_map));
+  glProgramUniform3fv(program, glGetUniformLocation(program, "irradiance"), 9, &light_.irradiance[0].x);
+  return program;
+}
+
+const gl::Program& Renderer::shade_program(const Group& group) {
+  const int textures =
+      (group.base_colour >= 0 ? 1 : 0) + (group.metallic_roughness >= 0 ? 2 : 0) + (group.emissive >= 0 ? 4 : 0);
+  gl::Program& program = shade_[static_cast<std::size_t>(textures)];
+  if (program == 0) program = lighting_program("shade.frag.glsl", textures);
+  return program;
+}
+
+const gl::Program& Renderer::visibility_program(DrawMethod method, Projection p, bool holes) {
+  gl::Program& program = programs_[{method, p, holes}];
+  if (program != 0) return program;
+  const std::string defines = fmt::format("#define IMAGE {}\n{}", static_cast<int>(p), holes ? "#define HOLES\n" : "") +
+                              (method == DrawMethod::tessellate ? "#define TESSELLATED\n" : "");
+  const bool plain = p == Projection::cube && method != DrawMethod::exact;
+  const std::string_view last = method == DrawMethod::exact ? "exact.frag.glsl"
+                                : plain                     ? "raster.frag.glsl"
+                                                            : "distort.frag.glsl";
+  const gl::Stage place{GL_VERTEX_SHADER, {"instances.glsl", "place.vert.glsl"}};
+  const gl::Stage seen{GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
+  if (method == DrawMethod::exact)
+    program = gl::make_program(
+        {place, {GL_GEOMETRY_SHADER, {"instances.glsl", "images.glsl", "bounds.glsl", "exact.geom.glsl"}}, seen}, defines);
+  else if (plain)
+    program = gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "images.glsl", "raster.vert.glsl"}}, seen}, defines);
+  else if (method == DrawMethod::distort)
+    program =
+        gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "distort.vert.glsl"}}, seen},
+                         defines);
+  else
+    program = gl::make_program(
+        {{GL_VERTEX_SHADER, {"instances.glsl", "triangle.glsl", "patch.vert.glsl"}},
+         {GL_TESS_CONTROL_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "tessellate.tesc.glsl"}},
+         {GL_TESS_EVALUATION_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "tessellate.tese.glsl"}},
+         seen},
+        defines);
+  return program;
+}
+
+const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
+  if (from.samples > 1) return sample_rays_ = make_rays(from.to, from.size, face, sample_offset(sample, from.samples));
+  gl::Texture& known = rays_[{from.to, from.size, face}];
+  if (known == 0) known = make_rays(from.to, from.size, face, Vec2<double>(0));
+  return known;
+}
+
+void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample) {
+  const bool tessellated = method == DrawMethod::tessellate && from.to != Projection::cube;
+  const Rotation to_face = map_to_face(from.to, face);
+  glBindFramebuffer(GL_FRAMEBUFFER, canvas_->seen);
+  glViewport(0, 0, canvas_->width, canvas_->height);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_GREATER);
+  glEnable(GL_STENCIL_TEST);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  glStencilMask(0xff);
+  glDisable(GL_BLEND);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  constexpr std::array<GLuint, 4> nothing{};
+  glClearNamedFramebufferuiv(canvas_->seen, GL_COLOR, 0, nothing.data());
+  glClearNamedFramebufferfi(canvas_->seen, GL_DEPTH_STENCIL, 0, 0, 0);
+  glPatchParameteri(GL_PATCH_VERTICES, 3);
+  const std::array<float, 2> range{static_cast<float>(from.near), static_cast<float>(from.far)};
+  const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
+  const Vec2<double> offset = sample_offset(sample, from.samples);
+  const std::array<float, 2> shift{-static_cast<float>(offset.x) * pixel[0], -static_cast<float>(offset.y) * pixel[1]};
+  for (const bool holes : {false, true}) {
+    const gl::Program* program = nullptr;
+    for (std::size_t k = 0; k < gpu_.parts().size(); ++k) {
+      const Part& part = gpu_.parts()[k];
+      const Placed& placed = gpu_.placed()[k];
+      if (part.holes != holes || part.indices == 0) continue;
+      if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
+      if (glm::length(placed.ball.centre) - placed.ball.radius > from.far) continue;
+      if (!in_face(from.to, to_face * placed.ball.centre, placed.ball.radius)) continue;
+      if (program == nullptr) {
+        program = &visibility_program(method, from.to, holes);
+        gl::set(*program, "range", range);
+        gl::set(*program, "pixel", pixel);
+        gl::set(*program, "shift", shift);
+        gl::set(*program, "to_face", floats(to_face));
+        gl::set(*program, "singularity", singularity(from.to));
+        gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
+        glUseProgram(*program);
+      }
+      if (holes) {
+        const Group& group = gpu_.groups()[static_cast<std::size_t>(part.group)];
+        gpu_.bind(group);
+        gl::set(*program, "material", part.material);
+        gl::set(*program, "textured", group.base_colour >= 0 ? 1 : 0);
+      }
+      gl::set(*program, "to_map", placed.to_map);
+      gl::set(*program, "instance", static_cast<int>(k));
+      gl::set(*program, "first_triangle", static_cast<int>(part.first_index / 3));
+      gl::set(*program, "facing", part.double_sided ? 0 : placed.mirrored ? -1 : 1);
+      glStencilFunc(GL_ALWAYS, part.stencil, 0xff);
+      // Exact sees to its sides itself. Images that show the world mirrored turn those of the others round.
+      (method == DrawMethod::exact || part.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
+      glFrontFace((glm::determinant(to_face) < 0) != placed.mirrored ? GL_CW : GL_CCW);
+      tessellated ? gpu_.draw_patches(part) : gpu_.draw(part);
+    }
+  }
+  glDisable(GL_CULL_FACE);
+}
+
+void Renderer::shade(const Viewpoint& from, const Shot& shot, MapTexture& to, int face, int sample) {
+  glNamedFramebufferTextureLayer(canvas_->lit, GL_COLOR_ATTACHMENT0, to.texture, 0, face);
+  glBindFramebuffer(GL_FRAMEBUFFER, canvas_->lit);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_FALSE);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+  glStencilMask(0);
+  // Radiance of all samples, distance of the first.
+  (sample > 0 ? glEnable : glDisable)(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, sample > 0 ? GL_FALSE : GL_TRUE);
+  if (environment_) glBindTextureUnit(4, environment_->texture);
+  glBindTextureUnit(5, canvas_->surfaces);
+  if (lit_by_environment_) glBindTextureUnit(6, light_.glossy);
+  glBindTextureUnit(7, light_.split_sum);
+  const std::array<float, 3> ambient{shot.ambient.x, shot.ambient.y, shot.ambient.z};
+  const auto light = [&](const gl::Program& program, int stencil) {
+    gl::set(program, "to_world", floats(from.axes));
+    gl::set(program, "weight", static_cast<float>(1.0 / from.samples));
+    gl::set(program, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
+    gl::set(program, "ambient", ambient);
+    gl::set(program, "light_count", gpu_.lights());
+    glUseProgram(program);
+    glStencilFunc(GL_EQUAL, stencil, 0xff);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  };
+  light(background_, 0);
+  for (std::size_t group = 0; group < gpu_.groups().size(); ++group) {
+    gpu_.bind(gpu_.groups()[group]);
+    light(shade_program(gpu_.groups()[group]), static_cast<int>(1 + group));
+  }
+}
+
+void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
+                    std::vector<std::uint32_t>* surfaces) {
+  if (from.to == Projection::latlong && (method == DrawMethod::distort || method == DrawMethod::tessellate))
+    throw UsageError(fmt::format("{} cannot draw latlong maps, which are cut open from pole to pole: exact or resample",
+                                 draw_method_names[static_cast<std::size_t>(method)]));
+  const int width = from.size * aspect(from.to);
+  if (!canvas_ || canvas_->width != width || canvas_->height != from.size) canvas_.emplace(width, from.size);
+  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(from.size);
+  std::vector<glm::uvec2> seen;
+  gpu_.place(shot.scene, shot.pose, from.at, from.axes);
+  gpu_.bind();
+  for (int face = 0; face < faces(from.to); ++face) {
+    if ((from.which >> face & 1U) == 0) continue;
+    for (int sample = 0; sample < from.samples; ++sample) {
+      glBindTextureUnit(0, rays(from, face, sample));
+      find_surfaces(from, shot, method, face, sample);
+      if (surfaces != nullptr && sample == 0) {
+        seen.resize(texels);
+        glGetTextureImage(canvas_->surfaces, 0, GL_RG_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(8 * texels),
+                          seen.data());
+        surfaces->resize(texels * static_cast<std::size_t>(faces(from.to)));
+        for (std::size_t k = 0; k < texels; ++k) (*surfaces)[static_cast<std::size_t>(face) * texels + k] = seen[k].x;
+      }
+      shade(from, shot, to, face, sample);
+    }
+  }
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl::check("drawing");
+}
+
+}  // namespace envmap

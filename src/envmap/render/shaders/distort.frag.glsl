@@ -1,0 +1,15 @@
+layout(binding = 0) uniform sampler2D rays;
+
+#ifdef TESSELLATED
+flat in uint triangle;
+#else
+uint triangle = uint(first_triangle + gl_PrimitiveID);
+#endif
+
+void main() {
+  if (gl_FragCoord.z * range.y < range.x) discard;
+#ifdef HOLES
+  if (is_hole(triangle, texelFetch(rays, ivec2(gl_FragCoord.xy), 0).xyz)) discard;
+#endif
+  surface = uvec2(instance + 1, triangle);
+}

@@ -1,0 +1,19 @@
+// The ray of the texel against the triangle itself: its sides by the sign of three products, which neighbours share to
+// the last bit, and its distance from its plane.
+flat in mat3 sides;
+flat in vec4 plane;
+flat in uint triangle;
+layout(binding = 0) uniform sampler2D rays;
+
+void main() {
+  vec3 ray = texelFetch(rays, ivec2(gl_FragCoord.xy), 0).xyz;
+  vec3 side = ray * sides;
+  if (min(side.x, min(side.y, side.z)) < 0 && max(side.x, max(side.y, side.z)) > 0) discard;
+  float distance = plane.w / dot(ray, plane.xyz);
+  if (!(distance >= range.x && distance <= range.y)) discard;
+#ifdef HOLES
+  if (is_hole(triangle, ray)) discard;
+#endif
+  gl_FragDepth = range.x / distance;
+  surface = uvec2(instance + 1, triangle);
+}

@@ -1,0 +1,67 @@
+// Each texel once, whatever lay behind it: the surface that it sees, met by its own ray, lit. After Burns and Hunt 2013,
+// "The visibility buffer". The stencil chooses the texels of one group of materials; TEXTURES are the ones they have: 1
+// base colour, 2 metallic and roughness, 4 emissive.
+layout(early_fragment_tests) in;
+layout(location = 0) out vec4 colour;  // Radiance, and the distance.
+layout(binding = 0) uniform sampler2D rays;
+layout(binding = 5) uniform usampler2D surfaces;
+uniform mat3 to_world;  // From the map.
+uniform float weight;
+uniform float spread;   // Distance of samples, in texels.
+
+// How texture coordinates change from this ray to that of a neighbour. A neighbour that misses the plane is far off.
+vec2 change(Triangle t, ivec2 at, ivec2 step, vec2 here) {
+  ivec2 size = textureSize(rays, 0), there = at + step;
+  vec3 ray = texelFetch(rays, min(there, size - 1), 0).xyz;
+  if (any(greaterThanEqual(there, size)) || ray == vec3(0)) ray = texelFetch(rays, max(at - step, 0), 0).xyz;
+  vec3 weights = weights_of(t, ray);
+  float sum = weights.x + weights.y + weights.z;
+  return sum > 0 ? spread * (t.places * weights / sum - here) : vec2(1e3);
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  uvec2 seen = texelFetch(surfaces, at, 0).xy;
+  int number = int(seen.x) - 1;
+  vec3 ray = texelFetch(rays, at, 0).xyz;
+  Triangle t = triangle_of(number, seen.y);
+  vec3 volumes = weights_of(t, ray), weights = inside(volumes);
+  bool hit = min(volumes.x, min(volumes.y, volumes.z)) >= 0;
+  float far_off = hit ? t.height / dot(ray, t.normal) : length(mat3(t.a, t.b, t.c) * weights);
+
+  // The last of the rows holds what else there is: the material, and -1 for the side that is seen of mirrored meshes.
+  vec4 x = texelFetch(instances, 6 * number + 3), y = texelFetch(instances, 6 * number + 4),
+       z = texelFetch(instances, 6 * number + 5);
+  vec3 normal = t.normals * weights * mat3(x.xyz, y.xyz, z.xyz);
+  if (dot(normal, normal) == 0) normal = to_world * t.normal * y.w;
+  // Of surfaces with two sides, the one that is seen.
+  if (t.height * y.w > 0) normal = -normal;
+
+  int material = 3 * int(x.w);
+  vec4 glow = texelFetch(materials, material + 1), rest = texelFetch(materials, material + 2);
+  Surface surface;
+  surface.position = to_world * (far_off * ray);
+  surface.normal = normalize(normal);
+  surface.base_colour = texelFetch(materials, material);
+  surface.metallic = rest.x;
+  surface.roughness = rest.y;
+  surface.emissive = glow.rgb;
+  surface.transmission = rest.z;
+  surface.ior = rest.w;
+#if TEXTURES != 0
+  vec2 place = t.places * weights;
+  vec2 along = change(t, at, ivec2(1, 0), place), down = change(t, at, ivec2(0, 1), place);
+#endif
+#if (TEXTURES & 1) != 0
+  surface.base_colour *= textureGrad(base_colours, place, along, down);
+#endif
+#if (TEXTURES & 2) != 0
+  vec2 both = textureGrad(metallic_roughnesses, place, along, down).bg;
+  surface.metallic *= both.x;
+  surface.roughness *= both.y;
+#endif
+#if (TEXTURES & 4) != 0
+  surface.emissive *= textureGrad(emissives, place, along, down).rgb;
+#endif
+  colour = vec4(weight * shade(surface, to_world * -ray), far_off);
+}

@@ -1,0 +1,122 @@
+// The light that a surface sends towards the viewer; the formulae and sources are those of render/shading.h, function by
+// function. All in the world's axes, positions from the viewpoint.
+//
+// Buffer 4 and light_count: placed_lights(). ambient: Shot::ambient. With ENVIRONMENT_LIGHT defined also, of
+// EnvironmentLight: irradiance; glossy, a cube array of its levels as GL turns faces (Layout::api); and split_sum, the
+// table of split_sum_table(), edges clamped. environment_at() (environment.glsl) is the environment itself. A unit that
+// defines OWN_GLOSSY_RADIANCE brings glossy_radiance() along: mirrors that look up maps of their own.
+struct Light {
+  vec4 position;   // Of points and spots; w: its kind, an enumerator of PunctualLight::Kind in scene.h.
+  vec4 direction;  // That it shines in; w: its range, 0: no end.
+  vec4 intensity;  // w: nothing.
+  vec4 cone;       // Of spots: cosines of the inner and the outer half angle.
+};
+layout(std430, binding = 4) readonly buffer Lights { Light lights[]; };
+uniform int light_count;
+uniform vec3 ambient;
+#ifdef ENVIRONMENT_LIGHT
+uniform vec3 irradiance[9];
+layout(binding = 6) uniform samplerCubeArray glossy;
+#endif
+layout(binding = 7) uniform sampler2D split_sum;
+const float pi = 3.14159265358979;
+
+struct Surface {
+  vec3 position, normal;
+  vec4 base_colour;
+  float metallic, roughness;
+  vec3 emissive;
+  float transmission, ior;
+};
+
+vec3 irradiance_over_pi(vec3 n) {
+#ifdef ENVIRONMENT_LIGHT
+  vec3 sum = irradiance[0] + n.x * irradiance[1] + n.y * irradiance[2] + n.z * irradiance[3] + n.x * n.z * irradiance[4] +
+             n.x * n.y * irradiance[5] + (3 * n.y * n.y - 1) * irradiance[6] + n.y * n.z * irradiance[7] +
+             (n.z * n.z - n.x * n.x) * irradiance[8];
+  return ambient + max(sum, 0);
+#else
+  return ambient;
+#endif
+}
+
+#ifdef OWN_GLOSSY_RADIANCE
+vec3 glossy_radiance(vec3 from, float roughness);
+#else
+vec3 glossy_radiance(vec3 from, float roughness) {
+#ifdef ENVIRONMENT_LIGHT
+  const int levels = 5;
+  float level = clamp(roughness, 0, 1) * levels;
+  int lower = min(int(level), levels - 1);
+  vec3 below = lower == 0 ? environment_at(from) : textureLod(glossy, vec4(from, lower - 1), 0).rgb;
+  return ambient + mix(below, textureLod(glossy, vec4(from, lower), 0).rgb, level - lower);
+#else
+  return ambient + environment_at(from);
+#endif
+}
+#endif
+
+// KHR_lights_punctual: what arrives across the light, and from where.
+vec3 arriving(Light light, vec3 position, out vec3 from) {
+  from = -light.direction.xyz;
+  if (light.position.w == 2) return light.intensity.rgb;
+  vec3 way = light.position.xyz - position;
+  float square = max(dot(way, way), 1e-12);
+  from = way * inversesqrt(square);
+  vec3 there = light.intensity.rgb / square;
+  if (light.direction.w > 0) {
+    float part = square / (light.direction.w * light.direction.w);
+    there *= clamp(1 - part * part, 0, 1);
+  }
+  if (light.position.w == 1) {
+    float part = clamp((dot(-from, light.direction.xyz) - light.cone.y) / max(1e-4, light.cone.x - light.cone.y), 0, 1);
+    there *= part * part;
+  }
+  return there;
+}
+
+float specular(float alpha, vec3 n, vec3 h, float nv, float nl) {
+  float a2 = alpha * alpha, nh = max(0, dot(n, h));
+  vec3 side = cross(n, h);
+  float q = a2 * nh * nh + dot(side, side);
+  float masking = nl * sqrt(nv * nv * (1 - a2) + a2) + nv * sqrt(nl * nl * (1 - a2) + a2);
+  return a2 / (pi * q * q) * 0.5 / masking;
+}
+
+// By scale and bias of the split sum, for a reflectance at normal incidence.
+vec3 once(vec3 f0, vec2 table) { return f0 * table.x + table.y; }
+vec3 later(vec3 f0, vec2 table) {
+  float more = 1 - table.x - table.y;
+  vec3 mean = f0 + (1 - f0) / 21;
+  return once(f0, table) * mean / (1 - more * mean) * more;
+}
+
+vec3 shade(Surface s, vec3 v) {
+  vec3 n = s.normal;
+  float nv = clamp(dot(n, v), 1e-3, 1);
+  float smooth_part = (s.ior - 1) / (s.ior + 1);
+  vec3 plain = vec3(smooth_part * smooth_part), base = s.base_colour.rgb, dielectric = base * (1 - s.metallic);
+
+  // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
+  vec2 table = textureLod(split_sum, vec2(nv, s.roughness), 0).rg;
+  vec3 even = irradiance_over_pi(n), rest = 1 - once(plain, table) - later(plain, table);
+  vec3 sum = s.emissive + rest * dielectric * (1 - s.transmission) * even +
+             mix(later(plain, table), later(base, table), s.metallic) * even +
+             mix(once(plain, table), once(base, table), s.metallic) *
+                 glossy_radiance(2 * dot(n, v) * n - v, s.roughness);
+  if (s.transmission > 0)
+    sum += rest * dielectric * s.transmission * glossy_radiance(refract(-v, n, 1 / max(1, s.ior)), s.roughness);
+
+  float alpha = max(1e-3, s.roughness * s.roughness);
+  for (int k = 0; k < light_count; ++k) {
+    vec3 from, there = arriving(lights[k], s.position, from);
+    float nl = dot(n, from);
+    if (nl <= 0) continue;
+    vec3 h = normalize(from + v);
+    float grazing = pow(1 - clamp(dot(v, h), 0, 1), 5);
+    vec3 f0 = mix(plain, base, s.metallic), fresnel = f0 + (1 - f0) * grazing;
+    vec3 diffuse = (1 - plain - (1 - plain) * grazing) * (1 - s.transmission) / pi;
+    sum += there * nl * (diffuse * dielectric + fresnel * specular(alpha, n, h, nv, nl));
+  }
+  return sum;
+}

@@ -1,0 +1,48 @@
+// A triangle of the scene by its numbers, and where a ray meets it. Buffer textures: llvmpipe fetches four floats as
+// fast as one, and storage buffers one by one.
+layout(binding = 8) uniform samplerBuffer corners;    // Position and u, normal and v; three corners a triangle.
+layout(binding = 9) uniform samplerBuffer instances;  // Three rows to the frame of the map, three to the world's normals.
+layout(binding = 10) uniform samplerBuffer materials;  // Base colour; emissive and alpha_cutoff; metallic, roughness, ...
+layout(binding = 1) uniform sampler2D base_colours;
+layout(binding = 2) uniform sampler2D metallic_roughnesses;
+layout(binding = 3) uniform sampler2D emissives;
+
+struct Triangle {
+  vec3 a, b, c;    // In the frame of the map.
+  mat3 normals;    // Of the corners, in the frame of the mesh.
+  mat3x2 places;   // Texture coordinates of the corners.
+  mat3 sides;      // Opposite a, b and c: normals of the planes through the viewpoint, towards the inside.
+  vec3 normal;
+  float height;    // Of the viewpoint over its plane times twice its area; negative where it is seen from the front.
+};
+
+vec3 side_of(vec3 a, vec3 b) { return 0.5 * cross(a + b, b - a); }
+
+Triangle triangle_of(int number, uint which) {
+  Triangle t;
+  int first = 6 * int(which);
+  vec4 a = texelFetch(corners, first), b = texelFetch(corners, first + 2), c = texelFetch(corners, first + 4);
+  vec4 na = texelFetch(corners, first + 1), nb = texelFetch(corners, first + 3), nc = texelFetch(corners, first + 5);
+  mat3x4 to_frame = mat3x4(texelFetch(instances, 6 * number), texelFetch(instances, 6 * number + 1),
+                           texelFetch(instances, 6 * number + 2));
+  t.places = mat3x2(a.w, na.w, b.w, nb.w, c.w, nc.w);
+  t.normals = mat3(na.xyz, nb.xyz, nc.xyz);
+  t.a = vec4(a.xyz, 1) * to_frame;
+  t.b = vec4(b.xyz, 1) * to_frame;
+  t.c = vec4(c.xyz, 1) * to_frame;
+  t.normal = cross(t.b - t.a, t.c - t.a);
+  t.height = dot(t.normal, t.a);
+  t.sides = mat3(side_of(t.b, t.c), side_of(t.c, t.a), side_of(t.a, t.b)) * (t.height < 0 ? -1.0 : 1.0);
+  return t;
+}
+
+// What each corner counts for where the ray meets the plane, by volumes: they do not sum to 1, and are all positive
+// inside.
+vec3 weights_of(Triangle t, vec3 ray) { return ray * t.sides; }
+
+// To within the triangle: methods that move vertices show it where the ray misses it.
+vec3 inside(vec3 weights) {
+  weights = max(weights, 0);
+  float sum = weights.x + weights.y + weights.z;
+  return sum > 0 ? weights / sum : vec3(1.0 / 3);
+}

@@ -1,0 +1,71 @@
+/// @file
+/// The light that a surface sends towards the viewer: glTF 2.0's metallic-roughness material under punctual lights, even
+/// ambient light and an environment. shaders/shading.glsl is the same for the graphics card.
+///
+/// Nothing casts a shadow, and surfaces light each other only through maps. Sources: "glTF 2.0 Specification", appendix B;
+/// KHR_lights_punctual; KHR_materials_transmission and _ior (thin walls); Karis 2013 (the split sum); Fdez-Aguera 2019, "A
+/// multiple-scattering microfacet model for real-time image-based lighting", so that white surfaces of any roughness in a
+/// white environment stay white.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "envmap/operate/progress.h"
+#include "envmap/render/draw.h"
+
+namespace envmap {
+
+/// Seen from outside: `normal` faces the viewer.
+struct Surface {
+  Direction position{0}, normal{0, 0, 1};  ///< World.
+  glm::vec4 base_colour{1};
+  float metallic = 0, roughness = 1;
+  Colour emissive{0};
+  float transmission = 0, ior = 1.5F;
+};
+
+/// What an environment gives surfaces, made once for it.
+struct EnvironmentLight {
+  /// Irradiance over pi in direction (x,y,z): the sum of these times 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2; what falls
+  /// below 0 beside suns is 0 (Ramamoorthi and Hanrahan 2001). Off by 1% on average and 9% at worst.
+  std::array<Colour, 9> irradiance{};
+  /// GGX-prefiltered cubes in the world's frame, gutters filled, all of one size: roughness 1/n, 2/n, ... 1. Roughness 0
+  /// is the environment itself.
+  std::vector<Level> glossy;
+};
+inline constexpr int glossy_size = 64, glossy_levels = 5;
+
+/// @param size of the glossy cubes. @param progress may be empty.
+EnvironmentLight environment_light(const EnvironmentMap& map, int size = glossy_size, const Progress& progress = {});
+
+/// Scale and bias of the split sum (prefilter/brdf_table.h), made once: columns cosine, rows roughness.
+inline constexpr int split_sum_size = 32;
+const std::vector<Colour>& split_sum_table();
+
+/// A PunctualLight in the world.
+struct PlacedLight {
+  PunctualLight::Kind kind;
+  Direction position, direction;  ///< It shines along `direction`.
+  Colour intensity;
+  double range;
+  double inner, outer;  ///< Cosines of the half angles.
+};
+std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose);
+
+/// All that shines on a scene at one moment. What it points to must outlive it.
+struct Lighting {
+  std::vector<PlacedLight> lights;
+  const EnvironmentMap* environment = nullptr;  ///< Gutters filled.
+  const EnvironmentLight* light = nullptr;
+  Colour ambient{0};
+};
+Lighting lighting(const Shot& shot);
+
+/// Radiance of the environment, without ambient light, from a world direction: black where there is none.
+Colour background(const EnvironmentMap* environment, const Direction& from);
+
+/// @param towards_viewer unit vector. @return radiance.
+Colour shade(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting);
+
+}  // namespace envmap

@@ -1,0 +1,21 @@
+/// @file
+/// Making meshes that come from files fit to be drawn.
+#pragma once
+
+#include <string>
+
+#include "envmap/scene/scene.h"
+
+namespace envmap {
+
+/// Normals where there are none: those of the triangles, so corners are not shared then (glTF 2.0, 3.7.2.1). All are made
+/// unit vectors; those of length 0 become that of a triangle. Texture coordinates 0 where there are none.
+void complete(Mesh& mesh);
+
+/// More corners of triangles and vertices no scene is read with.
+inline constexpr std::size_t most_corners = std::size_t{1} << 27;
+
+/// Names something once in Scene::unmodelled.
+void note_unmodelled(Scene& scene, const std::string& what);
+
+}  // namespace envmap

@@ -1,0 +1,57 @@
+// envmap render as its users run it.
+#include <algorithm>
+
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+class Render : public CommandTest {
+ protected:
+  // A tetrahedron round the origin.
+  Render() { write("scene.obj", "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"); }
+};
+
+TEST_F(Render, TheSameBytesAtAnyThreads) {
+  for (const std::string to : {"cube", "sphere"}) {
+    const std::string line = "\"$ENVMAP\" render scene.obj -q --context osmesa --ambient 1 --size 64 --to " + to + " ";
+    ASSERT_EQ(shell("LP_NUM_THREADS=1 " + line + "a.exr").status, 0);
+    ASSERT_EQ(shell("LP_NUM_THREADS=2 " + line + "b.exr --threads 1").status, 0);
+    ASSERT_EQ(shell(line + "c.exr").status, 0);
+    EXPECT_EQ(read("a.exr"), read("b.exr"));
+    EXPECT_EQ(read("a.exr"), read("c.exr"));
+  }
+}
+
+TEST_F(Render, AFileAFrame) {
+  ASSERT_EQ(envmap({"render", "scene.obj", "m_{frame}.exr", "-q", "--size", "8", "--frames", "9:10"}).status, 0);
+  ASSERT_EQ(envmap({"render", "scene.obj", "n_%02d.exr", "-q", "--size", "8", "--frames", "9:10"}).status, 0);
+  EXPECT_EQ(names(), (std::vector<std::string>{"m_0009.exr", "m_0010.exr", "n_09.exr", "n_10.exr", "scene.obj"}));
+}
+
+TEST_F(Render, NoRenderer) {
+  // What stands before the system's libraries and is none.
+  write("libEGL.so.1", "");
+  write("libOSMesa.so.8", "");
+  for (const std::string context : {"egl", "osmesa", "auto"}) {
+    const Result r = shell("LD_LIBRARY_PATH=. \"$ENVMAP\" render scene.obj a.exr --method exact --context " + context);
+    EXPECT_EQ(r.status, 5) << r.err;
+    EXPECT_EQ(r.err.rfind("envmap render: no context through ", 0), 0U) << r.err;
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1);
+  }
+  EXPECT_EQ(names(), (std::vector<std::string>{"libEGL.so.1", "libOSMesa.so.8", "scene.obj"}));
+}
+
+TEST_F(Render, WhatMakesNoSense) {
+  fails(2, {"render", "scene.obj", "a.exr", "--at", "Nobody"}, {"Nobody", "scene.obj"});
+  fails(2, {"render", "scene.obj", "a.exr", "--near", "5", "--far", "1"}, {"--near"});
+  fails(2, {"render", "scene.obj", "a.exr", "--method", "distort", "--to", "latlong"}, {"latlong"});
+  fails(2, {"render", "scene.obj", "a.exr", "--frames", "1:2"}, {"{frame}"});
+  fails(2, {"render", "scene.obj", "a{frame}.exr", "--frames", "2:1"}, {"2:1"});
+  fails(2, {"render", "scene.obj", "a.exr", "--forward", "+x"}, {"--forward"});
+  fails(2, {"render", "scene.obj", "a.exr", "--size", "65536", "--method", "exact", "--context", "osmesa"}, {"65536"});
+  fails(3, {"render", "nothing.glb", "a.exr"}, {"nothing.glb"});
+}
+
+}  // namespace
+}  // namespace command_tests

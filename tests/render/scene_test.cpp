@@ -1,0 +1,503 @@
+// Scenes from files: what is in hand-written glTF and OBJ, and what is said of broken ones.
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+
+#include "envmap/error.h"
+#include "envmap/io/read_scene.h"
+#include "render/gltf_file.h"
+
+namespace scenes {
+namespace {
+
+using namespace envmap;
+
+std::string why(const std::string& path) {
+  try {
+    read_scene(path);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+Direction at(const Matrix& m, const Direction& p) { return Direction(m * glm::vec<4, double, glm::highp>(p, 1)); }
+
+void near(const Direction& a, const Direction& b, double within = 1e-6) {
+  EXPECT_LT(glm::length(a - b), within) << a.x << ' ' << a.y << ' ' << a.z << " is not " << b.x << ' ' << b.y << ' ' << b.z;
+}
+
+TEST_F(SceneTest, TransformsGoDownTheTree) {
+  GltfFile file = triangle();
+  const double h = std::sqrt(0.5);
+  file.document["scenes"] = {{{"nodes", {2}}}};
+  file.document["nodes"] = {
+      {{"mesh", 0}, {"name", "leaf"}, {"translation", {1, 0, 0}}},
+      {{"name", "turned"}, {"rotation", {0, h, 0, h}}, {"scale", {2, 2, 2}}, {"children", {0}}},  // 90 degrees about +Y.
+      {{"name", "root"}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1}}, {"children", {1}}}};
+  for (const char* name : {"a.gltf", "a.glb"}) {
+    file.write(folder / name);
+    const Scene scene = read_scene(path(name));
+    ASSERT_EQ(scene.nodes.size(), 3U);
+    const int leaf = find_node(scene, "leaf").value(), root = find_node(scene, "root").value();
+    EXPECT_LT(root, leaf) << "parents come first";
+    EXPECT_TRUE(lies_under(scene, leaf, root));
+    const Pose world = pose(scene, 0);
+    // (1,0,0) of the mesh: moved to (2,0,0), doubled (4,0,0), turned to (0,0,-4), moved.
+    near(at(world[static_cast<std::size_t>(leaf)], {1, 0, 0}), {10, 20, 26});
+    ASSERT_EQ(scene.meshes.size(), 1U);
+    EXPECT_EQ(scene.meshes[0].normals[0], glm::vec3(0, 0, 1));
+    EXPECT_TRUE(scene.unmodelled.empty());
+  }
+}
+
+TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
+  GltfFile file = triangle();
+  file.document["materials"] = {{{"name", "lamp"},
+                                 {"pbrMetallicRoughness",
+                                  {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}, {"metallicFactor", 0.25}, {"roughnessFactor", 0.5}}},
+                                 {"emissiveFactor", {1, 0.5, 0}},
+                                 {"alphaMode", "MASK"},
+                                 {"doubleSided", true},
+                                 {"extensions",
+                                  {{"KHR_materials_emissive_strength", {{"emissiveStrength", 100}}},
+                                   {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}},
+                                   {"KHR_materials_ior", {{"ior", 1.33}}}}}},
+                                {{"alphaMode", "BLEND"}, {"normalTexture", {{"index", 0}}}}};
+  file.document["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_sheen"};
+  file.document["meshes"][0]["primitives"].push_back(file.document["meshes"][0]["primitives"][0]);
+  file.document["meshes"][0]["primitives"][0]["material"] = 0;
+  file.write(folder / "a.gltf");
+  const Scene scene = read_scene(path("a.gltf"));
+  const Material& m = scene.materials[0];
+  EXPECT_EQ(m.name, "lamp");
+  EXPECT_EQ(m.base_colour, glm::vec4(0.1F, 0.2F, 0.3F, 0.4F));
+  EXPECT_EQ(m.emissive, Colour(100, 50, 0));
+  EXPECT_FLOAT_EQ(m.metallic, 0.25F);
+  EXPECT_FLOAT_EQ(m.transmission, 0.75F);
+  EXPECT_FLOAT_EQ(m.ior, 1.33F);
+  EXPECT_FLOAT_EQ(m.alpha_cutoff, 0.5F);
+  EXPECT_TRUE(m.double_sided);
+  // A primitive without one has glTF's own, which is a metal.
+  const Material& plain = scene.materials[static_cast<std::size_t>(scene.meshes[1].material)];
+  EXPECT_EQ(plain.metallic, 1);
+  EXPECT_EQ(plain.roughness, 1);
+  EXPECT_EQ(scene.unmodelled,
+            (std::vector<std::string>{"the extension KHR_materials_sheen", "alpha blending", "normal maps"}));
+}
+
+// 2 x 2 texels: red green, blue white; alpha 255 0, 128 255.
+const std::string png =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAFUlEQVR4nGP4z8DwHwhB4H/DfyAAAD1XCHmTHjG4AA"
+    "AAAElFTkSuQmCC";
+
+TEST_F(SceneTest, TexturesLieInFilesViewsAndTheDocument) {
+  GltfFile file = triangle();
+  file.add<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+  file.document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 2;
+  file.document["meshes"][0]["primitives"][0]["material"] = 0;
+  put("Kachel 1.ppm", std::string("P6 2 1 255 \xff\0\0\0\xff\0", 17));
+  std::ofstream(folder / "Kachel 1.ppm", std::ios::binary) << "P6 2 1 255\n" << std::string("\xff\0\0\0\xff\x80", 6);
+  file.document["images"] = {{{"uri", "Kachel%201.ppm"}}};
+  file.document["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}}};
+  file.document["textures"] = {{{"source", 0}, {"sampler", 0}}, {{"source", 0}}};
+  file.document["materials"] = {
+      {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 0}}}}},
+       {"emissiveTexture", {{"index", 1}}}}};
+  file.write(folder / "a.gltf");
+  const Scene scene = read_scene(path("a.gltf"));
+  EXPECT_EQ(scene.meshes[0].coordinates[2], glm::vec2(0, 1));
+  ASSERT_EQ(scene.textures.size(), 3U);
+  const Texture& t = scene.textures[static_cast<std::size_t>(scene.materials[0].base_colour_texture)];
+  EXPECT_EQ(t.width, 2);
+  EXPECT_EQ(t.texels[1], glm::u8vec4(0, 255, 128, 255));
+  EXPECT_TRUE(t.srgb);
+  EXPECT_EQ(t.wrap_u, Texture::Wrap::clamp);
+  EXPECT_EQ(t.wrap_v, Texture::Wrap::mirror);
+  EXPECT_FALSE(scene.textures[static_cast<std::size_t>(scene.materials[0].metallic_roughness_texture)].srgb);
+
+  file.document["images"] = {{{"uri", "data:image/png;base64," + png}}};
+  file.write(folder / "b.gltf");
+  // Alpha does not change colours.
+  EXPECT_EQ(read_scene(path("b.gltf")).textures[0].texels,
+            (std::vector<glm::u8vec4>{{255, 0, 0, 255}, {0, 255, 0, 0}, {0, 0, 255, 128}, {255, 255, 255, 255}}));
+  file.document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 8}});
+  file.document["images"] = {{{"bufferView", 3}}};
+  file.write(folder / "c.gltf");
+  EXPECT_NE(why(path("c.gltf")).find("not an image"), std::string::npos);
+  file.document["images"] = {{{"uri", "gone.png"}}};
+  file.write(folder / "c.gltf");
+  EXPECT_NE(why(path("c.gltf")).find("gone.png"), std::string::npos);
+}
+
+TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
+  GltfFile file = triangle();
+  file.document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"},
+                                                                   {"intensity", 10},
+                                                                   {"color", {1, 0.5, 0}},
+                                                                   {"range", 7},
+                                                                   {"spot",
+                                                                    {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
+                                                                  {{"type", "directional"}}};
+  file.document["cameras"] = {
+      {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}, {"aspectRatio", 1.5}}}}};
+  file.document["nodes"].push_back(
+      {{"name", "lit"}, {"translation", {1, 2, 3}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+  file.document["nodes"].push_back({{"name", "eye"},
+                                    {"rotation", {0, std::sqrt(0.5), 0, std::sqrt(0.5)}},
+                                    {"camera", 0},
+                                    {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
+  file.document["scenes"] = {{{"nodes", {0, 1, 2}}}};
+  file.write(folder / "a.glb");
+  const Scene scene = read_scene(path("a.glb"));
+  ASSERT_EQ(scene.lights.size(), 2U);
+  const PunctualLight& spot = scene.lights[0];
+  EXPECT_EQ(spot.kind, PunctualLight::Kind::spot);
+  EXPECT_EQ(spot.intensity, Colour(10, 5, 0));
+  EXPECT_EQ(spot.range, 7);
+  EXPECT_EQ(spot.inner, 0.2);
+  EXPECT_EQ(spot.outer, 0.4);
+  EXPECT_EQ(scene.lights[1].kind, PunctualLight::Kind::directional);
+  ASSERT_EQ(scene.cameras.size(), 1U);
+  const Camera& camera = scene.cameras[0];
+  EXPECT_EQ(camera.name, "eye");
+  EXPECT_EQ(camera.vertical_field, 0.7);
+  EXPECT_EQ(camera.aspect, 1.5);
+  const Pose world = pose(scene, 0);
+  near(at(world[static_cast<std::size_t>(spot.node)], {0, 0, 0}), {1, 2, 3});
+  near(at(world[static_cast<std::size_t>(camera.node)], {0, 0, -1}), {-1, 0, 0});  // It looks along -X.
+}
+
+TEST_F(SceneTest, NodesMoveAsTheirKeysSay) {
+  GltfFile file = triangle();
+  const float h = std::sqrt(0.5F);
+  const int times = file.add<float>({0, 2}, "SCALAR", 1), places = file.add<float>({0, 0, 0, 4, 0, 0}, "VEC3", 3);
+  const int turns = file.add<float>({0, 0, 0, 1, 0, h, 0, h}, "VEC4", 4);
+  const int spline = file.add<float>({0, 0, 0, 1, 1, 1, 2, 0, 0, 0, 0, 0, 3, 3, 3, 0, 0, 0}, "VEC3", 3);
+  file.document["nodes"][0]["translation"] = {0, 5, 0};
+  file.document["nodes"][0]["scale"] = {1, 1, -2};  // Mirrored: no matrix says which axis was.
+  const auto animate = [&](const char* what, int output, const char* how) {
+    file.document["animations"] = {{{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", what}}}}}},
+                                    {"samplers", {{{"input", times}, {"output", output}, {"interpolation", how}}}}}};
+    file.write(folder / "a.gltf");
+    return read_scene(path("a.gltf"));
+  };
+  const auto moved = [](const Scene& scene, double time, const Direction& p) { return at(pose(scene, time)[0], p); };
+  Scene scene = animate("translation", places, "LINEAR");
+  near(moved(scene, -1, {0, 0, 1}), {0, 0, -2});
+  near(moved(scene, 0.5, {0, 0, 1}), {1, 0, -2});
+  near(moved(scene, 3, {0, 0, 1}), {4, 0, -2});
+  scene = animate("translation", places, "STEP");
+  near(moved(scene, 1.99, {0, 0, 1}), {0, 0, -2});
+  near(moved(scene, 2, {0, 0, 1}), {4, 0, -2});
+  scene = animate("rotation", turns, "LINEAR");
+  const double c = std::sqrt(0.5);
+  near(moved(scene, 1, {1, 0, 0}), {c, 5, -c});  // Half of 90 degrees about +Y.
+  near(moved(scene, 1, {0, 0, 1}), {-2 * c, 5, -2 * c});
+  scene = animate("scale", spline, "CUBICSPLINE");
+  near(moved(scene, 0, {1, 1, 1}), {1, 6, 1});
+  // Hermite's spline half way: (p0 + p1) / 2 + span (m0 - m1) / 8 = 2 + 2 x 2 / 8 in x, 2 in y and z.
+  near(moved(scene, 1, {1, 1, 1}), {2.5, 7, 2});
+}
+
+TEST_F(SceneTest, StripsFansQuantisedAndSparseVertices) {
+  GltfFile file = triangle();
+  const int square = file.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, "VEC3", 3);
+  auto& primitive = file.document["meshes"][0]["primitives"][0];
+  primitive = {{"attributes", {{"POSITION", square}}}, {"mode", 5}};
+  file.write(folder / "a.gltf");
+  Scene scene = read_scene(path("a.gltf"));
+  ASSERT_EQ(scene.meshes[0].indices.size(), 6U);
+  for (const glm::vec3& n : scene.meshes[0].normals)
+    EXPECT_EQ(n, glm::vec3(0, 0, 1)) << "a strip turns every other triangle";
+  primitive["mode"] = 6;
+  file.write(folder / "a.gltf");
+  scene = read_scene(path("a.gltf"));
+  EXPECT_EQ(scene.meshes[0].positions[4], glm::vec3(0, 1, 0));
+
+  const int bytes = file.add<std::uint8_t>({0, 0, 0, 255, 0, 0, 0, 51, 0}, "VEC3", 3);
+  file.document["accessors"][static_cast<std::size_t>(bytes)]["normalized"] = true;
+  primitive = {{"attributes", {{"POSITION", bytes}}}};
+  file.document["extensionsRequired"] = {"KHR_mesh_quantization"};
+  file.write(folder / "a.gltf");
+  EXPECT_EQ(read_scene(path("a.gltf")).meshes[0].positions[2], glm::vec3(0, 0.2F, 0));
+
+  const int at_vertex = file.add<std::uint16_t>({2}, "SCALAR", 1), value = file.add<float>({7, 8, 9}, "VEC3", 3);
+  primitive = {{"attributes", {{"POSITION", 0}}}, {"indices", 1}};
+  file.document["accessors"][0]["sparse"] = {{"count", 1},
+                                             {"indices", {{"bufferView", at_vertex}, {"componentType", 5123}}},
+                                             {"values", {{"bufferView", value}}}};
+  file.write(folder / "a.gltf");
+  EXPECT_EQ(read_scene(path("a.gltf")).meshes[0].positions[2], glm::vec3(7, 8, 9));
+}
+
+// A triangle and its normals, compressed by Draco's own encoder.
+std::string draco_triangle() {
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(1);
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int normal = builder.AddAttribute(draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32);
+  const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, up[3] = {0, 1, 0};
+  builder.SetAttributeValuesForFace(position, draco::FaceIndex(0), corners[0], corners[1], corners[2]);
+  builder.SetAttributeValuesForFace(normal, draco::FaceIndex(0), up, up, up);
+  draco::EncoderBuffer buffer;
+  draco::Encoder encoder;
+  encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(*builder.Finalize(), &buffer).ok());
+  return {buffer.data(), buffer.size()};
+}
+
+TEST_F(SceneTest, MeshesThatDracoCompressed) {
+  GltfFile file = triangle();
+  const std::string bytes = draco_triangle();
+  const int view = file.add<std::uint8_t>({bytes.begin(), bytes.end()}, "SCALAR", 1);
+  file.document["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  json& extension = file.document["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+  extension = {{"bufferView", view}, {"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}};
+  file.write(folder / "a.glb");
+  const Scene scene = read_scene(path("a.glb"));
+  ASSERT_EQ(scene.meshes[0].indices.size(), 3U);
+  Direction sum(0);
+  for (const std::uint32_t v : scene.meshes[0].indices) sum += Direction(scene.meshes[0].positions[v]);
+  near(sum, {1, 1, 0}, 1e-3);
+  near(Direction(scene.meshes[0].normals[0]), {0, 1, 0}, 2e-2);
+  EXPECT_TRUE(scene.unmodelled.empty());
+  extension["attributes"]["POSITION"] = 7;
+  file.write(folder / "a.glb");
+  EXPECT_NE(why(path("a.glb")).find("lacks an attribute"), std::string::npos);
+  extension["attributes"]["POSITION"] = 0;
+  for (std::size_t k = 0; k < bytes.size(); ++k) {  // Damaged anywhere it is refused or still a mesh.
+    GltfFile damaged = file;
+    damaged.bytes[file.bytes.size() - bytes.size() + k] ^= 0x55;
+    damaged.write(folder / "b.glb");
+    EXPECT_EQ(why(path("b.glb")).find('\n'), std::string::npos);
+    damaged = file;
+    damaged.document["bufferViews"][static_cast<std::size_t>(view)]["byteLength"] = k;
+    damaged.write(folder / "b.glb");
+    EXPECT_NE(why(path("b.glb")), "") << k;
+  }
+}
+
+// ---- broken files ----------------------------------------------------------------------------------------------------
+
+struct Broken {
+  const char* name;
+  std::function<void(GltfFile&)> damage;
+  const char* word;  // That the message must hold.
+};
+
+class BrokenGltf : public SceneTest, public ::testing::WithParamInterface<Broken> {};
+
+TEST_P(BrokenGltf, IsRefusedInOneLine) {
+  for (const char* name : {"a.gltf", "a.glb"}) {
+    GltfFile file = triangle();
+    GetParam().damage(file);
+    if (file.document.contains("buffers") && std::string(name) == "a.glb") continue;
+    file.write(folder / name);
+    const std::string message = why(path(name));
+    EXPECT_TRUE(message.starts_with(path(name) + ": ")) << message;
+    EXPECT_NE(message.find(GetParam().word), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+}
+
+template <class T>
+void poke(GltfFile& f, std::size_t at, T value) {
+  std::memcpy(f.bytes.data() + at, &value, sizeof value);
+}
+
+const Broken broken[] = {
+    {"MissingBuffer",
+     [](GltfFile& f) {
+       f.document["buffers"] = {{{"uri", "gone.bin"}, {"byteLength", 44}}};
+     },
+     "gone.bin"},
+    {"ShortBuffer",
+     [](GltfFile& f) {
+       f.document["buffers"] = {{{"uri", "data.bin"}, {"byteLength", 4000}}};
+     },
+     "ends early"},
+    {"HugeBuffer",
+     [](GltfFile& f) {
+       f.document["buffers"] = {{{"uri", "data.bin"}, {"byteLength", 1e18}}};
+     },
+     "byteLength"},
+    {"NoUri",
+     [](GltfFile& f) {
+       f.document["buffers"] = {{{"byteLength", 44}}};
+     },
+     "URI"},
+    {"Network",
+     [](GltfFile& f) {
+       f.document["buffers"] = {{{"uri", "http://a/b"}, {"byteLength", 44}}};
+     },
+     "names no file"},
+    {"Device",
+     [](GltfFile& f) {
+       f.document["buffers"] = {{{"uri", "/dev/zero"}, {"byteLength", 44}}};
+     },
+     "not a file"},
+    {"Base64",
+     [](GltfFile& f) {
+       f.document["buffers"] = {{{"uri", "data:;base64,####"}, {"byteLength", 3}}};
+     },
+     "Base64"},
+    {"BadIndex", [](GltfFile& f) { poke(f, 36, std::uint16_t{3}); }, "vertex 3"},
+    {"NaNVertex", [](GltfFile& f) { poke(f, 4, std::nanf("")); }, "NaN"},
+    {"InfiniteVertex", [](GltfFile& f) { poke(f, 8, std::numeric_limits<float>::infinity()); }, "infinite"},
+    {"Cycle",
+     [](GltfFile& f) {
+       f.document["nodes"] = {{{"children", {1}}, {"mesh", 0}}, {{"children", {0}}}};
+     },
+     "below itself"},
+    {"OwnChild", [](GltfFile& f) { f.document["nodes"][0]["children"] = {0}; }, "below itself"},
+    {"TwoParents",
+     [](GltfFile& f) {
+       f.document["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
+     },
+     "another parent"},
+    {"NoTriangles", [](GltfFile& f) { f.document["nodes"][0].erase("mesh"); }, "no triangles"},
+    {"NoMeshes", [](GltfFile& f) { f.document.erase("meshes"); }, "nodes[0].mesh"},
+    {"EmptyIndices", [](GltfFile& f) { f.document["accessors"][1]["count"] = 0; }, "no triangles"},
+    {"TwoCorners", [](GltfFile& f) { f.document["accessors"][1]["count"] = 2; }, "three a triangle"},
+    {"HugeCount", [](GltfFile& f) { f.document["accessors"][0]["count"] = 100000000; }, "beyond its buffer view"},
+    {"HugerCount", [](GltfFile& f) { f.document["accessors"][0]["count"] = 1e19; }, "count"},
+    {"HugeZeros",
+     [](GltfFile& f) { f.document["accessors"][0].erase("bufferView"), f.document["accessors"][0]["count"] = 1e8; },
+     "count"},
+    {"NegativeCount", [](GltfFile& f) { f.document["accessors"][0]["count"] = -1; }, "whole number"},
+    {"Offset", [](GltfFile& f) { f.document["accessors"][0]["byteOffset"] = 4; }, "beyond its buffer view"},
+    {"ViewOffset", [](GltfFile& f) { f.document["bufferViews"][0]["byteOffset"] = 1000; }, "byteOffset"},
+    {"ViewLength", [](GltfFile& f) { f.document["bufferViews"][0]["byteLength"] = 1000; }, "byteLength"},
+    {"Stride", [](GltfFile& f) { f.document["bufferViews"][0]["byteStride"] = 4; }, "less than an element"},
+    {"ComponentType", [](GltfFile& f) { f.document["accessors"][0]["componentType"] = 7; }, "component type"},
+    {"Type", [](GltfFile& f) { f.document["accessors"][0]["type"] = "VEC2"; }, "components"},
+    {"NoAccessor", [](GltfFile& f) { f.document["meshes"][0]["primitives"][0]["indices"] = 9; }, "indices"},
+    {"Material", [](GltfFile& f) { f.document["meshes"][0]["primitives"][0]["material"] = 0; }, "material"},
+    {"Scene", [](GltfFile& f) { f.document["scene"] = 4; }, "scene"},
+    {"Version", [](GltfFile& f) { f.document["asset"]["version"] = "1.0"; }, "glTF 2.0"},
+    {"Required", [](GltfFile& f) { f.document["extensionsRequired"] = {"EXT_meshopt_compression"}; },
+     "EXT_meshopt_compression"},
+    {"Matrix",
+     [](GltfFile& f) {
+       f.document["nodes"][0]["matrix"] = {1, 2, 3};
+     },
+     "matrix"},
+    {"Rotation",
+     [](GltfFile& f) {
+       f.document["nodes"][0]["rotation"] = {0, 0, 0, 0};
+     },
+     "no rotation"},
+    {"Text", [](GltfFile& f) { f.document["nodes"][0]["mesh"] = "one\n"; }, "no number"},
+    {"Terminal", [](GltfFile& f) { f.document["extensionsRequired"] = {"\033[2J"}; }, "?[2J"},
+    {"Shape", [](GltfFile& f) { f.document["nodes"] = 3; }, "no array"},
+};
+INSTANTIATE_TEST_SUITE_P(Scenes, BrokenGltf, ::testing::ValuesIn(broken),
+                         [](const auto& each) { return each.param.name; });
+
+TEST_F(SceneTest, FilesCutShortAnywhereAreRefused) {
+  GltfFile file = triangle();
+  for (const char* name : {"a.glb", "a.gltf"}) {
+    file.write(folder / name);
+    std::ifstream stream(folder / name, std::ios::binary);
+    const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+    ASSERT_EQ(why(path(name)), "");
+    for (std::size_t length = 0; length < whole.size(); length += 1 + length / 50) {
+      put("cut.glb", whole.substr(0, length));
+      EXPECT_NE(why(path("cut.glb")), "") << length;
+    }
+  }
+  EXPECT_NE(why(path("none.glb")).find("no such file"), std::string::npos);
+  EXPECT_NE(why(folder.string()).find("folder"), std::string::npos);
+  EXPECT_NE(why("/dev/zero").find("not a file"), std::string::npos);
+  put("a.txt", "hello");
+  EXPECT_NE(why(path("a.txt")).find("neither glTF"), std::string::npos);
+}
+
+// The same bytes named again and again ask for far more memory than the file has.
+TEST_F(SceneTest, RepeatedMeshesAreBounded) {
+  GltfFile file = triangle();
+  file.document["accessors"][1] = {{"componentType", 5121}, {"count", 999999}, {"type", "SCALAR"}};
+  const json primitive = file.document["meshes"][0]["primitives"][0];
+  for (int k = 0; k < 5000; ++k) file.document["meshes"][0]["primitives"].push_back(primitive);
+  file.write(folder / "a.gltf");
+  EXPECT_NE(why(path("a.gltf")).find("million corners"), std::string::npos);
+}
+
+// ---- samples ---------------------------------------------------------------------------------------------------------
+
+TEST_F(SceneTest, TheSampleScenesAreRead) {
+  const std::string command =
+      std::string("PYTHONDONTWRITEBYTECODE=1 python3 '") + ENVMAP_MAKE_SCENES + "' '" + folder.string() + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  for (const auto& [name, side] : {std::pair("room-2.glb", 1), std::pair("room-4.glb", 3), std::pair("room-21.glb", 20)}) {
+    const Scene room = read_scene(path(name));
+    EXPECT_EQ(room.meshes[0].indices.size() / 6, static_cast<std::size_t>(side * side)) << name;
+    EXPECT_TRUE(room.unmodelled.empty());
+  }
+  EXPECT_EQ(read_scene(path("wire-cube.glb")).nodes.size(), 22U);  // 12 edges, 8 corners, a lamp, a camera.
+  const Scene cellar = read_scene(path("cellar.glb"));
+  EXPECT_TRUE(cellar.unmodelled.empty());
+  EXPECT_EQ(cellar.cameras.size(), 2U);
+  EXPECT_EQ(cellar.lights.size(), 3U);
+  EXPECT_EQ(cellar.motions.size(), 3U);
+  for (const char* mirror : {"mirror ball", "mirror ring"}) {
+    const auto node = find_node(cellar, mirror);
+    ASSERT_TRUE(node);
+    const Mesh& mesh = cellar.meshes[static_cast<std::size_t>(cellar.nodes[static_cast<std::size_t>(*node)].meshes.at(0))];
+    const Material& material = cellar.materials[static_cast<std::size_t>(mesh.material)];
+    EXPECT_EQ(material.metallic, 1);
+    EXPECT_EQ(material.roughness, 0);
+  }
+  // The lamp swings on its cord: half way to a side after 0.75 s it is where 7 degrees about the hook take it.
+  const auto light = static_cast<std::size_t>(cellar.lights[2].node);
+  near(at(pose(cellar, 0.75)[light], {0, 0, 0}),
+       Direction(0.3 + 1.02 * std::sin(7 * pi / 180), 3.15 - 1.02 * std::cos(7 * pi / 180), 0.6), 1e-3);
+}
+
+// ---- OBJ -------------------------------------------------------------------------------------------------------------
+
+TEST_F(SceneTest, ObjWithMaterialsAndWindowsPaths) {
+  std::filesystem::create_directory(folder / "maps");
+  std::ofstream(folder / "maps" / "a.ppm", std::ios::binary) << "P6 1 2 255\n"
+                                                             << std::string("\x01\x02\x03\x04\x05\x06", 6);
+  put("a.mtl", "newmtl shiny\nKd 0.5 0.25 1\nKe 3 2 1\nNs 6\nmap_Kd maps\\a.ppm\n");
+  put("a.obj",
+      "mtllib a.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\no square\nusemtl shiny\n"
+      "f 1/1 2/2 3/3 4/4\n");
+  const Scene scene = read_scene(path("a.obj"));
+  ASSERT_EQ(scene.meshes.size(), 1U);
+  const Mesh& mesh = scene.meshes[0];
+  ASSERT_EQ(mesh.indices.size(), 6U);
+  for (const std::uint32_t v : mesh.indices) {
+    EXPECT_EQ(mesh.normals[v], glm::vec3(0, 0, 1));
+    EXPECT_EQ(mesh.coordinates[v], glm::vec2(mesh.positions[v].x / 2, 1 - mesh.positions[v].y / 2))
+        << "0 is the upper edge";
+  }
+  const Material& m = scene.materials[static_cast<std::size_t>(mesh.material)];
+  EXPECT_EQ(m.base_colour, glm::vec4(0.5F, 0.25F, 1, 1));
+  EXPECT_EQ(m.emissive, Colour(3, 2, 1));
+  EXPECT_FLOAT_EQ(m.roughness, std::sqrt(0.5F));  // alpha^2 = 2 / (6 + 2).
+  ASSERT_EQ(m.base_colour_texture, 0);
+  EXPECT_EQ(scene.textures[0].texels[0], glm::u8vec4(1, 2, 3, 255));
+}
+
+TEST_F(SceneTest, BrokenObjIsRefused) {
+  const std::pair<const char*, const char*> files[] = {
+      {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "OBJ"},
+      {"v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "NaN"},
+      {"v 0 0 0\nv 1 0 0\n", "OBJ"},
+      {"# nothing\n", "OBJ"},
+  };
+  for (const auto& [text, word] : files) {
+    put("a.obj", text);
+    EXPECT_NE(why(path("a.obj")).find(word), std::string::npos) << text << why(path("a.obj"));
+  }
+}
+
+}  // namespace
+}  // namespace scenes

@@ -1,0 +1,149 @@
+// Surfaces under light, against integrals of their own and white rooms.
+#include "envmap/render/shading.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "envmap/map/gutter.h"
+#include "envmap/operate/generate.h"
+
+namespace {
+
+using namespace envmap;
+
+Direction tilted(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
+
+// The light of a map, and the map.
+struct Room {
+  EnvironmentMap map;
+  EnvironmentLight light;
+  explicit Room(const Pattern& pattern, int size = 6)
+      : map(generate(pattern, Projection::latlong, 64, Forward::plus_z)) {
+    fill_gutter(map.base());
+    light = environment_light(map, size);
+  }
+  [[nodiscard]] Lighting lighting() const { return {{}, &map, &light, Colour(0)}; }
+};
+
+TEST(Shading, WhiteSurfacesInAWhiteRoomStayWhite) {
+  const Room room(Constant{Direction(1)});
+  Lighting ambient;
+  ambient.ambient = Colour(1);
+  for (const Lighting& l : {room.lighting(), ambient})
+    for (const float metallic : {0.0F, 0.5F, 1.0F})
+      for (const float transmission : {0.0F, 1.0F})
+        for (const float roughness : {0.0F, 0.05F, 0.3F, 0.7F, 1.0F})
+          for (const double angle : {0.0, 0.5, 1.0, 1.4, 1.55}) {
+            const Surface s{.metallic = metallic, .roughness = roughness, .transmission = transmission};
+            const Colour c = shade(s, tilted(angle), l);
+            for (int k = 0; k < 3; ++k) EXPECT_NEAR(c[k], 1, 3e-3) << metallic << ' ' << roughness << ' ' << angle;
+          }
+}
+
+// What a punctual light gives, from the definitions of glTF 2.0's appendix B, written as they stand there.
+// Of a dielectric where there is a diffuse colour, else of a metal.
+double appendix_b(const Surface& s, const Direction& v, const Direction& l, double f0, double diffuse) {
+  const Direction &n = s.normal, h = glm::normalize(v + l);
+  const double a = s.roughness * s.roughness, nh = glm::dot(n, h), nl = glm::dot(n, l), nv = glm::dot(n, v);
+  const double d = a * a / (pi * std::pow(nh * nh * (a * a - 1) + 1, 2));
+  const auto g1 = [&](double c) { return 2 * c / (c + std::sqrt(a * a + (1 - a * a) * c * c)); };
+  // Height-correlated: 1 / (1 + L(l) + L(v)), where G1 = 1 / (1 + L).
+  const double g = 1 / (1 / g1(nl) + 1 / g1(nv) - 1);
+  const double f = f0 + (1 - f0) * std::pow(1 - glm::dot(v, h), 5);
+  return ((1 - f) * diffuse / pi + f * d * g / (4 * nl * nv)) * nl;
+}
+
+TEST(Shading, LightsFollowAppendixB) {
+  const Surface s{.position = {1, 2, 3}, .base_colour = glm::vec4(0.5F, 0.25F, 0.75F, 1), .metallic = 0.25F, .roughness = 0.4F};
+  for (const double angle : {0.1, 0.6, 1.2})
+    for (const double other : {-1.3, -0.5, 0.3}) {
+      const Direction v = tilted(angle), l = tilted(other);
+      Lighting lit;
+      lit.lights = {{PunctualLight::Kind::point, s.position + 2.0 * l, {0, 0, -1}, Colour(8), 0, 1, 0}};
+      const Colour c = shade(s, v, lit);
+      for (int k = 0; k < 3; ++k) {
+        const double base = s.base_colour[k];
+        const double mixed = 0.75 * appendix_b(s, v, l, 0.04, base) + 0.25 * appendix_b(s, v, l, base, 0);
+        EXPECT_NEAR(c[k], 2 * mixed, 1e-5);  // 8 candela at 2 m.
+      }
+    }
+}
+
+TEST(Shading, RangeConeAndSun) {
+  const Surface s{.metallic = 1, .roughness = 1};
+  const auto from = [&](const PlacedLight& light) {
+    Lighting lit;
+    lit.lights = {light};
+    return shade(s, {0, 0, 1}, lit).x;
+  };
+  const PlacedLight sun{PunctualLight::Kind::directional, {}, {0, 0, -1}, Colour(1), 0, 1, 0};
+  const float one = from(sun);
+  EXPECT_GT(one, 0);
+  PlacedLight point{PunctualLight::Kind::point, {0, 0, 2}, {0, 0, -1}, Colour(4), 0, 1, 0};
+  EXPECT_NEAR(from(point), one, 1e-6);
+  point.range = 4;  // 1 - (2/4)^4.
+  EXPECT_NEAR(from(point), one * (1 - 1.0 / 16), 1e-6);
+  point.range = 2;
+  EXPECT_EQ(from(point), 0);
+  PlacedLight spot{PunctualLight::Kind::spot, {0, 0, 2}, tilted(pi - 0.3), Colour(4), 0, std::cos(0.2), std::cos(0.4)};
+  const double part = (std::cos(0.3) - std::cos(0.4)) / (std::cos(0.2) - std::cos(0.4));
+  EXPECT_NEAR(from(spot), one * part * part, 1e-6);
+  spot.direction = {0, 0, 1};
+  EXPECT_EQ(from(spot), 0);
+}
+
+// A diffuse floor under the CIE overcast sky: E = 7 pi / 9 of the zenith (generate.h). Of a gradient harmonics are exact.
+TEST(Shading, DiffuseLightOfTheEnvironment) {
+  Surface floor{.normal = {0, 1, 0}, .roughness = 1, .ior = 1};  // No interface: all is diffuse.
+  const Room sky(Sky{1, 0});
+  EXPECT_NEAR(shade(floor, {0, 1, 0}, sky.lighting()).x, 7.0 / 9, 0.03);
+  const Room gradient(Gradient{Direction(0), Direction(1)});
+  // L = (1 + y) / 2: E / pi = 1/2 + y / 3.
+  for (const double y : {-1.0, 0.0, 0.6, 1.0}) {
+    floor.normal = {std::sqrt(1 - y * y), y, 0};
+    EXPECT_NEAR(shade(floor, floor.normal, gradient.lighting()).x, 0.5 + y / 3, 2e-3) << y;
+  }
+}
+
+TEST(Shading, AMirrorShowsTheEnvironmentAndGlassLetsItThrough) {
+  const Room room(Directions{});
+  const auto coded = [](const Direction& d) { return Flux((d + 1.0) * 0.5); };
+  for (const double angle : {0.0, 0.7, 1.3}) {
+    const Direction v = tilted(angle);
+    Surface s{.metallic = 1, .roughness = 0};
+    EXPECT_LT(glm::length(Flux(shade(s, v, room.lighting())) - coded({-v.x, v.y, v.z})), 3e-3) << angle;
+    // Ice that reflects next to nothing, away from the edge: what is seen is refracted by Snell's law.
+    if (angle > 1) continue;
+    s = {.metallic = 0, .roughness = 0, .transmission = 1, .ior = 1.001F};
+    const double inside = std::asin(std::sin(angle) / 1.001);
+    EXPECT_LT(glm::length(Flux(shade(s, v, room.lighting())) - coded({-std::sin(inside), 0, -std::cos(inside)})), 2e-2)
+        << angle;
+  }
+}
+
+TEST(Shading, RoughMetalBlursAsGgxDoes) {
+  const Room room(Gradient{Direction(0), Direction(1)}, 16);
+  // In a linear environment the prefiltered value is 1/2 + y c / 2, c the mean cosine of the lobe, found by its own integral.
+  for (const float roughness : {0.3F, 0.6F, 1.0F}) {
+    const double a = std::pow(roughness, 2);
+    double sum = 0, weight = 0;
+    for (int k = 0; k < 20000; ++k) {  // Half vectors over theta; l at twice the angle, weighted by cos(n,l).
+      const double t = (k + 0.5) / 20000 * pi / 4, c = std::cos(t), nl = std::cos(2 * t);
+      const double d = a * a / (pi * std::pow(c * c * (a * a - 1) + 1, 2));
+      const double w = d * nl * std::sin(2 * t);
+      sum += w * nl, weight += w;
+    }
+    const Surface s{.normal = {0, 1, 0}, .metallic = 1, .roughness = roughness};
+    const Colour c = shade(s, {0, 1, 0}, room.lighting());
+    // What bounces more than once comes diffused: 1/2 + 1/3.
+    const double once = c.x, sharp = 0.5 + 0.5 * sum / weight;
+    EXPECT_LE(once, sharp + 5e-3) << roughness;
+    EXPECT_GE(once, 0.5 + 1.0 / 3 - 5e-3) << roughness;
+    if (roughness < 0.5F) {
+      EXPECT_NEAR(once, sharp, 1e-2);
+    }
+  }
+}
+
+}  // namespace
