@@ -19,7 +19,7 @@ namespace tools {
 using namespace envmap;
 
 std::vector<Command> all_commands() {
-  return {convert_command(), mipmap_command(),   prefilter_command(), sh_command(), render_command(),     info_command(),
+  return {convert_command(), mipmap_command(),   prefilter_command(), sh_command(), render_command(), view_command(),     info_command(),
           compare_command(), generate_command(), preview_command(),   manual_command(), completion_command()};
 }
 

@@ -46,6 +46,7 @@ Command preview_command();
 Command prefilter_command();
 Command sh_command();
 Command render_command();
+Command view_command();
 Command manual_command();
 Command completion_command();
 

@@ -1,61 +1,27 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
-#include <filesystem>
-#include <regex>
 
 #include "command.h"
 #include "envmap/error.h"
-#include "envmap/io/read_scene.h"
-#include "envmap/map/gutter.h"
 #include "envmap/render/choose.h"
-#include "envmap/render/context.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
-#include "envmap/render/shading.h"
+#include "scene_options.h"
 
 namespace tools {
 namespace {
 
 using namespace envmap;
-using Clock = std::chrono::steady_clock;
-
 struct Options {
-  std::string scene, output, at, environment, frames;
+  SceneOptions scene;
+  std::string output, at;
   std::optional<Projection> to;
   std::optional<Forward> forward;
-  std::optional<Direction> ambient;
   Viewpoint from;
   DrawMethod method = DrawMethod::automatic;
-  ContextKind context = ContextKind::automatic;
-  double time = 0, rate = 24;
-  ReadOptions read;
   WriteOptions write;
 };
-
-struct Range {
-  int first = 0, last = 0;
-};
-
-Range frames_of(const Options& o) {
-  if (o.frames.empty()) return {};
-  static const std::regex form(R"((\d{1,9}):(\d{1,9}))");
-  std::smatch parts;
-  if (!std::regex_match(o.frames, parts, form) || std::stoi(parts[1]) > std::stoi(parts[2]))
-    throw UsageError(fmt::format("--frames: '{}' is not A:B with A <= B", o.frames));
-  return {std::stoi(parts[1]), std::stoi(parts[2])};
-}
-
-// {frame}, four digits at least, or printf's %d and %04d.
-std::string frame_path(const std::string& path, int frame) {
-  static const std::regex mark(R"(\{frame\}|%0?(\d?)d)");
-  std::smatch found;
-  if (!std::regex_search(path, found, mark))
-    throw UsageError(fmt::format("{}: a file a frame wants {{frame}} or %04d in its name", path));
-  const int digits = found[0].str().front() == '{' ? 4 : found[1].length() > 0 ? std::stoi(found[1]) : 1;
-  return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
-}
 
 // The node of that name; -1 for a place.
 int node_of(const Scene& scene, Options& o) {
@@ -65,22 +31,9 @@ int node_of(const Scene& scene, Options& o) {
   int end = 0;
   if (std::sscanf(o.at.c_str(), "%lf,%lf,%lf%n", &x, &y, &z, &end) != 3 || end != static_cast<int>(o.at.size()) ||
       !std::isfinite(x + y + z))
-    throw UsageError(fmt::format("--at: '{}' is no node of {} and not X,Y,Z", o.at, o.scene));
+    throw UsageError(fmt::format("--at: '{}' is no node of {} and not X,Y,Z", o.at, o.scene.path));
   o.from.at = {x, y, z};
   return -1;
-}
-
-struct Sky {
-  EnvironmentMap map;
-  EnvironmentLight light;
-};
-
-std::optional<Sky> sky_of(const Options& o, const Common& common) {
-  if (o.environment.empty()) return std::nullopt;
-  Sky sky{read_map(o.environment, o.read, common).map, {}};
-  for (Level& level : sky.map.levels) fill_gutter(level);
-  sky.light = environment_light(sky.map, glossy_size, progress_line(common, "light of the environment"));
-  return sky;
 }
 
 void check(const Options& o) {
@@ -90,152 +43,111 @@ void check(const Options& o) {
     throw UsageError("--method distort and tessellate cannot draw latlong maps, which are cut open from pole to pole");
 }
 
-void tell_scene(const Options& o, const Scene& scene, const Common& common) {
-  for (const std::string& what : scene.unmodelled) note(common, fmt::format("{}: {} is not drawn", o.scene, what));
-  if (!common.verbose) return;
-  std::size_t triangles = 0;
-  for (const Instance& i : instances(scene))
-    triangles += scene.meshes[static_cast<std::size_t>(i.mesh)].indices.size() / 3;
-  note(common, fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.scene, triangles,
-                           instances(scene).size(), scene.materials.size(), scene.lights.size()));
-}
-
-DrawMethod settled(const Options& o, const Scene& scene) {
-  if (o.method != DrawMethod::automatic) return o.method;
-  std::size_t triangles = 0;
-  for (const Instance& i : instances(scene))
-    triangles += scene.meshes[static_cast<std::size_t>(i.mesh)].indices.size() / 3;
-  return cheapest(o.from.to, o.from.size, triangles);
-}
-
 int run(Options& o, const Common& common) {
   o.from.to = o.to.value_or(Projection::cube);
   o.from.axes = image_to_world(o.forward.value_or(Forward::plus_z));
   check(o);
-  const Range range = frames_of(o);
-  const bool sequence = !o.frames.empty();
-  if (sequence && !common.depfile.empty()) throw UsageError("--depfile is for one map: leave out --frames");
-  check_output(sequence ? frame_path(o.output, range.first) : o.output, o.write, o.from.to);
-  const Scene scene = read_scene(o.scene);
-  tell_scene(o, scene, common);
-  o.from.without = node_of(scene, o);
-  const std::optional<Sky> sky = sky_of(o, common);
-  const DrawMethod method = settled(o, scene);
-
+  const Frames frames = frames_of(o.scene, common);
+  check_output(frames.path(o.output, frames.first), o.write, o.from.to);
+  const LoadedScene loaded = load(o.scene, common);
+  o.from.without = node_of(loaded.scene, o);
+  const DrawMethod method =
+      o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene)) : o.method;
   std::optional<Context> context;
   std::optional<Renderer> renderer;
-  const EnvironmentMap* background = sky ? &sky->map : nullptr;
-  const EnvironmentLight* light = sky ? &sky->light : nullptr;
   if (method != DrawMethod::raycast) {
-    context.emplace(o.context);
-    renderer.emplace(scene, background, light);
+    context.emplace(o.scene.context);
+    renderer.emplace(loaded.scene, loaded.environment(), loaded.light());
     if (common.verbose) note(common, context->renderer());
   }
-  std::vector<std::string> inputs{o.scene};
-  if (!o.environment.empty()) inputs.push_back(o.environment);
   double seconds = 0;
-  for (int frame = range.first; frame <= range.last; ++frame) {
-    const Shot shot{scene, pose(scene, o.time + (sequence ? frame / o.rate : 0)), background, light,
-                    Colour(o.ambient.value_or(Direction(0)))};
-    if (o.from.without >= 0) o.from.at = centre_of(scene, shot.pose, o.from.without);
-    const auto start = Clock::now();
+  for (int frame = frames.first; frame <= frames.last; ++frame) {
+    const Shot shot = loaded.shot(frames.time(frame), o.scene);
+    if (o.from.without >= 0) o.from.at = centre_of(loaded.scene, shot.pose, o.from.without);
+    const Stopwatch watch;
     Drawn drawn = method == DrawMethod::raycast ? raycast(shot, o.from, progress_line(common, "cast"))
                                                 : draw(*renderer, o.from, shot, method);
-    const double took = std::chrono::duration<double>(Clock::now() - start).count();
+    const double took = watch.seconds();
     seconds += took;
     drawn.radiance.forward = o.forward.value_or(Forward::plus_z);
-    const std::string path = sequence ? frame_path(o.output, frame) : o.output;
+    const std::string path = frames.path(o.output, frame);
     if (common.verbose)
       note(common, fmt::format("{}: {} from {:.4g},{:.4g},{:.4g}, drawn in {:.1f} ms", path,
                                draw_method_names[static_cast<std::size_t>(method)], o.from.at.x, o.from.at.y,
                                o.from.at.z, 1e3 * took));
-    write_map(path, rows_of(drawn.radiance), o.write, inputs, "write", common);
+    write_map(path, rows_of(drawn.radiance), o.write, loaded.inputs, "write", common);
   }
-  if (common.verbose && sequence)
-    note(common, fmt::format("{} frames, {:.1f} a second without writing", range.last - range.first + 1,
-                             (range.last - range.first + 1) / seconds));
+  tell_rate(frames, seconds, common);
   return 0;
 }
 
 constexpr std::string_view description =
     "Draws a scene (glTF 2.0: .gltf, .glb; OBJ) from a point into an environment map. Directions are the world's axes "
-    "of the "
-    "scene (glTF: right-handed, +Y up), as in every other map. --at is a place or a node: then the centre of what the "
-    "node "
-    "holds, and the node itself is left out.\n\n"
+    "of "
+    "the scene (glTF: right-handed, +Y up), as in every other map. --at is a place or a node: then the centre of what "
+    "the node holds, and the node itself is left out.\n\n"
     "Methods. 'exact': each triangle is drawn over the true bounds of its curved outline, and every texel's ray meets "
     "the "
     "triangle itself; right for triangles of any size. 'resample': six faces of a cube of the same size, then the "
-    "bilinear "
-    "filter of envmap convert. 'raycast': the reference, by Embree, without OpenGL. 'distort': vertices are moved by "
-    "the map's "
-    "formula (Heidrich and Seidel 1998) and sides stay straight: fast, and wrong where triangles are large. "
-    "'tessellate': the "
-    "same with triangles cut until they are right to a quarter of a pixel; both leave out what lies near the "
-    "singularity and "
-    "draw no latlong maps. 'auto' is the cheapest of exact, resample and raycast by the number of triangles and "
-    "texels.\n\n"
+    "bilinear filter of envmap convert. 'raycast': the reference, by Embree, without OpenGL. 'distort': vertices are "
+    "moved by the map's formula (Heidrich and Seidel 1998) and sides stay straight: fast, and wrong where triangles "
+    "are "
+    "large. 'tessellate': the same with triangles cut until they are right to a quarter of a pixel; both leave out "
+    "what "
+    "lies near the singularity and draw no latlong maps. 'auto' is the cheapest of exact, resample and raycast by the "
+    "number of triangles and texels.\n\n"
     "Light: emission, KHR_lights_punctual, --ambient and --environment, by glTF's metallic-roughness model; nothing "
-    "casts a "
-    "shadow. Surfaces are seen between the spheres of --near and --far.\n\n"
+    "casts "
+    "a shadow. Surfaces are seen between the spheres of --near and --far.\n\n"
     "--context: 'egl' draws on a graphics card without a display, 'osmesa' on the processor; 'auto' takes the card if "
-    "there "
-    "is one. Exit status 5 where there is neither.\n\n"
+    "there is one. Exit status 5 where there is neither.\n\n"
     "--frames A:B draws frame k at the time --time + k / --fps into a file each: put {frame} or %04d into the name.";
 
 }  // namespace
 
 Command render_command() {
-  return {
-      .name = "render",
-      .summary = "Draw a 3D scene round a point or an object into an environment map",
-      .description = std::string(description),
-      .examples = {{"envmap render cellar.glb cube.exr --at 0,1.5,0", "a cube map of 256 round a point"},
-                   {"envmap render cellar.glb ball.exr --to sphere --size 512 --at Ball --environment probe.exr",
-                    "what the node Ball would mirror, as a sphere map, under a sky"},
-                   {"envmap render cellar.glb 'frames/{frame}.exr' --to paraboloid --frames 0:47 --fps 24 -v",
-                    "two seconds of an animated scene, with times"},
-                   {"envmap render room.obj map.exr --to latlong --ambient 1 --samples 8",
-                    "base colours alone, eight samples a texel"}},
-      .writes = true,
-      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
-        auto o = std::make_shared<Options>();
-        app.add_option("SCENE", o->scene, "File to read: .gltf, .glb or .obj")->required();
-        app.add_option(
-               "OUTPUT", o->output,
-               "File to write, '-' for standard output; {face} in the name writes six files, {frame} or %04d one "
-               "a frame")
-            ->required();
-        add_projection(app, "--to", o->to, "Projection of the map (default: cube)");
-        app.add_option("--at", o->at, "Where from: a node of the scene, or a place (default: 0,0,0)")
-            ->type_name("NODE|X,Y,Z");
-        add_size(app, o->from.size, "Height of a face (default: 256)");
-        app.add_option("--samples", o->from.samples, "Rays a texel (default: 1)")->type_name("N")->check(CLI::Range(1, 1024));
-        app.add_option("--near", o->from.near, "Nothing nearer is drawn (default: 0.01)")
-            ->type_name("METRES")
-            ->check(CLI::Range(1e-9, 1e9));
-        app.add_option("--far", o->from.far, "Nothing further is drawn (default: 1000)")
-            ->type_name("METRES")
-            ->check(CLI::Range(1e-9, 1e12));
-        add_choice(app, "--method", o->method, joined(draw_method_names), one_of<DrawMethod>(draw_method_names),
-                   "How it is drawn (default: auto)");
-        add_choice(app, "--context", o->context, joined(context_names), one_of<ContextKind>(context_names),
-                   "What it is drawn with (default: auto)");
-        app.add_option("--environment", o->environment, "Map that is the background and a light")->type_name("FILE");
-        add_triple(app, "--ambient", o->ambient, "R,G,B", true, "Radiance from everywhere (default: 0)");
-        app.add_option("--time", o->time, "Of animations, in seconds (default: 0)")->type_name("T")->check(CLI::Range(-1e6, 1e6));
-        app.add_option("--frames", o->frames, "Draw the frames A to B, a file each")->type_name("A:B");
-        app.add_option("--fps", o->rate, "Frames a second (default: 24)")->type_name("F")->check(CLI::Range(1e-3, 1e6));
-        add_forward(app, "--forward", o->forward, "World axis at the centre of latlong and angular maps (default: +z)");
-        add_layout(app, "--layout", o->write.layout, "Where cube faces lie (default: column)");
-        add_depth(app, o->write.depth);
-        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
-            ->type_name("EXT");
-        add_file_options(app, o->write);
-        app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
-        add_repair(app, o->read);
-        return [o, &common] { return run(*o, common); };
-      }};
+  return {.name = "render",
+          .summary = "Draw a 3D scene round a point or an object into an environment map",
+          .description = std::string(description),
+          .examples = {{"envmap render cellar.glb cube.exr --at 0,1.5,0", "a cube map of 256 round a point"},
+                       {"envmap render cellar.glb ball.exr --to sphere --size 512 --at Ball --environment probe.exr",
+                        "what the node Ball would mirror, as a sphere map, under a sky"},
+                       {"envmap render cellar.glb 'frames/{frame}.exr' --to paraboloid --frames 0:47 --fps 24 -v",
+                        "two seconds of an animated scene, with times"},
+                       {"envmap render room.obj map.exr --to latlong --ambient 1 --samples 8",
+                        "base colours alone, eight samples a texel"}},
+          .writes = true,
+          .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
+            auto o = std::make_shared<Options>();
+            add_scene(app, o->scene);
+            app.add_option(
+                   "OUTPUT", o->output,
+                   "File to write, '-' for standard output; {face} in the name writes six files, {frame} or %04d one "
+                   "a frame")
+                ->required();
+            add_projection(app, "--to", o->to, "Projection of the map (default: cube)");
+            app.add_option("--at", o->at, "Where from: a node of the scene, or a place (default: 0,0,0)")
+                ->type_name("NODE|X,Y,Z");
+            add_size(app, o->from.size, "Height of a face (default: 256)");
+            app.add_option("--samples", o->from.samples, "Rays a texel (default: 1)")->type_name("N")->check(CLI::Range(1, 1024));
+            app.add_option("--near", o->from.near, "Nothing nearer is drawn (default: 0.01)")
+                ->type_name("METRES")
+                ->check(CLI::Range(1e-9, 1e9));
+            app.add_option("--far", o->from.far, "Nothing further is drawn (default: 1000)")
+                ->type_name("METRES")
+                ->check(CLI::Range(1e-9, 1e12));
+            add_choice(app, "--method", o->method, joined(draw_method_names), one_of<DrawMethod>(draw_method_names),
+                       "How it is drawn (default: auto)");
+            add_forward(app, "--forward", o->forward,
+                        "World axis at the centre of latlong and angular maps (default: +z)");
+            add_layout(app, "--layout", o->write.layout, "Where cube faces lie (default: column)");
+            add_depth(app, o->write.depth);
+            app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
+                ->type_name("EXT");
+            add_file_options(app, o->write);
+            app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+            return [o, &common] { return run(*o, common); };
+          }};
 }
 
 }  // namespace tools

@@ -69,7 +69,7 @@ std::vector<Direction> rays(const Viewer& viewer, const Mesh& mesh, const Matrix
 
 // Every ray lies in a cap, and in a face that is said to be reached. @return how many faces are.
 int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
-  const std::vector<Cap> caps = shown_directions(viewer, mesh, world, optics);
+  const std::vector<Cap> caps = shown_directions(viewer, mesh, world, optics).caps;
   const Rotation axes = rotation(20, 30, 40);
   const auto reached = reached_faces(caps, axes, 0);
   const Cap all = caps.empty() ? Cap{{0, 0, 1}, 0} : enclosing(caps);
@@ -105,21 +105,23 @@ TEST(Needed, EveryRayOfALensIsHeld) {
 
 TEST(Needed, WhatIsOutOfSightNeedsNothing) {
   const Vector4 ahead(0, 0, -1, 0);  // The viewer at the origin sees -Z.
-  EXPECT_TRUE(shown_directions({{0, 0, 0}, {ahead}}, ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {}).empty());
-  EXPECT_TRUE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {}).empty()) << "seen from behind";
-  EXPECT_FALSE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {0, true}).empty());
+  EXPECT_TRUE(shown_directions({{0, 0, 0}, {ahead}}, ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {}).caps.empty());
+  EXPECT_TRUE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {}).caps.empty()) << "seen from behind";
+  EXPECT_FALSE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {0, true}).caps.empty());
   expect_held({{0, 0, 0}, {ahead}}, ball(4), glm::translate(Matrix(1), Direction(0, 0, -0.5)), {});
 }
 
 TEST(Needed, AFlatMirrorTakesOneHalfAndABallTakesAll) {
-  const std::vector<Cap> flat = shown_directions({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {});
+  const Shown shown = shown_directions({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {});
+  EXPECT_NEAR(shown.widening, 1, 1e-9);
+  const std::vector<Cap>& flat = shown.caps;
   const Cap all = enclosing(flat);
   EXPECT_LT(all.angle, 0.6);
   EXPECT_GT(all.axis.y, 0.3);
   EXPECT_LT(all.axis.z, -0.3);
   EXPECT_LE(expect_held({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {}), 3);
   EXPECT_EQ(expect_held({{0, 0, 3}, {}}, ball(6), Matrix(1), {}), 6);
-  EXPECT_GT(enclosing(shown_directions({{0, 0, 3}, {}}, ball(16), Matrix(1), {})).angle, pi / 2);
+  EXPECT_GT(enclosing(shown_directions({{0, 0, 3}, {}}, ball(16), Matrix(1), {}).caps).angle, pi / 2);
 }
 
 TEST(Needed, AFaceIsReachedWhereACapTouchesIt) {

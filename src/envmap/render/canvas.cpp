@@ -23,6 +23,14 @@ std::vector<glm::vec4> rays_of(Projection p, int size, int face, const Vec2<doub
   return rays;
 }
 
+gl::Texture uploaded(const std::vector<glm::vec4>& rays, int width, int height) {
+  gl::Texture texture = gl::make_texture(GL_TEXTURE_2D);
+  glTextureStorage2D(texture, 1, GL_RGBA32F, width, height);
+  glTextureSubImage2D(texture, 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, rays.data());
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  return texture;
+}
+
 }  // namespace
 
 void check_face(int width, int height) {
@@ -54,12 +62,17 @@ Canvas::Canvas(int w, int h)
 }
 
 gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offset) {
-  const std::vector<glm::vec4> rays = rays_of(p, size, face, offset);
-  gl::Texture texture = gl::make_texture(GL_TEXTURE_2D);
-  glTextureStorage2D(texture, 1, GL_RGBA32F, size * aspect(p), size);
-  glTextureSubImage2D(texture, 0, 0, 0, size * aspect(p), size, GL_RGBA, GL_FLOAT, rays.data());
-  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  return texture;
+  return uploaded(rays_of(p, size, face, offset), size * aspect(p), size);
+}
+
+gl::Texture make_rays(const Lens& lens, int height, const Vec2<double>& offset) {
+  std::vector<glm::vec4> rays(static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(height));
+  tbb::parallel_for(0, height, [&](int row) {
+    for (int i = 0; i < lens.width; ++i)
+      rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(lens.width) + static_cast<std::size_t>(i)] =
+          glm::vec4(glm::vec3(lens.ray((i + 0.5 + offset.x) / lens.width, (row + 0.5 + offset.y) / height)), 0);
+  });
+  return uploaded(rays, lens.width, height);
 }
 
 Rotation map_to_face(Projection p, int face) {

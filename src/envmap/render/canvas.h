@@ -7,6 +7,7 @@
 
 #include "envmap/maths/vector.h"
 #include "envmap/projection/projection.h"
+#include "envmap/render/draw.h"
 #include "envmap/render/gl.h"
 
 namespace envmap {
@@ -29,6 +30,9 @@ struct Canvas {
 /// Directions through the texels of a face in the frame of the map; 0 where the texel is no part of it.
 /// @param offset from the centres, in texels.
 gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offset);
+
+/// The same of a picture.
+gl::Texture make_rays(const Lens& lens, int height, const Vec2<double>& offset);
 
 /// Rows are right, up and into the face of a cube; for other projections see images.glsl.
 Rotation map_to_face(Projection p, int face);

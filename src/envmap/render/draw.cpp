@@ -12,6 +12,13 @@ std::vector<Instance> instances(const Scene& scene) {
   return all;
 }
 
+std::size_t triangles(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Instance& i : instances(scene))
+    count += scene.meshes[static_cast<std::size_t>(i.mesh)].indices.size() / 3;
+  return count;
+}
+
 Vec2<double> sample_offset(int sample, int samples) {
   // Korobov's lattice with the golden ratio; its first point moved to the middle of its cell.
   const double along = (sample + 0.5) / samples, across = (sample + 0.5) * 0.6180339887498949;

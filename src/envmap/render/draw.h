@@ -3,12 +3,26 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "envmap/map/environment_map.h"
 #include "envmap/scene/scene.h"
 
 namespace envmap {
+
+/// A picture in place of a map: what a pinhole camera sees. X of the map's frame is right, Y up, -Z ahead.
+struct Lens {
+  int width = 0;             ///< Pixels; the height is Viewpoint::size.
+  Vec2<double> tangents{1};  ///< Of half the angles of view, across and up.
+  double shift = 0;          ///< Of what is seen, to the right, in half widths: for pairs of eyes.
+
+  /// Through a point of the picture, u right and v down as in a map. @return unit.
+  [[nodiscard]] Direction ray(double u, double v) const {
+    return glm::normalize(Direction(tangents.x * (2 * u - 1 - shift), tangents.y * (1 - 2 * v), -1));
+  }
+};
 
 /// One map to draw.
 struct Viewpoint {
@@ -20,9 +34,18 @@ struct Viewpoint {
   int without = -1;                ///< The node that is left out with all below it; -1: none.
   int samples = 1;                 ///< A texel. Distances and surfaces are those of the first.
   unsigned which = ~0U;            ///< Faces to draw, a bit each.
+  bool cull = true;                ///< Leave out what lies beyond a face, by spheres round meshes.
+  std::optional<Lens> lens;        ///< Then it is a picture of one face, and `to` is not looked at.
 };
 
 struct EnvironmentLight;
+struct MirrorMap;
+
+/// How mirrors look their maps up.
+struct MirrorLook {
+  bool by_vertex = false;  ///< Places in the map found at vertices and interpolated, as was done before 2000.
+  bool tinted = false;     ///< Each face of a map in a colour of its own.
+};
 
 /// The scene at one moment.
 struct Shot {
@@ -31,6 +54,8 @@ struct Shot {
   const EnvironmentMap* environment = nullptr;  ///< Background, gutters filled; null: black.
   const EnvironmentLight* light = nullptr;      ///< What it gives surfaces (shading.h); null: reflections alone.
   Colour ambient{0};                            ///< Radiance from everywhere, beside the environment.
+  std::span<const MirrorMap> mirrors{};         ///< In the order of the renderer's; empty: they show the environment.
+  MirrorLook look{};
 };
 
 /// A mesh in its place. All of a scene's, in the order of nodes: what a surface is numbered by.
@@ -38,6 +63,9 @@ struct Instance {
   int node, mesh;
 };
 std::vector<Instance> instances(const Scene& scene);
+
+/// Of all instances.
+std::size_t triangles(const Scene& scene);
 
 /// Where the map of a node is drawn from: the centre of the box that holds its meshes and those below it; where it has
 /// none, its origin. World.

@@ -96,6 +96,9 @@ void set(const Program& p, const char* name, std::span<const float, 9> columns) 
   glProgramUniformMatrix3fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, columns.data());
 }
 
+void set(const Program& p, const char* name, const glm::vec4& value) {
+  glProgramUniform4fv(p, glGetUniformLocation(p, name), 1, &value.x);
+}
 void set(const Program& p, const char* name, const glm::mat4& value) {
   glProgramUniformMatrix4fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, &value[0][0]);
 }

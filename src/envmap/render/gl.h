@@ -85,7 +85,7 @@ void set(const Program& program, const char* name, float value);
 void set(const Program& program, const char* name, std::span<const float, 2> value);
 void set(const Program& program, const char* name, std::span<const float, 3> value);
 void set(const Program& program, const char* name, std::span<const float, 9> columns);
-
+void set(const Program& program, const char* name, const glm::vec4& value);
 void set(const Program& program, const char* name, const glm::mat4& value);
 
 /// @throws std::bad_alloc where GL ran out of memory, std::runtime_error on any other error since the last call.

@@ -80,8 +80,14 @@ std::vector<GpuMaterial> materials_of(const Scene& scene) {
   return all;
 }
 
-int group_of(const Material& m, std::vector<Group>& groups) {
-  const Group group{m.base_colour_texture, m.metallic_roughness_texture, m.emissive_texture};
+int mirror_of(const Scene& scene, int node, std::span<const int> mirrors) {
+  for (std::size_t k = 0; k < mirrors.size(); ++k)
+    if (lies_under(scene, node, mirrors[k])) return static_cast<int>(k);
+  return -1;
+}
+
+int group_of(const Material& m, int mirror, std::vector<Group>& groups) {
+  const Group group{m.base_colour_texture, m.metallic_roughness_texture, m.emissive_texture, mirror};
   const auto known = std::ranges::find(groups, group);
   const auto number = static_cast<int>(known - groups.begin());
   if (known == groups.end()) groups.push_back(group);
@@ -104,7 +110,7 @@ GpuLight from_viewpoint(const PlacedLight& light, const Direction& eye) {
 
 }  // namespace
 
-GpuScene::GpuScene(const Scene& scene) : lights_(static_cast<int>(scene.lights.size())) {
+GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(static_cast<int>(scene.lights.size())) {
   std::vector<glm::vec3> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<GpuCorner> corners;
@@ -121,7 +127,7 @@ GpuScene::GpuScene(const Scene& scene) : lights_(static_cast<int>(scene.lights.s
   for (const Instance& instance : instances(scene)) {
     const Mesh& mesh = at(scene.meshes, instance.mesh);
     const Material& material = at(scene.materials, mesh.material);
-    const int group = group_of(material, groups_);
+    const int group = group_of(material, mirror_of(scene, instance.node, mirrors), groups_);
     Part part{.node = instance.node,
               .mesh = instance.mesh,
               .indices = static_cast<GLsizei>(mesh.indices.size()),
@@ -140,7 +146,7 @@ GpuScene::GpuScene(const Scene& scene) : lights_(static_cast<int>(scene.lights.s
   if (2 * corners.size() > static_cast<std::size_t>(most))
     throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / 6));
   if (groups_.size() > 255)
-    throw UsageError(fmt::format("materials with {} sets of textures: this renderer takes 255", groups_.size()));
+    throw UsageError(fmt::format("materials with {} sets of textures and mirrors: this renderer takes 255", groups_.size()));
   vertices_ = gl::make_buffer(vertices);
   indices_ = gl::make_buffer(indices);
   corners_ = gl::make_buffer(corners);

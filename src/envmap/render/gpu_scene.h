@@ -27,9 +27,10 @@ struct Ball {
   double radius;
 };
 
-/// Materials with the same textures, which are shaded together.
+/// Materials with the same textures on the same mirror, which are shaded together.
 struct Group {
   int base_colour, metallic_roughness, emissive;  ///< Index into Scene::textures or -1.
+  int mirror;                                     ///< Index of the mirror it is part of, or -1.
   bool operator==(const Group&) const = default;
 };
 
@@ -43,8 +44,8 @@ struct Placed {
 /// Needs a current context, and goes before it.
 class GpuScene {
  public:
-  /// @throws UsageError where a texture is larger than GL takes.
-  explicit GpuScene(const Scene& scene);
+  /// @param mirrors nodes that have a map each, with all below them. @throws UsageError where a texture is larger than GL takes.
+  explicit GpuScene(const Scene& scene, std::span<const int> mirrors = {});
 
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }

@@ -40,7 +40,7 @@ struct Search {
   const Viewer& viewer;
   const Optics& optics;
   double fineness;
-  std::vector<Cap>& caps;
+  Shown& shown;
 
   [[nodiscard]] bool out_of_sight(const Facet& f) const {
     return std::ranges::any_of(viewer.planes, [&](const auto& plane) {
@@ -55,11 +55,19 @@ struct Search {
     const Cap view = cap_of({rays(0), rays(1), rays(2)}), normal = cap_of({normals(0), normals(1), normals(2)});
     const double angle = view.angle + 2 * normal.angle;
     if (angle <= fineness || depth == deepest) {
-      caps.push_back({optics.turned(view.axis, normal.axis), std::min(angle, pi)});
+      for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        const double turn = angle_between(rays(i), rays(j));
+        if (turn > 1e-9)
+          shown.widening =
+              std::min(shown.widening,
+                       angle_between(optics.turned(rays(i), normals(i)), optics.turned(rays(j), normals(j))) / turn);
+      }
+      shown.caps.push_back({optics.turned(view.axis, normal.axis), std::min(angle, pi)});
       // Where some of the rays graze the surface, a normal may turn either way to face the viewer.
       if (optics.refracts() && std::abs(glm::dot(view.axis, normal.axis)) < std::sin(std::min(angle, pi / 2))) {
         const double facing = glm::dot(view.axis, normal.axis) > 0 ? -1 : 1;
-        caps.push_back({unit(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
+        shown.caps.push_back({unit(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
       }
       return;
     }
@@ -76,23 +84,22 @@ Direction Optics::turned(const Direction& view, const Direction& normal) const {
   return unit(glm::refract(view, glm::faceforward(normal, view, normal), 1 / ior));
 }
 
-std::vector<Cap> shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
-                                  double fineness) {
+Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics, double fineness) {
   const Rotation turn(world), normals = glm::determinant(turn) != 0 ? glm::transpose(glm::inverse(turn)) : turn;
   const double handed = glm::determinant(turn) < 0 ? -1 : 1;  // A mirrored node's triangles are wound the other way.
   const auto corner = [&](std::uint32_t index) {
     return Corner{Direction(world * glm::vec<4, double, glm::highp>(mesh.positions[index], 1)),
                   unit(normals * Direction(mesh.normals[index]))};
   };
-  std::vector<Cap> caps;
-  Search search{viewer, optics, fineness, caps};
+  Shown shown;
+  Search search{viewer, optics, fineness, shown};
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const Facet f{corner(mesh.indices[i]), corner(mesh.indices[i + 1]), corner(mesh.indices[i + 2])};
     const Direction facing = glm::cross(f[1].position - f[0].position, f[2].position - f[0].position) * handed;
     if (!optics.double_sided && glm::dot(facing, viewer.at - f[0].position) <= 0) continue;
     search.add(f, 0);
   }
-  return caps;
+  return shown;
 }
 
 std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axes, double margin) {

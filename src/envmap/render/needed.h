@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Viewer {
   Direction at;
   /// World planes (normal, offset) with everything seen where dot(normal, p) + offset >= 0; empty: all is seen.
   std::vector<glm::vec<4, double, glm::highp>> planes;
+  int node = -1;  ///< Whose centre it is; -1: a camera.
 };
 
 /// What a surface does with a view ray.
@@ -34,6 +36,13 @@ struct Optics {
   [[nodiscard]] Direction turned(const Direction& view, const Direction& normal) const;
 };
 
+struct Shown {
+  std::vector<Cap> caps;
+  /// The least that directions turn for each radian that the ray does: 1 for flat mirrors, more for convex ones. Infinite
+  /// where nothing is seen.
+  double widening = std::numeric_limits<double>::infinity();
+};
+
 /// Caps that together hold every direction that a mesh shows a viewer; none where it is out of sight. Occlusion by other
 /// things is not looked at.
 ///
@@ -41,8 +50,8 @@ struct Optics {
 /// of the mean ray's: a reflection turns by what the ray turns and by twice what the normal does, and refraction into
 /// a denser medium by no more. What is wide is split, and parts beyond the viewer's planes are dropped.
 /// @param world places the mesh. @param fineness of the caps in radians; wider ones are split up to six times.
-std::vector<Cap> shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
-                                  double fineness = 0.2);
+Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
+                       double fineness = 0.2);
 
 /// The cube's faces (in the order of cube.h, in the frame of `axes`) that the caps reach.
 /// @param axes from the map's frame to the world's. @param margin in radians, for what a lookup reads beyond its place.

@@ -48,7 +48,7 @@ EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances) {
   if (distances != nullptr) distances->resize(texels * static_cast<std::size_t>(level.faces()));
   std::vector<glm::vec4> drawn(texels);
   for (int face = 0; face < level.faces(); ++face) {
-    glGetTextureSubImage(map.texture, 0, 0, 0, face, level.width(), level.height(), 1, GL_RGBA, GL_FLOAT,
+    glGetTextureSubImage(map.texture, 0, 0, 0, map.layer(face), level.width(), level.height(), 1, GL_RGBA, GL_FLOAT,
                          static_cast<GLsizei>(texels * sizeof(glm::vec4)), drawn.data());
     tbb::parallel_for(0, level.height(), [&](int row) {
       const std::size_t first = static_cast<std::size_t>(row) * width;

@@ -24,7 +24,17 @@ std::array<float, 9> floats(const M& m) {
 float singularity(Projection p) { return p == Projection::paraboloid ? 0.5F : 0.05F; }
 
 // Whether a sphere can be seen in a face at all.
-bool in_face(Projection p, const Direction& centre, double radius) {
+bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
+  if (from.lens) {
+    const Vec2<double> zoom = 1.0 / from.lens->tangents;
+    const double shift = from.lens->shift;
+    const auto beyond = [&](double slope, double x, double ahead) {
+      return slope * x > ahead * centre.z + std::hypot(slope, ahead) * radius;
+    };
+    return centre.z >= -radius && !beyond(zoom.x, centre.x, 1 - shift) && !beyond(-zoom.x, centre.x, 1 + shift) &&
+           !beyond(zoom.y, centre.y, 1) && !beyond(-zoom.y, centre.y, 1);
+  }
+  const Projection p = from.to;
   if (p == Projection::cube)
     return centre.z >= -radius && std::max(std::abs(centre.x), std::abs(centre.y)) - centre.z <= std::sqrt(2.0) * radius;
   const double distance = glm::length(centre);
@@ -32,38 +42,83 @@ bool in_face(Projection p, const Direction& centre, double radius) {
   return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= 1.92;
 }
 
+void interpolate(const gl::Texture& texture) {
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+// What a group's mirror shows; null for what is none, or has no map yet.
+const MirrorMap* map_of(const Group& group, const Shot& shot) {
+  if (group.mirror < 0 || shot.mirrors.empty()) return nullptr;
+  const MirrorMap& map = shot.mirrors[static_cast<std::size_t>(group.mirror)];
+  return map.texture ? &map : nullptr;
+}
+
 }  // namespace
 
-MapTexture::MapTexture(Projection p, int n) : projection(p), size(n), texture(gl::make_texture(GL_TEXTURE_2D_ARRAY)) {
-  check_face(n * aspect(p), n);
-  glTextureStorage3D(texture, 1, GL_RGBA32F, n * aspect(p), n, faces(p));
+MapTexture::MapTexture(Projection p, int n)
+    : projection(p),
+      width(n * aspect(p)),
+      size(n),
+      texture(gl::make_texture(p == Projection::cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D_ARRAY)) {
+  check_face(width, n);
+  if (p == Projection::cube)
+    glTextureStorage2D(texture, 1, GL_RGBA32F, n, n);
+  else
+    glTextureStorage3D(texture, 1, GL_RGBA32F, width, n, faces(p));
+  interpolate(texture);
+  glClearTexImage(texture, 0, GL_RGBA, GL_FLOAT, nullptr);
   gl::check("map");
 }
 
-Renderer::Renderer(const Scene& scene, const EnvironmentMap* environment, const EnvironmentLight* light)
-    : gpu_(scene), light_(upload(light)), lit_by_environment_(light != nullptr) {
-  if (environment != nullptr) environment_ = upload(*environment);
-  background_ = lighting_program("background.frag.glsl", 0);
+MapTexture::MapTexture(int w, int n)
+    : projection(Projection::latlong), width(w), size(n), texture(gl::make_texture(GL_TEXTURE_2D_ARRAY)) {
+  check_face(w, n);
+  glTextureStorage3D(texture, 1, GL_RGBA32F, w, n, 1);
+  gl::check("picture");
 }
 
-gl::Program Renderer::lighting_program(std::string_view last, int textures) const {
-  std::string defines = fmt::format("#define TEXTURES {}\n", textures);
+Renderer::Renderer(const Scene& scene, const EnvironmentMap* environment, const EnvironmentLight* light,
+                   std::vector<int> mirrors)
+    : mirrors_(std::move(mirrors)), gpu_(scene, mirrors_), light_(upload(light)), lit_by_environment_(light != nullptr) {
+  if (environment != nullptr) environment_ = upload(*environment);
+  background_ = lighting_program("background.frag.glsl", {});
+  glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+}
+
+gl::Program Renderer::lighting_program(std::string_view last, const std::string& more) const {
+  std::string defines = more;
   if (environment_) defines += fmt::format("#define MAP {}\n", static_cast<int>(environment_->projection));
   gl::Program program =
       gl::make_program({{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}},
-                        {GL_FRAGMENT_SHADER, {"triangle.glsl", "locate.glsl", "environment.glsl", "shading.glsl", last}}},
+                        {GL_FRAGMENT_SHADER,
+                         {"triangle.glsl", "locate.glsl", "environment.glsl", "mirror.glsl", "shading.glsl", last}}},
                        defines);
   if (environment_) gl::set(program, "to_environment", floats(environment_->to_map));
   glProgramUniform3fv(program, glGetUniformLocation(program, "irradiance"), 9, &light_.irradiance[0].x);
   return program;
 }
 
-const gl::Program& Renderer::shade_program(const Group& group) {
+const gl::Program& Renderer::shade_program(const Group& group, const Shot& shot) {
   const int textures =
       (group.base_colour >= 0 ? 1 : 0) + (group.metallic_roughness >= 0 ? 2 : 0) + (group.emissive >= 0 ? 4 : 0);
-  gl::Program& program = shade_[static_cast<std::size_t>(textures)];
-  if (program == 0) program = lighting_program("shade.frag.glsl", textures);
+  std::string defines = fmt::format("#define TEXTURES {}\n", textures);
+  if (const MirrorMap* mirror = map_of(group, shot))
+    defines +=
+        fmt::format("#define MIRROR {}\n{}{}", static_cast<int>(mirror->texture->projection),
+                    mirror->glossy ? "#define MIRROR_GLOSSY\n" : "", shot.look.by_vertex ? "#define BY_VERTEX\n" : "");
+  gl::Program& program = shade_[defines];
+  if (program == 0) program = lighting_program("shade.frag.glsl", defines);
   return program;
+}
+
+void Renderer::bind_mirror(const gl::Program& program, const MirrorMap& mirror, const MirrorLook& look) const {
+  gl::set(program, "to_mirror", floats(glm::transpose(mirror.axes)));
+  gl::set(program, "tinted", look.tinted ? 1 : 0);
+  glBindTextureUnit(11, mirror.texture->texture);
+  if (mirror.glossy) glBindTextureUnit(12, mirror.glossy->glossy);
 }
 
 const gl::Program& Renderer::visibility_program(DrawMethod method, Projection p, bool holes) {
@@ -97,6 +152,7 @@ const gl::Program& Renderer::visibility_program(DrawMethod method, Projection p,
 }
 
 const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
+  if (from.lens) return sample_rays_ = make_rays(*from.lens, from.size, sample_offset(sample, from.samples));
   if (from.samples > 1) return sample_rays_ = make_rays(from.to, from.size, face, sample_offset(sample, from.samples));
   gl::Texture& known = rays_[{from.to, from.size, face}];
   if (known == 0) known = make_rays(from.to, from.size, face, Vec2<double>(0));
@@ -104,8 +160,13 @@ const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
 }
 
 void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample) {
-  const bool tessellated = method == DrawMethod::tessellate && from.to != Projection::cube;
-  const Rotation to_face = map_to_face(from.to, face);
+  const Projection image = from.lens ? Projection::cube : from.to;
+  const bool tessellated = method == DrawMethod::tessellate && image != Projection::cube;
+  const Rotation to_face = from.lens ? Rotation(1, 0, 0, 0, 1, 0, 0, 0, -1) : map_to_face(from.to, face);
+  const Vec2<double> tangents = from.lens ? from.lens->tangents : Vec2<double>(1);
+  // The near plane touches the near sphere from inside, at the corners.
+  const double nearest = 0.98 * from.near / std::sqrt(1 + glm::dot(tangents, tangents));
+  const glm::vec4 frame(1.0 / tangents.x, 1.0 / tangents.y, from.lens ? from.lens->shift : 0, nearest);
   glBindFramebuffer(GL_FRAMEBUFFER, canvas_->seen);
   glViewport(0, 0, canvas_->width, canvas_->height);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -133,14 +194,15 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
       if (part.holes != holes || part.indices == 0) continue;
       if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
       if (glm::length(placed.ball.centre) - placed.ball.radius > from.far) continue;
-      if (!in_face(from.to, to_face * placed.ball.centre, placed.ball.radius)) continue;
+      if (from.cull && !in_face(from, to_face * placed.ball.centre, placed.ball.radius)) continue;
       if (program == nullptr) {
-        program = &visibility_program(method, from.to, holes);
+        program = &visibility_program(method, image, holes);
         gl::set(*program, "range", range);
         gl::set(*program, "pixel", pixel);
         gl::set(*program, "shift", shift);
         gl::set(*program, "to_face", floats(to_face));
-        gl::set(*program, "singularity", singularity(from.to));
+        gl::set(*program, "frame", frame);
+        gl::set(*program, "singularity", singularity(image));
         gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
         glUseProgram(*program);
       }
@@ -165,7 +227,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
 }
 
 void Renderer::shade(const Viewpoint& from, const Shot& shot, MapTexture& to, int face, int sample) {
-  glNamedFramebufferTextureLayer(canvas_->lit, GL_COLOR_ATTACHMENT0, to.texture, 0, face);
+  glNamedFramebufferTextureLayer(canvas_->lit, GL_COLOR_ATTACHMENT0, to.texture, 0, to.layer(face));
   glBindFramebuffer(GL_FRAMEBUFFER, canvas_->lit);
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
@@ -191,24 +253,31 @@ void Renderer::shade(const Viewpoint& from, const Shot& shot, MapTexture& to, in
     glDrawArrays(GL_TRIANGLES, 0, 3);
   };
   light(background_, 0);
-  for (std::size_t group = 0; group < gpu_.groups().size(); ++group) {
-    gpu_.bind(gpu_.groups()[group]);
-    light(shade_program(gpu_.groups()[group]), static_cast<int>(1 + group));
+  for (std::size_t k = 0; k < gpu_.groups().size(); ++k) {
+    const Group& group = gpu_.groups()[k];
+    // What is left out is not shaded: its map may be what is being drawn.
+    if (group.mirror >= 0 && lies_under(shot.scene, mirrors_[static_cast<std::size_t>(group.mirror)], from.without))
+      continue;
+    gpu_.bind(group);
+    const gl::Program& program = shade_program(group, shot);
+    if (const MirrorMap* mirror = map_of(group, shot)) bind_mirror(program, *mirror, shot.look);
+    light(program, static_cast<int>(1 + k));
   }
 }
 
 void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
                     std::vector<std::uint32_t>* surfaces) {
-  if (from.to == Projection::latlong && (method == DrawMethod::distort || method == DrawMethod::tessellate))
+  if (!from.lens && from.to == Projection::latlong && (method == DrawMethod::distort || method == DrawMethod::tessellate))
     throw UsageError(fmt::format("{} cannot draw latlong maps, which are cut open from pole to pole: exact or resample",
                                  draw_method_names[static_cast<std::size_t>(method)]));
-  const int width = from.size * aspect(from.to);
+  const int width = from.lens ? from.lens->width : from.size * aspect(from.to);
   if (!canvas_ || canvas_->width != width || canvas_->height != from.size) canvas_.emplace(width, from.size);
   const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(from.size);
   std::vector<glm::uvec2> seen;
   gpu_.place(shot.scene, shot.pose, from.at, from.axes);
   gpu_.bind();
-  for (int face = 0; face < faces(from.to); ++face) {
+  const int count = from.lens ? 1 : faces(from.to);
+  for (int face = 0; face < count; ++face) {
     if ((from.which >> face & 1U) == 0) continue;
     for (int sample = 0; sample < from.samples; ++sample) {
       glBindTextureUnit(0, rays(from, face, sample));
@@ -217,7 +286,7 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
         seen.resize(texels);
         glGetTextureImage(canvas_->surfaces, 0, GL_RG_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(8 * texels),
                           seen.data());
-        surfaces->resize(texels * static_cast<std::size_t>(faces(from.to)));
+        surfaces->resize(texels * static_cast<std::size_t>(count));
         for (std::size_t k = 0; k < texels; ++k) (*surfaces)[static_cast<std::size_t>(face) * texels + k] = seen[k].x;
       }
       shade(from, shot, to, face, sample);

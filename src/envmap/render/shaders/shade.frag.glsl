@@ -63,5 +63,17 @@ void main() {
 #if (TEXTURES & 4) != 0
   surface.emissive *= textureGrad(emissives, place, along, down).rgb;
 #endif
+#ifdef BY_VERTEX
+  // The classic way: reflected directions at the corners, places in the map between them, all in the first one's face.
+  place_by_vertex = vec3(0);
+  float face = 0;
+  for (int k = 0; k < 3; ++k) {
+    vec3 corner = k == 0 ? t.a : k == 1 ? t.b : t.c, n = normalize(t.normals[k] * mat3(x.xyz, y.xyz, z.xyz));
+    vec3 place = place_of(to_mirror * reflect(normalize(to_world * corner), n));
+    if (k == 0) face = place.z;
+    place_by_vertex += weights[k] * place;
+  }
+  if (MIRROR == 3) place_by_vertex.z = face;
+#endif
   colour = vec4(weight * shade(surface, to_world * -ray), far_off);
 }

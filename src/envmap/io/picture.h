@@ -1,0 +1,19 @@
+/// @file
+/// Pictures for people: plain images, not environment maps.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "envmap/maths/vector.h"
+
+namespace envmap {
+
+/// Whether write_picture() knows the type.
+bool is_picture(const std::string& path);
+
+/// @param path .png and .jpg hold 8 bits, sRGB encoded; .exr and .hdr linear floats. @param pixels linear, rows from the top.
+/// @throws OutputError; then nothing is left behind.
+void write_picture(const std::string& path, int width, std::span<const Colour> pixels);
+
+}  // namespace envmap

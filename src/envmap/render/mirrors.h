@@ -1,0 +1,79 @@
+/// @file
+/// Several mirrors and lenses in one scene: each has a map of its own, drawn from its centre with the others' latest maps,
+/// and only as far as somebody can see it (needed.h).
+///
+/// Sources: Blinn and Newell 1976 (environment maps); Heidrich and Seidel 1998, "View-independent environment maps" (two
+/// paraboloids); Diefenbach 1996 and Nielsen and Christensen 2002 for reflections in reflections, a frame old.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "envmap/render/needed.h"
+#include "envmap/render/renderer.h"
+
+namespace envmap {
+
+/// A node that is drawn through a map, with all that lies below it.
+struct Mirror {
+  int node = 0;
+  Projection to = Projection::paraboloid;
+  Optics optics;
+  bool rough = false;  ///< Then its map is a whole cube, of which the GGX-prefiltered levels are made.
+};
+
+/// Nodes with a metallic surface without roughness, or a transmissive one.
+/// @param to sphere, paraboloid or cube.
+std::vector<Mirror> find_mirrors(const Scene& scene, Projection to);
+
+/// @param node may have any material. @return as find_mirrors() would have it.
+Mirror make_mirror(const Scene& scene, int node, Projection to);
+
+struct MirrorOptions {
+  int size = 0;  ///< Height of a face; 0: what the pixels of the picture need, up to `largest`.
+  int largest = 1024;
+  int bounces = 1;   ///< Rounds a frame: so often light goes from mirror to mirror before the next one.
+  bool all = false;  ///< Draw every face of every map in every frame.
+  double near = 0.01, far = 1000;
+  DrawMethod method = DrawMethod::exact;
+};
+
+/// The maps as they are from frame to frame.
+class Mirrors {
+ public:
+  Mirrors(const Scene& scene, std::vector<Mirror> mirrors);
+
+  /// Draws what the viewers need.
+  /// @param pixel angle of view of a pixel of theirs, radians. @param tell a line for each map: what was drawn or skipped.
+  void update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers, double pixel,
+              const MirrorOptions& options, const std::function<void(const std::string&)>& tell);
+
+  [[nodiscard]] const std::vector<MirrorMap>& maps() const { return maps_; }
+
+ private:
+  // What a map was drawn of: where nothing of it changes, the map stays.
+  struct Drawn {
+    Pose pose;
+    Direction at{0};
+    unsigned faces = 0;
+    std::vector<int> versions;  // Of all maps.
+    int version = 0, unchanged = 0;
+  };
+  struct Wanted {
+    std::vector<Cap> caps;
+    double finest = 0;  // Radians between texels.
+  };
+
+  [[nodiscard]] Wanted wanted(std::size_t k, const Shot& shot, const std::vector<Viewer>& viewers, double pixel) const;
+  bool prepare(std::size_t k, const Shot& shot, const Wanted& wanted, const MirrorOptions& options);
+  [[nodiscard]] unsigned needed_faces(std::size_t k, const std::vector<Cap>& caps) const;
+  void draw(std::size_t k, Renderer& renderer, const Shot& shot, const MirrorOptions& options, unsigned faces);
+
+  const Scene& scene_;
+  std::vector<Mirror> mirrors_;
+  std::vector<MirrorMap> maps_;
+  std::vector<Drawn> drawn_;
+};
+
+}  // namespace envmap

@@ -1,0 +1,76 @@
+#include "scene_options.h"
+
+#include <fmt/format.h>
+
+#include <regex>
+
+#include "envmap/error.h"
+#include "envmap/io/read_scene.h"
+#include "envmap/map/gutter.h"
+
+namespace tools {
+
+using namespace envmap;
+
+void add_scene(CLI::App& app, SceneOptions& o) {
+  app.add_option("SCENE", o.path, "File to read: .gltf, .glb or .obj")->required();
+  add_choice(app, "--context", o.context, joined(context_names), one_of<ContextKind>(context_names),
+             "What it is drawn with (default: auto)");
+  app.add_option("--environment", o.environment, "Map that is the background and a light")->type_name("FILE");
+  add_triple(app, "--ambient", o.ambient, "R,G,B", true, "Radiance from everywhere (default: 0)");
+  app.add_option("--time", o.time, "Of animations, in seconds (default: 0)")->type_name("T")->check(CLI::Range(-1e6, 1e6));
+  app.add_option("--frames", o.frames, "Draw the frames A to B, a file each")->type_name("A:B");
+  app.add_option("--fps", o.rate, "Frames a second (default: 24)")->type_name("F")->check(CLI::Range(1e-3, 1e6));
+  add_repair(app, o.read);
+}
+
+std::string Frames::path(const std::string& output, int frame) const {
+  if (!sequence) return output;
+  static const std::regex mark(R"(\{frame\}|%0?(\d?)d)");
+  std::smatch found;
+  if (!std::regex_search(output, found, mark))
+    throw UsageError(fmt::format("{}: a file a frame wants {{frame}} or %04d in its name", output));
+  const int digits = found[0].str().front() == '{' ? 4 : found[1].length() > 0 ? std::stoi(found[1]) : 1;
+  return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
+}
+
+Frames frames_of(const SceneOptions& o, const Common& common) {
+  if (o.frames.empty()) return {.start = o.time};
+  static const std::regex form(R"((\d{1,9}):(\d{1,9}))");
+  std::smatch parts;
+  if (!std::regex_match(o.frames, parts, form) || std::stoi(parts[1]) > std::stoi(parts[2]))
+    throw UsageError(fmt::format("--frames: '{}' is not A:B with A <= B", o.frames));
+  if (!common.depfile.empty()) throw UsageError("--depfile is for one file: leave out --frames");
+  return {std::stoi(parts[1]), std::stoi(parts[2]), true, o.time, o.rate};
+}
+
+Shot LoadedScene::shot(double time, const SceneOptions& options) const {
+  return {.scene = scene,
+          .pose = pose(scene, time),
+          .environment = environment(),
+          .light = light(),
+          .ambient = Colour(options.ambient.value_or(Direction(0)))};
+}
+
+LoadedScene load(const SceneOptions& o, const Common& common) {
+  LoadedScene loaded{.scene = read_scene(o.path), .inputs = {o.path}};
+  const Scene& scene = loaded.scene;
+  for (const std::string& what : scene.unmodelled) note(common, fmt::format("{}: {} is not drawn", o.path, what));
+  if (common.verbose)
+    note(common, fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
+                             instances(scene).size(), scene.materials.size(), scene.lights.size()));
+  if (o.environment.empty()) return loaded;
+  loaded.inputs.push_back(o.environment);
+  loaded.sky = std::make_unique<LoadedScene::Sky>(read_map(o.environment, o.read, common).map);
+  for (Level& level : loaded.sky->map.levels) fill_gutter(level);
+  loaded.sky->light = environment_light(loaded.sky->map, glossy_size, progress_line(common, "light of the environment"));
+  return loaded;
+}
+
+void tell_rate(const Frames& frames, double seconds, const Common& common) {
+  if (!common.verbose) return;
+  note(common, fmt::format("{} frame{}, {:.1f} a second without writing", frames.count(),
+                           frames.count() == 1 ? "" : "s", frames.count() / seconds));
+}
+
+}  // namespace tools

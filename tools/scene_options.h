@@ -1,0 +1,70 @@
+/// @file
+/// What the commands that draw scenes have in common: the scene, its light, its moments.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "envmap/render/context.h"
+#include "envmap/render/draw.h"
+#include "envmap/render/shading.h"
+
+namespace tools {
+
+struct SceneOptions {
+  std::string path, environment, frames;
+  std::optional<envmap::Direction> ambient;
+  envmap::ContextKind context = envmap::ContextKind::automatic;
+  double time = 0, rate = 24;
+  envmap::ReadOptions read;
+};
+void add_scene(CLI::App& app, SceneOptions& options);
+
+/// The moments to draw; without --frames one, and one file.
+struct Frames {
+  int first = 0, last = 0;
+  bool sequence = false;
+  double start = 0, rate = 24;
+
+  [[nodiscard]] int count() const { return last - first + 1; }
+  [[nodiscard]] double time(int frame) const { return start + (sequence ? frame / rate : 0); }
+  /// Of a frame's file: {frame}, four digits at least, or printf's %d and %04d. @throws UsageError
+  [[nodiscard]] std::string path(const std::string& output, int frame) const;
+};
+/// @throws UsageError
+Frames frames_of(const SceneOptions& options, const Common& common);
+
+/// A scene in memory with its environment. What it does not draw has been said.
+struct LoadedScene {
+  struct Sky {
+    envmap::EnvironmentMap map;
+    envmap::EnvironmentLight light;
+  };
+  envmap::Scene scene;
+  std::unique_ptr<Sky> sky;  ///< Null: black.
+  std::vector<std::string> inputs;
+
+  [[nodiscard]] const envmap::EnvironmentMap* environment() const { return sky ? &sky->map : nullptr; }
+  [[nodiscard]] const envmap::EnvironmentLight* light() const { return sky ? &sky->light : nullptr; }
+  [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;
+};
+LoadedScene load(const SceneOptions& options, const Common& common);
+
+/// Sums the time of many frames.
+class Stopwatch {
+ public:
+  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// With -v, how many frames a second that was.
+void tell_rate(const Frames& frames, double seconds, const Common& common);
+
+}  // namespace tools

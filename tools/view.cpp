@@ -1,0 +1,233 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "command.h"
+#include "envmap/error.h"
+#include "envmap/io/picture.h"
+#include "envmap/io/read_scene.h"
+#include "envmap/render/context.h"
+#include "envmap/render/mirrors.h"
+#include "scene_options.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Options {
+  SceneOptions scene;
+  std::string output, camera;
+  std::vector<std::string> mirrors;
+  Projection maps = Projection::paraboloid;
+  int width = 640, height = 480, samples = 4;
+  double exposure = 0;
+  std::optional<double> anaglyph;
+  MirrorLook look;
+  MirrorOptions drawing;
+};
+
+constexpr std::string_view lookup_names[] = {"pixel", "vertex"};
+constexpr std::string_view map_names[] = {"sphere", "paraboloid", "cube"};
+
+// NODE, or NODE:PROJECTION.
+Mirror mirror_named(const Scene& scene, const std::string& text, Projection maps) {
+  if (const auto node = find_node(scene, text)) return make_mirror(scene, *node, maps);
+  if (const auto colon = text.rfind(':'); colon != std::string::npos) {
+    const auto node = find_node(scene, text.substr(0, colon));
+    const auto to = projection_named(text.substr(colon + 1));
+    if (node && to && *to != Projection::latlong && *to != Projection::angular) return make_mirror(scene, *node, *to);
+  }
+  throw UsageError(fmt::format("--mirror: '{}' is no node, nor a node with :sphere, :paraboloid or :cube behind it", text));
+}
+
+std::vector<Mirror> mirrors_of(const Options& o, const Scene& scene) {
+  std::vector<Mirror> all;
+  for (const std::string& text : o.mirrors) all.push_back(mirror_named(scene, text, o.maps));
+  for (const Mirror& found : find_mirrors(scene, o.maps)) {
+    const bool named = std::ranges::any_of(all, [&](const Mirror& m) { return lies_under(scene, found.node, m.node); });
+    if (!named) all.push_back(found);
+  }
+  return all;
+}
+
+struct Eye {
+  Viewpoint from;
+  Viewer viewer;
+};
+
+const Camera& camera_of(const Options& o, const Scene& scene) {
+  if (scene.cameras.empty()) throw InputError(o.scene.path + ": has no camera to view it from");
+  if (o.camera.empty()) return scene.cameras.front();
+  for (const Camera& camera : scene.cameras)
+    if (camera.name == o.camera || scene.nodes[static_cast<std::size_t>(camera.node)].name == o.camera) return camera;
+  throw UsageError(fmt::format("--camera: '{}' is no camera of {}: it has {}", o.camera, o.scene.path,
+                               fmt::join(
+                                   [&] {
+                                     std::vector<std::string> names;
+                                     for (const Camera& camera : scene.cameras) names.push_back(camera.name);
+                                     return names;
+                                   }(),
+                                   ", ")));
+}
+
+// What the camera sees, from beside it by `aside` metres; at `still` metres both eyes see the same.
+Eye eye_of(const Options& o, const Camera& camera, const Pose& pose, double aside, double still) {
+  const Matrix& world = pose[static_cast<std::size_t>(camera.node)];
+  Rotation axes(world);
+  for (int k = 0; k < 3; ++k) axes[k] = glm::normalize(axes[k]);
+  const double up = std::tan(0.5 * camera.vertical_field), across = up * o.width / o.height;
+  Eye eye;
+  eye.from = {.size = o.height,
+              .at = Direction(world[3]) + aside * axes[0],
+              .axes = axes,
+              .near = std::max(camera.near, 1e-6),
+              .far = camera.far,
+              .samples = o.samples,
+              .cull = !o.drawing.all,
+              .lens = Lens{o.width, {across, up}, aside == 0 ? 0 : aside / (still * across)}};
+  // The sides of the picture as planes through the eye, a little outside of them.
+  const auto side = [&](const Direction& inwards) {
+    const Direction normal = glm::normalize(axes * inwards);
+    return glm::vec<4, double, glm::highp>(normal, -glm::dot(normal, eye.from.at) + 1e-3);
+  };
+  const double shift = eye.from.lens->shift;
+  eye.viewer = {eye.from.at,
+                {side({1, 0, -across * (1 + shift)}), side({-1, 0, -across * (1 - shift)}), side({0, 1, -up}),
+                 side({0, -1, -up}), side({0, 0, -1})}};
+  return eye;
+}
+
+// Red of the left eye, green and blue of the right: for red and cyan glasses.
+std::vector<Colour> anaglyph(std::vector<Colour> left, const std::vector<Colour>& right) {
+  for (std::size_t k = 0; k < left.size(); ++k) left[k] = {left[k].x, right[k].y, right[k].z};
+  return left;
+}
+
+int run(Options& o, const Common& common) {
+  const Frames frames = frames_of(o.scene, common);
+  if (!is_picture(frames.path(o.output, frames.first)))
+    throw UsageError(o.output + ": the picture must be a .png, .jpg, .exr or .hdr");
+  const LoadedScene loaded = load(o.scene, common);
+  const Scene& scene = loaded.scene;
+  const Camera& camera = camera_of(o, scene);
+  const std::vector<Mirror> mirrors = mirrors_of(o, scene);
+  std::vector<int> nodes;
+  for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
+  const Context context(o.scene.context);
+  if (common.verbose) note(common, context.renderer());
+  Renderer renderer(scene, loaded.environment(), loaded.light(), nodes);
+  Mirrors maps(scene, mirrors);
+  const double separation = o.anaglyph.value_or(0), pixel = 2 * std::tan(0.5 * camera.vertical_field) / o.height;
+  double seconds = 0;
+  for (int frame = frames.first; frame <= frames.last; ++frame) {
+    Shot shot = loaded.shot(frames.time(frame), o.scene);
+    std::vector<Eye> eyes;
+    for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
+      eyes.push_back(eye_of(o, camera, shot.pose, aside, 30 * separation));
+    std::vector<Viewer> viewers;
+    for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
+    const Stopwatch watch;
+    maps.update(renderer, shot, viewers, pixel, o.drawing, [&](const std::string& line) {
+      if (common.verbose) note(common, line);
+    });
+    shot.mirrors = maps.maps();
+    shot.look = o.look;
+    std::vector<std::vector<Colour>> pictures;
+    for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer, eye.from, shot));
+    seconds += watch.seconds();
+    std::vector<Colour> picture = o.anaglyph ? anaglyph(std::move(pictures[0]), pictures[1]) : std::move(pictures[0]);
+    for (Colour& c : picture) c *= static_cast<float>(std::exp2(o.exposure));
+    const std::string path = frames.path(o.output, frame);
+    const auto depfile = open_depfile(path, loaded.inputs, common);
+    write_picture(path, o.width, picture);
+    if (depfile) depfile->commit();
+  }
+  tell_rate(frames, seconds, common);
+  return 0;
+}
+
+constexpr std::string_view description =
+    "Draws a scene as one of its cameras sees it. What reflects sharply (metallic 1, roughness 0) or transmits light "
+    "is "
+    "drawn through an environment map of its own, which is drawn from the middle of the node with the other mirrors' "
+    "latest maps in it: a reflection in a reflection is as old as --bounces does not reach. --mirror adds nodes of any "
+    "material, and says how one is mapped: rough metals then use levels prefiltered by GGX.\n\n"
+    "Maps are looked up by direction alone, as if all they show were far away: what is near a mirror is out of place "
+    "in "
+    "it. Lenses are thin: light is refracted once, where it enters, and shows the map in that direction; nothing casts "
+    "a "
+    "shadow.\n\n"
+    "Only what the picture needs is drawn: the faces or halves that reflected rays can reach, things that they can "
+    "see, "
+    "at the size that the mirror's pixels can show (unless --size says it); a paraboloid's axis points where the rays "
+    "go, "
+    "and a map whose surroundings did not move stays. -v says what was left out, --all draws everything.";
+
+}  // namespace
+
+Command view_command() {
+  return {
+      .name = "view",
+      .summary = "Draw a scene with its mirrors and lenses through dynamic environment maps",
+      .description = std::string(description),
+      .examples = {{"envmap view cellar.glb cellar.png --camera entrance -v", "one picture, and what it took"},
+                   {"envmap view cellar.glb 'frames/{frame}.png' --frames 0:95 --maps cube", "four seconds"},
+                   {"envmap view cellar.glb halves.png --show-maps --mirror 'mirror ball:sphere'",
+                    "which half of a map shows what; one mirror by a sphere map"},
+                   {"envmap view cellar.glb 3d.png --anaglyph 0.065", "for red and cyan glasses"}},
+      .writes = true,
+      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
+        auto o = std::make_shared<Options>();
+        add_scene(app, o->scene);
+        app.add_option("OUTPUT", o->output,
+                       "Picture to write: .png, .jpg, .exr or .hdr; {frame} or %04d in the name is the frame")
+            ->required();
+        app.add_option("--camera", o->camera, "Camera of the scene, by its name or its node's (default: the first)")
+            ->type_name("NAME");
+        app.add_option("--width", o->width, "Of the picture (default: 640)")->type_name("N")->check(CLI::Range(1, 16384));
+        app.add_option("--height", o->height, "Of the picture (default: 480)")->type_name("N")->check(CLI::Range(1, 16384));
+        app.add_option("--samples", o->samples, "Rays a pixel (default: 4)")->type_name("N")->check(CLI::Range(1, 1024));
+        app.add_option("--exposure", o->exposure, "Stops (default: 0)")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        add_choice(
+            app, "--maps", o->maps, joined(map_names),
+            [](const std::string& word) -> std::optional<Projection> {
+              return std::ranges::find(map_names, word) == std::end(map_names) ? std::nullopt : projection_named(word);
+            },
+            "Projection of the mirrors' maps (default: paraboloid)");
+        app.add_option("--size", o->drawing.size, "Height of a face of the maps (default: what the picture needs)")
+            ->type_name("N")
+            ->check(CLI::Range(4, 8192));
+        app.add_option("--mirror", o->mirrors,
+                       "A node that is a mirror, too; with :sphere, :paraboloid or :cube behind it "
+                       "mapped so. May be given more than once")
+            ->type_name("NODE")
+            ->allow_extra_args(false);
+        app.add_option("--bounces", o->drawing.bounces, "Rounds in which mirrors draw each other, a frame (default: 1)")
+            ->type_name("N")
+            ->check(CLI::Range(1, 64));
+        app.add_option("--near", o->drawing.near, "Nothing nearer to a mirror's middle is in its map (default: 0.01)")
+            ->type_name("METRES")
+            ->check(CLI::Range(1e-9, 1e9));
+        app.add_option("--far", o->drawing.far, "Nothing further is (default: 1000)")
+            ->type_name("METRES")
+            ->check(CLI::Range(1e-9, 1e12));
+        add_choice(
+            app, "--lookup", o->look.by_vertex, joined(lookup_names),
+            [](const std::string& word) -> std::optional<bool> {
+              if (word == "pixel") return false;
+              if (word == "vertex") return true;
+              return std::nullopt;
+            },
+            "Where maps are looked up; 'vertex' shows what that used to cost (default: pixel)");
+        app.add_flag("--show-maps", o->look.tinted, "Tint what mirrors show by the face of the map");
+        app.add_option("--anaglyph", o->anaglyph, "Two eyes so far apart; both see the same at 30 times the distance")
+            ->type_name("METRES")
+            ->check(CLI::Range(1e-9, 1e9));
+        app.add_flag("--all", o->drawing.all, "Draw all of every map, needed or not");
+        return [o, &common] { return run(*o, common); };
+      }};
+}
+
+}  // namespace tools
