@@ -15,7 +15,14 @@ namespace {
 // A map in unchanged surroundings is drawn again as long as mirrors in it were: so often, then they have settled.
 constexpr int settled = 8;
 
-bool is_smooth_metal(const Material& m) { return m.metallic > 0.999F && m.roughness < 0.001F; }
+// Glass is seldom given a roughness of 0, and shows little of a small one.
+constexpr float smooth_metal = 0.001F, smooth_glass = 0.2F;
+
+bool is_smooth(const Material& m) { return m.roughness < (m.transmission > 0 ? smooth_glass : smooth_metal); }
+bool is_mirror(const Material& m) { return (m.metallic > 0.999F || m.transmission > 0) && is_smooth(m); }
+
+// Texels of a rough mirror's map: half of those of its prefiltered levels have no detail to lose.
+constexpr int rough_size = 2 * glossy_size;
 
 // What lies round a mirror stands still.
 bool same_surroundings(const Scene& scene, int mirror, const Pose& a, const Pose& b) {
@@ -48,7 +55,7 @@ Mirror make_mirror(const Scene& scene, int node, Projection to) {
         scene.materials[static_cast<std::size_t>(scene.meshes[static_cast<std::size_t>(instance.mesh)].material)];
     if (m.transmission > 0) mirror.optics.ior = std::max(1.0F, m.ior);
     if (m.double_sided) mirror.optics.double_sided = true;
-    if (m.roughness >= 0.001F) mirror.rough = true;
+    if (!is_smooth(m)) mirror.rough = true;
   }
   if (mirror.rough) mirror.to = Projection::cube;
   return mirror;
@@ -59,7 +66,7 @@ std::vector<Mirror> find_mirrors(const Scene& scene, Projection to) {
   for (const Instance& instance : instances(scene)) {
     const Material& m =
         scene.materials[static_cast<std::size_t>(scene.meshes[static_cast<std::size_t>(instance.mesh)].material)];
-    if (!is_smooth_metal(m) && m.transmission == 0) continue;
+    if (!is_mirror(m)) continue;
     const bool known =
         std::ranges::any_of(mirrors, [&](const Mirror& other) { return lies_under(scene, instance.node, other.node); });
     if (!known) mirrors.push_back(make_mirror(scene, instance.node, to));
@@ -109,25 +116,32 @@ unsigned Mirrors::needed_faces(std::size_t k, const std::vector<Cap>& caps) cons
 
 // Size and axes of a map. Both stay as they are as long as they will do, so that a map can stay. @return whether the map
 // must be drawn anew.
-bool Mirrors::prepare(std::size_t k, const Shot& shot, const Wanted& want, const MirrorOptions& options) {
+bool Mirrors::prepare(std::size_t k, const Shot& shot, const Wanted& want, const Viewer& viewer,
+                      const MirrorOptions& options) {
   const Mirror& mirror = mirrors_[k];
   MirrorMap& map = maps_[k];
   Drawn& drawn = drawn_[k];
   const double texels = std::ceil(spacing(mirror.to) / std::max(want.finest, 1e-6) / 32) * 32;
-  const int size = options.size > 0 ? options.size : static_cast<int>(std::clamp(texels, 32.0, 1.0 * options.largest));
+  const int largest = mirror.rough ? std::min(rough_size, options.largest) : options.largest;
+  const int size = options.size > 0 ? options.size : static_cast<int>(std::clamp(texels, 32.0, 1.0 * largest));
   const Direction at = centre_of(scene_, shot.pose, mirror.node);
   const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
                                                      : map.texture->size >= size && map.texture->size <= 2 * size);
   const bool moved = !fits || at != drawn.at || !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
   if (!fits) map.texture.emplace(mirror.to, size);
   drawn.unchanged = moved ? 0 : drawn.unchanged + 1;
+  if (mirror.rough || mirror.to == Projection::cube) return moved;
+  if (mirror.to == Projection::sphere) {
+    // Its singularity lies behind a mirror, where only the outline shows it; of a lens, before it.
+    const Direction axis = glm::normalize(viewer.at - at) * (mirror.optics.refracts() ? -1.0 : 1.0);
+    if (!moved && axis == map.axes[2]) return false;
+    map.axes = looking_along(axis);
+    return true;
+  }
   const Cap all = enclosing(want.caps);
-  const bool turnable = !mirror.rough && mirror.to != Projection::cube;
-  if (!turnable) return moved;
-  const bool fit = all.angle + margin(*map.texture) < pi / 2;
-  const bool still_fit = angle_between(map.axes[2], all.axis) + all.angle + margin(*map.texture) < pi / 2;
-  if (!moved && (still_fit || !fit)) return false;
-  map.axes = fit || mirror.to == Projection::sphere ? looking_along(all.axis) : Rotation(1);
+  const double room = pi / 2 - margin(*map.texture) - all.angle;
+  if (!moved && (room <= 0 || angle_between(map.axes[2], all.axis) < room)) return false;
+  map.axes = room > 0 ? looking_along(all.axis) : Rotation(1);
   return true;
 }
 
@@ -172,10 +186,12 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
       want[k].caps.insert(want[k].caps.end(), more.caps.begin(), more.caps.end());
     }
   }
+  // Where maps see others before those are first drawn, once more: nobody has seen a frame before this one.
+  const bool first = std::ranges::any_of(maps_, [](const MirrorMap& m) { return !m.texture; }) && maps_.size() > 1;
   std::vector<bool> anew(mirrors_.size());
   for (std::size_t k = 0; k < mirrors_.size(); ++k)
-    if (!want[k].caps.empty()) anew[k] = prepare(k, shot, want[k], options);
-  for (int round = 0; round < std::max(1, options.bounces); ++round)
+    if (!want[k].caps.empty()) anew[k] = prepare(k, shot, want[k], viewers.front(), options);
+  for (int round = 0; round < options.bounces + (first ? 1 : 0); ++round)
     for (std::size_t k = 0; k < mirrors_.size(); ++k) {
       const std::string& name = scene_.nodes[static_cast<std::size_t>(mirrors_[k].node)].name;
       Drawn& drawn = drawn_[k];

@@ -23,7 +23,7 @@ struct Mirror {
   bool rough = false;  ///< Then its map is a whole cube, of which the GGX-prefiltered levels are made.
 };
 
-/// Nodes with a metallic surface without roughness, or a transmissive one.
+/// Nodes with a metallic surface without roughness, or a transmissive one of roughness below 0.2, taken as smooth.
 /// @param to sphere, paraboloid or cube.
 std::vector<Mirror> find_mirrors(const Scene& scene, Projection to);
 
@@ -45,7 +45,7 @@ class Mirrors {
   Mirrors(const Scene& scene, std::vector<Mirror> mirrors);
 
   /// Draws what the viewers need.
-  /// @param pixel angle of view of a pixel of theirs, radians. @param tell a line for each map: what was drawn or skipped.
+  /// @param viewers at least one. @param pixel angle of view of a pixel of theirs, radians. @param tell a line for each map: what was drawn or skipped.
   void update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers, double pixel,
               const MirrorOptions& options, const std::function<void(const std::string&)>& tell);
 
@@ -66,7 +66,7 @@ class Mirrors {
   };
 
   [[nodiscard]] Wanted wanted(std::size_t k, const Shot& shot, const std::vector<Viewer>& viewers, double pixel) const;
-  bool prepare(std::size_t k, const Shot& shot, const Wanted& wanted, const MirrorOptions& options);
+  bool prepare(std::size_t k, const Shot& shot, const Wanted& wanted, const Viewer& viewer, const MirrorOptions& options);
   [[nodiscard]] unsigned needed_faces(std::size_t k, const std::vector<Cap>& caps) const;
   void draw(std::size_t k, Renderer& renderer, const Shot& shot, const MirrorOptions& options, unsigned faces);
 

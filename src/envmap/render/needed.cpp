@@ -36,11 +36,27 @@ Direction unit(const Direction& v) {
   return length > 0 ? v / length : Direction(0, 0, 1);
 }
 
+// How much directions turn for what the ray does, at least, and how large the part is that does so.
+struct Widening {
+  double least, solid_angle;
+};
+
+// What all but a tenth of a mirror reaches.
+double usual(std::vector<Widening> all) {
+  std::ranges::sort(all, {}, &Widening::least);
+  double whole = 0, below = 0;
+  for (const Widening& w : all) whole += w.solid_angle;
+  for (const Widening& w : all)
+    if ((below += w.solid_angle) >= 0.1 * whole) return w.least;
+  return std::numeric_limits<double>::infinity();
+}
+
 struct Search {
   const Viewer& viewer;
   const Optics& optics;
   double fineness;
-  Shown& shown;
+  std::vector<Cap>& caps;
+  std::vector<Widening>& widenings;
 
   [[nodiscard]] bool out_of_sight(const Facet& f) const {
     return std::ranges::any_of(viewer.planes, [&](const auto& plane) {
@@ -55,19 +71,19 @@ struct Search {
     const Cap view = cap_of({rays(0), rays(1), rays(2)}), normal = cap_of({normals(0), normals(1), normals(2)});
     const double angle = view.angle + 2 * normal.angle;
     if (angle <= fineness || depth == deepest) {
+      Widening w{std::numeric_limits<double>::infinity(), glm::length(glm::cross(rays(1) - rays(0), rays(2) - rays(0)))};
       for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
-        const double turn = angle_between(rays(i), rays(j));
-        if (turn > 1e-9)
-          shown.widening =
-              std::min(shown.widening,
-                       angle_between(optics.turned(rays(i), normals(i)), optics.turned(rays(j), normals(j))) / turn);
+        const Direction from = optics.turned(rays(i), normals(i)), to = optics.turned(rays(j), normals(j));
+        if (const double turn = angle_between(rays(i), rays(j)); turn > 1e-9)
+          w.least = std::min(w.least, angle_between(from, to) / turn);
       }
-      shown.caps.push_back({optics.turned(view.axis, normal.axis), std::min(angle, pi)});
+      widenings.push_back(w);
+      caps.push_back({optics.turned(view.axis, normal.axis), std::min(angle, pi)});
       // Where some of the rays graze the surface, a normal may turn either way to face the viewer.
       if (optics.refracts() && std::abs(glm::dot(view.axis, normal.axis)) < std::sin(std::min(angle, pi / 2))) {
         const double facing = glm::dot(view.axis, normal.axis) > 0 ? -1 : 1;
-        shown.caps.push_back({unit(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
+        caps.push_back({unit(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
       }
       return;
     }
@@ -92,13 +108,15 @@ Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& wor
                   unit(normals * Direction(mesh.normals[index]))};
   };
   Shown shown;
-  Search search{viewer, optics, fineness, shown};
+  std::vector<Widening> widenings;
+  Search search{viewer, optics, fineness, shown.caps, widenings};
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const Facet f{corner(mesh.indices[i]), corner(mesh.indices[i + 1]), corner(mesh.indices[i + 2])};
     const Direction facing = glm::cross(f[1].position - f[0].position, f[2].position - f[0].position) * handed;
     if (!optics.double_sided && glm::dot(facing, viewer.at - f[0].position) <= 0) continue;
     search.add(f, 0);
   }
+  shown.widening = usual(std::move(widenings));
   return shown;
 }
 

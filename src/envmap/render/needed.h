@@ -38,8 +38,8 @@ struct Optics {
 
 struct Shown {
   std::vector<Cap> caps;
-  /// The least that directions turn for each radian that the ray does: 1 for flat mirrors, more for convex ones. Infinite
-  /// where nothing is seen.
+  /// The least that directions turn for each radian that the ray does: 1 for flat mirrors and along cylinders, more on
+  /// balls. A tenth of what is seen may be below. Infinite where nothing is seen.
   double widening = std::numeric_limits<double>::infinity();
 };
 

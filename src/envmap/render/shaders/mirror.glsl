@@ -69,11 +69,14 @@ vec3 mirror_at(vec3 direction) {
 #endif
 }
 
-vec3 place_by_vertex;  // With BY_VERTEX: where the surface was interpolated to look.
+#ifdef BY_VERTEX
+vec3 place_by_vertex;  // Where the surface was interpolated to look.
+bool reflects_only;    // Not so for lenses.
+#endif
 
 vec3 glossy_radiance(vec3 from, float roughness) {
 #ifdef BY_VERTEX
-  return mirror_at_place(place_by_vertex);
+  if (reflects_only) return mirror_at_place(place_by_vertex);
 #endif
 #ifdef MIRROR_GLOSSY
   const int levels = 5;

@@ -66,6 +66,7 @@ void main() {
 #ifdef BY_VERTEX
   // The classic way: reflected directions at the corners, places in the map between them, all in the first one's face.
   place_by_vertex = vec3(0);
+  reflects_only = surface.transmission == 0;
   float face = 0;
   for (int k = 0; k < 3; ++k) {
     vec3 corner = k == 0 ? t.a : k == 1 ? t.b : t.c, n = normalize(t.normals[k] * mat3(x.xyz, y.xyz, z.xyz));

@@ -1,0 +1,79 @@
+// envmap view as its users run it.
+#include "picture.h"
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+class View : public CommandTest {
+ protected:
+  // A mirror in the plane z = 0, a camera before it, and something bright behind the camera.
+  View() {
+    write("scene.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2]}],
+      "nodes":[{"name":"mirror","mesh":0},{"name":"eye","camera":0,"translation":[0,0,3]},
+               {"name":"lamp","mesh":1,"translation":[0,0,6],"rotation":[0,1,0,0]}],
+      "cameras":[{"name":"front","type":"perspective","perspective":{"yfov":0.6,"znear":0.1}}],
+      "materials":[{"pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":0}},
+                   {"emissiveFactor":[1,0.5,0.25],"pbrMetallicRoughness":{"baseColorFactor":[0,0,0,1]}}],
+      "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]},
+                {"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":1}]}],
+      "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[-1,-1,0],"max":[1,1,0]},
+                   {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],
+      "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
+      "buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" + quad + R"("}]})");
+  }
+  static const std::string quad;
+};
+// (-1,-1,0) (1,-1,0) (1,1,0) (-1,1,0), and 0 1 2 0 2 3.
+const std::string View::quad =
+    "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAABAAIAAAACAAMA";
+
+TEST_F(View, AMirrorShowsWhatIsBehindTheCamera) {
+  for (const std::string maps : {"sphere", "paraboloid", "cube"}) {
+    const Result r = envmap({"view", "scene.gltf", "a.exr", "--maps", maps, "--width", "32", "--height", "32", "-v"});
+    ASSERT_EQ(r.status, 0) << r.err;
+    EXPECT_NE(r.err.find("mirror: " + maps), std::string::npos) << r.err;
+    const Picture picture = load(path("a.exr"));
+    const float* at = picture.at(16, 16);
+    EXPECT_NEAR(at[0], 1, 0.02);
+    EXPECT_NEAR(at[1], 0.5, 0.02);
+    EXPECT_NEAR(at[2], 0.25, 0.02);
+    EXPECT_NEAR(picture.at(1, 1)[0], 0, 0.02);  // Beside the lamp.
+  }
+}
+
+TEST_F(View, TheSameBytesAtAnyThreads) {
+  const std::string line = "\"$ENVMAP\" view scene.gltf -q --context osmesa --width 64 --height 48 ";
+  ASSERT_EQ(shell("LP_NUM_THREADS=1 " + line + "a.png").status, 0);
+  ASSERT_EQ(shell("LP_NUM_THREADS=2 " + line + "b.png --threads 1").status, 0);
+  ASSERT_EQ(shell(line + "c.png --all").status, 0);
+  EXPECT_EQ(read("a.png"), read("b.png"));
+  EXPECT_EQ(read("a.png"), read("c.png"));
+}
+
+TEST_F(View, FramesAndEyes) {
+  const std::vector<std::string> small{"-q", "--width", "8", "--height", "8"};
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.end(), small.begin(), small.end());
+    return envmap(words).status;
+  };
+  EXPECT_EQ(run({"view", "scene.gltf", "f{frame}.png", "--frames", "0:1"}), 0);
+  EXPECT_EQ(run({"view", "scene.gltf", "e.jpg", "--anaglyph", "0.1"}), 0);
+  EXPECT_EQ(run({"view", "scene.gltf", "t.hdr", "--show-maps", "--lookup", "vertex", "--mirror", "lamp:sphere"}), 0);
+  EXPECT_EQ(names(), (std::vector<std::string>{"e.jpg", "f0000.png", "f0001.png", "scene.gltf", "t.hdr"}));
+}
+
+TEST_F(View, WhatMakesNoSense) {
+  fails(2, {"view", "scene.gltf", "a.png", "--camera", "Nobody"}, {"Nobody", "front"});
+  fails(2, {"view", "scene.gltf", "a.png", "--mirror", "Nobody"}, {"Nobody"});
+  fails(2, {"view", "scene.gltf", "a.png", "--mirror", "lamp:latlong"}, {"lamp:latlong"});
+  fails(2, {"view", "scene.gltf", "a.txt"}, {"a.txt"});
+  fails(2, {"view", "scene.gltf", "a.png", "--frames", "1:2"}, {"{frame}"});
+  fails(2, {"view", "scene.gltf", "a.png", "--maps", "latlong"}, {"latlong"});
+  fails(4, {"view", "scene.gltf", "nowhere/a.png", "--width", "8", "--height", "8"}, {"nowhere"});
+  write("scene.obj", "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nf 1 2 3\n");
+  fails(3, {"view", "scene.obj", "a.png"}, {"scene.obj", "camera"});
+}
+
+}  // namespace
+}  // namespace command_tests

@@ -1,0 +1,228 @@
+// Mirrors in a picture, against rays reflected from them into a room with a known answer.
+#include <gtest/gtest.h>
+
+#include "envmap/render/context.h"
+#include "envmap/render/mirrors.h"
+#include "rooms.h"
+
+namespace {
+
+using namespace envmap;
+
+Context& context() {
+  static Context made(ContextKind::osmesa);
+  return made;
+}
+
+constexpr int size = 96;
+constexpr double radius = 0.2;
+
+// A smooth metal ball about the origin of its node.
+Mesh ball(int material, int rings) {
+  Mesh mesh{.material = material};
+  for (int j = 0; j <= rings; ++j)
+    for (int i = 0; i <= 2 * rings; ++i) {
+      const double polar = pi * j / rings, turn = pi * i / rings;
+      const Direction n(std::sin(polar) * std::cos(turn), std::cos(polar), -std::sin(polar) * std::sin(turn));
+      mesh.positions.emplace_back(radius * n);
+      mesh.normals.emplace_back(n);
+      mesh.coordinates.emplace_back(0, 0);
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (2 * rings + 1) + i); };
+  for (int j = 0; j < rings; ++j)
+    for (int i = 0; i < 2 * rings; ++i)
+      for (const std::uint32_t k : {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)})
+        mesh.indices.push_back(k);
+  return mesh;
+}
+
+// The room with mirror balls in it.
+Scene hall(const std::vector<Direction>& centres) {
+  Scene scene = rooms::room(2);
+  scene.materials.push_back({.name = "mirror", .metallic = 1, .roughness = 0});
+  scene.meshes.push_back(ball(static_cast<int>(scene.materials.size()) - 1, 48));
+  for (const Direction& c : centres)
+    scene.nodes.push_back({.name = "ball " + std::to_string(scene.nodes.size() - 6),
+                           .local = glm::translate(Matrix(1), c),
+                           .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+  return scene;
+}
+
+// From the front wall towards -Z.
+Viewpoint camera() { return {.size = size, .at = {0.1, 0.05, 0.95}, .far = 100, .lens = Lens{size, {0.5, 0.5}, 0}}; }
+constexpr double pixel = 2 * 0.5 / size;
+
+Viewer viewer(const Viewpoint& from) {
+  Viewer v{from.at, {}};
+  for (const Direction& inwards : {Direction(1, 0, -0.5), {-1, 0, -0.5}, {0, 1, -0.5}, {0, -1, -0.5}, {0, 0, -1}}) {
+    const Direction n = glm::normalize(from.axes * inwards);
+    v.planes.emplace_back(n, 1e-3 - glm::dot(n, from.at));
+  }
+  return v;
+}
+
+// A scene with its maps, over frames.
+struct Stage {
+  Stage(Scene s, Projection to) : scene(std::move(s)) {
+    context();
+    const std::vector<Mirror> found = find_mirrors(scene, to);
+    std::vector<int> nodes;
+    for (const Mirror& m : found) nodes.push_back(m.node);
+    renderer.emplace(scene, nullptr, nullptr, nodes);
+    mirrors.emplace(scene, found);
+  }
+
+  std::vector<Colour> picture(const MirrorOptions& options = {}, const MirrorLook& look = {}) {
+    told.clear();
+    const Viewpoint from = camera();
+    Shot shot{.scene = scene, .pose = pose(scene, 0)};
+    mirrors->update(*renderer, shot, {viewer(from)}, pixel, options,
+                    [this](const std::string& line) { told += line + "\n"; });
+    shot.mirrors = mirrors->maps();
+    shot.look = look;
+    return draw_picture(*renderer, from, shot);
+  }
+
+  Scene scene;
+  std::optional<Renderer> renderer;
+  std::optional<Mirrors> mirrors;
+  std::string told;
+};
+
+float furthest(const std::vector<Colour>& a, const std::vector<Colour>& b) {
+  float most = 0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(a[k][c] - b[k][c]));
+  return most;
+}
+
+class View : public ::testing::TestWithParam<Projection> {};
+INSTANTIATE_TEST_SUITE_P(Maps, View, ::testing::Values(Projection::sphere, Projection::paraboloid, Projection::cube),
+                         [](const auto& p) { return std::string(name(p.param)); });
+
+TEST_P(View, ABallShowsTheRoomFromItsCentre) {
+  const Direction centre(0.1, -0.2, -0.3);
+  Stage stage(hall({centre}), GetParam());
+  const std::vector<Colour> picture = stage.picture();
+  const Viewpoint from = camera();
+  // A sphere map shows little of what is behind it, which the outline shows.
+  const double margin = GetParam() == Projection::sphere ? 0.015 : 0.004;
+  int on_ball = 0;
+  double wrong = 0;
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      const Direction ray = from.lens->ray((i + 0.5) / size, (j + 0.5) / size), to = from.at - centre;
+      const double b = glm::dot(ray, to), root = b * b - glm::dot(to, to) + radius * radius;
+      const Colour& seen = picture[static_cast<std::size_t>(j * size + i)];
+      if (root < 0.0) {
+        const Direction place = from.at + rooms::hit(from.at, ray).distance * ray;
+        EXPECT_TRUE(root >= -0.02 || glm::length(Direction(seen) - (place + 1.0) * 0.5) < 0.02) << i << " " << j;
+      } else if (root > margin) {  // Where the outline of the ball's triangles is not met.
+        const Direction normal = (from.at + (-b - std::sqrt(root)) * ray - centre) / radius;
+        const Direction mirrored = glm::reflect(ray, normal);
+        const Direction place = centre + rooms::hit(centre, mirrored).distance * mirrored;
+        wrong = std::max(wrong, glm::length(Direction(seen) - (place + 1.0) * 0.5));
+        ++on_ball;
+      }
+    }
+  EXPECT_GT(on_ball, 100);
+  EXPECT_LT(wrong, 0.06);  // A texel of the map on the least of walls.
+}
+
+TEST_P(View, LeavingOutChangesNothing) {
+  Stage needed(hall({{0.3, -0.2, -0.3}, {-0.4, 0.1, -0.5}, {0, 0, 3}}), GetParam()), all(needed.scene, GetParam());
+  for (int frame = 0; frame < 3; ++frame)
+    EXPECT_LE(furthest(needed.picture({.bounces = 2}), all.picture({.bounces = 2, .all = true})), 1.0F / 255) << frame;
+}
+
+TEST_P(View, MirrorsSeeEachOther) {
+  const std::vector<Direction> two{{0.3, -0.1, -0.3}, {-0.3, -0.1, -0.3}};
+  Stage one(hall({two[0]}), GetParam()), both(hall(two), GetParam());
+  const std::vector<Colour> alone = one.picture(), together = both.picture();
+  // On the first ball, the second is seen at its left; its own picture there is not black: it mirrors the room in turn.
+  float most = 0;
+  for (int j = 0; j < size; ++j)
+    for (int i = size / 2; i < size; ++i) {
+      const auto k = static_cast<std::size_t>(j * size + i);
+      most = std::max(most, furthest({alone[k]}, {together[k]}));
+      EXPECT_GT(together[k].x + together[k].y + together[k].z, 0.05);
+    }
+  EXPECT_GT(most, 0.1);
+  // More bounces settle.
+  const float first = furthest(together, both.picture()), second = furthest(both.picture(), both.picture());
+  EXPECT_LE(second, first);
+}
+
+TEST_P(View, TheSamePictureEachTime) {
+  Stage a(hall({{0.1, -0.2, -0.3}}), GetParam()), b(a.scene, GetParam());
+  EXPECT_EQ(furthest(a.picture(), b.picture()), 0);
+}
+
+TEST(Views, WhatStandsStillIsNotDrawnAgain) {
+  Stage stage(hall({{0.1, -0.2, -0.3}}), Projection::cube);
+  const std::vector<Colour> first = stage.picture();
+  EXPECT_NE(stage.told.find("ball 0: cube of"), std::string::npos) << stage.told;
+  EXPECT_EQ(furthest(first, stage.picture()), 0);
+  EXPECT_NE(stage.told.find("ball 0: its surroundings did not move"), std::string::npos) << stage.told;
+}
+
+// A square mirror in the plane z = -0.5 that faces the camera, or the wall behind.
+Scene plate(float facing) {
+  Scene scene = rooms::room(2);
+  scene.materials.push_back({.metallic = 1, .roughness = 0});
+  Mesh mesh{.material = 6};
+  for (const auto& [x, y] : {std::pair(-0.3F, -0.3F), {0.3F, -0.3F}, {0.3F, 0.3F}, {-0.3F, 0.3F}}) {
+    mesh.positions.emplace_back(facing * x, y, -0.5F);
+    mesh.normals.emplace_back(0, 0, facing);
+    mesh.coordinates.emplace_back(0, 0);
+  }
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  scene.meshes.push_back(mesh);
+  scene.nodes.push_back({.name = "plate", .meshes = {6}});
+  return scene;
+}
+
+TEST(Views, AFlatMirrorTakesOneHalfAndNothingFromBehind) {
+  Stage front(plate(1), Projection::paraboloid), back(plate(-1), Projection::paraboloid);
+  front.picture();
+  EXPECT_NE(front.told.find(", 1 of 2 faces"), std::string::npos) << front.told;
+  back.picture();
+  EXPECT_NE(back.told.find("plate: not seen"), std::string::npos) << back.told;
+}
+
+TEST(Views, LooksOfMaps) {
+  Stage stage(hall({{0.1, -0.2, -0.3}}), Projection::paraboloid);
+  const std::vector<Colour> plain = stage.picture();
+  EXPECT_GT(furthest(plain, stage.picture({}, {.tinted = true})), 0.05);
+  const std::vector<Colour> by_vertex = stage.picture({}, {.by_vertex = true});
+  EXPECT_GT(furthest(plain, by_vertex), 0.02);
+}
+
+TEST(Views, RoughMetalBlursItsMap) {
+  Stage smooth(hall({{0.1, -0.2, -0.3}}), Projection::cube);
+  Scene scene = smooth.scene;
+  scene.materials.back().roughness = 1;
+  context();
+  const Mirror rough = make_mirror(scene, 6, Projection::paraboloid);
+  EXPECT_TRUE(rough.rough);
+  EXPECT_EQ(rough.to, Projection::cube);
+  Renderer renderer(scene, nullptr, nullptr, {6});
+  Mirrors mirrors(scene, {rough});
+  Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  mirrors.update(renderer, shot, {viewer(camera())}, pixel, {.size = 32}, [](const std::string&) {});
+  shot.mirrors = mirrors.maps();
+  const std::vector<Colour> picture = draw_picture(renderer, camera(), shot);
+  // Along a row through the ball colours spread less than on the smooth one: the room's mean is (0.5, 0.5, 0.5).
+  const auto spread = [](const std::vector<Colour>& p) {
+    float low = 1, high = 0;
+    for (int i = 42; i < 54; ++i) {
+      low = std::min(low, p[static_cast<std::size_t>(54 * size + i)].x);
+      high = std::max(high, p[static_cast<std::size_t>(54 * size + i)].x);
+    }
+    return high - low;
+  };
+  EXPECT_LT(spread(picture), 0.7F * spread(smooth.picture()));
+  EXPECT_GT(picture[54 * size + 48].x, 0.1F);
+}
+
+}  // namespace
