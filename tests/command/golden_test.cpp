@@ -9,6 +9,10 @@
 //   for p in latlong cube sphere paraboloid angular; do for f in bilinear area; do
 //     envmap convert golden/source.exr golden/$p-$f.exr --to $p --filter $f --size 12 --rotate 20,30,40 --area-error 1e-6
 //   done; done
+//
+// The rooms are ray casts (render's reference); what is drawn with OpenGL is compared with them:
+//
+//   envmap render room-4.glb golden/room-$p.exr --to $p --size 16 --method raycast --ambient 0.3 --at 0.3,0.2,0.1 --depth half
 #include "picture.h"
 #include "run.h"
 
@@ -48,6 +52,16 @@ TEST_F(Golden, AreaIsTheMeanOfTheTexel) {
     succeeds(
         {"convert", kept("source"), "out.exr", "--to", to, "--filter", "area", "--size", "12", "--rotate", "20,30,40"});
     expect_as_kept("out.exr", to + "-area", "3e-4");
+  }
+}
+
+TEST_F(Golden, ARoomIsDrawnAsItWasCast) {
+  ASSERT_EQ(shell("python3 \"" ENVMAP_SCENES "/make.py\" .").status, 0);
+  for (const std::string to : projections) {
+    succeeds({"render", "room-4.glb", "out.exr", "--to", to, "--size", "16", "--method", "exact", "--context", "osmesa",
+              "--ambient", "0.3", "--at", "0.3,0.2,0.1"});
+    const Result r = envmap({"compare", "out.exr", kept("room-" + to), "--max-rms", "5e-3"});
+    EXPECT_EQ(r.status, 0) << to << "\n" << r.out << r.err;
   }
 }
 
