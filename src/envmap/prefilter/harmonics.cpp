@@ -150,7 +150,11 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
   for (int k = -60; k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
   for (int k = -2; k >= -40; --k) breaks.push_back(1 - std::ldexp(1.0, k));
   breaks.push_back(1);
+  std::vector<double> inverse{0};
+  for (int l = 1; l <= order + 1; ++l) inverse.push_back(1.0 / l);
+  const double most = std::visit([](const auto& l) { return l.value(0); }, lobe);
   const auto add = [&](double lo, double hi) {
+    if (std::visit([&](const auto& l) { return l.value(lo); }, lobe) < 1e-25 * most) return;
     const auto& rule = quadrature::rule<24>();
     for (std::size_t n = 0; n < 24; ++n) {
       const double x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * rule.node[n], c = 1 - x;
@@ -160,7 +164,7 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
       for (int l = 0; l <= order; ++l) {
         factors[static_cast<std::size_t>(l)] += weight * (l == 0 ? 1 : now);
         if (l > 0) {
-          const double next = ((2 * l + 1) * c * now - l * before) / (l + 1);
+          const double next = c * now + (1 - inverse[static_cast<std::size_t>(l + 1)]) * (c * now - before);
           before = now;
           now = next;
         }

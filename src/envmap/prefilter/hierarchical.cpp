@@ -27,6 +27,7 @@ class Walk {
     least_.fill(floor_of_error);
     least_[3] = 1;
     surveying_ = true;
+    limit_ = 0.005;
     top();
     for (std::size_t c = 0; c < 3; ++c) least_[c] = std::max(floor_of_error, got_[c]);
   }
@@ -70,14 +71,19 @@ class Walk {
     return std::min(found, 0.5 * (lobe_.most(r.near) - lobe_.least(r.far)));
   }
 
-  bool good(const Light& light, const Reach& r) {
+  // The largest share that a light may have of a result.
+  double flux_of(const Light& light) const {
     double flux = 0;
     for (std::size_t c = 0; c < 4; ++c) flux = std::max(flux, light.flux[c] / least_[c]);
-    if (surveying_) {
-      const double gap = lobe_.most(r.near) - lobe_.least(r.far);
-      return light.reach < 0.5 * radius_ || gap * flux < 0.05;
-    }
-    const double error = remainder(light, r) * flux;
+    return flux;
+  }
+
+  bool good(const Light& light, const Reach& r) {
+    if (!surveying_) return admit(remainder(light, r) * flux_of(light));
+    return light.reach < 0.5 * radius_ || (lobe_.most(r.near) - lobe_.least(r.far)) * flux_of(light) < 0.05;
+  }
+
+  bool admit(double error) {
     if (error > limit_) return false;
     bounds_.sum += error;
     bounds_.power += error * error;
@@ -113,16 +119,23 @@ class Walk {
         piece(face, {i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
   }
 
-  // Part of a texel. What is too large for simple moments is cut without a look at it.
+  // Part of a texel. What is too large for simple moments is cut, unless it counts for so little that nothing it could be
+  // makes a difference: along the rim of a sphere map, all of it one direction, there is no end of such slivers.
   void piece(int face, const Rect& rect, const Flux& radiance, int depth) {
-    if (const std::optional<Patch> area = small_patch<P>(face, rect, depth == 24)) {
-      if (area->solid_angle <= 0) return;
-      const Light light = light_of(*area, radiance);
-      const Reach r = reach(light);
-      if (r.near >= 1) return;
-      if (depth == 24 || good(light, r)) return take(light, r);
-    }
+    const std::optional<Patch> simple = small_patch<P>(face, rect, depth == 24);
+    const Patch area = simple ? *simple : *small_patch<P>(face, rect, true);
+    if (simple && area.solid_angle <= 0) return;
+    Light light = light_of(area, radiance);
+    if (!simple) light.reach *= 2;
+    const Reach r = reach(light);
+    if (simple && r.near >= 1) return;
+    if (depth == 24 || (simple ? good(light, r) : negligible(light, r))) return take(light, r);
     for (const Rect& q : quarters(rect)) piece(face, q, radiance, depth + 1);
+  }
+
+  bool negligible(const Light& light, const Reach& r) {
+    const double error = (lobe_.most(r.near) - lobe_.least(r.far)) * flux_of(light);
+    return light.flux[3] > 0 && admit(surveying_ ? 0.1 * error : error);
   }
 
   const LightTree& tree_;

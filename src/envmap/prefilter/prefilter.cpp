@@ -15,6 +15,7 @@
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/hierarchical.h"
+#include "envmap/prefilter/spectral.h"
 
 namespace envmap {
 
@@ -23,6 +24,7 @@ namespace envmap {
 struct PrefilterSource::Prepared {
   Level grown;
   LightTree tree;
+  mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
   explicit Prepared(const Level& source);
 };
 
@@ -96,6 +98,16 @@ EnvironmentMap by_tree(const EnvironmentMap& source, const LightTree& tree, cons
   EnvironmentMap map = empty_map(p);
   const Target target{p.to, p.size, to_source(p, source)};
   doubt = hierarchical_prefilter(tree, lobe, target, {accuracy}, map.base(), progress);
+  return map;
+}
+
+EnvironmentMap by_spectrum(const EnvironmentMap& source, std::unique_ptr<Spectrum>& spectrum, const Prefilter& p,
+                           std::span<const double> factors, const Progress& progress) {
+  const int order = static_cast<int>(factors.size()) - 1;
+  if (!spectrum || spectrum->order() < order || spectrum->error() > p.max_error)
+    spectrum = std::make_unique<Spectrum>(source.base(), order, p.max_error, progress);
+  EnvironmentMap map = empty_map(p);
+  spectrum->convolve(factors, {p.to, p.size, to_source(p, source)}, map.base(), progress);
   return map;
 }
 
@@ -203,6 +215,23 @@ double first_guess(const Lobe& lobe) {
   return value(0.999) > 0.02 ? 0.07 : value(0.9) > 1e-3 ? 0.7 : 8;
 }
 
+// How far the brightest block may be off anywhere by what is left out of its spectrum, for a flux of 1.
+double spectral_tail(const LightTree& tree, const Prefilter& p) {
+  double brightest = 0;
+  for (const Light& l : tree.blocks(tree.first()).lights)
+    brightest = std::max<double>({brightest, l.flux[0], l.flux[1], l.flux[2]});
+  return brightest > 0 ? 1e-4 * p.max_error / brightest : 1;
+}
+
+// The spectrum to go by where that is cheaper than the tree: for the many texels of a narrow lobe. Empty otherwise, and at
+// once where the lobe is bent at its horizon, which takes more degrees than there are.
+std::vector<double> worthwhile_factors(const LightTree& tree, const Prefilter& p, const Lobe& lobe) {
+  const double texels = 1.0 * p.size * p.size * aspect(p.to) * faces(p.to);
+  if (texels < 2000 || std::visit([](const auto& l) { return l.value(0.9) > 1e-2; }, lobe)) return {};
+  std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, p));
+  return texels < std::pow(static_cast<double>(factors.size()), 2) ? std::vector<double>{} : factors;
+}
+
 // What --scale makes of a normalised lobe.
 double factor(const Prefilter& p) {
   if (!p.scale) return 1;
@@ -232,38 +261,47 @@ PrefilterSource::~PrefilterSource() = default;
 Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progress) const {
   const Lobe lobe = lobe_of(wanted);
   const LightTree& tree = prepared_->tree;
-  const auto start = std::chrono::steady_clock::now();
-  Prefiltered done{.map = {}, .method = wanted.method};
-  if (is_mirror(wanted)) {
-    done.map = by_mirror(map_, wanted);
-    done.method = Method::exact;
-  } else if (wanted.method == Method::exact || (wanted.method == Method::automatic && wanted.max_error < finest)) {
-    done.map = by_exact(map_, wanted, lobe, progress);
-    done.method = Method::exact;
-  } else if (wanted.method == Method::sh) {
-    done.map = by_harmonics(map_, wanted, lobe, progress);
+  const auto timed = [&](Method method, auto&& make) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<float> doubt;
+    Prefiltered done{.map = make(doubt), .method = method};
     done.seconds = seconds_since(start);
-    check(map_, tree, wanted, lobe, {}, done);
-  } else {
-    done.method = Method::hierarchical;
+    if (method != Method::exact) check(map_, tree, wanted, lobe, doubt, done);
+    return done;
+  };
+  const auto exact = [&] { return timed(Method::exact, [&](auto&) { return by_exact(map_, wanted, lobe, progress); }); };
+  const auto hierarchical = [&](double accuracy) {
+    return timed(Method::hierarchical,
+                 [&](auto& doubt) { return by_tree(map_, tree, wanted, lobe, accuracy, doubt, progress); });
+  };
+  const auto spectral = [&](const std::vector<double>& factors) {
+    return timed(Method::spectral,
+                 [&](auto&) { return by_spectrum(map_, prepared_->spectrum, wanted, factors, progress); });
+  };
+  const auto make = [&]() -> Prefiltered {
+    switch (wanted.method) {
+      case Method::exact: return exact();
+      case Method::hierarchical: return hierarchical(wanted.max_error * first_guess(lobe));
+      case Method::spectral: {
+        const std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, wanted));
+        return spectral(factors.empty() ? zonal(lobe, most_spectral_order) : factors);
+      }
+      case Method::sh: return timed(Method::sh, [&](auto&) { return by_harmonics(map_, wanted, lobe, progress); });
+      case Method::automatic: break;
+    }
+    if (wanted.max_error < finest) return exact();
+    if (const std::vector<double> factors = worthwhile_factors(tree, wanted, lobe); !factors.empty())
+      if (Prefiltered done = spectral(factors); done.error <= 0.7 * wanted.max_error) return done;
     double accuracy = wanted.max_error * first_guess(lobe);
     for (int round = 0; round < 8; ++round) {
-      const auto again = std::chrono::steady_clock::now();
-      std::vector<float> doubt;
-      done.map = by_tree(map_, tree, wanted, lobe, accuracy, doubt, progress);
-      done.seconds = seconds_since(again);
-      check(map_, tree, wanted, lobe, doubt, done);
+      Prefiltered done = hierarchical(accuracy);
       // Texels that were not looked at may be a little worse; a second round leaves them room.
-      if (done.error <= (round == 0 ? 0.7 : 1) * wanted.max_error || wanted.method == Method::hierarchical) break;
+      if (done.error <= (round == 0 ? 0.7 : 1) * wanted.max_error) return done;
       accuracy *= std::clamp(0.4 * wanted.max_error / done.error, 0.02, 0.5);
     }
-    if (!done.reached && wanted.method == Method::automatic) {
-      const auto again = std::chrono::steady_clock::now();
-      done = {.map = by_exact(map_, wanted, lobe, progress), .method = Method::exact};
-      done.seconds = seconds_since(again);
-    }
-  }
-  if (done.seconds == 0) done.seconds = seconds_since(start);
+    return exact();
+  };
+  Prefiltered done = is_mirror(wanted) ? timed(Method::exact, [&](auto&) { return by_mirror(map_, wanted); }) : make();
   scale(done.map.base(), factor(wanted));
   return done;
 }
