@@ -27,7 +27,6 @@ class Walk {
     least_.fill(floor_of_error);
     least_[3] = 1;
     surveying_ = true;
-    limit_ = 0.005;
     top();
     for (std::size_t c = 0; c < 3; ++c) least_[c] = std::max(floor_of_error, got_[c]);
   }
@@ -119,23 +118,16 @@ class Walk {
         piece(face, {i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
   }
 
-  // Part of a texel. What is too large for simple moments is cut, unless it counts for so little that nothing it could be
-  // makes a difference: along the rim of a sphere map, all of it one direction, there is no end of such slivers.
+  // Part of a texel. Along the rim of a sphere map, all of it one direction, simple moments would ask for slivers without end.
   void piece(int face, const Rect& rect, const Flux& radiance, int depth) {
     const std::optional<Patch> simple = small_patch<P>(face, rect, depth == 24);
-    const Patch area = simple ? *simple : *small_patch<P>(face, rect, true);
-    if (simple && area.solid_angle <= 0) return;
-    Light light = light_of(area, radiance);
-    if (!simple) light.reach *= 2;
+    const Patch area = simple ? *simple : patch<P>(face, rect);
+    if (area.solid_angle <= 0) return;
+    const Light light = light_of(area, radiance);
     const Reach r = reach(light);
-    if (simple && r.near >= 1) return;
-    if (depth == 24 || (simple ? good(light, r) : negligible(light, r))) return take(light, r);
+    if (r.near >= 1) return;
+    if (depth == 24 || good(light, r)) return take(light, r);
     for (const Rect& q : quarters(rect)) piece(face, q, radiance, depth + 1);
-  }
-
-  bool negligible(const Light& light, const Reach& r) {
-    const double error = (lobe_.most(r.near) - lobe_.least(r.far)) * flux_of(light);
-    return light.flux[3] > 0 && admit(surveying_ ? 0.1 * error : error);
   }
 
   const LightTree& tree_;

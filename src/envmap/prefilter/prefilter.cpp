@@ -121,7 +121,7 @@ EnvironmentMap by_mirror(const EnvironmentMap& source, const Prefilter& p) {
 // Texels worth looking at in a result: spread evenly, the darkest, the brightest, the steepest for their own radiance, and
 // those of which the method itself is least sure, if it says so.
 std::vector<Texel> hardest(const Level& level, const std::vector<float>& doubt) {
-  constexpr std::size_t even = 128, each = 48;
+  constexpr std::size_t even = 112, each = 48;
   std::vector<Texel> all;
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < level.height(); ++j)
@@ -168,7 +168,7 @@ Flux reference(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds
   tile.count = 1;
   tile.x.fill(0), tile.y.fill(0), tile.z.fill(0);
   Colour found[1];
-  double light = 0.03 * bound;
+  double light = 0.06 * bound;
   for (int round = 0; round < 20; ++round) {
     const double left = gather_tile(tree, lobe, bounds, {light}, tile, found).root;
     if (left <= bound) break;
@@ -190,7 +190,7 @@ void check(const EnvironmentMap& source, const LightTree& tree, const Prefilter&
     const Texel& t = texels[k];
     Direction d[1];
     texel_directions(p.to, p.size, t.face, t.j, t.i, d);
-    const Flux truth = reference(tree, lobe, bounds, turn * d[0], 0.1 * std::max(finest, p.max_error));
+    const Flux truth = reference(tree, lobe, bounds, turn * d[0], 0.25 * std::max(finest, p.max_error));
     for (int c = 0; c < 3; ++c) {
       const double off = std::abs((*level.texel(t.face, t.i, t.j))[c] - truth[c]);
       if (off > 0) errors[k] = std::max(errors[k], off / std::max(truth[c], floor));

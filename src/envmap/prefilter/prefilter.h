@@ -67,8 +67,8 @@ class PrefilterSource {
   ///
   /// The check compares at least 256 texels (all of smaller maps) with the exact integral: texels spread evenly, and those
   /// that are hardest: the darkest, the brightest and the steepest. Their reference is the same sum over the source with
-  /// every part small enough that the bounds of all remainders, added up, stay below the error asked for; what it is
-  /// really off is a small part of that.
+  /// every part small enough that the bounds of all remainders, as independent errors, come to a quarter of the error asked
+  /// for; what it is really off is a small part of that.
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 
  private:
