@@ -70,19 +70,14 @@ class Walk {
     return std::min(found, 0.5 * (lobe_.most(r.near) - lobe_.least(r.far)));
   }
 
-  // The largest share that a light may have of a result.
-  double flux_of(const Light& light) const {
+  bool good(const Light& light, const Reach& r) {
     double flux = 0;
     for (std::size_t c = 0; c < 4; ++c) flux = std::max(flux, light.flux[c] / least_[c]);
-    return flux;
-  }
-
-  bool good(const Light& light, const Reach& r) {
-    if (!surveying_) return admit(remainder(light, r) * flux_of(light));
-    return light.reach < 0.5 * radius_ || (lobe_.most(r.near) - lobe_.least(r.far)) * flux_of(light) < 0.05;
-  }
-
-  bool admit(double error) {
+    if (surveying_) {
+      const double gap = lobe_.most(r.near) - lobe_.least(r.far);
+      return light.reach < 0.5 * radius_ || gap * flux < 0.05;
+    }
+    const double error = remainder(light, r) * flux;
     if (error > limit_) return false;
     bounds_.sum += error;
     bounds_.power += error * error;
@@ -118,15 +113,15 @@ class Walk {
         piece(face, {i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
   }
 
-  // Part of a texel. Along the rim of a sphere map, all of it one direction, simple moments would ask for slivers without end.
+  // Part of a texel. What is too large for simple moments is cut without a look at it.
   void piece(int face, const Rect& rect, const Flux& radiance, int depth) {
-    const std::optional<Patch> simple = small_patch<P>(face, rect, depth == 24);
-    const Patch area = simple ? *simple : patch<P>(face, rect);
-    if (area.solid_angle <= 0) return;
-    const Light light = light_of(area, radiance);
-    const Reach r = reach(light);
-    if (r.near >= 1) return;
-    if (depth == 24 || good(light, r)) return take(light, r);
+    if (const std::optional<Patch> area = small_patch<P>(face, rect, depth == 24)) {
+      if (area->solid_angle <= 0) return;
+      const Light light = light_of(*area, radiance);
+      const Reach r = reach(light);
+      if (r.near >= 1) return;
+      if (depth == 24 || good(light, r)) return take(light, r);
+    }
     for (const Rect& q : quarters(rect)) piece(face, q, radiance, depth + 1);
   }
 

@@ -220,7 +220,7 @@ double spectral_tail(const LightTree& tree, const Prefilter& p) {
   double brightest = 0;
   for (const Light& l : tree.blocks(tree.first()).lights)
     brightest = std::max<double>({brightest, l.flux[0], l.flux[1], l.flux[2]});
-  return brightest > 0 ? 1e-4 * p.max_error / brightest : 1;
+  return brightest > 0 ? 3e-4 * p.max_error / brightest : 1;
 }
 
 // The spectrum to go by where that is cheaper than the tree: for the many texels of a narrow lobe. Empty otherwise, and at

@@ -166,7 +166,7 @@ struct Reaches {
 };
 Reaches reaches(int order, double error, bool bright) {
   if (bright) return {0, 1.4 * std::pow(650 * error, 0.25) / order};
-  return {std::sqrt(200 * error) / order, 3.2 * std::pow(6200 * error, 0.25) / order};
+  return {std::sqrt(500 * error) / order, 3.2 * std::pow(6200 * error, 0.25) / order};
 }
 
 template <class P, class F>
@@ -177,7 +177,7 @@ void gauss(int face, const Rect& rect, double reach, int depth, F&& add) {
   std::array<double, 4> weights;
   gauss_points<P>(face, rect, points, weights);
   const double across = 1.75 * std::max(glm::length(points[0] - points[3]), glm::length(points[1] - points[2]));
-  if (depth > 0 && (across > reach || (where == Coverage::cut && depth > 4))) {
+  if (depth > 0 && (across > reach || (where == Coverage::cut && depth > 3))) {
     for (const Rect& q : quarters(rect)) gauss<P>(face, q, reach, depth - 1, add);
   } else if (where == Coverage::cut) {
     const Patch p = patch<P>(face, rect);
@@ -214,7 +214,7 @@ Row points_of(const Level& source, int face, int row, int order, double error, d
     if (count > 1 && size > 1 && reach < most.one && coverage<P>(rect) == Coverage::inside)
       add(d[k], omega[static_cast<std::size_t>(i)]);
     else
-      gauss<P>(face, rect, most.four, 8, add);
+      gauss<P>(face, rect, most.four, 6, add);
   }
   std::vector<Location<double>> places(points.size());
   locate(Projection::latlong, points, places);
