@@ -105,6 +105,7 @@ TEST_P(EachPrefilter, AgreesWithTheDefinition) {
   for (Prefilter p : lobes) {
     p.to = GetParam() == Projection::cube ? Projection::latlong : Projection::cube;
     p.size = 4;
+    if (GetParam() == Projection::sphere) p.max_error = 1e-2;  // Slivers at the rim: a minute at 1e-3.
     const Prefiltered done = prepared.make(p);
     EXPECT_TRUE(done.reached) << words(p);
     for (const auto& [i, j] : {std::pair{0, 0}, {1, 2}, {3, 3}}) {
