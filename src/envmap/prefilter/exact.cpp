@@ -6,7 +6,7 @@
 
 #include "envmap/maths/sum.h"
 #include "envmap/operate/parallel.h"
-#include "envmap/prefilter/patch.h"
+#include "envmap/prefilter/cell.h"
 
 namespace envmap {
 namespace {
@@ -134,6 +134,15 @@ double round_border(const L& lobe, const Direction& r, int face, const Rect& rec
 
 template <class P, class L>
 double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) {
+  if constexpr (P::on_disc && !P::filled) {
+    if (at_rim<P>(rect)) {
+      double sum = 0;
+      for_wedges(rect, [&](const Wedge& w) {
+        w.points([&](const Direction& l, double weight) { sum += weight * lobe.value(versine(r, l)); });
+      });
+      return sum;
+    }
+  }
   return quadrature::rectangle<4>(rect, [&](double u, double v) {
     return P::density(u, v) * lobe.value(versine(r, P::direction(face, u, v)));
   });
@@ -149,18 +158,17 @@ double unevenness(const L& lobe, const Direction& r, const Patch& p) {
   return std::max(lobe.rate(lo), lobe.rate(hi)) * std::min(1.0, far) * p.reach;
 }
 
+// Over a rectangle with its moments.
 template <class P, class L>
-double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect) {
-  const Coverage where = coverage<P>(rect);
-  if (where == Coverage::outside) return 0;
-  const Patch p = patch<P>(face, rect);
+double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Patch& p) {
   const double near = std::max(0.0, glm::length(r - p.centre) - p.reach);
   if (p.solid_angle <= 0 || lobe.missing(0.5 * near * near) < nothing) return 0;
-  if (where == Coverage::inside && p.reach < 0.2 && unevenness(lobe, r, p) <= 0.4)
+  const bool rim = at_rim<P>(rect);
+  if ((rim || coverage<P>(rect) == Coverage::inside) && p.reach < 0.2 && unevenness(lobe, r, p) <= (rim ? 0.03 : 0.4))
     return over_area<P>(lobe, r, face, rect);
-  if (p.reach < 0.3) return round_border<P>(lobe, r, face, rect, 0.5 * near * near, p.reach);
+  if (p.reach < (rim ? 1 : 0.3)) return round_border<P>(lobe, r, face, rect, 0.5 * near * near, p.reach);
   double sum = 0;
-  for (const Rect& q : quarters(rect)) sum += lobe_over<P>(lobe, r, face, q);
+  for (const Rect& q : quarters(rect)) sum += lobe_over<P>(lobe, r, face, q, patch<P>(face, q));
   return sum;
 }
 
@@ -180,7 +188,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
     std::array<Direction, 4> points;
     std::array<double, 4> weights;
     gauss_points<P>(face, rect, points, weights);
-    const bool simple = where == Coverage::inside && p.reach < 0.02;
+    const bool simple = where == Coverage::inside && p.reach < 0.02 && !at_rim<P>(rect);
     for (std::size_t k = 0; k < directions.size(); ++k) {
       const double d = std::max(0.0, glm::length(directions[k] - p.centre) - p.reach);
       if (lobe.missing(0.5 * d * d) < nothing) continue;
@@ -188,7 +196,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
       if (simple && unevenness(lobe, directions[k], p) < 0.05) {
         for (std::size_t n = 0; n < 4; ++n) part += weights[n] * lobe.value(versine(directions[k], points[n]));
       } else {
-        part = lobe_over<P>(lobe, directions[k], face, rect);
+        part = lobe_over<P>(lobe, directions[k], face, rect, p);
       }
       sums[k] += part * radiance;
     }

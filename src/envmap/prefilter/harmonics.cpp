@@ -6,7 +6,7 @@
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/sum.h"
 #include "envmap/operate/parallel.h"
-#include "envmap/prefilter/patch.h"
+#include "envmap/prefilter/cell.h"
 
 namespace envmap {
 namespace {
@@ -52,13 +52,25 @@ struct Recursion {
 
 // f(direction, solid angle) at points dense enough for harmonics of the order.
 template <class P, class F>
+void for_points(int face, const Wedge& wedge, double small, int depth, F&& f) {
+  if (depth > 0 && wedge.far - wedge.near > 2 * small) {
+    for (const Wedge& half : halves(wedge)) for_points<P>(face, half, small, depth - 1, f);
+  } else {
+    wedge.points(f);
+  }
+}
+template <class P, class F>
 void for_points(int face, const Rect& rect, double small, int depth, F&& f) {
   const Coverage where = coverage<P>(rect);
   if (where == Coverage::outside) return;
+  const auto parts = [&] {
+    for_parts<P>(rect, [&](const auto& part) { for_points<P>(face, part, small, depth - 1, f); });
+  };
+  if (at_rim<P>(rect)) return parts();
   const Patch p = patch<P>(face, rect);
   if (p.solid_angle <= 0) return;
   if ((p.reach > small && depth > 0) || (where == Coverage::cut && depth > 6)) {
-    for (const Rect& q : quarters(rect)) for_points<P>(face, q, small, depth - 1, f);
+    parts();
   } else if (where == Coverage::cut) {
     f(glm::normalize(p.centre), p.solid_angle);
   } else {

@@ -4,6 +4,7 @@
 
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
+#include "envmap/prefilter/cell.h"
 
 namespace envmap {
 namespace {
@@ -110,19 +111,20 @@ class Walk {
     const double w = source.width(), h = source.height(), scale = tree_.mean() > 0 ? 1 / tree_.mean() : 0;
     for (int j = top; j < std::min(source.height(), top + side); ++j)
       for (int i = left; i < std::min(source.width(), left + side); ++i)
-        piece(face, {i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
+        piece(face, Rect{i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
   }
 
-  // Part of a texel. What is too large for simple moments is cut without a look at it.
-  void piece(int face, const Rect& rect, const Flux& radiance, int depth) {
-    if (const std::optional<Patch> area = small_patch<P>(face, rect, depth == 24)) {
+  // A texel or part of it. What is too large for simple moments is cut without a look at it.
+  template <class Cell>
+  void piece(int face, const Cell& cell, const Flux& radiance, int depth) {
+    if (const std::optional<Patch> area = small_cell<P>(face, cell, depth >= 24)) {
       if (area->solid_angle <= 0) return;
       const Light light = light_of(*area, radiance);
       const Reach r = reach(light);
       if (r.near >= 1) return;
-      if (depth == 24 || good(light, r)) return take(light, r);
+      if (depth >= 24 || good(light, r)) return take(light, r);
     }
-    for (const Rect& q : quarters(rect)) piece(face, q, radiance, depth + 1);
+    for_parts<P>(cell, [&](const auto& part) { piece(face, part, radiance, depth + 1); });
   }
 
   const LightTree& tree_;

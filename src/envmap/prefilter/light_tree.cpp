@@ -2,6 +2,7 @@
 
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
+#include "envmap/prefilter/cell.h"
 
 namespace envmap {
 namespace {
@@ -43,7 +44,7 @@ LightTree::LightTree(const Level& source) : source_(source), mean_(mean_radiance
       for (int j = bj * side; j < std::min(height, (bj + 1) * side); ++j)
         for (int i = bi * side; i < std::min(width, (bi + 1) * side); ++i) {
           const double w = width, h = height;
-          const Patch area = patch<P>(face, {i / w, j / h, (i + 1) / w, (j + 1) / h});
+          const Patch area = patch<P>(face, Rect{i / w, j / h, (i + 1) / w, (j + 1) / h});
           if (area.solid_angle > 0) texels.push_back(light_of(area, scale * Flux(*source.texel(face, i, j))));
         }
       return united(texels);

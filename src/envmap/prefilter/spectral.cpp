@@ -7,7 +7,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
 #include "envmap/prefilter/harmonics.h"
-#include "envmap/prefilter/patch.h"
+#include "envmap/prefilter/cell.h"
 
 namespace envmap {
 namespace {
@@ -170,15 +170,27 @@ Reaches reaches(int order, double error, bool bright) {
 }
 
 template <class P, class F>
+void gauss(int face, const Wedge& wedge, double reach, int depth, F&& add) {
+  if (depth > 0 && wedge.far - wedge.near > reach) {
+    for (const Wedge& half : halves(wedge)) gauss<P>(face, half, reach, depth - 1, add);
+  } else {
+    wedge.points(add);
+  }
+}
+template <class P, class F>
 void gauss(int face, const Rect& rect, double reach, int depth, F&& add) {
   const Coverage where = coverage<P>(rect);
   if (where == Coverage::outside) return;
+  const auto parts = [&] {
+    for_parts<P>(rect, [&](const auto& part) { gauss<P>(face, part, reach, depth - 1, add); });
+  };
+  if (at_rim<P>(rect)) return parts();
   std::array<Direction, 4> points;
   std::array<double, 4> weights;
   gauss_points<P>(face, rect, points, weights);
   const double across = 1.75 * std::max(glm::length(points[0] - points[3]), glm::length(points[1] - points[2]));
   if (depth > 0 && (across > reach || (where == Coverage::cut && depth > 3))) {
-    for (const Rect& q : quarters(rect)) gauss<P>(face, q, reach, depth - 1, add);
+    parts();
   } else if (where == Coverage::cut) {
     const Patch p = patch<P>(face, rect);
     if (p.solid_angle > 0) add(glm::normalize(p.centre), p.solid_angle);
