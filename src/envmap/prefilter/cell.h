@@ -9,7 +9,7 @@ namespace envmap {
 /// f(part) for the parts of a cell.
 template <class P, class F>
 void for_parts(const Rect& rect, F&& f) {
-  if constexpr (P::on_disc && !P::filled) {
+  if constexpr (has_wedges<P>) {
     if (at_rim<P>(rect)) return for_wedges(rect, f);
   }
   for (const Rect& q : quarters(rect)) f(q);

@@ -134,7 +134,7 @@ double round_border(const L& lobe, const Direction& r, int face, const Rect& rec
 
 template <class P, class L>
 double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) {
-  if constexpr (P::on_disc && !P::filled) {
+  if constexpr (has_wedges<P>) {
     if (at_rim<P>(rect)) {
       double sum = 0;
       for_wedges(rect, [&](const Wedge& w) {

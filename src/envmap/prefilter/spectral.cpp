@@ -6,8 +6,8 @@
 
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
-#include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/cell.h"
+#include "envmap/prefilter/harmonics.h"
 
 namespace envmap {
 namespace {
@@ -181,9 +181,7 @@ template <class P, class F>
 void gauss(int face, const Rect& rect, double reach, int depth, F&& add) {
   const Coverage where = coverage<P>(rect);
   if (where == Coverage::outside) return;
-  const auto parts = [&] {
-    for_parts<P>(rect, [&](const auto& part) { gauss<P>(face, part, reach, depth - 1, add); });
-  };
+  const auto parts = [&] { for_parts<P>(rect, [&](const auto& part) { gauss<P>(face, part, reach, depth - 1, add); }); };
   if (at_rim<P>(rect)) return parts();
   std::array<Direction, 4> points;
   std::array<double, 4> weights;

@@ -4,10 +4,23 @@
 /// from -Z and, when they are short enough, by azimuth.
 #pragma once
 
+#include <type_traits>
+
 #include "envmap/prefilter/patch.h"
 #include "envmap/projection/sphere.h"
 
 namespace envmap {
+
+/// Steradians of {0 <= a <= x, 0 <= b <= y, sqrt(a^2 + b^2) <= r}.
+inline double corner_solid_angle(double x, double y, double r) {
+  x = std::min(x, r), y = std::min(y, r);
+  if (x * x + y * y <= r * r) return 4 * x * y;
+  const double start = std::sqrt(r * r - y * y);
+  const auto under = [r](double s) {
+    return 0.5 * (s * std::sqrt(std::max(0.0, r * r - s * s)) + r * r * std::asin(std::min(1.0, s / r)));
+  };
+  return 4 * (y * start + under(x) - under(start));
+}
 
 /// What of a rectangle in one quadrant of the image lies between two distances from -Z and two azimuths, in radians. With
 /// a = |s| and b = |t|, a point at distance d and azimuth p is a = cos(d/2) cos p, b = cos(d/2) sin p, and has the solid
@@ -33,6 +46,24 @@ struct Wedge {
     const double s = std::sin(distance);
     return {sign_s * s * std::cos(azimuth), sign_t * s * std::sin(azimuth), -std::cos(distance)};
   }
+  /// Makes its solid angle exact, as far as it has no cut by azimuth and is large enough for a difference.
+  void calibrate() {
+    if (from > 0 || to < pi) return;
+    const auto within = [&](double r) {
+      return corner_solid_angle(a1, b1, r) - corner_solid_angle(a0, b1, r) - corner_solid_angle(a1, b0, r) +
+             corner_solid_angle(a0, b0, r);
+    };
+    const double truth = within(std::cos(0.5 * near)) - within(std::cos(0.5 * far));
+    if (truth < 1e-8) return;
+    factor = 1;
+    const double found = solid_angle();
+    factor = found > 0 ? truth / found : 1;
+  }
+  [[nodiscard]] double solid_angle() const {
+    double sum = 0;
+    points([&](const Direction&, double weight) { sum += weight; });
+    return sum;
+  }
   /// f(direction, solid angle) at its Gauss points. Distances run with a square: arcs grow with a root from a corner.
   template <class F>
   void points(F&& f) const {
@@ -50,21 +81,13 @@ struct Wedge {
   }
 };
 
-/// Steradians of {0 <= a <= x, 0 <= b <= y, sqrt(a^2 + b^2) <= r}.
-inline double corner_solid_angle(double x, double y, double r) {
-  x = std::min(x, r), y = std::min(y, r);
-  if (x * x + y * y <= r * r) return 4 * x * y;
-  const double start = std::sqrt(r * r - y * y);
-  const auto under = [r](double s) {
-    return 0.5 * (s * std::sqrt(std::max(0.0, r * r - s * s)) + r * r * std::asin(std::min(1.0, s / r)));
-  };
-  return 4 * (y * start + under(x) - under(start));
-}
+template <class P>
+inline constexpr bool has_wedges = std::is_same_v<P, Sphere>;
 
 /// Whether a rectangle is cut into wedges: it lies in one quadrant and its outer corner is stretched eight times.
 template <class P>
 bool at_rim(const Rect& r) {
-  if constexpr (!P::on_disc || P::filled) return false;
+  if constexpr (!has_wedges<P>) return false;
   constexpr double little = 1e-12;
   if ((r.u0 < 0.5 - little && r.u1 > 0.5 + little) || (r.v0 < 0.5 - little && r.v1 > 0.5 + little)) return false;
   const double s0 = std::abs(2 * r.u0 - 1), s1 = std::abs(2 * r.u1 - 1), t0 = std::abs(2 * r.v0 - 1),
@@ -91,18 +114,10 @@ void for_wedges(const Rect& r, F&& f) {
   const auto radius = [](double a, double b) { return std::min(1.0, std::sqrt(a * a + b * b)); };
   std::array<double, 4> radii{radius(w.a0, w.b0), radius(w.a0, w.b1), radius(w.a1, w.b0), radius(w.a1, w.b1)};
   std::ranges::sort(radii);
-  const auto within = [&](double to) {
-    return corner_solid_angle(w.a1, w.b1, to) - corner_solid_angle(w.a0, w.b1, to) - corner_solid_angle(w.a1, w.b0, to) +
-           corner_solid_angle(w.a0, w.b0, to);
-  };
   for (std::size_t k = 0; k + 1 < radii.size(); ++k) {
     if (radii[k + 1] - radii[k] < 1e-15) continue;
-    w.far = 2 * std::acos(radii[k]), w.near = 2 * std::acos(radii[k + 1]), w.factor = 1;
-    double found = 0;
-    w.points([&](const Direction&, double weight) { found += weight; });
-    const double truth = within(radii[k + 1]) - within(radii[k]);
-    if (found <= 0 || truth <= 0) continue;
-    w.factor = truth / found;
+    w.far = 2 * std::acos(radii[k]), w.near = 2 * std::acos(radii[k + 1]);
+    w.calibrate();
     f(w);
   }
 }
@@ -116,6 +131,10 @@ inline std::array<Wedge, 2> halves(const Wedge& w) {
     parts[0].far = parts[1].near = 0.5 * (w.near + w.far);
   else
     parts[0].to = parts[1].from = 0.5 * (from + to);
+  for (Wedge& part : parts) part.calibrate();
+  const double found = parts[0].solid_angle() + parts[1].solid_angle();
+  if (found <= 0) return parts;
+  for (Wedge& part : parts) part.factor *= w.solid_angle() / found;
   return parts;
 }
 
