@@ -163,18 +163,14 @@ std::vector<Texel> hardest(const Level& level, const std::vector<float>& doubt) 
 
 // The integral in one direction; what is left out of it, as independent errors, below `bound` of it.
 Flux reference(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Direction& d, double bound) {
-  Tile tile;
-  tile.middle = d;
-  tile.count = 1;
-  tile.x.fill(0), tile.y.fill(0), tile.z.fill(0);
-  Colour found[1];
+  Flux found;
   double light = 0.06 * bound;
   for (int round = 0; round < 20; ++round) {
-    const double left = gather_tile(tree, lobe, bounds, {light}, tile, found).root;
+    const double left = gather_direction(tree, lobe, bounds, {light}, d, found).root;
     if (left <= bound) break;
     light *= std::clamp(0.8 * bound / left, 0.01, 0.5);
   }
-  return Flux(found[0]);
+  return found;
 }
 
 // The largest error of a result in the texels that are hardest.
