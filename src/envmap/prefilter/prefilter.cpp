@@ -102,10 +102,10 @@ EnvironmentMap by_tree(const EnvironmentMap& source, const LightTree& tree, cons
 }
 
 EnvironmentMap by_spectrum(const EnvironmentMap& source, std::unique_ptr<Spectrum>& spectrum, const Prefilter& p,
-                           std::span<const double> factors, const Progress& progress) {
+                           std::span<const double> factors, double error, const Progress& progress) {
   const int order = static_cast<int>(factors.size()) - 1;
-  if (!spectrum || spectrum->order() < order || spectrum->error() > p.max_error)
-    spectrum = std::make_unique<Spectrum>(source.base(), order, p.max_error, progress);
+  if (!spectrum || spectrum->order() < order || spectrum->error() > error)
+    spectrum = std::make_unique<Spectrum>(source.base(), order, error, progress);
   EnvironmentMap map = empty_map(p);
   spectrum->convolve(factors, {p.to, p.size, to_source(p, source)}, map.base(), progress);
   return map;
@@ -212,11 +212,11 @@ double first_guess(const Lobe& lobe) {
 }
 
 // How far the brightest block may be off anywhere by what is left out of its spectrum, for a flux of 1.
-double spectral_tail(const LightTree& tree, const Prefilter& p) {
+double spectral_tail(const LightTree& tree, double error) {
   double brightest = 0;
   for (const Light& l : tree.blocks(tree.first()).lights)
     brightest = std::max<double>({brightest, l.flux[0], l.flux[1], l.flux[2]});
-  return brightest > 0 ? 3e-4 * p.max_error / brightest : 1;
+  return brightest > 0 ? 3e-4 * error / brightest : 1;
 }
 
 // The spectrum to go by where that is cheaper than the tree: for the many texels of a narrow lobe. Empty otherwise, and at
@@ -224,7 +224,7 @@ double spectral_tail(const LightTree& tree, const Prefilter& p) {
 std::vector<double> worthwhile_factors(const LightTree& tree, const Prefilter& p, const Lobe& lobe) {
   const double texels = 1.0 * p.size * p.size * aspect(p.to) * faces(p.to);
   if (texels < 2000 || std::visit([](const auto& l) { return l.value(0.9) > 1e-2; }, lobe)) return {};
-  std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, p));
+  std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, p.max_error));
   return texels < std::pow(static_cast<double>(factors.size()), 2) ? std::vector<double>{} : factors;
 }
 
@@ -270,24 +270,28 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
     return timed(Method::hierarchical,
                  [&](auto& doubt) { return by_tree(map_, tree, wanted, lobe, accuracy, doubt, progress); });
   };
-  const auto spectral = [&](const std::vector<double>& factors) {
+  const auto spectral = [&](const std::vector<double>& factors, double error) {
     return timed(Method::spectral,
-                 [&](auto&) { return by_spectrum(map_, prepared_->spectrum, wanted, factors, progress); });
+                 [&](auto&) { return by_spectrum(map_, prepared_->spectrum, wanted, factors, error, progress); });
   };
   const auto make = [&]() -> Prefiltered {
     switch (wanted.method) {
       case Method::exact: return exact();
       case Method::hierarchical: return hierarchical(wanted.max_error * first_guess(lobe));
       case Method::spectral: {
-        const std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, wanted));
-        return spectral(factors.empty() ? zonal(lobe, most_spectral_order) : factors);
+        const std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, wanted.max_error));
+        return spectral(factors.empty() ? zonal(lobe, most_spectral_order) : factors, wanted.max_error);
       }
       case Method::sh: return timed(Method::sh, [&](auto&) { return by_harmonics(map_, wanted, lobe, progress); });
       case Method::automatic: break;
     }
     if (wanted.max_error < finest) return exact();
     if (const std::vector<double> factors = worthwhile_factors(tree, wanted, lobe); !factors.empty())
-      if (Prefiltered done = spectral(factors); done.error <= 0.7 * wanted.max_error) return done;
+      for (const double error : {wanted.max_error, wanted.max_error / 10}) {
+        const std::vector<double> more = spectral_factors(lobe, spectral_tail(tree, error));
+        if (Prefiltered done = spectral(more.empty() ? factors : more, error); done.error <= 0.7 * wanted.max_error)
+          return done;
+      }
     double accuracy = wanted.max_error * first_guess(lobe);
     for (int round = 0; round < 8; ++round) {
       Prefiltered done = hierarchical(accuracy);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
@@ -25,6 +26,7 @@ class Fourier {
       cosine_[k] = std::cos(angle), sine_[k] = std::sin(angle);
     }
   }
+  [[nodiscard]] int size() const { return static_cast<int>(n_); }
   void operator()(std::vector<double>& re, std::vector<double>& im) {
     for (std::size_t half = n_ / 2, run = 1; half >= 1; half /= 2, run *= 2) {
       for (std::size_t p = 0; p < half; ++p) {
@@ -83,6 +85,105 @@ void analyse_rings(RingGrid& grid, int order, Bands& bands) {
         }
       }
   });
+}
+
+// ---- rows of a latlong image ------------------------------------------------------------------------------------------
+
+// A latlong image is rings already, if there are enough of them: a Fourier transform along each row, the integral over its
+// texels' width in closed form, and Gauss points over their height. Rows go to the rings as points do.
+bool is_on_rings(const Level& source, int order) {
+  const auto width = static_cast<unsigned>(source.width());
+  return source.projection() == Projection::latlong && std::has_single_bit(width) && order * pi < source.height();
+}
+
+// Integrals of exp(-i m longitude) over the width of the first of n texels, m = 0, 1, ... order.
+std::vector<std::complex<double>> first_texel(int n, int order) {
+  std::vector<std::complex<double>> found;
+  for (int m = 0; m <= order; ++m) {
+    const double half = pi * m / n;
+    found.push_back(std::polar(2 * pi / n * (m > 0 ? std::sin(half) / half : 1), -half));
+  }
+  return found;
+}
+
+// Coefficients of a row: integrals of radiance x exp(-i m longitude). @param turns those of the first texel.
+std::vector<Parts> row_waves(const Level& source, int row, std::span<const std::complex<double>> turns, Fourier& transform) {
+  const auto n = static_cast<std::size_t>(source.width());
+  const std::span<const Colour> texels = source.row(0, row);
+  std::vector<Parts> waves(turns.size(), Parts{});
+  std::vector<double> re(n), im(n);
+  for (std::size_t c = 0; c < 3; ++c) {
+    // Red and green at once, as real and imaginary part; blue alone.
+    if (c == 1) continue;
+    for (std::size_t k = 0; k < n; ++k) re[k] = texels[k][static_cast<int>(c)], im[k] = c == 0 ? texels[k].y : 0;
+    transform(re, im);
+    for (std::size_t m = 0; m < waves.size(); ++m) {
+      const std::size_t back = (n - m) % n;
+      const std::complex first(0.5 * (re[m] + re[back]), 0.5 * (im[m] - im[back]));
+      const std::complex second(0.5 * (im[m] + im[back]), 0.5 * (re[back] - re[m]));
+      waves[m][2 * c] = (turns[m] * first).real(), waves[m][2 * c + 1] = (turns[m] * first).imag();
+      if (c == 0) waves[m][2] = (turns[m] * second).real(), waves[m][3] = (turns[m] * second).imag();
+    }
+  }
+  return waves;
+}
+
+// Gauss points over the height of a row, with their weights.
+std::array<std::pair<Stencil, double>, 3> row_points(int row, int height, const RingGrid& places) {
+  const auto& rule = quadrature::rule<3>();
+  std::array<std::pair<Stencil, double>, 3> points;
+  for (std::size_t g = 0; g < points.size(); ++g) {
+    const double v = (row + 0.5 + 0.5 * rule.node[g]) / height;
+    points[g] = {stencil_at(places, 0, v), 0.5 * rule.weight[g] * pi / height * std::sin(pi * v)};
+  }
+  return points;
+}
+
+void analyse_rows(const Level& source, int order, int rings, Bands& bands, const Progress& progress) {
+  RingGrid places;  // Without values: only where rings lie.
+  places.rings = rings, places.columns = 2 * rings;
+  const auto count = static_cast<std::size_t>(order + 1);
+  std::vector<Parts> waves(static_cast<std::size_t>(rings) * count, Parts{});
+  const std::vector<std::complex<double>> turns = first_texel(source.width(), order);
+  constexpr int batch = 256;
+  for (int start = 0; start < source.height(); start += batch) {
+    const int rows = std::min(batch, source.height() - start);
+    const auto found = map_rows<std::vector<Parts>>(rows, [&](int k) {
+      thread_local std::optional<Fourier> transform;
+      if (!transform || transform->size() != source.width()) transform.emplace(source.width());
+      return row_waves(source, start + k, turns, *transform);
+    });
+    // Each wave by itself: threads share no sum.
+    constexpr std::size_t few = 16;
+    tbb::parallel_for(std::size_t{0}, (count + few - 1) / few, [&](std::size_t part) {
+      const std::size_t begin = part * few, end = std::min(count, begin + few);
+      for (int k = 0; k < rows; ++k)
+        for (const auto& [stencil, weight] : row_points(start + k, source.height(), places))
+          for (std::size_t n = 0; n < taps; ++n) {
+            // Beyond a pole longitudes are half a turn on: odd waves change sign.
+            const int ring = stencil.ring + static_cast<int>(n);
+            const bool beyond = ring < 0 || ring >= rings;
+            const int to = ring < 0 ? -1 - ring : ring >= rings ? 2 * rings - 1 - ring : ring;
+            const double even = weight * stencil.down[n], odd = beyond ? -even : even;
+            for (std::size_t m = begin; m < end; ++m) {
+              Parts& sum = waves[static_cast<std::size_t>(to) * count + m];
+              const Parts& wave = found[static_cast<std::size_t>(k)][m];
+              for (std::size_t s = 0; s < sum.size(); ++s) sum[s] += (m % 2 == 0 ? even : odd) * wave[s];
+            }
+          }
+    });
+    if (progress) progress(0.8 * (start + rows) / source.height());
+  }
+  for (int b = 0; b < bands.blocks; ++b)
+    for (std::size_t k = 0; k < block; ++k) {
+      const auto ring = static_cast<std::size_t>(b) * block + k;
+      const Parts *north = &waves[ring * count], *south = &waves[(static_cast<std::size_t>(rings) - 1 - ring) * count];
+      for (int m = 0; m <= order; ++m)
+        for (std::size_t s = 0; s < 6; ++s) {
+          bands.at(m, b).even[k][s] = north[m][s] + south[m][s];
+          bands.at(m, b).odd[k][s] = north[m][s] - south[m][s];
+        }
+    }
 }
 
 void synthesise_rings(Bands& bands, int order, RingGrid& grid) {
@@ -287,13 +388,18 @@ std::vector<double> spectral_factors(const Lobe& lobe, double tail) {
 
 Spectrum::Spectrum(const Level& source, int order, double error, const Progress& progress)
     : order_(order), error_(error), coefficients_(first_of(order, order) + 1) {
-  RingGrid grid = on_rings(source, order, error, progress);
-  Bands bands(order, grid.rings);
-  analyse_rings(grid, order, bands);
+  const int rings = columns_for(order) / 2;
+  Bands bands(order, rings);
+  if (is_on_rings(source, order)) {
+    analyse_rows(source, order, rings, bands, progress);
+  } else {
+    RingGrid grid = on_rings(source, order, error, progress);
+    analyse_rings(grid, order, bands);
+  }
   tbb::parallel_for(0, order + 1, [&](int m) {
     const std::span<Parts> all =
         std::span(coefficients_).subspan(first_of(order, m), static_cast<std::size_t>(order - m + 1));
-    for_blocks(order, m, grid.rings, [&](int b, const auto& p) {
+    for_blocks(order, m, rings, [&](int b, const auto& p) {
       const Band& band = bands.at(m, b);
       project_rings(p, band.even, band.odd, all);
     });
