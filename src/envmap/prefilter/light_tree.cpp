@@ -8,7 +8,7 @@
 namespace envmap {
 namespace {
 
-constexpr std::int64_t most_stored = 1 << 17;  // Blocks of the lowest level: 30 MB.
+constexpr std::int64_t most_stored = 1 << 19;  // Blocks of the lowest level: 100 MB with all above.
 
 LightTree::Blocks empty(int width, int height, int faces) {
   return {width, height,
