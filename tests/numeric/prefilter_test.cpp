@@ -273,18 +273,18 @@ TEST(Prefilter, ResolutionOfTheSourceChangesNothing) {
 // ---- extremes ---------------------------------------------------------------------------------------------------------
 
 TEST(Prefilter, NarrowLobesTendToTheMirror) {
-  const EnvironmentMap source = landscape(Projection::cube, 16);
+  const EnvironmentMap source = landscape(Projection::cube, 4);
   const PrefilterSource prepared(source);
   for (Prefilter p : {Prefilter{.shape = Shape::phong, .parameter = 1e8},
                       {.shape = Shape::ggx, .parameter = 0.001},
                       {.shape = Shape::ggx, .parameter = 0}}) {
-    p.size = 16;
+    p.size = 4;
     const Prefiltered done = prepared.make(p);
-    const Direction d = direction_of(p, 2, 5, 6);
+    const Direction d = direction_of(p, 2, 1, 2);
     EXPECT_LT(compare(done.map.base(), source.base()).maximum, 2e-3) << words(p);
     if (is_mirror(p)) continue;
     EXPECT_LT(relative(exact_prefilter(source.base(), lobe_of(p), std::span(&d, 1))[0],
-                       Flux(*source.base().texel(2, 5, 6)), 1e-3),
+                       Flux(*source.base().texel(2, 1, 2)), 1e-3),
               1e-4);
   }
 }

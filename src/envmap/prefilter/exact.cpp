@@ -143,9 +143,10 @@ double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) 
       return sum;
     }
   }
-  return quadrature::rectangle<4>(rect, [&](double u, double v) {
-    return P::density(u, v) * lobe.value(versine(r, P::direction(face, u, v)));
-  });
+  const auto at = [&](double u, double v) { return P::density(u, v) * lobe.value(versine(r, P::direction(face, u, v))); };
+  if (coverage<P>(rect) == Coverage::inside) return quadrature::rectangle<4>(rect, at);
+  return quadrature::inside_disc({2 * rect.u0 - 1, 1 - 2 * rect.v1, 2 * rect.u1 - 1, 1 - 2 * rect.v0},
+                                 [&](double s, double t) { return 0.25 * at(0.5 + 0.5 * s, 0.5 - 0.5 * t); });
 }
 
 // How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it.
@@ -164,8 +165,9 @@ double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, 
   const double near = std::max(0.0, glm::length(r - p.centre) - p.reach);
   if (p.solid_angle <= 0 || lobe.missing(0.5 * near * near) < nothing) return 0;
   const bool rim = at_rim<P>(rect);
-  if ((rim || coverage<P>(rect) == Coverage::inside) && p.reach < 0.2 && unevenness(lobe, r, p) <= (rim ? 0.03 : 0.4))
-    return over_area<P>(lobe, r, face, rect);
+  // All of an angular map's rim is one direction: rows of points would be slow there.
+  const bool smooth = P::filled || rim || coverage<P>(rect) == Coverage::inside;
+  if (smooth && p.reach < 0.2 && unevenness(lobe, r, p) <= (rim ? 0.03 : 0.4)) return over_area<P>(lobe, r, face, rect);
   if (p.reach < (rim ? 1 : 0.3)) return round_border<P>(lobe, r, face, rect, 0.5 * near * near, p.reach);
   double sum = 0;
   for (const Rect& q : quarters(rect)) sum += lobe_over<P>(lobe, r, face, q, patch<P>(face, q));
