@@ -208,7 +208,7 @@ void scale(Level& level, double factor) {
 // breaks the lobe, errors of lights are not as independent as elsewhere.
 double first_guess(const Lobe& lobe) {
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
-  return value(0.999) > 0.02 ? 0.07 : value(0.9) > 1e-3 ? 0.7 : 8;
+  return value(0.999) > 0.02 ? 0.07 : value(0.9) > 1e-3 ? 0.3 : 1.5;
 }
 
 // How far the brightest block may be off anywhere by what is left out of its spectrum, for a flux of 1.
@@ -270,6 +270,16 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
     return timed(Method::hierarchical,
                  [&](auto& doubt) { return by_tree(map_, tree, wanted, lobe, accuracy, doubt, progress); });
   };
+  const auto refined = [&] {
+    double accuracy = wanted.max_error * first_guess(lobe);
+    Prefiltered done = hierarchical(accuracy);
+    // Texels that were not looked at may be a little worse; a second round leaves them room.
+    for (int round = 0; round < 7 && done.error > (round == 0 ? 0.7 : 1) * wanted.max_error; ++round) {
+      accuracy *= std::clamp(0.4 * wanted.max_error / done.error, 0.02, 0.5);
+      done = hierarchical(accuracy);
+    }
+    return done;
+  };
   const auto spectral = [&](const std::vector<double>& factors, double error) {
     return timed(Method::spectral,
                  [&](auto&) { return by_spectrum(map_, prepared_->spectrum, wanted, factors, error, progress); });
@@ -277,7 +287,7 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
   const auto make = [&]() -> Prefiltered {
     switch (wanted.method) {
       case Method::exact: return exact();
-      case Method::hierarchical: return hierarchical(wanted.max_error * first_guess(lobe));
+      case Method::hierarchical: return refined();
       case Method::spectral: {
         const std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, wanted.max_error));
         return spectral(factors.empty() ? zonal(lobe, most_spectral_order) : factors, wanted.max_error);
@@ -292,14 +302,8 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
         if (Prefiltered done = spectral(more.empty() ? factors : more, error); done.error <= 0.7 * wanted.max_error)
           return done;
       }
-    double accuracy = wanted.max_error * first_guess(lobe);
-    for (int round = 0; round < 8; ++round) {
-      Prefiltered done = hierarchical(accuracy);
-      // Texels that were not looked at may be a little worse; a second round leaves them room.
-      if (done.error <= (round == 0 ? 0.7 : 1) * wanted.max_error) return done;
-      accuracy *= std::clamp(0.4 * wanted.max_error / done.error, 0.02, 0.5);
-    }
-    return exact();
+    Prefiltered done = refined();
+    return done.reached ? std::move(done) : exact();
   };
   Prefiltered done = is_mirror(wanted) ? timed(Method::exact, [&](auto&) { return by_mirror(map_, wanted); }) : make();
   scale(done.map.base(), factor(wanted));

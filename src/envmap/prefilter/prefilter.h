@@ -63,7 +63,7 @@ class PrefilterSource {
 
   /// Makes one map and checks it: `automatic` refines until the error is met, and turns to the exact method where
   /// nothing faster does: spectral where the result has many texels for the lobe's width and no sun asks for more degrees
-  /// than there are, else hierarchical. The others do what they are told and say how it went.
+  /// than there are, else hierarchical. `hierarchical` refines, too; the others do what they are told and say how it went.
   ///
   /// The check compares at least 256 texels (all of smaller maps) with the exact integral: texels spread evenly, and those
   /// that are hardest: the darkest, the brightest and the steepest. Their reference is the same sum over the source with
