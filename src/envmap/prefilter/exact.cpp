@@ -94,6 +94,34 @@ struct Border {
     if (x < 1e-300) return 0;
     return (near ? lobe.share(x) : -lobe.missing(x)) / (2 * pi * x * (2 - x)) * glm::dot(r, glm::cross(l, move));
   }
+  [[nodiscard]] double height(const Piece& piece, double w) const {
+    const Vec2<double> place = piece.at(w);
+    return glm::dot(r, P::direction(face, place.x, place.y));
+  }
+  // Cuts a piece where it crosses the horizon, which may leave less of it than points would see.
+  void cut(const Piece& piece, std::vector<Piece>& parts) const {
+    constexpr int steps = 8;
+    Piece rest = piece;
+    double before = height(piece, piece.from);
+    for (int k = 1; k <= steps; ++k) {
+      const double w = piece.from + (piece.to - piece.from) * k / steps, after = height(piece, w);
+      if ((before > 0) != (after > 0)) {
+        double low = piece.from + (piece.to - piece.from) * (k - 1) / steps, high = w;
+        for (int step = 0; step < 45; ++step) {
+          const double middle = 0.5 * (low + high);
+          ((height(piece, middle) > 0) == (before > 0) ? low : high) = middle;
+        }
+        // Not off a sliver: differences need a length.
+        const double least = 1e-6 * std::abs(piece.to - piece.from);
+        if (std::abs(low - rest.from) > least && std::abs(low - piece.to) > least) {
+          parts.push_back({piece.kind, piece.fixed, rest.from, low});
+          rest.from = low;
+        }
+      }
+      before = after;
+    }
+    parts.push_back(rest);
+  }
   [[nodiscard]] double gauss(const Piece& piece, double from, double to) const {
     const double step = 5e-4 * std::abs(to - from);
     return quadrature::line<5>(from, to, [&](double w) { return at(piece, w, step); });
@@ -116,7 +144,8 @@ bool right_handed(int face) {
 template <class P, class L>
 double round_border(const L& lobe, const Direction& r, int face, const Rect& rect, double nearest, double reach) {
   const Border<P, L> border{lobe, r, face, nearest <= 0 || lobe.missing(nearest) > 0.5};
-  const std::vector<Piece> all = pieces<P>(rect);
+  std::vector<Piece> all;
+  for (const Piece& piece : pieces<P>(rect)) border.cut(piece, all);
   std::vector<double> rough;
   // Where the horizon leaves but a corner the points may see nothing: what there is at most counts a little.
   double scale = 1e-3 * reach * (border.near ? 1 : lobe.missing(nearest));
