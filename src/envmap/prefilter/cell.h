@@ -16,7 +16,7 @@ void for_parts(const Rect& rect, F&& f) {
 }
 template <class P, class F>
 void for_parts(const Wedge& wedge, F&& f) {
-  for (const Wedge& half : halves(wedge)) f(half);
+  for_halves(wedge, f);
 }
 
 /// Moments of a cell that needs no cutting: nothing where it spans more than 0.05 radians and `anyway` is not set.
@@ -46,7 +46,7 @@ Patch patch(int face, const Cell& cell, int depth = 0) {
   const bool rough = depth < 3 && is_cut<P>(cell);
   if (!rough)
     if (const std::optional<Patch> found = small_cell<P>(face, cell, depth >= 9)) return *found;
-  std::array<Patch, 4> parts;
+  std::array<Patch, 10> parts;  // The most that a cell is cut into.
   std::size_t count = 0;
   for_parts<P>(cell, [&](const auto& part) { parts[count++] = patch<P>(face, part, depth + 1); });
   return united(std::span(parts).first(count));

@@ -54,7 +54,7 @@ struct Recursion {
 template <class P, class F>
 void for_points(int face, const Wedge& wedge, double small, int depth, F&& f) {
   if (depth > 0 && wedge.far - wedge.near > 2 * small) {
-    for (const Wedge& half : halves(wedge)) for_points<P>(face, half, small, depth - 1, f);
+    for_halves(wedge, [&](const Wedge& half) { for_points<P>(face, half, small, depth - 1, f); });
   } else {
     wedge.points(f);
   }

@@ -273,7 +273,7 @@ Reaches reaches(int order, double error, bool bright) {
 template <class P, class F>
 void gauss(int face, const Wedge& wedge, double reach, int depth, F&& add) {
   if (depth > 0 && wedge.far - wedge.near > reach) {
-    for (const Wedge& half : halves(wedge)) gauss<P>(face, half, reach, depth - 1, add);
+    for_halves(wedge, [&](const Wedge& half) { gauss<P>(face, half, reach, depth - 1, add); });
   } else {
     wedge.points(add);
   }

@@ -122,20 +122,41 @@ void for_wedges(const Rect& r, F&& f) {
   }
 }
 
-/// Cut across its longer side.
-inline std::array<Wedge, 2> halves(const Wedge& w) {
-  std::array<Wedge, 2> parts{w, w};
+/// f(part) for its parts, cut across the longer side. Where an azimuth cuts it, distances are cut, too, at which the
+/// rectangle's border crosses that azimuth: arcs are smooth in between.
+template <class F>
+void for_halves(const Wedge& w, F&& f) {
+  std::array<Wedge, 10> parts;
+  std::size_t count = 0;
   const Wedge::Arc near = w.arc(w.near), far = w.arc(w.far);
   const double from = std::min(near.from, far.from), to = std::max(near.to, far.to);
-  if (w.far - w.near > std::sin(w.far) * (to - from))
+  if (w.far - w.near > std::sin(w.far) * (to - from)) {
+    parts[0] = parts[1] = w;
+    count = 2;
     parts[0].far = parts[1].near = 0.5 * (w.near + w.far);
-  else
-    parts[0].to = parts[1].from = 0.5 * (from + to);
-  for (Wedge& part : parts) part.calibrate();
-  const double found = parts[0].solid_angle() + parts[1].solid_angle();
-  if (found <= 0) return parts;
-  for (Wedge& part : parts) part.factor *= w.solid_angle() / found;
-  return parts;
+  } else {
+    const double cut = 0.5 * (from + to), c = std::cos(cut), s = std::sin(cut);
+    std::array<double, 6> at{w.near, w.far, w.far, w.far, w.far, w.far};
+    std::size_t ends = 2;
+    for (const double r : {w.a0 / c, w.a1 / c, w.b0 / s, w.b1 / s})
+      if (const double d = r > 0 && r < 1 ? 2 * std::acos(r) : 0; d > w.near && d < w.far) at[ends++] = d;
+    std::sort(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(ends));
+    for (std::size_t k = 0; k + 1 < ends; ++k)
+      for (const bool first : {true, false}) {
+        Wedge& part = parts[count++] = w;
+        part.near = at[k], part.far = at[k + 1];
+        (first ? part.to : part.from) = cut;
+      }
+  }
+  double found = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    parts[k].calibrate();
+    found += parts[k].solid_angle();
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if (found > 0) parts[k].factor *= w.solid_angle() / found;
+    f(parts[k]);
+  }
 }
 
 /// Its moments. @return nothing where it spans more than 0.05 radians and `anyway` is not set.
