@@ -111,13 +111,8 @@ class Walk {
     const Level& source = tree_.source();
     const double w = source.width(), h = source.height(), scale = tree_.mean() > 0 ? 1 / tree_.mean() : 0;
     for (int j = top; j < std::min(source.height(), top + side); ++j)
-      for (int i = left; i < std::min(source.width(), left + side); ++i) {
-        const auto before = bounds_;
+      for (int i = left; i < std::min(source.width(), left + side); ++i)
         piece(face, Rect{i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
-        // Pieces of one texel have one colour: their remainders are not independent.
-        const double own = bounds_.sum - before.sum;
-        bounds_.power = before.power + own * own;
-      }
   }
 
   // A texel or part of it. What is too large for simple moments is cut without a look at it.
