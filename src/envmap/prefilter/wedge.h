@@ -136,11 +136,15 @@ void for_halves(const Wedge& w, F&& f) {
     parts[0].far = parts[1].near = 0.5 * (w.near + w.far);
   } else {
     const double cut = 0.5 * (from + to), c = std::cos(cut), s = std::sin(cut);
-    std::array<double, 6> at{w.near, w.far, w.far, w.far, w.far, w.far};
+    std::array<double, 6> at{w.near, w.far};
     std::size_t ends = 2;
-    for (const double r : {w.a0 / c, w.a1 / c, w.b0 / s, w.b1 / s})
-      if (const double d = r > 0 && r < 1 ? 2 * std::acos(r) : 0; d > w.near && d < w.far) at[ends++] = d;
-    std::sort(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(ends));
+    for (const double r : {w.a0 / c, w.a1 / c, w.b0 / s, w.b1 / s}) {
+      const double d = r > 0 && r < 1 ? 2 * std::acos(r) : 0;
+      if (d <= w.near || d >= w.far) continue;
+      std::size_t k = ends++;
+      for (; at[k - 1] > d; --k) at[k] = at[k - 1];
+      at[k] = d;
+    }
     for (std::size_t k = 0; k + 1 < ends; ++k)
       for (const bool first : {true, false}) {
         Wedge& part = parts[count++] = w;
