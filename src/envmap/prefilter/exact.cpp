@@ -6,7 +6,7 @@
 
 #include "envmap/maths/sum.h"
 #include "envmap/operate/parallel.h"
-#include "envmap/prefilter/patch.h"
+#include "envmap/prefilter/cell.h"
 
 namespace envmap {
 namespace {
@@ -94,6 +94,34 @@ struct Border {
     if (x < 1e-300) return 0;
     return (near ? lobe.share(x) : -lobe.missing(x)) / (2 * pi * x * (2 - x)) * glm::dot(r, glm::cross(l, move));
   }
+  [[nodiscard]] double height(const Piece& piece, double w) const {
+    const Vec2<double> place = piece.at(w);
+    return glm::dot(r, P::direction(face, place.x, place.y));
+  }
+  // Cuts a piece where it crosses the horizon, which may leave less of it than points would see.
+  void cut(const Piece& piece, std::vector<Piece>& parts) const {
+    constexpr int steps = 8;
+    Piece rest = piece;
+    double before = height(piece, piece.from);
+    for (int k = 1; k <= steps; ++k) {
+      const double w = piece.from + (piece.to - piece.from) * k / steps, after = height(piece, w);
+      if ((before > 0) != (after > 0)) {
+        double low = piece.from + (piece.to - piece.from) * (k - 1) / steps, high = w;
+        for (int step = 0; step < 45; ++step) {
+          const double middle = 0.5 * (low + high);
+          ((height(piece, middle) > 0) == (before > 0) ? low : high) = middle;
+        }
+        // Not off a sliver: differences need a length.
+        const double least = 1e-6 * std::abs(piece.to - piece.from);
+        if (std::abs(low - rest.from) > least && std::abs(low - piece.to) > least) {
+          parts.push_back({piece.kind, piece.fixed, rest.from, low});
+          rest.from = low;
+        }
+      }
+      before = after;
+    }
+    parts.push_back(rest);
+  }
   [[nodiscard]] double gauss(const Piece& piece, double from, double to) const {
     const double step = 5e-4 * std::abs(to - from);
     return quadrature::line<5>(from, to, [&](double w) { return at(piece, w, step); });
@@ -116,7 +144,8 @@ bool right_handed(int face) {
 template <class P, class L>
 double round_border(const L& lobe, const Direction& r, int face, const Rect& rect, double nearest, double reach) {
   const Border<P, L> border{lobe, r, face, nearest <= 0 || lobe.missing(nearest) > 0.5};
-  const std::vector<Piece> all = pieces<P>(rect);
+  std::vector<Piece> all;
+  for (const Piece& piece : pieces<P>(rect)) border.cut(piece, all);
   std::vector<double> rough;
   // Where the horizon leaves but a corner the points may see nothing: what there is at most counts a little.
   double scale = 1e-3 * reach * (border.near ? 1 : lobe.missing(nearest));
@@ -134,9 +163,19 @@ double round_border(const L& lobe, const Direction& r, int face, const Rect& rec
 
 template <class P, class L>
 double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) {
-  return quadrature::rectangle<4>(rect, [&](double u, double v) {
-    return P::density(u, v) * lobe.value(versine(r, P::direction(face, u, v)));
-  });
+  if constexpr (has_wedges<P>) {
+    if (at_rim<P>(rect)) {
+      double sum = 0;
+      for_wedges(rect, [&](const Wedge& w) {
+        w.points([&](const Direction& l, double weight) { sum += weight * lobe.value(versine(r, l)); });
+      });
+      return sum;
+    }
+  }
+  const auto at = [&](double u, double v) { return P::density(u, v) * lobe.value(versine(r, P::direction(face, u, v))); };
+  if (coverage<P>(rect) == Coverage::inside) return quadrature::rectangle<4>(rect, at);
+  return quadrature::inside_disc({2 * rect.u0 - 1, 1 - 2 * rect.v1, 2 * rect.u1 - 1, 1 - 2 * rect.v0},
+                                 [&](double s, double t) { return 0.25 * at(0.5 + 0.5 * s, 0.5 - 0.5 * t); });
 }
 
 // How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it.
@@ -149,18 +188,18 @@ double unevenness(const L& lobe, const Direction& r, const Patch& p) {
   return std::max(lobe.rate(lo), lobe.rate(hi)) * std::min(1.0, far) * p.reach;
 }
 
+// Over a rectangle with its moments.
 template <class P, class L>
-double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect) {
-  const Coverage where = coverage<P>(rect);
-  if (where == Coverage::outside) return 0;
-  const Patch p = patch<P>(face, rect);
+double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Patch& p) {
   const double near = std::max(0.0, glm::length(r - p.centre) - p.reach);
   if (p.solid_angle <= 0 || lobe.missing(0.5 * near * near) < nothing) return 0;
-  if (where == Coverage::inside && p.reach < 0.2 && unevenness(lobe, r, p) <= 0.4)
-    return over_area<P>(lobe, r, face, rect);
-  if (p.reach < 0.3) return round_border<P>(lobe, r, face, rect, 0.5 * near * near, p.reach);
+  const bool rim = at_rim<P>(rect);
+  // All of an angular map's rim is one direction: rows of points would be slow there.
+  const bool smooth = P::filled || rim || coverage<P>(rect) == Coverage::inside;
+  if (smooth && p.reach < 0.2 && unevenness(lobe, r, p) <= (rim ? 0.03 : 0.4)) return over_area<P>(lobe, r, face, rect);
+  if (p.reach < (rim ? 1 : 0.3)) return round_border<P>(lobe, r, face, rect, 0.5 * near * near, p.reach);
   double sum = 0;
-  for (const Rect& q : quarters(rect)) sum += lobe_over<P>(lobe, r, face, q);
+  for (const Rect& q : quarters(rect)) sum += lobe_over<P>(lobe, r, face, q, patch<P>(face, q));
   return sum;
 }
 
@@ -180,7 +219,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
     std::array<Direction, 4> points;
     std::array<double, 4> weights;
     gauss_points<P>(face, rect, points, weights);
-    const bool simple = where == Coverage::inside && p.reach < 0.02;
+    const bool simple = where == Coverage::inside && p.reach < 0.02 && !at_rim<P>(rect);
     for (std::size_t k = 0; k < directions.size(); ++k) {
       const double d = std::max(0.0, glm::length(directions[k] - p.centre) - p.reach);
       if (lobe.missing(0.5 * d * d) < nothing) continue;
@@ -188,7 +227,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
       if (simple && unevenness(lobe, directions[k], p) < 0.05) {
         for (std::size_t n = 0; n < 4; ++n) part += weights[n] * lobe.value(versine(directions[k], points[n]));
       } else {
-        part = lobe_over<P>(lobe, directions[k], face, rect);
+        part = lobe_over<P>(lobe, directions[k], face, rect, p);
       }
       sums[k] += part * radiance;
     }

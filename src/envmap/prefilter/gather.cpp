@@ -55,6 +55,40 @@ void gather_lanes(const Lanes& lobe, std::span<const Lamp> lamps, Tile& tile) {
   }
 }
 
+template <class Lanes>
+std::array<double, light_channels> gather_sights(const Lanes& lobe, std::span<const Sight> sights) {
+  const hn::CappedTag<float, Sight::most> d;
+  using V = hn::Vec<decltype(d)>;
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), tiny = hn::Set(d, 1e-30F);
+  alignas(64) std::array<std::array<float, Sight::most>, light_channels> sums;
+  for (std::size_t k = 0; k < Sight::most; k += hn::Lanes(d)) {
+    V red = zero, green = zero, blue = zero, white = zero;
+    for (const Sight& s : sights) {
+      const V versine = hn::Load(d, &s.versine[k]), deviation = hn::Sqrt(hn::Max(hn::Load(d, &s.variance[k]), tiny));
+      const V near = lobe.value(d, hn::Sub(versine, deviation)), far = lobe.value(d, hn::Add(versine, deviation));
+      const V sum = hn::Mul(half, hn::Add(near, far));
+      const V difference = hn::Div(hn::Mul(half, hn::Sub(near, far)), deviation);
+      const auto add = [&](std::size_t c, V& total) HWY_ATTR {
+        const V part = hn::Add(hn::Mul(hn::Load(d, &s.flux[c][k]), sum), hn::Mul(hn::Load(d, &s.lean[c][k]), difference));
+        total = hn::Add(total, hn::Max(zero, part));
+      };
+      add(0, red), add(1, green), add(2, blue), add(3, white);
+    }
+    hn::Store(red, d, &sums[0][k]);
+    hn::Store(green, d, &sums[1][k]);
+    hn::Store(blue, d, &sums[2][k]);
+    hn::Store(white, d, &sums[3][k]);
+  }
+  std::array<double, light_channels> totals{};
+  for (std::size_t c = 0; c < light_channels; ++c)
+    for (const float part : sums[c]) totals[c] += part;
+  return totals;
+}
+
+void GatherSights(const Lobe& lobe, std::span<const Sight> sights, std::array<double, light_channels>& out) {
+  std::visit([&](const auto& l) HWY_ATTR { out = gather_sights(lanes_of(l), sights); }, lobe);
+}
+
 void Gather(const Lobe& lobe, std::span<const Lamp> lamps, Tile& tile) {
   std::visit([&](const auto& l) HWY_ATTR { gather_lanes(lanes_of(l), lamps, tile); }, lobe);
 }
@@ -67,6 +101,29 @@ HWY_AFTER_NAMESPACE();
 namespace envmap {
 
 HWY_EXPORT(Gather);
+HWY_EXPORT(GatherSights);
+
+std::array<double, light_channels> gather(const Lobe& lobe, std::span<const Sight> sights) {
+  std::array<double, light_channels> found;
+  HWY_DYNAMIC_DISPATCH(GatherSights)(lobe, sights, found);
+  return found;
+}
+
+void add_sight(const Light& light, const Direction& middle, std::size_t& count, std::vector<Sight>& sights) {
+  const std::size_t k = count++ % Sight::most;
+  if (k == 0) {
+    sights.emplace_back();
+    sights.back().versine.fill(3);  // Below any horizon.
+  }
+  Sight& s = sights.back();
+  const Direction at = light.centre - middle;
+  s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + (1 - glm::dot(light.centre, light.centre))));
+  s.variance[k] = static_cast<float>(glm::dot(middle, light.covariance.times(middle)));
+  for (std::size_t c = 0; c < light_channels; ++c) {
+    s.flux[c][k] = light.flux[c];
+    s.lean[c][k] = static_cast<float>(glm::dot(Direction(light.dipole[c]), middle));
+  }
+}
 
 void gather(const Lobe& lobe, std::span<const Lamp> lamps, Tile& tile) {
   HWY_DYNAMIC_DISPATCH(Gather)(lobe, lamps, tile);

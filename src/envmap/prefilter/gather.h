@@ -4,6 +4,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "envmap/prefilter/light.h"
 #include "envmap/prefilter/lobe.h"
@@ -40,5 +41,19 @@ struct Tile {
 /// have its flux, mean and variance (two-point Gauss-Hermite quadrature); what each has of a channel follows from the
 /// channel's own mean. Nothing is ever negative.
 void gather(const Lobe& lobe, std::span<const Lamp> lamps, Tile& tile);
+
+/// Sixteen lights as one direction sees them: 1 - cos of the mean, the variance of the cosine, and a channel's flux and
+/// dipole along the direction.
+struct Sight {
+  static constexpr std::size_t most = 16;
+  alignas(64) std::array<float, most> versine, variance;
+  alignas(64) std::array<std::array<float, most>, light_channels> flux, lean;
+};
+
+/// Adds a light to the last sight, or to a new one. @param count lights so far.
+void add_sight(const Light& light, const Direction& middle, std::size_t& count, std::vector<Sight>& sights);
+
+/// The same as gather() in one direction: a vector is of lights instead of directions.
+std::array<double, light_channels> gather(const Lobe& lobe, std::span<const Sight> sights);
 
 }  // namespace envmap

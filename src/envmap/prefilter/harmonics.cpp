@@ -6,7 +6,7 @@
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/sum.h"
 #include "envmap/operate/parallel.h"
-#include "envmap/prefilter/patch.h"
+#include "envmap/prefilter/cell.h"
 
 namespace envmap {
 namespace {
@@ -52,13 +52,25 @@ struct Recursion {
 
 // f(direction, solid angle) at points dense enough for harmonics of the order.
 template <class P, class F>
+void for_points(int face, const Wedge& wedge, double small, int depth, F&& f) {
+  if (depth > 0 && wedge.far - wedge.near > 2 * small) {
+    for_halves(wedge, [&](const Wedge& half) { for_points<P>(face, half, small, depth - 1, f); });
+  } else {
+    wedge.points(f);
+  }
+}
+template <class P, class F>
 void for_points(int face, const Rect& rect, double small, int depth, F&& f) {
   const Coverage where = coverage<P>(rect);
   if (where == Coverage::outside) return;
+  const auto parts = [&] {
+    for_parts<P>(rect, [&](const auto& part) { for_points<P>(face, part, small, depth - 1, f); });
+  };
+  if (at_rim<P>(rect)) return parts();
   const Patch p = patch<P>(face, rect);
   if (p.solid_angle <= 0) return;
   if ((p.reach > small && depth > 0) || (where == Coverage::cut && depth > 6)) {
-    for (const Rect& q : quarters(rect)) for_points<P>(face, q, small, depth - 1, f);
+    parts();
   } else if (where == Coverage::cut) {
     f(glm::normalize(p.centre), p.solid_angle);
   } else {
@@ -150,7 +162,11 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
   for (int k = -60; k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
   for (int k = -2; k >= -40; --k) breaks.push_back(1 - std::ldexp(1.0, k));
   breaks.push_back(1);
+  std::vector<double> inverse{0};
+  for (int l = 1; l <= order + 1; ++l) inverse.push_back(1.0 / l);
+  const double most = std::visit([](const auto& l) { return l.value(0); }, lobe);
   const auto add = [&](double lo, double hi) {
+    if (std::visit([&](const auto& l) { return l.value(lo); }, lobe) < 1e-25 * most) return;
     const auto& rule = quadrature::rule<24>();
     for (std::size_t n = 0; n < 24; ++n) {
       const double x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * rule.node[n], c = 1 - x;
@@ -160,7 +176,7 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
       for (int l = 0; l <= order; ++l) {
         factors[static_cast<std::size_t>(l)] += weight * (l == 0 ? 1 : now);
         if (l > 0) {
-          const double next = ((2 * l + 1) * c * now - l * before) / (l + 1);
+          const double next = c * now + (1 - inverse[static_cast<std::size_t>(l + 1)]) * (c * now - before);
           before = now;
           now = next;
         }

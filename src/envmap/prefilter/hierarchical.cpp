@@ -4,6 +4,7 @@
 
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
+#include "envmap/prefilter/cell.h"
 
 namespace envmap {
 namespace {
@@ -16,26 +17,27 @@ struct Reach {
   double sine;       // Largest sine to its middle.
 };
 
-template <class P>
+// Add: what takes the lights that are listed.
+template <class P, class Add>
 class Walk {
  public:
-  Walk(const LightTree& tree, const LobeBounds& lobe, const Tile& tile, double radius)
-      : tree_(tree), lobe_(lobe), middle_(tile.middle), radius_(radius) {}
+  Walk(const LightTree& tree, const LobeBounds& lobe, const Direction& middle, double radius, Add add)
+      : tree_(tree), lobe_(lobe), middle_(middle), radius_(radius), add_(std::move(add)) {}
 
-  // The least that any direction of the tile gets, from below.
+  // The least that any direction of the tile gets, from below: first from afar, then closer.
   void survey() {
-    least_.fill(floor_of_error);
-    least_[3] = 1;
-    surveying_ = true;
-    top();
-    for (std::size_t c = 0; c < 3; ++c) least_[c] = std::max(floor_of_error, got_[c]);
+    most_ = {1 / floor_of_error, 1 / floor_of_error, 1 / floor_of_error, 1};
+    for (const double gap : {1.0, 0.05}) {
+      got_ = {};
+      limit_ = gap;
+      top();
+    }
+    surveying_ = false;
   }
 
-  // Lists the lights.
-  Gathered list(double limit, std::vector<Lamp>& lamps) {
-    surveying_ = false;
+  // Hands over the lights.
+  Gathered list(double limit) {
     limit_ = limit;
-    lamps_ = &lamps;
     bounds_ = {};
     top();
     return {bounds_.sum, std::sqrt(bounds_.power)};
@@ -54,28 +56,31 @@ class Walk {
 
   // Remainder of the series, for a flux of 1.
   double remainder(const Light& light, const Reach& r) const {
-    double found = 0, hi = r.far;
+    const LobeBounds::Step *const near = lobe_.at(r.near), *const far = lobe_.at(r.far), *last = far;
+    double found = 0;
     const double extent = r.sine * light.reach;
+    bool above = true;
     if (r.far >= 1) {
       // The horizon may cross the light: two lights for a bent lobe are wrong by a part of what it is there.
-      found = 0.12 * lobe_.most(std::max(r.near, 1 - 2 * extent));
-      hi = 1 - extent;
+      found = 0.12 * lobe_.at(std::max(r.near, 1 - 2 * extent))->value;
+      above = 1 - extent > r.near;
+      if (above) last = lobe_.at(1 - extent);
     }
-    if (hi > r.near) {
+    if (above) {
       const double cube = r.sine * light.spread;
-      found += 0.5 * lobe_.second(r.near, hi) * r.sine * r.sine * light.uneven +
-               lobe_.third(r.near, hi) * cube * cube * cube / 3;
+      found += 0.5 * std::max(near->second, last->second) * r.sine * r.sine * light.uneven +
+               std::max(near->third, last->third) * cube * cube * cube / 3;
     }
     // Two means of the same lobe differ by what it changes at most: above the horizon its derivatives may have no bound.
-    return std::min(found, 0.5 * (lobe_.most(r.near) - lobe_.least(r.far)));
+    return std::min(found, 0.5 * (near->value - far[1].value));
   }
 
   bool good(const Light& light, const Reach& r) {
     double flux = 0;
-    for (std::size_t c = 0; c < 4; ++c) flux = std::max(flux, light.flux[c] / least_[c]);
+    for (std::size_t c = 0; c < 4; ++c) flux = std::max(flux, light.flux[c] * most_[c]);
     if (surveying_) {
-      const double gap = lobe_.most(r.near) - lobe_.least(r.far);
-      return light.reach < 0.5 * radius_ || gap * flux < 0.05;
+      const double gap = lobe_.at(r.near)->value - lobe_.at(r.far)[1].value;
+      return light.reach < 0.5 * radius_ || gap * flux < limit_;
     }
     const double error = remainder(light, r) * flux;
     if (error > limit_) return false;
@@ -85,13 +90,10 @@ class Walk {
   }
 
   void take(const Light& light, const Reach& r) {
-    if (surveying_) {
-      const double value = lobe_.least(r.far);
-      for (std::size_t c = 0; c < 4; ++c) got_[c] += value * light.flux[c];
-      for (std::size_t c = 0; c < 3; ++c) least_[c] = std::max(least_[c], got_[c]);
-    } else {
-      lamps_->push_back(lamp_of(light, middle_));
-    }
+    if (!surveying_) return add_(light);
+    const double value = lobe_.at(r.far)[1].value;
+    for (std::size_t c = 0; c < 4; ++c) got_[c] += value * light.flux[c];
+    for (std::size_t c = 0; c < 3; ++c) most_[c] = std::min(most_[c], 1 / got_[c]);
   }
 
   void block(int k, int face, int i, int j) {
@@ -110,33 +112,44 @@ class Walk {
     const double w = source.width(), h = source.height(), scale = tree_.mean() > 0 ? 1 / tree_.mean() : 0;
     for (int j = top; j < std::min(source.height(), top + side); ++j)
       for (int i = left; i < std::min(source.width(), left + side); ++i)
-        piece(face, {i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
+        piece(face, Rect{i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0);
   }
 
-  // Part of a texel. What is too large for simple moments is cut without a look at it.
-  void piece(int face, const Rect& rect, const Flux& radiance, int depth) {
-    if (const std::optional<Patch> area = small_patch<P>(face, rect, depth == 24)) {
+  // A texel or part of it. What is too large for simple moments is cut without a look at it.
+  template <class Cell>
+  void piece(int face, const Cell& cell, const Flux& radiance, int depth) {
+    if (const std::optional<Patch> area = small_cell<P>(face, cell, depth >= 24)) {
       if (area->solid_angle <= 0) return;
       const Light light = light_of(*area, radiance);
       const Reach r = reach(light);
       if (r.near >= 1) return;
-      if (depth == 24 || good(light, r)) return take(light, r);
+      if (depth >= 24 || good(light, r)) return take(light, r);
     }
-    for (const Rect& q : quarters(rect)) piece(face, q, radiance, depth + 1);
+    for_parts<P>(cell, [&](const auto& part) { piece(face, part, radiance, depth + 1); });
   }
 
   const LightTree& tree_;
   const LobeBounds& lobe_;
   Direction middle_;
   double radius_;
-  std::array<double, 4> least_{}, got_{};
+  std::array<double, 4> most_{}, got_{};  // 1 over the least of a channel; what was found of it so far.
   bool surveying_ = true;
   double limit_ = 0;
   struct {
     double sum = 0, power = 0;
   } bounds_;
-  std::vector<Lamp>* lamps_ = nullptr;
+  Add add_;
 };
+
+template <class Add>
+Gathered list_lights(const LightTree& tree, const LobeBounds& bounds, const Direction& middle, double radius,
+                     const Accuracy& accuracy, Add add) {
+  return visit(tree.source().projection(), [&](auto p) {
+    Walk<decltype(p), Add> walk(tree, bounds, middle, radius, add);
+    walk.survey();
+    return walk.list(accuracy.light);
+  });
+}
 
 double radius_of(const Tile& tile) {
   double square = 0;
@@ -227,18 +240,26 @@ Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& 
                      Tile& tile, std::span<Colour> out) {
   thread_local std::vector<Lamp> lamps;
   lamps.clear();
-  const double radius = radius_of(tile);
-  const Gathered gathered = visit(tree.source().projection(), [&](auto p) {
-    Walk<decltype(p)> walk(tree, bounds, tile, radius);
-    walk.survey();
-    return walk.list(accuracy.light, lamps);
-  });
+  const Gathered gathered = list_lights(tree, bounds, tile.middle, radius_of(tile), accuracy,
+                                        [&](const Light& light) { lamps.push_back(lamp_of(light, tile.middle)); });
   gather(lobe, lamps, tile);
   for (std::size_t k = 0; k < tile.count; ++k) {
     // White comes out as 1: what the lights miss of it they miss of all.
     const double scale = tree.mean() / tile.sums[3][k];
     out[k] = Colour(scale * tile.sums[0][k], scale * tile.sums[1][k], scale * tile.sums[2][k]);
   }
+  return gathered;
+}
+
+Gathered gather_direction(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy,
+                          const Direction& direction, Flux& out) {
+  thread_local std::vector<Sight> sights;
+  sights.clear();
+  std::size_t count = 0;
+  const Gathered gathered = list_lights(tree, bounds, direction, 0, accuracy,
+                                        [&](const Light& light) { add_sight(light, direction, count, sights); });
+  const std::array<double, light_channels> sums = gather(lobe, sights);
+  out = tree.mean() / sums[3] * Flux(sums[0], sums[1], sums[2]);
   return gathered;
 }
 

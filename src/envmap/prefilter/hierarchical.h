@@ -25,6 +25,10 @@ struct Gathered {
 Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy,
                      Tile& tile, std::span<Colour> out);
 
+/// The same in one direction, a unit vector.
+Gathered gather_direction(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy,
+                          const Direction& direction, Flux& out);
+
 /// Fills a whole map. @param out of the projection and size of the target.
 /// @return `root` of the tile of every texel, by face, row and column.
 std::vector<float> hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target,

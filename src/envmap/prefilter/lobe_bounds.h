@@ -14,25 +14,25 @@ namespace envmap {
 /// Tables over x = 1 - cos with 32 steps an octave, from 2^-48 to 1/2, and from there over 1 - x down to 2^-32.
 class LobeBounds {
  public:
+  /// What holds for all x of a step.
+  struct Step {
+    float value, second, third;  ///< At its beginning: the value never rises, derivatives are monotonic.
+  };
+
   explicit LobeBounds(const Lobe& lobe) {
     std::visit(
         [&](const auto& l) {
           for (std::uint32_t k = 0; k < steps; ++k) {
             const double x = edge(k);
-            value_.push_back(static_cast<float>(l.value(x)));
-            second_.push_back(static_cast<float>(l.second(x)));
-            third_.push_back(static_cast<float>(l.third(x)));
+            steps_.push_back(
+                {static_cast<float>(l.value(x)), static_cast<float>(l.second(x)), static_cast<float>(l.third(x))});
           }
         },
         lobe);
-    for (std::vector<float>* table : {&value_, &second_, &third_}) table->insert(table->end(), 2, 0);
+    steps_.insert(steps_.end(), 2, Step{});
   }
-  /// The value is at most most(x) and at least least(x).
-  [[nodiscard]] double most(double x) const { return value_[step(x)]; }
-  [[nodiscard]] double least(double x) const { return value_[step(x) + 1]; }
-  /// Of the derivatives over [lo, hi], hi < 1; they are monotonic.
-  [[nodiscard]] double second(double lo, double hi) const { return std::max(second_[step(lo)], second_[step(hi)]); }
-  [[nodiscard]] double third(double lo, double hi) const { return std::max(third_[step(lo)], third_[step(hi)]); }
+  /// The step of x; the lobe is at most its value, and at least that of the step after it.
+  [[nodiscard]] const Step* at(double x) const { return &steps_[step(x)]; }
 
  private:
   static constexpr std::uint32_t per_octave = 32, rising = 47 * per_octave, falling = 31 * per_octave;
@@ -53,7 +53,7 @@ class LobeBounds {
     const std::uint32_t down = half - std::min(half, bits(1 - x) + 1);
     return rising + std::min(down, falling - 1);
   }
-  std::vector<float> value_, second_, third_;
+  std::vector<Step> steps_;
 };
 
 }  // namespace envmap

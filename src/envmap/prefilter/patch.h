@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/vector.h"
@@ -64,7 +65,7 @@ inline std::array<Rect, 4> quarters(const Rect& r) {
 }
 
 /// Puts parts together.
-inline Patch united(const std::array<Patch, 4>& parts) {
+inline Patch united(std::span<const Patch> parts) {
   Patch whole;
   for (const Patch& p : parts) {
     whole.solid_angle += p.solid_angle;
@@ -130,18 +131,6 @@ std::optional<Patch> small_patch(int face, const Rect& r, bool anyway = false) {
   found.reach = where == Coverage::cut ? across : 0.5 * across;
   found.spread = 0.27 * across;  // 0.43 of a side.
   return found;
-}
-
-/// Moments of any rectangle, by its quarters where it is not small.
-template <class P>
-Patch patch(int face, const Rect& r, int depth = 0) {
-  const bool rough = depth < 3 && coverage<P>(r) == Coverage::cut;
-  if (!rough)
-    if (const std::optional<Patch> found = small_patch<P>(face, r, depth == 9)) return *found;
-  std::array<Patch, 4> parts;
-  const auto q = quarters(r);
-  for (std::size_t k = 0; k < 4; ++k) parts[k] = patch<P>(face, q[k], depth + 1);
-  return united(parts);
 }
 
 }  // namespace envmap

@@ -15,6 +15,7 @@
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/hierarchical.h"
+#include "envmap/prefilter/spectral.h"
 
 namespace envmap {
 
@@ -23,6 +24,7 @@ namespace envmap {
 struct PrefilterSource::Prepared {
   Level grown;
   LightTree tree;
+  mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
   explicit Prepared(const Level& source);
 };
 
@@ -99,6 +101,16 @@ EnvironmentMap by_tree(const EnvironmentMap& source, const LightTree& tree, cons
   return map;
 }
 
+EnvironmentMap by_spectrum(const EnvironmentMap& source, std::unique_ptr<Spectrum>& spectrum, const Prefilter& p,
+                           std::span<const double> factors, double error, const Progress& progress) {
+  const int order = static_cast<int>(factors.size()) - 1;
+  if (!spectrum || spectrum->order() < order || spectrum->error() > error)
+    spectrum = std::make_unique<Spectrum>(source.base(), order, error, progress);
+  EnvironmentMap map = empty_map(p);
+  spectrum->convolve(factors, {p.to, p.size, to_source(p, source)}, map.base(), progress);
+  return map;
+}
+
 EnvironmentMap by_mirror(const EnvironmentMap& source, const Prefilter& p) {
   EnvironmentMap copy = source;
   return convert(copy, {.to = p.to, .size = p.size, .filter = Filter::nearest, .forward = p.forward});
@@ -109,7 +121,7 @@ EnvironmentMap by_mirror(const EnvironmentMap& source, const Prefilter& p) {
 // Texels worth looking at in a result: spread evenly, the darkest, the brightest, the steepest for their own radiance, and
 // those of which the method itself is least sure, if it says so.
 std::vector<Texel> hardest(const Level& level, const std::vector<float>& doubt) {
-  constexpr std::size_t even = 128, each = 48;
+  constexpr std::size_t even = 112, each = 48;
   std::vector<Texel> all;
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < level.height(); ++j)
@@ -151,18 +163,14 @@ std::vector<Texel> hardest(const Level& level, const std::vector<float>& doubt) 
 
 // The integral in one direction; what is left out of it, as independent errors, below `bound` of it.
 Flux reference(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Direction& d, double bound) {
-  Tile tile;
-  tile.middle = d;
-  tile.count = 1;
-  tile.x.fill(0), tile.y.fill(0), tile.z.fill(0);
-  Colour found[1];
-  double light = 0.03 * bound;
+  Flux found;
+  double light = 0.06 * bound;
   for (int round = 0; round < 20; ++round) {
-    const double left = gather_tile(tree, lobe, bounds, {light}, tile, found).root;
+    const double left = gather_direction(tree, lobe, bounds, {light}, d, found).root;
     if (left <= bound) break;
     light *= std::clamp(0.8 * bound / left, 0.01, 0.5);
   }
-  return Flux(found[0]);
+  return found;
 }
 
 // The largest error of a result in the texels that are hardest.
@@ -178,7 +186,7 @@ void check(const EnvironmentMap& source, const LightTree& tree, const Prefilter&
     const Texel& t = texels[k];
     Direction d[1];
     texel_directions(p.to, p.size, t.face, t.j, t.i, d);
-    const Flux truth = reference(tree, lobe, bounds, turn * d[0], 0.1 * std::max(finest, p.max_error));
+    const Flux truth = reference(tree, lobe, bounds, turn * d[0], 0.25 * std::max(finest, p.max_error));
     for (int c = 0; c < 3; ++c) {
       const double off = std::abs((*level.texel(t.face, t.i, t.j))[c] - truth[c]);
       if (off > 0) errors[k] = std::max(errors[k], off / std::max(truth[c], floor));
@@ -200,7 +208,24 @@ void scale(Level& level, double factor) {
 // breaks the lobe, errors of lights are not as independent as elsewhere.
 double first_guess(const Lobe& lobe) {
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
-  return value(0.999) > 0.02 ? 0.07 : value(0.9) > 1e-3 ? 0.7 : 8;
+  return value(0.999) > 0.02 ? 0.07 : value(0.9) > 1e-3 ? 0.3 : 1.5;
+}
+
+// How far the brightest block may be off anywhere by what is left out of its spectrum, for a flux of 1.
+double spectral_tail(const LightTree& tree, double error) {
+  double brightest = 0;
+  for (const Light& l : tree.blocks(tree.first()).lights)
+    brightest = std::max<double>({brightest, l.flux[0], l.flux[1], l.flux[2]});
+  return brightest > 0 ? 3e-4 * error / brightest : 1;
+}
+
+// The spectrum to go by where that is cheaper than the tree: for the many texels of a narrow lobe. Empty otherwise, and at
+// once where the lobe is bent at its horizon, which takes more degrees than there are.
+std::vector<double> worthwhile_factors(const LightTree& tree, const Prefilter& p, const Lobe& lobe) {
+  const double texels = 1.0 * p.size * p.size * aspect(p.to) * faces(p.to);
+  if (texels < 2000 || std::visit([](const auto& l) { return l.value(0.9) > 1e-2; }, lobe)) return {};
+  std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, p.max_error));
+  return texels < std::pow(static_cast<double>(factors.size()), 2) ? std::vector<double>{} : factors;
 }
 
 // What --scale makes of a normalised lobe.
@@ -232,38 +257,55 @@ PrefilterSource::~PrefilterSource() = default;
 Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progress) const {
   const Lobe lobe = lobe_of(wanted);
   const LightTree& tree = prepared_->tree;
-  const auto start = std::chrono::steady_clock::now();
-  Prefiltered done{.map = {}, .method = wanted.method};
-  if (is_mirror(wanted)) {
-    done.map = by_mirror(map_, wanted);
-    done.method = Method::exact;
-  } else if (wanted.method == Method::exact || (wanted.method == Method::automatic && wanted.max_error < finest)) {
-    done.map = by_exact(map_, wanted, lobe, progress);
-    done.method = Method::exact;
-  } else if (wanted.method == Method::sh) {
-    done.map = by_harmonics(map_, wanted, lobe, progress);
+  const auto timed = [&](Method method, auto&& make) {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<float> doubt;
+    Prefiltered done{.map = make(doubt), .method = method};
     done.seconds = seconds_since(start);
-    check(map_, tree, wanted, lobe, {}, done);
-  } else {
-    done.method = Method::hierarchical;
+    if (method != Method::exact) check(map_, tree, wanted, lobe, doubt, done);
+    return done;
+  };
+  const auto exact = [&] { return timed(Method::exact, [&](auto&) { return by_exact(map_, wanted, lobe, progress); }); };
+  const auto hierarchical = [&](double accuracy) {
+    return timed(Method::hierarchical,
+                 [&](auto& doubt) { return by_tree(map_, tree, wanted, lobe, accuracy, doubt, progress); });
+  };
+  const auto refined = [&] {
     double accuracy = wanted.max_error * first_guess(lobe);
-    for (int round = 0; round < 8; ++round) {
-      const auto again = std::chrono::steady_clock::now();
-      std::vector<float> doubt;
-      done.map = by_tree(map_, tree, wanted, lobe, accuracy, doubt, progress);
-      done.seconds = seconds_since(again);
-      check(map_, tree, wanted, lobe, doubt, done);
-      // Texels that were not looked at may be a little worse; a second round leaves them room.
-      if (done.error <= (round == 0 ? 0.7 : 1) * wanted.max_error || wanted.method == Method::hierarchical) break;
+    Prefiltered done = hierarchical(accuracy);
+    // Texels that were not looked at may be a little worse; a second round leaves them room.
+    for (int round = 0; round < 7 && done.error > (round == 0 ? 0.7 : 1) * wanted.max_error; ++round) {
       accuracy *= std::clamp(0.4 * wanted.max_error / done.error, 0.02, 0.5);
+      done = hierarchical(accuracy);
     }
-    if (!done.reached && wanted.method == Method::automatic) {
-      const auto again = std::chrono::steady_clock::now();
-      done = {.map = by_exact(map_, wanted, lobe, progress), .method = Method::exact};
-      done.seconds = seconds_since(again);
+    return done;
+  };
+  const auto spectral = [&](const std::vector<double>& factors, double error) {
+    return timed(Method::spectral,
+                 [&](auto&) { return by_spectrum(map_, prepared_->spectrum, wanted, factors, error, progress); });
+  };
+  const auto make = [&]() -> Prefiltered {
+    switch (wanted.method) {
+      case Method::exact: return exact();
+      case Method::hierarchical: return refined();
+      case Method::spectral: {
+        const std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, wanted.max_error));
+        return spectral(factors.empty() ? zonal(lobe, most_spectral_order) : factors, wanted.max_error);
+      }
+      case Method::sh: return timed(Method::sh, [&](auto&) { return by_harmonics(map_, wanted, lobe, progress); });
+      case Method::automatic: break;
     }
-  }
-  if (done.seconds == 0) done.seconds = seconds_since(start);
+    if (wanted.max_error < finest) return exact();
+    if (const std::vector<double> factors = worthwhile_factors(tree, wanted, lobe); !factors.empty())
+      for (const double error : {wanted.max_error, wanted.max_error / 10}) {
+        const std::vector<double> more = spectral_factors(lobe, spectral_tail(tree, error));
+        if (Prefiltered done = spectral(more.empty() ? factors : more, error); done.error <= 0.7 * wanted.max_error)
+          return done;
+      }
+    Prefiltered done = refined();
+    return done.reached ? std::move(done) : exact();
+  };
+  Prefiltered done = is_mirror(wanted) ? timed(Method::exact, [&](auto&) { return by_mirror(map_, wanted); }) : make();
   scale(done.map.base(), factor(wanted));
   return done;
 }

@@ -16,8 +16,8 @@ namespace envmap {
 enum class Shape { diffuse, phong, ggx };
 inline constexpr std::string_view shape_names[] = {"diffuse", "phong", "ggx"};
 
-enum class Method { automatic, exact, hierarchical, sh };
-inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "sh"};
+enum class Method { automatic, exact, hierarchical, spectral, sh };
+inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral", "sh"};
 
 /// One map to make. With L the radiance of the source, constant over each of its texels, and every lobe 0 below the
 /// horizon:
@@ -53,7 +53,7 @@ inline bool is_mirror(const Prefilter& p) { return p.shape == Shape::ggx && p.pa
 /// @throws UsageError where the parameter is out of its range.
 Lobe lobe_of(const Prefilter& wanted);
 
-/// A map prepared for prefiltering: many lobes share the work.
+/// A map prepared for prefiltering: many lobes share the work. Not for several threads at once.
 class PrefilterSource {
  public:
   /// @param map must outlive it.
@@ -62,12 +62,13 @@ class PrefilterSource {
   PrefilterSource(const PrefilterSource&) = delete;
 
   /// Makes one map and checks it: `automatic` refines until the error is met, and turns to the exact method where
-  /// nothing faster does. The others do what they are told and say how it went.
+  /// nothing faster does: spectral where the result has many texels for the lobe's width and no sun asks for more degrees
+  /// than there are, else hierarchical. `hierarchical` refines, too; the others do what they are told and say how it went.
   ///
   /// The check compares at least 256 texels (all of smaller maps) with the exact integral: texels spread evenly, and those
   /// that are hardest: the darkest, the brightest and the steepest. Their reference is the same sum over the source with
-  /// every part small enough that the bounds of all remainders, added up, stay below the error asked for; what it is
-  /// really off is a small part of that.
+  /// every part small enough that the bounds of all remainders, as independent errors, come to a quarter of the error asked
+  /// for; what it is really off is a small part of that.
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 
  private:

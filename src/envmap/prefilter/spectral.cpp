@@ -1,0 +1,439 @@
+#include "envmap/prefilter/spectral.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+
+#include "envmap/operate/measure.h"
+#include "envmap/operate/parallel.h"
+#include "envmap/prefilter/cell.h"
+#include "envmap/prefilter/harmonics.h"
+
+namespace envmap {
+namespace {
+
+int columns_for(int order) { return std::max(64, static_cast<int>(std::bit_ceil(6U * static_cast<unsigned>(order)))); }
+
+// ---- along the rings --------------------------------------------------------------------------------------------------
+
+// Sum of z_k exp(-2 pi i k m / n), n a power of two: Stockham's scheme, which needs no reordering.
+class Fourier {
+ public:
+  explicit Fourier(int n) : n_(static_cast<std::size_t>(n)), cosine_(n_ / 2), sine_(n_ / 2), re_(n_), im_(n_) {
+    for (std::size_t k = 0; k < n_ / 2; ++k) {
+      const double angle = -2 * pi * static_cast<double>(k) / n;
+      cosine_[k] = std::cos(angle), sine_[k] = std::sin(angle);
+    }
+  }
+  [[nodiscard]] int size() const { return static_cast<int>(n_); }
+  void operator()(std::vector<double>& re, std::vector<double>& im) {
+    for (std::size_t half = n_ / 2, run = 1; half >= 1; half /= 2, run *= 2) {
+      for (std::size_t p = 0; p < half; ++p) {
+        const double c = cosine_[p * run], s = sine_[p * run];
+        const double *ar = &re[run * p], *ai = &im[run * p], *br = &re[run * (p + half)], *bi = &im[run * (p + half)];
+        double *sr = &re_[2 * run * p], *si = &im_[2 * run * p], *dr = sr + run, *di = si + run;
+        for (std::size_t q = 0; q < run; ++q) {
+          const double x = ar[q] - br[q], y = ai[q] - bi[q];
+          sr[q] = ar[q] + br[q], si[q] = ai[q] + bi[q];
+          dr[q] = c * x - s * y, di[q] = c * y + s * x;
+        }
+      }
+      std::swap(re, re_), std::swap(im, im_);
+    }
+  }
+
+ private:
+  std::size_t n_;
+  std::vector<double> cosine_, sine_, re_, im_;
+};
+
+// A block of northern rings and their mirror images: sums and differences of the two, of one m.
+struct Band {
+  std::array<Parts, block> even{}, odd{};
+};
+
+// The bands of all m and all blocks.
+struct Bands {
+  int blocks;
+  std::vector<Band> values;
+  Bands(int order, int rings)
+      : blocks((rings / 2) / static_cast<int>(block)),
+        values(static_cast<std::size_t>(order + 1) * static_cast<std::size_t>(blocks)) {}
+  Band& at(int m, int b) { return values[static_cast<std::size_t>(m * blocks + b)]; }
+};
+
+// Two real rings at once, as real and imaginary part.
+void analyse_rings(RingGrid& grid, int order, Bands& bands) {
+  for_each_row(1, bands.blocks, {}, [&](int, int b) {
+    const auto n = static_cast<std::size_t>(grid.columns);
+    Fourier transform(grid.columns);
+    std::vector<double> re(n), im(n);
+    for (std::size_t k = 0; k < block; ++k)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const int ring = b * static_cast<int>(block) + static_cast<int>(k);
+        std::copy_n(grid.row(ring, c), n, re.begin());
+        std::copy_n(grid.row(grid.rings - 1 - ring, c), n, im.begin());
+        transform(re, im);
+        for (int m = 0; m <= order; ++m) {
+          const auto to = static_cast<std::size_t>(m), from = (n - to) % n;
+          const std::complex north(0.5 * (re[to] + re[from]), 0.5 * (im[to] - im[from]));
+          const std::complex south(0.5 * (im[to] + im[from]), 0.5 * (re[from] - re[to]));
+          Band& band = bands.at(m, b);
+          band.even[k][2 * c] = (north + south).real(), band.even[k][2 * c + 1] = (north + south).imag();
+          band.odd[k][2 * c] = (north - south).real(), band.odd[k][2 * c + 1] = (north - south).imag();
+        }
+      }
+  });
+}
+
+// ---- rows of a latlong image ------------------------------------------------------------------------------------------
+
+// A latlong image is rings already, if there are enough of them: a Fourier transform along each row, the integral over its
+// texels' width in closed form, and Gauss points over their height. Rows go to the rings as points do.
+bool is_on_rings(const Level& source, int order) {
+  const auto width = static_cast<unsigned>(source.width());
+  return source.projection() == Projection::latlong && std::has_single_bit(width) && order * pi < source.height();
+}
+
+// Integrals of exp(-i m longitude) over the width of the first of n texels, m = 0, 1, ... order.
+std::vector<std::complex<double>> first_texel(int n, int order) {
+  std::vector<std::complex<double>> found;
+  for (int m = 0; m <= order; ++m) {
+    const double half = pi * m / n;
+    found.push_back(std::polar(2 * pi / n * (m > 0 ? std::sin(half) / half : 1), -half));
+  }
+  return found;
+}
+
+// Coefficients of a row: integrals of radiance x exp(-i m longitude). @param turns those of the first texel.
+std::vector<Parts> row_waves(const Level& source, int row, std::span<const std::complex<double>> turns, Fourier& transform) {
+  const auto n = static_cast<std::size_t>(source.width());
+  const std::span<const Colour> texels = source.row(0, row);
+  std::vector<Parts> waves(turns.size(), Parts{});
+  std::vector<double> re(n), im(n);
+  for (std::size_t c = 0; c < 3; ++c) {
+    // Red and green at once, as real and imaginary part; blue alone.
+    if (c == 1) continue;
+    for (std::size_t k = 0; k < n; ++k) re[k] = texels[k][static_cast<int>(c)], im[k] = c == 0 ? texels[k].y : 0;
+    transform(re, im);
+    for (std::size_t m = 0; m < waves.size(); ++m) {
+      const std::size_t back = (n - m) % n;
+      const std::complex first(0.5 * (re[m] + re[back]), 0.5 * (im[m] - im[back]));
+      const std::complex second(0.5 * (im[m] + im[back]), 0.5 * (re[back] - re[m]));
+      waves[m][2 * c] = (turns[m] * first).real(), waves[m][2 * c + 1] = (turns[m] * first).imag();
+      if (c == 0) waves[m][2] = (turns[m] * second).real(), waves[m][3] = (turns[m] * second).imag();
+    }
+  }
+  return waves;
+}
+
+// Gauss points over the height of a row, with their weights.
+std::array<std::pair<Stencil, double>, 3> row_points(int row, int height, const RingGrid& places) {
+  const auto& rule = quadrature::rule<3>();
+  std::array<std::pair<Stencil, double>, 3> points;
+  for (std::size_t g = 0; g < points.size(); ++g) {
+    const double v = (row + 0.5 + 0.5 * rule.node[g]) / height;
+    points[g] = {stencil_at(places, 0, v), 0.5 * rule.weight[g] * pi / height * std::sin(pi * v)};
+  }
+  return points;
+}
+
+void analyse_rows(const Level& source, int order, int rings, Bands& bands, const Progress& progress) {
+  RingGrid places;  // Without values: only where rings lie.
+  places.rings = rings, places.columns = 2 * rings;
+  const auto count = static_cast<std::size_t>(order + 1);
+  std::vector<Parts> waves(static_cast<std::size_t>(rings) * count, Parts{});
+  const std::vector<std::complex<double>> turns = first_texel(source.width(), order);
+  constexpr int batch = 256;
+  for (int start = 0; start < source.height(); start += batch) {
+    const int rows = std::min(batch, source.height() - start);
+    const auto found = map_rows<std::vector<Parts>>(rows, [&](int k) {
+      thread_local std::optional<Fourier> transform;
+      if (!transform || transform->size() != source.width()) transform.emplace(source.width());
+      return row_waves(source, start + k, turns, *transform);
+    });
+    // Each wave by itself: threads share no sum.
+    constexpr std::size_t few = 16;
+    tbb::parallel_for(std::size_t{0}, (count + few - 1) / few, [&](std::size_t part) {
+      const std::size_t begin = part * few, end = std::min(count, begin + few);
+      for (int k = 0; k < rows; ++k)
+        for (const auto& [stencil, weight] : row_points(start + k, source.height(), places))
+          for (std::size_t n = 0; n < taps; ++n) {
+            // Beyond a pole longitudes are half a turn on: odd waves change sign.
+            const int ring = stencil.ring + static_cast<int>(n);
+            const bool beyond = ring < 0 || ring >= rings;
+            const int to = ring < 0 ? -1 - ring : ring >= rings ? 2 * rings - 1 - ring : ring;
+            const double even = weight * stencil.down[n], odd = beyond ? -even : even;
+            for (std::size_t m = begin; m < end; ++m) {
+              Parts& sum = waves[static_cast<std::size_t>(to) * count + m];
+              const Parts& wave = found[static_cast<std::size_t>(k)][m];
+              for (std::size_t s = 0; s < sum.size(); ++s) sum[s] += (m % 2 == 0 ? even : odd) * wave[s];
+            }
+          }
+    });
+    if (progress) progress(0.8 * (start + rows) / source.height());
+  }
+  for (int b = 0; b < bands.blocks; ++b)
+    for (std::size_t k = 0; k < block; ++k) {
+      const auto ring = static_cast<std::size_t>(b) * block + k;
+      const Parts *north = &waves[ring * count], *south = &waves[(static_cast<std::size_t>(rings) - 1 - ring) * count];
+      for (int m = 0; m <= order; ++m)
+        for (std::size_t s = 0; s < 6; ++s) {
+          bands.at(m, b).even[k][s] = north[m][s] + south[m][s];
+          bands.at(m, b).odd[k][s] = north[m][s] - south[m][s];
+        }
+    }
+}
+
+void synthesise_rings(Bands& bands, int order, RingGrid& grid) {
+  for_each_row(1, bands.blocks, {}, [&](int, int b) {
+    const auto n = static_cast<std::size_t>(grid.columns);
+    Fourier transform(grid.columns);
+    std::vector<double> re(n), im(n);
+    for (std::size_t k = 0; k < block; ++k)
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::ranges::fill(re, 0), std::ranges::fill(im, 0);
+        for (int m = 0; m <= order; ++m) {
+          const Band& band = bands.at(m, b);
+          const std::complex even(band.even[k][2 * c], band.even[k][2 * c + 1]);
+          const std::complex odd(band.odd[k][2 * c], band.odd[k][2 * c + 1]);
+          const std::complex north = even + odd, south = even - odd;
+          const auto to = static_cast<std::size_t>(m), back = (n - to) % n;
+          re[back] = north.real() + south.imag(), im[back] = south.real() - north.imag();
+          re[to] = north.real() - south.imag(), im[to] = north.imag() + south.real();
+          if (m == 0) re[0] = north.real(), im[0] = south.real();
+        }
+        transform(im, re);  // Parts changed about: the other way round the circle.
+        const int ring = b * static_cast<int>(block) + static_cast<int>(k);
+        double *north = grid.row(ring, c), *south = grid.row(grid.rings - 1 - ring, c);
+        std::ranges::copy(re, north), std::ranges::copy(im, south);
+        std::copy_n(north, taps, north + n), std::copy_n(south, taps, south + n);
+      }
+  });
+}
+
+// ---- across the rings -------------------------------------------------------------------------------------------------
+
+std::size_t first_of(int order, int m) { return static_cast<std::size_t>(m * (order + 1) - m * (m - 1) / 2); }
+
+// f(block, Legendre functions of l = m, m + 1, ... order) for every block of rings on which any of them counts.
+template <class F>
+void for_blocks(int order, int m, int rings, F&& f) {
+  const auto count = static_cast<std::size_t>(order - m + 1);
+  std::vector<double> a(count), b(count);
+  for (int l = m + 1; l <= order; ++l) {
+    const double ll = 1.0 * l * l, mm = 1.0 * m * m, k = 1.0 * (l - 1) * (l - 1);
+    a[static_cast<std::size_t>(l - m)] = std::sqrt((4 * ll - 1) / (ll - mm));
+    b[static_cast<std::size_t>(l - m)] = l > m + 1 ? std::sqrt((k - mm) / (4 * k - 1)) : 0;
+  }
+  double scale = std::sqrt(0.25 / pi);
+  for (int k = 0; k < m; ++k) scale *= std::sqrt((2 * k + 3) / (2.0 * k + 2));
+  std::vector<std::array<double, block>> p(count);
+  for (int n = 0; n < rings / 2 / static_cast<int>(block); ++n) {
+    std::array<double, block> y, first;
+    for (std::size_t k = 0; k < block; ++k) {
+      const double polar = pi * (n * static_cast<int>(block) + static_cast<int>(k) + 0.5) / rings;
+      y[k] = std::cos(polar);
+      // No P_l^m of a degree that we go to grows from here to where it matters.
+      const double power = m * std::log(std::sin(polar));
+      first[k] = power < -400 ? 0 : scale * std::exp(power);
+    }
+    if (std::ranges::max(first) == 0) continue;
+    legendre(a, b, y, first, p);
+    f(n, p);
+  }
+}
+
+// ---- texels to points -------------------------------------------------------------------------------------------------
+
+struct Point {
+  double u, v;
+  std::array<double, 3> flux;
+};
+
+// The points of a row of texels, in the order of the stripes of rings that they are spread to.
+struct Row {
+  std::vector<Point> points;
+  std::vector<std::size_t> starts;
+};
+
+constexpr int stripe = 16;  // Rings; more than a stencil has.
+
+// How far a texel may reach to be one point, or four: Gauss points are off by (l h)^2 / 24 and (l h)^4 / 4320, which the lobe
+// damps at high degrees l; in the tail of a bright texel's lobe nothing hides it.
+struct Reaches {
+  double one, four;
+};
+Reaches reaches(int order, double error, bool bright) {
+  if (bright) return {0, 1.4 * std::pow(650 * error, 0.25) / order};
+  return {std::sqrt(500 * error) / order, 3.2 * std::pow(6200 * error, 0.25) / order};
+}
+
+template <class P, class F>
+void gauss(int face, const Wedge& wedge, double reach, int depth, F&& add) {
+  if (depth > 0 && wedge.far - wedge.near > reach) {
+    for_halves(wedge, [&](const Wedge& half) { gauss<P>(face, half, reach, depth - 1, add); });
+  } else {
+    wedge.points(add);
+  }
+}
+template <class P, class F>
+void gauss(int face, const Rect& rect, double reach, int depth, F&& add) {
+  const Coverage where = coverage<P>(rect);
+  if (where == Coverage::outside) return;
+  const auto parts = [&] { for_parts<P>(rect, [&](const auto& part) { gauss<P>(face, part, reach, depth - 1, add); }); };
+  if (at_rim<P>(rect)) return parts();
+  std::array<Direction, 4> points;
+  std::array<double, 4> weights;
+  gauss_points<P>(face, rect, points, weights);
+  const double across = 1.75 * std::max(glm::length(points[0] - points[3]), glm::length(points[1] - points[2]));
+  if (depth > 0 && (across > reach || (where == Coverage::cut && depth > 3))) {
+    parts();
+  } else if (where == Coverage::cut) {
+    const Patch p = patch<P>(face, rect);
+    if (p.solid_angle > 0) add(glm::normalize(p.centre), p.solid_angle);
+  } else {
+    for (std::size_t k = 0; k < 4; ++k) add(points[k], weights[k]);
+  }
+}
+
+template <class P>
+Row points_of(const Level& source, int face, int row, int order, double error, double mean, const RingGrid& grid) {
+  const int size = source.height();
+  const double w = source.width(), h = size;
+  const Columns in = columns(source.projection(), size, row);
+  const auto count = static_cast<std::size_t>(std::max(0, in.end - in.first));
+  std::vector<Direction> d(count), beside(count), points;
+  std::vector<double> omega(static_cast<std::size_t>(source.width()));
+  texel_directions(source.projection(), size, face, row, in.first, d);
+  texel_directions(source.projection(), size, face, row > 0 ? row - 1 : std::min(row + 1, size - 1), in.first, beside);
+  solid_angles(source.projection(), size, row, omega);
+  std::vector<std::array<double, 3>> fluxes;
+  for (std::size_t k = 0; k < count; ++k) {
+    const int i = in.first + static_cast<int>(k);
+    const Flux radiance(*source.texel(face, i, row));
+    if (radiance == Flux(0)) continue;
+    const auto add = [&](const Direction& at, double weight) {
+      points.push_back(at);
+      fluxes.push_back({weight * radiance.x, weight * radiance.y, weight * radiance.z});
+    };
+    const Reaches most = reaches(order, error, std::max({radiance.x, radiance.y, radiance.z}) > 10 * mean);
+    const Rect rect{i / w, row / h, (i + 1) / w, (row + 1) / h};
+    const double reach =
+        1.1 * std::max(glm::length(d[k] - d[k > 0 ? k - 1 : std::min(count - 1, k + 1)]), glm::length(d[k] - beside[k]));
+    if (count > 1 && size > 1 && reach < most.one && coverage<P>(rect) == Coverage::inside)
+      add(d[k], omega[static_cast<std::size_t>(i)]);
+    else
+      gauss<P>(face, rect, most.four, 6, add);
+  }
+  std::vector<Location<double>> places(points.size());
+  locate(Projection::latlong, points, places);
+  Row sorted{std::vector<Point>(points.size()),
+             std::vector<std::size_t>(static_cast<std::size_t>((grid.rings + stripe - 1) / stripe) + 1, 0)};
+  const auto stripe_of = [&](double v) {
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(v * grid.rings), 0, grid.rings - 1) / stripe);
+  };
+  for (const auto& p : places) ++sorted.starts[stripe_of(p.v) + 1];
+  for (std::size_t k = 1; k < sorted.starts.size(); ++k) sorted.starts[k] += sorted.starts[k - 1];
+  std::vector<std::size_t> next = sorted.starts;
+  for (std::size_t k = 0; k < points.size(); ++k)
+    sorted.points[next[stripe_of(places[k].v)]++] = {places[k].u, places[k].v, fluxes[k]};
+  return sorted;
+}
+
+// All of a source on the rings. Stripes are filled every other at a time: no two at work share a ring.
+RingGrid on_rings(const Level& source, int order, double error, const Progress& progress) {
+  RingGrid grid(columns_for(order));
+  const double mean = mean_radiance(source);
+  const int rows = source.faces() * source.height(), stripes = (grid.rings + stripe - 1) / stripe;
+  const int band = std::max(1, (1 << 18) / source.width());
+  for (int start = 0; start < rows; start += band) {
+    const auto found = map_rows<Row>(std::min(band, rows - start), [&](int k) {
+      const int face = (start + k) / source.height(), row = (start + k) % source.height();
+      return visit(source.projection(),
+                   [&](auto p) { return points_of<decltype(p)>(source, face, row, order, error, mean, grid); });
+    });
+    for (int parity = 0; parity < 2; ++parity)
+      tbb::parallel_for(0, (stripes - parity + 1) / 2, [&](int k) {
+        const auto s = static_cast<std::size_t>(2 * k + parity);
+        for (const Row& row : found)
+          for (std::size_t n = row.starts[s]; n < row.starts[s + 1]; ++n)
+            spread(grid, stencil_at(grid, row.points[n].u, row.points[n].v), row.points[n].flux);
+      });
+    if (progress) progress(0.8 * std::min(rows, start + band) / rows);
+  }
+  for (int ring = 0; ring < grid.rings; ++ring)
+    for (std::size_t c = 0; c < 3; ++c) {
+      double* row = grid.row(ring, c);
+      for (std::size_t k = 0; k < taps; ++k) row[k] += row[static_cast<std::size_t>(grid.columns) + k];
+    }
+  return grid;
+}
+
+}  // namespace
+
+std::vector<double> spectral_factors(const Lobe& lobe, double tail) {
+  std::vector<double> factors = zonal(lobe, most_spectral_order);
+  // What lies beyond is taken to fall as it does in the last ten.
+  double left = 0;
+  for (std::size_t l = factors.size() - 10; l < factors.size(); ++l) left = std::max(left, std::abs(factors[l]));
+  left *= 2 * most_spectral_order * most_spectral_order / (4 * pi);
+  while (!factors.empty() && left <= tail) {
+    left += (2.0 * static_cast<double>(factors.size()) - 1) / (4 * pi) * std::abs(factors.back());
+    if (left <= tail) factors.pop_back();
+  }
+  return factors.size() > most_spectral_order ? std::vector<double>{} : factors;
+}
+
+Spectrum::Spectrum(const Level& source, int order, double error, const Progress& progress)
+    : order_(order), error_(error), coefficients_(first_of(order, order) + 1) {
+  const int rings = columns_for(order) / 2;
+  Bands bands(order, rings);
+  if (is_on_rings(source, order)) {
+    analyse_rows(source, order, rings, bands, progress);
+  } else {
+    RingGrid grid = on_rings(source, order, error, progress);
+    analyse_rings(grid, order, bands);
+  }
+  tbb::parallel_for(0, order + 1, [&](int m) {
+    const std::span<Parts> all =
+        std::span(coefficients_).subspan(first_of(order, m), static_cast<std::size_t>(order - m + 1));
+    for_blocks(order, m, rings, [&](int b, const auto& p) {
+      const Band& band = bands.at(m, b);
+      project_rings(p, band.even, band.odd, all);
+    });
+  });
+}
+
+void Spectrum::convolve(std::span<const double> factors, const Target& target, Level& out, const Progress& progress) const {
+  const int order = static_cast<int>(factors.size()) - 1;
+  RingGrid grid(columns_for(order));
+  Bands bands(order, grid.rings);
+  tbb::parallel_for(0, order + 1, [&](int m) {
+    std::vector<Parts> scaled(static_cast<std::size_t>(order - m + 1));
+    for (std::size_t k = 0; k < scaled.size(); ++k)
+      for (std::size_t c = 0; c < scaled[k].size(); ++c)
+        scaled[k][c] = factors[static_cast<std::size_t>(m) + k] * coefficients_[first_of(order_, m) + k][c];
+    for_blocks(order, m, grid.rings, [&](int b, const auto& p) {
+      Band& band = bands.at(m, b);
+      evaluate_rings(p, scaled, band.even, band.odd);
+    });
+  });
+  synthesise_rings(bands, order, grid);
+  for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
+    const Columns in = columns(out.projection(), out.height(), row);
+    const auto count = static_cast<std::size_t>(std::max(0, in.end - in.first));
+    std::vector<Direction> d(count);
+    std::vector<Location<double>> places(count);
+    texel_directions(out.projection(), out.height(), face, row, in.first, d);
+    rotate(target.to_source, d);
+    locate(Projection::latlong, d, places);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::array<double, 3> found = interpolate(grid, stencil_at(grid, places[k].u, places[k].v));
+      *out.texel(face, in.first + static_cast<int>(k), row) = Colour(glm::max(Flux(found[0], found[1], found[2]), Flux(0)));
+    }
+  });
+}
+
+}  // namespace envmap

@@ -1,0 +1,173 @@
+// The inner loops of the spectral method, compiled once for every instruction set and chosen at run time.
+#include "envmap/prefilter/spectral_kernels.h"
+
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "envmap/prefilter/spectral_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace envmap {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+
+// Where ring k of a stencil really is: its row and first column.
+struct Place {
+  int ring, column;
+};
+HWY_INLINE Place place(const RingGrid& grid, const Stencil& at, std::size_t k) {
+  const int ring = at.ring + static_cast<int>(k);
+  if (ring >= 0 && ring < grid.rings) return {ring, at.column};
+  return {ring < 0 ? -1 - ring : 2 * grid.rings - 1 - ring, (at.column + grid.columns / 2) % grid.columns};
+}
+
+void Spread(RingGrid& grid, const Stencil& at, const std::array<double, 3>& colour) {
+  const D d;
+  for (std::size_t k = 0; k < taps; ++k) {
+    const Place to = place(grid, at, k);
+    for (std::size_t c = 0; c < 3; ++c) {
+      double* row = grid.row(to.ring, c) + to.column;
+      const V weight = hn::Set(d, at.down[k] * colour[c]);
+      for (std::size_t n = 0; n < taps; n += hn::Lanes(d))
+        hn::StoreU(hn::Add(hn::LoadU(d, row + n), hn::Mul(weight, hn::LoadU(d, &at.across[n]))), d, row + n);
+    }
+  }
+}
+
+// The sum down first, then across in one order whatever the width of a vector.
+void Interpolate(RingGrid& grid, const Stencil& at, std::array<double, 3>& out) {
+  const D d;
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::array<double, taps> sums;
+    for (std::size_t n = 0; n < taps; n += hn::Lanes(d)) {
+      V sum = hn::Zero(d);
+      for (std::size_t k = 0; k < taps; ++k) {
+        const Place from = place(grid, at, k);
+        const double* row = grid.row(from.ring, c) + from.column;
+        sum = hn::Add(sum, hn::Mul(hn::Set(d, at.down[k]), hn::LoadU(d, row + n)));
+      }
+      hn::StoreU(hn::Mul(sum, hn::LoadU(d, &at.across[n])), d, &sums[n]);
+    }
+    out[c] = ((sums[0] + sums[7]) + (sums[1] + sums[6])) + ((sums[2] + sums[5]) + (sums[3] + sums[4]));
+  }
+}
+
+void Legendre(std::span<const double> a, std::span<const double> b, const std::array<double, block>& y,
+              const std::array<double, block>& first, std::span<std::array<double, block>> out) {
+  const D d;
+  for (std::size_t s = 0; s < block; s += hn::Lanes(d)) {
+    const V at = hn::LoadU(d, &y[s]);
+    V before = hn::Zero(d), now = hn::LoadU(d, &first[s]);
+    hn::StoreU(now, d, &out[0][s]);
+    for (std::size_t k = 1; k < out.size(); ++k) {
+      const V next = hn::Mul(hn::Set(d, a[k]), hn::Sub(hn::Mul(at, now), hn::Mul(hn::Set(d, b[k]), before)));
+      before = now;
+      now = next;
+      hn::StoreU(now, d, &out[k][s]);
+    }
+  }
+}
+
+void ProjectRings(std::span<const std::array<double, block>> p, const std::array<Parts, block>& even,
+                  const std::array<Parts, block>& odd, std::span<Parts> coefficients) {
+  const D d;
+  for (std::size_t s = 0; s < even[0].size(); s += hn::Lanes(d))
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      const std::array<Parts, block>& rings = k % 2 == 0 ? even : odd;
+      V low = hn::LoadU(d, &coefficients[k][s]), high = hn::Zero(d);
+      for (std::size_t n = 0; n < block; n += 2) {
+        low = hn::Add(low, hn::Mul(hn::Set(d, p[k][n]), hn::LoadU(d, &rings[n][s])));
+        high = hn::Add(high, hn::Mul(hn::Set(d, p[k][n + 1]), hn::LoadU(d, &rings[n + 1][s])));
+      }
+      hn::StoreU(hn::Add(low, high), d, &coefficients[k][s]);
+    }
+}
+
+void EvaluateRings(std::span<const std::array<double, block>> p, std::span<const Parts> coefficients,
+                   std::array<Parts, block>& even, std::array<Parts, block>& odd) {
+  const D d;
+  for (std::size_t s = 0; s < even[0].size(); s += hn::Lanes(d))
+    for (std::size_t n = 0; n < block; n += 4)
+      for (std::size_t parity = 0; parity < 2; ++parity) {
+        V s0 = hn::Zero(d), s1 = s0, s2 = s0, s3 = s0;
+        for (std::size_t k = parity; k < p.size(); k += 2) {
+          const V c = hn::LoadU(d, &coefficients[k][s]);
+          s0 = hn::Add(s0, hn::Mul(hn::Set(d, p[k][n]), c));
+          s1 = hn::Add(s1, hn::Mul(hn::Set(d, p[k][n + 1]), c));
+          s2 = hn::Add(s2, hn::Mul(hn::Set(d, p[k][n + 2]), c));
+          s3 = hn::Add(s3, hn::Mul(hn::Set(d, p[k][n + 3]), c));
+        }
+        std::array<Parts, block>& out = parity == 0 ? even : odd;
+        hn::StoreU(s0, d, &out[n][s]), hn::StoreU(s1, d, &out[n + 1][s]);
+        hn::StoreU(s2, d, &out[n + 2][s]), hn::StoreU(s3, d, &out[n + 3][s]);
+      }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace envmap
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace envmap {
+namespace {
+
+// Lagrange's polynomials of nodes 0, 1, ... taps - 1 at t.
+std::array<double, taps> lagrange(double t) {
+  static constexpr std::array<double, taps> scale{-1.0 / 5040, 1.0 / 720, -1.0 / 240, 1.0 / 144,
+                                                  -1.0 / 144,  1.0 / 240, -1.0 / 720, 1.0 / 5040};
+  std::array<double, taps> weights;
+  double below = 1, above = 1;
+  for (std::size_t k = 0; k < taps; ++k) {
+    weights[k] = scale[k] * below;
+    below *= t - static_cast<double>(k);
+  }
+  for (std::size_t k = taps; k-- > 0;) {
+    weights[k] *= above;
+    above *= t - static_cast<double>(k);
+  }
+  return weights;
+}
+
+}  // namespace
+
+HWY_EXPORT(Spread);
+HWY_EXPORT(Interpolate);
+HWY_EXPORT(Legendre);
+HWY_EXPORT(ProjectRings);
+HWY_EXPORT(EvaluateRings);
+
+Stencil stencil_at(const RingGrid& grid, double u, double v) {
+  constexpr int before = taps / 2 - 1;
+  const double down = v * grid.rings - 0.5, across = u * grid.columns;
+  const int ring = static_cast<int>(std::floor(down)) - before, column = static_cast<int>(std::floor(across)) - before;
+  return {ring, (column + 2 * grid.columns) % grid.columns, lagrange(down - ring), lagrange(across - column)};
+}
+
+void spread(RingGrid& grid, const Stencil& at, const std::array<double, 3>& colour) {
+  HWY_DYNAMIC_DISPATCH(Spread)(grid, at, colour);
+}
+std::array<double, 3> interpolate(RingGrid& grid, const Stencil& at) {
+  std::array<double, 3> found;
+  HWY_DYNAMIC_DISPATCH(Interpolate)(grid, at, found);
+  return found;
+}
+void legendre(std::span<const double> a, std::span<const double> b, const std::array<double, block>& y,
+              const std::array<double, block>& first, std::span<std::array<double, block>> out) {
+  HWY_DYNAMIC_DISPATCH(Legendre)(a, b, y, first, out);
+}
+void project_rings(std::span<const std::array<double, block>> p, const std::array<Parts, block>& even,
+                   const std::array<Parts, block>& odd, std::span<Parts> coefficients) {
+  HWY_DYNAMIC_DISPATCH(ProjectRings)(p, even, odd, coefficients);
+}
+void evaluate_rings(std::span<const std::array<double, block>> p, std::span<const Parts> coefficients,
+                    std::array<Parts, block>& even, std::array<Parts, block>& odd) {
+  HWY_DYNAMIC_DISPATCH(EvaluateRings)(p, coefficients, even, odd);
+}
+
+}  // namespace envmap
+#endif  // HWY_ONCE
