@@ -9,7 +9,7 @@
 
 #include "command.h"
 #include "envmap/error.h"
-#include "envmap/io/output_file.h"
+#include "envmap/io/picture.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/measure.h"
@@ -51,19 +51,6 @@ OIIO::ImageBuf picture(const Level& level, double scale, int height) {
   return OIIO::ImageBufAlgo::resize(full, "", 0, OIIO::ROI(0, width, 0, height, 0, 1, 0, 3));
 }
 
-void save_png(const OIIO::ImageBuf& image, const std::string& path) {
-  OutputFile file(path);
-  OIIO::Filesystem::IOProxy* proxy = &file;
-  OIIO::ImageSpec spec(image.spec().width, image.spec().height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  const auto output = OIIO::ImageOutput::create("png");
-  if (!output || !output->open("x.png", spec) || !output->write_image(OIIO::TypeDesc::FLOAT, image.localpixels()) ||
-      !output->close())
-    throw OutputError(path + ": not written: " + (output ? output->geterror() : "no PNG writer"));
-  file.commit();
-}
-
 int run(Options& o, const Common& common) {
   o.read.all_levels = o.levels;
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
@@ -103,7 +90,9 @@ int run(Options& o, const Common& common) {
     (void)sheet.geterror();
   }
   const auto depfile = open_depfile(output, inputs, common);
-  save_png(sheet, output);
+  const OIIO::ImageSpec& spec = sheet.spec();
+  write_encoded(output, spec.width,
+                {static_cast<const Colour*>(sheet.localpixels()), static_cast<std::size_t>(spec.image_pixels())});
   if (depfile) depfile->commit();
   return 0;
 }

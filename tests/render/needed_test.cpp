@@ -6,29 +6,12 @@
 #include <random>
 
 #include "envmap/projection/projection.h"
+#include "rooms.h"
 
 namespace envmap {
 namespace {
 
 using Vector4 = glm::vec<4, double, glm::highp>;
-
-// A sphere of unit radius, `rings` high.
-Mesh ball(int rings) {
-  Mesh mesh;
-  for (int j = 0; j <= rings; ++j)
-    for (int i = 0; i <= 2 * rings; ++i) {
-      const double polar = pi * j / rings, turn = pi * i / rings;
-      const glm::vec3 p(std::sin(polar) * std::cos(turn), std::cos(polar), -std::sin(polar) * std::sin(turn));
-      mesh.positions.push_back(p);
-      mesh.normals.push_back(p);
-    }
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (2 * rings + 1) + i); };
-  for (int j = 0; j < rings; ++j)
-    for (int i = 0; i < 2 * rings; ++i)
-      for (const std::uint32_t corner : {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)})
-        mesh.indices.push_back(corner);
-  return mesh;
-}
 
 // A square in the plane y = 0, facing up, bulging by its normals only.
 Mesh plate(double half, double bulge) {
@@ -86,8 +69,8 @@ int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, con
 TEST(Needed, EveryRayOfAMirrorIsHeld) {
   const Matrix place = glm::translate(Matrix(1), Direction(0.2, 0.1, -4)) * glm::scale(Matrix(1), Direction(1, 2, 0.5));
   for (const Direction& at : {Direction(0, 0, 3), Direction(0.5, 3, -3), Direction(2, 0, -4)}) {
-    expect_held({at, {}}, ball(4), place, {});
-    expect_held({at, {}}, ball(5), Matrix(1), {});
+    expect_held({at, {}}, rooms::ball(4), place, {});
+    expect_held({at, {}}, rooms::ball(5), Matrix(1), {});
     for (const double bulge : {0.0, 0.1, 1.0}) {
       expect_held({at, {}}, plate(2, bulge), Matrix(1), {0, true});
       expect_held({at, {}}, plate(2, bulge), place, {0, true});
@@ -98,17 +81,18 @@ TEST(Needed, EveryRayOfAMirrorIsHeld) {
 TEST(Needed, EveryRayOfALensIsHeld) {
   for (const double ior : {1.0, 1.33, 2.4}) {
     expect_held({{0.5, 3, -3}, {}}, plate(2, 0.3), Matrix(1), {ior, true});
-    expect_held({{0.5, 3, -3}, {}}, ball(4), Matrix(1), {ior, false});
-    expect_held({{0.5, 3, -3}, {}}, ball(4), Matrix(1), {ior, true});
+    expect_held({{0.5, 3, -3}, {}}, rooms::ball(4), Matrix(1), {ior, false});
+    expect_held({{0.5, 3, -3}, {}}, rooms::ball(4), Matrix(1), {ior, true});
   }
 }
 
 TEST(Needed, WhatIsOutOfSightNeedsNothing) {
   const Vector4 ahead(0, 0, -1, 0);  // The viewer at the origin sees -Z.
-  EXPECT_TRUE(shown_directions({{0, 0, 0}, {ahead}}, ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {}).caps.empty());
+  EXPECT_TRUE(
+      shown_directions({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {}).caps.empty());
   EXPECT_TRUE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {}).caps.empty()) << "seen from behind";
   EXPECT_FALSE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {0, true}).caps.empty());
-  expect_held({{0, 0, 0}, {ahead}}, ball(4), glm::translate(Matrix(1), Direction(0, 0, -0.5)), {});
+  expect_held({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, -0.5)), {});
 }
 
 TEST(Needed, AFlatMirrorTakesOneHalfAndABallTakesAll) {
@@ -120,8 +104,8 @@ TEST(Needed, AFlatMirrorTakesOneHalfAndABallTakesAll) {
   EXPECT_GT(all.axis.y, 0.3);
   EXPECT_LT(all.axis.z, -0.3);
   EXPECT_LE(expect_held({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {}), 3);
-  EXPECT_EQ(expect_held({{0, 0, 3}, {}}, ball(6), Matrix(1), {}), 6);
-  EXPECT_GT(enclosing(shown_directions({{0, 0, 3}, {}}, ball(16), Matrix(1), {}).caps).angle, pi / 2);
+  EXPECT_EQ(expect_held({{0, 0, 3}, {}}, rooms::ball(6), Matrix(1), {}), 6);
+  EXPECT_GT(enclosing(shown_directions({{0, 0, 3}, {}}, rooms::ball(16), Matrix(1), {}).caps).angle, pi / 2);
 }
 
 TEST(Needed, AFaceIsReachedWhereACapTouchesIt) {

@@ -46,6 +46,25 @@ inline Scene room(int edge) {
   return scene;
 }
 
+/// A ball about the origin, `rings` high, of material 0.
+inline Mesh ball(int rings, double radius = 1) {
+  Mesh mesh;
+  for (int j = 0; j <= rings; ++j)
+    for (int i = 0; i <= 2 * rings; ++i) {
+      const double polar = pi * j / rings, turn = pi * i / rings;
+      const Direction n(std::sin(polar) * std::cos(turn), std::cos(polar), -std::sin(polar) * std::sin(turn));
+      mesh.positions.emplace_back(radius * n);
+      mesh.normals.emplace_back(n);
+      mesh.coordinates.emplace_back(0, 0);
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (2 * rings + 1) + i); };
+  for (int j = 0; j < rings; ++j)
+    for (int i = 0; i < 2 * rings; ++i)
+      for (const std::uint32_t k : {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)})
+        mesh.indices.push_back(k);
+  return mesh;
+}
+
 struct Hit {
   std::uint32_t surface;
   double distance;

@@ -17,30 +17,12 @@ Context& context() {
 constexpr int size = 96;
 constexpr double radius = 0.2;
 
-// A smooth metal ball about the origin of its node.
-Mesh ball(int material, int rings) {
-  Mesh mesh{.material = material};
-  for (int j = 0; j <= rings; ++j)
-    for (int i = 0; i <= 2 * rings; ++i) {
-      const double polar = pi * j / rings, turn = pi * i / rings;
-      const Direction n(std::sin(polar) * std::cos(turn), std::cos(polar), -std::sin(polar) * std::sin(turn));
-      mesh.positions.emplace_back(radius * n);
-      mesh.normals.emplace_back(n);
-      mesh.coordinates.emplace_back(0, 0);
-    }
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (2 * rings + 1) + i); };
-  for (int j = 0; j < rings; ++j)
-    for (int i = 0; i < 2 * rings; ++i)
-      for (const std::uint32_t k : {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)})
-        mesh.indices.push_back(k);
-  return mesh;
-}
-
 // The room with mirror balls in it.
 Scene hall(const std::vector<Direction>& centres) {
   Scene scene = rooms::room(2);
   scene.materials.push_back({.name = "mirror", .metallic = 1, .roughness = 0});
-  scene.meshes.push_back(ball(static_cast<int>(scene.materials.size()) - 1, 48));
+  scene.meshes.push_back(rooms::ball(48, radius));
+  scene.meshes.back().material = static_cast<int>(scene.materials.size()) - 1;
   for (const Direction& c : centres)
     scene.nodes.push_back({.name = "ball " + std::to_string(scene.nodes.size() - 6),
                            .local = glm::translate(Matrix(1), c),

@@ -24,12 +24,15 @@ bool is_picture(const std::string& path) {
 }
 
 void write_picture(const std::string& path, int width, std::span<const Colour> pixels) {
+  if (holds_floats(path)) return write_encoded(path, width, pixels);
   std::vector<Colour> encoded(pixels.begin(), pixels.end());
+  for (Colour& c : encoded) c = glm::clamp(c, 0.0F, 1.0F);
+  encode_srgb(encoded);
+  write_encoded(path, width, encoded);
+}
+
+void write_encoded(const std::string& path, int width, std::span<const Colour> pixels) {
   const bool floats = holds_floats(path);
-  if (!floats) {
-    for (Colour& c : encoded) c = glm::clamp(c, 0.0F, 1.0F);
-    encode_srgb(encoded);
-  }
   OutputFile file(path);
   OIIO::Filesystem::IOProxy* proxy = &file;
   OIIO::ImageSpec spec(width, static_cast<int>(pixels.size()) / width, 3,
@@ -38,7 +41,7 @@ void write_picture(const std::string& path, int width, std::span<const Colour> p
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   const auto output = OIIO::ImageOutput::create(extension(path).substr(1));
   if (!output || !output->open("x" + extension(path), spec) ||
-      !output->write_image(OIIO::TypeDesc::FLOAT, encoded.data()) || !output->close())
+      !output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) || !output->close())
     throw OutputError(fmt::format("{}: not written: {}", path, output ? output->geterror() : "no writer for this type"));
   file.commit();
 }

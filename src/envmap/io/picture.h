@@ -16,4 +16,7 @@ bool is_picture(const std::string& path);
 /// @throws OutputError; then nothing is left behind.
 void write_picture(const std::string& path, int width, std::span<const Colour> pixels);
 
+/// The same of pixels as they are to be stored: sRGB encoded for .png and .jpg.
+void write_encoded(const std::string& path, int width, std::span<const Colour> pixels);
+
 }  // namespace envmap

@@ -8,13 +8,6 @@
 namespace envmap {
 namespace {
 
-void interpolate(const gl::Texture& texture) {
-  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-}
-
 // Seen from outside: X and Z mirrored left to right, Y top to bottom.
 std::vector<Colour> as_gl_turns(const Level& cube, int face) {
   const int n = cube.height();
@@ -31,7 +24,7 @@ LightTexture upload(const EnvironmentLight* light) {
   LightTexture out{gl::make_texture(GL_TEXTURE_CUBE_MAP_ARRAY), gl::make_texture(GL_TEXTURE_2D)};
   glTextureStorage2D(out.split_sum, 1, GL_RGB32F, split_sum_size, split_sum_size);
   glTextureSubImage2D(out.split_sum, 0, 0, 0, split_sum_size, split_sum_size, GL_RGB, GL_FLOAT, split_sum_table().data());
-  interpolate(out.split_sum);
+  gl::interpolate(out.split_sum);
   if (light == nullptr) return out;
   out.irradiance = light->irradiance;
   const int size = light->glossy.front().height(), levels = static_cast<int>(light->glossy.size());
@@ -40,7 +33,7 @@ LightTexture upload(const EnvironmentLight* light) {
     for (int face = 0; face < 6; ++face)
       glTextureSubImage3D(out.glossy, 0, 0, 0, 6 * level + face, size, size, 1, GL_RGB, GL_FLOAT,
                           as_gl_turns(light->glossy[static_cast<std::size_t>(level)], face).data());
-  interpolate(out.glossy);
+  gl::interpolate(out.glossy);
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
   gl::check("upload of the environment's light");
   return out;
@@ -65,7 +58,7 @@ EnvironmentTexture upload(const EnvironmentMap& map) {
   for (int face = 0; face < level.faces(); ++face)
     glTextureSubImage3D(out.texture, 0, 0, 0, face, width, height, 1, GL_RGB, GL_FLOAT,
                         level.texel(face, -Level::gutter, -Level::gutter));
-  interpolate(out.texture);
+  gl::interpolate(out.texture);
   gl::check("upload of the environment");
   return out;
 }

@@ -56,6 +56,13 @@ Texture make_texture(GLenum target) {
   return Texture(name);
 }
 
+void interpolate(const Texture& texture) {
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
 VertexArray make_vertex_array() {
   GLuint name = 0;
   glCreateVertexArrays(1, &name);

@@ -68,6 +68,8 @@ Buffer make_buffer(const std::vector<T>& all, GLbitfield flags = 0) {
 }
 
 Texture make_texture(GLenum target);
+/// Linear filtering within the level, edges clamped.
+void interpolate(const Texture& texture);
 VertexArray make_vertex_array();
 Framebuffer make_framebuffer();
 

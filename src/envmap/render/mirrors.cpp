@@ -24,6 +24,11 @@ bool is_mirror(const Material& m) { return (m.metallic > 0.999F || m.transmissio
 // Texels of a rough mirror's map: half of those of its prefiltered levels have no detail to lose.
 constexpr int rough_size = 2 * glossy_size;
 
+const Material& material_of(const Scene& scene, const Instance& instance) {
+  const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
+  return scene.materials[static_cast<std::size_t>(mesh.material)];
+}
+
 // What lies round a mirror stands still.
 bool same_surroundings(const Scene& scene, int mirror, const Pose& a, const Pose& b) {
   if (a.size() != b.size()) return false;
@@ -51,8 +56,7 @@ Mirror make_mirror(const Scene& scene, int node, Projection to) {
   Mirror mirror{.node = node, .to = to};
   for (const Instance& instance : instances(scene)) {
     if (!lies_under(scene, instance.node, node)) continue;
-    const Material& m =
-        scene.materials[static_cast<std::size_t>(scene.meshes[static_cast<std::size_t>(instance.mesh)].material)];
+    const Material& m = material_of(scene, instance);
     if (m.transmission > 0) mirror.optics.ior = std::max(1.0F, m.ior);
     if (m.double_sided) mirror.optics.double_sided = true;
     if (!is_smooth(m)) mirror.rough = true;
@@ -64,8 +68,7 @@ Mirror make_mirror(const Scene& scene, int node, Projection to) {
 std::vector<Mirror> find_mirrors(const Scene& scene, Projection to) {
   std::vector<Mirror> mirrors;
   for (const Instance& instance : instances(scene)) {
-    const Material& m =
-        scene.materials[static_cast<std::size_t>(scene.meshes[static_cast<std::size_t>(instance.mesh)].material)];
+    const Material& m = material_of(scene, instance);
     if (!is_mirror(m)) continue;
     const bool known =
         std::ranges::any_of(mirrors, [&](const Mirror& other) { return lies_under(scene, instance.node, other.node); });
@@ -79,7 +82,7 @@ Mirrors::Mirrors(const Scene& scene, std::vector<Mirror> mirrors)
 
 Mirrors::Wanted Mirrors::wanted(std::size_t k, const Shot& shot, const std::vector<Viewer>& viewers, double pixel) const {
   const Mirror& mirror = mirrors_[k];
-  Wanted out{{}, pi};
+  Wanted out{.finest = pi};
   for (const Viewer& viewer : viewers)
     for (const Instance& instance : instances(scene_)) {
       if (!lies_under(scene_, instance.node, mirror.node)) continue;
@@ -124,16 +127,15 @@ bool Mirrors::prepare(std::size_t k, const Shot& shot, const Wanted& want, const
   const double texels = std::ceil(spacing(mirror.to) / std::max(want.finest, 1e-6) / 32) * 32;
   const int largest = mirror.rough ? std::min(rough_size, options.largest) : options.largest;
   const int size = options.size > 0 ? options.size : static_cast<int>(std::clamp(texels, 32.0, 1.0 * largest));
-  const Direction at = centre_of(scene_, shot.pose, mirror.node);
   const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
                                                      : map.texture->size >= size && map.texture->size <= 2 * size);
-  const bool moved = !fits || at != drawn.at || !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
+  const bool moved = !fits || want.at != drawn.at || !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
   if (!fits) map.texture.emplace(mirror.to, size);
   drawn.unchanged = moved ? 0 : drawn.unchanged + 1;
   if (mirror.rough || mirror.to == Projection::cube) return moved;
   if (mirror.to == Projection::sphere) {
     // Its singularity lies behind a mirror, where only the outline shows it; of a lens, before it.
-    const Direction axis = glm::normalize(viewer.at - at) * (mirror.optics.refracts() ? -1.0 : 1.0);
+    const Direction axis = glm::normalize(viewer.at - want.at) * (mirror.optics.refracts() ? -1.0 : 1.0);
     if (!moved && axis == map.axes[2]) return false;
     map.axes = looking_along(axis);
     return true;
@@ -145,12 +147,13 @@ bool Mirrors::prepare(std::size_t k, const Shot& shot, const Wanted& want, const
   return true;
 }
 
-void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const MirrorOptions& options, unsigned which) {
+void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at,
+                   const MirrorOptions& options, unsigned which) {
   MirrorMap& map = maps_[k];
   const Mirror& mirror = mirrors_[k];
   const Viewpoint from{.to = mirror.to,
                        .size = map.texture->size,
-                       .at = centre_of(scene_, shot.pose, mirror.node),
+                       .at = at,
                        .axes = map.axes,
                        .near = options.near,
                        .far = options.far,
@@ -172,11 +175,14 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
                      const MirrorOptions& options, const std::function<void(const std::string&)>& tell) {
   // Who sees whom: first the picture, then mirrors that are seen there, as often as light goes on.
   std::vector<Wanted> want(mirrors_.size());
-  for (std::size_t k = 0; k < want.size(); ++k) want[k] = wanted(k, shot, viewers, pixel);
+  for (std::size_t k = 0; k < want.size(); ++k) {
+    want[k] = wanted(k, shot, viewers, pixel);
+    want[k].at = centre_of(scene_, shot.pose, mirrors_[k].node);
+  }
   for (int bounce = 0; bounce < options.bounces; ++bounce) {
     std::vector<Viewer> seen;
     for (std::size_t k = 0; k < want.size(); ++k)
-      if (!want[k].caps.empty()) seen.push_back({centre_of(scene_, shot.pose, mirrors_[k].node), {}, mirrors_[k].node});
+      if (!want[k].caps.empty()) seen.push_back({want[k].at, {}, mirrors_[k].node});
     const std::vector<Wanted> before = want;
     for (std::size_t k = 0; k < want.size(); ++k) {
       std::vector<Viewer> others;
@@ -210,9 +216,9 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
         continue;
       }
       const auto start = std::chrono::steady_clock::now();
-      draw(k, renderer, shot, options, needed);
+      draw(k, renderer, shot, want[k].at, options, needed);
       drawn.pose = shot.pose;
-      drawn.at = centre_of(scene_, shot.pose, mirrors_[k].node);
+      drawn.at = want[k].at;
       drawn.faces = anew[k] ? needed : drawn.faces | needed;
       drawn.versions = versions;
       ++drawn.version;

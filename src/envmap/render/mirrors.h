@@ -61,6 +61,7 @@ class Mirrors {
     int version = 0, unchanged = 0;
   };
   struct Wanted {
+    Direction at{0};  // Where it is drawn from.
     std::vector<Cap> caps;
     double finest = 0;  // Radians between texels.
   };
@@ -68,7 +69,8 @@ class Mirrors {
   [[nodiscard]] Wanted wanted(std::size_t k, const Shot& shot, const std::vector<Viewer>& viewers, double pixel) const;
   bool prepare(std::size_t k, const Shot& shot, const Wanted& wanted, const Viewer& viewer, const MirrorOptions& options);
   [[nodiscard]] unsigned needed_faces(std::size_t k, const std::vector<Cap>& caps) const;
-  void draw(std::size_t k, Renderer& renderer, const Shot& shot, const MirrorOptions& options, unsigned faces);
+  void draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at, const MirrorOptions& options,
+            unsigned faces);
 
   const Scene& scene_;
   std::vector<Mirror> mirrors_;

@@ -42,13 +42,6 @@ bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
   return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= 1.92;
 }
 
-void interpolate(const gl::Texture& texture) {
-  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-}
-
 // What a group's mirror shows; null for what is none, or has no map yet.
 const MirrorMap* map_of(const Group& group, const Shot& shot) {
   if (group.mirror < 0 || shot.mirrors.empty()) return nullptr;
@@ -68,7 +61,7 @@ MapTexture::MapTexture(Projection p, int n)
     glTextureStorage2D(texture, 1, GL_RGBA32F, n, n);
   else
     glTextureStorage3D(texture, 1, GL_RGBA32F, width, n, faces(p));
-  interpolate(texture);
+  gl::interpolate(texture);
   glClearTexImage(texture, 0, GL_RGBA, GL_FLOAT, nullptr);
   gl::check("map");
 }
