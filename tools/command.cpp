@@ -19,8 +19,9 @@ namespace tools {
 using namespace envmap;
 
 std::vector<Command> all_commands() {
-  return {convert_command(), mipmap_command(),   prefilter_command(), sh_command(), render_command(), view_command(),     info_command(),
-          compare_command(), generate_command(), preview_command(),   manual_command(), completion_command()};
+  return {convert_command(),  mipmap_command(),  prefilter_command(), sh_command(),
+          render_command(),   view_command(),    info_command(),      compare_command(),
+          generate_command(), preview_command(), manual_command(),    completion_command()};
 }
 
 std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run) {
@@ -76,6 +77,15 @@ CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<F
 CLI::Option* add_depth(CLI::App& app, std::optional<Depth>& value) {
   return add_choice(app, "--depth", value, joined(depth_names), one_of<Depth>(depth_names),
                     "What the file stores for each value (default: as the input, or the nearest the format holds)");
+}
+
+void add_format(CLI::App& app, WriteOptions& options) {
+  app.add_option("--format", options.format, "File type, for '-' and names without one (default: exr)")
+      ->type_name("EXT");
+}
+
+void add_clamp(CLI::App& app, WriteOptions& options) {
+  app.add_flag("--clamp", options.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
 }
 
 CLI::Option* add_size(CLI::App& app, int& size, const std::string& help) {

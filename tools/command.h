@@ -92,6 +92,8 @@ CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<e
                          const std::string& help);
 CLI::Option* add_depth(CLI::App& app, std::optional<envmap::Depth>& value);
 CLI::Option* add_size(CLI::App& app, int& size, const std::string& help);
+void add_format(CLI::App& app, envmap::WriteOptions& options);
+void add_clamp(CLI::App& app, envmap::WriteOptions& options);
 
 /// Three numbers with commas between them; with `one_for_all`, one number may stand for the three.
 CLI::Option* add_triple(CLI::App& app, const std::string& flag, std::optional<envmap::Direction>& value,

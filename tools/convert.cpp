@@ -138,10 +138,9 @@ Command convert_command() {
                     "World axis at the centre of latlong and angular images (default: +z)");
         app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
         add_depth(app, o->write.depth);
-        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
-            ->type_name("EXT");
+        add_format(app, o->write);
         add_file_options(app, o->write);
-        app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+        add_clamp(app, o->write);
         add_read_options(app, o->read);
         add_max_memory(app, o->read);
         add_repair(app, o->read);

@@ -100,9 +100,8 @@ Command generate_command() {
         app.add_option("--amplitude", o->harmonic.amplitude, "sh: factor of the harmonic (default: 0.5)")
             ->type_name("A");
         add_depth(app, o->write.depth);
-        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
-            ->type_name("EXT");
-        app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+        add_format(app, o->write);
+        add_clamp(app, o->write);
         return [o, &common] { return run(*o, common); };
       }};
 }

@@ -73,10 +73,9 @@ Command mipmap_command() {
             app.add_flag("--keep", o->keep, "Keep the levels that the input has, and make those that it lacks");
             add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
             add_depth(app, o->write.depth);
-            app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
-                ->type_name("EXT");
+            add_format(app, o->write);
             add_file_options(app, o->write);
-            app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+            add_clamp(app, o->write);
             add_read_options(app, o->read);
             add_max_memory(app, o->read);
             add_repair(app, o->read);

@@ -227,9 +227,8 @@ Command prefilter_command() {
             ->type_name("N")
             ->check(CLI::Range(1, 1024));
         add_depth(app, o->write.depth);
-        app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
-            ->type_name("EXT");
-        app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+        add_format(app, o->write);
+        add_clamp(app, o->write);
         add_file_options(app, o->write);
         add_read_options(app, o->read);
         add_repair(app, o->read);

@@ -142,10 +142,9 @@ Command render_command() {
                         "World axis at the centre of latlong and angular maps (default: +z)");
             add_layout(app, "--layout", o->write.layout, "Where cube faces lie (default: column)");
             add_depth(app, o->write.depth);
-            app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
-                ->type_name("EXT");
+            add_format(app, o->write);
             add_file_options(app, o->write);
-            app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+            add_clamp(app, o->write);
             return [o, &common] { return run(*o, common); };
           }};
 }

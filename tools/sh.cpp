@@ -102,9 +102,8 @@ Command sh_command() {
             add_forward(app, "--forward", o->forward,
                         "World axis at the centre of latlong and angular images (default: +z)");
             add_depth(app, o->write.depth);
-            app.add_option("--format", o->write.format, "File type, for '-' and names without one (default: exr)")
-                ->type_name("EXT");
-            app.add_flag("--clamp", o->write.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+            add_format(app, o->write);
+            add_clamp(app, o->write);
             add_read_options(app, o->read);
             add_repair(app, o->read);
             return [o, &common] { return run(*o, common); };
