@@ -1,12 +1,10 @@
 // The program: parses, runs one command, turns what goes wrong into one line and an exit status.
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
 #include <cstdio>
 #include <new>
 #include <optional>
-#include <thread>
 
 #include "command.h"
 #include "envmap/error.h"
@@ -25,10 +23,6 @@ int complain(const std::string& who, std::string what, int status) {
 int run_with_threads(const std::function<int()>& run, int threads) {
   std::optional<tbb::global_control> limit;
   if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  const int cores = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  OIIO::attribute("threads", cores);
-  // In OpenImageIO's words 0 is all cores and 1 is none beside the caller.
-  OIIO::attribute("exr_threads", cores);
   return run();
 }
 

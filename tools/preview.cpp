@@ -1,6 +1,4 @@
 // A picture for people: maps side by side, tone mapped with one exposure, named.
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 
 #include "command.h"
 #include "envmap/error.h"
+#include "envmap/io/formats.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/page.h"
@@ -38,17 +37,43 @@ void tone_map(std::vector<Colour>& pixels, double scale) {
   encode_srgb(pixels);
 }
 
-OIIO::ImageBuf picture(const Level& level, double scale, int height) {
+struct Picture {
+  Size size;
+  std::vector<Colour> pixels;
+
+  Picture(Size s, Colour fill)
+      : size(s), pixels(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height), fill) {}
+  [[nodiscard]] auto row(int x, int y) { return pixels.begin() + std::ptrdiff_t{y} * size.width + x; }
+};
+
+Picture picture(const Level& level, double scale, int height) {
   const Layout layout = level.projection() == Projection::cube ? Layout::cross : default_layout(level.projection());
   const Rows rows = rows_of(level, Forward::plus_z);
   const Page page{rows, grid(layout)};
-  std::vector<Colour> pixels(static_cast<std::size_t>(page.width()) * static_cast<std::size_t>(page.height()));
-  page.gather(0, page.height(), pixels);
-  tone_map(pixels, scale);
-  const OIIO::ImageSpec spec(page.width(), page.height(), 3, OIIO::TypeDesc::FLOAT);
-  const OIIO::ImageBuf full(spec, pixels.data());
-  const int width = std::max(1, static_cast<int>(std::lround(static_cast<double>(height) * page.width() / page.height())));
-  return OIIO::ImageBufAlgo::resize(full, "", 0, OIIO::ROI(0, width, 0, height, 0, 1, 0, 3));
+  Picture full({page.width(), page.height()}, Colour(0));
+  page.gather(0, page.height(), full.pixels);
+  tone_map(full.pixels, scale);
+  const double width = static_cast<double>(height) * page.width() / page.height();
+  Picture small({std::max(1, static_cast<int>(std::lround(width))), height}, Colour(0));
+  small.pixels = formats().resized(full.pixels, full.size, small.size);
+  return small;
+}
+
+// All pictures in columns, each above its name.
+Picture sheet_of(std::vector<Picture>& pictures, const std::vector<std::string>& captions, int most_columns) {
+  const int count = static_cast<int>(pictures.size()), columns = std::min(most_columns, count);
+  const int rows = (count + columns - 1) / columns, height = pictures[0].size.height;
+  int cell = 0;
+  for (const Picture& p : pictures) cell = std::max(cell, p.size.width);
+  Picture sheet({columns * (cell + border) + border, rows * (height + caption + border) + border}, Colour(0.12F));
+  for (int k = 0; k < count; ++k) {
+    Picture& p = pictures[static_cast<std::size_t>(k)];
+    const int x = border + k % columns * (cell + border), y = border + k / columns * (height + caption + border);
+    for (int j = 0; j < height; ++j)
+      std::copy_n(p.row(0, j), p.size.width, sheet.row(x + (cell - p.size.width) / 2, y + j));
+    formats().draw_text(sheet.pixels, sheet.size, x + 2, y + height + 16, captions[static_cast<std::size_t>(k)], 14);
+  }
+  return sheet;
 }
 
 int run(Options& o, const Common& common) {
@@ -58,7 +83,7 @@ int run(Options& o, const Common& common) {
   const std::string& output = o.names.back();
   if (std::filesystem::path(output).extension() != ".png") throw UsageError(output + ": the picture must be a .png");
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
-  std::vector<OIIO::ImageBuf> pictures;
+  std::vector<Picture> pictures;
   std::vector<std::string> captions;
   double scale = 0;
   for (const std::string& input : inputs) {
@@ -74,25 +99,9 @@ int run(Options& o, const Common& common) {
     }
   }
 
-  const int columns = std::min(o.columns, static_cast<int>(pictures.size()));
-  const int rows = (static_cast<int>(pictures.size()) + columns - 1) / columns;
-  int cell = 0;
-  for (const auto& p : pictures) cell = std::max(cell, p.spec().width);
-  OIIO::ImageBuf sheet(OIIO::ImageSpec(columns * (cell + border) + border,
-                                       rows * (o.height + caption + border) + border, 3, OIIO::TypeDesc::FLOAT));
-  OIIO::ImageBufAlgo::fill(sheet, {0.12F, 0.12F, 0.12F});
-  for (std::size_t k = 0; k < pictures.size(); ++k) {
-    const int x = border + static_cast<int>(k) % columns * (cell + border);
-    const int y = border + static_cast<int>(k) / columns * (o.height + caption + border);
-    OIIO::ImageBufAlgo::paste(sheet, x + (cell - pictures[k].spec().width) / 2, y, 0, 0, pictures[k]);
-    // Without any font on the machine the sheet has no names.
-    (void)OIIO::ImageBufAlgo::render_text(sheet, x + 2, y + o.height + 16, captions[k], 14, "DejaVuSans", {0.8F, 0.8F, 0.8F});
-    (void)sheet.geterror();
-  }
   const auto depfile = open_depfile(output, inputs, common);
-  const OIIO::ImageSpec& spec = sheet.spec();
-  write_encoded(output, spec.width,
-                {static_cast<const Colour*>(sheet.localpixels()), static_cast<std::size_t>(spec.image_pixels())});
+  const Picture sheet = sheet_of(pictures, captions, o.columns);
+  write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8);
   if (depfile) depfile->commit();
   return 0;
 }

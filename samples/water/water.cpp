@@ -1,6 +1,5 @@
 // Water in a basin: drops fall, waves run, the sky is reflected through a dual-paraboloid map and the basin refracted by
 // Snell's law. Writes one picture a frame.
-#include <OpenImageIO/imagebuf.h>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -10,8 +9,8 @@
 
 #include "basin.h"
 #include "envmap/error.h"
+#include "envmap/io/picture.h"
 #include "envmap/io/read.h"
-#include "envmap/io/srgb.h"
 #include "envmap/map/gutter.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/generate.h"
@@ -67,16 +66,6 @@ std::vector<Colour> picture(const View& view, const Settings& s, int width) {
   return pixels;
 }
 
-void write_picture(const std::string& path, std::vector<Colour> pixels, int width, int height) {
-  if (!path.ends_with(".exr")) {
-    for (Colour& c : pixels) c = glm::min(c, Colour(1));
-    encode_srgb(pixels);
-  }
-  const OIIO::ImageBuf image(OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::FLOAT), pixels.data());
-  if (!image.write(path, path.ends_with(".exr") ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::UINT8))
-    throw OutputError(path + ": " + image.geterror());
-}
-
 void run(const Settings& s) {
   const int width = s.height * 16 / 9;
   const Level sky = make_sky(s.sky, 512);
@@ -94,7 +83,7 @@ void run(const Settings& s) {
     const View view{basin, field, sky, sun, caustics(basin, field, sun)};
     std::string path = s.output;
     path.replace(path.find("{frame}"), 7, fmt::format("{:04}", frame));
-    write_picture(path, picture(view, s, width), width, s.height);
+    write_picture(path, width, picture(view, s, width));
   }
 }
 

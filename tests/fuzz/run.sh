@@ -5,7 +5,7 @@
 #
 # SECONDS for the readers (default: 60), a tenth of that for the words; OPTIONS go to libFuzzer. The corpus stays in
 # build/fuzz/corpus and grows from run to run. What a target finds, it leaves in build/fuzz/found; to look into a find:
-# build/fuzz/tests/fuzz/fuzz_read FILE. A crash inside malloc can block libFuzzer's report; then the input is in
+# build/fuzz/fuzz_read FILE. A crash inside malloc can block libFuzzer's report; then the input is in
 # build/fuzz/fuzz_read.tga. Needs clang and libclang-rt-dev
 # beside what packages.sh lists.
 set -eu
@@ -55,7 +55,7 @@ done
 # Warnings of libraries are not shown. Address sanitizer is left out: OpenImageIO takes 16 MB for each read, which makes
 # it 100 times slower; the tests run under it (preset asan).
 common="-close_fd_mask=3 -timeout=20 -print_final_stats=1 -artifact_prefix=found/"
-tests/fuzz/fuzz_words $common -dict=../../tests/fuzz/words.dict -max_total_time=$(((seconds + 9) / 10)) "$@" \
+./fuzz_words $common -dict=../../tests/fuzz/words.dict -max_total_time=$(((seconds + 9) / 10)) "$@" \
   corpus/words
-timeout -s KILL $((seconds + 60)) tests/fuzz/fuzz_read $common -max_len=4096 -len_control=0 \
+timeout -s KILL $((seconds + 60)) ./fuzz_read $common -max_len=4096 -len_control=0 \
   -max_total_time="$seconds" "$@" corpus/read

@@ -15,18 +15,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (std::int32_t& length : shape) length = std::max(1, length & 0x7fffffff);
   const std::string text(reinterpret_cast<const char*>(data), size);
 
-  OIIO::ImageSpec words, attributes, again;
-  words.attribute("ImageDescription", text);
+  ImageFacts words, named, again, only_words;
+  words.attributes[description] = text;
   for (const char* key : {"envmap:projection", "envmap:layout", "envmap:forward", "textureformat"})
-    attributes.attribute(key, text);
-  const Metadata said = metadata(attributes), recorded = metadata(words);
+    named.attributes[key] = text;
+  const Metadata said = metadata(named), recorded = metadata(words);
 
   // What was understood is written so that it is understood again.
-  set_metadata(again, recorded);
-  OIIO::ImageSpec only_words;
-  only_words.attribute("ImageDescription", again.get_string_attribute("ImageDescription"));
-  for (const OIIO::ImageSpec* spec : {&again, &only_words}) {
-    const Metadata m = metadata(*spec);
+  again.attributes = attributes(recorded);
+  only_words.attributes[description] = again.attributes[description];
+  for (const ImageFacts* image : {&again, &only_words}) {
+    const Metadata m = metadata(*image);
     if (m.projection != recorded.projection || m.layout != recorded.layout || m.forward != recorded.forward)
       std::abort();
   }

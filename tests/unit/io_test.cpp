@@ -2,7 +2,10 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
@@ -10,6 +13,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "envmap/error.h"
 #include "envmap/io/output_file.h"
@@ -155,6 +159,91 @@ TEST_F(Io, LevelsThatAreRoundedUpAreRead) {
     for (int j = 0; j < level.height(); ++j)
       for (const Colour& c : level.row(0, j)) EXPECT_EQ(c, Colour(1));
   EXPECT_THROW(write(path("out.exr"), all_rows_of(source.map), {}), UsageError);
+}
+
+// An image of one value a channel, whose windows begin anywhere.
+void write_exr(const std::string& path, const Imath::Box2i& window, const std::map<std::string, Imf::Channel>& channels,
+               const std::map<std::string, float>& values, std::optional<Imf::LevelMode> tiles) {
+  Imf::Header header(window, window);
+  const std::size_t width = 8;
+  std::vector<std::vector<float>> pixels;
+  Imf::FrameBuffer frame;
+  for (const auto& [name, channel] : channels) {
+    header.channels().insert(name, channel);
+    pixels.emplace_back(width * 8, values.at(name));
+    char* origin = reinterpret_cast<char*>(pixels.back().data()) -
+                   static_cast<std::ptrdiff_t>(sizeof(float)) * (window.min.x + window.min.y * 8L);
+    frame.insert(name, Imf::Slice(channel.type, origin, sizeof(float), sizeof(float) * width, channel.xSampling,
+                                  channel.ySampling));
+  }
+  if (tiles) {
+    header.setTileDescription(Imf::TileDescription(4, 4, *tiles));
+    Imf::TiledOutputFile out(path.c_str(), header);
+    out.setFrameBuffer(frame);
+    for (int y = 0; y < out.numYLevels(); ++y)
+      for (int x = 0; x < out.numXLevels(); ++x)
+        if (out.isValidLevel(x, y)) out.writeTiles(0, out.numXTiles(x) - 1, 0, out.numYTiles(y) - 1, x, y);
+  } else {
+    Imf::OutputFile out(path.c_str(), header);
+    out.setFrameBuffer(frame);
+    out.writePixels(window.max.y - window.min.y + 1);
+  }
+}
+
+// What OpenEXR allows beyond what other tools write: windows that begin anywhere, tiles with and without levels.
+TEST_F(Io, ExrWindowsAndTiles) {
+  const Imf::Channel single(Imf::FLOAT);
+  for (const Imath::V2i first : {Imath::V2i(0, 0), Imath::V2i(-3, 100), Imath::V2i(7, -20)})
+    for (const auto& tiles : {std::optional<Imf::LevelMode>(), std::optional(Imf::ONE_LEVEL),
+                              std::optional(Imf::MIPMAP_LEVELS), std::optional(Imf::RIPMAP_LEVELS)}) {
+      write_exr(path("m.exr"), {first, first + Imath::V2i(7, 3)}, {{"R", single}, {"G", single}, {"B", single}},
+                {{"R", 1}, {"G", 2}, {"B", 3}}, tiles);
+      const Source source = read(path("m.exr"), {.all_levels = true});
+      EXPECT_EQ(source.levels, tiles == Imf::MIPMAP_LEVELS ? 4 : 1);
+      for (const Level& level : source.map.levels)
+        for (int j = 0; j < level.height(); ++j)
+          for (const Colour& c : level.row(0, j)) EXPECT_EQ(c, Colour(1, 2, 3));
+    }
+}
+
+TEST_F(Io, ExrChannelsThatAreNoRadiance) {
+  const Imf::Channel single(Imf::FLOAT), whole(Imf::UINT), coarse(Imf::FLOAT, 2, 2);
+  const Imath::Box2i window({0, 0}, {7, 3});
+  const std::map<std::string, float> values{{"R", 1}, {"G", 2}, {"B", 3}, {"Y", 4}};
+  write_exr(path("grey.exr"), window, {{"Y", single}}, values, {});
+  EXPECT_EQ(*read(path("grey.exr"), {}).map.base().texel(0, 7, 3), Colour(4));
+  write_exr(path("whole.exr"), window, {{"R", single}, {"G", whole}, {"B", single}}, values, {});
+  EXPECT_THROW(read(path("whole.exr"), {}), InputError);
+  write_exr(path("coarse.exr"), window, {{"R", single}, {"G", coarse}, {"B", single}}, values, {});
+  EXPECT_THROW(read(path("coarse.exr"), {}), InputError);
+}
+
+// Of a file with several images the first is read.
+TEST_F(Io, ExrOfSeveralParts) {
+  std::vector<Imf::Header> headers;
+  const std::vector<float> white(8 * 4, 1), black(8 * 4, 0);
+  for (const char* part : {"white", "black"}) {
+    Imf::Header header(8, 4);
+    header.setName(part);
+    header.setType(Imf::SCANLINEIMAGE);
+    for (const char* c : {"R", "G", "B"}) header.channels().insert(c, Imf::Channel(Imf::FLOAT));
+    headers.push_back(header);
+  }
+  {
+    Imf::MultiPartOutputFile out(path("m.exr").c_str(), headers.data(), 2);
+    for (int k = 0; k < 2; ++k) {
+      Imf::OutputPart part(out, k);
+      Imf::FrameBuffer frame;
+      for (const char* c : {"R", "G", "B"})
+        frame.insert(c, Imf::Slice(Imf::FLOAT, const_cast<char*>(reinterpret_cast<const char*>((k ? black : white).data())),
+                                   sizeof(float), 8 * sizeof(float)));
+      part.setFrameBuffer(frame);
+      part.writePixels(4);
+    }
+  }
+  const Source source = read(path("m.exr"), {});
+  for (int j = 0; j < 4; ++j)
+    for (const Colour& c : source.map.base().row(0, j)) EXPECT_EQ(c, Colour(1));
 }
 
 TEST(Srgb, CurveOfTheStandard) {

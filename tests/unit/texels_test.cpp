@@ -2,10 +2,14 @@
 #include "envmap/io/texels.h"
 
 #include <gtest/gtest.h>
+#include <half.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <random>
+
+#include "envmap/io/half.h"
 
 namespace envmap {
 namespace {
@@ -49,6 +53,36 @@ TEST(Texels, SmallFloatsOfKnownValues) {
   EXPECT_EQ(colour(Texels::rg11b10f, (30U << 6 | 63U)), Colour(65024, 0, 0));          // The largest of 11 bits.
   EXPECT_EQ(colour(Texels::rg11b10f, 1U << 22), Colour(0, 0, std::ldexp(1.0F, -19)));  // The smallest of 10.
   EXPECT_TRUE(std::isinf(colour(Texels::rg11b10f, 31U << 6).x));
+}
+
+// Against Imath: all halves, the floats at and beside the middle between two of them, and others at random.
+TEST(Half, IsImaths) {
+  std::vector<float> floats;
+  for (std::uint32_t bits = 0; bits < 65536; ++bits) {
+    const std::uint16_t here[] = {static_cast<std::uint16_t>(bits)};
+    float value[1];
+    from_half(here, value);
+    const half theirs(half::FromBits, here[0]);
+    if (std::isnan(value[0])) {
+      EXPECT_TRUE(theirs.isNan()) << bits;
+      continue;
+    }
+    EXPECT_EQ(value[0], float{theirs}) << bits;
+    const half next(half::FromBits, static_cast<std::uint16_t>(bits + 1));
+    const float middle = next.isFinite() ? 0.5F * (value[0] + float{next}) : value[0] < 0 ? -65520.0F : 65520.0F;
+    for (const float x : {value[0], middle, std::nextafter(middle, -1e30F), std::nextafter(middle, 1e30F)})
+      floats.push_back(x);
+  }
+  std::mt19937 random(1);
+  for (int k = 0; k < 200000; ++k) floats.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(random())));
+  std::vector<std::uint16_t> halves(floats.size());
+  to_half(floats, halves);
+  for (std::size_t k = 0; k < floats.size(); ++k) {
+    if (std::isnan(floats[k]))
+      EXPECT_TRUE(half(half::FromBits, halves[k]).isNan());
+    else
+      EXPECT_EQ(halves[k], half(floats[k]).bits()) << floats[k];
+  }
 }
 
 TEST(Texels, AlphaIsOneAndSeen) {

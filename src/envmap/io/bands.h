@@ -5,14 +5,15 @@
 #include <functional>
 #include <vector>
 
+#include "envmap/io/image_writer.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/progress.h"
 
 namespace envmap {
 
-/// Enough rows that every core has some, few enough that they stay small beside the source; the side of a tile in files
-/// that have tiles.
-inline constexpr int band_rows = 64;
+/// Enough rows that every core has some, few enough that they stay small beside the source; whole tiles in files that
+/// have them.
+inline constexpr int band_rows = tile_size;
 
 using WriteBand = std::function<void(int begin, int end, std::vector<Colour>& band)>;
 

@@ -94,7 +94,7 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
     }
 }
 
-std::optional<TextureFile> open_dds(OIIO::Filesystem::IOProxy& file) {
+std::optional<TextureFile> open_dds(const InputFile& file) {
   const auto h = read_as<Header>(file, 0);
   if (!(h.format.flags & format_four_cc)) {
     check_masks(h);
@@ -120,13 +120,13 @@ std::optional<TextureFile> open_dds(OIIO::Filesystem::IOProxy& file) {
     throw InputError("DDS with an array, slices or some faces only: one flat image or one cube map is read");
   constexpr std::uint32_t most = 1 << 20;
   TextureFile t{.container = "dds",
-            .texels = format->texels,
-            .width = static_cast<int>(std::min(h.width, most + 1)),
-            .height = static_cast<int>(std::min(h.height, most + 1)),
-            .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
-            .cube = cube};
+                .texels = format->texels,
+                .width = static_cast<int>(std::min(h.width, most + 1)),
+                .height = static_cast<int>(std::min(h.height, most + 1)),
+                .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
+                .cube = cube};
   check_texture(t, file.size());
-  t.bytes = [start, t](OIIO::Filesystem::IOProxy& from, int level) {
+  t.bytes = [start, t](const InputFile& from, int level) {
     std::uint64_t before = 0, chain = 0;
     for (int k = 0; k < t.levels; ++k) {
       if (k < level) before += t.image_bytes(k);

@@ -18,6 +18,6 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
 
 /// The header of a file that begins with "DDS ". @return nothing where its texels are not in texel_formats: those
 /// OpenImageIO may read. @throws InputError, without the name of the file, where it is damaged, an array or a volume.
-std::optional<TextureFile> open_dds(OIIO::Filesystem::IOProxy& file);
+std::optional<TextureFile> open_dds(const InputFile& file);
 
 }  // namespace envmap

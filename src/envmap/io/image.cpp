@@ -1,6 +1,5 @@
 #include "envmap/io/image.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,31 +11,18 @@
 
 #include "envmap/error.h"
 #include "envmap/io/dds.h"
+#include "envmap/io/formats.h"
 #include "envmap/io/ktx2.h"
+#include "envmap/io/openexr.h"
 
 namespace envmap {
 
 namespace fs = std::filesystem;
 
-std::string first_line(std::string message) {
-  message = message.substr(0, message.find('\n'));
-  return message.empty() ? "no image format reads it" : message;
-}
-
 void Image::fail(std::string why) const {
   std::ranges::replace_if(
       why, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
   throw InputError(name + ": " + why);
-}
-
-SilentLibraries::SilentLibraries(bool silence) : kept_(silence ? ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3) : -1) {
-  if (kept_ < 0) return;
-  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO), ::close(nowhere);
-}
-
-SilentLibraries::~SilentLibraries() {
-  if (kept_ >= 0) ::dup2(kept_, STDERR_FILENO), ::close(kept_);
 }
 
 namespace {
@@ -62,29 +48,29 @@ std::string format_of(std::string_view head, const std::string& path) {
   if (head.starts_with("GIF8")) return "gif";
   if (head.find("jP  ") == 4 || head.starts_with("\xff\x4f\xff\x51")) return "jpeg2000";
   if (head.starts_with("RIFF") && head.find("WEBP") == 8) return "webp";
-  return OIIO::Strutil::iends_with(path, ".tga") ? "targa" : "";
+  return path.ends_with(".tga") || path.ends_with(".TGA") ? "targa" : "";
 }
 
-void open_as(Image& image, std::string_view head, const std::string& path, const OIIO::ImageSpec& config) {
+void open_as(Image& image, std::string_view head, const std::string& path, bool straight_alpha) {
   const std::string format = format_of(head, path), unread = "not an image that can be read: ";
-  if (format == "ktx2" || format == "dds") {
-    if (!image.file) image.file = std::make_unique<OIIO::Filesystem::IOFile>(path, OIIO::Filesystem::IOProxy::Read);
-    try {
-      image.texture = format == "ktx2" ? open_ktx2(*image.file) : open_dds(*image.file);
-    } catch (const InputError& e) {
-      image.fail(e.what());
-    }
-    if (image.texture) return;
-  }
   if (format.empty())
     image.fail(
         unread +
         "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, DPX, PSD nor SGI");
-  const SilentLibraries silent(true);
-  image.input = OIIO::ImageInput::create(format);
-  OIIO::ImageSpec spec;
-  if (!image.input || !image.input->open(path, spec, config))
-    image.fail(unread + first_line(image.input ? image.input->geterror() : OIIO::geterror()));
+  try {
+    if (!image.file) image.file = std::make_unique<InputFile>(path);
+    if (format == "ktx2") image.texture = open_ktx2(*image.file);
+    if (format == "dds") image.texture = open_dds(*image.file);
+  } catch (const InputError& e) {
+    image.fail(e.what());
+  }
+  if (image.texture) return;
+  try {
+    image.reader = format == "openexr" ? open_openexr(*image.file)
+                                       : formats().open(format, path, image.file->bytes(), straight_alpha);
+  } catch (const InputError& e) {
+    image.fail(unread + e.what());
+  }
 }
 
 // Standard input and pipes, which cannot be read twice.
@@ -106,20 +92,17 @@ void open_file(Image& image, const std::string& path) {
   if (image.size == 0) image.fail("is empty");
   char head[head_size] = {};
   stream.read(head, sizeof head);
-  open_as(image, {head, sizeof head}, path, {});
+  open_as(image, {head, sizeof head}, path, false);
 }
 
 }  // namespace
 
-void open_bytes(Image& image, std::string name, std::vector<char> bytes, OIIO::ImageSpec config) {
+void open_bytes(Image& image, std::string name, std::vector<char> bytes, bool straight_alpha) {
   image.name = std::move(name);
-  image.bytes = std::move(bytes);
-  image.size = image.bytes.size();
-  if (image.bytes.empty()) image.fail("is empty");
-  image.file = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
-  void* proxy = image.file.get();
-  config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  open_as(image, {image.bytes.data(), std::min<std::size_t>(image.size, head_size)}, image.name, config);
+  image.size = bytes.size();
+  if (bytes.empty()) image.fail("is empty");
+  image.file = std::make_unique<InputFile>(std::move(bytes));
+  open_as(image, {image.file->bytes().data(), std::min<std::size_t>(image.size, head_size)}, image.name, straight_alpha);
 }
 
 void open(Image& image, const std::string& path) {

@@ -214,7 +214,7 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
   file.write(kvd.data(), kvd.size());
 }
 
-TextureFile open_ktx2(OIIO::Filesystem::IOProxy& file) {
+TextureFile open_ktx2(const InputFile& file) {
   const auto h = read_as<Header>(file, 0);
   const auto* format = std::ranges::find(texel_formats, h.vk_format, &TexelFormat::vulkan);
   if (format == std::end(texel_formats))
@@ -225,11 +225,11 @@ TextureFile open_ktx2(OIIO::Filesystem::IOProxy& file) {
     throw InputError("KTX2 with layers, slices or some faces only: one flat image or one cube map is read");
   constexpr std::uint32_t most = 1 << 20;
   TextureFile t{.container = "ktx2",
-            .texels = format->texels,
-            .width = static_cast<int>(std::min(h.width, most + 1)),
-            .height = static_cast<int>(std::min(h.height, most + 1)),
-            .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
-            .cube = h.faces == 6};
+                .texels = format->texels,
+                .width = static_cast<int>(std::min(h.width, most + 1)),
+                .height = static_cast<int>(std::min(h.height, most + 1)),
+                .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
+                .cube = h.faces == 6};
   check_texture(t, file.size());
   std::map<std::string, std::string> pairs;
   if (h.kvd_size > 0) pairs = parse_key_values(read_bytes(file, h.kvd_offset, h.kvd_size));
@@ -247,7 +247,7 @@ TextureFile open_ktx2(OIIO::Filesystem::IOProxy& file) {
     if (index.back().plain_size != wanted || (h.scheme == plain && index.back().size != wanted))
       throw InputError(fmt::format("damaged: level {} has {} bytes, not {}", k, index.back().plain_size, wanted));
   }
-  t.bytes = [index, scheme = h.scheme](OIIO::Filesystem::IOProxy& from, int level) {
+  t.bytes = [index, scheme = h.scheme](const InputFile& from, int level) {
     const LevelIndex& at = index[static_cast<std::size_t>(level)];
     std::vector<std::byte> bytes = read_bytes(from, at.offset, at.size);
     return scheme == plain ? bytes : decompressed(bytes, at.plain_size);

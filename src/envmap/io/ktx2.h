@@ -28,6 +28,6 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
 
 /// The header of a file with ktx2_mark. @throws InputError, without the name of the file, where it is damaged or holds what
 /// is not read: other texel formats, arrays, volumes, supercompression other than Zstandard.
-TextureFile open_ktx2(OIIO::Filesystem::IOProxy& file);
+TextureFile open_ktx2(const InputFile& file);
 
 }  // namespace envmap

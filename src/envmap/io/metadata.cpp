@@ -12,15 +12,15 @@ namespace {
 constexpr std::string_view prefix = "envmap:";
 
 // Name and value of every attribute envmap:NAME, the first of each; attributes before words of the image description.
-Facts all_facts(const OIIO::ImageSpec& spec) {
+Facts all_facts(const Attributes& texts) {
   Facts facts;
   const auto add = [&](const std::string& name, const std::string& text) {
     if (is_word(name) && is_word(text)) facts.emplace(name, text);
   };
-  for (const OIIO::ParamValue& p : spec.extra_attribs)
-    if (const std::string name = p.name().string(); name.starts_with(prefix) && p.type() == OIIO::TypeDesc::STRING)
-      add(name.substr(prefix.size()), p.get_string());
-  std::istringstream words(spec.get_string_attribute("ImageDescription"));
+  for (const auto& [name, text] : texts)
+    if (name.starts_with(prefix)) add(name.substr(prefix.size()), text);
+  const auto described = texts.find(description);
+  std::istringstream words(described == texts.end() ? "" : described->second);
   for (std::string word; words >> word;)
     if (const auto equals = word.find('='); word.starts_with(prefix) && equals != std::string::npos)
       add(word.substr(prefix.size(), equals - prefix.size()), word.substr(equals + 1));
@@ -41,19 +41,20 @@ std::optional<Forward> forward_named(std::string_view wanted) {
   return static_cast<Forward>(found - forward_names);
 }
 
-bool has_border_samples(const OIIO::ImageSpec& spec) {
-  const std::string texture = spec.get_string_attribute("textureformat");
-  return texture == "LatLong Environment" || texture == "CubeFace Environment";
+bool has_border_samples(const Attributes& texts) {
+  const auto texture = texts.find("textureformat");
+  return texture != texts.end() &&
+         (texture->second == "LatLong Environment" || texture->second == "CubeFace Environment");
 }
 
-Metadata metadata(const OIIO::ImageSpec& spec) {
+Metadata metadata(const ImageFacts& image) {
   // OpenEXR's own attribute comes first: its tools carry ours along from the file they converted, and OpenImageIO's name
   // for theirs, too. The shape tells what they made of it: they know 2:1 and 1:6.
-  if (has_border_samples(spec)) {
-    if (spec.height == 6 * spec.width) return {.projection = Projection::cube, .layout = Layout::column};
+  if (has_border_samples(image.attributes)) {
+    if (image.height == 6 * image.width) return {.projection = Projection::cube, .layout = Layout::column};
     return {.projection = Projection::latlong, .forward = Forward::plus_z};
   }
-  return metadata(all_facts(spec));
+  return metadata(all_facts(image.attributes));
 }
 
 bool is_word(const std::string& text) {
@@ -81,13 +82,15 @@ Facts facts(const Metadata& data) {
   return all;
 }
 
-void set_metadata(OIIO::ImageSpec& spec, const Metadata& data) {
+Attributes attributes(const Metadata& data) {
+  Attributes texts;
   std::string words;
   for (const auto& [key, text] : facts(data)) {
-    spec.attribute(std::string(prefix) + key, text);
+    texts[std::string(prefix) + key] = text;
     words += fmt::format("{}{}{}={}", words.empty() ? "" : " ", prefix, key, text);
   }
-  spec.attribute("ImageDescription", words);
+  texts[description] = words;
+  return texts;
 }
 
 }  // namespace envmap

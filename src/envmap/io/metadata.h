@@ -2,12 +2,11 @@
 /// What a file says of the map it holds.
 #pragma once
 
-#include <OpenImageIO/imageio.h>
-
 #include <map>
 #include <optional>
 #include <string>
 
+#include "envmap/io/image_reader.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/layout.h"
 
@@ -28,8 +27,8 @@ struct Metadata {
 };
 
 /// Values that mean nothing to this version are passed over.
-Metadata metadata(const OIIO::ImageSpec& spec);
-void set_metadata(OIIO::ImageSpec& spec, const Metadata& data);
+Metadata metadata(const ImageFacts& image);
+Attributes attributes(const Metadata& data);
 
 /// Facts come out of files and go into others: each name and text must be one short word of plain characters.
 bool is_word(const std::string& text);
@@ -42,6 +41,6 @@ std::optional<Forward> forward_named(std::string_view name);
 
 /// Whether the file has OpenEXR's `envmap` attribute: its samples lie on the border of the image, the first row at the
 /// pole, first and last column on one meridian, cube texels on the edges (OpenEXR's ImfEnvmap.h).
-bool has_border_samples(const OIIO::ImageSpec& spec);
+bool has_border_samples(const Attributes& texts);
 
 }  // namespace envmap

@@ -59,7 +59,7 @@ std::string scratch_name() { return (fs::temp_directory_path() / "envmap.XXXXXX"
 
 }  // namespace
 
-OutputFile::OutputFile(const std::string& path) : IOProxy(path, Write), path_(path), target_(path) {
+OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (path != "-" && fs::is_directory(status)) throw OutputError(path + ": is a folder; name a file");
@@ -92,41 +92,25 @@ OutputFile::~OutputFile() {
   unguard(temporary_.c_str());
 }
 
-bool OutputFile::seek(int64_t offset) {
-  m_pos = offset;
-  return offset >= 0;
-}
-
-size_t OutputFile::read(void* buffer, size_t size) {
-  const size_t n = pread(buffer, size, m_pos);
-  m_pos += static_cast<int64_t>(n);
-  return n;
-}
-
-size_t OutputFile::write(const void* buffer, size_t size) {
-  const size_t n = pwrite(buffer, size, m_pos);
-  m_pos += static_cast<int64_t>(n);
-  return n;
-}
-
-size_t OutputFile::pread(void* buffer, size_t size, int64_t offset) {
+std::size_t OutputFile::pread(void* buffer, std::size_t size, std::int64_t offset) const {
   const ssize_t n = ::pread(descriptor_, buffer, size, offset);
-  return n < 0 ? 0 : static_cast<size_t>(n);
+  return n < 0 ? 0 : static_cast<std::size_t>(n);
 }
 
-size_t OutputFile::pwrite(const void* buffer, size_t size, int64_t offset) {
-  size_t done = 0;
+std::size_t OutputFile::write(const void* buffer, std::size_t size) {
+  std::size_t done = 0;
   while (done < size) {
     const ssize_t n =
-        ::pwrite(descriptor_, static_cast<const char*>(buffer) + done, size - done, offset + static_cast<int64_t>(done));
+        ::pwrite(descriptor_, static_cast<const char*>(buffer) + done, size - done, at_ + static_cast<std::int64_t>(done));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       if (error_ == 0) error_ = n < 0 ? errno : ENOSPC;
       break;
     }
-    done += static_cast<size_t>(n);
+    done += static_cast<std::size_t>(n);
   }
-  end_ = std::max(end_, offset + static_cast<int64_t>(done));
+  at_ += static_cast<std::int64_t>(done);
+  end_ = std::max(end_, at_);
   return done;
 }
 

@@ -1,13 +1,10 @@
 #include "envmap/io/picture.h"
 
-#include <OpenImageIO/imageio.h>
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <vector>
 
-#include "envmap/error.h"
+#include "envmap/io/image_writer.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/srgb.h"
 
@@ -24,25 +21,20 @@ bool is_picture(const std::string& path) {
 }
 
 void write_picture(const std::string& path, int width, std::span<const Colour> pixels) {
-  if (holds_floats(path)) return write_encoded(path, width, pixels);
+  if (holds_floats(path)) return write_stored(path, width, pixels, Depth::single);
   std::vector<Colour> encoded(pixels.begin(), pixels.end());
   for (Colour& c : encoded) c = glm::clamp(c, 0.0F, 1.0F);
   encode_srgb(encoded);
-  write_encoded(path, width, encoded);
+  write_stored(path, width, encoded, Depth::uint8);
 }
 
-void write_encoded(const std::string& path, int width, std::span<const Colour> pixels) {
-  const bool floats = holds_floats(path);
+void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth) {
+  const int height = static_cast<int>(pixels.size()) / width;
   OutputFile file(path);
-  OIIO::Filesystem::IOProxy* proxy = &file;
-  OIIO::ImageSpec spec(width, static_cast<int>(pixels.size()) / width, 3,
-                       floats ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", floats ? "Linear" : "sRGB");
-  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  const auto output = OIIO::ImageOutput::create(extension(path).substr(1));
-  if (!output || !output->open("x" + extension(path), spec) ||
-      !output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) || !output->close())
-    throw OutputError(fmt::format("{}: not written: {}", path, output ? output->geterror() : "no writer for this type"));
+  const ImageWriter writer =
+      make_writer(file, path, extension(path).substr(1), {.levels = {{width, height}}, .depth = depth});
+  writer.write(0, 0, height, pixels);
+  writer.close();
   file.commit();
 }
 

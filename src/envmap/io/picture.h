@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "envmap/io/depth.h"
 #include "envmap/maths/vector.h"
 
 namespace envmap {
@@ -16,7 +17,7 @@ bool is_picture(const std::string& path);
 /// @throws OutputError; then nothing is left behind.
 void write_picture(const std::string& path, int width, std::span<const Colour> pixels);
 
-/// The same of pixels as they are to be stored: sRGB encoded for .png and .jpg.
-void write_encoded(const std::string& path, int width, std::span<const Colour> pixels);
+/// Any image of pixels as they are to be stored: sRGB encoded for integers. @throws OutputError as write_picture().
+void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth);
 
 }  // namespace envmap

@@ -1,6 +1,5 @@
 #include "envmap/io/read.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -27,109 +26,102 @@ struct Channels {
   int first, count;
 };
 
+bool is(const std::string& channel, char wanted) {
+  return channel.size() == 1 && std::toupper(static_cast<unsigned char>(channel[0])) == wanted;
+}
+
+// Some names, so that a line stays a line.
+std::string listed(std::span<const std::string> names, int without, int count) {
+  std::string list;
+  for (int c = 0; c < static_cast<int>(names.size()) && list.size() < 40; ++c)
+    if (c < without || c >= without + count) list += (list.empty() ? "" : ", ") + names[static_cast<std::size_t>(c)];
+  return list;
+}
+
 Channels choose_channels(const Image& image, const ReadOptions& options) {
-  const OIIO::ImageSpec& spec = image.input->spec();
-  if (spec.deep) image.fail("holds deep samples; flatten it first");
-  const auto is = [&](int c, const char* wanted) { return OIIO::Strutil::iequals(spec.channel_name(c), wanted); };
+  const ImageFacts& facts = image.reader->facts;
+  const std::vector<std::string>& names = facts.channels;
   int first = -1, count = 3;
-  for (int c = 0; c + 2 < spec.nchannels && first < 0; ++c)
-    if (is(c, "R") && is(c + 1, "G") && is(c + 2, "B")) first = c;
-  if (first < 0 && spec.nchannels >= 3 && !image.input->supports("arbitrary_metadata")) first = 0;
-  if (first < 0 && spec.nchannels == 1) first = 0, count = 1;
-  if (first < 0) {
-    std::string names;
-    for (int c = 0; c < spec.nchannels && names.size() < 40; ++c)
-      names += (c ? ", " : "") + std::string(spec.channel_name(c));
-    image.fail(fmt::format("no R, G and B among its {} channels ({})", spec.nchannels, names));
-  }
-  if (spec.nchannels > count && !options.drop_channels) {
-    std::string others;
-    for (int c = 0; c < spec.nchannels && others.size() < 40; ++c)
-      if (c < first || c >= first + count) others += (others.empty() ? "" : ", ") + std::string(spec.channel_name(c));
-    image.fail(fmt::format("has channels besides R, G and B ({}): say --drop-channels to leave them behind", others));
-  }
+  for (std::size_t c = 0; c + 2 < names.size() && first < 0; ++c)
+    if (is(names[c], 'R') && is(names[c + 1], 'G') && is(names[c + 2], 'B')) first = static_cast<int>(c);
+  if (first < 0 && names.size() >= 3 && !facts.names) first = 0;
+  if (first < 0 && names.size() == 1) first = 0, count = 1;
+  if (first < 0) image.fail(fmt::format("no R, G and B among its {} channels ({})", names.size(), listed(names, 0, 0)));
+  if (static_cast<int>(names.size()) > count && !options.drop_channels)
+    image.fail(fmt::format("has channels besides R, G and B ({}): say --drop-channels to leave them behind",
+                           listed(names, first, count)));
   return {first, count};
 }
 
-void check_size(const Image& image, const OIIO::ImageSpec& spec, const ReadOptions& options) {
-  if (spec.width < 1 || spec.height < 1 || spec.depth > 1) image.fail("not a flat image");
-  // Of tiled cube maps OpenImageIO calls one face the display window.
-  const bool cube = has_border_samples(spec) && spec.height == 6 * spec.width;
-  if (!cube &&
-      (spec.full_width != spec.width || spec.full_height != spec.height || spec.full_x != spec.x || spec.full_y != spec.y))
-    image.fail("its data window is not its display window: only part of the sphere is there");
-  // A tile may reach beyond the image, but OpenImageIO takes memory for all of it, and divides by its sides.
+void check_size(const Image& image, const ReadOptions& options) {
+  const ImageFacts& facts = image.reader->facts;
+  if (!facts.flat) image.fail("holds deep samples or a volume, not a flat image");
+  if (facts.width < 1 || facts.height < 1) image.fail("not a flat image");
+  if (!facts.whole) image.fail("its data window is not its display window: only part of the sphere is there");
+  // A tile may reach beyond the image, but the libraries take memory for all of it, and divide by its sides.
   constexpr int roomy = 4096;
-  const bool tiled = spec.tile_width != 0 || spec.tile_height != 0;
-  if (tiled && (spec.tile_width < 1 || spec.tile_width > std::max(spec.width, roomy) || spec.tile_height < 1 ||
-                spec.tile_height > std::max(spec.height, roomy)))
-    image.fail(fmt::format("damaged: tiles of {}x{} in an image of {}x{}", spec.tile_width, spec.tile_height,
-                           spec.width, spec.height));
-  const double bytes = static_cast<double>(spec.width) * spec.height * sizeof(Colour);
+  const bool tiled = facts.tile_width != 0 || facts.tile_height != 0;
+  if (tiled && (facts.tile_width < 1 || facts.tile_width > std::max(facts.width, roomy) || facts.tile_height < 1 ||
+                facts.tile_height > std::max(facts.height, roomy)))
+    image.fail(fmt::format("damaged: tiles of {}x{} in an image of {}x{}", facts.tile_width, facts.tile_height,
+                           facts.width, facts.height));
+  const double bytes = static_cast<double>(facts.width) * facts.height * sizeof(Colour);
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
   // A header can promise anything. No compression in use makes a map 20,000 times smaller.
   if (image.size > 0 && bytes > 0x1p28 && bytes > 2e4 * static_cast<double>(image.size))
-    image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, spec.width, spec.height));
+    image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, facts.width, facts.height));
   if (bytes > memory && options.max_memory == 0)
-    image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}: say --max-memory", spec.width,
-                           spec.height, bytes / 0x1p30, memory / 0x1p30));
+    image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}: say --max-memory", facts.width,
+                           facts.height, bytes / 0x1p30, memory / 0x1p30));
 }
 
-// Rows [begin, end) of a level as RGB. The spec is that level's.
-void read_band(Image& image, const OIIO::ImageSpec& spec, int level, const Channels& channels, int begin, int end,
-               std::span<Colour> out) {
-  const auto colour = static_cast<OIIO::stride_t>(sizeof(Colour));
-  const OIIO::stride_t line = colour * spec.width;
-  const int last = channels.first + channels.count;
-  const SilentLibraries silent(!spec.format.is_floating_point());
-  const bool read =
-      spec.tile_width > 0
-          ? image.input->read_tiles(0, level, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, spec.z,
-                                    spec.z + 1, channels.first, last, OIIO::TypeDesc::FLOAT, out.data(), colour, line)
-          : image.input->read_scanlines(0, level, spec.y + begin, spec.y + end, spec.z, channels.first, last,
-                                        OIIO::TypeDesc::FLOAT, out.data(), colour, line);
-  // Some readers say true and leave a message: a cut TIFF would be black from there on.
-  if (!read || image.input->has_error()) {
-    const std::string why = image.input->geterror();
-    image.fail("truncated or damaged: " + (why.empty() ? "it ends too early" : first_line(why)));
+// Rows [begin, end) of a level as RGB.
+void read_band(const Image& image, int level, const Channels& channels, int begin, int end, std::span<Colour> out) {
+  // Grey values come into the last third, and are spread from the first on.
+  const std::size_t values = out.size() * static_cast<std::size_t>(channels.count);
+  const std::span<float> last = std::span(&out.data()->x, 3 * out.size()).last(values);
+  try {
+    image.reader->read(level, begin, end, channels.first, channels.count, last);
+  } catch (const InputError& e) {
+    image.fail(std::string("truncated or damaged: ") + e.what());
   }
   if (channels.count == 1)
-    for (Colour& c : out) c = Colour(c.x);
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] = Colour(last[k]);
 }
 
 // The limit where the map would take more than half of it; else none.
-std::size_t scratch(std::size_t max_memory, const OIIO::ImageSpec& spec) {
-  return spec.image_pixels() * sizeof(Colour) > max_memory / 2 ? max_memory : 0;
+std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
+  const auto texels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  return texels * sizeof(Colour) > max_memory / 2 ? max_memory : 0;
 }
 
 // A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
 // can promise anything.
 Level read_pixels(Image& image, int stored, const Channels& channels, const Recognised& base, int number,
                   std::size_t max_memory) {
-  const OIIO::ImageSpec spec = image.input->spec(0, stored);
+  const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
   FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
   // A latlong image is all of the sphere, also where its writer rounded up.
   const auto rounded_up = [](int is, int wanted) { return is == wanted || is == wanted + 1; };
-  if (base.projection == Projection::latlong && rounded_up(spec.width, face.width) && rounded_up(spec.height, face.height))
-    face = {spec.width, spec.height};
-  if (spec.width < places.columns * face.width || spec.height < places.rows * face.height)
-    image.fail(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, spec.width, spec.height,
+  if (base.projection == Projection::latlong && rounded_up(facts.width, face.width) && rounded_up(facts.height, face.height))
+    face = {facts.width, facts.height};
+  if (facts.width < places.columns * face.width || facts.height < places.rows * face.height)
+    image.fail(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, facts.width, facts.height,
                            face.width, face.height));
-  const bool encoded = spec.format.is_floating_point() == false &&
-                       !OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
   // Whole rows of tiles; enough lines that every core decompresses.
-  const int unit = spec.tile_width > 0 ? spec.tile_height : 16;
+  const int unit = facts.tile_width > 0 ? facts.tile_height : 16;
   const int band_rows = (std::max(128, unit) / unit) * unit;
-  std::vector<Colour> band(static_cast<std::size_t>(std::min(band_rows, spec.height)) * static_cast<std::size_t>(spec.width));
+  std::vector<Colour> band(static_cast<std::size_t>(std::min(band_rows, facts.height)) *
+                           static_cast<std::size_t>(facts.width));
   std::optional<Level> level;
-  for (int begin = 0; begin < spec.height; begin += band_rows) {
-    const int end = std::min(begin + band_rows, spec.height);
-    const auto rows = std::span(band).first(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(spec.width));
-    read_band(image, spec, stored, channels, begin, end, rows);
-    if (encoded) decode_srgb(rows);
-    if (!level) level.emplace(base.projection, face.height, face.width, scratch(max_memory, spec));
-    scatter(rows, spec.width, begin, end, places, *level);
+  for (int begin = 0; begin < facts.height; begin += band_rows) {
+    const int end = std::min(begin + band_rows, facts.height);
+    const auto rows = std::span(band).first(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(facts.width));
+    read_band(image, stored, channels, begin, end, rows);
+    if (facts.encoded) decode_srgb(rows);
+    if (!level) level.emplace(base.projection, face.height, face.width, scratch(max_memory, facts));
+    scatter(rows, facts.width, begin, end, places, *level);
     level->trim();
   }
   return std::move(*level);
@@ -210,22 +202,21 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
             .image_height = t.height,
             .levels = t.levels};
   }
-  const OIIO::ImageSpec& spec = image.input->spec();
-  check_size(image, spec, options);
-  recorded = metadata(spec);
-  return {.depth = depth_of(spec.format),
-          .format = image.input->format_name(),
-          .image_width = spec.width,
-          .image_height = spec.height,
-          .border_samples = has_border_samples(spec) && !options.ignore_envmap_attribute,
+  const ImageFacts& facts = image.reader->facts;
+  check_size(image, options);
+  recorded = metadata(facts);
+  return {.depth = facts.depth,
+          .format = image.reader->format,
+          .image_width = facts.width,
+          .image_height = facts.height,
+          .border_samples = has_border_samples(facts.attributes) && !options.ignore_envmap_attribute,
           .levels = recorded.levels.value_or(std::numeric_limits<int>::max())};
 }
 
-// Levels that OpenImageIO finds in a file, at most.
-int count_levels(Image& image, int most) {
+// Levels that a file has, at most.
+int count_levels(const Image& image, int most) {
   int levels = 1;
-  while (levels < most && image.input->seek_subimage(0, levels)) ++levels;
-  (void)image.input->geterror();
+  while (levels < most && image.reader->level(levels)) ++levels;
   return levels;
 }
 
@@ -245,7 +236,7 @@ Source read_image(const std::string& path, const ReadOptions& options) {
     if (has_level(path) && k > 0) {
       Image one;
       open(one, level_path(path, k));
-      if (one.input) check_size(one, one.input->spec(), options);
+      if (one.reader) check_size(one, options);
       source.map.levels.push_back(read_level(one, options, 0, found, k));
     } else {
       source.map.levels.push_back(read_level(image, options, k, found, k));

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "envmap/error.h"
 #include "envmap/io/image.h"
 
 namespace envmap {
@@ -13,29 +16,32 @@ namespace envmap {
 Texture decode_texture(const std::string& name, std::vector<char> bytes) {
   Image image;
   // Alpha is coverage, and colours are not multiplied by it (glTF 2.0, section 3.9.4).
-  OIIO::ImageSpec config;
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  open_bytes(image, name, std::move(bytes), config);
-  if (!image.input) image.fail("is no picture");
-  const OIIO::ImageSpec& spec = image.input->spec();
+  open_bytes(image, name, std::move(bytes), true);
+  if (!image.reader) image.fail("is no picture");
+  const ImageFacts& facts = image.reader->facts;
   constexpr int most = 16384;
-  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.width > most || spec.height > most)
-    image.fail(fmt::format("is {}x{}; textures have 1 to {} texels a side", spec.width, spec.height, most));
+  if (facts.width < 1 || facts.height < 1 || !facts.flat || facts.width > most || facts.height > most)
+    image.fail(fmt::format("is {}x{}; textures have 1 to {} texels a side", facts.width, facts.height, most));
   // No picture is compressed by more: the header promises what the file cannot hold.
-  const double texels = static_cast<double>(spec.width) * spec.height;
+  const double texels = static_cast<double>(facts.width) * facts.height;
   if (texels > 0x1p24 && texels > 5e3 * static_cast<double>(image.size))
-    image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, spec.width, spec.height));
-  const int channels = std::min(spec.nchannels, 4);
-  const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
-  std::vector<unsigned char> values(count * static_cast<std::size_t>(channels));
-  const SilentLibraries silent(true);
-  if (!image.input->read_image(0, 0, 0, channels, OIIO::TypeDesc::UINT8, values.data()) || image.input->has_error())
-    image.fail("truncated or damaged: " + first_line(image.input->geterror()));
-  Texture texture{.width = spec.width, .height = spec.height, .texels = std::vector<glm::u8vec4>(count)};
+    image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, facts.width, facts.height));
+  const int channels = std::min(static_cast<int>(facts.channels.size()), 4);
+  const auto count = static_cast<std::size_t>(facts.width) * static_cast<std::size_t>(facts.height);
+  std::vector<float> values(count * static_cast<std::size_t>(channels));
+  try {
+    image.reader->read(0, 0, facts.height, 0, channels, values);
+  } catch (const InputError& e) {
+    image.fail(std::string("truncated or damaged: ") + e.what());
+  }
+  Texture texture{.width = facts.width, .height = facts.height, .texels = std::vector<glm::u8vec4>(count)};
   for (std::size_t k = 0; k < count; ++k) {
-    const unsigned char* v = &values[k * static_cast<std::size_t>(channels)];
+    const auto v = [&](int c) {
+      const float value = values[k * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)];
+      return static_cast<unsigned char>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
+    };
     const bool grey = channels < 3;
-    texture.texels[k] = {v[0], v[grey ? 0 : 1], v[grey ? 0 : 2], channels % 2 == 0 ? v[channels - 1] : 255};
+    texture.texels[k] = {v(0), v(grey ? 0 : 1), v(grey ? 0 : 2), channels % 2 == 0 ? v(channels - 1) : 255};
   }
   return texture;
 }

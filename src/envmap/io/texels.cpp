@@ -1,13 +1,13 @@
 #include "envmap/io/texels.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <vector>
+
+#include "envmap/io/half.h"
 
 namespace envmap {
 namespace {
@@ -67,8 +67,7 @@ void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to
   if (texels == Texels::rgba32f)
     std::memcpy(to.data(), values.data(), to.size());
   else
-    OIIO::convert_pixel_values(OIIO::TypeDesc::FLOAT, values.data(), OIIO::TypeDesc::HALF, to.data(),
-                               static_cast<int>(values.size()));
+    to_half(values, {reinterpret_cast<std::uint16_t*>(to.data()), values.size()});
 }
 
 bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to) {
@@ -88,8 +87,7 @@ bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to
   if (format.depth == Depth::single)
     std::memcpy(values.data(), from.data(), values.size() * sizeof(float));
   else
-    OIIO::convert_pixel_values(OIIO::TypeDesc::HALF, from.data(), OIIO::TypeDesc::FLOAT, values.data(),
-                               static_cast<int>(values.size()));
+    from_half({reinterpret_cast<const std::uint16_t*>(from.data()), values.size()}, values);
   return colours(values, channels, to);
 }
 

@@ -18,13 +18,12 @@ bool is_y_face(int face) { return face == 2 || face == 3; }
 
 }  // namespace
 
-std::vector<std::byte> read_bytes(OIIO::Filesystem::IOProxy& file, std::uint64_t offset, std::uint64_t size) {
+std::vector<std::byte> read_bytes(const InputFile& file, std::uint64_t offset, std::uint64_t size) {
   const std::uint64_t end = file.size();
   if (offset > end || size > end - offset)
     throw InputError(fmt::format("truncated or damaged: {} bytes at {} are beyond its end at {}", size, offset, end));
   std::vector<std::byte> bytes(size);
-  if (file.pread(bytes.data(), size, static_cast<std::int64_t>(offset)) != size)
-    throw InputError("cannot be read to its end");
+  if (file.pread(bytes.data(), size, offset) != size) throw InputError("cannot be read to its end");
   return bytes;
 }
 
@@ -63,7 +62,7 @@ Rows in_api_orientation(const Rows& rows) {
   return turned;
 }
 
-Level read_texture(OIIO::Filesystem::IOProxy& file, const TextureFile& t, int stored, const Recognised& base, int number,
+Level read_texture(const InputFile& file, const TextureFile& t, int stored, const Recognised& base, int number,
                    bool any_alpha) {
   const std::vector<std::byte> bytes = t.bytes(file, stored);
   const int w = t.level_width(stored), h = t.level_height(stored);

@@ -2,14 +2,13 @@
 /// What KTX2 and DDS files have in common: levels of one image each, or of six faces where they are a cube map.
 #pragma once
 
-#include <OpenImageIO/filesystem.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <functional>
 #include <vector>
 
+#include "envmap/io/input_file.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/recognise.h"
 #include "envmap/io/texels.h"
@@ -26,7 +25,7 @@ struct TextureFile {
   bool bottom_up = false;  ///< The first row of an image is its lowest.
   Metadata recorded = {};
   /// Bytes of a level: its rows without padding, face after face +X -X +Y -Y +Z -Z. @throws InputError without file name.
-  std::function<std::vector<std::byte>(OIIO::Filesystem::IOProxy& file, int level)> bytes;
+  std::function<std::vector<std::byte>(const InputFile& file, int level)> bytes;
 
   [[nodiscard]] int level_width(int level) const { return std::max(1, width >> level); }
   [[nodiscard]] int level_height(int level) const { return std::max(1, height >> level); }
@@ -38,11 +37,11 @@ struct TextureFile {
 };
 
 /// Bytes [offset, offset + size) of a file. @throws InputError where it ends before.
-std::vector<std::byte> read_bytes(OIIO::Filesystem::IOProxy& file, std::uint64_t offset, std::uint64_t size);
+std::vector<std::byte> read_bytes(const InputFile& file, std::uint64_t offset, std::uint64_t size);
 
 /// The plain structure T that lies there. @throws InputError as read_bytes().
 template <class T>
-T read_as(OIIO::Filesystem::IOProxy& file, std::uint64_t offset) {
+T read_as(const InputFile& file, std::uint64_t offset) {
   T value;
   const std::vector<std::byte> bytes = read_bytes(file, offset, sizeof(T));
   std::memcpy(&value, bytes.data(), sizeof(T));
@@ -63,7 +62,7 @@ Rows in_api_orientation(const Rows& rows);
 
 /// A level out of a texture. @param stored its number in the file. @param base what recognise() or the cube flag says of level 0.
 /// @param number the level of `base` that it is. @param any_alpha whether an alpha other than 1 is left behind; else it is an InputError.
-Level read_texture(OIIO::Filesystem::IOProxy& file, const TextureFile& texture, int stored, const Recognised& base,
-                   int number, bool any_alpha);
+Level read_texture(const InputFile& file, const TextureFile& texture, int stored, const Recognised& base, int number,
+                   bool any_alpha);
 
 }  // namespace envmap

@@ -1,6 +1,5 @@
 #include "envmap/io/write.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include "envmap/io/bands.h"
 #include "envmap/io/chain.h"
 #include "envmap/io/dds.h"
+#include "envmap/io/image_writer.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
@@ -117,45 +117,31 @@ void round_to_rgbe(std::span<Colour> pixels) {
 }
 
 // One image, or all levels of one, the largest first: then in tiles, as renderers' texture caches want them.
-void write_with_oiio(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Page> levels,
-                     Depth depth, const Metadata& data, const WriteOptions& options, const Progress& progress) {
-  const auto fail = [&](const std::string& why) { throw OutputError(fmt::format("{}: not written: {}", path, why)); };
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("x." + ext);
-  const bool tiled = levels.size() > 1;
-  OIIO::ImageSpec spec(levels[0].width(), levels[0].height(), 3, type(depth));
-  spec.attribute("DateTime", "");  // OpenImageIO would write the time of day.
-  // Not in TIFF: it would go into an EXIF directory, and OpenImageIO 2.4 leaves the file's header pointing at that.
-  if (output->format_name() != std::string("tiff"))
-    spec.attribute("oiio:ColorSpace", is_integer(depth) ? "sRGB" : "Linear");
-  set_metadata(spec, data);
-  if (tiled) {
-    spec.tile_width = spec.tile_height = band_rows;
-    spec.attribute("textureformat", "Plain Texture");  // What makes OpenImageIO write levels.
-  }
-  if (!options.compression.empty()) spec.attribute("compression", options.compression);
-  if (options.openexr_envmap)
-    spec.attribute("textureformat", data.projection == Projection::cube ? "CubeFace Environment" : "LatLong Environment");
-  OIIO::Filesystem::IOProxy* proxy = &file;
-  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+void write_image(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Page> levels,
+                 Depth depth, const Metadata& data, const WriteOptions& options, const Progress& progress) {
+  const bool cube = data.projection == Projection::cube;
+  ImagePlan plan{.depth = depth,
+                 .attributes = attributes(data),
+                 .compression = options.compression,
+                 .latlong_envmap = options.openexr_envmap && !cube,
+                 .cube_envmap = options.openexr_envmap && cube};
   double done = 0, all = 0;
-  for (const Page& level : levels) all += 1.0 * level.width() * level.height();
+  for (const Page& level : levels) {
+    plan.levels.push_back({level.width(), level.height()});
+    all += 1.0 * level.width() * level.height();
+  }
+  const ImageWriter writer = make_writer(file, path, ext, plan);
   for (std::size_t k = 0; k < levels.size(); ++k) {
-    spec.width = spec.full_width = levels[k].width();
-    spec.height = spec.full_height = levels[k].height();
-    if (!output->open("x." + ext, spec, k == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendMIPLevel))
-      fail(output->geterror());
-    const double part = 1.0 * spec.width * spec.height;
+    const double part = 1.0 * levels[k].width() * levels[k].height();
     const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
     for_each_band(levels[k], so_far, [&](int begin, int end, std::vector<Colour>& band) {
       if (is_integer(depth)) encode_srgb(band);
       if (ext == "hdr") round_to_rgbe(band);
-      const bool written = tiled ? output->write_tiles(0, spec.width, begin, end, 0, 1, OIIO::TypeDesc::FLOAT, band.data())
-                                 : output->write_scanlines(begin, end, 0, OIIO::TypeDesc::FLOAT, band.data());
-      if (!written) fail(output->geterror());
+      writer.write(static_cast<int>(k), begin, end, band);
     });
     done += part;
   }
-  if (!output->close()) fail(output->geterror());
+  writer.close();
 }
 
 // All files of a map, whose samples lie where the files want them.
@@ -187,7 +173,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
     else if (ext == "dds")
       write_dds(*files.back(), pages, texels_of(done.depth), cube, part);
     else
-      write_with_oiio(*files.back(), name, ext, pages, done.depth, data, options, part);
+      write_image(*files.back(), name, ext, pages, done.depth, data, options, part);
   };
   if (levels.size() > 1 && !has_level(path)) {
     if (!is_texture(ext)) data.levels = static_cast<int>(levels.size());

@@ -1,12 +1,11 @@
 #include "envmap/io/write_table.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <filesystem>
 
 #include "envmap/error.h"
-#include "envmap/io/output_file.h"
+#include "envmap/io/picture.h"
 
 namespace envmap {
 
@@ -22,16 +21,7 @@ void check_table(const std::string& path) {
 
 void write_table(const std::string& path, std::span<const Colour> texels, int size) {
   check_table(path);
-  const std::string name = "x" + std::filesystem::path(path).extension().string();
-  OutputFile file(path);
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name);
-  OIIO::ImageSpec spec(size, size, 3, OIIO::TypeDesc::FLOAT);
-  spec.attribute("DateTime", "");  // OpenImageIO would write the time of day.
-  OIIO::Filesystem::IOProxy* proxy = &file;
-  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  if (!output || !output->open(name, spec) || !output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) || !output->close())
-    throw OutputError(fmt::format("{}: not written: {}", path, output ? output->geterror() : "no writer"));
-  file.commit();
+  write_stored(path, size, texels, Depth::single);
 }
 
 }  // namespace envmap

@@ -1,0 +1,34 @@
+#include "envmap/io/image_writer.h"
+
+#include <fmt/format.h>
+
+#include "envmap/error.h"
+#include "envmap/io/formats.h"
+#include "envmap/io/openexr.h"
+
+namespace envmap {
+namespace {
+
+template <class F>
+auto naming(const std::string& path, F&& action) {
+  try {
+    return action();
+  } catch (const OutputError& e) {
+    throw OutputError(fmt::format("{}: not written: {}", path, e.what()));
+  }
+}
+
+}  // namespace
+
+ImageWriter make_writer(OutputFile& file, const std::string& path, const std::string& extension, const ImagePlan& plan) {
+  const ImageWriter writer = naming(path, [&] {
+    return extension == "exr" ? create_openexr(file, plan) : formats().create(file, extension, plan);
+  });
+  return {.write =
+              [path, writer](int level, int begin, int end, std::span<const Colour> rows) {
+                naming(path, [&] { writer.write(level, begin, end, rows); });
+              },
+          .close = [path, writer] { naming(path, writer.close); }};
+}
+
+}  // namespace envmap

@@ -1,0 +1,21 @@
+/// @file
+/// EXR files, by OpenEXR itself.
+#pragma once
+
+#include <memory>
+
+#include "envmap/io/image_reader.h"
+#include "envmap/io/image_writer.h"
+#include "envmap/io/input_file.h"
+
+namespace envmap {
+
+/// The first part of a file: lines or tiles, with its levels if it has mip levels.
+/// The `envmap` attribute becomes the text `textureformat`, `comments` the description. @param file must outlive the reader.
+/// @throws InputError without the file's name.
+ImageReader open_openexr(const InputFile& file);
+
+/// For make_writer(): throws OutputError without the file's name.
+ImageWriter create_openexr(OutputFile& file, const ImagePlan& plan);
+
+}  // namespace envmap

@@ -1,0 +1,213 @@
+// The module envmap-formats.so: the one file that OpenImageIO's 250 libraries are linked to.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+#include <fcntl.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "envmap/error.h"
+#include "envmap/io/formats.h"
+
+namespace envmap {
+namespace {
+
+// libpng and libjpeg print to standard error what OpenImageIO then reports, too. An error is one line: ours.
+class SilentLibraries {
+ public:
+  explicit SilentLibraries(bool silence) : kept_(silence ? ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3) : -1) {
+    if (kept_ < 0) return;
+    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO), ::close(nowhere);
+  }
+  ~SilentLibraries() {
+    if (kept_ >= 0) ::dup2(kept_, STDERR_FILENO), ::close(kept_);
+  }
+  SilentLibraries(const SilentLibraries&) = delete;
+
+ private:
+  int kept_;
+};
+
+std::string first_line(const std::string& message, const char* otherwise) {
+  const std::string line = message.substr(0, message.find('\n'));
+  return line.empty() ? otherwise : line;
+}
+
+void use_our_threads() {
+  static const bool told =
+      OIIO::attribute("threads",
+                      static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
+  (void)told;
+}
+
+// ---- reading --------------------------------------------------------------------------------------------------------
+
+Depth depth_of(OIIO::TypeDesc t) {
+  switch (t.basetype) {
+    case OIIO::TypeDesc::UINT8:
+    case OIIO::TypeDesc::INT8: return Depth::uint8;
+    case OIIO::TypeDesc::UINT16:
+    case OIIO::TypeDesc::INT16:
+    case OIIO::TypeDesc::UINT32:
+    case OIIO::TypeDesc::INT32: return Depth::uint16;
+    case OIIO::TypeDesc::HALF: return Depth::half;
+    default: return Depth::single;
+  }
+}
+
+ImageFacts facts_of(const OIIO::ImageSpec& spec, const OIIO::ImageInput& input) {
+  const bool window =
+      spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x && spec.full_y == spec.y;
+  const bool linear =
+      spec.format.is_floating_point() || OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
+  ImageFacts f{.width = spec.width,
+               .height = spec.height,
+               .tile_width = spec.tile_width,
+               .tile_height = spec.tile_height,
+               .flat = spec.depth <= 1 && !spec.deep,
+               .whole = window,
+               .encoded = !linear,
+               .names = input.supports("arbitrary_metadata") != 0,
+               .depth = depth_of(spec.format)};
+  for (int c = 0; c < spec.nchannels; ++c) f.channels.emplace_back(spec.channel_name(c));
+  for (const OIIO::ParamValue& p : spec.extra_attribs)
+    if (p.type() == OIIO::TypeDesc::STRING) f.attributes.emplace(p.name().string(), p.get_string());
+  return f;
+}
+
+void read_rows(OIIO::ImageInput& input, int level, int begin, int end, int first, int count, std::span<float> out) {
+  const OIIO::ImageSpec spec = input.spec(0, level);
+  const OIIO::stride_t pixel = static_cast<OIIO::stride_t>(sizeof(float)) * count, line = pixel * spec.width;
+  const SilentLibraries silent(!spec.format.is_floating_point());
+  const bool read = spec.tile_width > 0
+                        ? input.read_tiles(0, level, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, spec.z,
+                                           spec.z + 1, first, first + count, OIIO::TypeDesc::FLOAT, out.data(), pixel, line)
+                        : input.read_scanlines(0, level, spec.y + begin, spec.y + end, spec.z, first, first + count,
+                                               OIIO::TypeDesc::FLOAT, out.data(), pixel, line);
+  // Some readers say true and leave a message: a cut TIFF would be black from there on.
+  if (!read || input.has_error()) throw InputError(first_line(input.geterror(), "it ends too early"));
+}
+
+// What is read, where it is in memory, and its reader.
+struct Input {
+  OIIO::Filesystem::IOMemReader memory;
+  std::unique_ptr<OIIO::ImageInput> reader;
+
+  Input(std::span<const char> bytes, const std::string& format)
+      : memory(const_cast<char*>(bytes.data()), bytes.size()), reader(OIIO::ImageInput::create(format)) {}
+};
+
+ImageReader open(const std::string& format, const std::string& path, std::span<const char> bytes, bool straight_alpha) {
+  use_our_threads();
+  const SilentLibraries silent(true);
+  const auto in = std::make_shared<Input>(bytes, format);
+  OIIO::ImageSpec spec, config;
+  void* proxy = &in->memory;
+  if (!bytes.empty()) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  if (straight_alpha) config.attribute("oiio:UnassociatedAlpha", 1);
+  if (!in->reader || !in->reader->open(path, spec, config))
+    throw InputError(first_line(in->reader ? in->reader->geterror() : OIIO::geterror(), "no image format reads it"));
+  return {.format = in->reader->format_name(),
+          .facts = facts_of(spec, *in->reader),
+          .level = [in](int level) -> std::optional<ImageFacts> {
+            if (in->reader->seek_subimage(0, level)) return facts_of(in->reader->spec(0, level), *in->reader);
+            (void)in->reader->geterror();
+            return std::nullopt;
+          },
+          .read = [in](int level, int begin, int end, int first, int count,
+                       std::span<float> out) { read_rows(*in->reader, level, begin, end, first, count, out); }};
+}
+
+// ---- writing --------------------------------------------------------------------------------------------------------
+
+OIIO::TypeDesc type(Depth d) {
+  return d == Depth::uint8    ? OIIO::TypeDesc::UINT8
+         : d == Depth::uint16 ? OIIO::TypeDesc::UINT16
+                              : OIIO::TypeDesc::FLOAT;
+}
+
+// Our file as OpenImageIO's.
+class Proxy final : public OIIO::Filesystem::IOProxy {
+ public:
+  explicit Proxy(OutputFile& file) : IOProxy("", Write), file_(file) {}
+  const char* proxytype() const override { return "envmap"; }
+  void close() override {}
+  bool opened() const override { return true; }
+  int64_t tell() override { return file_.tell(); }
+  bool seek(int64_t offset) override { return file_.seek(offset), true; }
+  size_t read(void* buffer, size_t size) override {
+    const size_t n = file_.pread(buffer, size, file_.tell());
+    return file_.seek(file_.tell() + static_cast<int64_t>(n)), n;
+  }
+  size_t write(const void* buffer, size_t size) override { return file_.write(buffer, size); }
+  size_t pread(void* buffer, size_t size, int64_t offset) override { return file_.pread(buffer, size, offset); }
+  size_t pwrite(const void* buffer, size_t size, int64_t offset) override {
+    const int64_t before = file_.tell();
+    file_.seek(offset);
+    const size_t n = file_.write(buffer, size);
+    return file_.seek(before), n;
+  }
+  size_t size() const override { return static_cast<size_t>(file_.size()); }
+
+ private:
+  OutputFile& file_;
+};
+
+struct Output {
+  Proxy file;
+  std::unique_ptr<OIIO::ImageOutput> writer;
+
+  Output(OutputFile& f, const std::string& name) : file(f), writer(OIIO::ImageOutput::create(name)) {}
+};
+
+ImageWriter create(OutputFile& file, const std::string& extension, const ImagePlan& plan) {
+  use_our_threads();
+  const std::string name = "x." + extension;
+  const auto out = std::make_shared<Output>(file, name);
+  if (!out->writer) throw OutputError("no writer for ." + extension);
+  OIIO::ImageSpec spec(plan.levels[0].width, plan.levels[0].height, 3, type(plan.depth));
+  spec.attribute("DateTime", "");  // OpenImageIO would write the time of day.
+  // Not in TIFF: it would go into an EXIF directory, and OpenImageIO 2.4 leaves the file's header pointing at that.
+  if (out->writer->format_name() != std::string("tiff"))
+    spec.attribute("oiio:ColorSpace", is_integer(plan.depth) ? "sRGB" : "Linear");
+  for (const auto& [key, text] : plan.attributes) spec.attribute(key, text);
+  void* proxy = &out->file;
+  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  const auto check = [out](bool done) {
+    if (!done) throw OutputError(out->writer->geterror());
+  };
+  check(out->writer->open(name, spec));
+  return {.write =
+              [out, check](int, int begin, int end, std::span<const Colour> rows) {
+                check(out->writer->write_scanlines(begin, end, 0, OIIO::TypeDesc::FLOAT, rows.data()));
+              },
+          .close = [out, check] { check(out->writer->close()); }};
+}
+
+// ---- pictures -------------------------------------------------------------------------------------------------------
+
+OIIO::ImageSpec spec_of(Size size) { return {size.width, size.height, 3, OIIO::TypeDesc::FLOAT}; }
+
+std::vector<Colour> resized(std::span<const Colour> picture, Size from, Size to) {
+  use_our_threads();
+  std::vector<Colour> out(static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height));
+  const OIIO::ImageBuf source(spec_of(from), const_cast<Colour*>(picture.data()));
+  OIIO::ImageBuf wanted(spec_of(to), out.data());
+  OIIO::ImageBufAlgo::resize(wanted, source);
+  return out;
+}
+
+void draw_text(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height) {
+  OIIO::ImageBuf image(spec_of(size), picture.data());
+  (void)OIIO::ImageBufAlgo::render_text(image, x, y, text, height, "DejaVuSans", {0.8F, 0.8F, 0.8F});
+  (void)image.geterror();
+}
+
+}  // namespace
+}  // namespace envmap
+
+extern "C" const envmap::Formats envmap_formats{envmap::open, envmap::create, envmap::resized, envmap::draw_text};
