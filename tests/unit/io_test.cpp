@@ -193,7 +193,7 @@ void write_exr(const std::string& path, const Imath::Box2i& window, const std::m
 // What OpenEXR allows beyond what other tools write: windows that begin anywhere, tiles with and without levels.
 TEST_F(Io, ExrWindowsAndTiles) {
   const Imf::Channel single(Imf::FLOAT);
-  for (const Imath::V2i first : {Imath::V2i(0, 0), Imath::V2i(-3, 100), Imath::V2i(7, -20)})
+  for (const Imath::V2i& first : {Imath::V2i(0, 0), Imath::V2i(-3, 100), Imath::V2i(7, -20)})
     for (const auto& tiles : {std::optional<Imf::LevelMode>(), std::optional(Imf::ONE_LEVEL),
                               std::optional(Imf::MIPMAP_LEVELS), std::optional(Imf::RIPMAP_LEVELS)}) {
       write_exr(path("m.exr"), {first, first + Imath::V2i(7, 3)}, {{"R", single}, {"G", single}, {"B", single}},
