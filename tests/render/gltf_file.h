@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "envmap/error.h"
+#include "envmap/io/read_scene.h"
+
 namespace scenes {
 
 using nlohmann::json;
@@ -89,5 +92,15 @@ class SceneTest : public ::testing::Test {
   }
   std::filesystem::path folder;
 };
+
+/// What is said of a file that cannot be read; nothing of one that can.
+inline std::string why(const std::string& path) {
+  try {
+    envmap::read_scene(path);
+  } catch (const envmap::InputError& e) {
+    return e.what();
+  }
+  return "";
+}
 
 }  // namespace scenes

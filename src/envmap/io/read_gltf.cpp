@@ -11,6 +11,7 @@
 #include "envmap/error.h"
 #include "envmap/io/draco.h"
 #include "envmap/io/gltf_document.h"
+#include "envmap/io/gltf_motions.h"
 #include "envmap/io/read_texture.h"
 #include "envmap/scene/mesh.h"
 
@@ -222,20 +223,6 @@ void check_corners(const GltfDocument& document) {
 
 // ---- nodes -----------------------------------------------------------------------------------------------------------
 
-// What a node's matrix is made of; a node that moves has no other.
-struct Placement {
-  Direction translation{0}, scale{1};
-  Quaternion rotation{1, 0, 0, 0};
-};
-
-Placement placement(const Field& node) {
-  const auto t = node["translation"].numbers({0, 0, 0}), q = node["rotation"].numbers({0, 0, 0, 1}),
-             s = node["scale"].numbers({1, 1, 1});
-  const Quaternion turn(q[3], q[0], q[1], q[2]);
-  if (!(glm::length(turn) > 1e-6)) node["rotation"].fail("is no rotation");
-  return {{t[0], t[1], t[2]}, {s[0], s[1], s[2]}, glm::normalize(turn)};
-}
-
 Matrix local_matrix(const Field& node) {
   if (node["matrix"].there()) {
     const auto numbers = node["matrix"].numbers(std::vector<double>(16));
@@ -342,91 +329,6 @@ void read_nodes(Reader& r) {
   }
 }
 
-// ---- movements -------------------------------------------------------------------------------------------------------
-
-// Pieces that a cubic spline between two keys is drawn in: straight ones, off by 1/500 of its bow.
-constexpr int pieces = 16;
-
-Quaternion as(const std::vector<double>& v, std::size_t at, const Quaternion*) {
-  return Quaternion(v[at + 3], v[at], v[at + 1], v[at + 2]);
-}
-Direction as(const std::vector<double>& v, std::size_t at, const Direction*) { return {v[at], v[at + 1], v[at + 2]}; }
-
-template <class T>
-std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field& sampler) {
-  constexpr const T* kind = nullptr;
-  constexpr std::size_t wide = T::length();
-  const std::vector<double> times = accessor_numbers(document, sampler["input"], 1);
-  const std::vector<double> values = accessor_numbers(document, sampler["output"], T::length());
-  const std::string between = sampler["interpolation"].text("LINEAR");
-  const bool cubic = between == "CUBICSPLINE", steps = between == "STEP";
-  if (!cubic && !steps && between != "LINEAR") sampler["interpolation"].fail("is '" + between + "', no interpolation");
-  if (values.size() != times.size() * wide * (cubic ? 3 : 1))
-    sampler["output"].fail("does not have a value for each time");
-  std::vector<Motion::Key<T>> keys;
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    if (k > 0 && !(times[k] > times[k - 1])) sampler["input"].fail("holds times that do not rise");
-    if (k > 0 && steps) keys.push_back({times[k], keys.back().value});
-    if (k > 0 && cubic) {
-      // Hermite's spline (specification, appendix C.4); in tangent, value and out tangent stand together.
-      const T p0 = as(values, (3 * k - 2) * wide, kind), m0 = as(values, (3 * k - 1) * wide, kind);
-      const T p1 = as(values, (3 * k + 1) * wide, kind), m1 = as(values, 3 * k * wide, kind);
-      const double span = times[k] - times[k - 1];
-      for (int piece = 1; piece < pieces; ++piece) {
-        const double t = static_cast<double>(piece) / pieces, t2 = t * t, t3 = t2 * t;
-        keys.push_back({times[k - 1] + t * span, p0 * (2 * t3 - 3 * t2 + 1) + m0 * (span * (t3 - 2 * t2 + t)) +
-                                                     p1 * (3 * t2 - 2 * t3) + m1 * (span * (t3 - t2))});
-      }
-    }
-    keys.push_back({times[k], as(values, (cubic ? 3 * k + 1 : k) * wide, kind)});
-  }
-  return keys;
-}
-
-void read_motions(Reader& r) {
-  const Field animations = r.document.root()["animations"], nodes = r.document.root()["nodes"];
-  std::map<int, Motion> moving;  // By node of the scene.
-  for (std::size_t a = 0; a < animations.size(); ++a) {
-    const Field channels = animations[a]["channels"], samplers = animations[a]["samplers"];
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-      const Field target = channels[c]["target"];
-      if (!target["node"].there()) continue;
-      const std::size_t at = target["node"].index(nodes.size());
-      const Field sampler = samplers[channels[c]["sampler"].index(samplers.size())];
-      const std::string path = target["path"].text();
-      if (path == "weights") r.lacks("morph targets");
-      if (path == "weights" || r.nodes[at] < 0) continue;
-      if (nodes[at]["matrix"].there()) target.fail("moves a node that has a matrix");
-      Motion& motion = moving[r.nodes[at]];
-      const auto fill = [&](auto& keys) {
-        using T = decltype(keys.front().value);
-        if (!keys.empty()) return r.lacks("several animations of one node");
-        keys = read_keys<std::remove_reference_t<T>>(r.document, sampler);
-      };
-      if (path == "translation")
-        fill(motion.translations);
-      else if (path == "rotation")
-        fill(motion.rotations);
-      else if (path == "scale")
-        fill(motion.scales);
-      else
-        target["path"].fail("is '" + path + "', nothing that moves");
-    }
-  }
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const auto found = moving.find(r.nodes[k]);
-    if (r.nodes[k] < 0 || found == moving.end()) continue;
-    // What has no keys stays as the file says, whatever a matrix could be taken apart to.
-    const Placement rest = placement(nodes[k]);
-    Motion& motion = found->second;
-    motion.node = r.nodes[k];
-    if (motion.translations.empty()) motion.translations = {{0, rest.translation}};
-    if (motion.rotations.empty()) motion.rotations = {{0, rest.rotation}};
-    if (motion.scales.empty()) motion.scales = {{0, rest.scale}};
-    r.scene.motions.push_back(std::move(motion));
-  }
-}
-
 // ----------------------------------------------------------------------------------------------------------------------
 
 void check_extensions(Reader& r) {
@@ -452,7 +354,7 @@ Scene read_gltf(const std::string& path) {
   }
   for (std::size_t k = 0; k < meshes.size(); ++k) read_mesh(r, meshes[k]);
   read_nodes(r);
-  read_motions(r);
+  read_motions(document, r.nodes, r.scene);
   return std::move(r.scene);
 }
 
