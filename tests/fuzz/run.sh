@@ -3,11 +3,10 @@
 #
 #   sh tests/fuzz/run.sh [SECONDS [OPTIONS...]]
 #
-# SECONDS for the readers (default: 60), a tenth of that for the words; OPTIONS go to libFuzzer. The corpus stays in
-# build/fuzz/corpus and grows from run to run. What a target finds, it leaves in build/fuzz/found; to look into a find:
-# build/fuzz/fuzz_read FILE. A crash inside malloc can block libFuzzer's report; then the input is in
-# build/fuzz/fuzz_read.tga. Needs clang and libclang-rt-dev
-# beside what packages.sh lists.
+# SECONDS for the readers of maps and for those of scenes (default: 60), a tenth of that for the words; OPTIONS go to
+# libFuzzer. The corpus stays in build/fuzz/corpus and grows from run to run. What a target finds, it leaves in
+# build/fuzz/found; to look into a find: build/fuzz/fuzz_read FILE. A crash inside malloc can block libFuzzer's report; then
+# the input is in build/fuzz/fuzz_read.tga. Needs clang and libclang-rt-dev beside what packages.sh lists.
 set -eu
 
 seconds=${1:-60}
@@ -16,7 +15,7 @@ cd "$(dirname "$0")/../.."
 cmake --preset fuzz
 cmake --build --preset fuzz
 cd build/fuzz
-mkdir -p corpus/read corpus/words found
+mkdir -p corpus/read corpus/scene corpus/words found
 
 # Small maps in the formats that are written, and of kinds that are only read. The last byte chooses options (read.cpp):
 # 0 for a file, 1 for standard input.
@@ -52,6 +51,31 @@ for kind in 'exr --tile 4 4' 'exr -d half --compression dwaa' 'exr -d half --com
   seed "$(echo "$kind" | tr ' ' -)"
 done
 
+# Scenes small enough to be changed all through: a triangle in each of the three formats.
+printf 'mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 3/1/1\n' >corpus/scene/triangle.obj
+cat >corpus/scene/triangle.gltf <<'JSON'
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+ "nodes": [{"mesh": 0, "translation": [0, 1, 0], "children": [1]}, {"camera": 0, "rotation": [0, 0, 0, 1]}],
+ "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+ "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1], "roughnessFactor": 0.5}, "emissiveFactor": [1, 1, 1]}],
+ "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                 "samplers": [{"input": 1, "output": 0, "interpolation": "LINEAR"}]}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+               {"bufferView": 1, "componentType": 5126, "count": 3, "type": "SCALAR"}],
+ "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 12}],
+ "buffers": [{"byteLength": 48, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAABA"}]}
+JSON
+python3 - corpus/scene/triangle.gltf corpus/scene/triangle.glb <<'PYTHON'
+import base64, json, struct, sys
+document = json.load(open(sys.argv[1]))
+data = base64.b64decode(document["buffers"][0].pop("uri").split(",")[1])
+text = json.dumps(document).encode()
+text += b" " * (-len(text) % 4)
+open(sys.argv[2], "wb").write(struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + len(data), len(text), 0x4E4F534A) + text
+                              + struct.pack("<II", len(data), 0x004E4942) + data)
+PYTHON
+
 # Warnings of libraries are not shown. Address sanitizer is left out: OpenImageIO takes 16 MB for each read, which makes
 # it 100 times slower; the tests run under it (preset asan).
 common="-close_fd_mask=3 -timeout=20 -print_final_stats=1 -artifact_prefix=found/"
@@ -59,3 +83,5 @@ common="-close_fd_mask=3 -timeout=20 -print_final_stats=1 -artifact_prefix=found
   corpus/words
 timeout -s KILL $((seconds + 60)) ./fuzz_read $common -max_len=4096 -len_control=0 \
   -max_total_time="$seconds" "$@" corpus/read
+timeout -s KILL $((seconds + 60)) ./fuzz_scene $common -max_len=4096 -len_control=0 \
+  -max_total_time="$seconds" "$@" corpus/scene

@@ -212,6 +212,8 @@ TEST_F(Io, ExrChannelsThatAreNoRadiance) {
   const std::map<std::string, float> values{{"R", 1}, {"G", 2}, {"B", 3}, {"Y", 4}};
   write_exr(path("grey.exr"), window, {{"Y", single}}, values, {});
   EXPECT_EQ(*read(path("grey.exr"), {}).map.base().texel(0, 7, 3), Colour(4));
+  write_exr(path("small.exr"), window, {{"r", single}, {"g", single}, {"b", single}}, {{"r", 1}, {"g", 2}, {"b", 3}}, {});
+  EXPECT_EQ(*read(path("small.exr"), {}).map.base().texel(0, 7, 3), Colour(1, 2, 3));
   write_exr(path("whole.exr"), window, {{"R", single}, {"G", whole}, {"B", single}}, values, {});
   EXPECT_THROW(read(path("whole.exr"), {}), InputError);
   write_exr(path("coarse.exr"), window, {{"R", single}, {"G", coarse}, {"B", single}}, values, {});

@@ -15,13 +15,12 @@ namespace fs = std::filesystem;
 const Formats& load() {
   std::error_code error;
   const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path(), name = "envmap-formats.so";
-  for (const fs::path& place : {beside / name, beside / "../lib/envmap" / name, name}) {
-    if (place.has_parent_path() && !fs::exists(place, error)) continue;
-    void* module = ::dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (void* table = module ? ::dlsym(module, "envmap_formats") : nullptr) return *static_cast<const Formats*>(table);
-    throw InputError(std::string("the module for formats other than EXR cannot be loaded: ") + ::dlerror());
-  }
-  throw InputError("no envmap-formats.so, which formats other than EXR need: install envmap again");
+  fs::path place = name;
+  for (const fs::path& folder : {beside, beside / "../lib/envmap"})
+    if (place == name && fs::exists(folder / name, error)) place = folder / name;
+  void* module = ::dlopen(place.c_str(), RTLD_LAZY | RTLD_LOCAL);
+  if (void* table = module ? ::dlsym(module, "envmap_formats") : nullptr) return *static_cast<const Formats*>(table);
+  throw InputError(std::string("the module for formats other than EXR, KTX2 and DDS cannot be loaded: ") + ::dlerror());
 }
 
 }  // namespace

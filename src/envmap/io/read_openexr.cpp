@@ -39,7 +39,7 @@ bool in_tiles(const Imf::Header& header) {
 // R, G and B first, each beside the next.
 std::vector<std::string> channel_names(const Imf::ChannelList& list) {
   std::vector<std::string> names;
-  for (const char* first : {"R", "G", "B"})
+  for (const char* first : {"R", "r", "G", "g", "B", "b"})
     if (list.findChannel(first)) names.emplace_back(first);
   for (auto c = list.begin(); c != list.end(); ++c)
     if (std::ranges::find(names, c.name()) == names.end()) names.emplace_back(c.name());
