@@ -61,7 +61,7 @@ LoadedScene load(const SceneOptions& o, const Common& common) {
                              instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  loaded.sky = std::make_unique<LoadedScene::Sky>(read_map(o.environment, o.read, common).map);
+  loaded.sky = std::make_unique<LoadedScene::Sky>(LoadedScene::Sky{read_map(o.environment, o.read, common).map, {}});
   for (Level& level : loaded.sky->map.levels) fill_gutter(level);
   loaded.sky->light = environment_light(loaded.sky->map, glossy_size, progress_line(common, "light of the environment"));
   return loaded;
