@@ -2,7 +2,7 @@
 /// EXR files, by OpenEXR itself.
 #pragma once
 
-#include <memory>
+#include <string_view>
 
 #include "envmap/io/image_reader.h"
 #include "envmap/io/image_writer.h"
@@ -17,5 +17,8 @@ ImageReader open_openexr(const InputFile& file);
 
 /// For make_writer(): throws OutputError without the file's name.
 ImageWriter create_openexr(OutputFile& file, const ImagePlan& plan);
+
+/// Whether there is a compression of that name: none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa or dwab.
+bool is_compression(std::string_view name);
 
 }  // namespace envmap

@@ -18,6 +18,7 @@
 #include "envmap/io/ktx2.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
+#include "envmap/io/openexr.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "envmap/io/pfm.h"
@@ -209,12 +210,10 @@ void check_compression(const std::string& path, const std::string& ext, const st
   if (ext != "exr") throw UsageError(path + ": --compression is for .exr files");
   const auto colon = wanted.find(':');
   const std::string kind = wanted.substr(0, colon), level = colon == std::string::npos ? "" : wanted.substr(colon + 1);
-  constexpr std::string_view kinds[] = {"none", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
   const bool zip = kind.starts_with("zip"), dwa = kind.starts_with("dwa");
   const bool number = !level.empty() && level.size() < 6 && level.find_first_not_of("0123456789") == std::string::npos;
   const int n = number ? std::stoi(level) : 0;
-  if (std::ranges::find(kinds, kind) == std::end(kinds) ||
-      (colon != std::string::npos && !(zip && n >= 1 && n <= 9) && !(dwa && n >= 1)))
+  if (!is_compression(kind) || (colon != std::string::npos && !(zip && n >= 1 && n <= 9) && !(dwa && n >= 1)))
     throw UsageError(
         fmt::format("--compression {}: is none of none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, "
                     "zip:1 to zip:9, dwaa:N and dwab:N",

@@ -20,7 +20,7 @@ struct WriteOptions {
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.
   bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
   bool openexr_envmap = false;  ///< OpenEXR's envmap attribute, samples on the border: EXR, latlong or cube column.
-  std::string compression = {};  ///< Of an EXR file, as OpenImageIO names it: zip, zip:1, piz, dwaa:45, ...; zip if empty.
+  std::string compression = {};  ///< Of an EXR file, see ImagePlan: zip, zip:1, piz, dwaa:45, ...; zip if empty.
   bool zstd = false;            ///< Compress KTX2 files with Zstandard.
   Facts facts = {};             ///< Further metadata, such as the lobe: attributes envmap:NAME.
 };

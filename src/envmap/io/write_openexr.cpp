@@ -7,6 +7,7 @@
 #include <ImfTiledOutputFile.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -41,12 +42,14 @@ constexpr NamedCompression compressions[] = {{"none", Imf::NO_COMPRESSION},   {"
                                              {"b44", Imf::B44_COMPRESSION},   {"b44a", Imf::B44A_COMPRESSION},
                                              {"dwaa", Imf::DWAA_COMPRESSION}, {"dwab", Imf::DWAB_COMPRESSION}};
 
+const NamedCompression* find_compression(std::string_view name) {
+  return std::ranges::find(compressions, name, &NamedCompression::name);
+}
+
 void set_compression(Imf::Header& header, const std::string& wanted) {
   const auto colon = wanted.find(':');
   const std::string name = wanted.substr(0, colon);
-  header.compression() = Imf::ZIP_COMPRESSION;
-  for (const NamedCompression& c : compressions)
-    if (c.name == name) header.compression() = c.compression;
+  header.compression() = name.empty() ? Imf::ZIP_COMPRESSION : find_compression(name)->compression;
   if (colon == std::string::npos) return;
   const int level = std::stoi(wanted.substr(colon + 1));
   if (name.starts_with("zip"))
@@ -110,6 +113,8 @@ void or_output_error(F&& action) {
 }
 
 }  // namespace
+
+bool is_compression(std::string_view name) { return find_compression(name) != std::end(compressions); }
 
 ImageWriter create_openexr(OutputFile& out, const ImagePlan& plan) {
   use_our_threads();
