@@ -30,7 +30,7 @@ namespace {
 constexpr std::size_t head_size = 16;
 
 // The format that the first bytes say; a Targa file has no such mark, only its name. OpenImageIO asked about a file it
-// does not know tries 30 readers in turn, and some write beyond their memory even for sound files (2.4: ICO, IFF):
+// does not know tries 30 readers in turn, and some write beyond their memory, even for sound files (2.4: ICO, IFF, DPX):
 // none is asked but the one that fits.
 std::string format_of(std::string_view head, const std::string& path) {
   if (head.starts_with("\x76\x2f\x31\x01")) return "openexr";
@@ -42,7 +42,6 @@ std::string format_of(std::string_view head, const std::string& path) {
   if (head.starts_with(ktx2_mark)) return "ktx2";
   if (head.size() > 1 && head[0] == 'P' && std::string_view("123456Ff").find(head[1]) != head.npos) return "pnm";
   if (head.starts_with("BM")) return "bmp";
-  if (head.starts_with("SDPX") || head.starts_with("XPDS")) return "dpx";
   if (head.starts_with("8BPS")) return "psd";
   if (head.starts_with("\x01\xda")) return "sgi";
   if (head.starts_with("GIF8")) return "gif";
@@ -56,7 +55,7 @@ void open_as(Image& image, std::string_view head, const std::string& path, bool 
   if (format.empty())
     image.fail(
         unread +
-        "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, DPX, PSD nor SGI");
+        "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, PSD nor SGI");
   try {
     if (!image.file) image.file = std::make_unique<InputFile>(path);
     if (format == "ktx2") image.texture = open_ktx2(*image.file);
