@@ -66,4 +66,75 @@ Light united(std::span<const Light> parts) {
   return all;
 }
 
+// ---- many texels ------------------------------------------------------------------------------------------------------
+
+void LightSum::start(const Patch& alike) {
+  const auto& m = alike.covariance.m;
+  rows_.push_back({alike, 1 - 0.5 * (m[0] + m[3] + m[5]), texels_.size()});
+}
+
+void LightSum::add(const Direction& middle, double solid_angle, const Flux& radiance) {
+  texels_.push_back({rows_.back().inside * middle,
+                     {static_cast<float>(solid_angle * radiance.x), static_cast<float>(solid_angle * radiance.y),
+                      static_cast<float>(solid_angle * radiance.z), static_cast<float>(solid_angle)}});
+}
+
+Light LightSum::light() const {
+  Light all;
+  double whole = 0;
+  std::array<double, light_channels> flux{};
+  for (const Texel& t : texels_) {
+    const double w = weight(t.flux);
+    whole += w;
+    all.centre += w * t.centre;
+    for (std::size_t c = 0; c < light_channels; ++c) flux[c] += t.flux[c];
+  }
+  if (whole <= 0) return {};
+  all.centre /= whole;
+
+  // Sums of flux x offset, flux x offset^2 and flux x |offset|^3 of each channel; offsets are small enough for float32.
+  using Channels = std::array<float, light_channels>;
+  std::array<Channels, 3> dipole{};
+  std::array<Channels, 6> second{};
+  Channels cubes{};
+  float farthest = 0;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const std::size_t end = r + 1 < rows_.size() ? rows_[r + 1].first : texels_.size();
+    Channels row{};
+    const auto spread = static_cast<float>(rows_[r].alike.spread), reach = static_cast<float>(rows_[r].alike.reach);
+    for (std::size_t k = rows_[r].first; k < end; ++k) {
+      const Vec3<float> o(texels_[k].centre - all.centre);
+      const float distance = glm::length(o), far = distance + spread, cube = far * far * far;
+      const std::array<float, 6> product{o.x * o.x, o.x * o.y, o.x * o.z, o.y * o.y, o.y * o.z, o.z * o.z};
+      const Channels f = texels_[k].flux;
+      farthest = std::max(farthest, distance + reach);
+      for (std::size_t c = 0; c < light_channels; ++c) {
+        row[c] += f[c];
+        cubes[c] += f[c] * cube;
+        for (std::size_t n = 0; n < 3; ++n) dipole[n][c] += f[c] * o[static_cast<int>(n)];
+        for (std::size_t n = 0; n < 6; ++n) second[n][c] += f[c] * product[n];
+      }
+    }
+    for (std::size_t c = 0; c < light_channels; ++c)
+      for (std::size_t n = 0; n < 6; ++n) second[n][c] += row[c] * static_cast<float>(rows_[r].alike.covariance.m[n]);
+  }
+  all.reach = farthest;
+  for (std::size_t n = 0; n < 6; ++n) {
+    const Channels& s = second[n];
+    all.covariance.m[n] = ((static_cast<double>(s[0]) + s[1] + s[2]) / 3 + 1e-3 * s[3]) / whole;
+  }
+  float most = 0;
+  for (std::size_t c = 0; c < light_channels; ++c) {
+    all.flux[c] = static_cast<float>(flux[c]);
+    all.dipole[c] = {dipole[0][c], dipole[1][c], dipole[2][c]};
+    if (flux[c] <= 0) continue;
+    Symmetric off;
+    for (std::size_t n = 0; n < 6; ++n) off.m[n] = second[n][c] / flux[c] - all.covariance.m[n];
+    all.uneven = std::max(all.uneven, static_cast<float>(off.norm()));
+    most = std::max(most, static_cast<float>(cubes[c] / flux[c]));
+  }
+  all.spread = std::cbrt(most);
+  return all;
+}
+
 }  // namespace envmap

@@ -16,6 +16,13 @@ class LightTree {
   struct Blocks {
     int width, height;  ///< Blocks across and down a face.
     std::vector<Light> lights;
+
+    [[nodiscard]] std::size_t index(int face, int i, int j) const {
+      const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
+      return (static_cast<std::size_t>(face) * h + static_cast<std::size_t>(j)) * w + static_cast<std::size_t>(i);
+    }
+    [[nodiscard]] const Light& light(int face, int i, int j) const { return lights[index(face, i, j)]; }
+    Light& light(int face, int i, int j) { return lights[index(face, i, j)]; }
   };
 
   /// @param source must outlive the tree.
@@ -26,12 +33,7 @@ class LightTree {
   [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
   [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
   [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[static_cast<std::size_t>(k - first_)]; }
-  [[nodiscard]] const Light& light(int k, int face, int i, int j) const {
-    const Blocks& b = blocks(k);
-    return b.lights[(static_cast<std::size_t>(face) * static_cast<std::size_t>(b.height) + static_cast<std::size_t>(j)) *
-                        static_cast<std::size_t>(b.width) +
-                    static_cast<std::size_t>(i)];
-  }
+  [[nodiscard]] const Light& light(int k, int face, int i, int j) const { return blocks(k).light(face, i, j); }
 
  private:
   const Level& source_;

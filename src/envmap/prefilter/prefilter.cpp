@@ -22,7 +22,7 @@ namespace envmap {
 // Small maps are blown up, which changes nothing where radiance is constant over a texel: the tree then holds their texels
 // in parts small enough for any lobe's tail.
 struct PrefilterSource::Prepared {
-  Level grown;
+  std::optional<Level> grown;
   LightTree tree;
   mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
   explicit Prepared(const Level& source);
@@ -33,8 +33,10 @@ namespace {
 constexpr int least_height = 64;
 constexpr double finest = 1e-5;  // Errors below this are left to float64.
 
-Level grown(const Level& source) {
-  const int times = source.height() >= least_height ? 1 : (least_height + source.height() - 1) / source.height();
+// Nothing where the source is large enough.
+std::optional<Level> grown(const Level& source) {
+  if (source.height() >= least_height) return std::nullopt;
+  const int times = (least_height + source.height() - 1) / source.height();
   Level out(source.projection(), source.height() * times);
   for_each_row(out.faces(), out.height(), {}, [&](int face, int j) {
     for (int i = 0; i < out.width(); ++i) *out.texel(face, i, j) = *source.texel(face, i / times, j / times);
@@ -236,7 +238,8 @@ double factor(const Prefilter& p) {
 
 }  // namespace
 
-PrefilterSource::Prepared::Prepared(const Level& source) : grown(envmap::grown(source)), tree(grown) {}
+PrefilterSource::Prepared::Prepared(const Level& source)
+    : grown(envmap::grown(source)), tree(grown ? *grown : source) {}
 
 Lobe lobe_of(const Prefilter& p) {
   switch (p.shape) {
