@@ -5,7 +5,6 @@
 #include "envmap/operate/progress.h"
 #include "envmap/prefilter/gather.h"
 #include "envmap/prefilter/light_tree.h"
-#include "envmap/prefilter/lobe_bounds.h"
 #include "envmap/sample/target.h"
 
 namespace envmap {
@@ -16,21 +15,13 @@ struct Accuracy {
   double light;  ///< The largest remainder of a light, relative to the result (or to 0.001 x the mean, if larger).
 };
 
-/// The remainders of all lights of a tile, relative to the result: added up, and as if they were independent.
-struct Gathered {
-  double sum, root;
-};
-
-/// Result for the directions of a tile, in units of radiance, lobes normalised. @param tile sums are overwritten.
-Gathered gather_tile(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy,
-                     Tile& tile, std::span<Colour> out);
-
-/// The same in one direction, a unit vector.
-Gathered gather_direction(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Accuracy& accuracy,
-                          const Direction& direction, Flux& out);
+/// Result in one direction, a unit vector, in units of radiance, lobes normalised. @return the remainders of all lights,
+/// relative to the result, as if they were independent.
+double gather_direction(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy, const Direction& direction,
+                        Flux& out);
 
 /// Fills a whole map. @param out of the projection and size of the target.
-/// @return `root` of the tile of every texel, by face, row and column.
+/// @return the same of the tile of every texel, by face, row and column.
 std::vector<float> hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target,
                                           const Accuracy& accuracy, Level& out, const Progress& progress = {});
 

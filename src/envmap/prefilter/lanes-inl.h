@@ -54,10 +54,19 @@ HWY_INLINE V exp2_small(D d, V y) {
 }
 
 /// Values may be asked for a little below x = 0, where the series of a light goes on; no farther than lets them double or so.
+/// second() and third(): the sizes of those derivatives by x, of x and the value there.
 struct CosineLanes {
   template <class D, class V>
   HWY_INLINE V value(D d, V x) const {
     return hn::Mul(hn::Set(d, static_cast<float>(1 / pi)), hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x)));
+  }
+  template <class D, class V>
+  HWY_INLINE V second(D d, V /*x*/, V /*value*/) const {
+    return hn::Zero(d);
+  }
+  template <class D, class V>
+  HWY_INLINE V third(D d, V /*x*/, V /*value*/) const {
+    return hn::Zero(d);
   }
 };
 
@@ -68,6 +77,21 @@ struct PhongLanes {
     const V power = exp2_small(d, hn::Mul(hn::Set(d, exponent), log2_one_minus(d, x)));
     return hn::IfThenElseZero(hn::Lt(x, hn::Set(d, 1)), hn::Mul(hn::Set(d, scale), power));
   }
+  template <class D, class V>
+  HWY_INLINE V second(D d, V x, V value) const {
+    const V c = cosine(d, x);
+    return hn::Div(hn::Mul(value, hn::Set(d, exponent * std::abs(exponent - 1))), hn::Mul(c, c));
+  }
+  template <class D, class V>
+  HWY_INLINE V third(D d, V x, V value) const {
+    return hn::Div(hn::Mul(second(d, x, value), hn::Set(d, std::abs(exponent - 2))), cosine(d, x));
+  }
+
+ private:
+  template <class D, class V>
+  HWY_INLINE V cosine(D d, V x) const {
+    return hn::Max(hn::Sub(hn::Set(d, 1), x), hn::Set(d, 1e-6F));
+  }
 };
 
 struct GgxLanes {
@@ -77,6 +101,18 @@ struct GgxLanes {
     const V q = hn::Max(hn::Set(d, 0.5F * a), hn::Add(hn::Set(d, a), hn::Mul(hn::Set(d, b), x)));
     const V cosine = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x));
     return hn::Div(hn::Mul(hn::Set(d, scale), cosine), hn::Mul(q, q));
+  }
+  template <class D, class V>
+  HWY_INLINE V second(D d, V x, V /*value*/) const {
+    const V q = hn::Add(hn::Set(d, a), hn::Mul(hn::Set(d, b), x)), s = hn::Div(hn::Set(d, b), q);
+    const V bend = hn::Add(hn::Set(d, 4), hn::Mul(hn::Set(d, 6), hn::Mul(s, hn::Sub(hn::Set(d, 1), x))));
+    return hn::Mul(hn::Div(hn::Set(d, scale), hn::Mul(q, q)), hn::Mul(s, bend));
+  }
+  template <class D, class V>
+  HWY_INLINE V third(D d, V x, V /*value*/) const {
+    const V q = hn::Add(hn::Set(d, a), hn::Mul(hn::Set(d, b), x)), s = hn::Div(hn::Set(d, b), q);
+    const V bend = hn::Add(hn::Set(d, 18), hn::Mul(hn::Set(d, 24), hn::Mul(s, hn::Sub(hn::Set(d, 1), x))));
+    return hn::Mul(hn::Mul(hn::Div(hn::Set(d, scale), hn::Mul(q, q)), hn::Mul(s, s)), bend);
   }
 };
 

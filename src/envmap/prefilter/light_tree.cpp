@@ -15,7 +15,8 @@ constexpr std::int64_t most_stored = 1 << 17;  // Blocks of the lowest level: 25
 LightTree::Blocks empty(int width, int height, int faces) {
   return {width, height,
           std::vector<Light>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                             static_cast<std::size_t>(faces))};
+                             static_cast<std::size_t>(faces)),
+          {}};
 }
 
 int halves(int n) { return (n + 1) / 2; }
@@ -135,6 +136,18 @@ Light rim_block(const Level& source, int face, const Span& in, double scale) {
 
 }  // namespace
 
+void LightTree::Blocks::set_quads(int faces) {
+  const int across = halves(width), down = halves(height);
+  quads.resize(static_cast<std::size_t>(faces) * static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
+  for_each_row(faces, down, {}, [&](int face, int row) {
+    Quad* to = &quads[static_cast<std::size_t>(face * down + row) * static_cast<std::size_t>(across)];
+    for (int j = 2 * row; j < std::min(height, 2 * row + 2); ++j)
+      for (int i = 0; i < width; ++i)
+        if (const Light& one = light(face, i, j); one.flux[3] > 0)
+          to[i / 2].set(static_cast<std::size_t>(2 * (j % 2) + i % 2), one);
+  });
+}
+
 LightTree::LightTree(const Level& source) : source_(source), mean_(mean_of(source)) {
   const int width = source.width(), height = source.height(), faces = source.faces();
   while (static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_) > most_stored) ++first_;
@@ -158,6 +171,7 @@ LightTree::LightTree(const Level& source) : source_(source), mean_(mean_of(sourc
       }
     });
   });
+  lowest.set_quads(faces);
   while (blocks_.back().width > 1 || blocks_.back().height > 1) {
     const Blocks& fine = blocks_.back();
     Blocks coarse = empty(halves(fine.width), halves(fine.height), faces);
@@ -171,6 +185,7 @@ LightTree::LightTree(const Level& source) : source_(source), mean_(mean_of(sourc
         coarse.light(face, i, j) = united(std::span(parts).first(count));
       }
     });
+    coarse.set_quads(faces);
     blocks_.push_back(std::move(coarse));
   }
 }

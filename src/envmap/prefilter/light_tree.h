@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
-#include "envmap/prefilter/light.h"
+#include "envmap/prefilter/quad.h"
 
 namespace envmap {
 
@@ -16,6 +16,7 @@ class LightTree {
   struct Blocks {
     int width, height;  ///< Blocks across and down a face.
     std::vector<Light> lights;
+    std::vector<Quad> quads;  ///< The same in fours, by where they lie in the level above.
 
     [[nodiscard]] std::size_t index(int face, int i, int j) const {
       const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
@@ -23,6 +24,12 @@ class LightTree {
     }
     [[nodiscard]] const Light& light(int face, int i, int j) const { return lights[index(face, i, j)]; }
     Light& light(int face, int i, int j) { return lights[index(face, i, j)]; }
+    /// Blocks 2i, 2i + 1 of rows 2j, 2j + 1.
+    [[nodiscard]] const Quad& quad(int face, int i, int j) const {
+      const auto w = static_cast<std::size_t>((width + 1) / 2), h = static_cast<std::size_t>((height + 1) / 2);
+      return quads[(static_cast<std::size_t>(face) * h + static_cast<std::size_t>(j)) * w + static_cast<std::size_t>(i)];
+    }
+    void set_quads(int faces);
   };
 
   /// @param source must outlive the tree.
@@ -33,8 +40,6 @@ class LightTree {
   [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
   [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
   [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[static_cast<std::size_t>(k - first_)]; }
-  [[nodiscard]] const Light& light(int k, int face, int i, int j) const { return blocks(k).light(face, i, j); }
-
  private:
   const Level& source_;
   double mean_;

@@ -6,9 +6,8 @@
 ///   value(x)            per steradian, never rising with x
 ///   share(x)            part of the lobe within x, in [0,1]; missing(x) = 1 - share(x) with its own digits
 ///   rate(x)             -d ln(value) / dx: how fast it falls
-///   second(x), third(x) size of the 2nd and 3rd derivative by x, x < 1; monotonic
 ///   width()             x at which it has fallen to about 1/e
-/// and, for rows of directions, the same value in lanes-inl.h.
+/// and, for vectors of floats in lanes-inl.h, the same value and the size of its 2nd and 3rd derivative, which are monotonic.
 #pragma once
 
 #include <algorithm>
@@ -25,8 +24,6 @@ struct Cosine {
   [[nodiscard]] double share(double x) const { return x >= 1 ? 1 : x * (2 - x); }
   [[nodiscard]] double missing(double x) const { return x >= 1 ? 0 : (1 - x) * (1 - x); }
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) : 0; }
-  [[nodiscard]] double second(double /*x*/) const { return 0; }
-  [[nodiscard]] double third(double /*x*/) const { return 0; }
   [[nodiscard]] double width() const { return 0.63; }
 };
 
@@ -39,10 +36,6 @@ struct Phong {
   [[nodiscard]] double share(double x) const { return x < 1 ? -std::expm1((exponent + 1) * std::log1p(-x)) : 1; }
   [[nodiscard]] double missing(double x) const { return x < 1 ? std::exp((exponent + 1) * std::log1p(-x)) : 0; }
   [[nodiscard]] double rate(double x) const { return x < 1 ? exponent / (1 - x) : 0; }
-  [[nodiscard]] double second(double x) const {
-    return value(x) * exponent * std::abs(exponent - 1) / ((1 - x) * (1 - x));
-  }
-  [[nodiscard]] double third(double x) const { return second(x) * std::abs(exponent - 2) / (1 - x); }
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 2 / (exponent + 1)); }
 };
 
@@ -71,14 +64,6 @@ struct Ggx {
     return 2 * pi * scale * (1 - x) * (1 - x) / (q * q) * shape(t);
   }
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) + 2 * b / (a + b * x) : 0; }
-  [[nodiscard]] double second(double x) const {
-    const double q = a + b * x, s = b / q;
-    return scale / (q * q) * (4 * s + 6 * s * s * (1 - x));
-  }
-  [[nodiscard]] double third(double x) const {
-    const double q = a + b * x, s = b / q;
-    return scale / (q * q) * s * s * (18 + 24 * s * (1 - x));
-  }
   [[nodiscard]] double width() const { return std::min(0.63, 0.65 * a); }
 
  private:

@@ -164,11 +164,11 @@ std::vector<Texel> hardest(const Level& level, const std::vector<float>& doubt) 
 }
 
 // The integral in one direction; what is left out of it, as independent errors, below `bound` of it.
-Flux reference(const LightTree& tree, const Lobe& lobe, const LobeBounds& bounds, const Direction& d, double bound) {
+Flux reference(const LightTree& tree, const Lobe& lobe, const Direction& d, double bound) {
   Flux found;
   double light = 0.06 * bound;
   for (int round = 0; round < 20; ++round) {
-    const double left = gather_direction(tree, lobe, bounds, {light}, d, found).root;
+    const double left = gather_direction(tree, lobe, {light}, d, found);
     if (left <= bound) break;
     light *= std::clamp(0.8 * bound / left, 0.01, 0.5);
   }
@@ -182,13 +182,12 @@ void check(const EnvironmentMap& source, const LightTree& tree, const Prefilter&
   const std::vector<Texel> texels = hardest(level, doubt);
   const Rotation turn = to_source(p, source);
   const double floor = 1e-3 * tree.mean();
-  const LobeBounds bounds(lobe);
   std::vector<double> errors(texels.size());
   tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t k) {
     const Texel& t = texels[k];
     Direction d[1];
     texel_directions(p.to, p.size, t.face, t.j, t.i, d);
-    const Flux truth = reference(tree, lobe, bounds, turn * d[0], 0.25 * std::max(finest, p.max_error));
+    const Flux truth = reference(tree, lobe, turn * d[0], 0.25 * std::max(finest, p.max_error));
     for (int c = 0; c < 3; ++c) {
       const double off = std::abs((*level.texel(t.face, t.i, t.j))[c] - truth[c]);
       if (off > 0) errors[k] = std::max(errors[k], off / std::max(truth[c], floor));

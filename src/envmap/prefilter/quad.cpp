@@ -1,0 +1,158 @@
+// judge() and walk(), compiled once for every instruction set and chosen at run time.
+#include "envmap/prefilter/quad.h"
+
+#include <cstdint>
+
+#include "envmap/prefilter/light_tree.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "envmap/prefilter/quad.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "envmap/prefilter/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace envmap {
+namespace HWY_NAMESPACE {
+
+using Few = hn::CappedTag<float, 4>;
+using V = hn::Vec<Few>;
+
+HWY_INLINE unsigned bits_of(hn::Mask<Few> mask) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(Few(), mask, bits);
+  return bits[0] & ((1U << hn::Lanes(Few())) - 1);
+}
+
+// As many of the four as a vector has, from lane n on. @param middle what centres are counted from. @param slack what they
+// may be off.
+template <class Lanes>
+HWY_INLINE void judge_few(const Lanes& lobe, const View& view, const Quad& q, std::size_t n, const Vec3<float>& middle,
+                          float slack, Verdict& found) {
+  const Few d;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1), half = hn::Set(d, 0.5F);
+  const V x = hn::Sub(hn::Load(d, &q.x[n]), hn::Set(d, middle.x)), y = hn::Sub(hn::Load(d, &q.y[n]), hn::Set(d, middle.y)),
+          z = hn::Sub(hn::Load(d, &q.z[n]), hn::Set(d, middle.z));
+  const V radius = hn::Set(d, static_cast<float>(view.radius) + slack), reach = hn::Load(d, &q.reach[n]);
+  const V distance = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+  const V low = hn::Max(zero, hn::Sub(hn::Sub(distance, radius), reach)), high = hn::Add(hn::Add(distance, radius), reach);
+  const V near = hn::Mul(half, hn::Mul(low, low)), far = hn::Mul(half, hn::Mul(high, high));
+  const auto visible = hn::Lt(near, one);
+  const unsigned seen = bits_of(visible);
+  found.visible |= seen << n;
+  if (seen == 0) return;
+
+  const V sine = hn::Min(one, hn::Add(hn::Add(distance, radius), hn::Mul(half, reach)));
+  const V extent = hn::Mul(sine, reach);
+  const auto crossing = hn::Ge(far, one);
+  // Of a light that the horizon crosses, where the part begins that surely lies above it.
+  const V last = hn::IfThenElse(crossing, hn::Sub(one, extent), far), end = hn::Max(near, last);
+  const V at_near = lobe.value(d, near), at_end = lobe.value(d, end), at_far = hn::IfThenZeroElse(crossing, at_end);
+  const V gap = hn::Sub(at_near, at_far), limit = hn::Set(d, view.limit);
+  V flux = zero;
+  for (std::size_t c = 0; c < light_channels; ++c)
+    flux = hn::Max(flux, hn::Mul(hn::Load(d, &q.flux[c][n]), hn::Set(d, view.most[c])));
+  if (view.surveying) {
+    hn::Store(at_far, d, &found.least[n]);
+    const auto small = hn::Lt(reach, hn::Set(d, 0.5F * static_cast<float>(view.radius)));
+    found.good |= bits_of(hn::And(visible, hn::Or(small, hn::Lt(hn::Mul(gap, flux), limit)))) << n;
+    return;
+  }
+  const V sine2 = hn::Mul(sine, sine), spread = hn::Load(d, &q.spread[n]), uneven = hn::Load(d, &q.uneven[n]);
+  const V cube = hn::Mul(hn::Mul(hn::Mul(sine2, sine), hn::Mul(spread, spread)), spread);
+  const V second = hn::Max(lobe.second(d, near, at_near), lobe.second(d, end, at_end));
+  const V third = hn::Min(hn::Set(d, 1e30F), hn::Max(lobe.third(d, near, at_near), lobe.third(d, end, at_end)));
+  const V smooth = hn::Add(hn::Mul(half, hn::Mul(second, hn::Mul(sine2, uneven))),
+                           hn::Mul(hn::Set(d, 1.0F / 3), hn::Mul(third, cube)));
+  // Two lights for a bent lobe are wrong by a part of what it is there.
+  const V bent = hn::Mul(hn::Set(d, 0.12F), lobe.value(d, hn::Max(near, hn::Sub(one, hn::Add(extent, extent)))));
+  const V series = hn::Add(hn::IfThenElseZero(crossing, bent), hn::IfThenElseZero(hn::Gt(last, near), smooth));
+  const V error = hn::Mul(flux, hn::Min(series, hn::Mul(half, gap)));
+  hn::Store(error, d, &found.error[n]);
+  found.good |= bits_of(hn::And(visible, hn::Le(error, limit))) << n;
+}
+
+template <class Lanes>
+HWY_INLINE Verdict judge_four(const Lanes& lobe, const View& view, const Quad& q, const Vec3<float>& middle, float slack) {
+  Verdict found;
+  for (std::size_t n = 0; n < 4; n += hn::Lanes(Few())) judge_few(lobe, view, q, n, middle, slack, found);
+  return found;
+}
+
+template <class Lanes>
+bool walk_lanes(const Lanes& lobe, const LightTree& tree, View& view, std::size_t most_lights, Walked& found) {
+  constexpr float slack = 3e-7F;  // Of stored centres in float32.
+  const Vec3<float> middle(view.middle);
+  struct Entry {
+    int k, face, i, j;  // The quad of blocks 2i, 2i + 1 and 2j, 2j + 1 of level k.
+  };
+  std::array<Entry, 160> stack;  // Three are left behind on each of at most 30 levels, and the faces.
+  std::size_t count = 0;
+  for (int face = faces(tree.source().projection()); face-- > 0;) stack[count++] = {tree.last(), face, 0, 0};
+  while (count > 0) {
+    const Entry e = stack[--count];
+    const LightTree::Blocks& blocks = tree.blocks(e.k);
+    const Quad& q = blocks.quad(e.face, e.i, e.j);
+    const Verdict v = judge_four(lobe, view, q, middle, slack);
+    for (int lane = 3; lane >= 0; --lane) {
+      const auto n = static_cast<std::size_t>(lane);
+      const int i = 2 * e.i + lane % 2, j = 2 * e.j + lane / 2;
+      if (v.good >> lane & 1) {
+        if (view.surveying) {
+          found.add_least(view, {q.flux[0][n], q.flux[1][n], q.flux[2][n], q.flux[3][n]}, v.least[n]);
+        } else {
+          found.add_error(v.error[n]);
+          found.lights.push_back(&blocks.light(e.face, i, j));
+        }
+      } else if (v.visible >> lane & 1) {
+        if (e.k == tree.first())
+          found.opened.push_back({e.face, i, j});
+        else
+          stack[count++] = {e.k - 1, e.face, i, j};
+      }
+    }
+    if (found.lights.size() > most_lights) return false;
+  }
+  return true;
+}
+
+void Judge(const Lobe& lobe, const View& view, const Quad& quad, Verdict& out) {
+  std::visit([&](const auto& l) HWY_ATTR { out = judge_four(lanes_of(l), view, quad, Vec3<float>(0), 0); }, lobe);
+}
+bool WalkDown(const Lobe& lobe, const LightTree& tree, View& view, std::size_t most_lights, Walked& found) {
+  return std::visit([&](const auto& l) HWY_ATTR { return walk_lanes(lanes_of(l), tree, view, most_lights, found); }, lobe);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace envmap
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace envmap {
+
+HWY_EXPORT(Judge);
+HWY_EXPORT(WalkDown);
+
+void Quad::set(std::size_t lane, const Light& light, const Direction& from) {
+  const Vec3<float> at(light.centre - from);
+  x[lane] = at.x, y[lane] = at.y, z[lane] = at.z;
+  reach[lane] = light.reach, spread[lane] = light.spread, uneven[lane] = light.uneven;
+  for (std::size_t c = 0; c < light_channels; ++c) flux[c][lane] = light.flux[c];
+}
+
+Verdict judge(const Lobe& lobe, const View& view, const Quad& quad) {
+  Verdict found;
+  HWY_DYNAMIC_DISPATCH(Judge)(lobe, view, quad, found);
+  return found;
+}
+
+bool walk(const LightTree& tree, const Lobe& lobe, View& view, std::size_t most_lights, Walked& found) {
+  found.lights.clear(), found.opened.clear();
+  found.power = 0;
+  found.got = {};
+  return HWY_DYNAMIC_DISPATCH(WalkDown)(lobe, tree, view, most_lights, found);
+}
+
+}  // namespace envmap
+#endif  // HWY_ONCE
