@@ -156,31 +156,22 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
 }
 
 std::vector<double> zonal(const Lobe& lobe, int order) {
-  std::vector<double> factors(static_cast<std::size_t>(order + 1), 0);
-  // Panels that halve towards the middle of the lobe and towards the horizon, where it may be bent.
+  const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
+  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon, where it may be bent.
+  const double width = std::visit([](const auto& l) { return l.width(); }, lobe);
   std::vector<double> breaks{0};
-  for (int k = -60; k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
+  for (int k = std::min(-1, std::ilogb(width) - 8); k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
   for (int k = -2; k >= -40; --k) breaks.push_back(1 - std::ldexp(1.0, k));
   breaks.push_back(1);
-  std::vector<double> inverse{0};
-  for (int l = 1; l <= order + 1; ++l) inverse.push_back(1.0 / l);
-  const double most = std::visit([](const auto& l) { return l.value(0); }, lobe);
+  const double least = 1e-25 * value(0);
+  std::vector<double> cosine, weight;
   const auto add = [&](double lo, double hi) {
-    if (std::visit([&](const auto& l) { return l.value(lo); }, lobe) < 1e-25 * most) return;
+    if (value(lo) < least) return;
     const auto& rule = quadrature::rule<24>();
     for (std::size_t n = 0; n < 24; ++n) {
-      const double x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * rule.node[n], c = 1 - x;
-      const double weight =
-          0.5 * (hi - lo) * rule.weight[n] * 2 * pi * std::visit([x](const auto& l) { return l.value(x); }, lobe);
-      double before = 1, now = c;
-      for (int l = 0; l <= order; ++l) {
-        factors[static_cast<std::size_t>(l)] += weight * (l == 0 ? 1 : now);
-        if (l > 0) {
-          const double next = c * now + (1 - inverse[static_cast<std::size_t>(l + 1)]) * (c * now - before);
-          before = now;
-          now = next;
-        }
-      }
+      const double x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * rule.node[n];
+      cosine.push_back(1 - x);
+      weight.push_back(0.5 * (hi - lo) * rule.weight[n] * 2 * pi * value(x));
     }
   };
   for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
@@ -188,6 +179,19 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
     const double lo = breaks[k], hi = breaks[k + 1];
     const int parts = 1 + static_cast<int>((std::acos(1 - hi) - std::acos(1 - lo)) * order / 10);
     for (int n = 0; n < parts; ++n) add(lo + (hi - lo) * n / parts, lo + (hi - lo) * (n + 1) / parts);
+  }
+  // Degree by degree, all points at once.
+  std::vector<double> factors, now(cosine.size(), 1), before(cosine.size(), 0);
+  for (int l = 0; l <= order; ++l) {
+    std::array<double, 4> sums{};
+    for (std::size_t n = 0; n < now.size(); ++n) sums[n % 4] += weight[n] * now[n];
+    factors.push_back((sums[0] + sums[1]) + (sums[2] + sums[3]));
+    const double rest = l / (l + 1.0);
+    for (std::size_t n = 0; n < now.size(); ++n) {
+      const double next = cosine[n] * now[n] + rest * (cosine[n] * now[n] - before[n]);
+      before[n] = now[n];
+      now[n] = next;
+    }
   }
   return factors;
 }

@@ -107,7 +107,7 @@ EnvironmentMap by_spectrum(const EnvironmentMap& source, std::unique_ptr<Spectru
                            std::span<const double> factors, double error, const Progress& progress) {
   const int order = static_cast<int>(factors.size()) - 1;
   if (!spectrum || spectrum->order() < order || spectrum->error() > error)
-    spectrum = std::make_unique<Spectrum>(source.base(), order, error, progress);
+    spectrum = std::make_unique<Spectrum>(source.base(), factors, error, progress);
   EnvironmentMap map = empty_map(p);
   spectrum->convolve(factors, {p.to, p.size, to_source(p, source)}, map.base(), progress);
   return map;
@@ -220,13 +220,12 @@ double spectral_tail(const LightTree& tree, double error) {
   return brightest > 0 ? 3e-4 * error / brightest : 1;
 }
 
-// The spectrum to go by where that is cheaper than the tree: for the many texels of a narrow lobe. Empty otherwise, and at
-// once where the lobe is bent at its horizon, which takes more degrees than there are.
-std::vector<double> worthwhile_factors(const LightTree& tree, const Prefilter& p, const Lobe& lobe) {
-  const double texels = 1.0 * p.size * p.size * aspect(p.to) * faces(p.to);
-  if (texels < 2000 || std::visit([](const auto& l) { return l.value(0.9) > 1e-2; }, lobe)) return {};
-  std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, p.max_error));
-  return texels < std::pow(static_cast<double>(factors.size()), 2) ? std::vector<double>{} : factors;
+double texels_of(const Prefilter& p) { return 1.0 * p.size * p.size * aspect(p.to) * faces(p.to); }
+
+// Whether a spectrum may be cheaper than the tree: for many texels, of a lobe that is not bent at its horizon, which would
+// take more degrees than there are.
+bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
+  return texels_of(p) >= 2000 && std::visit([](const auto& l) { return l.value(0.9) <= 1e-2; }, lobe);
 }
 
 // What --scale makes of a normalised lobe.
@@ -291,19 +290,23 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
       case Method::exact: return exact();
       case Method::hierarchical: return refined();
       case Method::spectral: {
-        const std::vector<double> factors = spectral_factors(lobe, spectral_tail(tree, wanted.max_error));
-        return spectral(factors.empty() ? zonal(lobe, most_spectral_order) : factors, wanted.max_error);
+        const std::vector<double> all = zonal(lobe, most_spectral_order);
+        const std::vector<double> factors = spectral_factors(all, spectral_tail(tree, wanted.max_error));
+        return spectral(factors.empty() ? all : factors, wanted.max_error);
       }
       case Method::sh: return timed(Method::sh, [&](auto&) { return by_harmonics(map_, wanted, lobe, progress); });
       case Method::automatic: break;
     }
     if (wanted.max_error < finest) return exact();
-    if (const std::vector<double> factors = worthwhile_factors(tree, wanted, lobe); !factors.empty())
+    if (may_be_spectral(wanted, lobe)) {
+      const std::vector<double> all = zonal(lobe, most_spectral_order);
+      std::vector<double> factors;
       for (const double error : {wanted.max_error, wanted.max_error / 10}) {
-        const std::vector<double> more = spectral_factors(lobe, spectral_tail(tree, error));
-        if (Prefiltered done = spectral(more.empty() ? factors : more, error); done.error <= 0.7 * wanted.max_error)
-          return done;
+        if (const auto found = spectral_factors(all, spectral_tail(tree, error)); !found.empty()) factors = found;
+        if (factors.empty() || texels_of(wanted) < std::pow(static_cast<double>(factors.size()), 2)) break;
+        if (Prefiltered done = spectral(factors, error); done.error <= 0.7 * wanted.max_error) return done;
       }
+    }
     Prefiltered done = refined();
     return done.reached ? std::move(done) : exact();
   };

@@ -5,15 +5,26 @@
 #include <cmath>
 #include <optional>
 
-#include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
-#include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/harmonics.h"
+#include "envmap/prefilter/on_rings.h"
 
 namespace envmap {
 namespace {
 
-int columns_for(int order) { return std::max(64, static_cast<int>(std::bit_ceil(6U * static_cast<unsigned>(order)))); }
+// Samples on a ring. Interpolation by eight points is off by at most 1.07e-3 (2 pi l / columns)^8 of degree l, the product of
+// their distances over 8!; both ways, there and back. What the lobe leaves of that is to be a small part of the error.
+int columns_for(std::span<const double> factors, double error) {
+  for (int columns = 64;; columns *= 2) {
+    double off = 0, peak = 0;
+    for (std::size_t l = 0; l < factors.size(); ++l) {
+      const double part = (2.0 * static_cast<double>(l) + 1) * std::abs(factors[l]);
+      peak += part;
+      off += 4 * 1.07e-3 * std::pow(2 * pi * static_cast<double>(l) / columns, 8) * part;
+    }
+    if (columns > 2 * static_cast<int>(factors.size()) && off <= 0.1 * error * peak) return columns;
+  }
+}
 
 // ---- along the rings --------------------------------------------------------------------------------------------------
 
@@ -245,155 +256,30 @@ void for_blocks(int order, int m, int rings, F&& f) {
   }
 }
 
-// ---- texels to points -------------------------------------------------------------------------------------------------
-
-struct Point {
-  double u, v;
-  std::array<double, 3> flux;
-};
-
-// The points of a row of texels, in the order of the stripes of rings that they are spread to.
-struct Row {
-  std::vector<Point> points;
-  std::vector<std::size_t> starts;
-};
-
-constexpr int stripe = 16;  // Rings; more than a stencil has.
-
-// How far a texel may reach to be one point, or four: Gauss points are off by (l h)^2 / 24 and (l h)^4 / 4320, which the lobe
-// damps at high degrees l; in the tail of a bright texel's lobe nothing hides it.
-struct Reaches {
-  double one, four;
-};
-Reaches reaches(int order, double error, bool bright) {
-  if (bright) return {0, 1.4 * std::pow(650 * error, 0.25) / order};
-  return {std::sqrt(500 * error) / order, 3.2 * std::pow(6200 * error, 0.25) / order};
-}
-
-template <class P, class F>
-void gauss(int face, const Wedge& wedge, double reach, int depth, F&& add) {
-  if (depth > 0 && wedge.far - wedge.near > reach) {
-    for_halves(wedge, [&](const Wedge& half) { gauss<P>(face, half, reach, depth - 1, add); });
-  } else {
-    wedge.points(add);
-  }
-}
-template <class P, class F>
-void gauss(int face, const Rect& rect, double reach, int depth, F&& add) {
-  const Coverage where = coverage<P>(rect);
-  if (where == Coverage::outside) return;
-  const auto parts = [&] { for_parts<P>(rect, [&](const auto& part) { gauss<P>(face, part, reach, depth - 1, add); }); };
-  if (at_rim<P>(rect)) return parts();
-  std::array<Direction, 4> points;
-  std::array<double, 4> weights;
-  gauss_points<P>(face, rect, points, weights);
-  const double across = 1.75 * std::max(glm::length(points[0] - points[3]), glm::length(points[1] - points[2]));
-  if (depth > 0 && (across > reach || (where == Coverage::cut && depth > 3))) {
-    parts();
-  } else if (where == Coverage::cut) {
-    const Patch p = patch<P>(face, rect);
-    if (p.solid_angle > 0) add(glm::normalize(p.centre), p.solid_angle);
-  } else {
-    for (std::size_t k = 0; k < 4; ++k) add(points[k], weights[k]);
-  }
-}
-
-template <class P>
-Row points_of(const Level& source, int face, int row, int order, double error, double mean, const RingGrid& grid) {
-  const int size = source.height();
-  const double w = source.width(), h = size;
-  const Columns in = columns(source.projection(), size, row);
-  const auto count = static_cast<std::size_t>(std::max(0, in.end - in.first));
-  std::vector<Direction> d(count), beside(count), points;
-  std::vector<double> omega(static_cast<std::size_t>(source.width()));
-  texel_directions(source.projection(), size, face, row, in.first, d);
-  texel_directions(source.projection(), size, face, row > 0 ? row - 1 : std::min(row + 1, size - 1), in.first, beside);
-  solid_angles(source.projection(), size, row, omega);
-  std::vector<std::array<double, 3>> fluxes;
-  for (std::size_t k = 0; k < count; ++k) {
-    const int i = in.first + static_cast<int>(k);
-    const Flux radiance(*source.texel(face, i, row));
-    if (radiance == Flux(0)) continue;
-    const auto add = [&](const Direction& at, double weight) {
-      points.push_back(at);
-      fluxes.push_back({weight * radiance.x, weight * radiance.y, weight * radiance.z});
-    };
-    const Reaches most = reaches(order, error, std::max({radiance.x, radiance.y, radiance.z}) > 10 * mean);
-    const Rect rect{i / w, row / h, (i + 1) / w, (row + 1) / h};
-    const double reach =
-        1.1 * std::max(glm::length(d[k] - d[k > 0 ? k - 1 : std::min(count - 1, k + 1)]), glm::length(d[k] - beside[k]));
-    if (count > 1 && size > 1 && reach < most.one && coverage<P>(rect) == Coverage::inside)
-      add(d[k], omega[static_cast<std::size_t>(i)]);
-    else
-      gauss<P>(face, rect, most.four, 6, add);
-  }
-  std::vector<Location<double>> places(points.size());
-  locate(Projection::latlong, points, places);
-  Row sorted{std::vector<Point>(points.size()),
-             std::vector<std::size_t>(static_cast<std::size_t>((grid.rings + stripe - 1) / stripe) + 1, 0)};
-  const auto stripe_of = [&](double v) {
-    return static_cast<std::size_t>(std::clamp(static_cast<int>(v * grid.rings), 0, grid.rings - 1) / stripe);
-  };
-  for (const auto& p : places) ++sorted.starts[stripe_of(p.v) + 1];
-  for (std::size_t k = 1; k < sorted.starts.size(); ++k) sorted.starts[k] += sorted.starts[k - 1];
-  std::vector<std::size_t> next = sorted.starts;
-  for (std::size_t k = 0; k < points.size(); ++k)
-    sorted.points[next[stripe_of(places[k].v)]++] = {places[k].u, places[k].v, fluxes[k]};
-  return sorted;
-}
-
-// All of a source on the rings. Stripes are filled every other at a time: no two at work share a ring.
-RingGrid on_rings(const Level& source, int order, double error, const Progress& progress) {
-  RingGrid grid(columns_for(order));
-  const double mean = mean_radiance(source);
-  const int rows = source.faces() * source.height(), stripes = (grid.rings + stripe - 1) / stripe;
-  const int band = std::max(1, (1 << 18) / source.width());
-  for (int start = 0; start < rows; start += band) {
-    const auto found = map_rows<Row>(std::min(band, rows - start), [&](int k) {
-      const int face = (start + k) / source.height(), row = (start + k) % source.height();
-      return visit(source.projection(),
-                   [&](auto p) { return points_of<decltype(p)>(source, face, row, order, error, mean, grid); });
-    });
-    for (int parity = 0; parity < 2; ++parity)
-      tbb::parallel_for(0, (stripes - parity + 1) / 2, [&](int k) {
-        const auto s = static_cast<std::size_t>(2 * k + parity);
-        for (const Row& row : found)
-          for (std::size_t n = row.starts[s]; n < row.starts[s + 1]; ++n)
-            spread(grid, stencil_at(grid, row.points[n].u, row.points[n].v), row.points[n].flux);
-      });
-    if (progress) progress(0.8 * std::min(rows, start + band) / rows);
-  }
-  for (int ring = 0; ring < grid.rings; ++ring)
-    for (std::size_t c = 0; c < 3; ++c) {
-      double* row = grid.row(ring, c);
-      for (std::size_t k = 0; k < taps; ++k) row[k] += row[static_cast<std::size_t>(grid.columns) + k];
-    }
-  return grid;
-}
-
 }  // namespace
 
-std::vector<double> spectral_factors(const Lobe& lobe, double tail) {
-  std::vector<double> factors = zonal(lobe, most_spectral_order);
+std::vector<double> spectral_factors(std::vector<double> factors, double tail) {
+  const auto most = static_cast<double>(factors.size() - 1);
   // What lies beyond is taken to fall as it does in the last ten.
   double left = 0;
   for (std::size_t l = factors.size() - 10; l < factors.size(); ++l) left = std::max(left, std::abs(factors[l]));
-  left *= 2 * most_spectral_order * most_spectral_order / (4 * pi);
+  left *= 2 * most * most / (4 * pi);
+  if (left > tail) return {};
   while (!factors.empty() && left <= tail) {
     left += (2.0 * static_cast<double>(factors.size()) - 1) / (4 * pi) * std::abs(factors.back());
     if (left <= tail) factors.pop_back();
   }
-  return factors.size() > most_spectral_order ? std::vector<double>{} : factors;
+  return factors;
 }
 
-Spectrum::Spectrum(const Level& source, int order, double error, const Progress& progress)
-    : order_(order), error_(error), coefficients_(first_of(order, order) + 1) {
-  const int rings = columns_for(order) / 2;
+Spectrum::Spectrum(const Level& source, std::span<const double> factors, double error, const Progress& progress)
+    : order_(static_cast<int>(factors.size()) - 1), error_(error), coefficients_(first_of(order_, order_) + 1) {
+  const int order = order_, columns = columns_for(factors, error), rings = columns / 2;
   Bands bands(order, rings);
   if (is_on_rings(source, order)) {
     analyse_rows(source, order, rings, bands, progress);
   } else {
-    RingGrid grid = on_rings(source, order, error, progress);
+    RingGrid grid = on_rings(source, order, columns, error, progress);
     analyse_rings(grid, order, bands);
   }
   tbb::parallel_for(0, order + 1, [&](int m) {
@@ -408,7 +294,7 @@ Spectrum::Spectrum(const Level& source, int order, double error, const Progress&
 
 void Spectrum::convolve(std::span<const double> factors, const Target& target, Level& out, const Progress& progress) const {
   const int order = static_cast<int>(factors.size()) - 1;
-  RingGrid grid(columns_for(order));
+  RingGrid grid(columns_for(factors, error_));
   Bands bands(order, grid.rings);
   tbb::parallel_for(0, order + 1, [&](int m) {
     std::vector<Parts> scaled(static_cast<std::size_t>(order - m + 1));

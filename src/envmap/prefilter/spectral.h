@@ -18,19 +18,21 @@ namespace envmap {
 inline constexpr int most_spectral_order = 340;
 
 /// What a lobe makes of each degree, as far as they count: the light of one steradian and radiance 1, spread by the lobe and
-/// cut at that degree, is nowhere off by more than `tail`. Empty where that takes more than `most_spectral_order`.
-std::vector<double> spectral_factors(const Lobe& lobe, double tail);
+/// cut at that degree, is nowhere off by more than `tail`. Empty where that takes more degrees than are given.
+/// @param factors zonal() of the lobe, of ten degrees or more.
+std::vector<double> spectral_factors(std::vector<double> factors, double tail);
 
 /// Complex coefficients of a map's radiance about the image's own pole, to some degree.
 ///
 /// Texels are taken as Gauss points, and those go to a grid of rings by the transpose of 8 x 8-point Lagrange interpolation,
-/// which is what harmonics are smooth enough for on a grid of six samples a wave; from there by fast Fourier transforms
+/// on a grid as dense as the lobe needs; from there by fast Fourier transforms
 /// along the rings and sums over Legendre functions (Driscoll and Healy 1994, "Computing Fourier transforms and convolutions
 /// on the 2-sphere", without its fast Legendre transform). The way back is the same transposed.
 class Spectrum {
  public:
-  /// @param error of the results that are made of it, which says how many points a texel takes.
-  Spectrum(const Level& source, int order, double error, const Progress& progress = {});
+  /// @param factors of the narrowest lobe. @param error of the results that are made of it, which says how dense the grid is
+  /// and how many points a texel takes.
+  Spectrum(const Level& source, std::span<const double> factors, double error, const Progress& progress = {});
 
   [[nodiscard]] int order() const { return order_; }
   [[nodiscard]] double error() const { return error_; }

@@ -26,17 +26,39 @@ HWY_INLINE Place place(const RingGrid& grid, const Stencil& at, std::size_t k) {
   return {ring < 0 ? -1 - ring : 2 * grid.rings - 1 - ring, (at.column + grid.columns / 2) % grid.columns};
 }
 
-void Spread(RingGrid& grid, const Stencil& at, const std::array<double, 3>& colour) {
+// The stencils of all points of a spot first, as one table; then that times each colour.
+void SpreadOne(RingGrid& grid, const Spot& spot) {
   const D d;
-  for (std::size_t k = 0; k < taps; ++k) {
-    const Place to = place(grid, at, k);
-    for (std::size_t c = 0; c < 3; ++c) {
-      double* row = grid.row(to.ring, c) + to.column;
-      const V weight = hn::Set(d, at.down[k] * colour[c]);
-      for (std::size_t n = 0; n < taps; n += hn::Lanes(d))
-        hn::StoreU(hn::Add(hn::LoadU(d, row + n), hn::Mul(weight, hn::LoadU(d, &at.across[n]))), d, row + n);
+  double row_sum = 0, column_sum = 0;
+  for (std::size_t n = 0; n < spot.count; ++n) row_sum += spot.down[n], column_sum += spot.across[n];
+  constexpr int before = taps / 2 - 1;
+  const int ring = static_cast<int>(std::floor(row_sum / static_cast<double>(spot.count))) - before;
+  const int column = static_cast<int>(std::floor(column_sum / static_cast<double>(spot.count))) - before;
+  alignas(64) std::array<std::array<double, taps>, taps> table{};
+  for (std::size_t n = 0; n < spot.count; ++n) {
+    const std::array<double, taps> down = lagrange(spot.down[n] - ring), across = lagrange(spot.across[n] - column);
+    for (std::size_t k = 0; k < taps; ++k) {
+      const V weight = hn::Set(d, spot.weight[n] * down[k]);
+      for (std::size_t s = 0; s < taps; s += hn::Lanes(d))
+        hn::Store(hn::Add(hn::Load(d, &table[k][s]), hn::Mul(weight, hn::LoadU(d, &across[s]))), d, &table[k][s]);
     }
   }
+  const Stencil at{ring, (column + 2 * grid.columns) % grid.columns, {}, {}};
+  for (std::size_t k = 0; k < taps; ++k) {
+    const Place first = place(grid, at, k);
+    for (std::size_t turn = 0; turn < spot.light.turns; ++turn) {
+      const int to = (first.column + static_cast<int>(turn) * (grid.columns / 4)) % grid.columns;
+      for (std::size_t c = 0; c < 3; ++c) {
+        double* row = grid.row(first.ring, c) + to;
+        const V colour = hn::Set(d, spot.light.colours[turn][c]);
+        for (std::size_t s = 0; s < taps; s += hn::Lanes(d))
+          hn::StoreU(hn::Add(hn::LoadU(d, row + s), hn::Mul(colour, hn::Load(d, &table[k][s]))), d, row + s);
+      }
+    }
+  }
+}
+void Spread(RingGrid& grid, std::span<const Spot> spots) {
+  for (const Spot& spot : spots) SpreadOne(grid, spot);
 }
 
 // The sum down first, then across in one order whatever the width of a vector.
@@ -114,27 +136,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace envmap {
-namespace {
-
-// Lagrange's polynomials of nodes 0, 1, ... taps - 1 at t.
-std::array<double, taps> lagrange(double t) {
-  static constexpr std::array<double, taps> scale{-1.0 / 5040, 1.0 / 720, -1.0 / 240, 1.0 / 144,
-                                                  -1.0 / 144,  1.0 / 240, -1.0 / 720, 1.0 / 5040};
-  std::array<double, taps> weights;
-  double below = 1, above = 1;
-  for (std::size_t k = 0; k < taps; ++k) {
-    weights[k] = scale[k] * below;
-    below *= t - static_cast<double>(k);
-  }
-  for (std::size_t k = taps; k-- > 0;) {
-    weights[k] *= above;
-    above *= t - static_cast<double>(k);
-  }
-  return weights;
-}
-
-}  // namespace
-
 HWY_EXPORT(Spread);
 HWY_EXPORT(Interpolate);
 HWY_EXPORT(Legendre);
@@ -148,9 +149,7 @@ Stencil stencil_at(const RingGrid& grid, double u, double v) {
   return {ring, (column + 2 * grid.columns) % grid.columns, lagrange(down - ring), lagrange(across - column)};
 }
 
-void spread(RingGrid& grid, const Stencil& at, const std::array<double, 3>& colour) {
-  HWY_DYNAMIC_DISPATCH(Spread)(grid, at, colour);
-}
+void spread(RingGrid& grid, std::span<const Spot> spots) { HWY_DYNAMIC_DISPATCH(Spread)(grid, spots); }
 std::array<double, 3> interpolate(RingGrid& grid, const Stencil& at) {
   std::array<double, 3> found;
   HWY_DYNAMIC_DISPATCH(Interpolate)(grid, at, found);

@@ -25,6 +25,23 @@ struct RingGrid {
   }
 };
 
+/// Lagrange's polynomials of nodes 0, 1, ... taps - 1 at t.
+inline std::array<double, taps> lagrange(double t) {
+  static constexpr std::array<double, taps> scale{-1.0 / 5040, 1.0 / 720, -1.0 / 240, 1.0 / 144,
+                                                  -1.0 / 144,  1.0 / 240, -1.0 / 720, 1.0 / 5040};
+  std::array<double, taps> weights;
+  double below = 1, above = 1;
+  for (std::size_t k = 0; k < taps; ++k) {
+    weights[k] = scale[k] * below;
+    below *= t - static_cast<double>(k);
+  }
+  for (std::size_t k = taps; k-- > 0;) {
+    weights[k] *= above;
+    above *= t - static_cast<double>(k);
+  }
+  return weights;
+}
+
 /// Where a direction lies among the samples, and the weights of Lagrange's polynomial there.
 struct Stencil {
   int ring, column;  ///< The first ones; rings beyond a pole are those on its other side, half a turn on.
@@ -34,8 +51,28 @@ struct Stencil {
 /// @param u,v of the latlong image of the grid, [0,1].
 Stencil stencil_at(const RingGrid& grid, double u, double v);
 
-/// Adds a colour x a stencil: what interpolation does, transposed.
-void spread(RingGrid& grid, const Stencil& at, const std::array<double, 3>& colour);
+inline constexpr std::size_t most_turns = 4;
+
+/// Radiance that falls on the same points, turned by quarters of a ring.
+struct RingLight {
+  std::array<std::array<double, 3>, most_turns> colours;
+  std::size_t turns;
+};
+
+/// A few points that are less than a sample from the first, with their solid angles.
+struct Spot {
+  static constexpr std::size_t most = 4;
+  RingLight light{};
+  std::size_t count = 0;
+  std::array<double, most> down{}, across{}, weight{};  ///< In rings from the first, in columns.
+
+  void add(double ring, double column, double solid_angle) {
+    down[count] = ring, across[count] = column, weight[count++] = solid_angle;
+  }
+};
+
+/// Adds spots to the samples round them: what interpolation does, transposed.
+void spread(RingGrid& grid, std::span<const Spot> spots);
 
 std::array<double, 3> interpolate(RingGrid& grid, const Stencil& at);
 

@@ -1,0 +1,15 @@
+/// @file
+/// Texels to rings: the first step of the spectral method for images that are not rings themselves.
+#pragma once
+
+#include "envmap/map/environment_map.h"
+#include "envmap/operate/progress.h"
+#include "envmap/prefilter/spectral_kernels.h"
+
+namespace envmap {
+
+/// A source as point lights on the samples of rings, such that its harmonics up to `order` come out right: the transpose of
+/// interpolation at the Gauss points of each texel. @param error of the results, which says how many points a texel takes.
+RingGrid on_rings(const Level& source, int order, int columns, double error, const Progress& progress = {});
+
+}  // namespace envmap
