@@ -24,19 +24,42 @@ class Cutter {
   Cutter(const LightTree& tree, const Lobe& lobe, View& view, Walked& found, Add add)
       : tree_(tree), lobe_(lobe), view_(view), found_(found), add_(std::move(add)) {}
 
-  void texels(const Opened& block) {
+  void open(const Opened& block) {
     const Level& source = tree_.source();
-    const double w = source.width(), h = source.height(), scale = tree_.mean() > 0 ? 1 / tree_.mean() : 0;
     const int side = 1 << tree_.first(), left = block.i * side, top = block.j * side;
-    Four<Rect> four;
-    for (int j = top; j < std::min(source.height(), top + side); ++j)
-      for (int i = left; i < std::min(source.width(), left + side); ++i)
-        take(block.face, Rect{i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(block.face, i, j)), 0, four);
-    judge_all(block.face, 0, four);
+    open(block.face, {left, top, std::min(source.width(), left + side), std::min(source.height(), top + side)});
   }
 
  private:
   static constexpr int deepest = 24;
+
+  // Four smaller blocks, or the texels.
+  void open(int face, const Span& in) {
+    const int middle = (in.left + in.right) / 2, centre = (in.top + in.bottom) / 2;
+    const std::array<Span, 4> parts{{{in.left, in.top, middle, centre},
+                                     {middle, in.top, in.right, centre},
+                                     {in.left, centre, middle, in.bottom},
+                                     {middle, centre, in.right, in.bottom}}};
+    std::array<Light, 4> lights;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const std::optional<Light> light = tree_.block(face, parts[k]);
+      if (!light) return texels(face, in);
+      lights[k] = *light;
+    }
+    judge_all(lights, [&](std::size_t k) {
+      open(face, parts[k]);
+      return true;
+    });
+  }
+  void texels(int face, const Span& in) {
+    const Level& source = tree_.source();
+    const double w = source.width(), h = source.height(), scale = tree_.mean() > 0 ? 1 / tree_.mean() : 0;
+    Four<Rect> four;
+    for (int j = in.top; j < in.bottom; ++j)
+      for (int i = in.left; i < in.right; ++i)
+        take(face, Rect{i / w, j / h, (i + 1) / w, (j + 1) / h}, scale * Flux(*source.texel(face, i, j)), 0, four);
+    judge_all(face, 0, four);
+  }
 
   template <class Cell>
   struct Four {
@@ -72,20 +95,28 @@ class Cutter {
   }
   template <class Cell>
   void judge_all(int face, int depth, Four<Cell>& four) {
-    if (four.count == 0) return;
-    Quad quad;
-    for (std::size_t k = 0; k < four.count; ++k) quad.set(k, four.lights[k], view_.middle);
-    const Verdict v = judge(lobe_, view_, quad);
-    for (std::size_t k = 0; k < four.count; ++k) {
-      if (!(v.visible >> k & 1)) continue;
-      if (!(v.good >> k & 1) && depth < deepest)
-        cut(face, four.cells[k], four.radiance[k], depth);
-      else if (view_.surveying)
-        found_.add_least(view_, four.lights[k].flux, v.least[k]);
-      else
-        found_.add_error(v.error[k]), add_(four.lights[k]);
-    }
+    if (four.count > 0)
+      judge_all(std::span(four.lights).first(four.count), [&](std::size_t k) {
+        if (depth < deepest) cut(face, four.cells[k], four.radiance[k], depth);
+        return depth < deepest;
+      });
     four.count = 0;
+  }
+  // Of lights that are not good enough worse(k) says whether it did something about them.
+  template <class Worse>
+  void judge_all(std::span<const Light> lights, Worse&& worse) {
+    Quad quad;
+    for (std::size_t k = 0; k < lights.size(); ++k) quad.set(k, lights[k], view_.middle);
+    const Verdict v = judge(lobe_, view_, quad);
+    for (std::size_t k = 0; k < lights.size(); ++k) {
+      if (!(v.visible >> k & 1) || (!(v.good >> k & 1) && worse(k))) continue;
+      if (view_.surveying) {
+        found_.add_least(view_, lights[k].flux, v.least[k]);
+      } else {
+        found_.add_error(v.error[k]);
+        add_(lights[k]);
+      }
+    }
   }
 
   const LightTree& tree_;
@@ -104,7 +135,7 @@ bool list_lights(const LightTree& tree, const Lobe& lobe, View& view, std::size_
   return visit(tree.source().projection(), [&](auto p) {
     Cutter<decltype(p), decltype(counted)> cutter(tree, lobe, view, found, counted);
     for (const Opened& block : found.opened) {
-      cutter.texels(block);
+      cutter.open(block);
       if (count > most_lights) return false;
     }
     return true;

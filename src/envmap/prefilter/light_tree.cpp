@@ -45,13 +45,6 @@ double mean_of(const Level& source) {
   return all.weight > 0 ? (all.flux.x + all.flux.y + all.flux.z) / (3 * all.weight) : 0;
 }
 
-// Texels of a block: columns from left to right - 1, rows from top to bottom - 1.
-struct Span {
-  int left, top, right, bottom;
-  [[nodiscard]] int width() const { return right - left; }
-  [[nodiscard]] int height() const { return bottom - top; }
-};
-
 Rect rect_of(const Span& in, const Level& source) {
   const double w = source.width(), h = source.height();
   return {in.left / w, in.top / h, in.right / w, in.bottom / h};
@@ -72,7 +65,8 @@ struct Strip {
   int left = 0, top = 0, width = 0;
   std::vector<Direction> directions;
 
-  Strip(const Level& source, int face, const Span& in) : left(in.left), top(in.top), width(in.width()) {
+  void set(const Level& source, int face, const Span& in) {
+    left = in.left, top = in.top, width = in.width();
     directions.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(in.height()));
     for (int j = in.top; j < in.bottom; ++j)
       texel_directions(source.projection(), source.height(), face, j, left,
@@ -136,6 +130,16 @@ Light rim_block(const Level& source, int face, const Span& in, double scale) {
 
 }  // namespace
 
+std::optional<Light> LightTree::block(int face, const Span& in) const {
+  return visit(source_.projection(), [&](auto p) -> std::optional<Light> {
+    using P = decltype(p);
+    if (!is_plain<P>(in, rect_of(in, source_))) return std::nullopt;
+    thread_local Strip strip;
+    strip.set(source_, face, in);
+    return plain_block<P>(source_, face, in, strip, mean_ > 0 ? 1 / mean_ : 0);
+  });
+}
+
 void LightTree::Blocks::set_quads(int faces) {
   const int across = halves(width), down = halves(height);
   quads.resize(static_cast<std::size_t>(faces) * static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
@@ -161,7 +165,8 @@ LightTree::LightTree(const Level& source) : source_(source), mean_(mean_of(sourc
       const int top = bj * side, bottom = std::min(height, top + side);
       for (int start = 0; start < width; start += std::max(at_once, side)) {
         const int end = std::min(width, start + std::max(at_once, side));
-        const Strip strip(source, face, {start, top, side > 1 ? end : start, bottom});
+        thread_local Strip strip;
+        if (side > 1) strip.set(source, face, {start, top, end, bottom});
         for (int left = start; left < end; left += side) {
           const Span in{left, top, std::min(width, left + side), bottom};
           lowest.light(face, left / side, bj) = is_plain<P>(in, rect_of(in, source))

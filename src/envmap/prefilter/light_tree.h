@@ -2,12 +2,20 @@
 /// The source as a quad-tree of lights: every block of 2^k x 2^k texels of a face with its moments.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "envmap/map/environment_map.h"
 #include "envmap/prefilter/quad.h"
 
 namespace envmap {
+
+/// Texels of a block: columns from left to right - 1, rows from top to bottom - 1.
+struct Span {
+  int left, top, right, bottom;
+  [[nodiscard]] int width() const { return right - left; }
+  [[nodiscard]] int height() const { return bottom - top; }
+};
 
 /// Blocks above a size are stored; smaller ones are few where a lobe is wide and are made as they are wanted: the texels
 /// of a block, and below a texel its quarters.
@@ -39,6 +47,8 @@ class LightTree {
   [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
   [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
   [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
+  /// A block smaller than those that are stored; nothing where a rim cuts or stretches it, or it has one row or column.
+  [[nodiscard]] std::optional<Light> block(int face, const Span& in) const;
   [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[static_cast<std::size_t>(k - first_)]; }
  private:
   const Level& source_;

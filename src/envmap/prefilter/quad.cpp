@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include <hwy/cache_control.h>
+
 #include "envmap/prefilter/light_tree.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -18,6 +20,12 @@ namespace HWY_NAMESPACE {
 
 using Few = hn::CappedTag<float, 4>;
 using V = hn::Vec<Few>;
+
+// Brings what is read later on its way.
+template <class T>
+HWY_INLINE void fetch(const T* what) {
+  for (std::size_t k = 0; k < sizeof(T); k += 64) hwy::Prefetch(reinterpret_cast<const char*>(what) + k);
+}
 
 HWY_INLINE unsigned bits_of(hn::Mask<Few> mask) {
   std::uint8_t bits[8] = {};
@@ -104,12 +112,15 @@ bool walk_lanes(const Lanes& lobe, const LightTree& tree, View& view, std::size_
         } else {
           found.add_error(v.error[n]);
           found.lights.push_back(&blocks.light(e.face, i, j));
+          fetch(found.lights.back());
         }
       } else if (v.visible >> lane & 1) {
-        if (e.k == tree.first())
+        if (e.k == tree.first()) {
           found.opened.push_back({e.face, i, j});
-        else
+        } else {
           stack[count++] = {e.k - 1, e.face, i, j};
+          fetch(&tree.blocks(e.k - 1).quad(e.face, i, j));
+        }
       }
     }
     if (found.lights.size() > most_lights) return false;
