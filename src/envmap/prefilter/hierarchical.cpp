@@ -82,6 +82,7 @@ class Cutter {
   }
   template <class Cell>
   void cut(int face, const Cell& cell, const Flux& radiance, int depth) {
+    if (found_.count > view_.most_lights) return;
     Four<Rect> rects;
     Four<Wedge> wedges;
     for_parts<P>(cell, [&](const auto& part) {
@@ -126,38 +127,31 @@ class Cutter {
   Add add_;
 };
 
-// Goes through all that a view sees. @return false, having given up, beyond `most_lights`.
-template <class Add>
-bool list_lights(const LightTree& tree, const Lobe& lobe, View& view, std::size_t most_lights, Walked& found, Add add) {
-  if (!walk(tree, lobe, view, most_lights, found)) return false;
-  std::size_t count = found.lights.size();
-  const auto counted = [&](const Light& light) { add(light), ++count; };
-  return visit(tree.source().projection(), [&](auto p) {
-    Cutter<decltype(p), decltype(counted)> cutter(tree, lobe, view, found, counted);
-    for (const Opened& block : found.opened) {
-      cutter.open(block);
-      if (count > most_lights) return false;
-    }
-    return true;
-  });
-}
-
 // Calls add(light) for lights that are good enough for the directions of a view. @return their remainders, as if they were
-// independent; nothing where there would be more than `most_lights`.
+// independent; nothing where there are more than `most_lights`.
 template <class Add>
 std::optional<double> good_lights(const LightTree& tree, const Lobe& lobe, const Direction& middle, double radius,
                                   const Accuracy& accuracy, std::size_t most_lights, Add add) {
   constexpr auto least = static_cast<float>(1 / floor_of_error);
   thread_local Walked found;
   View view{.middle = middle, .radius = radius, .most = {least, least, least, 1}, .surveying = true};
-  // The least that any direction gets, from below: first from afar, then closer.
-  for (const float gap : {1.F, 0.05F}) {
-    view.limit = gap;
-    list_lights(tree, lobe, view, SIZE_MAX, found, [](const Light&) {});
-  }
-  view.surveying = false;
-  view.limit = static_cast<float>(accuracy.light);
-  if (!list_lights(tree, lobe, view, most_lights, found, add)) return std::nullopt;
+  visit(tree.source().projection(), [&](auto p) {
+    Cutter<decltype(p), Add> cutter(tree, lobe, view, found, add);
+    const auto go = [&] {
+      walk(tree, lobe, view, found);
+      for (const Opened& block : found.opened) cutter.open(block);
+    };
+    // The least that any direction gets, from below: first from afar, then closer.
+    for (const float gap : {1.F, 0.05F}) {
+      view.limit = gap;
+      go();
+    }
+    view.surveying = false;
+    view.limit = static_cast<float>(accuracy.light);
+    view.most_lights = most_lights;
+    go();
+  });
+  if (found.count > most_lights) return std::nullopt;
   for (const Light* light : found.lights) add(*light);
   return std::sqrt(found.power);
 }

@@ -89,7 +89,7 @@ HWY_INLINE Verdict judge_four(const Lanes& lobe, const View& view, const Quad& q
 }
 
 template <class Lanes>
-bool walk_lanes(const Lanes& lobe, const LightTree& tree, View& view, std::size_t most_lights, Walked& found) {
+void walk_lanes(const Lanes& lobe, const LightTree& tree, View& view, Walked& found) {
   constexpr float slack = 3e-7F;  // Of stored centres in float32.
   const Vec3<float> middle(view.middle);
   struct Entry {
@@ -98,7 +98,7 @@ bool walk_lanes(const Lanes& lobe, const LightTree& tree, View& view, std::size_
   std::array<Entry, 160> stack;  // Three are left behind on each of at most 30 levels, and the faces.
   std::size_t count = 0;
   for (int face = faces(tree.source().projection()); face-- > 0;) stack[count++] = {tree.last(), face, 0, 0};
-  while (count > 0) {
+  while (count > 0 && found.count <= view.most_lights) {
     const Entry e = stack[--count];
     const LightTree::Blocks& blocks = tree.blocks(e.k);
     const Quad& q = blocks.quad(e.face, e.i, e.j);
@@ -123,16 +123,14 @@ bool walk_lanes(const Lanes& lobe, const LightTree& tree, View& view, std::size_
         }
       }
     }
-    if (found.lights.size() > most_lights) return false;
   }
-  return true;
 }
 
 void Judge(const Lobe& lobe, const View& view, const Quad& quad, Verdict& out) {
   std::visit([&](const auto& l) HWY_ATTR { out = judge_four(lanes_of(l), view, quad, Vec3<float>(0), 0); }, lobe);
 }
-bool WalkDown(const Lobe& lobe, const LightTree& tree, View& view, std::size_t most_lights, Walked& found) {
-  return std::visit([&](const auto& l) HWY_ATTR { return walk_lanes(lanes_of(l), tree, view, most_lights, found); }, lobe);
+void WalkDown(const Lobe& lobe, const LightTree& tree, View& view, Walked& found) {
+  std::visit([&](const auto& l) HWY_ATTR { walk_lanes(lanes_of(l), tree, view, found); }, lobe);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -158,11 +156,12 @@ Verdict judge(const Lobe& lobe, const View& view, const Quad& quad) {
   return found;
 }
 
-bool walk(const LightTree& tree, const Lobe& lobe, View& view, std::size_t most_lights, Walked& found) {
+void walk(const LightTree& tree, const Lobe& lobe, View& view, Walked& found) {
   found.lights.clear(), found.opened.clear();
   found.power = 0;
+  found.count = 0;
   found.got = {};
-  return HWY_DYNAMIC_DISPATCH(WalkDown)(lobe, tree, view, most_lights, found);
+  HWY_DYNAMIC_DISPATCH(WalkDown)(lobe, tree, view, found);
 }
 
 }  // namespace envmap

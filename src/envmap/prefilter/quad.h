@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "envmap/prefilter/light.h"
@@ -31,6 +32,7 @@ struct View {
   float limit = 0;    ///< What a light may be off, relative to that.
   /// Looks for the least that directions get: a light is good where the lobe changes by less than the limit over it.
   bool surveying = false;
+  std::size_t most_lights = SIZE_MAX;  ///< There is no use for more.
 };
 
 /// What a view makes of four lights; a bit each.
@@ -60,9 +62,11 @@ struct Walked {
   std::vector<const Light*> lights;
   std::vector<Opened> opened;
   double power;  ///< Sum of the squares of the remainders.
-  LightFlux got;      ///< What directions get at least of the lights.
+  LightFlux got;  ///< What directions get at least of the lights.
+  std::size_t count;  ///< Of good lights, those below the stored blocks among them.
 
   void add_error(float error) {
+    ++count;
     power += static_cast<double>(error) * error;
   }
   void add_least(View& view, const LightFlux& flux, float value) {
@@ -74,7 +78,7 @@ struct Walked {
 };
 
 /// Goes down from the largest blocks until they are good, or the lowest. @param view while surveying `most` falls with what
-/// is found. @return false, having given up, where there would be more than `most_lights`.
-bool walk(const LightTree& tree, const Lobe& lobe, View& view, std::size_t most_lights, Walked& found);
+/// is found. Stops early where there are more lights than of use.
+void walk(const LightTree& tree, const Lobe& lobe, View& view, Walked& found);
 
 }  // namespace envmap
