@@ -69,6 +69,7 @@ std::vector<Piece> pieces(const Rect& r) {
       breaks.insert(breaks.end(), {std::asin(c), c >= 0 ? pi - std::asin(c) : -pi - std::asin(c)});
   std::ranges::sort(breaks);
   for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
+    if (breaks[k + 1] - breaks[k] < 1e-12) continue;
     const Piece arc{Piece::rim, 0, breaks[k], breaks[k + 1]};
     const Vec2<double> middle = arc.at(0.5 * (arc.from + arc.to));
     if (middle.x >= r.u0 && middle.x <= r.u1 && middle.y >= r.v0 && middle.y <= r.v1) found.push_back(arc);

@@ -54,8 +54,10 @@ HWY_INLINE V exp2_small(D d, V y) {
 }
 
 /// Values may be asked for a little below x = 0, where the series of a light goes on; no farther than lets them double or so.
-/// second() and third(): the sizes of those derivatives by x, of x and the value there.
+/// second() and third(): the sizes of those derivatives by x, of x and the value there. bend(): how much of what the lobe
+/// is two lights may miss where the horizon crosses them: more where it breaks off than where it bends.
 struct CosineLanes {
+  [[nodiscard]] float bend() const { return 0.12F; }
   template <class D, class V>
   HWY_INLINE V value(D d, V x) const {
     return hn::Mul(hn::Set(d, static_cast<float>(1 / pi)), hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x)));
@@ -72,6 +74,7 @@ struct CosineLanes {
 
 struct PhongLanes {
   float exponent, scale;
+  [[nodiscard]] float bend() const { return 0.25F - 0.13F * std::min(exponent, 1.0F); }
   template <class D, class V>
   HWY_INLINE V value(D d, V x) const {
     const V power = exp2_small(d, hn::Mul(hn::Set(d, exponent), log2_one_minus(d, x)));
@@ -96,6 +99,7 @@ struct PhongLanes {
 
 struct GgxLanes {
   float a, b, scale;
+  [[nodiscard]] float bend() const { return 0.12F; }
   template <class D, class V>
   HWY_INLINE V value(D d, V x) const {
     const V q = hn::Max(hn::Set(d, 0.5F * a), hn::Add(hn::Set(d, a), hn::Mul(hn::Set(d, b), x)));

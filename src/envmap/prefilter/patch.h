@@ -128,7 +128,9 @@ std::optional<Patch> small_patch(int face, const Rect& r, bool anyway = false) {
   for (std::size_t k = 0; k < 4; ++k) found.centre += weights[k] / found.solid_angle * points[k];
   for (std::size_t k = 0; k < 4; ++k)
     found.covariance.add_square(points[k] - found.centre, weights[k] / found.solid_angle);
-  found.reach = where == Coverage::cut ? across : 0.5 * across;
+  // Farther to the thin end of a wedge, such as a texel at a pole.
+  const auto [least, most] = std::ranges::minmax(weights);
+  found.reach = where == Coverage::cut ? across : 0.5 * across * (1 + 0.6 * (most - least) / (most + least));
   found.spread = 0.27 * across;  // 0.43 of a side.
   return found;
 }

@@ -68,13 +68,15 @@ HWY_INLINE void judge_few(const Lanes& lobe, const View& view, const Quad& q, st
     return;
   }
   const V sine2 = hn::Mul(sine, sine), spread = hn::Load(d, &q.spread[n]), uneven = hn::Load(d, &q.uneven[n]);
-  const V cube = hn::Mul(hn::Mul(hn::Mul(sine2, sine), hn::Mul(spread, spread)), spread);
+  const V spread2 = hn::Mul(spread, spread), cube = hn::Mul(hn::Mul(hn::Mul(sine2, sine), spread2), spread);
+  // Four points give the variance of the cosine but for what it has by the sphere's bend alone, seen from the middle.
+  const V variance = hn::Add(hn::Mul(sine2, uneven), hn::Mul(hn::Set(d, 0.1F), hn::Mul(spread2, spread2)));
   const V second = hn::Max(lobe.second(d, near, at_near), lobe.second(d, end, at_end));
   const V third = hn::Min(hn::Set(d, 1e30F), hn::Max(lobe.third(d, near, at_near), lobe.third(d, end, at_end)));
-  const V smooth = hn::Add(hn::Mul(half, hn::Mul(second, hn::Mul(sine2, uneven))),
+  const V smooth = hn::Add(hn::Mul(half, hn::Mul(second, variance)),
                            hn::Mul(hn::Set(d, 1.0F / 3), hn::Mul(third, cube)));
   // Two lights for a bent lobe are wrong by a part of what it is there.
-  const V bent = hn::Mul(hn::Set(d, 0.12F), lobe.value(d, hn::Max(near, hn::Sub(one, hn::Add(extent, extent)))));
+  const V bent = hn::Mul(hn::Set(d, lobe.bend()), lobe.value(d, hn::Max(near, hn::Sub(one, hn::Add(extent, extent)))));
   const V series = hn::Add(hn::IfThenElseZero(crossing, bent), hn::IfThenElseZero(hn::Gt(last, near), smooth));
   const V error = hn::Mul(flux, hn::Min(series, hn::Mul(half, gap)));
   hn::Store(error, d, &found.error[n]);
@@ -158,7 +160,7 @@ Verdict judge(const Lobe& lobe, const View& view, const Quad& quad) {
 
 void walk(const LightTree& tree, const Lobe& lobe, View& view, Walked& found) {
   found.lights.clear(), found.opened.clear();
-  found.power = 0;
+  found.sum = found.power = 0;
   found.count = 0;
   found.got = {};
   HWY_DYNAMIC_DISPATCH(WalkDown)(lobe, tree, view, found);

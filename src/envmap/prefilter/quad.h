@@ -61,12 +61,13 @@ struct Opened {
 struct Walked {
   std::vector<const Light*> lights;
   std::vector<Opened> opened;
-  double power;  ///< Sum of the squares of the remainders.
+  double sum, power;  ///< Of the remainders, and of their squares.
   LightFlux got;  ///< What directions get at least of the lights.
   std::size_t count;  ///< Of good lights, those below the stored blocks among them.
 
   void add_error(float error) {
     ++count;
+    sum += error;
     power += static_cast<double>(error) * error;
   }
   void add_least(View& view, const LightFlux& flux, float value) {
