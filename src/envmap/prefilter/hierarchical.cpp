@@ -168,6 +168,8 @@ std::optional<double> good_lights(const LightTree& tree, const Lobe& lobe, const
       go();
     }
     view.surveying = false;
+    // All is divided by what white comes to: a sun should not suffer for what the dark round it is off.
+    view.most[3] = 3;
     view.limit = static_cast<float>(accuracy.light);
     view.most_lights = most_lights;
     go();

@@ -70,7 +70,7 @@ HWY_INLINE void judge_few(const Lanes& lobe, const View& view, const Quad& q, st
   const V sine2 = hn::Mul(sine, sine), spread = hn::Load(d, &q.spread[n]), uneven = hn::Load(d, &q.uneven[n]);
   const V spread2 = hn::Mul(spread, spread), cube = hn::Mul(hn::Mul(hn::Mul(sine2, sine), spread2), spread);
   // Four points give the variance of the cosine but for what it has by the sphere's bend alone, seen from the middle.
-  const V variance = hn::Add(hn::Mul(sine2, uneven), hn::Mul(hn::Set(d, 0.1F), hn::Mul(spread2, spread2)));
+  const V variance = hn::Add(hn::Mul(sine2, uneven), hn::Mul(hn::Set(d, 0.13F), hn::Mul(spread2, spread2)));
   const V second = hn::Max(lobe.second(d, near, at_near), lobe.second(d, end, at_end));
   const V third = hn::Min(hn::Set(d, 1e30F), hn::Max(lobe.third(d, near, at_near), lobe.third(d, end, at_end)));
   const V smooth = hn::Add(hn::Mul(half, hn::Mul(second, variance)),
