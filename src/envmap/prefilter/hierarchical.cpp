@@ -7,12 +7,13 @@
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
 #include "envmap/prefilter/cell.h"
+#include "envmap/prefilter/exact.h"
 
 namespace envmap {
 namespace {
 
 constexpr double floor_of_error = 1e-3;  // Of the mean: smaller results are held to this.
-constexpr std::size_t tile_lights = 1 << 14;  // Of a tile: where there are more, fewer directions share them.
+constexpr std::size_t tile_lights = 1 << 14;   // Of a tile: where there are more, fewer directions share them.
 
 // ---- below the stored blocks ------------------------------------------------------------------------------------------
 
@@ -227,6 +228,13 @@ struct Job {
   std::vector<float>& doubt;
 };
 
+// Lights of one direction, beyond which the exact sum is quicker.
+std::size_t most_of_one(const LightTree& tree) {
+  const auto& s = tree.source();
+  return std::max<std::size_t>(1 << 14, static_cast<std::size_t>(s.faces()) * static_cast<std::size_t>(s.width()) *
+                                            static_cast<std::size_t>(s.height()) / 8);
+}
+
 // Sets the colours of a tile. @return the remainders, or nothing where that would take more lights.
 std::optional<double> gather_tile(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
                                   std::size_t most_lights, Tile& tile, std::span<Colour> out) {
@@ -265,7 +273,11 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h) {
   std::array<Colour, Tile::most> colours;
   std::optional<double> doubt;
   if (count == 1 || radius_of(tile) <= job.radius)
-    doubt = gather_tile(job.tree, job.lobe, job.accuracy, count > 1 ? tile_lights : SIZE_MAX, tile, colours);
+    doubt = gather_tile(job.tree, job.lobe, job.accuracy, count > 1 ? tile_lights : most_of_one(job.tree), tile, colours);
+  if (!doubt && count == 1) {
+    colours[0] = Colour(exact_prefilter(job.tree.source(), job.lobe, all)[0]);
+    doubt = 0;
+  }
   if (!doubt) {
     const int left = w >= h ? w / 2 : w, top = w >= h ? h : h / 2;
     fill_tile(job, face, x, y, left, top);
@@ -289,8 +301,12 @@ double gather_direction(const LightTree& tree, const Lobe& lobe, const Accuracy&
   thread_local std::vector<Sight> sights;
   sights.clear();
   std::size_t count = 0;
-  const std::optional<double> left = good_lights(tree, lobe, direction, 0, accuracy, SIZE_MAX,
+  const std::optional<double> left = good_lights(tree, lobe, direction, 0, accuracy, most_of_one(tree),
                                                  [&](const Light& light) { add_sight(light, direction, count, sights); });
+  if (!left) {
+    out = exact_prefilter(tree.source(), lobe, std::span(&direction, 1))[0];
+    return 0;
+  }
   const std::array<double, light_channels> sums = gather(lobe, sights);
   out = tree.mean() / sums[3] * Flux(sums[0], sums[1], sums[2]);
   return *left;
