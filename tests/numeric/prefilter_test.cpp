@@ -306,8 +306,7 @@ TEST(Prefilter, ExponentNoughtSeesThePartOfASunAboveTheHorizon) {
   for (const int j : {7, 8}) *map.base().texel(0, 5, j) = Colour(1e9F);
   const double height = 2 * std::sin(pi / 16), width = 2 * pi / 32, middle = 2 * pi * (0.5 - 5.5 / 32);
   const PrefilterSource prepared(map);
-  const Prefiltered done =
-      prepared.make({.shape = Shape::phong, .to = Projection::latlong, .size = 17, .max_error = 1e-2});
+  const Prefiltered done = prepared.make({.shape = Shape::phong, .to = Projection::latlong, .size = 17, .max_error = 1e-2});
   EXPECT_TRUE(done.reached);
   EXPECT_EQ(done.method, Method::hierarchical);
   const double floor = 1e-3 * mean_radiance(map.base());
@@ -340,11 +339,10 @@ TEST(Prefilter, SunsThatARimCutsAndSunsAtPolesAreRight) {
     float sun;
     Prefilter wanted;
   };
-  for (const Case& c :
-       {Case{Projection::paraboloid, 48, 6, 7, 1e9F, {.shape = Shape::phong, .parameter = 10, .size = 6}},
-        Case{Projection::paraboloid, 48, 6, 7, 1e9F, {.size = 6}},
-        Case{Projection::angular, 32, 4, 5, 1e6F, {.shape = Shape::phong, .parameter = 10, .size = 3}},
-        Case{Projection::latlong, 48, 40, 0, 1e6F, {.shape = Shape::ggx, .parameter = 0.2, .size = 3}}}) {
+  for (const Case& c : {Case{Projection::paraboloid, 48, 6, 7, 1e9F, {.shape = Shape::phong, .parameter = 10, .size = 6}},
+                        Case{Projection::paraboloid, 48, 6, 7, 1e9F, {.size = 6}},
+                        Case{Projection::angular, 32, 4, 5, 1e6F, {.shape = Shape::phong, .parameter = 10, .size = 3}},
+                        Case{Projection::latlong, 48, 40, 0, 1e6F, {.shape = Shape::ggx, .parameter = 0.2, .size = 3}}}) {
     EnvironmentMap source = landscape(c.projection, c.size, 1);
     *source.base().texel(0, c.i, c.j) = Colour(c.sun);
     const double floor = 1e-3 * mean_radiance(source.base());

@@ -12,8 +12,8 @@
 namespace envmap {
 namespace {
 
-constexpr double floor_of_error = 1e-3;  // Of the mean: smaller results are held to this.
-constexpr std::size_t tile_lights = 1 << 14;   // Of a tile: where there are more, fewer directions share them.
+constexpr double floor_of_error = 1e-3;       // Of the mean: smaller results are held to this.
+constexpr std::size_t tile_lights = 1 << 14;  // Of a tile: where there are more, fewer directions share them.
 
 // ---- below the stored blocks ------------------------------------------------------------------------------------------
 
@@ -240,8 +240,9 @@ std::optional<double> gather_tile(const LightTree& tree, const Lobe& lobe, const
                                   std::size_t most_lights, Tile& tile, std::span<Colour> out) {
   thread_local std::vector<Lamp> lamps;
   lamps.clear();
-  const std::optional<double> left = good_lights(tree, lobe, tile.middle, radius_of(tile), accuracy, most_lights,
-                                                 [&](const Light& light) { lamps.push_back(lamp_of(light, tile.middle)); });
+  const std::optional<double> left =
+      good_lights(tree, lobe, tile.middle, radius_of(tile), accuracy, most_lights,
+                  [&](const Light& light) { lamps.push_back(lamp_of(light, tile.middle)); });
   if (!left) return left;
   gather(lobe, lamps, tile);
   for (std::size_t k = 0; k < tile.count; ++k) {

@@ -13,7 +13,8 @@ namespace {
 constexpr std::int64_t most_stored = 1 << 17;  // Blocks of the lowest level: 25 MB with all above.
 
 LightTree::Blocks empty(int width, int height, int faces) {
-  return {width, height,
+  return {width,
+          height,
           std::vector<Light>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                              static_cast<std::size_t>(faces)),
           {}};

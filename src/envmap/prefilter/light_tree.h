@@ -50,6 +50,7 @@ class LightTree {
   /// A block smaller than those that are stored; nothing where a rim cuts or stretches it, or it has one row or column.
   [[nodiscard]] std::optional<Light> block(int face, const Span& in) const;
   [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[static_cast<std::size_t>(k - first_)]; }
+
  private:
   const Level& source_;
   double mean_;

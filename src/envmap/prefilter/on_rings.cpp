@@ -126,7 +126,8 @@ class Spots {
     }
   }
   [[nodiscard]] Row sorted() const {
-    Row row{std::vector<Spot>(all_.size()), std::vector<std::size_t>(static_cast<std::size_t>((grid_.rings + stripe - 1) / stripe) + 1, 0)};
+    Row row{std::vector<Spot>(all_.size()),
+            std::vector<std::size_t>(static_cast<std::size_t>((grid_.rings + stripe - 1) / stripe) + 1, 0)};
     const auto stripe_of = [&](const Spot& s) {
       return static_cast<std::size_t>(std::clamp(static_cast<int>(s.down[0]), 0, grid_.rings - 1) / stripe);
     };
@@ -150,7 +151,8 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
   std::vector<Direction> d(count), beside(count), points;
   std::vector<double> omega, weights;
   texel_directions(source.projection(), size, in.face, in.row, in.first, d);
-  texel_directions(source.projection(), size, in.face, in.row > 0 ? in.row - 1 : std::min(in.row + 1, size - 1), in.first, beside);
+  texel_directions(source.projection(), size, in.face, in.row > 0 ? in.row - 1 : std::min(in.row + 1, size - 1),
+                   in.first, beside);
   struct Texel {
     RingLight light;
     std::size_t end;  // Of its points.
@@ -178,9 +180,8 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
       }
       points.push_back(d[k]), weights.push_back(omega[static_cast<std::size_t>(i)]);
     } else {
-      gauss<P>(in.face, rect, most.four, 6, [&](const Direction& at, double weight) {
-        points.push_back(at), weights.push_back(weight);
-      });
+      gauss<P>(in.face, rect, most.four, 6,
+               [&](const Direction& at, double weight) { points.push_back(at), weights.push_back(weight); });
     }
     texels.push_back({light, points.size()});
   }

@@ -1,9 +1,9 @@
 // judge() and walk(), compiled once for every instruction set and chosen at run time.
 #include "envmap/prefilter/quad.h"
 
-#include <cstdint>
-
 #include <hwy/cache_control.h>
+
+#include <cstdint>
 
 #include "envmap/prefilter/light_tree.h"
 
@@ -40,8 +40,8 @@ HWY_INLINE void judge_few(const Lanes& lobe, const View& view, const Quad& q, st
                           float slack, Verdict& found) {
   const Few d;
   const V zero = hn::Zero(d), one = hn::Set(d, 1), half = hn::Set(d, 0.5F);
-  const V x = hn::Sub(hn::Load(d, &q.x[n]), hn::Set(d, middle.x)), y = hn::Sub(hn::Load(d, &q.y[n]), hn::Set(d, middle.y)),
-          z = hn::Sub(hn::Load(d, &q.z[n]), hn::Set(d, middle.z));
+  const V x = hn::Sub(hn::Load(d, &q.x[n]), hn::Set(d, middle.x)),
+          y = hn::Sub(hn::Load(d, &q.y[n]), hn::Set(d, middle.y)), z = hn::Sub(hn::Load(d, &q.z[n]), hn::Set(d, middle.z));
   const V radius = hn::Set(d, static_cast<float>(view.radius) + slack), reach = hn::Load(d, &q.reach[n]);
   const V distance = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
   const V low = hn::Max(zero, hn::Sub(hn::Sub(distance, radius), reach)), high = hn::Add(hn::Add(distance, radius), reach);
@@ -73,8 +73,7 @@ HWY_INLINE void judge_few(const Lanes& lobe, const View& view, const Quad& q, st
   const V variance = hn::Add(hn::Mul(sine2, uneven), hn::Mul(hn::Set(d, 0.13F), hn::Mul(spread2, spread2)));
   const V second = hn::Max(lobe.second(d, near, at_near), lobe.second(d, end, at_end));
   const V third = hn::Min(hn::Set(d, 1e30F), hn::Max(lobe.third(d, near, at_near), lobe.third(d, end, at_end)));
-  const V smooth = hn::Add(hn::Mul(half, hn::Mul(second, variance)),
-                           hn::Mul(hn::Set(d, 1.0F / 3), hn::Mul(third, cube)));
+  const V smooth = hn::Add(hn::Mul(half, hn::Mul(second, variance)), hn::Mul(hn::Set(d, 1.0F / 3), hn::Mul(third, cube)));
   // Two lights for a bent lobe are wrong by a part of what it is there.
   const V bent = hn::Mul(hn::Set(d, lobe.bend()), lobe.value(d, hn::Max(near, hn::Sub(one, hn::Add(extent, extent)))));
   const V series = hn::Add(hn::IfThenElseZero(crossing, bent), hn::IfThenElseZero(hn::Gt(last, near), smooth));

@@ -37,10 +37,10 @@ struct View {
 
 /// What a view makes of four lights; a bit each.
 struct Verdict {
-  unsigned visible = 0;  ///< Above the horizon.
-  unsigned good = 0;     ///< And good enough.
-  alignas(16) Quad::Lanes error{};   ///< Remainders of the lobe's series, relative to the result.
-  alignas(16) Quad::Lanes least{};   ///< The lobe, at least.
+  unsigned visible = 0;             ///< Above the horizon.
+  unsigned good = 0;                ///< And good enough.
+  alignas(16) Quad::Lanes error{};  ///< Remainders of the lobe's series, relative to the result.
+  alignas(16) Quad::Lanes least{};  ///< The lobe, at least.
 };
 
 /// A light is taken as two, one standard deviation to either side, which is right but for the third term of Taylor's series
@@ -62,7 +62,7 @@ struct Walked {
   std::vector<const Light*> lights;
   std::vector<Opened> opened;
   double sum, power;  ///< Of the remainders, and of their squares.
-  LightFlux got;  ///< What directions get at least of the lights.
+  LightFlux got;      ///< What directions get at least of the lights.
   std::size_t count;  ///< Of good lights, those below the stored blocks among them.
 
   void add_error(float error) {
