@@ -1,10 +1,13 @@
 #include "envmap/prefilter/prefilter.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <tuple>
 
@@ -147,21 +150,30 @@ std::vector<Texel> hardest(const Level& level, const std::vector<float>& doubt) 
     const Colour off = glm::abs(c - beside) / glm::max(c, Colour(1e-30F));
     return std::max({off.x, off.y, off.z});
   };
-  const auto take = [&](auto key) {
-    std::vector<std::pair<float, std::size_t>> order(all.size());
-    for (std::size_t k = 0; k < all.size(); ++k) order[k] = {key(all[k]), k};
+  std::array<std::vector<Texel>, 4> hard;
+  const auto take = [&](std::vector<Texel>& into, auto key) {
+    std::vector<std::pair<float, std::uint32_t>> order(all.size());
+    for (std::uint32_t k = 0; k < all.size(); ++k) order[k] = {key(all[k]), k};
     std::ranges::nth_element(order, order.begin() + each);
-    for (std::size_t k = 0; k < each; ++k) found.push_back(all[order[k].second]);
+    for (std::size_t k = 0; k < each; ++k) into.push_back(all[order[k].second]);
   };
-  take(least);
-  take([&](const Texel& t) { return -most(t); });
-  take([&](const Texel& t) { return -slope(t); });
-  if (!doubt.empty())
-    take([&](const Texel& t) {
-      return -doubt[static_cast<std::size_t>((t.face * level.height() + t.j) * level.width() + t.i)];
-    });
+  const auto unsure = [&](const Texel& t) {
+    return doubt[static_cast<std::size_t>((t.face * level.height() + t.j) * level.width() + t.i)];
+  };
+  tbb::parallel_invoke([&] { take(hard[0], least); }, [&] { take(hard[1], [&](const Texel& t) { return -most(t); }); },
+                       [&] { take(hard[2], [&](const Texel& t) { return -slope(t); }); },
+                       [&] {
+                         if (!doubt.empty()) take(hard[3], [&](const Texel& t) { return -unsure(t); });
+                       });
+  for (const std::vector<Texel>& texels : hard) found.insert(found.end(), texels.begin(), texels.end());
   return found;
 }
+
+// The lobe just above its horizon, over its peak: 1 where it is a step (an exponent of 0), 0.03 for an exponent of 0.5.
+double at_horizon(const Lobe& lobe) {
+  return std::visit([](const auto& l) { return l.value(0.999) / l.value(0); }, lobe);
+}
+constexpr double step = 0.4, bent = 0.1;  // Exponents of 0.13 and 0.33.
 
 // The integral in one direction; what is left out of it, as independent errors, below `bound` of it.
 Flux reference(const LightTree& tree, const Lobe& lobe, const Direction& d, double bound) {
@@ -181,16 +193,22 @@ void check(const EnvironmentMap& source, const LightTree& tree, const Prefilter&
   const Level& level = done.map.base();
   const std::vector<Texel> texels = hardest(level, doubt);
   const Rotation turn = to_source(p, source);
-  const double floor = 1e-3 * tree.mean();
+  const Flux floor(std::max(1e-3 * tree.mean(), std::numeric_limits<double>::min()));
+  // Of a lobe that breaks off the remainders are less independent than they are taken to be.
+  const double edge = at_horizon(lobe);
+  const double first = edge > step ? 0.1 : edge > bent ? 0.25 : 0.5;
+  const std::array bounds{first, std::min(first, 0.25)};
   std::vector<double> errors(texels.size());
   tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t k) {
     const Texel& t = texels[k];
     Direction d[1];
     texel_directions(p.to, p.size, t.face, t.j, t.i, d);
-    const Flux truth = reference(tree, lobe, turn * d[0], 0.25 * std::max(finest, p.max_error));
-    for (int c = 0; c < 3; ++c) {
-      const double off = std::abs((*level.texel(t.face, t.i, t.j))[c] - truth[c]);
-      if (off > 0) errors[k] = std::max(errors[k], off / std::max(truth[c], floor));
+    // Enough where what is off and what the reference leaves out come to no more than what was asked for.
+    for (const double bound : bounds) {
+      const Flux truth = reference(tree, lobe, turn * d[0], bound * std::max(finest, p.max_error));
+      const Flux off = glm::abs(Flux(*level.texel(t.face, t.i, t.j)) - truth) / glm::max(truth, floor);
+      errors[k] = std::max({off.x, off.y, off.z});
+      if (errors[k] <= (1 - bound) * p.max_error) break;
     }
   });
   done.directions = static_cast<std::int64_t>(texels.size());
@@ -209,7 +227,7 @@ void scale(Level& level, double factor) {
 // breaks the lobe, errors of lights are not as independent as elsewhere.
 double first_guess(const Lobe& lobe) {
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
-  return value(0.999) > 0.02 ? 0.07 : value(0.9) > 1e-3 ? 0.3 : 1.5;
+  return at_horizon(lobe) > bent ? 0.07 : value(0.9) > 1e-3 ? 0.3 : 1.5;
 }
 
 // How far the brightest block may be off anywhere by what is left out of its spectrum, for a flux of 1.
@@ -226,6 +244,13 @@ double texels_of(const Prefilter& p) { return 1.0 * p.size * p.size * aspect(p.t
 // take more degrees than there are.
 bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
   return texels_of(p) >= 2000 && std::visit([](const auto& l) { return l.value(0.9) <= 1e-2; }, lobe);
+}
+
+// A step at the horizon cuts so many texels that for small errors in small maps all of them are sooner summed up.
+bool exact_is_cheaper(const EnvironmentMap& source, const Prefilter& p, const Lobe& lobe) {
+  const double texels = 1.0 * p.size * p.size * aspect(p.to) * faces(p.to);
+  const double lights = 1.0 * source.base().width() * source.base().height() * source.base().faces();
+  return p.max_error < 5e-4 && at_horizon(lobe) > bent && texels * lights < 2e8;
 }
 
 // What --scale makes of a normalised lobe.
@@ -274,8 +299,10 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
   const auto refined = [&] {
     double accuracy = wanted.max_error * first_guess(lobe);
     Prefiltered done = hierarchical(accuracy);
-    // Texels that were not looked at may be a little worse; a second round leaves them room.
-    for (int round = 0; round < 7 && done.error > (round == 0 ? 0.7 : 1) * wanted.max_error; ++round) {
+    // Texels that were not looked at may be worse, most of all under an edge at the horizon: they are left room.
+    const bool edged = at_horizon(lobe) > bent;
+    const auto room = [&](int round) { return edged ? 0.4 : round == 0 ? 0.7 : 1; };
+    for (int round = 0; round < 7 && done.error > room(round) * wanted.max_error; ++round) {
       accuracy *= std::clamp(0.4 * wanted.max_error / done.error, 0.02, 0.5);
       done = hierarchical(accuracy);
     }
@@ -297,7 +324,7 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
       case Method::sh: return timed(Method::sh, [&](auto&) { return by_harmonics(map_, wanted, lobe, progress); });
       case Method::automatic: break;
     }
-    if (wanted.max_error < finest) return exact();
+    if (wanted.max_error < finest || exact_is_cheaper(map_, wanted, lobe)) return exact();
     if (may_be_spectral(wanted, lobe)) {
       const std::vector<double> all = zonal(lobe, most_spectral_order);
       std::vector<double> factors;

@@ -67,9 +67,9 @@ class PrefilterSource {
   ///
   /// The check compares at least 256 texels (all of smaller maps) with the exact integral: texels spread evenly, and those
   /// that are hardest: the darkest, the brightest and the steepest. Their reference is the same sum over the source with
-  /// every part small enough that the bounds of all remainders, as independent errors, come to a quarter of the error asked
-  /// for (parts of one texel as less independent); where that takes too many parts, the exact sum. On probes it was off by
-  /// at most 0.16 of the error asked for, and 0.6 for exponents of 0.05 and less.
+  /// every part small enough that the bounds of all remainders, as independent errors, come to half the error asked for, or
+  /// to a quarter where more than half of it is found (parts of one texel as less independent; a tenth where the lobe breaks
+  /// off at its horizon); where that takes too many parts, the exact sum.
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 
  private:
