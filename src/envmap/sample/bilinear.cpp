@@ -1,4 +1,6 @@
 // sample_bilinear, compiled once for every instruction set and chosen at run time.
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <array>
 
@@ -61,8 +63,8 @@ void blend(const Colour* origin, std::ptrdiff_t stride, const Places& places, st
   // Of a map beyond the caches all taps of a block are waited for at once: 1.35 times as fast at 16384x8192.
   for (std::size_t k = 0; k < count; ++k) {
     const Colour* a = origin + static_cast<std::ptrdiff_t>(places.offset[k]);
-    __builtin_prefetch(a);
-    __builtin_prefetch(a + stride);
+    hwy::Prefetch(a);
+    hwy::Prefetch(a + stride);
   }
   const auto colour = [&](std::size_t k) HWY_ATTR {
     const Colour* a = origin + static_cast<std::ptrdiff_t>(places.offset[k]);
