@@ -1,8 +1,7 @@
 #include "envmap/io/image.h"
 
-#include <unistd.h>
-
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -50,14 +49,15 @@ std::string format_of(std::string_view head, const std::string& path) {
   return path.ends_with(".tga") || path.ends_with(".TGA") ? "targa" : "";
 }
 
-void open_as(Image& image, std::string_view head, const std::string& path, bool straight_alpha) {
-  const std::string format = format_of(head, path), unread = "not an image that can be read: ";
+// Image::file -> its reader.
+void open_as_its_bytes_say(Image& image, const std::string& path, bool straight_alpha) {
+  char head[head_size] = {};
+  const std::size_t size = image.file->pread(head, head_size, 0);
+  const std::string format = format_of({head, size}, path), unread = "not an image that can be read: ";
   if (format.empty())
-    image.fail(
-        unread +
-        "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, PSD nor SGI");
+    image.fail(unread +
+               "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, PSD nor SGI");
   try {
-    if (!image.file) image.file = std::make_unique<InputFile>(path);
     if (format == "ktx2") image.texture = open_ktx2(*image.file);
     if (format == "dds") image.texture = open_dds(*image.file);
   } catch (const InputError& e) {
@@ -84,14 +84,19 @@ void open_file(Image& image, const std::string& path) {
   if (!fs::exists(status))
     image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
   if (fs::is_directory(status)) image.fail("is a folder; name a file");
-  if (::access(path.c_str(), R_OK) != 0) image.fail(std::strerror(errno));
-  std::ifstream stream(path, std::ios::binary);
-  if (!fs::is_regular_file(status)) return open_stream(image, stream);
-  image.size = fs::file_size(path, error);
+  if (!fs::is_regular_file(status)) {
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) image.fail(std::strerror(errno));
+    return open_stream(image, stream);
+  }
+  try {
+    image.file = std::make_unique<InputFile>(path);
+  } catch (const InputError& e) {
+    image.fail(e.what());
+  }
+  image.size = image.file->size();
   if (image.size == 0) image.fail("is empty");
-  char head[head_size] = {};
-  stream.read(head, sizeof head);
-  open_as(image, {head, sizeof head}, path, false);
+  open_as_its_bytes_say(image, path, false);
 }
 
 }  // namespace
@@ -101,7 +106,7 @@ void open_bytes(Image& image, std::string name, std::vector<char> bytes, bool st
   image.size = bytes.size();
   if (bytes.empty()) image.fail("is empty");
   image.file = std::make_unique<InputFile>(std::move(bytes));
-  open_as(image, {image.file->bytes().data(), std::min<std::size_t>(image.size, head_size)}, image.name, straight_alpha);
+  open_as_its_bytes_say(image, image.name, straight_alpha);
 }
 
 void open(Image& image, const std::string& path) {

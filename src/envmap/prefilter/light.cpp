@@ -7,6 +7,25 @@ namespace {
 // measured against.
 double weight(const LightFlux& f) { return (static_cast<double>(f[0]) + f[1] + f[2]) / 3 + 1e-3 * f[3]; }
 
+// Of lights or texels: their weights and fluxes summed up, and their mean place.
+struct Middle {
+  double weight = 0;
+  std::array<double, light_channels> flux{};
+  Direction centre{0};
+};
+template <class Parts>
+Middle middle_of(const Parts& parts) {
+  Middle m;
+  for (const auto& p : parts) {
+    const double w = weight(p.flux);
+    m.weight += w;
+    m.centre += w * p.centre;
+    for (std::size_t c = 0; c < light_channels; ++c) m.flux[c] += p.flux[c];
+  }
+  if (m.weight > 0) m.centre /= m.weight;
+  return m;
+}
+
 }  // namespace
 
 Light light_of(const Patch& patch, const Flux& radiance) {
@@ -21,16 +40,9 @@ Light light_of(const Patch& patch, const Flux& radiance) {
 
 Light united(std::span<const Light> parts) {
   Light all;
-  double whole = 0;
-  std::array<double, light_channels> flux{};
-  for (const Light& p : parts) {
-    const double w = weight(p.flux);
-    whole += w;
-    all.centre += w * p.centre;
-    for (std::size_t c = 0; c < light_channels; ++c) flux[c] += p.flux[c];
-  }
+  const auto [whole, flux, centre] = middle_of(parts);
   if (whole <= 0) return {};
-  all.centre /= whole;
+  all.centre = centre;
 
   std::array<Direction, light_channels> dipole{};
   std::array<Symmetric, light_channels> second{};
@@ -81,16 +93,9 @@ void LightSum::add(const Direction& middle, double solid_angle, const Flux& radi
 
 Light LightSum::light() const {
   Light all;
-  double whole = 0;
-  std::array<double, light_channels> flux{};
-  for (const Texel& t : texels_) {
-    const double w = weight(t.flux);
-    whole += w;
-    all.centre += w * t.centre;
-    for (std::size_t c = 0; c < light_channels; ++c) flux[c] += t.flux[c];
-  }
+  const auto [whole, flux, centre] = middle_of(texels_);
   if (whole <= 0) return {};
-  all.centre /= whole;
+  all.centre = centre;
 
   // Sums of flux x offset, flux x offset^2 and flux x |offset|^3 of each channel; offsets are small enough for float32.
   using Channels = std::array<float, light_channels>;
