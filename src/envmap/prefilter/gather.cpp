@@ -103,6 +103,14 @@ namespace envmap {
 HWY_EXPORT(Gather);
 HWY_EXPORT(GatherSights);
 
+namespace {
+
+Direction times(const std::array<float, 6>& m, const Direction& v) {
+  return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z, m[2] * v.x + m[4] * v.y + m[5] * v.z};
+}
+
+}  // namespace
+
 std::array<double, light_channels> gather(const Lobe& lobe, std::span<const Sight> sights) {
   std::array<double, light_channels> found;
   HWY_DYNAMIC_DISPATCH(GatherSights)(lobe, sights, found);
@@ -116,9 +124,9 @@ void add_sight(const Light& light, const Direction& middle, std::size_t& count, 
     sights.back().versine.fill(3);  // Below any horizon.
   }
   Sight& s = sights.back();
-  const Direction at = light.centre - middle;
+  const Direction at = light.centre - middle, slope = times(light.covariance, middle);
   s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + (1 - glm::dot(light.centre, light.centre))));
-  s.variance[k] = static_cast<float>(glm::dot(middle, light.covariance.times(middle)));
+  s.variance[k] = static_cast<float>(glm::dot(middle, slope));
   for (std::size_t c = 0; c < light_channels; ++c) {
     s.flux[c][k] = light.flux[c];
     s.lean[c][k] = static_cast<float>(glm::dot(Direction(light.dipole[c]), middle));
@@ -130,7 +138,7 @@ void gather(const Lobe& lobe, std::span<const Lamp> lamps, Tile& tile) {
 }
 
 Lamp lamp_of(const Light& light, const Direction& middle) {
-  const Direction at = light.centre - middle, slope = light.covariance.times(middle);
+  const Direction at = light.centre - middle, slope = times(light.covariance, middle);
   Lamp lamp{};
   lamp.sag = static_cast<float>(1 - glm::dot(light.centre, light.centre));
   lamp.variance = static_cast<float>(glm::dot(middle, slope));
@@ -139,7 +147,7 @@ Lamp lamp_of(const Light& light, const Direction& middle) {
     lamp.slope[k] = static_cast<float>(2 * slope[static_cast<int>(k)]);
   }
   for (std::size_t k = 0; k < 6; ++k)
-    lamp.covariance[k] = static_cast<float>(k == 0 || k == 3 || k == 5 ? light.covariance.m[k] : 2 * light.covariance.m[k]);
+    lamp.covariance[k] = (k == 0 || k == 3 || k == 5 ? 1.0F : 2.0F) * light.covariance[k];
   lamp.flux = light.flux;
   for (std::size_t c = 0; c < light_channels; ++c) {
     const Vec3<float>& d = light.dipole[c];

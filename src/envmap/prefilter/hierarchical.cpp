@@ -36,19 +36,10 @@ class Cutter {
 
   // Four smaller blocks, or the texels.
   void open(int face, const Span& in) {
-    const int middle = (in.left + in.right) / 2, centre = (in.top + in.bottom) / 2;
-    const std::array<Span, 4> parts{{{in.left, in.top, middle, centre},
-                                     {middle, in.top, in.right, centre},
-                                     {in.left, centre, middle, in.bottom},
-                                     {middle, centre, in.right, in.bottom}}};
-    std::array<Light, 4> lights;
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-      const std::optional<Light> light = tree_.block(face, parts[k]);
-      if (!light) return texels(face, in);
-      lights[k] = *light;
-    }
-    judge_all(lights, [&](std::size_t k) {
-      open(face, parts[k]);
+    const std::optional<std::array<Light, 4>> lights = tree_.quarters(face, in);
+    if (!lights) return texels(face, in);
+    judge_all(*lights, [&](std::size_t k) {
+      open(face, in.quarters()[k]);
       return true;
     });
   }
@@ -128,7 +119,7 @@ class Cutter {
   // Of lights that are not good enough worse(k) says whether it did something about them.
   template <class Worse>
   void judge_all(std::span<const Light> lights, Worse&& worse) {
-    Quad quad;
+    Quad quad = Quad::none();
     for (std::size_t k = 0; k < lights.size(); ++k) quad.set(k, lights[k], view_.middle);
     const Verdict v = judge(lobe_, view_, quad);
     for (std::size_t k = 0; k < lights.size(); ++k) {

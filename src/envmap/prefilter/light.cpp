@@ -1,145 +1,242 @@
+// unite(), compiled once for every instruction set and chosen at run time.
 #include "envmap/prefilter/light.h"
 
+#include <type_traits>
+#include <vector>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "envmap/prefilter/light.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
 namespace envmap {
-namespace {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, most_lanes>;
+using V = hn::Vec<D>;
+
+HWY_INLINE V load(const Lanes& from, std::size_t k) { return hn::Load(D(), &from[k]); }
+HWY_INLINE V over(V a, V b) { return hn::IfThenElseZero(hn::Gt(b, hn::Zero(D())), hn::Div(a, b)); }
 
 // Steradians count a little, so that black parts have a place, too: as much as the least radiance that errors are
 // measured against.
-double weight(const LightFlux& f) { return (static_cast<double>(f[0]) + f[1] + f[2]) / 3 + 1e-3 * f[3]; }
-
-// Of lights or texels: their weights and fluxes summed up, and their mean place.
-struct Middle {
-  double weight = 0;
-  std::array<double, light_channels> flux{};
-  Direction centre{0};
-};
-template <class Parts>
-Middle middle_of(const Parts& parts) {
-  Middle m;
-  for (const auto& p : parts) {
-    const double w = weight(p.flux);
-    m.weight += w;
-    m.centre += w * p.centre;
-    for (std::size_t c = 0; c < light_channels; ++c) m.flux[c] += p.flux[c];
-  }
-  if (m.weight > 0) m.centre /= m.weight;
-  return m;
+HWY_INLINE V weighted(V red, V green, V blue, V white) {
+  const D d;
+  return hn::Add(hn::Mul(hn::Set(d, 1.0F / 3), hn::Add(hn::Add(red, green), blue)), hn::Mul(hn::Set(d, 1e-3F), white));
 }
 
-}  // namespace
+// Cube root, of 0 to 1e30, 1e-6 above: Newton's steps from a third of the exponent.
+HWY_INLINE V cube_root(V a) {
+  const D d;
+  const hn::RebindToSigned<D> di;
+  const V third = hn::Set(d, 1.0F / 3);
+  const auto guess = hn::ConvertTo(di, hn::Mul(hn::ConvertTo(d, hn::BitCast(di, a)), third));
+  V y = hn::BitCast(d, hn::Add(guess, hn::Set(di, 0x2a514067)));
+  for (int step = 0; step < 3; ++step) y = hn::Mul(third, hn::Add(hn::Add(y, y), hn::Div(a, hn::Mul(y, y))));
+  return hn::IfThenElseZero(hn::Gt(a, hn::Set(d, 1e-36F)), hn::Mul(y, hn::Set(d, 1 + 1e-6F)));
+}
+
+HWY_INLINE const Shapes& shape_of(const Texels& t) { return *t.row; }
+HWY_INLINE const Shapes& shape_of(const Lights& l) { return l.shape; }
+
+struct Offset {
+  V at[3], product[6];
+};
+template <class Part>
+HWY_INLINE Offset offset(const Part& part, const Lights& whole, std::size_t k) {
+  Offset o;
+  for (std::size_t n = 0; n < 3; ++n) o.at[n] = hn::Sub(load(part.centre[n], k), load(whole.centre[n], k));
+  std::size_t to = 0;
+  for (std::size_t m = 0; m < 3; ++m)
+    for (std::size_t n = m; n < 3; ++n) o.product[to++] = hn::Mul(o.at[m], o.at[n]);
+  return o;
+}
+
+// Flux and mean place.
+template <class Part>
+HWY_INLINE V middle(std::span<const Part> parts, Lights& whole, std::size_t k) {
+  const D d;
+  V weight = hn::Zero(d), x = weight, y = weight, z = weight;
+  V flux[light_channels] = {weight, weight, weight, weight};
+  for (const Part& p : parts) {
+    V f[light_channels];
+    for (std::size_t c = 0; c < light_channels; ++c) f[c] = load(p.flux[c], k), flux[c] = hn::Add(flux[c], f[c]);
+    const V w = weighted(f[0], f[1], f[2], f[3]);
+    weight = hn::Add(weight, w);
+    x = hn::Add(x, hn::Mul(w, load(p.centre[0], k)));
+    y = hn::Add(y, hn::Mul(w, load(p.centre[1], k)));
+    z = hn::Add(z, hn::Mul(w, load(p.centre[2], k)));
+  }
+  for (std::size_t c = 0; c < light_channels; ++c) hn::Store(flux[c], d, &whole.flux[c][k]);
+  hn::Store(over(x, weight), d, &whole.centre[0][k]);
+  hn::Store(over(y, weight), d, &whole.centre[1][k]);
+  hn::Store(over(z, weight), d, &whole.centre[2][k]);
+  return weight;
+}
+
+// One channel's moments about the mean place of all. @param second set to its second moment.
+// @param uneven what the parts bring with them of that, with flux. @param cube flux x |offset|^3.
+template <class Part>
+HWY_INLINE void moments(std::span<const Part> parts, Lights& whole, std::size_t c, std::size_t k, V (&second)[6],
+                        V& uneven, V& cube) {
+  const D d;
+  V dipole[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  for (V& s : second) s = hn::Zero(d);
+  uneven = cube = hn::Zero(d);
+  for (const Part& p : parts) {
+    const Offset o = offset(p, whole, k);
+    const V f = load(p.flux[c], k), distance = hn::Sqrt(hn::Add(hn::Add(o.product[0], o.product[3]), o.product[5]));
+    const V far = hn::Add(distance, load(shape_of(p).spread, k));
+    cube = hn::Add(cube, hn::Mul(f, hn::Mul(far, hn::Mul(far, far))));
+    for (std::size_t n = 0; n < 3; ++n) dipole[n] = hn::Add(dipole[n], hn::Mul(f, o.at[n]));
+    for (std::size_t n = 0; n < 6; ++n)
+      second[n] = hn::Add(second[n], hn::Mul(f, hn::Add(o.product[n], load(shape_of(p).covariance[n], k))));
+    if constexpr (std::is_same_v<Part, Lights>) {
+      uneven = hn::Add(uneven, hn::Mul(f, load(p.uneven, k)));
+      V own[3];
+      for (std::size_t n = 0; n < 3; ++n) own[n] = load(p.dipole[c][n], k), dipole[n] = hn::Add(dipole[n], own[n]);
+      std::size_t to = 0;
+      for (std::size_t m = 0; m < 3; ++m)
+        for (std::size_t n = m; n < 3; ++n, ++to)
+          second[to] = hn::Add(second[to], hn::Add(hn::Mul(o.at[m], own[n]), hn::Mul(o.at[n], own[m])));
+    }
+  }
+  for (std::size_t n = 0; n < 3; ++n) hn::Store(dipole[n], d, &whole.dipole[c][n][k]);
+}
+
+template <class Part>
+HWY_INLINE V reach_of(std::span<const Part> parts, const Lights& whole, std::size_t k) {
+  const D d;
+  V reach = hn::Zero(d);
+  for (const Part& p : parts) {
+    const Offset o = offset(p, whole, k);
+    const V distance = hn::Sqrt(hn::Add(hn::Add(o.product[0], o.product[3]), o.product[5]));
+    const auto counts = hn::Gt(load(p.flux[3], k), hn::Zero(d));
+    reach = hn::Max(reach, hn::IfThenElseZero(counts, hn::Add(distance, load(shape_of(p).reach, k))));
+  }
+  return reach;
+}
+
+template <class Part>
+void unite_lanes(std::span<const Part> parts, Lights& whole) {
+  const D d;
+  for (std::size_t k = 0; k < most_lanes; k += hn::Lanes(d)) {
+    const V weight = middle(parts, whole, k);
+    V second[light_channels][6], uneven[light_channels], cube[light_channels];
+    for (std::size_t c = 0; c < light_channels; ++c) moments(parts, whole, c, k, second[c], uneven[c], cube[c]);
+    V covariance[6];
+    for (std::size_t n = 0; n < 6; ++n) {
+      covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n], second[3][n]), weight);
+      hn::Store(covariance[n], d, &whole.shape.covariance[n][k]);
+    }
+    V most_uneven = hn::Zero(d), most_cube = hn::Zero(d);
+    for (std::size_t c = 0; c < light_channels; ++c) {
+      const V flux = load(whole.flux[c], k);
+      V square = hn::Zero(d);
+      for (std::size_t n = 0; n < 6; ++n) {
+        const V off = hn::Sub(over(second[c][n], flux), covariance[n]), both = hn::Mul(off, off);
+        square = hn::Add(square, n == 0 || n == 3 || n == 5 ? both : hn::Add(both, both));
+      }
+      const V more = hn::Add(hn::Sqrt(square), over(uneven[c], flux));
+      most_uneven = hn::Max(most_uneven, hn::IfThenElseZero(hn::Gt(flux, hn::Zero(d)), more));
+      most_cube = hn::Max(most_cube, over(cube[c], flux));
+    }
+    hn::Store(most_uneven, d, &whole.uneven[k]);
+    hn::Store(cube_root(most_cube), d, &whole.shape.spread[k]);
+    hn::Store(reach_of(parts, whole, k), d, &whole.shape.reach[k]);
+  }
+}
+
+void UniteTexels(std::span<const Texels> parts, Lights& whole) { unite_lanes(parts, whole); }
+void UniteLights(std::span<const Lights> parts, Lights& whole) { unite_lanes(parts, whole); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace envmap
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace envmap {
+
+HWY_EXPORT(UniteTexels);
+HWY_EXPORT(UniteLights);
+
+void unite(std::span<const Texels> parts, Lights& whole) { HWY_DYNAMIC_DISPATCH(UniteTexels)(parts, whole); }
+void unite(std::span<const Lights> parts, Lights& whole) { HWY_DYNAMIC_DISPATCH(UniteLights)(parts, whole); }
 
 Light light_of(const Patch& patch, const Flux& radiance) {
   const double w = patch.solid_angle;
-  return {.centre = patch.centre,
-          .covariance = patch.covariance,
-          .flux = {static_cast<float>(w * radiance.x), static_cast<float>(w * radiance.y),
-                   static_cast<float>(w * radiance.z), static_cast<float>(w)},
-          .spread = static_cast<float>(patch.spread),
-          .reach = static_cast<float>(patch.reach)};
+  Light light{.centre = patch.centre,
+              .flux = {static_cast<float>(w * radiance.x), static_cast<float>(w * radiance.y),
+                       static_cast<float>(w * radiance.z), static_cast<float>(w)},
+              .spread = static_cast<float>(patch.spread),
+              .reach = static_cast<float>(patch.reach)};
+  for (std::size_t n = 0; n < 6; ++n) light.covariance[n] = static_cast<float>(patch.covariance.m[n]);
+  return light;
 }
 
+// Sixteen neighbours a lane, until one is left.
 Light united(std::span<const Light> parts) {
-  Light all;
-  const auto [whole, flux, centre] = middle_of(parts);
-  if (whole <= 0) return {};
-  all.centre = centre;
-
-  std::array<Direction, light_channels> dipole{};
-  std::array<Symmetric, light_channels> second{};
-  std::array<double, light_channels> uneven{}, cubes{};
-  for (const Light& p : parts) {
-    const double w = weight(p.flux) / whole;
-    if (w <= 0) continue;
-    const Direction off = p.centre - all.centre;
-    const double distance = glm::length(off), reach = p.spread + distance;
-    all.covariance.add(p.covariance, w);
-    all.covariance.add_square(off, w);
-    for (std::size_t c = 0; c < light_channels; ++c) {
-      const Direction d(p.dipole[c]);
-      dipole[c] += static_cast<double>(p.flux[c]) * off + d;
-      second[c].add(p.covariance, p.flux[c]);
-      second[c].add_square(off, p.flux[c]);
-      second[c].add_product(off, d, 1);
-      uneven[c] += static_cast<double>(p.flux[c]) * p.uneven;
-      cubes[c] += static_cast<double>(p.flux[c]) * reach * reach * reach;
+  if (parts.empty()) return {};
+  constexpr std::size_t each = 16;
+  thread_local std::vector<Lights> lanes(each);
+  thread_local std::vector<Light> rest;
+  rest.assign(parts.begin(), parts.end());
+  const Direction origin = parts[0].centre;
+  while (rest.size() > 1) {
+    const std::size_t count = (rest.size() + each - 1) / each;
+    for (std::size_t start = 0; start < count; start += most_lanes) {
+      std::ranges::fill(lanes, Lights{});
+      const std::size_t end = std::min(count, start + most_lanes);
+      for (std::size_t k = start * each; k < std::min(end * each, rest.size()); ++k)
+        lanes[k % each].set(k / each - start, rest[k], origin);
+      Lights whole;
+      unite(lanes, whole);
+      for (std::size_t k = start; k < end; ++k) rest[k] = whole.light(k - start, origin);
     }
-    all.reach = std::max(all.reach, static_cast<float>(p.reach + distance));
+    rest.resize(count);
   }
-  double most = 0;
+  return rest[0];
+}
+
+void Shapes::set(std::size_t lane, const Patch& patch) {
+  for (std::size_t n = 0; n < 6; ++n) covariance[n][lane] = static_cast<float>(patch.covariance.m[n]);
+  spread[lane] = static_cast<float>(patch.spread), reach[lane] = static_cast<float>(patch.reach);
+}
+
+void Texels::set(std::size_t lane, const Direction& offset, double solid_angle, const Flux& radiance) {
+  const auto white = static_cast<float>(solid_angle);
+  for (std::size_t n = 0; n < 3; ++n) {
+    centre[n][lane] = static_cast<float>(offset[static_cast<int>(n)]);
+    flux[n][lane] = white * static_cast<float>(radiance[static_cast<int>(n)]);
+  }
+  flux[3][lane] = white;
+}
+
+void Lights::set(std::size_t lane, const Light& light, const Direction& origin) {
+  const Vec3<float> at(light.centre - origin);
+  for (std::size_t n = 0; n < 3; ++n) centre[n][lane] = at[static_cast<int>(n)];
+  for (std::size_t n = 0; n < 6; ++n) shape.covariance[n][lane] = light.covariance[n];
   for (std::size_t c = 0; c < light_channels; ++c) {
-    all.flux[c] = static_cast<float>(flux[c]);
-    all.dipole[c] = Vec3<float>(dipole[c]);
-    if (flux[c] <= 0) continue;
-    second[c].add(all.covariance, -flux[c]);
-    all.uneven = std::max(all.uneven, static_cast<float>((second[c].norm() + uneven[c]) / flux[c]));
-    most = std::max(most, cubes[c] / flux[c]);
+    flux[c][lane] = light.flux[c];
+    for (std::size_t n = 0; n < 3; ++n) dipole[c][n][lane] = light.dipole[c][static_cast<int>(n)];
   }
-  all.spread = static_cast<float>(std::cbrt(most));
-  return all;
+  uneven[lane] = light.uneven, shape.spread[lane] = light.spread, shape.reach[lane] = light.reach;
 }
 
-// ---- many texels ------------------------------------------------------------------------------------------------------
-
-void LightSum::start(const Patch& alike) {
-  const auto& m = alike.covariance.m;
-  rows_.push_back({alike, 1 - 0.5 * (m[0] + m[3] + m[5]), texels_.size()});
-}
-
-void LightSum::add(const Direction& middle, double solid_angle, const Flux& radiance) {
-  texels_.push_back({rows_.back().inside * middle,
-                     {static_cast<float>(solid_angle * radiance.x), static_cast<float>(solid_angle * radiance.y),
-                      static_cast<float>(solid_angle * radiance.z), static_cast<float>(solid_angle)}});
-}
-
-Light LightSum::light() const {
-  Light all;
-  const auto [whole, flux, centre] = middle_of(texels_);
-  if (whole <= 0) return {};
-  all.centre = centre;
-
-  // Sums of flux x offset, flux x offset^2 and flux x |offset|^3 of each channel; offsets are small enough for float32.
-  using Channels = std::array<float, light_channels>;
-  std::array<Channels, 3> dipole{};
-  std::array<Channels, 6> second{};
-  Channels cubes{};
-  float farthest = 0;
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const std::size_t end = r + 1 < rows_.size() ? rows_[r + 1].first : texels_.size();
-    Channels row{};
-    const auto spread = static_cast<float>(rows_[r].alike.spread), reach = static_cast<float>(rows_[r].alike.reach);
-    for (std::size_t k = rows_[r].first; k < end; ++k) {
-      const Vec3<float> o(texels_[k].centre - all.centre);
-      const float distance = glm::length(o), far = distance + spread, cube = far * far * far;
-      const std::array<float, 6> product{o.x * o.x, o.x * o.y, o.x * o.z, o.y * o.y, o.y * o.z, o.z * o.z};
-      const Channels f = texels_[k].flux;
-      farthest = std::max(farthest, distance + reach);
-      for (std::size_t c = 0; c < light_channels; ++c) {
-        row[c] += f[c];
-        cubes[c] += f[c] * cube;
-        for (std::size_t n = 0; n < 3; ++n) dipole[n][c] += f[c] * o[static_cast<int>(n)];
-        for (std::size_t n = 0; n < 6; ++n) second[n][c] += f[c] * product[n];
-      }
-    }
-    for (std::size_t c = 0; c < light_channels; ++c)
-      for (std::size_t n = 0; n < 6; ++n) second[n][c] += row[c] * static_cast<float>(rows_[r].alike.covariance.m[n]);
-  }
-  all.reach = farthest;
-  for (std::size_t n = 0; n < 6; ++n) {
-    const Channels& s = second[n];
-    all.covariance.m[n] = ((static_cast<double>(s[0]) + s[1] + s[2]) / 3 + 1e-3 * s[3]) / whole;
-  }
-  float most = 0;
+Light Lights::light(std::size_t lane, const Direction& origin) const {
+  Light light{.centre = origin + Direction(centre[0][lane], centre[1][lane], centre[2][lane]),
+              .uneven = uneven[lane],
+              .spread = shape.spread[lane],
+              .reach = shape.reach[lane]};
+  for (std::size_t n = 0; n < 6; ++n) light.covariance[n] = shape.covariance[n][lane];
   for (std::size_t c = 0; c < light_channels; ++c) {
-    all.flux[c] = static_cast<float>(flux[c]);
-    all.dipole[c] = {dipole[0][c], dipole[1][c], dipole[2][c]};
-    if (flux[c] <= 0) continue;
-    Symmetric off;
-    for (std::size_t n = 0; n < 6; ++n) off.m[n] = second[n][c] / flux[c] - all.covariance.m[n];
-    all.uneven = std::max(all.uneven, static_cast<float>(off.norm()));
-    most = std::max(most, static_cast<float>(cubes[c] / flux[c]));
+    light.flux[c] = flux[c][lane];
+    light.dipole[c] = {dipole[c][0][lane], dipole[c][1][lane], dipole[c][2][lane]};
   }
-  all.spread = std::cbrt(most);
-  return all;
+  return light;
 }
 
 }  // namespace envmap
+#endif  // HWY_ONCE

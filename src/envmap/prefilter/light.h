@@ -4,7 +4,6 @@
 
 #include <array>
 #include <span>
-#include <vector>
 
 #include "envmap/prefilter/patch.h"
 
@@ -15,15 +14,15 @@ inline constexpr std::size_t light_channels = 4;
 using LightFlux = std::array<float, light_channels>;
 
 /// Moments of the flux over a block of texels. Place and spread are those of all channels together; what sets a channel
-/// apart is its dipole, and beyond that a bound.
+/// apart is its dipole, and beyond that a bound. Light{} is none.
 struct Light {
-  Direction centre{0};  ///< Mean direction: inside the sphere, by half the variance.
-  Symmetric covariance{};
-  LightFlux flux{};
-  std::array<Vec3<float>, light_channels> dipole{};  ///< Of each channel about the centre: sum of flux x offset.
-  float uneven = 0;  ///< No channel's second moment, over its flux, is farther than this from the covariance.
-  float spread = 0;  ///< Cube root of the mean |offset|^3, that of the channel where it is largest, or above.
-  float reach = 0;   ///< No direction is farther from the centre.
+  Direction centre;  ///< Mean direction: inside the sphere, by half the variance.
+  std::array<float, 6> covariance;
+  LightFlux flux;                                  ///< No steradians: no light.
+  std::array<Vec3<float>, light_channels> dipole;  ///< Of each channel about the centre: sum of flux x offset.
+  float uneven;  ///< No channel's second moment, over its flux, is farther than this from the covariance.
+  float spread;  ///< Cube root of the mean |offset|^3, that of the channel where it is largest, or above.
+  float reach;   ///< No direction is farther from the centre.
 };
 
 /// Even radiance over a patch. @param radiance in units of the mean.
@@ -32,28 +31,38 @@ Light light_of(const Patch& patch, const Flux& radiance);
 /// Several as one.
 Light united(std::span<const Light> parts);
 
-/// Many texels as one light, faster than united(): texels of a row share their covariance, spread and reach.
-class LightSum {
- public:
-  /// Begins a row. @param alike one of its texels; its place and solid angle count nothing.
-  void start(const Patch& alike);
-  /// @param middle a unit vector. @param radiance in units of the mean.
-  void add(const Direction& middle, double solid_angle, const Flux& radiance);
-  [[nodiscard]] Light light() const;
-  void clear() { rows_.clear(), texels_.clear(); }
+/// Sixteen of something side by side, places counted from sixteen origins: what is put together is that at once.
+inline constexpr std::size_t most_lanes = 16;
+using Lanes = std::array<float, most_lanes>;
 
- private:
-  struct Row {
-    Patch alike;
-    double inside;  // Length of a texel's mean direction.
-    std::size_t first;
-  };
-  struct Texel {
-    Direction centre;
-    LightFlux flux;
-  };
-  std::vector<Row> rows_;
-  std::vector<Texel> texels_;
+/// How far texels spread by themselves; those of a row of a block are taken to be alike.
+struct Shapes {
+  alignas(64) std::array<Lanes, 6> covariance;
+  alignas(64) Lanes spread, reach;
+
+  void set(std::size_t lane, const Patch& patch);
 };
+struct Texels {
+  alignas(64) std::array<Lanes, 3> centre;
+  alignas(64) std::array<Lanes, light_channels> flux;
+  const Shapes* row;
+
+  /// @param offset from the origin, of the texel's mean direction. @param radiance in units of the mean.
+  void set(std::size_t lane, const Direction& offset, double solid_angle, const Flux& radiance);
+};
+struct Lights {
+  alignas(64) std::array<Lanes, 3> centre;
+  alignas(64) std::array<Lanes, light_channels> flux;
+  Shapes shape;
+  alignas(64) std::array<std::array<Lanes, 3>, light_channels> dipole;
+  alignas(64) Lanes uneven;
+
+  void set(std::size_t lane, const Light& light, const Direction& origin);
+  [[nodiscard]] Light light(std::size_t lane, const Direction& origin) const;
+};
+
+/// The first of all parts as one, the second of all, and so on. Parts without steradians count nothing.
+void unite(std::span<const Texels> parts, Lights& whole);
+void unite(std::span<const Lights> parts, Lights& whole);
 
 }  // namespace envmap

@@ -1,7 +1,6 @@
 #include "envmap/prefilter/light_tree.h"
 
-#include <tuple>
-#include <type_traits>
+#include <algorithm>
 
 #include "envmap/operate/parallel.h"
 #include "envmap/prefilter/cell.h"
@@ -11,14 +10,6 @@ namespace envmap {
 namespace {
 
 constexpr std::int64_t most_stored = 1 << 17;  // Blocks of the lowest level: 25 MB with all above.
-
-LightTree::Blocks empty(int width, int height, int faces) {
-  return {width,
-          height,
-          std::vector<Light>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                             static_cast<std::size_t>(faces)),
-          {}};
-}
 
 int halves(int n) { return (n + 1) / 2; }
 
@@ -61,23 +52,30 @@ bool is_plain(const Span& in, const Rect& r) {
   return s * s + t * t < 0.875;
 }
 
-// Directions of the texels of some rows, from a column on.
-struct Strip {
-  int left = 0, top = 0, width = 0;
-  std::vector<Direction> directions;
+// Steradians of the texels of a block, which every face has the same.
+struct SolidAngles {
+  Span in;
+  std::vector<double> texels;
 
-  void set(const Level& source, int face, const Span& in) {
-    left = in.left, top = in.top, width = in.width();
-    directions.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(in.height()));
+  SolidAngles(const Level& source, const Span& block) : in(block), texels(in.count()) {
+    std::vector<double> edges;
+    for (int i = in.left; i <= in.right; ++i) edges.push_back(i / static_cast<double>(source.width()));
+    const double h = source.height();
     for (int j = in.top; j < in.bottom; ++j)
-      texel_directions(source.projection(), source.height(), face, j, left,
-                       std::span(directions).subspan(index(left, j), static_cast<std::size_t>(width)));
+      solid_angles(source.projection(), edges, j / h, (j + 1) / h,
+                   std::span(texels).subspan(in.index(in.left, j), edges.size() - 1));
   }
-  [[nodiscard]] std::size_t index(int i, int j) const {
-    return static_cast<std::size_t>(j - top) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i - left);
-  }
-  [[nodiscard]] const Direction& at(int i, int j) const { return directions[index(i, j)]; }
 };
+
+// Directions of the texels of a block.
+std::vector<Direction>& directions_of(const Level& source, int face, const Span& in) {
+  thread_local std::vector<Direction> found;
+  found.resize(in.count());
+  for (int j = in.top; j < in.bottom; ++j)
+    texel_directions(source.projection(), source.height(), face, j, in.left,
+                     std::span(found).subspan(in.index(in.left, j), static_cast<std::size_t>(in.width())));
+  return found;
+}
 
 // A texel as a parallelogram between its neighbours: of sides a and b it has the covariance (a a^T + b b^T) / 12.
 Patch parallelogram(const Direction& a, const Direction& b) {
@@ -89,36 +87,47 @@ Patch parallelogram(const Direction& a, const Direction& b) {
   return p;
 }
 
-// A block of texels that are all much alike: their moments about the block's middle at once.
-template <class P>
-Light plain_block(const Level& source, int face, const Span& in, const Strip& strip, double scale) {
-  const double w = source.width(), h = source.height();
-  thread_local std::vector<double> omega;
-  omega.clear();
-  double whole = 0;
-  for (int j = in.top; j < in.bottom; ++j)
-    for (int i = in.left; i < in.right; ++i) {
-      const bool same = std::is_same_v<P, Latlong> && i > in.left;
-      omega.push_back(same ? omega.back() : P::density((i + 0.5) / w, (j + 0.5) / h));
-      whole += omega.back();
-    }
-  const double part = P::solid_angle(rect_of(in, source)) / whole;
+// Up to sixteen blocks, of two rows and columns or more, of texels that are all much alike. @param omega of a block that
+// they all lie in.
+void plain_blocks(const Level& source, int face, const SolidAngles& omega, std::span<const Span> blocks, double scale,
+                  Light* out) {
+  const Span& in = omega.in;
+  const std::vector<Direction>& directions = directions_of(source, face, in);
+  int width = 0, height = 0;
+  for (const Span& b : blocks) width = std::max(width, b.width()), height = std::max(height, b.height());
+  thread_local std::vector<Shapes> rows;
+  thread_local std::vector<Texels> parts;
+  const auto across = static_cast<std::size_t>(width);
+  rows.resize(static_cast<std::size_t>(height)), parts.resize(across * rows.size());
+  for (std::size_t k = 0; k < parts.size(); ++k) parts[k] = {.row = &rows[k / across]};
 
-  thread_local LightSum sum;
-  sum.clear();
-  const int middle = (in.left + in.right - 1) / 2;
-  std::size_t k = 0;
-  for (int j = in.top; j < in.bottom; ++j) {
-    const int other = j + 1 < in.bottom ? j + 1 : j - 1;
-    sum.start(parallelogram(strip.at(middle + 1, j) - strip.at(middle, j), strip.at(middle, other) - strip.at(middle, j)));
-    for (int i = in.left; i < in.right; ++i, ++k)
-      sum.add(strip.at(i, j), part * omega[k], scale * Flux(*source.texel(face, i, j)));
+  std::array<Direction, most_lanes> origins;
+  for (std::size_t lane = 0; lane < blocks.size(); ++lane) {
+    const Span& b = blocks[lane];
+    const int middle = (b.left + b.right - 1) / 2;
+    origins[lane] = directions[in.index(middle, (b.top + b.bottom - 1) / 2)];
+    for (int j = b.top; j < b.bottom; ++j) {
+      const auto at = [&](int i, int row) { return directions[in.index(i, row)]; };
+      const int other = j + 1 < b.bottom ? j + 1 : j - 1;
+      const Patch alike = parallelogram(at(middle + 1, j) - at(middle, j), at(middle, other) - at(middle, j));
+      const auto& m = alike.covariance.m;
+      const double inside = 1 - 0.5 * (m[0] + m[3] + m[5]);  // Length of a texel's mean direction.
+      const auto row = static_cast<std::size_t>(j - b.top);
+      rows[row].set(lane, alike);
+      const Colour* colours = source.texel(face, b.left, j);
+      std::size_t from = in.index(b.left, j), to = row * across;
+      for (int i = b.left; i < b.right; ++i, ++from, ++to, ++colours)
+        parts[to].set(lane, inside * directions[from] - origins[lane], omega.texels[from], scale * Flux(*colours));
+    }
   }
-  return sum.light();
+  Lights whole;
+  unite(parts, whole);
+  for (std::size_t lane = 0; lane < blocks.size(); ++lane) out[lane] = whole.light(lane, origins[lane]);
 }
 
+// A block that may be of one texel, and may lie at a rim.
 template <class P>
-Light rim_block(const Level& source, int face, const Span& in, double scale) {
+Light any_block(const Level& source, int face, const Span& in, double scale) {
   thread_local std::vector<Light> texels;
   texels.clear();
   for (int j = in.top; j < in.bottom; ++j)
@@ -129,69 +138,109 @@ Light rim_block(const Level& source, int face, const Span& in, double scale) {
   return united(texels);
 }
 
-}  // namespace
-
-std::optional<Light> LightTree::block(int face, const Span& in) const {
-  return visit(source_.projection(), [&](auto p) -> std::optional<Light> {
+// Sixteen blocks of `side` texels across, or what there is of them.
+void set_blocks(const Level& source, int face, int side, const SolidAngles& omega, double scale, Light* out) {
+  const Span& in = omega.in;
+  std::array<Span, most_lanes> plain;
+  std::array<Light, most_lanes> found;
+  std::array<Light*, most_lanes> to;
+  std::size_t count = 0;
+  visit(source.projection(), [&](auto p) {
     using P = decltype(p);
-    if (!is_plain<P>(in, rect_of(in, source_))) return std::nullopt;
-    thread_local Strip strip;
-    strip.set(source_, face, in);
-    return plain_block<P>(source_, face, in, strip, mean_ > 0 ? 1 / mean_ : 0);
+    for (int left = in.left; left < in.right; left += side, ++out) {
+      const Span block{left, in.top, std::min(in.right, left + side), in.bottom};
+      if (is_plain<P>(block, rect_of(block, source)))
+        plain[count] = block, to[count++] = out;
+      else
+        *out = any_block<P>(source, face, block, scale);
+    }
   });
+  plain_blocks(source, face, omega, std::span(plain).first(count), scale, found.data());
+  for (std::size_t k = 0; k < count; ++k) *to[k] = found[k];
 }
 
-void LightTree::Blocks::set_quads(int faces) {
-  const int across = halves(width), down = halves(height);
-  quads.resize(static_cast<std::size_t>(faces) * static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
-  for_each_row(faces, down, {}, [&](int face, int row) {
-    Quad* to = &quads[static_cast<std::size_t>(face * down + row) * static_cast<std::size_t>(across)];
-    for (int j = 2 * row; j < std::min(height, 2 * row + 2); ++j)
-      for (int i = 0; i < width; ++i)
-        if (const Light& one = light(face, i, j); one.flux[3] > 0)
-          to[i / 2].set(static_cast<std::size_t>(2 * (j % 2) + i % 2), one);
+// Lights of two rows in fours. @param lower of as many as the upper one, or none.
+void unite_rows(std::span<const Light> upper, std::span<const Light> lower, Light* out) {
+  const std::size_t count = (upper.size() + 1) / 2;
+  std::array<Lights, 4> parts;
+  std::array<Direction, most_lanes> origins;
+  Lights whole;
+  for (std::size_t start = 0; start < count; start += most_lanes) {
+    const std::size_t lanes = std::min(most_lanes, count - start);
+    for (Lights& p : parts) p = {};
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t first = 2 * (start + lane), end = std::min(first + 2, upper.size());
+      bool found = false;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::span<const Light> row = k < 2 ? upper : lower;
+        if (row.empty() || first + k % 2 >= end) continue;
+        const Light& light = row[first + k % 2];
+        if (light.flux[3] <= 0) continue;
+        if (!found) origins[lane] = light.centre;
+        found = true;
+        parts[k].set(lane, light, origins[lane]);
+      }
+      if (!found) origins[lane] = Direction(0);
+    }
+    unite(parts, whole);
+    for (std::size_t lane = 0; lane < lanes; ++lane) out[start + lane] = whole.light(lane, origins[lane]);
+  }
+}
+
+}  // namespace
+
+std::optional<std::array<Light, 4>> LightTree::quarters(int face, const Span& in) const {
+  const std::array<Span, 4> parts = in.quarters();
+  const bool plain = visit(source_.projection(), [&](auto p) {
+    return std::ranges::all_of(parts, [&](const Span& s) { return is_plain<decltype(p)>(s, rect_of(s, source_)); });
   });
+  if (!plain) return std::nullopt;
+  std::array<Light, 4> found;
+  plain_blocks(source_, face, {source_, in}, parts, mean_ > 0 ? 1 / mean_ : 0, found.data());
+  return found;
+}
+
+LightTree::Blocks::Blocks(int count, int across, int down)
+    : faces(count),
+      width(across),
+      height(down),
+      lights(std::make_unique_for_overwrite<Light[]>(place(across, down, count, 0))),
+      quads(std::make_unique_for_overwrite<Quad[]>(place(halves(across), halves(down), count, 0))) {}
+
+void LightTree::Blocks::set_quads(int face, int j) {
+  Quad* to = &quads[place(halves(width), halves(height), face, j)];
+  std::fill_n(to, halves(width), Quad::none());
+  for (int y = 2 * j; y < std::min(height, 2 * j + 2); ++y)
+    for (int i = 0; i < width; ++i)
+      if (const Light& one = light(face, i, y); one.flux[3] > 0)
+        to[i / 2].set(static_cast<std::size_t>(2 * (y % 2) + i % 2), one);
 }
 
 LightTree::LightTree(const Level& source) : source_(source), mean_(mean_of(source)) {
   const int width = source.width(), height = source.height(), faces = source.faces();
   while (static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_) > most_stored) ++first_;
-  const int side = 1 << first_;
+  const int side = 1 << first_, at_once = static_cast<int>(most_lanes) * side;
   const double scale = mean_ > 0 ? 1 / mean_ : 0;
-  Blocks& lowest = blocks_.emplace_back(empty((width + side - 1) / side, (height + side - 1) / side, faces));
-  visit(source.projection(), [&](auto p) {
-    using P = decltype(p);
-    for_each_row(faces, lowest.height, {}, [&](int face, int bj) {
-      constexpr int at_once = 256;  // Texels of a row.
-      const int top = bj * side, bottom = std::min(height, top + side);
-      for (int start = 0; start < width; start += std::max(at_once, side)) {
-        const int end = std::min(width, start + std::max(at_once, side));
-        thread_local Strip strip;
-        if (side > 1) strip.set(source, face, {start, top, end, bottom});
-        for (int left = start; left < end; left += side) {
-          const Span in{left, top, std::min(width, left + side), bottom};
-          lowest.light(face, left / side, bj) = is_plain<P>(in, rect_of(in, source))
-                                                    ? plain_block<P>(source, face, in, strip, scale)
-                                                    : rim_block<P>(source, face, in, scale);
-        }
-      }
-    });
+  Blocks lowest(faces, (width + side - 1) / side, (height + side - 1) / side);
+  for_each_row(1, lowest.height, {}, [&](int, int j) {
+    for (int left = 0; left < width; left += at_once) {
+      const SolidAngles omega(source, {left, j * side, std::min(width, left + at_once), std::min(height, (j + 1) * side)});
+      for (int face = 0; face < faces; ++face)
+        set_blocks(source, face, side, omega, scale, lowest.row(face, j) + left / side);
+    }
   });
-  lowest.set_quads(faces);
+  for_each_row(faces, halves(lowest.height), {}, [&](int face, int j) { lowest.set_quads(face, j); });
+  blocks_.push_back(std::move(lowest));
   while (blocks_.back().width > 1 || blocks_.back().height > 1) {
     const Blocks& fine = blocks_.back();
-    Blocks coarse = empty(halves(fine.width), halves(fine.height), faces);
-    for_each_row(faces, coarse.height, {}, [&](int face, int j) {
-      for (int i = 0; i < coarse.width; ++i) {
-        std::array<Light, 4> parts;
-        std::size_t count = 0;
-        for (int y = 2 * j; y < std::min(fine.height, 2 * j + 2); ++y)
-          for (int x = 2 * i; x < std::min(fine.width, 2 * i + 2); ++x)
-            if (const Light& part = fine.light(face, x, y); part.flux[3] > 0) parts[count++] = part;
-        coarse.light(face, i, j) = united(std::span(parts).first(count));
-      }
-    });
-    coarse.set_quads(faces);
+    const auto row_of = [&](int face, int j) {
+      return j < fine.height ? std::span<const Light>(fine.row(face, j), static_cast<std::size_t>(fine.width))
+                             : std::span<const Light>{};
+    };
+    Blocks coarse(faces, halves(fine.width), halves(fine.height));
+    for_each_row(faces, coarse.height, {},
+                 [&](int face, int j) { unite_rows(row_of(face, 2 * j), row_of(face, 2 * j + 1), coarse.row(face, j)); });
+    for_each_row(faces, halves(coarse.height), {}, [&](int face, int j) { coarse.set_quads(face, j); });
     blocks_.push_back(std::move(coarse));
   }
 }

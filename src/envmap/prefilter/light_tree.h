@@ -2,7 +2,10 @@
 /// The source as a quad-tree of lights: every block of 2^k x 2^k texels of a face with its moments.
 #pragma once
 
+#include <array>
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "envmap/map/environment_map.h"
@@ -15,6 +18,20 @@ struct Span {
   int left, top, right, bottom;
   [[nodiscard]] int width() const { return right - left; }
   [[nodiscard]] int height() const { return bottom - top; }
+  [[nodiscard]] std::size_t count() const {
+    return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
+  }
+  /// Of a texel, by row and column.
+  [[nodiscard]] std::size_t index(int i, int j) const {
+    return static_cast<std::size_t>(j - top) * static_cast<std::size_t>(width()) + static_cast<std::size_t>(i - left);
+  }
+  [[nodiscard]] std::array<Span, 4> quarters() const {
+    const int middle = (left + right) / 2, centre = (top + bottom) / 2;
+    return {{{left, top, middle, centre},
+             {middle, top, right, centre},
+             {left, centre, middle, bottom},
+             {middle, centre, right, bottom}}};
+  }
 };
 
 /// Blocks above a size are stored; smaller ones are few where a lobe is wide and are made as they are wanted: the texels
@@ -22,22 +39,25 @@ struct Span {
 class LightTree {
  public:
   struct Blocks {
-    int width, height;  ///< Blocks across and down a face.
-    std::vector<Light> lights;
-    std::vector<Quad> quads;  ///< The same in fours, by where they lie in the level above.
+    int faces, width, height;         ///< Blocks across and down a face.
+    std::unique_ptr<Light[]> lights;  ///< By face, row and column.
+    std::unique_ptr<Quad[]> quads;    ///< The same in fours, by where they lie in the level above.
 
-    [[nodiscard]] std::size_t index(int face, int i, int j) const {
-      const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
-      return (static_cast<std::size_t>(face) * h + static_cast<std::size_t>(j)) * w + static_cast<std::size_t>(i);
-    }
-    [[nodiscard]] const Light& light(int face, int i, int j) const { return lights[index(face, i, j)]; }
-    Light& light(int face, int i, int j) { return lights[index(face, i, j)]; }
+    Blocks(int count, int across, int down);
+    [[nodiscard]] std::span<const Light> all() const { return {lights.get(), place(width, height, faces, 0)}; }
+    [[nodiscard]] Light* row(int face, int j) const { return &lights[place(width, height, face, j)]; }
+    [[nodiscard]] const Light& light(int face, int i, int j) const { return row(face, j)[i]; }
     /// Blocks 2i, 2i + 1 of rows 2j, 2j + 1.
     [[nodiscard]] const Quad& quad(int face, int i, int j) const {
-      const auto w = static_cast<std::size_t>((width + 1) / 2), h = static_cast<std::size_t>((height + 1) / 2);
-      return quads[(static_cast<std::size_t>(face) * h + static_cast<std::size_t>(j)) * w + static_cast<std::size_t>(i)];
+      return quads[place((width + 1) / 2, (height + 1) / 2, face, j) + static_cast<std::size_t>(i)];
     }
-    void set_quads(int faces);
+    /// Sets the quads of rows 2j and 2j + 1.
+    void set_quads(int face, int j);
+
+   private:
+    static std::size_t place(int across, int down, int face, int j) {
+      return static_cast<std::size_t>(face * down + j) * static_cast<std::size_t>(across);
+    }
   };
 
   /// @param source must outlive the tree.
@@ -47,8 +67,9 @@ class LightTree {
   [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
   [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
   [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
-  /// A block smaller than those that are stored; nothing where a rim cuts or stretches it, or it has one row or column.
-  [[nodiscard]] std::optional<Light> block(int face, const Span& in) const;
+  /// The quarters of a block of those that are stored, or smaller; nothing where a rim cuts or stretches one, or one has a
+  /// single row or column.
+  [[nodiscard]] std::optional<std::array<Light, 4>> quarters(int face, const Span& in) const;
   [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[static_cast<std::size_t>(k - first_)]; }
 
  private:

@@ -30,10 +30,6 @@ struct Symmetric {
   void add(const Symmetric& other, double weight) {
     for (std::size_t k = 0; k < 6; ++k) m[k] += weight * other.m[k];
   }
-  [[nodiscard]] Direction times(const Direction& v) const {
-    return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
-            m[2] * v.x + m[4] * v.y + m[5] * v.z};
-  }
   [[nodiscard]] double norm() const {
     return std::sqrt(m[0] * m[0] + m[3] * m[3] + m[5] * m[5] + 2 * (m[1] * m[1] + m[2] * m[2] + m[4] * m[4]));
   }

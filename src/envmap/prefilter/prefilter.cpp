@@ -233,7 +233,7 @@ double first_guess(const Lobe& lobe) {
 // How far the brightest block may be off anywhere by what is left out of its spectrum, for a flux of 1.
 double spectral_tail(const LightTree& tree, double error) {
   double brightest = 0;
-  for (const Light& l : tree.blocks(tree.first()).lights)
+  for (const Light& l : tree.blocks(tree.first()).all())
     brightest = std::max<double>({brightest, l.flux[0], l.flux[1], l.flux[2]});
   return brightest > 0 ? 3e-4 * error / brightest : 1;
 }

@@ -19,7 +19,12 @@ struct alignas(16) Quad {
   Lanes reach, spread, uneven;
   std::array<Lanes, light_channels> flux;
 
-  Quad() : reach{}, spread{}, uneven{}, flux{} { x.fill(9), y.fill(9), z.fill(9); }  // Far below any horizon.
+  /// Far below any horizon.
+  static Quad none() {
+    Quad q{};
+    q.x.fill(9), q.y.fill(9), q.z.fill(9);
+    return q;
+  }
   /// @param from what the centre is counted from.
   void set(std::size_t lane, const Light& light, const Direction& from = Direction(0));
 };
