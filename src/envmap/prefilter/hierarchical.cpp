@@ -197,17 +197,6 @@ std::size_t index_of(const Level& level, const Texel& t) {
   return (static_cast<std::size_t>(t.face) * h + static_cast<std::size_t>(t.j)) * w + static_cast<std::size_t>(t.i);
 }
 
-// How far from their middle the directions of a tile may be: they share a list of lights, which is as long as the worst of
-// them needs. The figures are those that were fastest.
-double tile_radius(const Lobe& lobe) {
-  return std::visit(
-      [](const auto& l) {
-        const double radius = 0.7 * std::sqrt(2 * l.width());
-        return l.value(0.9) > 1e-3 ? std::min(radius, 0.1) : radius;
-      },
-      lobe);
-}
-
 // What the tiles of a map share.
 struct Job {
   const LightTree& tree;
@@ -241,6 +230,20 @@ std::optional<double> gather_tile(const LightTree& tree, const Lobe& lobe, const
     const double scale = tree.mean() / tile.sums[3][k];
     out[k] = Colour(scale * tile.sums[0][k], scale * tile.sums[1][k], scale * tile.sums[2][k]);
   }
+  return left;
+}
+
+// One direction. @return the remainders, or nothing where the exact sum is quicker.
+std::optional<double> gather_direction(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
+                                       const Direction& direction, Flux& out) {
+  thread_local std::vector<Sight> sights;
+  sights.clear();
+  std::size_t count = 0;
+  const std::optional<double> left = good_lights(tree, lobe, direction, 0, accuracy, most_of_one(tree),
+                                                 [&](const Light& light) { add_sight(light, direction, count, sights); });
+  if (!left) return left;
+  const std::array<double, light_channels> sums = gather(lobe, sights);
+  out = tree.mean() / sums[3] * Flux(sums[0], sums[1], sums[2]);
   return left;
 }
 
@@ -288,20 +291,36 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h) {
 
 }  // namespace
 
-double gather_direction(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy, const Direction& direction,
-                        Flux& out) {
-  thread_local std::vector<Sight> sights;
-  sights.clear();
-  std::size_t count = 0;
-  const std::optional<double> left = good_lights(tree, lobe, direction, 0, accuracy, most_of_one(tree),
-                                                 [&](const Light& light) { add_sight(light, direction, count, sights); });
-  if (!left) {
-    out = exact_prefilter(tree.source(), lobe, std::span(&direction, 1))[0];
-    return 0;
+double tile_radius(const Lobe& lobe) {
+  return std::visit(
+      [](const auto& l) {
+        const double radius = 0.7 * std::sqrt(2 * l.width());
+        return l.value(0.9) > 1e-3 ? std::min(radius, 0.1) : radius;
+      },
+      lobe);
+}
+
+double gather_directions(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
+                         std::span<const Direction> directions, std::span<Flux> out) {
+  if (directions.size() == 1) {
+    const std::optional<double> left = gather_direction(tree, lobe, accuracy, directions[0], out[0]);
+    if (!left) out[0] = exact_prefilter(tree.source(), lobe, directions)[0];
+    return left.value_or(0);
   }
-  const std::array<double, light_channels> sums = gather(lobe, sights);
-  out = tree.mean() / sums[3] * Flux(sums[0], sums[1], sums[2]);
-  return *left;
+  if (directions.size() <= Tile::most) {
+    Tile tile;
+    set_tile(directions, tile);
+    if (radius_of(tile) <= tile_radius(lobe)) {
+      std::array<Colour, Tile::most> colours;
+      if (const auto left = gather_tile(tree, lobe, accuracy, tile_lights, tile, colours)) {
+        std::copy_n(colours.begin(), directions.size(), out.begin());
+        return *left;
+      }
+    }
+  }
+  const std::size_t half = directions.size() / 2;
+  return std::max(gather_directions(tree, lobe, accuracy, directions.first(half), out.first(half)),
+                  gather_directions(tree, lobe, accuracy, directions.subspan(half), out.subspan(half)));
 }
 
 std::vector<float> hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target,

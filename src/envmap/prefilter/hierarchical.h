@@ -15,10 +15,14 @@ struct Accuracy {
   double light;  ///< The largest remainder of a light, relative to the result (or to 0.001 x the mean, if larger).
 };
 
-/// Result in one direction, a unit vector, in units of radiance, lobes normalised. @return the remainders of all lights,
-/// relative to the result, as if they were independent; 0 where the exact sum was quicker.
-double gather_direction(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy, const Direction& direction,
-                        Flux& out);
+/// How far from their middle directions may be that share lights: these are as many as the worst of the directions needs.
+/// The figures are those that were fastest.
+double tile_radius(const Lobe& lobe);
+
+/// Results in directions, unit vectors near each other, in units of radiance, lobes normalised. @return the remainders of all
+/// lights, relative to the result, as if they were independent; 0 where the exact sum was quicker.
+double gather_directions(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
+                         std::span<const Direction> directions, std::span<Flux> out);
 
 /// Fills a whole map. @param out of the projection and size of the target.
 /// @return the same of the tile of every texel, by face, row and column.

@@ -83,4 +83,10 @@ struct Ggx {
 
 using Lobe = std::variant<Cosine, Phong, Ggx>;
 
+/// The lobe just above its horizon, over its peak: 1 where it is a step (an exponent of 0), 0.03 for an exponent of 0.5.
+inline double at_horizon(const Lobe& lobe) {
+  return std::visit([](const auto& l) { return l.value(0.999) / l.value(0); }, lobe);
+}
+inline constexpr double step = 0.4, bent = 0.1;  ///< Where that is above, of exponents below 0.13 and 0.33.
+
 }  // namespace envmap

@@ -1,8 +1,5 @@
 #include "envmap/prefilter/prefilter.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -19,6 +16,7 @@
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/hierarchical.h"
 #include "envmap/prefilter/spectral.h"
+#include "envmap/prefilter/verify.h"
 
 namespace envmap {
 
@@ -121,101 +119,6 @@ EnvironmentMap by_mirror(const EnvironmentMap& source, const Prefilter& p) {
   return convert(copy, {.to = p.to, .size = p.size, .filter = Filter::nearest, .forward = p.forward});
 }
 
-// ---- the check ------------------------------------------------------------------------------------------------------
-
-// Texels worth looking at in a result: spread evenly, the darkest, the brightest, the steepest for their own radiance, and
-// those of which the method itself is least sure, if it says so.
-std::vector<Texel> hardest(const Level& level, const std::vector<float>& doubt) {
-  constexpr std::size_t even = 112, each = 48;
-  std::vector<Texel> all;
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < level.height(); ++j)
-      for (int i = columns(level.projection(), level.height(), j).first;
-           i < columns(level.projection(), level.height(), j).end; ++i)
-        all.push_back({face, i, j});
-  if (all.size() <= even + 3 * each) return all;
-  std::vector<Texel> found;
-  for (std::size_t k = 0; k < even; ++k) found.push_back(all[(2 * k + 1) * all.size() / (2 * even)]);
-  const auto least = [&](const Texel& t) {
-    const Colour& c = *level.texel(t.face, t.i, t.j);
-    return std::min({c.x, c.y, c.z});
-  };
-  const auto most = [&](const Texel& t) {
-    const Colour& c = *level.texel(t.face, t.i, t.j);
-    return std::max({c.x, c.y, c.z});
-  };
-  const auto slope = [&](const Texel& t) {
-    const Colour& c = *level.texel(t.face, t.i, t.j);
-    const Colour& beside = *level.texel(t.face, t.i > 0 ? t.i - 1 : t.i, t.j > 0 ? t.j - 1 : t.j);
-    const Colour off = glm::abs(c - beside) / glm::max(c, Colour(1e-30F));
-    return std::max({off.x, off.y, off.z});
-  };
-  std::array<std::vector<Texel>, 4> hard;
-  const auto take = [&](std::vector<Texel>& into, auto key) {
-    std::vector<std::pair<float, std::uint32_t>> order(all.size());
-    for (std::uint32_t k = 0; k < all.size(); ++k) order[k] = {key(all[k]), k};
-    std::ranges::nth_element(order, order.begin() + each);
-    for (std::size_t k = 0; k < each; ++k) into.push_back(all[order[k].second]);
-  };
-  const auto unsure = [&](const Texel& t) {
-    return doubt[static_cast<std::size_t>((t.face * level.height() + t.j) * level.width() + t.i)];
-  };
-  tbb::parallel_invoke([&] { take(hard[0], least); }, [&] { take(hard[1], [&](const Texel& t) { return -most(t); }); },
-                       [&] { take(hard[2], [&](const Texel& t) { return -slope(t); }); },
-                       [&] {
-                         if (!doubt.empty()) take(hard[3], [&](const Texel& t) { return -unsure(t); });
-                       });
-  for (const std::vector<Texel>& texels : hard) found.insert(found.end(), texels.begin(), texels.end());
-  return found;
-}
-
-// The lobe just above its horizon, over its peak: 1 where it is a step (an exponent of 0), 0.03 for an exponent of 0.5.
-double at_horizon(const Lobe& lobe) {
-  return std::visit([](const auto& l) { return l.value(0.999) / l.value(0); }, lobe);
-}
-constexpr double step = 0.4, bent = 0.1;  // Exponents of 0.13 and 0.33.
-
-// The integral in one direction; what is left out of it, as independent errors, below `bound` of it.
-Flux reference(const LightTree& tree, const Lobe& lobe, const Direction& d, double bound) {
-  Flux found;
-  double light = 0.06 * bound;
-  for (int round = 0; round < 20; ++round) {
-    const double left = gather_direction(tree, lobe, {light}, d, found);
-    if (left <= bound) break;
-    light *= std::clamp(0.8 * bound / left, 0.01, 0.5);
-  }
-  return found;
-}
-
-// The largest error of a result in the texels that are hardest.
-void check(const EnvironmentMap& source, const LightTree& tree, const Prefilter& p, const Lobe& lobe,
-           const std::vector<float>& doubt, Prefiltered& done) {
-  const Level& level = done.map.base();
-  const std::vector<Texel> texels = hardest(level, doubt);
-  const Rotation turn = to_source(p, source);
-  const Flux floor(std::max(1e-3 * tree.mean(), std::numeric_limits<double>::min()));
-  // Of a lobe that breaks off the remainders are less independent than they are taken to be.
-  const double edge = at_horizon(lobe);
-  const double first = edge > step ? 0.1 : edge > bent ? 0.25 : 0.5;
-  const std::array bounds{first, std::min(first, 0.25)};
-  std::vector<double> errors(texels.size());
-  tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t k) {
-    const Texel& t = texels[k];
-    Direction d[1];
-    texel_directions(p.to, p.size, t.face, t.j, t.i, d);
-    // Enough where what is off and what the reference leaves out come to no more than what was asked for.
-    for (const double bound : bounds) {
-      const Flux truth = reference(tree, lobe, turn * d[0], bound * std::max(finest, p.max_error));
-      const Flux off = glm::abs(Flux(*level.texel(t.face, t.i, t.j)) - truth) / glm::max(truth, floor);
-      errors[k] = std::max({off.x, off.y, off.z});
-      if (errors[k] <= (1 - bound) * p.max_error) break;
-    }
-  });
-  done.directions = static_cast<std::int64_t>(texels.size());
-  done.error = texels.empty() ? 0 : std::ranges::max(errors);
-  done.reached = done.error <= p.max_error;
-}
-
 void scale(Level& level, double factor) {
   if (factor == 1) return;
   for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
@@ -288,7 +191,12 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
     std::vector<float> doubt;
     Prefiltered done{.map = make(doubt), .method = method};
     done.seconds = seconds_since(start);
-    if (method != Method::exact) check(map_, tree, wanted, lobe, doubt, done);
+    if (method != Method::exact) {
+      const Target target{wanted.to, wanted.size, to_source(wanted, map_)};
+      const Verified found = verify(tree, lobe, target, done.map.base(), doubt, std::max(finest, wanted.max_error));
+      done.error = found.error, done.directions = found.directions;
+      done.reached = done.error <= wanted.max_error;
+    }
     return done;
   };
   const auto exact = [&] { return timed(Method::exact, [&](auto&) { return by_exact(map_, wanted, lobe, progress); }); };

@@ -65,11 +65,7 @@ class PrefilterSource {
   /// nothing faster does: spectral where the result has many texels for the lobe's width and no sun asks for more degrees
   /// than there are, else hierarchical. `hierarchical` refines, too; the others do what they are told and say how it went.
   ///
-  /// The check compares at least 256 texels (all of smaller maps) with the exact integral: texels spread evenly, and those
-  /// that are hardest: the darkest, the brightest and the steepest. Their reference is the same sum over the source with
-  /// every part small enough that the bounds of all remainders, as independent errors, come to half the error asked for, or
-  /// to a quarter where more than half of it is found (parts of one texel as less independent; a tenth where the lobe breaks
-  /// off at its horizon); where that takes too many parts, the exact sum.
+  /// Results are checked by verify().
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 
  private:
