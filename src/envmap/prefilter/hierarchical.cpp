@@ -119,9 +119,9 @@ class Cutter {
   // Of lights that are not good enough worse(k) says whether it did something about them.
   template <class Worse>
   void judge_all(std::span<const Light> lights, Worse&& worse) {
-    Quad quad = Quad::none();
-    for (std::size_t k = 0; k < lights.size(); ++k) quad.set(k, lights[k], view_.middle);
-    const Verdict v = judge(lobe_, view_, quad);
+    Bunch bunch = Bunch::none();
+    for (std::size_t k = 0; k < lights.size(); ++k) bunch.set(k, lights[k], view_.middle);
+    const Verdict v = judge(lobe_, view_, bunch, lights.size());
     for (std::size_t k = 0; k < lights.size(); ++k) {
       if (!(v.visible >> k & 1) || (!(v.good >> k & 1) && worse(k))) continue;
       if (view_.surveying) {
@@ -302,20 +302,21 @@ double tile_radius(const Lobe& lobe) {
 
 double gather_directions(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
                          std::span<const Direction> directions, std::span<Flux> out) {
+  constexpr std::size_t few = 6;  // Less are quicker one by one.
   if (directions.size() == 1) {
     const std::optional<double> left = gather_direction(tree, lobe, accuracy, directions[0], out[0]);
     if (!left) out[0] = exact_prefilter(tree.source(), lobe, directions)[0];
     return left.value_or(0);
   }
-  if (directions.size() <= Tile::most) {
+  if (directions.size() >= few && directions.size() <= Tile::most) {
     Tile tile;
     set_tile(directions, tile);
-    if (radius_of(tile) <= tile_radius(lobe)) {
-      std::array<Colour, Tile::most> colours;
-      if (const auto left = gather_tile(tree, lobe, accuracy, tile_lights, tile, colours)) {
-        std::copy_n(colours.begin(), directions.size(), out.begin());
-        return *left;
-      }
+    std::array<Colour, Tile::most> colours;
+    std::optional<double> left;
+    if (radius_of(tile) <= tile_radius(lobe)) left = gather_tile(tree, lobe, accuracy, tile_lights, tile, colours);
+    if (left) {
+      std::copy_n(colours.begin(), directions.size(), out.begin());
+      return *left;
     }
   }
   const std::size_t half = directions.size() / 2;

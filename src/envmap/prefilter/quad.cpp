@@ -18,8 +18,8 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap {
 namespace HWY_NAMESPACE {
 
-using Few = hn::CappedTag<float, 4>;
-using V = hn::Vec<Few>;
+using D = hn::CappedTag<float, 16>;
+using V = hn::Vec<D>;
 
 // Brings what is read later on its way.
 template <class T>
@@ -27,22 +27,22 @@ HWY_INLINE void fetch(const T* what) {
   for (std::size_t k = 0; k < sizeof(T); k += 64) hwy::Prefetch(reinterpret_cast<const char*>(what) + k);
 }
 
-HWY_INLINE unsigned bits_of(hn::Mask<Few> mask) {
+HWY_INLINE unsigned bits_of(hn::Mask<D> mask) {
   std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(Few(), mask, bits);
-  return bits[0] & ((1U << hn::Lanes(Few())) - 1);
+  hn::StoreMaskBits(D(), mask, bits);
+  return (bits[0] | bits[1] * 256U) & ((1U << hn::Lanes(D())) - 1);
 }
 
-// As many of the four as a vector has, from lane n on. @param middle what centres are counted from. @param slack what they
-// may be off.
+// As many as a vector has, from lane n on. @param middle what centres are counted from. @param slack what they may be off.
 template <class Lanes>
-HWY_INLINE void judge_few(const Lanes& lobe, const View& view, const Quad& q, std::size_t n, const Vec3<float>& middle,
-                          float slack, Verdict& found) {
-  const Few d;
+HWY_INLINE void judge_lanes(const Lanes& lobe, const View& view, const Bunch& b, std::size_t n,
+                            const Vec3<float>& middle, float slack, Verdict& found) {
+  const D d;
   const V zero = hn::Zero(d), one = hn::Set(d, 1), half = hn::Set(d, 0.5F);
-  const V x = hn::Sub(hn::Load(d, &q.x[n]), hn::Set(d, middle.x)),
-          y = hn::Sub(hn::Load(d, &q.y[n]), hn::Set(d, middle.y)), z = hn::Sub(hn::Load(d, &q.z[n]), hn::Set(d, middle.z));
-  const V radius = hn::Set(d, static_cast<float>(view.radius) + slack), reach = hn::Load(d, &q.reach[n]);
+  const V x = hn::Sub(hn::Load(d, &b.centre[0][n]), hn::Set(d, middle.x)),
+          y = hn::Sub(hn::Load(d, &b.centre[1][n]), hn::Set(d, middle.y)),
+          z = hn::Sub(hn::Load(d, &b.centre[2][n]), hn::Set(d, middle.z));
+  const V radius = hn::Set(d, static_cast<float>(view.radius) + slack), reach = hn::Load(d, &b.reach[n]);
   const V distance = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
   const V low = hn::Max(zero, hn::Sub(hn::Sub(distance, radius), reach)), high = hn::Add(hn::Add(distance, radius), reach);
   const V near = hn::Mul(half, hn::Mul(low, low)), far = hn::Mul(half, hn::Mul(high, high));
@@ -60,14 +60,14 @@ HWY_INLINE void judge_few(const Lanes& lobe, const View& view, const Quad& q, st
   const V gap = hn::Sub(at_near, at_far), limit = hn::Set(d, view.limit);
   V flux = zero;
   for (std::size_t c = 0; c < light_channels; ++c)
-    flux = hn::Max(flux, hn::Mul(hn::Load(d, &q.flux[c][n]), hn::Set(d, view.most[c])));
+    flux = hn::Max(flux, hn::Mul(hn::Load(d, &b.flux[c][n]), hn::Set(d, view.most[c])));
   if (view.surveying) {
     hn::Store(at_far, d, &found.least[n]);
     const auto small = hn::Lt(reach, hn::Set(d, 0.5F * static_cast<float>(view.radius)));
     found.good |= bits_of(hn::And(visible, hn::Or(small, hn::Lt(hn::Mul(gap, flux), limit)))) << n;
     return;
   }
-  const V sine2 = hn::Mul(sine, sine), spread = hn::Load(d, &q.spread[n]), uneven = hn::Load(d, &q.uneven[n]);
+  const V sine2 = hn::Mul(sine, sine), spread = hn::Load(d, &b.spread[n]), uneven = hn::Load(d, &b.uneven[n]);
   const V spread2 = hn::Mul(spread, spread), cube = hn::Mul(hn::Mul(hn::Mul(sine2, sine), spread2), spread);
   // Four points give the variance of the cosine but for what it has by the sphere's bend alone, seen from the middle.
   const V variance = hn::Add(hn::Mul(sine2, uneven), hn::Mul(hn::Set(d, 0.13F), hn::Mul(spread2, spread2)));
@@ -83,10 +83,21 @@ HWY_INLINE void judge_few(const Lanes& lobe, const View& view, const Quad& q, st
 }
 
 template <class Lanes>
-HWY_INLINE Verdict judge_four(const Lanes& lobe, const View& view, const Quad& q, const Vec3<float>& middle, float slack) {
+HWY_INLINE Verdict judge_bunch(const Lanes& lobe, const View& view, const Bunch& lights, std::size_t count,
+                               const Vec3<float>& middle, float slack) {
   Verdict found;
-  for (std::size_t n = 0; n < 4; n += hn::Lanes(Few())) judge_few(lobe, view, q, n, middle, slack, found);
+  for (std::size_t n = 0; n < count; n += hn::Lanes(D())) judge_lanes(lobe, view, lights, n, middle, slack, found);
   return found;
+}
+
+HWY_INLINE void copy(const Quad& from, Bunch& to, std::size_t lane) {
+  const hn::CappedTag<float, 4> d;
+  const auto each = [&](const Quad::Lanes& a, Bunch::Lanes& b) HWY_ATTR {
+    for (std::size_t n = 0; n < 4; n += hn::Lanes(d)) hn::Store(hn::Load(d, &a[n]), d, &b[lane + n]);
+  };
+  for (std::size_t n = 0; n < 3; ++n) each(from.centre[n], to.centre[n]);
+  each(from.reach, to.reach), each(from.spread, to.spread), each(from.uneven, to.uneven);
+  for (std::size_t c = 0; c < light_channels; ++c) each(from.flux[c], to.flux[c]);
 }
 
 template <class Lanes>
@@ -96,26 +107,31 @@ void walk_lanes(const Lanes& lobe, const LightTree& tree, View& view, Walked& fo
   struct Entry {
     int k, face, i, j;  // The quad of blocks 2i, 2i + 1 and 2j, 2j + 1 of level k.
   };
-  std::array<Entry, 160> stack;  // Three are left behind on each of at most 30 levels, and the faces.
+  std::array<Entry, 512> stack;  // Twelve are left behind on each of at most 30 levels, and the faces.
   std::size_t count = 0;
   for (int face = faces(tree.source().projection()); face-- > 0;) stack[count++] = {tree.last(), face, 0, 0};
+  Bunch bunch = Bunch::none();
   while (count > 0 && found.count <= view.most_lights) {
-    const Entry e = stack[--count];
-    const LightTree::Blocks& blocks = tree.blocks(e.k);
-    const Quad& q = blocks.quad(e.face, e.i, e.j);
-    const Verdict v = judge_four(lobe, view, q, middle, slack);
-    for (int lane = 3; lane >= 0; --lane) {
-      const auto n = static_cast<std::size_t>(lane);
-      const int i = 2 * e.i + lane % 2, j = 2 * e.j + lane / 2;
-      if (v.good >> lane & 1) {
+    // Four at a time, whatever the width of a vector: it is their order that sums depend on.
+    std::array<Entry, 4> quads;
+    const std::size_t several = std::min(count, quads.size());
+    for (std::size_t k = 0; k < several; ++k) {
+      quads[k] = stack[--count];
+      copy(tree.blocks(quads[k].k).quad(quads[k].face, quads[k].i, quads[k].j), bunch, 4 * k);
+    }
+    const Verdict v = judge_bunch(lobe, view, bunch, 4 * several, middle, slack);
+    for (std::size_t n = 4 * several; n-- > 0;) {
+      const Entry& e = quads[n / 4];
+      const int lane = static_cast<int>(n % 4), i = 2 * e.i + lane % 2, j = 2 * e.j + lane / 2;
+      if (v.good >> n & 1) {
         if (view.surveying) {
-          found.add_least(view, {q.flux[0][n], q.flux[1][n], q.flux[2][n], q.flux[3][n]}, v.least[n]);
+          found.add_least(view, {bunch.flux[0][n], bunch.flux[1][n], bunch.flux[2][n], bunch.flux[3][n]}, v.least[n]);
         } else {
           found.add_error(v.error[n]);
-          found.lights.push_back(&blocks.light(e.face, i, j));
+          found.lights.push_back(&tree.blocks(e.k).light(e.face, i, j));
           fetch(found.lights.back());
         }
-      } else if (v.visible >> lane & 1) {
+      } else if (v.visible >> n & 1) {
         if (e.k == tree.first()) {
           found.opened.push_back({e.face, i, j});
         } else {
@@ -127,8 +143,8 @@ void walk_lanes(const Lanes& lobe, const LightTree& tree, View& view, Walked& fo
   }
 }
 
-void Judge(const Lobe& lobe, const View& view, const Quad& quad, Verdict& out) {
-  std::visit([&](const auto& l) HWY_ATTR { out = judge_four(lanes_of(l), view, quad, Vec3<float>(0), 0); }, lobe);
+void Judge(const Lobe& lobe, const View& view, const Bunch& lights, std::size_t count, Verdict& out) {
+  std::visit([&](const auto& l) HWY_ATTR { out = judge_bunch(lanes_of(l), view, lights, count, Vec3<float>(0), 0); }, lobe);
 }
 void WalkDown(const Lobe& lobe, const LightTree& tree, View& view, Walked& found) {
   std::visit([&](const auto& l) HWY_ATTR { walk_lanes(lanes_of(l), tree, view, found); }, lobe);
@@ -144,16 +160,9 @@ namespace envmap {
 HWY_EXPORT(Judge);
 HWY_EXPORT(WalkDown);
 
-void Quad::set(std::size_t lane, const Light& light, const Direction& from) {
-  const Vec3<float> at(light.centre - from);
-  x[lane] = at.x, y[lane] = at.y, z[lane] = at.z;
-  reach[lane] = light.reach, spread[lane] = light.spread, uneven[lane] = light.uneven;
-  for (std::size_t c = 0; c < light_channels; ++c) flux[c][lane] = light.flux[c];
-}
-
-Verdict judge(const Lobe& lobe, const View& view, const Quad& quad) {
+Verdict judge(const Lobe& lobe, const View& view, const Bunch& lights, std::size_t count) {
   Verdict found;
-  HWY_DYNAMIC_DISPATCH(Judge)(lobe, view, quad, found);
+  HWY_DYNAMIC_DISPATCH(Judge)(lobe, view, lights, count, found);
   return found;
 }
 

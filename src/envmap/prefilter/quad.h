@@ -1,5 +1,5 @@
 /// @file
-/// Four lights at once, and what directions that look at them may take them for.
+/// Lights side by side, and what directions that look at them may take them for.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +12,30 @@
 
 namespace envmap {
 
-/// What the walk through the tree has to know of four lights that lie side by side.
-struct alignas(16) Quad {
-  using Lanes = std::array<float, 4>;
-  Lanes x, y, z;  ///< Centres.
+/// What the walk through the tree has to know of some lights, side by side.
+template <std::size_t N>
+struct alignas(4 * N) Heads {
+  using Lanes = std::array<float, N>;
+  std::array<Lanes, 3> centre;
   Lanes reach, spread, uneven;
   std::array<Lanes, light_channels> flux;
 
   /// Far below any horizon.
-  static Quad none() {
-    Quad q{};
-    q.x.fill(9), q.y.fill(9), q.z.fill(9);
-    return q;
+  static Heads none() {
+    Heads h{};
+    for (Lanes& x : h.centre) x.fill(9);
+    return h;
   }
   /// @param from what the centre is counted from.
-  void set(std::size_t lane, const Light& light, const Direction& from = Direction(0));
+  void set(std::size_t lane, const Light& light, const Direction& from = Direction(0)) {
+    for (std::size_t n = 0; n < 3; ++n)
+      centre[n][lane] = static_cast<float>(light.centre[static_cast<int>(n)] - from[static_cast<int>(n)]);
+    reach[lane] = light.reach, spread[lane] = light.spread, uneven[lane] = light.uneven;
+    for (std::size_t c = 0; c < light_channels; ++c) flux[c][lane] = light.flux[c];
+  }
 };
+using Quad = Heads<4>;
+using Bunch = Heads<16>;  ///< What is judged at once.
 
 /// Directions near each other, and what is good enough for them.
 struct View {
@@ -40,20 +48,20 @@ struct View {
   std::size_t most_lights = SIZE_MAX;  ///< There is no use for more.
 };
 
-/// What a view makes of four lights; a bit each.
+/// What a view makes of a bunch of lights; a bit each.
 struct Verdict {
-  unsigned visible = 0;             ///< Above the horizon.
-  unsigned good = 0;                ///< And good enough.
-  alignas(16) Quad::Lanes error{};  ///< Remainders of the lobe's series, relative to the result.
-  alignas(16) Quad::Lanes least{};  ///< The lobe, at least.
+  unsigned visible = 0;            ///< Above the horizon.
+  unsigned good = 0;               ///< And good enough.
+  alignas(64) Bunch::Lanes error;  ///< Remainders of the lobe's series, relative to the result, of good ones.
+  alignas(64) Bunch::Lanes least;  ///< The lobe, at least, while surveying.
 };
 
 /// A light is taken as two, one standard deviation to either side, which is right but for the third term of Taylor's series
 /// of the lobe about its mean cosine. That is bounded by the lobe's third derivative and the light's spread, and by the
 /// second for what a channel spreads otherwise than all of them; where the horizon crosses the light, by a part of what the
 /// lobe is there; and always by what the lobe changes over it.
-/// @param centres from the view's middle.
-Verdict judge(const Lobe& lobe, const View& view, const Quad& quad);
+/// @param lights their centres from the view's middle. @param count of them that are asked for.
+Verdict judge(const Lobe& lobe, const View& view, const Bunch& lights, std::size_t count);
 
 class LightTree;
 
