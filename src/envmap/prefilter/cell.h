@@ -52,4 +52,35 @@ Patch patch(int face, const Cell& cell, int depth = 0) {
   return united(std::span(parts).first(count));
 }
 
+/// f(direction, solid angle) at Gauss points of a cell, cut until none of its parts spans more than `across` radians.
+template <class P, class F>
+void for_points(int face, const Wedge& wedge, double across, F&& f, int depth = 0) {
+  if (depth < 9 && wedge.far - wedge.near > across) {
+    for_halves(wedge, [&](const Wedge& half) { for_points<P>(face, half, across, f, depth + 1); });
+  } else {
+    wedge.points(f);
+  }
+}
+template <class P, class F>
+void for_points(int face, const Rect& rect, double across, F&& f, int depth = 0) {
+  const Coverage where = coverage<P>(rect);
+  if (where == Coverage::outside) return;
+  const auto parts = [&] {
+    for_parts<P>(rect, [&](const auto& part) { for_points<P>(face, part, across, f, depth + 1); });
+  };
+  if (at_rim<P>(rect)) return parts();
+  std::array<Direction, 4> points;
+  std::array<double, 4> weights;
+  gauss_points<P>(face, rect, points, weights);
+  const double diagonal = 1.75 * std::max(glm::length(points[0] - points[3]), glm::length(points[1] - points[2]));
+  if ((depth < 9 && diagonal > across) || (where == Coverage::cut && depth < 3)) {
+    parts();
+  } else if (where == Coverage::cut) {
+    const Patch p = patch<P>(face, rect);
+    if (p.solid_angle > 0) f(glm::normalize(p.centre), p.solid_angle);
+  } else {
+    for (std::size_t k = 0; k < 4; ++k) f(points[k], weights[k]);
+  }
+}
+
 }  // namespace envmap

@@ -50,37 +50,6 @@ struct Recursion {
   }
 };
 
-// f(direction, solid angle) at points dense enough for harmonics of the order.
-template <class P, class F>
-void for_points(int face, const Wedge& wedge, double small, int depth, F&& f) {
-  if (depth > 0 && wedge.far - wedge.near > 2 * small) {
-    for_halves(wedge, [&](const Wedge& half) { for_points<P>(face, half, small, depth - 1, f); });
-  } else {
-    wedge.points(f);
-  }
-}
-template <class P, class F>
-void for_points(int face, const Rect& rect, double small, int depth, F&& f) {
-  const Coverage where = coverage<P>(rect);
-  if (where == Coverage::outside) return;
-  const auto parts = [&] {
-    for_parts<P>(rect, [&](const auto& part) { for_points<P>(face, part, small, depth - 1, f); });
-  };
-  if (at_rim<P>(rect)) return parts();
-  const Patch p = patch<P>(face, rect);
-  if (p.solid_angle <= 0) return;
-  if ((p.reach > small && depth > 0) || (where == Coverage::cut && depth > 6)) {
-    parts();
-  } else if (where == Coverage::cut) {
-    f(glm::normalize(p.centre), p.solid_angle);
-  } else {
-    std::array<Direction, 4> points;
-    std::array<double, 4> weights;
-    gauss_points<P>(face, rect, points, weights);
-    for (std::size_t k = 0; k < 4; ++k) f(points[k], weights[k]);
-  }
-}
-
 template <class P>
 std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const Rotation& to_world, int face, int row) {
   std::vector<Flux> sums(static_cast<std::size_t>((recursion.order + 1) * (recursion.order + 1)), Flux(0));
@@ -91,7 +60,7 @@ std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const R
     if (radiance == Flux(0)) continue;
     // Four Gauss points integrate harmonics of degree l over a texel to (l x side)^4 / 4320.
     const Rect rect{i / w, row / h, (i + 1) / w, (row + 1) / h};
-    for_points<P>(face, rect, 0.2 / (1 + recursion.order), 9, [&](const Direction& d, double weight) {
+    for_points<P>(face, rect, 0.4 / (1 + recursion.order), [&](const Direction& d, double weight) {
       const Flux part = weight * radiance;
       recursion.each(to_world * d, [&](int k, double y) { sums[static_cast<std::size_t>(k)] += y * part; });
     });

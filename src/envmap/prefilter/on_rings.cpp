@@ -25,34 +25,6 @@ Reaches reaches(int order, double error, bool bright) {
   return {std::sqrt(500 * error) / order, 3.2 * std::pow(6200 * error, 0.25) / order};
 }
 
-template <class P, class F>
-void gauss(int face, const Wedge& wedge, double reach, int depth, F&& add) {
-  if (depth > 0 && wedge.far - wedge.near > reach) {
-    for_halves(wedge, [&](const Wedge& half) { gauss<P>(face, half, reach, depth - 1, add); });
-  } else {
-    wedge.points(add);
-  }
-}
-template <class P, class F>
-void gauss(int face, const Rect& rect, double reach, int depth, F&& add) {
-  const Coverage where = coverage<P>(rect);
-  if (where == Coverage::outside) return;
-  const auto parts = [&] { for_parts<P>(rect, [&](const auto& part) { gauss<P>(face, part, reach, depth - 1, add); }); };
-  if (at_rim<P>(rect)) return parts();
-  std::array<Direction, 4> points;
-  std::array<double, 4> weights;
-  gauss_points<P>(face, rect, points, weights);
-  const double across = 1.75 * std::max(glm::length(points[0] - points[3]), glm::length(points[1] - points[2]));
-  if (depth > 0 && (across > reach || (where == Coverage::cut && depth > 3))) {
-    parts();
-  } else if (where == Coverage::cut) {
-    const Patch p = patch<P>(face, rect);
-    if (p.solid_angle > 0) add(glm::normalize(p.centre), p.solid_angle);
-  } else {
-    for (std::size_t k = 0; k < 4; ++k) add(points[k], weights[k]);
-  }
-}
-
 // Texels that are each other's images under quarter turns about the axis of the rings, and so share their points: of a cube
 // with an even number of columns four, the sides' or one face's own; else each is alone.
 struct Orbit {
@@ -180,8 +152,8 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
       }
       points.push_back(d[k]), weights.push_back(omega[static_cast<std::size_t>(i)]);
     } else {
-      gauss<P>(in.face, rect, most.four, 6,
-               [&](const Direction& at, double weight) { points.push_back(at), weights.push_back(weight); });
+      for_points<P>(in.face, rect, most.four,
+                    [&](const Direction& at, double weight) { points.push_back(at), weights.push_back(weight); });
     }
     texels.push_back({light, points.size()});
   }
