@@ -197,6 +197,8 @@ std::size_t index_of(const Level& level, const Texel& t) {
   return (static_cast<std::size_t>(t.face) * h + static_cast<std::size_t>(t.j)) * w + static_cast<std::size_t>(t.i);
 }
 
+constexpr double exactly = -1;  // The doubt of texels that are left to the exact sum.
+
 // What the tiles of a map share.
 struct Job {
   const LightTree& tree;
@@ -269,10 +271,7 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h) {
   std::optional<double> doubt;
   if (count == 1 || radius_of(tile) <= job.radius)
     doubt = gather_tile(job.tree, job.lobe, job.accuracy, count > 1 ? tile_lights : most_of_one(job.tree), tile, colours);
-  if (!doubt && count == 1) {
-    colours[0] = Colour(exact_prefilter(job.tree.source(), job.lobe, all)[0]);
-    doubt = 0;
-  }
+  if (!doubt && count == 1) doubt = exactly;
   if (!doubt) {
     const int left = w >= h ? w / 2 : w, top = w >= h ? h : h / 2;
     fill_tile(job, face, x, y, left, top);
@@ -289,6 +288,25 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h) {
   }
 }
 
+// The texels that are left to the exact sum, all together.
+void set_exactly(const Job& job) {
+  std::vector<Texel> texels;
+  std::vector<Direction> directions;
+  for (int face = 0; face < job.out.faces(); ++face)
+    for (int j = 0; j < job.out.height(); ++j)
+      for (int i = 0; i < job.out.width(); ++i) {
+        float& doubt = job.doubt[index_of(job.out, {face, i, j})];
+        if (doubt != static_cast<float>(exactly)) continue;
+        doubt = 0;
+        texels.push_back({face, i, j});
+        texel_directions(job.target.to, job.target.size, face, j, i, std::span(&directions.emplace_back(), 1));
+      }
+  rotate(job.target.to_source, directions);
+  const std::vector<Flux> found = exact_prefilter(job.tree.source(), job.lobe, directions);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    *job.out.texel(texels[k].face, texels[k].i, texels[k].j) = Colour(found[k]);
+}
+
 }  // namespace
 
 double tile_radius(const Lobe& lobe) {
@@ -300,14 +318,10 @@ double tile_radius(const Lobe& lobe) {
       lobe);
 }
 
-double gather_directions(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
-                         std::span<const Direction> directions, std::span<Flux> out) {
+std::optional<double> gather_directions(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
+                                        std::span<const Direction> directions, std::span<Flux> out) {
   constexpr std::size_t few = 6;  // Less are quicker one by one.
-  if (directions.size() == 1) {
-    const std::optional<double> left = gather_direction(tree, lobe, accuracy, directions[0], out[0]);
-    if (!left) out[0] = exact_prefilter(tree.source(), lobe, directions)[0];
-    return left.value_or(0);
-  }
+  if (directions.size() == 1) return gather_direction(tree, lobe, accuracy, directions[0], out[0]);
   if (directions.size() >= few && directions.size() <= Tile::most) {
     Tile tile;
     set_tile(directions, tile);
@@ -316,12 +330,14 @@ double gather_directions(const LightTree& tree, const Lobe& lobe, const Accuracy
     if (radius_of(tile) <= tile_radius(lobe)) left = gather_tile(tree, lobe, accuracy, tile_lights, tile, colours);
     if (left) {
       std::copy_n(colours.begin(), directions.size(), out.begin());
-      return *left;
+      return left;
     }
   }
   const std::size_t half = directions.size() / 2;
-  return std::max(gather_directions(tree, lobe, accuracy, directions.first(half), out.first(half)),
-                  gather_directions(tree, lobe, accuracy, directions.subspan(half), out.subspan(half)));
+  const auto first = gather_directions(tree, lobe, accuracy, directions.first(half), out.first(half));
+  if (!first) return first;
+  const auto second = gather_directions(tree, lobe, accuracy, directions.subspan(half), out.subspan(half));
+  return second ? std::max(*first, *second) : second;
 }
 
 std::vector<float> hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target,
@@ -333,6 +349,7 @@ std::vector<float> hierarchical_prefilter(const LightTree& tree, const Lobe& lob
     const int y = row * side, h = std::min(side, out.height() - y);
     for (int x = 0; x < out.width(); x += side) fill_tile(job, face, x, y, std::min(side, out.width() - x), h);
   });
+  set_exactly(job);
   return doubt;
 }
 

@@ -2,6 +2,10 @@
 /// Prefiltering by a quad-tree of the source: coarse in the tail of the lobe, fine in its core, exact round bright texels.
 #pragma once
 
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "envmap/operate/progress.h"
 #include "envmap/prefilter/gather.h"
 #include "envmap/prefilter/light_tree.h"
@@ -20,12 +24,13 @@ struct Accuracy {
 double tile_radius(const Lobe& lobe);
 
 /// Results in directions, unit vectors near each other, in units of radiance, lobes normalised. @return the remainders of all
-/// lights, relative to the result, as if they were independent; 0 where the exact sum was quicker.
-double gather_directions(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
-                         std::span<const Direction> directions, std::span<Flux> out);
+/// lights, relative to the result, as if they were independent; nothing where the exact sum is quicker, which is quicker
+/// still of many directions at once.
+std::optional<double> gather_directions(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
+                                        std::span<const Direction> directions, std::span<Flux> out);
 
 /// Fills a whole map. @param out of the projection and size of the target.
-/// @return the same of the tile of every texel, by face, row and column.
+/// @return the same of the tile of every texel, by face, row and column; 0 of those that took the exact sum.
 std::vector<float> hierarchical_prefilter(const LightTree& tree, const Lobe& lobe, const Target& target,
                                           const Accuracy& accuracy, Level& out, const Progress& progress = {});
 

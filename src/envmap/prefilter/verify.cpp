@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "envmap/operate/measure.h"
+#include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/hierarchical.h"
 
 namespace envmap {
@@ -84,14 +85,36 @@ std::vector<std::vector<Texel>> neighbours(std::vector<Texel> texels, const Leve
   return groups;
 }
 
-// The integral in some directions; what is left out of it, as independent errors, below `bound` of it.
-void reference(const LightTree& tree, const Lobe& lobe, std::span<const Direction> d, double bound, std::span<Flux> out) {
+std::vector<Direction> directions_of(const Target& target, std::span<const Texel> texels) {
+  std::vector<Direction> d(texels.size());
+  for (std::size_t n = 0; n < d.size(); ++n)
+    texel_directions(target.to, target.size, texels[n].face, texels[n].j, texels[n].i, std::span(d).subspan(n, 1));
+  rotate(target.to_source, d);
+  return d;
+}
+
+// The integral in some directions; what is left out of it, as independent errors, below `bound` of it. @return whether it
+// is; else the exact sum is quicker.
+bool reference(const LightTree& tree, const Lobe& lobe, std::span<const Direction> d, double bound, std::span<Flux> out) {
   double light = 0.06 * bound;
   for (int round = 0; round < 20; ++round) {
-    const double left = gather_directions(tree, lobe, {light}, d, out);
-    if (left <= bound) break;
-    light *= std::clamp(0.8 * bound / left, 0.01, 0.5);
+    const std::optional<double> left = gather_directions(tree, lobe, {light}, d, out);
+    if (!left) return false;
+    if (*left <= bound) break;
+    light *= std::clamp(0.8 * bound / *left, 0.01, 0.5);
   }
+  return true;
+}
+
+// The largest difference from the truth, relative to that or the floor.
+double largest(const Level& result, std::span<const Texel> texels, std::span<const Flux> truth, const Flux& floor) {
+  double error = 0;
+  for (std::size_t n = 0; n < texels.size(); ++n) {
+    const Colour& c = *result.texel(texels[n].face, texels[n].i, texels[n].j);
+    const Flux off = glm::abs(Flux(c) - truth[n]) / glm::max(truth[n], floor);
+    error = std::max({error, off.x, off.y, off.z});
+  }
+  return error;
 }
 
 }  // namespace
@@ -99,33 +122,28 @@ void reference(const LightTree& tree, const Lobe& lobe, std::span<const Directio
 Verified verify(const LightTree& tree, const Lobe& lobe, const Target& target, const Level& result,
                 std::span<const float> doubt, double max_error) {
   const std::vector<Texel> texels = hardest(result, doubt);
-  if (texels.empty()) return {};
   const std::vector<std::vector<Texel>> groups = neighbours(texels, result, lobe);
   const Flux floor(std::max(1e-3 * tree.mean(), std::numeric_limits<double>::min()));
   // Of a lobe that breaks off the remainders are less independent than they are taken to be.
   const double edge = at_horizon(lobe), first = edge > step ? 0.1 : edge > bent ? 0.25 : 0.5;
   const std::array bounds{first, std::min(first, 0.25)};
   std::vector<double> errors(groups.size(), 0);
+  std::vector<char> exact(groups.size(), 0);
   tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t k) {
-    std::vector<Direction> d(groups[k].size());
+    const std::vector<Direction> d = directions_of(target, groups[k]);
     std::vector<Flux> truth(d.size());
-    for (std::size_t n = 0; n < d.size(); ++n) {
-      const Texel& t = groups[k][n];
-      texel_directions(target.to, target.size, t.face, t.j, t.i, std::span(d).subspan(n, 1));
-    }
-    rotate(target.to_source, d);
     // Enough where what is off and what the reference leaves out come to no more than what was asked for.
     for (const double bound : bounds) {
-      reference(tree, lobe, d, bound * max_error, truth);
-      errors[k] = 0;
-      for (std::size_t n = 0; n < d.size(); ++n) {
-        const Texel& t = groups[k][n];
-        const Flux off = glm::abs(Flux(*result.texel(t.face, t.i, t.j)) - truth[n]) / glm::max(truth[n], floor);
-        errors[k] = std::max({errors[k], off.x, off.y, off.z});
-      }
+      exact[k] = reference(tree, lobe, d, bound * max_error, truth) ? 0 : 1;
+      if (exact[k]) return;
+      errors[k] = largest(result, groups[k], truth, floor);
       if (errors[k] <= (1 - bound) * max_error) break;
     }
   });
+  std::vector<Texel> rest;
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    if (exact[k]) rest.insert(rest.end(), groups[k].begin(), groups[k].end());
+  errors.push_back(largest(result, rest, exact_prefilter(tree.source(), lobe, directions_of(target, rest)), floor));
   return {std::ranges::max(errors), static_cast<std::int64_t>(texels.size())};
 }
 
