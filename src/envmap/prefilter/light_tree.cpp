@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/sample/target.h"
@@ -12,30 +13,6 @@ namespace {
 constexpr std::int64_t most_stored = 1 << 17;  // Blocks of the lowest level: 25 MB with all above.
 
 int halves(int n) { return (n + 1) / 2; }
-
-// The unit of fluxes; texels of other than finite radiance were refused before.
-double mean_of(const Level& source) {
-  struct Row {
-    Flux flux{0};
-    double weight = 0;
-  };
-  Row all;
-  for (const Row& row : map_rows<Row>(source.height(), [&](int j) {
-         Row sum;
-         std::vector<double> omega(static_cast<std::size_t>(source.width()));
-         solid_angles(source.projection(), source.height(), j, omega);
-         for (int face = 0; face < source.faces(); ++face) {
-           const std::span<const Colour> texels = source.row(face, j);
-           for (std::size_t k = 0; k < texels.size(); ++k) {
-             sum.flux += omega[k] * Flux(texels[k]);
-             sum.weight += omega[k];
-           }
-         }
-         return sum;
-       }))
-    all.flux += row.flux, all.weight += row.weight;
-  return all.weight > 0 ? (all.flux.x + all.flux.y + all.flux.z) / (3 * all.weight) : 0;
-}
 
 Rect rect_of(const Span& in, const Level& source) {
   const double w = source.width(), h = source.height();
@@ -91,6 +68,7 @@ Patch parallelogram(const Direction& a, const Direction& b) {
 // they all lie in.
 void plain_blocks(const Level& source, int face, const SolidAngles& omega, std::span<const Span> blocks, double scale,
                   Light* out) {
+  if (blocks.empty()) return;
   const Span& in = omega.in;
   const std::vector<Direction>& directions = directions_of(source, face, in);
   int width = 0, height = 0;
@@ -169,18 +147,16 @@ void unite_rows(std::span<const Light> upper, std::span<const Light> lower, Ligh
     const std::size_t lanes = std::min(most_lanes, count - start);
     for (Lights& p : parts) p = {};
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const std::size_t first = 2 * (start + lane), end = std::min(first + 2, upper.size());
-      bool found = false;
+      const std::size_t first = 2 * (start + lane);
+      const Light* origin = nullptr;
       for (std::size_t k = 0; k < 4; ++k) {
         const std::span<const Light> row = k < 2 ? upper : lower;
-        if (row.empty() || first + k % 2 >= end) continue;
-        const Light& light = row[first + k % 2];
-        if (light.flux[3] <= 0) continue;
-        if (!found) origins[lane] = light.centre;
-        found = true;
-        parts[k].set(lane, light, origins[lane]);
+        const std::size_t from = first + k % 2;
+        if (from >= row.size() || row[from].flux[3] <= 0) continue;
+        if (!origin) origin = &row[from];
+        parts[k].set(lane, row[from], origin->centre);
       }
-      if (!found) origins[lane] = Direction(0);
+      origins[lane] = origin ? origin->centre : Direction(0);
     }
     unite(parts, whole);
     for (std::size_t lane = 0; lane < lanes; ++lane) out[start + lane] = whole.light(lane, origins[lane]);
@@ -216,7 +192,7 @@ void LightTree::Blocks::set_quads(int face, int j) {
         to[i / 2].set(static_cast<std::size_t>(2 * (y % 2) + i % 2), one);
 }
 
-LightTree::LightTree(const Level& source) : source_(source), mean_(mean_of(source)) {
+LightTree::LightTree(const Level& source) : source_(source), mean_(mean_radiance(source)) {
   const int width = source.width(), height = source.height(), faces = source.faces();
   while (static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_) > most_stored) ++first_;
   const int side = 1 << first_, at_once = static_cast<int>(most_lanes) * side;
