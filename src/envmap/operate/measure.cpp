@@ -204,6 +204,16 @@ Measures measure(const EnvironmentMap& map) {
           .brightest_value = *level.texel(all.texel.face, all.texel.i, all.texel.j)};
 }
 
+std::vector<Texel> texels_of(const Level& level) {
+  std::vector<Texel> all;
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j) {
+      const Columns in = columns(level.projection(), level.height(), j);
+      for (int i = in.first; i < in.end; ++i) all.push_back({face, i, j});
+    }
+  return all;
+}
+
 Flux flux(const Level& level) { return flux_sum(level).value(); }
 
 double mean_radiance(const Level& level) {

@@ -355,4 +355,19 @@ std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::sp
   return out;
 }
 
+std::vector<Direction> directions_of(const Target& target, std::span<const Texel> texels) {
+  std::vector<Direction> d(texels.size());
+  for (std::size_t k = 0; k < d.size(); ++k)
+    texel_directions(target.to, target.size, texels[k].face, texels[k].j, texels[k].i, std::span(d).subspan(k, 1));
+  rotate(target.to_source, d);
+  return d;
+}
+
+void exact_texels(const Level& source, const Lobe& lobe, const Target& target, std::span<const Texel> texels,
+                  Level& out, const Progress& progress) {
+  const std::vector<Flux> found = exact_prefilter(source, lobe, directions_of(target, texels), progress);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    *out.texel(texels[k].face, texels[k].i, texels[k].j) = Colour(found[k]);
+}
+
 }  // namespace envmap

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
+#include "envmap/operate/measure.h"
 #include "envmap/operate/progress.h"
 #include "envmap/prefilter/lobe.h"
+#include "envmap/sample/target.h"
 
 namespace envmap {
 
@@ -20,5 +22,12 @@ namespace envmap {
 /// makes hard, down to the mirror.
 std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
                                   const Progress& progress = {});
+
+/// Where texels of a target look, image frame of the source.
+std::vector<Direction> directions_of(const Target& target, std::span<const Texel> texels);
+
+/// Sets some texels of a map. @param out of the projection and size of the target.
+void exact_texels(const Level& source, const Lobe& lobe, const Target& target, std::span<const Texel> texels,
+                  Level& out, const Progress& progress = {});
 
 }  // namespace envmap

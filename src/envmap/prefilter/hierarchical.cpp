@@ -290,21 +290,14 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h) {
 
 // The texels that are left to the exact sum, all together.
 void set_exactly(const Job& job) {
-  std::vector<Texel> texels;
-  std::vector<Direction> directions;
-  for (int face = 0; face < job.out.faces(); ++face)
-    for (int j = 0; j < job.out.height(); ++j)
-      for (int i = 0; i < job.out.width(); ++i) {
-        float& doubt = job.doubt[index_of(job.out, {face, i, j})];
-        if (doubt != static_cast<float>(exactly)) continue;
-        doubt = 0;
-        texels.push_back({face, i, j});
-        texel_directions(job.target.to, job.target.size, face, j, i, std::span(&directions.emplace_back(), 1));
-      }
-  rotate(job.target.to_source, directions);
-  const std::vector<Flux> found = exact_prefilter(job.tree.source(), job.lobe, directions);
-  for (std::size_t k = 0; k < found.size(); ++k)
-    *job.out.texel(texels[k].face, texels[k].i, texels[k].j) = Colour(found[k]);
+  std::vector<Texel> left;
+  for (const Texel& t : texels_of(job.out)) {
+    float& doubt = job.doubt[index_of(job.out, t)];
+    if (doubt != static_cast<float>(exactly)) continue;
+    doubt = 0;
+    left.push_back(t);
+  }
+  exact_texels(job.tree.source(), job.lobe, job.target, left, job.out);
 }
 
 }  // namespace

@@ -1,12 +1,9 @@
 #include "envmap/prefilter/prefilter.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <memory>
-#include <tuple>
 
 #include "envmap/error.h"
 #include "envmap/operate/convert.h"
@@ -49,76 +46,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Rotation to_source(const Prefilter& p, const EnvironmentMap& source) {
-  return glm::transpose(image_to_world(source.forward)) * image_to_world(p.forward);
-}
-
-EnvironmentMap empty_map(const Prefilter& p) {
-  EnvironmentMap map;
-  map.levels.emplace_back(p.to, p.size);
-  map.forward = p.forward;
-  return map;
-}
-
-// ---- the methods ----------------------------------------------------------------------------------------------------
-
-// Directions of a row's texels in the image frame of the source.
-std::vector<Direction> row_directions(const Prefilter& p, const Rotation& turn, int face, int row) {
-  const Columns in = columns(p.to, p.size, row);
-  std::vector<Direction> d(static_cast<std::size_t>(in.end - in.first));
-  texel_directions(p.to, p.size, face, row, in.first, d);
-  rotate(turn, d);
-  return d;
-}
-
-EnvironmentMap by_exact(const EnvironmentMap& source, const Prefilter& p, const Lobe& lobe, const Progress& progress) {
-  EnvironmentMap map = empty_map(p);
-  std::vector<Direction> all;
-  std::vector<Colour*> texels;
-  const Rotation turn = to_source(p, source);
-  for (int face = 0; face < map.base().faces(); ++face)
-    for (int row = 0; row < p.size; ++row) {
-      const std::vector<Direction> d = row_directions(p, turn, face, row);
-      all.insert(all.end(), d.begin(), d.end());
-      for (std::size_t k = 0; k < d.size(); ++k)
-        texels.push_back(map.base().texel(face, columns(p.to, p.size, row).first + static_cast<int>(k), row));
-    }
-  const std::vector<Flux> found = exact_prefilter(source.base(), lobe, all, progress);
-  for (std::size_t k = 0; k < found.size(); ++k) *texels[k] = Colour(found[k]);
-  return map;
-}
-
-EnvironmentMap by_harmonics(const EnvironmentMap& source, const Prefilter& p, const Lobe& lobe, const Progress& progress) {
-  std::vector<double> factors = zonal(lobe, p.order > 0 ? p.order : 32);
-  while (p.order == 0 && factors.size() > 3 && std::abs(factors.back()) < 1e-3 * p.max_error) factors.pop_back();
-  Harmonics h = project(source, static_cast<int>(factors.size()) - 1, progress);
-  scale_degrees(h, factors);
-  return evaluate(h, p.to, p.size, p.forward);
-}
-
-EnvironmentMap by_tree(const EnvironmentMap& source, const LightTree& tree, const Prefilter& p, const Lobe& lobe,
-                       double accuracy, std::vector<float>& doubt, const Progress& progress) {
-  EnvironmentMap map = empty_map(p);
-  const Target target{p.to, p.size, to_source(p, source)};
-  doubt = hierarchical_prefilter(tree, lobe, target, {accuracy}, map.base(), progress);
-  return map;
-}
-
-EnvironmentMap by_spectrum(const EnvironmentMap& source, std::unique_ptr<Spectrum>& spectrum, const Prefilter& p,
-                           std::span<const double> factors, double error, const Progress& progress) {
-  const int order = static_cast<int>(factors.size()) - 1;
-  if (!spectrum || spectrum->order() < order || spectrum->error() > error)
-    spectrum = std::make_unique<Spectrum>(source.base(), factors, error, progress);
-  EnvironmentMap map = empty_map(p);
-  spectrum->convolve(factors, {p.to, p.size, to_source(p, source)}, map.base(), progress);
-  return map;
-}
-
-EnvironmentMap by_mirror(const EnvironmentMap& source, const Prefilter& p) {
-  EnvironmentMap copy = source;
-  return convert(copy, {.to = p.to, .size = p.size, .filter = Filter::nearest, .forward = p.forward});
-}
-
 void scale(Level& level, double factor) {
   if (factor == 1) return;
   for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
@@ -149,11 +76,11 @@ bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
   return texels_of(p) >= 2000 && std::visit([](const auto& l) { return l.value(0.9) <= 1e-2; }, lobe);
 }
 
-// A step at the horizon cuts so many texels that for small errors in small maps all of them are sooner summed up.
+// A lobe that is bent at the horizon cuts so many texels that for small errors in small maps all are sooner summed up.
 bool exact_is_cheaper(const EnvironmentMap& source, const Prefilter& p, const Lobe& lobe) {
-  const double texels = 1.0 * p.size * p.size * aspect(p.to) * faces(p.to);
   const double lights = 1.0 * source.base().width() * source.base().height() * source.base().faces();
-  return p.max_error < 5e-4 && at_horizon(lobe) > bent && texels * lights < 2e8;
+  const double edge = at_horizon(lobe), least = edge > step ? 2e-3 : edge > bent ? 5e-4 : 0;
+  return p.max_error < least && texels_of(p) * lights < 2e8;
 }
 
 // What --scale makes of a normalised lobe.
@@ -161,6 +88,119 @@ double factor(const Prefilter& p) {
   if (!p.scale) return 1;
   return p.shape == Shape::phong ? *p.scale * 2 * pi / (p.parameter + 1) : *p.scale;
 }
+
+// ---- one map in the making --------------------------------------------------------------------------------------------
+
+struct Making {
+  const EnvironmentMap& source;
+  const LightTree& tree;
+  std::unique_ptr<Spectrum>& spectrum;
+  const Prefilter& wanted;
+  const Lobe lobe;
+  const Target target;
+  const Progress& progress;
+
+  // make(level, doubt) fills a level of the target.
+  template <class Make>
+  [[nodiscard]] Prefiltered timed(Method method, Make&& make) const {
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<float> doubt;
+    Prefiltered done{.map = {}, .method = method};
+    done.map.levels.emplace_back(wanted.to, wanted.size);
+    done.map.forward = wanted.forward;
+    make(done.map.base(), doubt);
+    done.seconds = seconds_since(start);
+    if (method == Method::exact) return done;
+    const Verified found = verify(tree, lobe, target, done.map.base(), doubt, std::max(finest, wanted.max_error));
+    done.error = found.error, done.directions = found.directions;
+    done.reached = done.error <= wanted.max_error;
+    return done;
+  }
+
+  [[nodiscard]] Prefiltered exact() const {
+    return timed(Method::exact,
+                 [&](Level& out, auto&) { exact_texels(source.base(), lobe, target, texels_of(out), out, progress); });
+  }
+  [[nodiscard]] Prefiltered mirror() const {
+    return timed(Method::exact, [&](Level& out, auto&) {
+      EnvironmentMap copy = source;
+      const Conversion nearest{.to = wanted.to, .size = wanted.size, .filter = Filter::nearest, .forward = wanted.forward};
+      out = std::move(convert(copy, nearest).base());
+    });
+  }
+  [[nodiscard]] Prefiltered harmonics() const {
+    return timed(Method::sh, [&](Level& out, auto&) {
+      std::vector<double> factors = zonal(lobe, wanted.order > 0 ? wanted.order : 32);
+      while (wanted.order == 0 && factors.size() > 3 && std::abs(factors.back()) < 1e-3 * wanted.max_error)
+        factors.pop_back();
+      Harmonics h = project(source, static_cast<int>(factors.size()) - 1, progress);
+      scale_degrees(h, factors);
+      out = std::move(evaluate(h, wanted.to, wanted.size, wanted.forward).base());
+    });
+  }
+
+  [[nodiscard]] Prefiltered hierarchical(double accuracy) const {
+    return timed(Method::hierarchical, [&](Level& out, auto& doubt) {
+      doubt = hierarchical_prefilter(tree, lobe, target, {accuracy}, out, progress);
+    });
+  }
+  [[nodiscard]] Prefiltered refined() const {
+    double accuracy = wanted.max_error * first_guess(lobe);
+    Prefiltered done = hierarchical(accuracy);
+    // Texels that were not looked at may be worse, most of all under an edge at the horizon: they are left room.
+    const bool edged = at_horizon(lobe) > bent;
+    const auto room = [&](int round) { return edged ? 0.4 : round == 0 ? 0.7 : 1; };
+    for (int round = 0; round < 7 && done.error > room(round) * wanted.max_error; ++round) {
+      accuracy *= std::clamp(0.4 * wanted.max_error / done.error, 0.02, 0.5);
+      done = hierarchical(accuracy);
+    }
+    return done;
+  }
+
+  [[nodiscard]] Prefiltered spectral(const std::vector<double>& factors, double error) const {
+    return timed(Method::spectral, [&](Level& out, auto&) {
+      const int order = static_cast<int>(factors.size()) - 1;
+      if (!spectrum || spectrum->order() < order || spectrum->error() > error)
+        spectrum = std::make_unique<Spectrum>(source.base(), factors, error, progress);
+      spectrum->convolve(factors, target, out, progress);
+    });
+  }
+  [[nodiscard]] Prefiltered spectral() const {
+    const std::vector<double> all = zonal(lobe, most_spectral_order);
+    const std::vector<double> factors = spectral_factors(all, spectral_tail(tree, wanted.max_error));
+    return spectral(factors.empty() ? all : factors, wanted.max_error);
+  }
+  // Nothing where it takes more degrees than there are, or than there are texels.
+  [[nodiscard]] std::optional<Prefiltered> spectral_if_cheaper() const {
+    if (!may_be_spectral(wanted, lobe)) return std::nullopt;
+    const std::vector<double> all = zonal(lobe, most_spectral_order);
+    std::vector<double> factors;
+    for (const double error : {wanted.max_error, wanted.max_error / 10}) {
+      if (const auto found = spectral_factors(all, spectral_tail(tree, error)); !found.empty()) factors = found;
+      if (factors.empty() || texels_of(wanted) < std::pow(static_cast<double>(factors.size()), 2)) break;
+      if (Prefiltered done = spectral(factors, error); done.error <= 0.7 * wanted.max_error) return done;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] Prefiltered automatic() const {
+    if (wanted.max_error < finest || exact_is_cheaper(source, wanted, lobe)) return exact();
+    if (std::optional<Prefiltered> done = spectral_if_cheaper()) return std::move(*done);
+    Prefiltered done = refined();
+    return done.reached ? std::move(done) : exact();
+  }
+  [[nodiscard]] Prefiltered made() const {
+    if (is_mirror(wanted)) return mirror();
+    switch (wanted.method) {
+      case Method::exact: return exact();
+      case Method::hierarchical: return refined();
+      case Method::spectral: return spectral();
+      case Method::sh: return harmonics();
+      case Method::automatic: break;
+    }
+    return automatic();
+  }
+};
 
 }  // namespace
 
@@ -184,68 +224,11 @@ PrefilterSource::PrefilterSource(const EnvironmentMap& map)
 PrefilterSource::~PrefilterSource() = default;
 
 Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progress) const {
-  const Lobe lobe = lobe_of(wanted);
-  const LightTree& tree = prepared_->tree;
-  const auto timed = [&](Method method, auto&& make) {
-    const auto start = std::chrono::steady_clock::now();
-    std::vector<float> doubt;
-    Prefiltered done{.map = make(doubt), .method = method};
-    done.seconds = seconds_since(start);
-    if (method != Method::exact) {
-      const Target target{wanted.to, wanted.size, to_source(wanted, map_)};
-      const Verified found = verify(tree, lobe, target, done.map.base(), doubt, std::max(finest, wanted.max_error));
-      done.error = found.error, done.directions = found.directions;
-      done.reached = done.error <= wanted.max_error;
-    }
-    return done;
-  };
-  const auto exact = [&] { return timed(Method::exact, [&](auto&) { return by_exact(map_, wanted, lobe, progress); }); };
-  const auto hierarchical = [&](double accuracy) {
-    return timed(Method::hierarchical,
-                 [&](auto& doubt) { return by_tree(map_, tree, wanted, lobe, accuracy, doubt, progress); });
-  };
-  const auto refined = [&] {
-    double accuracy = wanted.max_error * first_guess(lobe);
-    Prefiltered done = hierarchical(accuracy);
-    // Texels that were not looked at may be worse, most of all under an edge at the horizon: they are left room.
-    const bool edged = at_horizon(lobe) > bent;
-    const auto room = [&](int round) { return edged ? 0.4 : round == 0 ? 0.7 : 1; };
-    for (int round = 0; round < 7 && done.error > room(round) * wanted.max_error; ++round) {
-      accuracy *= std::clamp(0.4 * wanted.max_error / done.error, 0.02, 0.5);
-      done = hierarchical(accuracy);
-    }
-    return done;
-  };
-  const auto spectral = [&](const std::vector<double>& factors, double error) {
-    return timed(Method::spectral,
-                 [&](auto&) { return by_spectrum(map_, prepared_->spectrum, wanted, factors, error, progress); });
-  };
-  const auto make = [&]() -> Prefiltered {
-    switch (wanted.method) {
-      case Method::exact: return exact();
-      case Method::hierarchical: return refined();
-      case Method::spectral: {
-        const std::vector<double> all = zonal(lobe, most_spectral_order);
-        const std::vector<double> factors = spectral_factors(all, spectral_tail(tree, wanted.max_error));
-        return spectral(factors.empty() ? all : factors, wanted.max_error);
-      }
-      case Method::sh: return timed(Method::sh, [&](auto&) { return by_harmonics(map_, wanted, lobe, progress); });
-      case Method::automatic: break;
-    }
-    if (wanted.max_error < finest || exact_is_cheaper(map_, wanted, lobe)) return exact();
-    if (may_be_spectral(wanted, lobe)) {
-      const std::vector<double> all = zonal(lobe, most_spectral_order);
-      std::vector<double> factors;
-      for (const double error : {wanted.max_error, wanted.max_error / 10}) {
-        if (const auto found = spectral_factors(all, spectral_tail(tree, error)); !found.empty()) factors = found;
-        if (factors.empty() || texels_of(wanted) < std::pow(static_cast<double>(factors.size()), 2)) break;
-        if (Prefiltered done = spectral(factors, error); done.error <= 0.7 * wanted.max_error) return done;
-      }
-    }
-    Prefiltered done = refined();
-    return done.reached ? std::move(done) : exact();
-  };
-  Prefiltered done = is_mirror(wanted) ? timed(Method::exact, [&](auto&) { return by_mirror(map_, wanted); }) : make();
+  const Rotation turn = glm::transpose(image_to_world(map_.forward)) * image_to_world(wanted.forward);
+  const Making making{map_,    prepared_->tree, prepared_->spectrum,
+                      wanted,  lobe_of(wanted), {wanted.to, wanted.size, turn},
+                      progress};
+  Prefiltered done = making.made();
   scale(done.map.base(), factor(wanted));
   return done;
 }

@@ -19,16 +19,6 @@
 namespace envmap {
 namespace {
 
-std::vector<Texel> texels_of(const Level& level) {
-  std::vector<Texel> all;
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < level.height(); ++j) {
-      const Columns in = columns(level.projection(), level.height(), j);
-      for (int i = in.first; i < in.end; ++i) all.push_back({face, i, j});
-    }
-  return all;
-}
-
 // Texels worth looking at in a result: spread evenly, the darkest, the brightest, the steepest for their own radiance, and
 // those of which the method itself is least sure, if it says so.
 std::vector<Texel> hardest(const Level& level, std::span<const float> doubt) {
@@ -83,14 +73,6 @@ std::vector<std::vector<Texel>> neighbours(std::vector<Texel> texels, const Leve
     groups.back().push_back(t);
   }
   return groups;
-}
-
-std::vector<Direction> directions_of(const Target& target, std::span<const Texel> texels) {
-  std::vector<Direction> d(texels.size());
-  for (std::size_t n = 0; n < d.size(); ++n)
-    texel_directions(target.to, target.size, texels[n].face, texels[n].j, texels[n].i, std::span(d).subspan(n, 1));
-  rotate(target.to_source, d);
-  return d;
 }
 
 // The integral in some directions; what is left out of it, as independent errors, below `bound` of it. @return whether it
