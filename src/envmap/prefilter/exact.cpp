@@ -8,160 +8,13 @@
 
 #include "envmap/maths/sum.h"
 #include "envmap/operate/parallel.h"
-#include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/exact_kernels.h"
+#include "envmap/prefilter/round_border.h"
 
 namespace envmap {
 namespace {
 
 constexpr double nothing = 1e-30;  // Of a lobe: no radiance makes it count.
-
-// 1 - cos of the angle between unit vectors.
-double versine(const Direction& a, const Direction& b) {
-  const Direction d = a - b;
-  return 0.5 * glm::dot(d, d);
-}
-
-// ---- round the border -----------------------------------------------------------------------------------------------
-
-// A piece of the border of a texel's part inside the disc: along u, along v, or of the rim, w running from `from` to `to`.
-// Lines that end at the rim run by an angle, with s or t = edge x sin w: at the rim of a sphere map the direction goes with
-// the square root of the distance, and smoothly with w.
-struct Piece {
-  enum { along_u, along_v, along_s, along_t, rim } kind;
-  double fixed, from, to;
-
-  [[nodiscard]] Vec2<double> at(double w) const {
-    const auto half_chord = [](double v) { return 0.5 * std::sqrt(std::max(0.0, 4 * v * (1 - v))); };
-    switch (kind) {
-      case along_u: return {w, fixed};
-      case along_v: return {fixed, w};
-      case along_s: return {0.5 + half_chord(fixed) * std::sin(w), fixed};
-      case along_t: return {fixed, 0.5 + half_chord(fixed) * std::sin(w)};
-      case rim: break;
-    }
-    return {0.5 + 0.5 * std::cos(w), 0.5 + 0.5 * std::sin(w)};
-  }
-};
-
-// The edges of the rectangle in the order of the corners, as far as they lie in the disc, and the rim between them.
-template <class P>
-std::vector<Piece> pieces(const Rect& r) {
-  if (coverage<P>(r) == Coverage::inside)
-    return {{Piece::along_u, r.v0, r.u0, r.u1},
-            {Piece::along_v, r.u1, r.v0, r.v1},
-            {Piece::along_u, r.v1, r.u1, r.u0},
-            {Piece::along_v, r.u0, r.v1, r.v0}};
-  std::vector<Piece> found;
-  const auto chord = [&](decltype(Piece::kind) kind, double fixed, double from, double to) {
-    const double half = 0.25 - (fixed - 0.5) * (fixed - 0.5);
-    if (half <= 0) return;
-    const auto angle = [&](double w) { return std::asin(std::clamp((w - 0.5) / std::sqrt(half), -1.0, 1.0)); };
-    if (angle(from) != angle(to)) found.push_back({kind, fixed, angle(from), angle(to)});
-  };
-  chord(Piece::along_s, r.v0, r.u0, r.u1);
-  chord(Piece::along_t, r.u1, r.v0, r.v1);
-  chord(Piece::along_s, r.v1, r.u1, r.u0);
-  chord(Piece::along_t, r.u0, r.v1, r.v0);
-  if (!P::filled) return found;  // All of the rim is one direction.
-  std::vector<double> breaks{-pi, pi};
-  for (const double u : {r.u0, r.u1})
-    if (const double c = 2 * u - 1; std::abs(c) < 1) breaks.insert(breaks.end(), {std::acos(c), -std::acos(c)});
-  for (const double v : {r.v0, r.v1})
-    if (const double c = 2 * v - 1; std::abs(c) < 1)
-      breaks.insert(breaks.end(), {std::asin(c), c >= 0 ? pi - std::asin(c) : -pi - std::asin(c)});
-  std::ranges::sort(breaks);
-  for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
-    if (breaks[k + 1] - breaks[k] < 1e-12) continue;
-    const Piece arc{Piece::rim, 0, breaks[k], breaks[k + 1]};
-    const Vec2<double> middle = arc.at(0.5 * (arc.from + arc.to));
-    if (middle.x >= r.u0 && middle.x <= r.u1 && middle.y >= r.v0 && middle.y <= r.v1) found.push_back(arc);
-  }
-  return found;
-}
-
-template <class P, class L>
-struct Border {
-  const L& lobe;
-  const Direction& r;
-  int face;
-  bool near;  // S itself; else S - 1, which is 0 for everything far away.
-
-  // The integrand: S d(azimuth) = S / sin^2 x det(r, l, dl).
-  [[nodiscard]] double at(const Piece& piece, double w, double step) const {
-    const auto direction = [&](double to) {
-      const Vec2<double> place = piece.at(to);
-      return P::direction(face, place.x, place.y);
-    };
-    const Direction l = direction(w), move = (direction(w + step) - direction(w - step)) / (2 * step);
-    const double x = versine(r, l);
-    if (x < 1e-300) return 0;
-    return (near ? lobe.share(x) : -lobe.missing(x)) / (2 * pi * x * (2 - x)) * glm::dot(r, glm::cross(l, move));
-  }
-  [[nodiscard]] double height(const Piece& piece, double w) const {
-    const Vec2<double> place = piece.at(w);
-    return glm::dot(r, P::direction(face, place.x, place.y));
-  }
-  // Cuts a piece where it crosses the horizon, which may leave less of it than points would see.
-  void cut(const Piece& piece, std::vector<Piece>& parts) const {
-    constexpr int steps = 8;
-    Piece rest = piece;
-    double before = height(piece, piece.from);
-    for (int k = 1; k <= steps; ++k) {
-      const double w = piece.from + (piece.to - piece.from) * k / steps, after = height(piece, w);
-      if ((before > 0) != (after > 0)) {
-        double low = piece.from + (piece.to - piece.from) * (k - 1) / steps, high = w;
-        for (int step = 0; step < 45; ++step) {
-          const double middle = 0.5 * (low + high);
-          ((height(piece, middle) > 0) == (before > 0) ? low : high) = middle;
-        }
-        // Not off a sliver: differences need a length.
-        const double least = 1e-6 * std::abs(piece.to - piece.from);
-        if (std::abs(low - rest.from) > least && std::abs(low - piece.to) > least) {
-          parts.push_back({piece.kind, piece.fixed, rest.from, low});
-          rest.from = low;
-        }
-      }
-      before = after;
-    }
-    parts.push_back(rest);
-  }
-  [[nodiscard]] double gauss(const Piece& piece, double from, double to) const {
-    const double step = 5e-4 * std::abs(to - from);
-    return quadrature::line<5>(from, to, [&](double w) { return at(piece, w, step); });
-  }
-  [[nodiscard]] double integral(const Piece& piece, double from, double to, double whole, double tolerance, int depth) const {
-    const double middle = 0.5 * (from + to), a = gauss(piece, from, middle), b = gauss(piece, middle, to);
-    if (depth == 0 || std::abs(a + b - whole) <= tolerance) return a + b;
-    return integral(piece, from, middle, a, tolerance, depth - 1) + integral(piece, middle, to, b, tolerance, depth - 1);
-  }
-};
-
-// Whether u, v and the outward direction are right-handed: else the border runs the other way round.
-template <class P>
-bool right_handed(int face) {
-  constexpr double h = 1e-3;
-  const Direction l = P::direction(face, 0.6, 0.6);
-  return glm::dot(l, glm::cross(P::direction(face, 0.6 + h, 0.6) - l, P::direction(face, 0.6, 0.6 + h) - l)) > 0;
-}
-
-template <class P, class L>
-double round_border(const L& lobe, const Direction& r, int face, const Rect& rect, double nearest, double reach) {
-  const Border<P, L> border{lobe, r, face, nearest <= 0 || lobe.missing(nearest) > 0.5};
-  std::vector<Piece> all;
-  for (const Piece& piece : pieces<P>(rect)) border.cut(piece, all);
-  std::vector<double> rough;
-  // Where the horizon leaves but a corner the points may see nothing: what there is at most counts a little.
-  double scale = 1e-3 * reach * (border.near ? 1 : lobe.missing(nearest));
-  for (const Piece& piece : all) {
-    rough.push_back(border.gauss(piece, piece.from, piece.to));
-    scale += std::abs(rough.back());
-  }
-  double sum = 0;
-  for (std::size_t k = 0; k < all.size(); ++k)
-    sum += border.integral(all[k], all[k].from, all[k].to, rough[k], 1e-8 * scale, 16);
-  return std::max(0.0, right_handed<P>(face) ? sum : -sum);
-}
 
 // ---- one texel --------------------------------------------------------------------------------------------------------
 
@@ -204,7 +57,8 @@ double most_uneven(const L& lobe) {
 
 // Over a rectangle with its moments.
 template <class P, class L>
-double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Patch& p) {
+double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Patch& p,
+                 std::optional<Outline<P>>& outline) {
   const double near = std::max(0.0, glm::length(r - p.centre) - p.reach);
   if (p.solid_angle <= 0 || lobe.missing(0.5 * near * near) < nothing) return 0;
   const bool rim = at_rim<P>(rect);
@@ -214,16 +68,21 @@ double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, 
   if (smooth && p.reach < 0.2 && uneven <= most) return over_area<P>(lobe, r, face, rect);
   // A few quarters are quicker than the border.
   const bool quartered = smooth && !rim && uneven <= 4 * most;
-  if (!quartered && p.reach < (rim ? 1 : 0.3)) return round_border<P>(lobe, r, face, rect, 0.5 * near * near, p.reach);
+  if (!quartered && p.reach < (rim ? 1 : 0.3))
+    return round_border<P>(lobe, r, face, rect, outline, 0.5 * near * near, p.reach);
   double sum = 0;
-  for (const Rect& q : quarters(rect)) sum += lobe_over<P>(lobe, r, face, q, patch<P>(face, q));
+  for (const Rect& q : quarters(rect)) {
+    std::optional<Outline<P>> border;
+    sum += lobe_over<P>(lobe, r, face, q, patch<P>(face, q), border);
+  }
   return sum;
 }
 
 // A texel in one direction.
 template <class P, class L>
-double texel_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Patch& p, bool simple) {
-  if (!simple || unevenness(lobe, r, p) >= 0.05) return lobe_over<P>(lobe, r, face, rect, p);
+double texel_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Patch& p, bool simple,
+                  std::optional<Outline<P>>& outline) {
+  if (!simple || unevenness(lobe, r, p) >= 0.05) return lobe_over<P>(lobe, r, face, rect, p, outline);
   std::array<Direction, 4> points;
   std::array<double, 4> weights;
   gauss_points<P>(face, rect, points, weights);
@@ -274,22 +133,31 @@ class RowPoints {
   std::vector<double> weights_;
 };
 
-// Where nothing of a lobe is left.
-template <class L>
-double end_of(const L& lobe) {
+// The least x where `is` holds, of those from where it does.
+template <class F>
+double least_where(F&& is) {
   double low = 0, high = 1;
   for (int step = 0; step < 60; ++step) {
     const double middle = 0.5 * (low + high);
-    (lobe.missing(middle) < nothing ? high : low) = middle;
+    (is(middle) ? high : low) = middle;
   }
   return high;
+}
+
+// A texel holds at most 4 pi of the source's mean in steradians: where a lobe is below 1e-15 it adds less than 2e-14 of that.
+template <class L>
+Closeness closeness(const L& lobe) {
+  return {.faint = least_where([&](double x) { return lobe.value(x) < 1e-15; }),
+          .end = least_where([&](double x) { return lobe.missing(x) < nothing; }),
+          .most_uneven = most_uneven(lobe)};
 }
 
 // One row of a face in all directions: many at once where points are good enough for them.
 template <class P, class L>
 std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Direction> directions, int face, int row) {
   constexpr std::size_t few = 16;  // Directions for which points are not worth their making.
-  const double w = source.width(), h = source.height(), end = end_of(lobe);
+  const double w = source.width(), h = source.height();
+  const Closeness close = closeness(lobe);
   const Columns in = columns(source.projection(), source.height(), row);
   ExactSums sums(directions);
   std::vector<std::uint32_t> every(directions.size()), left;
@@ -310,12 +178,13 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
       texel.centre = p.centre, texel.reach = p.reach, texel.simple = simple;
       texel.radiance = {radiance.x, radiance.y, radiance.z};
       points->set(static_cast<std::size_t>(i - in.first), 1 / w, 1 / h, texel);
-      add_texel(lobe, end, most_uneven(lobe), texel, sums, left);
+      add_texel(lobe, close, texel, sums, left);
     }
+    std::optional<Outline<P>> outline;
     for (const std::uint32_t k : together ? left : every) {
       const double d = std::max(0.0, glm::length(directions[k] - p.centre) - p.reach);
-      if (0.5 * d * d >= end) continue;
-      const double part = texel_over<P>(lobe, directions[k], face, rect, p, simple);
+      if (0.5 * d * d >= close.end) continue;
+      const double part = texel_over<P>(lobe, directions[k], face, rect, p, simple, outline);
       for (std::size_t c = 0; c < 3; ++c) sums.flux[c][k] += part * radiance[static_cast<int>(c)];
     }
   }

@@ -96,21 +96,21 @@ HWY_INLINE V over_points(const L& lobe, const ExactSums& sums, std::size_t k, co
 }
 
 template <class L>
-void add_lanes(const L& lobe, double end, double most_uneven, const ExactTexel& t, ExactSums& sums,
-               std::vector<std::uint32_t>& left) {
+void add_lanes(const L& lobe, const Closeness& close, const ExactTexel& t, ExactSums& sums, std::vector<std::uint32_t>& left) {
   const D d;
   const V one = hn::Set(d, 1), half = hn::Set(d, 0.5), reach = hn::Set(d, t.reach);
   for (std::size_t k = 0; k < sums.direction[0].size(); k += hn::Lanes(d)) {
     const V distance = hn::Sqrt(square_of(sums, k, t.centre));
     const V near = hn::Max(hn::Zero(d), hn::Sub(distance, reach)), far = hn::Add(distance, reach);
     const V low = hn::Mul(half, hn::Mul(near, near)), high = hn::Mul(half, hn::Mul(far, far));
-    const auto seen = hn::Lt(low, hn::Set(d, end));
+    const auto seen = hn::Lt(low, hn::Set(d, close.end));
     if (hn::AllFalse(d, seen)) continue;
     // How much of its value the lobe loses over the texel, at most.
     const V fall = hn::Mul(hn::Max(rate(lobe, low), rate(lobe, high)), hn::Mul(hn::Min(one, far), reach));
     const auto whole = hn::And(seen, hn::Lt(high, one));
-    const auto few = hn::And(whole, hn::Lt(fall, hn::Set(d, t.simple ? 0.05 : 0.0)));
-    const auto many = hn::AndNot(few, hn::And(whole, hn::Le(fall, hn::Set(d, most_uneven))));
+    const auto faint = hn::And(seen, hn::Ge(low, hn::Set(d, close.faint)));
+    const auto few = hn::Or(faint, hn::And(whole, hn::Lt(fall, hn::Set(d, t.simple ? 0.05 : 0.0))));
+    const auto many = hn::AndNot(few, hn::And(whole, hn::Le(fall, hn::Set(d, close.most_uneven))));
     V part = hn::Zero(d);
     if (!hn::AllFalse(d, few)) part = hn::IfThenElseZero(few, over_points(lobe, sums, k, t.few, t.few_weights));
     if (!hn::AllFalse(d, many)) part = hn::IfThenElse(many, over_points(lobe, sums, k, t.many, t.many_weights), part);
@@ -125,9 +125,9 @@ void add_lanes(const L& lobe, double end, double most_uneven, const ExactTexel& 
   }
 }
 
-void AddTexel(const Lobe& lobe, double end, double most_uneven, const ExactTexel& texel, ExactSums& sums,
+void AddTexel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel, ExactSums& sums,
               std::vector<std::uint32_t>& left) {
-  std::visit([&](const auto& l) HWY_ATTR { add_lanes(l, end, most_uneven, texel, sums, left); }, lobe);
+  std::visit([&](const auto& l) HWY_ATTR { add_lanes(l, close, texel, sums, left); }, lobe);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -147,10 +147,10 @@ ExactSums::ExactSums(std::span<const Direction> directions) : count(directions.s
   }
 }
 
-void add_texel(const Lobe& lobe, double end, double most_uneven, const ExactTexel& texel, ExactSums& sums,
+void add_texel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel, ExactSums& sums,
                std::vector<std::uint32_t>& left) {
   left.clear();
-  HWY_DYNAMIC_DISPATCH(AddTexel)(lobe, end, most_uneven, texel, sums, left);
+  HWY_DYNAMIC_DISPATCH(AddTexel)(lobe, close, texel, sums, left);
 }
 
 }  // namespace envmap

@@ -33,9 +33,16 @@ struct ExactTexel {
   std::array<double, 16> many_weights;
 };
 
-/// Adds a texel to the sums of all directions for which points are good enough. @param end x beyond which the lobe is
-/// nothing. @param most_uneven how much of its value it may lose over a texel of sixteen points. @param left set to the indices of the directions for which they are not.
-void add_texel(const Lobe& lobe, double end, double most_uneven, const ExactTexel& texel, ExactSums& sums,
+/// How closely a lobe has to be looked at.
+struct Closeness {
+  double faint;        ///< x beyond which four points always do: so little is left of the lobe.
+  double end;          ///< x beyond which it is nothing.
+  double most_uneven;  ///< How much of its value it may lose over a texel of sixteen points.
+};
+
+/// Adds a texel to the sums of all directions for which points are good enough. @param left set to the indices of the
+/// directions for which they are not.
+void add_texel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel, ExactSums& sums,
                std::vector<std::uint32_t>& left);
 
 }  // namespace envmap

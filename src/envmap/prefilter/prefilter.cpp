@@ -79,7 +79,7 @@ bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
 // A lobe that is bent at the horizon cuts so many texels that for small errors in small maps all are sooner summed up.
 bool exact_is_cheaper(const EnvironmentMap& source, const Prefilter& p, const Lobe& lobe) {
   const double lights = 1.0 * source.base().width() * source.base().height() * source.base().faces();
-  const double edge = at_horizon(lobe), least = edge > step ? 2e-3 : edge > bent ? 5e-4 : 0;
+  const double edge = at_horizon(lobe), least = edge > broken ? 2e-3 : edge > bent ? 5e-4 : 0;
   return p.max_error < least && texels_of(p) * lights < 2e8;
 }
 

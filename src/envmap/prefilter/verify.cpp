@@ -107,7 +107,7 @@ Verified verify(const LightTree& tree, const Lobe& lobe, const Target& target, c
   const std::vector<std::vector<Texel>> groups = neighbours(texels, result, lobe);
   const Flux floor(std::max(1e-3 * tree.mean(), std::numeric_limits<double>::min()));
   // Of a lobe that breaks off the remainders are less independent than they are taken to be.
-  const double edge = at_horizon(lobe), first = edge > step ? 0.1 : edge > bent ? 0.25 : 0.5;
+  const double edge = at_horizon(lobe), first = edge > broken ? 0.1 : edge > bent ? 0.25 : 0.5;
   const std::array bounds{first, std::min(first, 0.25)};
   std::vector<double> errors(groups.size(), 0);
   std::vector<char> exact(groups.size(), 0);
