@@ -160,8 +160,10 @@ std::optional<double> good_lights(const LightTree& tree, const Lobe& lobe, const
       go();
     }
     view.surveying = false;
-    // All is divided by what white comes to: a sun should not suffer for what the dark round it is off.
-    view.most[3] = 3;
+    // White counts for as much as radiance() takes of it.
+    view.most[3] = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      view.most[3] = std::max(view.most[3], view.most[c] * tree.darkest()[static_cast<int>(c)]);
     view.limit = static_cast<float>(accuracy.light);
     view.most_lights = most_lights;
     go();
@@ -217,6 +219,12 @@ std::size_t most_of_one(const LightTree& tree) {
                                             static_cast<std::size_t>(s.height()) / 8);
 }
 
+// What lights come to. The darkest radiance falls from everywhere, and its integral is known: what white misses of 1 it is
+// given back. So all of a white map comes out right.
+Flux radiance(const LightTree& tree, const Flux& sums, double white) {
+  return tree.mean() * glm::max(Flux(0), sums + (1 - white) * Flux(tree.darkest()));
+}
+
 // Sets the colours of a tile. @return the remainders, or nothing where that would take more lights.
 std::optional<double> gather_tile(const LightTree& tree, const Lobe& lobe, const Accuracy& accuracy,
                                   std::size_t most_lights, Tile& tile, std::span<Colour> out) {
@@ -228,9 +236,7 @@ std::optional<double> gather_tile(const LightTree& tree, const Lobe& lobe, const
   if (!left) return left;
   gather(lobe, lamps, tile);
   for (std::size_t k = 0; k < tile.count; ++k) {
-    // White comes out as 1: what the lights miss of it they miss of all.
-    const double scale = tree.mean() / tile.sums[3][k];
-    out[k] = Colour(scale * tile.sums[0][k], scale * tile.sums[1][k], scale * tile.sums[2][k]);
+    out[k] = Colour(radiance(tree, {tile.sums[0][k], tile.sums[1][k], tile.sums[2][k]}, tile.sums[3][k]));
   }
   return left;
 }
@@ -245,7 +251,7 @@ std::optional<double> gather_direction(const LightTree& tree, const Lobe& lobe, 
                                                  [&](const Light& light) { add_sight(light, direction, count, sights); });
   if (!left) return left;
   const std::array<double, light_channels> sums = gather(lobe, sights);
-  out = tree.mean() / sums[3] * Flux(sums[0], sums[1], sums[2]);
+  out = radiance(tree, {sums[0], sums[1], sums[2]}, sums[3]);
   return left;
 }
 

@@ -1,6 +1,7 @@
 #include "envmap/prefilter/light_tree.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "envmap/operate/measure.h"
 #include "envmap/operate/parallel.h"
@@ -13,6 +14,19 @@ namespace {
 constexpr std::int64_t most_stored = 1 << 17;  // Blocks of the lowest level: 25 MB with all above.
 
 int halves(int n) { return (n + 1) / 2; }
+
+Colour darkest_of(const Level& source) {
+  Colour least(std::numeric_limits<float>::max());
+  for (const Colour& row : map_rows<Colour>(source.height(), [&](int j) {
+         const Columns in = columns(source.projection(), source.height(), j);
+         Colour c(std::numeric_limits<float>::max());
+         for (int face = 0; face < source.faces(); ++face)
+           for (int i = in.first; i < in.end; ++i) c = glm::min(c, *source.texel(face, i, j));
+         return c;
+       }))
+    least = glm::min(least, row);
+  return least;
+}
 
 Rect rect_of(const Span& in, const Level& source) {
   const double w = source.width(), h = source.height();
@@ -64,6 +78,32 @@ Patch parallelogram(const Direction& a, const Direction& b) {
   return p;
 }
 
+// How far the mean directions of texels lie beside those of their middles, of a texel in the middle of each block: by the
+// curve of the projection and what its density gains from side to side, (h^2 / 24) (d_uu + 2 d_u rho_u / rho) and the same
+// of v. What the mean is shorter by is not counted.
+void set_shifts(const Level& source, int face, std::span<const Span> blocks, std::span<Direction> out) {
+  constexpr std::size_t each = 5;
+  std::array<Vec2<double>, each * most_lanes> at;
+  std::array<Direction, at.size()> d;
+  std::array<double, at.size()> density;
+  const double w = source.width(), h = source.height(), g = 0.28867513459481287;  // 1 / (2 sqrt(3)): Gauss points.
+  for (std::size_t n = 0; n < blocks.size(); ++n) {
+    const double u = 0.5 * (blocks[n].left + blocks[n].right), v = 0.5 * (blocks[n].top + blocks[n].bottom);
+    const std::array<Vec2<double>, each> from{{{u, v}, {u - g, v - g}, {u + g, v - g}, {u - g, v + g}, {u + g, v + g}}};
+    for (std::size_t k = 0; k < each; ++k) at[each * n + k] = {from[k].x / w, from[k].y / h};
+  }
+  const std::size_t count = each * blocks.size();
+  directions(source.projection(), face, std::span(at).first(count), std::span(d).first(count));
+  densities(source.projection(), std::span(at).first(count), std::span(density).first(count));
+  for (std::size_t n = 0; n < blocks.size(); ++n) {
+    Direction sum(0);
+    double weight = 0;
+    for (std::size_t k = each * n + 1; k < each * (n + 1); ++k) sum += density[k] * d[k], weight += density[k];
+    const Direction mean = sum / weight, &middle = d[each * n];
+    out[n] = mean - glm::dot(mean, middle) * middle;
+  }
+}
+
 // Up to sixteen blocks, of two rows and columns or more, of texels that are all much alike. @param omega of a block that
 // they all lie in.
 void plain_blocks(const Level& source, int face, const SolidAngles& omega, std::span<const Span> blocks, double scale,
@@ -79,7 +119,8 @@ void plain_blocks(const Level& source, int face, const SolidAngles& omega, std::
   rows.resize(static_cast<std::size_t>(height)), parts.resize(across * rows.size());
   for (std::size_t k = 0; k < parts.size(); ++k) parts[k] = {.row = &rows[k / across]};
 
-  std::array<Direction, most_lanes> origins;
+  std::array<Direction, most_lanes> origins, shifts;
+  set_shifts(source, face, blocks, shifts);
   for (std::size_t lane = 0; lane < blocks.size(); ++lane) {
     const Span& b = blocks[lane];
     const int middle = (b.left + b.right - 1) / 2;
@@ -95,7 +136,8 @@ void plain_blocks(const Level& source, int face, const SolidAngles& omega, std::
       const Colour* colours = source.texel(face, b.left, j);
       std::size_t from = in.index(b.left, j), to = row * across;
       for (int i = b.left; i < b.right; ++i, ++from, ++to, ++colours)
-        parts[to].set(lane, inside * directions[from] - origins[lane], omega.texels[from], scale * Flux(*colours));
+        parts[to].set(lane, inside * directions[from] + shifts[lane] - origins[lane], omega.texels[from],
+                      scale * Flux(*colours));
     }
   }
   Lights whole;
@@ -192,7 +234,8 @@ void LightTree::Blocks::set_quads(int face, int j) {
         to[i / 2].set(static_cast<std::size_t>(2 * (y % 2) + i % 2), one);
 }
 
-LightTree::LightTree(const Level& source) : source_(source), mean_(mean_radiance(source)) {
+LightTree::LightTree(const Level& source) : source_(source), mean_(mean_radiance(source)), darkest_(0) {
+  if (mean_ > 0) darkest_ = Colour(Flux(darkest_of(source)) / mean_);
   const int width = source.width(), height = source.height(), faces = source.faces();
   while (static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_) > most_stored) ++first_;
   const int side = 1 << first_, at_once = static_cast<int>(most_lanes) * side;

@@ -64,6 +64,8 @@ class LightTree {
   explicit LightTree(const Level& source);
 
   [[nodiscard]] const Level& source() const { return source_; }
+  /// Least radiance of each channel, in units of the mean.
+  [[nodiscard]] const Colour& darkest() const { return darkest_; }
   [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
   [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
   [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
@@ -75,6 +77,7 @@ class LightTree {
  private:
   const Level& source_;
   double mean_;
+  Colour darkest_;
   int first_ = 0;
   std::vector<Blocks> blocks_;
 };

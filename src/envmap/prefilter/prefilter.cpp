@@ -57,7 +57,7 @@ void scale(Level& level, double factor) {
 // breaks the lobe, errors of lights are not as independent as elsewhere.
 double first_guess(const Lobe& lobe) {
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
-  return at_horizon(lobe) > bent ? 0.07 : value(0.9) > 1e-3 ? 0.3 : 1.5;
+  return at_horizon(lobe) > bent ? 0.07 : value(0.9) > 1e-3 ? 0.8 : 3;
 }
 
 // How far the brightest block may be off anywhere by what is left out of its spectrum, for a flux of 1.
