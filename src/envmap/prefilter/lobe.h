@@ -87,6 +87,6 @@ using Lobe = std::variant<Cosine, Phong, Ggx>;
 inline double at_horizon(const Lobe& lobe) {
   return std::visit([](const auto& l) { return l.value(0.999) / l.value(0); }, lobe);
 }
-inline constexpr double broken = 0.4, bent = 0.1;  ///< Where that is above, of exponents below 0.13 and 0.33.
+inline constexpr double broken = 0.4, bent = 0.1, steep = 0.005;  ///< Above that: exponents below 0.13, 0.33 and 0.77.
 
 }  // namespace envmap

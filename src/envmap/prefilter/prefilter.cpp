@@ -56,8 +56,8 @@ void scale(Level& level, double factor) {
 // What one light may be off, over the error that their sum then has: measured on probes. Where the horizon bends or
 // breaks the lobe, errors of lights are not as independent as elsewhere.
 double first_guess(const Lobe& lobe) {
-  const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
-  return at_horizon(lobe) > bent ? 0.07 : value(0.9) > 1e-3 ? 0.8 : 3;
+  const double edge = at_horizon(lobe), low = std::visit([](const auto&l) { return l.value(0.9); }, lobe);
+  return edge > bent ? 0.07 : edge > steep ? 0.3 : low > 1e-3 ? 0.8 : 3;
 }
 
 // How far the brightest block may be off anywhere by what is left out of its spectrum, for a flux of 1.

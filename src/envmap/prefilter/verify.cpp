@@ -108,7 +108,7 @@ Verified verify(const LightTree& tree, const Lobe& lobe, const Target& target, c
   const Flux floor(std::max(1e-3 * tree.mean(), std::numeric_limits<double>::min()));
   // Of a lobe that breaks off the remainders are less independent than they are taken to be; of others what references were
   // off by was at most 0.15 of these bounds (three probes, exponents 1 to 128).
-  const double edge = at_horizon(lobe), trust = edge > bent ? 1 : 3;
+  const double edge = at_horizon(lobe), trust = edge > steep ? 1 : 3;
   const double first = edge > broken ? 0.1 : edge > bent ? 0.25 : 0.5;
   const std::array bounds{first, std::min(first, 0.25)};
   std::vector<double> errors(groups.size(), 0);
