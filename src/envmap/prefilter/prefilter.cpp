@@ -148,9 +148,8 @@ struct Making {
     double accuracy = wanted.max_error * first_guess(lobe);
     Prefiltered done = hierarchical(accuracy);
     // Texels that were not looked at may be worse, most of all under an edge at the horizon: they are left room.
-    const bool edged = at_horizon(lobe) > bent;
-    const auto room = [&](int round) { return edged ? 0.4 : round == 0 ? 0.7 : 1; };
-    for (int round = 0; round < 7 && done.error > room(round) * wanted.max_error; ++round) {
+    const double room = at_horizon(lobe) > bent ? 0.4 : 0.7;
+    for (int round = 0; round < 7 && done.error > room * wanted.max_error; ++round) {
       accuracy *= std::clamp(0.4 * wanted.max_error / done.error, 0.02, 0.5);
       done = hierarchical(accuracy);
     }
