@@ -214,6 +214,12 @@ std::vector<Texel> texels_of(const Level& level) {
   return all;
 }
 
+std::size_t index_of(const Level& level, const Texel& texel) {
+  const auto w = static_cast<std::size_t>(level.width()), h = static_cast<std::size_t>(level.height());
+  return (static_cast<std::size_t>(texel.face) * h + static_cast<std::size_t>(texel.j)) * w +
+         static_cast<std::size_t>(texel.i);
+}
+
 Flux flux(const Level& level) { return flux_sum(level).value(); }
 
 double mean_radiance(const Level& level) {

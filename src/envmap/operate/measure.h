@@ -18,6 +18,9 @@ struct Texel {
 /// All of a level that touch the disc, by face, row and column.
 std::vector<Texel> texels_of(const Level& level);
 
+/// The place of a texel among all of a level in that order, those beside the disc among them.
+std::size_t index_of(const Level& level, const Texel& texel);
+
 /// What is wrong with the values of a map; texels without solid angle are not looked at.
 struct Flaws {
   std::int64_t nan = 0, infinite = 0, negative = 0;  ///< Texels; one with several flaws counts once, as the first of these.

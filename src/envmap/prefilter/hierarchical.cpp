@@ -194,11 +194,6 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
   }
 }
 
-std::size_t index_of(const Level& level, const Texel& t) {
-  const auto w = static_cast<std::size_t>(level.width()), h = static_cast<std::size_t>(level.height());
-  return (static_cast<std::size_t>(t.face) * h + static_cast<std::size_t>(t.j)) * w + static_cast<std::size_t>(t.i);
-}
-
 constexpr double exactly = -1;  // The doubt of texels that are left to the exact sum.
 
 // What the tiles of a map share.

@@ -41,9 +41,7 @@ std::vector<Texel> hardest(const Level& level, std::span<const float> doubt) {
     const Colour off = glm::abs(c - beside) / glm::max(c, Colour(1e-30F));
     return std::max({off.x, off.y, off.z});
   };
-  const auto unsure = [&](const Texel& t) {
-    return doubt[static_cast<std::size_t>((t.face * level.height() + t.j) * level.width() + t.i)];
-  };
+  const auto unsure = [&](const Texel& t) { return doubt[index_of(level, t)]; };
   std::array<std::vector<Texel>, 4> hard;
   const auto take = [&](std::vector<Texel>& into, auto key) {
     std::vector<std::pair<float, std::uint32_t>> order(all.size());
