@@ -5,8 +5,8 @@
 #include <regex>
 
 #include "envmap/error.h"
-#include "envmap/io/read_scene.h"
 #include "envmap/map/gutter.h"
+#include "envmap/scene/read/read_scene.h"
 
 namespace tools {
 

@@ -6,9 +6,9 @@
 #include "command.h"
 #include "envmap/error.h"
 #include "envmap/io/picture.h"
-#include "envmap/io/read_scene.h"
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
+#include "envmap/scene/read/read_scene.h"
 #include "scene_options.h"
 
 namespace tools {

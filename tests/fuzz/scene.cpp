@@ -6,7 +6,7 @@
 #include <string>
 
 #include "envmap/error.h"
-#include "envmap/io/read_scene.h"
+#include "envmap/scene/read/read_scene.h"
 
 using namespace envmap;
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "envmap/error.h"
-#include "envmap/io/read_scene.h"
+#include "envmap/scene/read/read_scene.h"
 
 namespace scenes {
 

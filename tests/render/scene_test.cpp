@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "envmap/error.h"
-#include "envmap/io/read_scene.h"
+#include "envmap/scene/read/read_scene.h"
 #include "render/gltf_file.h"
 
 namespace scenes {

@@ -1,4 +1,4 @@
-#include "envmap/io/gltf_document.h"
+#include "envmap/scene/read/gltf_document.h"
 
 #include <fmt/format.h>
 

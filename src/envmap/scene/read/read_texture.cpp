@@ -1,4 +1,4 @@
-#include "envmap/io/read_texture.h"
+#include "envmap/scene/read/read_texture.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "envmap/io/read_gltf.h"
+#include "envmap/scene/read/read_gltf.h"
 
 #include <fmt/format.h>
 
@@ -9,11 +9,11 @@
 #include <string_view>
 
 #include "envmap/error.h"
-#include "envmap/io/draco.h"
-#include "envmap/io/gltf_document.h"
-#include "envmap/io/gltf_motions.h"
-#include "envmap/io/read_texture.h"
 #include "envmap/scene/mesh.h"
+#include "envmap/scene/read/draco.h"
+#include "envmap/scene/read/gltf_document.h"
+#include "envmap/scene/read/gltf_motions.h"
+#include "envmap/scene/read/read_texture.h"
 
 namespace envmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "envmap/io/read_scene.h"
+#include "envmap/scene/read/read_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "envmap/error.h"
-#include "envmap/io/read_gltf.h"
-#include "envmap/io/read_obj.h"
+#include "envmap/scene/read/read_gltf.h"
+#include "envmap/scene/read/read_obj.h"
 
 namespace envmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "envmap/io/gltf_motions.h"
+#include "envmap/scene/read/gltf_motions.h"
 
 #include <map>
 #include <string>

@@ -1,4 +1,4 @@
-#include "envmap/io/draco.h"
+#include "envmap/scene/read/draco.h"
 
 #include <draco/compression/decode.h>
 

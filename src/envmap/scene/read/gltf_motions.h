@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "envmap/io/gltf_document.h"
+#include "envmap/scene/read/gltf_document.h"
 #include "envmap/scene/scene.h"
 
 namespace envmap {

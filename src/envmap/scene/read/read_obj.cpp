@@ -1,4 +1,4 @@
-#include "envmap/io/read_obj.h"
+#include "envmap/scene/read/read_obj.h"
 
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
@@ -12,8 +12,8 @@
 #include <map>
 
 #include "envmap/error.h"
-#include "envmap/io/read_texture.h"
 #include "envmap/scene/mesh.h"
+#include "envmap/scene/read/read_texture.h"
 
 namespace envmap {
 namespace {
