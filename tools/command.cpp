@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <mutex>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/path.h"
 

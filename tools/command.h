@@ -13,7 +13,7 @@
 #include "envmap/io/output_file.h"
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 
 namespace tools {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "command.h"
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/operate/choose.h"
 
 namespace tools {

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "command.h"
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "suggest.h"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 namespace tools {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "command.h"
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/write_table.h"
 #include "envmap/prefilter/brdf_table.h"
 

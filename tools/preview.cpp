@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "command.h"
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/srgb.h"

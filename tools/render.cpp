@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "command.h"
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/render/choose.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"

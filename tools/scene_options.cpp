@@ -4,7 +4,7 @@
 
 #include <regex>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/map/gutter.h"
 #include "envmap/scene/read/read_scene.h"
 

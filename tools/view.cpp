@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "command.h"
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/picture.h"
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"

@@ -8,7 +8,7 @@
 #include <iostream>
 
 #include "basin.h"
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/read.h"
 #include "envmap/map/gutter.h"

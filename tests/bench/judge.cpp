@@ -21,7 +21,7 @@
 #include "envmap/map/gutter.h"
 #include "envmap/map/layout.h"
 #include "envmap/map/page.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 using namespace envmap;
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/scene/read/read_scene.h"
 
 using namespace envmap;

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/recognise.h"
 
 using namespace envmap;

@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
 #include "formulae.h"

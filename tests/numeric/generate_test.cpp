@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/maths/sum.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/sampling.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/scene/read/read_scene.h"
 
 namespace scenes {

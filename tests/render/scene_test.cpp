@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/scene/read/read_scene.h"
 #include "render/gltf_file.h"
 

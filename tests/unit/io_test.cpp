@@ -15,7 +15,7 @@
 #include <fstream>
 #include <map>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/read.h"
 #include "envmap/io/srgb.h"

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/recognise.h"
 #include "envmap/map/gutter.h"
 #include "envmap/map/page.h"

@@ -7,7 +7,7 @@
 
 #include "envmap/io/image_writer.h"
 #include "envmap/map/page.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 
 namespace envmap {
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstring>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/bands.h"
 
 namespace envmap {

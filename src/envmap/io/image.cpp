@@ -8,7 +8,7 @@
 #include <iostream>
 #include <iterator>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/dds.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/ktx2.h"

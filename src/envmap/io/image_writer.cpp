@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/openexr.h"
 

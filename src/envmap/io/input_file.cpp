@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 namespace envmap {
 

@@ -11,7 +11,7 @@
 #include <memory>
 #include <numeric>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/bands.h"
 
 namespace envmap {

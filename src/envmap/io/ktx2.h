@@ -9,7 +9,7 @@
 #include "envmap/io/output_file.h"
 #include "envmap/io/texture.h"
 #include "envmap/map/page.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 
 namespace envmap {
 

@@ -9,7 +9,7 @@
 
 #include <memory>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 
 namespace envmap {

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 namespace envmap {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/path.h"

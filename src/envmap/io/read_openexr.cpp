@@ -13,7 +13,7 @@
 #include <climits>
 #include <memory>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/openexr_stream.h"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 namespace envmap {
 namespace {

@@ -8,7 +8,7 @@
 #include <atomic>
 #include <bit>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/map/page.h"
 
 namespace envmap {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/chain.h"
 #include "envmap/io/dds.h"

@@ -9,7 +9,7 @@
 #include "envmap/io/metadata.h"
 #include "envmap/map/layout.h"
 #include "envmap/map/rows.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 
 namespace envmap {
 

@@ -11,7 +11,7 @@
 #include <memory>
 #include <optional>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/half.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/openexr_stream.h"

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/picture.h"
 
 namespace envmap {

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 namespace envmap {
 namespace {

@@ -6,7 +6,7 @@
 #include "envmap/map/gutter.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 namespace {

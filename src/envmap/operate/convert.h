@@ -4,7 +4,7 @@
 
 #include "envmap/map/environment_map.h"
 #include "envmap/map/rows.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 #include "envmap/sample/filter.h"
 
 namespace envmap {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "envmap/error.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 namespace {

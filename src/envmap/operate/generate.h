@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "envmap/map/environment_map.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 
 namespace envmap {
 

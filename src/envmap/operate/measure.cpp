@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/maths/sum.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 namespace {

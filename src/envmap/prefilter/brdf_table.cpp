@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "envmap/maths/quadrature.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "envmap/maths/vector.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 
 namespace envmap {
 

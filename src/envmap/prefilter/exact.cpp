@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "envmap/maths/sum.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 #include "envmap/prefilter/exact_kernels.h"
 #include "envmap/prefilter/round_border.h"
 

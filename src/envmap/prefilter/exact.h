@@ -7,7 +7,7 @@
 
 #include "envmap/map/environment_map.h"
 #include "envmap/operate/measure.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 #include "envmap/prefilter/lobe.h"
 #include "envmap/sample/target.h"
 

@@ -5,7 +5,7 @@
 
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/sum.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 #include "envmap/prefilter/cell.h"
 
 namespace envmap {

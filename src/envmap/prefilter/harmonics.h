@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 #include "envmap/prefilter/lobe.h"
 
 namespace envmap {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "envmap/operate/measure.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/exact.h"
 

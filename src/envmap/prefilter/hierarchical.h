@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 #include "envmap/prefilter/gather.h"
 #include "envmap/prefilter/light_tree.h"
 #include "envmap/sample/target.h"

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "envmap/operate/measure.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/sample/target.h"
 

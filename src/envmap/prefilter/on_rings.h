@@ -3,7 +3,7 @@
 #pragma once
 
 #include "envmap/map/environment_map.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 #include "envmap/prefilter/spectral_kernels.h"
 
 namespace envmap {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <memory>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/hierarchical.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "envmap/operate/parallel.h"
+#include "envmap/base/parallel.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/on_rings.h"
 

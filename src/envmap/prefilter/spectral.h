@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 #include "envmap/prefilter/lobe.h"
 #include "envmap/prefilter/spectral_kernels.h"
 #include "envmap/sample/target.h"

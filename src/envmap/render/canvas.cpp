@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/render/draw.h"
 
 namespace envmap {

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <vector>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 namespace envmap {
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <memory>
 
-#include "envmap/error.h"
-#include "envmap/operate/parallel.h"
+#include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/render/shading.h"
 #include "envmap/render/texture_sample.h"
 

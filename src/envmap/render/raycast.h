@@ -2,7 +2,7 @@
 /// The reference among the ways of drawing: a ray for each sample of each texel, through Embree's tree of boxes.
 #pragma once
 
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 #include "envmap/render/draw.h"
 
 namespace envmap {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 namespace envmap {
 namespace {

@@ -11,7 +11,7 @@
 #include <array>
 #include <vector>
 
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 #include "envmap/render/draw.h"
 
 namespace envmap {

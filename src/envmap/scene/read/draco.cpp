@@ -6,7 +6,7 @@
 #include <cmath>
 #include <new>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/scene/mesh.h"
 
 namespace envmap {

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <limits>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 
 namespace envmap {
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <string_view>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/scene/mesh.h"
 #include "envmap/scene/read/draco.h"
 #include "envmap/scene/read/gltf_document.h"

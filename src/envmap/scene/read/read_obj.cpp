@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <map>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/scene/mesh.h"
 #include "envmap/scene/read/read_texture.h"
 

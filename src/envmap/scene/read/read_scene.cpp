@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/scene/read/read_gltf.h"
 #include "envmap/scene/read/read_obj.h"
 

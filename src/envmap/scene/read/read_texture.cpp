@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "envmap/error.h"
+#include "envmap/base/error.h"
 #include "envmap/io/image.h"
 
 namespace envmap {

@@ -8,7 +8,7 @@
 #include <atomic>
 #include <vector>
 
-#include "envmap/operate/progress.h"
+#include "envmap/base/progress.h"
 
 namespace envmap {
 
