@@ -13,7 +13,7 @@ packages='
   g++ cmake ninja-build pkg-config
   libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libzstd-dev
   nlohmann-json3-dev
-  libassimp-dev libdraco-dev libembree-dev libosmesa6-dev libegl-dev python3-glad
+  libdraco-dev libembree-dev libosmesa6-dev libegl-dev python3-glad
   libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 zstd mandoc fonts-dejavu-core'
 
 fail() {

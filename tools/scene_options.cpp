@@ -53,8 +53,10 @@ Shot LoadedScene::shot(double time, const SceneOptions& options) const {
 }
 
 LoadedScene load(const SceneOptions& o, const Common& common) {
-  LoadedScene loaded{.scene = read_scene(o.path), .inputs = {o.path}};
+  LoadedScene loaded{.scene = read_scene(o.path)};
   const Scene& scene = loaded.scene;
+  loaded.inputs = scene.files;
+  for (const std::string& what : scene.remarks) note(common, fmt::format("{}: {}", o.path, what));
   for (const std::string& what : scene.unmodelled) note(common, fmt::format("{}: {} is not drawn", o.path, what));
   if (common.verbose)
     note(common, fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),

@@ -51,8 +51,10 @@ for kind in 'exr --tile 4 4' 'exr -d half --compression dwaa' 'exr -d half --com
   seed "$(echo "$kind" | tr ' ' -)"
 done
 
-# Scenes small enough to be changed all through: a triangle in each of the three formats.
+# Scenes small enough to be changed all through: a triangle in each of the three formats, and materials.
 printf 'mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 3/1/1\n' >corpus/scene/triangle.obj
+printf 'v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nvt 0 0\nvt 1 0\ns 1\no a\nusemtl b\nf 1/1 -3/2 \\\n3/1 4\ng c\nl 1 2\n' >corpus/scene/polygon.obj
+printf 'newmtl a\nKd 0.5 1 1\nKs 0\nNs 3\nillum 2\nPr 0.5\nKe 1\nmap_Kd -clamp on -s 1 2 3 -mm 0 1 x y.png\nd -halo 0.5\n' >corpus/scene/a.mtl
 cat >corpus/scene/triangle.gltf <<'JSON'
 {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
  "nodes": [{"mesh": 0, "translation": [0, 1, 0], "children": [1]}, {"camera": 0, "rotation": [0, 0, 0, 1]}],

@@ -1,4 +1,5 @@
-// Any bytes, read as a scene: it is one, or an InputError comes out. The first byte tells GLB and glTF from OBJ.
+// Any bytes, read as a scene: it is one, or an InputError comes out. The first byte tells GLB and glTF from OBJ; with 'n',
+// as in newmtl, they are the materials of an OBJ file.
 #include <sys/resource.h>
 
 #include <cstdlib>
@@ -18,8 +19,14 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const char first = size > 0 ? static_cast<char>(data[0]) : 'v';
-  const std::string path = first == 'g' ? "fuzz_scene.glb" : first == '{' ? "fuzz_scene.gltf" : "fuzz_scene.obj";
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  const std::string file = first == 'g'   ? "fuzz_scene.glb"
+                           : first == '{' ? "fuzz_scene.gltf"
+                           : first == 'n' ? "fuzz_scene.mtl"
+                                          : "fuzz_scene_plain.obj";
+  const std::string path = first == 'n' ? "fuzz_scene.obj" : file;
+  if (first == 'n')
+    std::ofstream(path) << "mtllib fuzz_scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+  std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
     const Scene scene = read_scene(path);
     for (const Node& node : scene.nodes)

@@ -67,7 +67,7 @@ const Broken broken[] = {
      [](GltfFile& f) {
        f.document["buffers"] = {{{"uri", "/dev/zero"}, {"byteLength", 44}}};
      },
-     "not a file"},
+     "outside the scene's folder"},
     {"Base64",
      [](GltfFile& f) {
        f.document["buffers"] = {{{"uri", "data:;base64,####"}, {"byteLength", 3}}};
@@ -157,15 +157,106 @@ TEST_F(SceneTest, RepeatedMeshesAreBounded) {
 
 TEST_F(SceneTest, BrokenObjIsRefused) {
   const std::pair<const char*, const char*> files[] = {
-      {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "OBJ"},
+      {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "line 4: names vertex 9, but there are 3"},
       {"v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", "NaN"},
-      {"v 0 0 0\nv 1 0 0\n", "OBJ"},
-      {"# nothing\n", "OBJ"},
+      {"v 0 0 0\nv 1 0 0\n", "no triangles"},
+      {"# nothing\n", "no triangles"},
+      {"v 0 0 0\nv 1 0\n", "line 2: a number is missing"},
+      {"v 0 0 0\nv 1 0 1e99\n", "beyond float32"},
+      {"v 0 0 0\nf 1 0 1\n", "'0' is no index"},
+      {"v 0 0 0\nf -2 1 1\n", "'-2' is no index"},
+      {"v 0 0 0\nf 1/1 1/1 1/1\n", "texture coordinate 1, but there are 0"},
+      {"v 0 0 0\nf 1//7 1//7 1//7\n", "normal 7"},
+      {"v 0 0 0\nf 1/1/1/1 1 1\n", "more than three"},
+      {"v 0 0 0\nf 1.5 1 1\n", "no index"},
+      {"v 0 0 0\nf 99999999999999999999 1 1\n", "no index"},
+      {"v 0 0 0\nf\n", "no corners"},
+      {"<html>\n", "'<html>' is no statement of OBJ"},
+      {"v 0 0 0\ns on\n", "smoothing group"},
+      {"\xff\xfev\n", "UTF-16"},
   };
   for (const auto& [text, word] : files) {
     put("a.obj", text);
     EXPECT_NE(why(path("a.obj")).find(word), std::string::npos) << text << why(path("a.obj"));
   }
+}
+
+TEST_F(SceneTest, DamagedMaterialsAreRefusedOrDrawn) {
+  put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+  const std::pair<const char*, const char*> files[] = {
+      {"map_Kd x.png\nnewmtl a\n", "'a.mtl': line 1: 'map_kd' stands before the first newmtl"},
+      {"newmtl a\nKd", "line 2: a number is missing"},
+      {"newmtl a\nKd x y z\n", "'x' is no number"},
+      {"newmtl a\nKd 1 1 nan\n", "NaN"},
+      {"newmtl a\nKd 1 -1 1\n", "negative"},
+      {"newmtl a\nmap_Kd\n", "no name"},
+      {"newmtl a\nmap_Kd -s 1 1 1\n", "no name"},
+      {"newmtl a\nmap_Kd -what 3 x.png\n", "unknown option '-what'"},
+      {"newmtl a\nmap_Kd x.png\n", "names the texture 'x.png': no such file"},
+      {"newmtl a\nmap_Kd a.obj\n", "a.obj: not an image"},
+      {"newmtl a\nmap_Kd ../x.png\n", "outside the scene's folder"},
+      {"newmtl a\nmap_Kd ..\\x.png\n", "outside the scene's folder"},
+      {"newmtl a\nmap_Ke /etc/passwd\n", "outside the scene's folder"},
+      {"newmtl a\nNs", "line 2: a number is missing"},
+      {"newmtl", ""},
+      {"newmtl a\naniso 0.5\nanisor 0\nPs 0\nPc 0\nPcr 0\nsharpness 60\nillum 2\nfoo\n", ""},
+  };
+  for (const auto& [text, word] : files) {
+    put("a.mtl", text);
+    const std::string message = why(path("a.obj"));
+    EXPECT_NE(message.find(word), std::string::npos) << text << message;
+    EXPECT_EQ(message.empty(), *word == '\0') << text << message;
+  }
+  put("a.mtl", std::string("newmtl a\nKd 1 1 1\0\n", 19));
+  EXPECT_NE(why(path("a.obj")).find("is not text"), std::string::npos);
+}
+
+// Whatever stands in them, and wherever they end, files of materials crash nothing.
+TEST_F(SceneTest, CutAndChangedMaterialsDoNoHarm) {
+  const std::string whole =
+      "newmtl a\nKd 0.5 1 1\nNs 3\nmap_Kd -clamp on -s 1 2 3 x y.png\nKe 1\nd -halo 0.5\nmap_bump -bm 1 b.png\n";
+  put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    put("a.mtl", whole.substr(0, k));
+    why(path("a.obj"));
+    for (const char c : {'\n', '\\', ' ', '#', '-', '\xff', '9'}) {
+      std::string changed = whole;
+      changed[k] = c;
+      put("a.mtl", changed);
+      why(path("a.obj"));
+    }
+  }
+}
+
+// A scene from a stranger opens nothing beyond its folder.
+TEST_F(SceneTest, NamesStayInTheFolder) {
+  namespace fs = std::filesystem;
+  fs::create_directories(folder / "scene" / "sub");
+  GltfFile file = triangle();
+  file.write(folder / "a.gltf");  // Leaves data.bin above the scene's folder.
+  const auto reason = [&](const std::string& uri) {
+    file.document["buffers"] = {{{"uri", uri}, {"byteLength", 42}}};
+    put("scene/a.gltf", file.document.dump());
+    return why(path("scene/a.gltf"));
+  };
+  for (const std::string& uri :
+       {std::string("../data.bin"), std::string("%2e%2e/data.bin"), std::string("sub/../../data.bin"), path("data.bin"),
+        std::string("link.bin"), std::string("sub/up/data.bin"), std::string("..")}) {
+    std::error_code ignored;
+    fs::create_symlink("../data.bin", folder / "scene" / "link.bin", ignored);
+    fs::create_symlink("../..", folder / "scene" / "sub" / "up", ignored);
+    EXPECT_NE(reason(uri).find("outside the scene's folder"), std::string::npos) << uri << ": " << reason(uri);
+  }
+  EXPECT_NE(reason("gone.bin").find("no such file"), std::string::npos);
+  fs::copy(folder / "data.bin", folder / "scene" / "sub" / "data 1.bin");
+  EXPECT_EQ(reason("sub/data%201.bin"), "");
+  EXPECT_EQ(reason("sub/../sub/./data%201.bin"), "");
+  // A link to a scene: what lies beside the scene itself is as good as what lies beside the link.
+  fs::create_directory(folder / "sandbox");
+  fs::create_symlink("../scene/a.gltf", folder / "sandbox" / "a.gltf");
+  fs::create_directory(folder / "sandbox" / "sub");
+  fs::create_symlink("../../scene/sub/data 1.bin", folder / "sandbox" / "sub" / "data 1.bin");
+  EXPECT_EQ(why(path("sandbox/a.gltf")), "");
 }
 
 }  // namespace

@@ -303,32 +303,5 @@ TEST_F(SceneTest, TheSampleScenesAreRead) {
        Direction(0.3 + 1.02 * std::sin(7 * pi / 180), 3.15 - 1.02 * std::cos(7 * pi / 180), 0.6), 1e-3);
 }
 
-// ---- OBJ -------------------------------------------------------------------------------------------------------------
-
-TEST_F(SceneTest, ObjWithMaterialsAndWindowsPaths) {
-  std::filesystem::create_directory(folder / "maps");
-  std::ofstream(folder / "maps" / "a.ppm", std::ios::binary) << "P6 1 2 255\n"
-                                                             << std::string("\x01\x02\x03\x04\x05\x06", 6);
-  put("a.mtl", "newmtl shiny\nKd 0.5 0.25 1\nKe 3 2 1\nNs 6\nmap_Kd maps\\a.ppm\n");
-  put("a.obj",
-      "mtllib a.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\no square\nusemtl shiny\n"
-      "f 1/1 2/2 3/3 4/4\n");
-  const Scene scene = read_scene(path("a.obj"));
-  ASSERT_EQ(scene.meshes.size(), 1U);
-  const Mesh& mesh = scene.meshes[0];
-  ASSERT_EQ(mesh.indices.size(), 6U);
-  for (const std::uint32_t v : mesh.indices) {
-    EXPECT_EQ(mesh.normals[v], glm::vec3(0, 0, 1));
-    EXPECT_EQ(mesh.coordinates[v], glm::vec2(mesh.positions[v].x / 2, 1 - mesh.positions[v].y / 2))
-        << "0 is the upper edge";
-  }
-  const Material& m = scene.materials[static_cast<std::size_t>(mesh.material)];
-  EXPECT_EQ(m.base_colour, glm::vec4(0.5F, 0.25F, 1, 1));
-  EXPECT_EQ(m.emissive, Colour(3, 2, 1));
-  EXPECT_FLOAT_EQ(m.roughness, std::sqrt(0.5F));  // alpha^2 = 2 / (6 + 2).
-  ASSERT_EQ(m.base_colour_texture, 0);
-  EXPECT_EQ(scene.textures[0].texels[0], glm::u8vec4(1, 2, 3, 255));
-}
-
 }  // namespace
 }  // namespace scenes

@@ -95,6 +95,8 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Motion> motions;
   std::vector<std::string> unmodelled;  ///< What the file uses and this does not draw, each named once.
+  std::vector<std::string> remarks;     ///< Sentences on what else the file leaves open, such as a material library that is missing.
+  std::vector<std::string> files;       ///< Paths of all that was read: the scene, its buffers, materials and images.
 };
 
 /// World matrices of all nodes.

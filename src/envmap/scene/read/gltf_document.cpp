@@ -8,14 +8,12 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <limits>
 
 #include "envmap/base/error.h"
 
 namespace envmap {
 
-namespace fs = std::filesystem;
 static_assert(std::endian::native == std::endian::little, "glTF's buffers are little-endian");
 
 // ---- fields ----------------------------------------------------------------------------------------------------------
@@ -90,21 +88,6 @@ Field GltfDocument::refer(const Field& index, const char* list) const {
 // ---- bytes -----------------------------------------------------------------------------------------------------------
 
 namespace {
-
-// A regular file: /dev/zero would go on for ever.
-std::vector<std::byte> file_bytes(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) throw InputError("no such file");
-  if (!fs::is_regular_file(path, error)) throw InputError("is not a file");
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (size == 0) throw InputError("is empty");
-  if (size > std::numeric_limits<std::uint32_t>::max()) throw InputError("has over 4 GiB, more than glTF can hold");
-  std::vector<std::byte> bytes(size);
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
-    throw InputError("cannot be read");
-  return bytes;
-}
 
 std::vector<std::byte> from_base64(std::string_view text, const Field& where) {
   std::vector<std::byte> bytes;
@@ -184,17 +167,17 @@ Chunks chunks_of(std::span<const std::byte> file) {
 
 }  // namespace
 
-std::vector<std::byte> bytes_at(const GltfDocument& document, const Field& uri) {
+Resource bytes_at(const GltfDocument& document, const Field& uri) {
   const std::string text = uri.text();
   if (text.starts_with("data:")) {
     const std::size_t comma = text.find(";base64,");
     if (comma == std::string::npos) uri.fail("is a data URI without base64");
-    return from_base64(std::string_view(text).substr(comma + 8), uri);
+    return {from_base64(std::string_view(text).substr(comma + 8), uri), ""};
   }
-  if (text.empty() || text.find("://") != std::string::npos || text.find('\0') != std::string::npos)
-    uri.fail("names no file beside the scene");
+  if (text.empty() || text.find("://") != std::string::npos) uri.fail("names no file beside the scene");
   try {
-    return file_bytes(document.folder / without_percents(text));
+    const auto path = document.folder.file(without_percents(text));
+    return {file_bytes(path), path.string()};
   } catch (const InputError& e) {
     uri.fail("names '" + text + "': " + e.what());
   }
@@ -203,8 +186,7 @@ std::vector<std::byte> bytes_at(const GltfDocument& document, const Field& uri) 
 GltfDocument open_gltf(const std::string& path) {
   const std::vector<std::byte> file = file_bytes(path);
   const Chunks chunks = chunks_of(file);
-  GltfDocument document;
-  document.folder = fs::path(path).parent_path();
+  GltfDocument document{SceneFolder(path)};
   try {
     document.json = nlohmann::json::parse(chunks.json);
   } catch (const nlohmann::json::parse_error& e) {
@@ -219,12 +201,15 @@ GltfDocument open_gltf(const std::string& path) {
   for (std::size_t k = 0; k < buffers.size(); ++k) {
     const Field buffer = buffers[k], uri = buffer["uri"];
     const auto length = buffer["byteLength"].index(std::numeric_limits<std::uint32_t>::max());
-    if (uri.there())
-      document.buffers.push_back(bytes_at(document, uri));
-    else if (k == 0 && chunks.bin)
+    if (uri.there()) {
+      Resource read = bytes_at(document, uri);
+      document.buffers.push_back(std::move(read.bytes));
+      if (!read.file.empty()) document.files.push_back(read.file);
+    } else if (k == 0 && chunks.bin) {
       document.buffers.emplace_back(chunks.bin->begin(), chunks.bin->end());
-    else
+    } else {
       buffer.fail("has neither an URI nor a chunk in the file");
+    }
     if (document.buffers[k].size() < length)
       buffer.fail(fmt::format("ends early: {} of {} bytes are there", document.buffers[k].size(), length));
     document.buffers[k].resize(length);

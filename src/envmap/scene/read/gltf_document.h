@@ -4,12 +4,13 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "envmap/scene/read/scene_folder.h"
 
 namespace envmap {
 
@@ -56,9 +57,10 @@ struct Accessor {
 };
 
 struct GltfDocument {
-  std::filesystem::path folder;  ///< Where the files lie that it names.
-  nlohmann::json json;
-  std::vector<std::vector<std::byte>> buffers;
+  SceneFolder folder;  ///< Where the files lie that it names.
+  nlohmann::json json = {};
+  std::vector<std::vector<std::byte>> buffers = {};
+  std::vector<std::string> files = {};  ///< That buffers came from.
 
   [[nodiscard]] Field root() const { return {&json, ""}; }
   /// An element of one of the lists at the top, by a field that holds its index.
@@ -68,8 +70,13 @@ struct GltfDocument {
 /// The file with all its buffers, of which each is as long as it says.
 GltfDocument open_gltf(const std::string& path);
 
-/// What an URI holds: a data URI, or a file beside the document.
-std::vector<std::byte> bytes_at(const GltfDocument& document, const Field& uri);
+struct Resource {
+  std::vector<std::byte> bytes;
+  std::string file;  ///< Its path; empty: out of the document.
+};
+
+/// What an URI holds: a data URI, or a file in the document's folder.
+Resource bytes_at(const GltfDocument& document, const Field& uri);
 
 /// @param view a field with the index of a bufferView.
 std::span<const std::byte> view_bytes(const GltfDocument& document, const Field& view);

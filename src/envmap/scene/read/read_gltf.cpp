@@ -44,11 +44,14 @@ Texture::Wrap wrap_of(const Field& mode) {
   }
 }
 
-Texture open_texture(const GltfDocument& document, const Field& field) {
+Texture open_texture(Reader& r, const Field& field) {
+  const GltfDocument& document = r.document;
   const Field image = document.refer(field["source"], "images"), view = image["bufferView"];
-  std::vector<std::byte> read;
+  Resource read;
   if (!view.there()) read = bytes_at(document, image["uri"]);
-  const std::span<const std::byte> bytes = view.there() ? view_bytes(document, view) : std::span<const std::byte>(read);
+  if (!read.file.empty()) r.scene.files.push_back(read.file);
+  const std::span<const std::byte> bytes =
+      view.there() ? view_bytes(document, view) : std::span<const std::byte>(read.bytes);
   const auto* first = reinterpret_cast<const char*>(bytes.data());
   const std::string text = image["uri"].text();
   const std::string name = text.empty() || text.starts_with("data:") ? "an image in the file" : text;
@@ -66,7 +69,7 @@ int texture(Reader& r, const Field& info, bool colour) {
   }
   const std::pair key(info["index"].index(1u << 31), colour);
   if (const auto found = r.textures.find(key); found != r.textures.end()) return found->second;
-  Texture t = open_texture(r.document, field);
+  Texture t = open_texture(r, field);
   t.srgb = colour;
   if (field["sampler"].there()) {
     const Field sampler = r.document.refer(field["sampler"], "samplers");
@@ -346,6 +349,7 @@ void check_extensions(Reader& r) {
 Scene read_gltf(const std::string& path) {
   const GltfDocument document = open_gltf(path);
   Reader r{document};
+  r.scene.files = document.files;
   check_extensions(r);
   check_corners(document);
   const Field materials = document.root()["materials"], meshes = document.root()["meshes"];

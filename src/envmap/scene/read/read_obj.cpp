@@ -1,134 +1,223 @@
 #include "envmap/scene/read/read_obj.h"
 
-#include <assimp/material.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <cmath>
-#include <filesystem>
 #include <map>
+#include <span>
+#include <unordered_map>
 
 #include "envmap/base/error.h"
 #include "envmap/scene/mesh.h"
+#include "envmap/scene/read/obj_document.h"
+#include "envmap/scene/read/read_mtl.h"
 #include "envmap/scene/read/read_texture.h"
+#include "envmap/scene/read/scene_folder.h"
+#include "envmap/scene/read/triangulate.h"
 
 namespace envmap {
 namespace {
 
-struct Reader {
-  std::filesystem::path folder;
-  Scene scene = {};
-  std::map<std::string, int> textures = {};  // By path.
+namespace fs = std::filesystem;
+using Corner = ObjDocument::Corner;
+using Face = ObjDocument::Face;
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// ---- materials -------------------------------------------------------------------------------------------------------
+
+// A material of a library, and the folder of that, which its textures are named from.
+struct Listed {
+  MtlMaterial material;
+  fs::path folder;
 };
 
-int texture(Reader& r, const aiMaterial& from, aiTextureType type) {
-  aiString name;
-  aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
-  if (from.GetTexture(type, 0, &name, nullptr, nullptr, nullptr, nullptr, modes) != aiReturn_SUCCESS) return -1;
-  std::string path = name.C_Str();
-  std::ranges::replace(path, '\\', '/');  // As written on Windows.
-  const auto [found, first] = r.textures.try_emplace(path, static_cast<int>(r.scene.textures.size()));
+struct Materials {
+  const SceneFolder& folder;
+  Scene& scene;
+  std::map<std::string, Listed> listed = {};
+  std::map<std::pair<fs::path, bool>, int> textures = {};  // By place and whether they are clamped.
+};
+
+// @return whether there is such a file.
+bool read_library(Materials& m, std::string name) {
+  std::ranges::replace(name, '\\', '/');
+  try {
+    const fs::path path = m.folder.file(name);
+    std::error_code error;
+    if (!fs::exists(path, error)) return false;
+    for (auto& [key, material] : read_mtl(text_of(file_bytes(path))))
+      m.listed.try_emplace(key, Listed{std::move(material), fs::path(name).parent_path()});
+    m.scene.files.push_back(path.string());
+    return true;
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("'{}': {}", name, e.what()));
+  }
+}
+
+// A line is one name that may hold spaces, or several.
+void read_libraries(Materials& m, const std::string& line) {
+  if (line.empty() || read_library(m, line)) return;
+  for (std::size_t begin = 0; begin < line.size();) {
+    const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
+    const std::string name = line.substr(begin, end - begin);
+    begin = end + 1;
+    if (!name.empty() && !read_library(m, name))
+      m.scene.remarks.push_back(fmt::format("'{}' is missing: its materials are white", name));
+  }
+}
+
+int texture(Materials& m, const MtlMap& map, const fs::path& below) {
+  if (map.name.empty()) return -1;
+  const auto read = [&](const auto& action) {
+    try {
+      return action();
+    } catch (const InputError& e) {
+      throw InputError(fmt::format("names the texture '{}': {}", map.name, e.what()));
+    }
+  };
+  const fs::path path = read([&] { return m.folder.file(map.name, below); });
+  const auto [found, first] = m.textures.try_emplace({path, map.clamp}, static_cast<int>(m.scene.textures.size()));
   if (!first) return found->second;
-  Texture made = read_texture_file((r.folder / path).string());
-  if (modes[0] == aiTextureMapMode_Clamp) made.wrap_u = made.wrap_v = Texture::Wrap::clamp;
-  r.scene.textures.push_back(std::move(made));
+  const std::vector<std::byte> bytes = read([&] { return file_bytes(path); });
+  Texture made = decode_texture(map.name, {text_of(bytes).begin(), text_of(bytes).end()});
+  if (map.clamp) made.wrap_u = made.wrap_v = Texture::Wrap::clamp;
+  m.scene.textures.push_back(std::move(made));
+  m.scene.files.push_back(path.string());
   return found->second;
 }
 
-Material material(Reader& r, const aiMaterial& from) {
-  Material m;
-  aiString name;
-  if (from.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS) m.name = name.C_Str();
-  const auto number = [&](float otherwise, float least, float most, const char* key, unsigned type, unsigned index) {
-    float value = otherwise;
-    if (from.Get(key, type, index, value) != aiReturn_SUCCESS || !std::isfinite(value)) value = otherwise;
-    return std::clamp(value, least, most);
-  };
-  const auto colour = [&](const Colour& otherwise, const char* key, unsigned type, unsigned index) {
-    aiColor3D value;
-    if (from.Get(key, type, index, value) != aiReturn_SUCCESS) return otherwise;
-    const Colour found(value.r, value.g, value.b);
-    if (!(glm::all(glm::greaterThanEqual(found, Colour(0))) && glm::all(glm::lessThan(found, Colour(1e30F)))))
-      throw InputError("material '" + m.name + "' holds a colour that is none");
-    return found;
-  };
-  m.base_colour_texture = texture(r, from, aiTextureType_DIFFUSE);
-  // assimp's grey of 0.6 stands where the file says nothing.
-  m.base_colour = glm::vec4(colour(Colour(1), AI_MATKEY_COLOR_DIFFUSE), 1);
-  m.emissive = colour(Colour(0), AI_MATKEY_COLOR_EMISSIVE);
-  m.emissive_texture = texture(r, from, aiTextureType_EMISSIVE);
-  if (m.emissive_texture >= 0 && m.emissive == Colour(0)) m.emissive = Colour(1);
-  m.metallic = number(0, 0, 1, AI_MATKEY_METALLIC_FACTOR);
-  // Blinn and Phong's exponent n and GGX's alpha fall off alike near the peak where n = 2 / alpha^2 - 2 (Walter et al. 2007).
-  const float exponent = number(0, 0, 1e8F, AI_MATKEY_SHININESS);
-  m.roughness = number(std::pow(2 / (exponent + 2), 0.25F), 0, 1, AI_MATKEY_ROUGHNESS_FACTOR);
-  m.ior = number(1.5F, 1, 1e6F, AI_MATKEY_REFRACTI);
-  m.double_sided = true;  // OBJ knows no inside.
-  if (number(1, 0, 1, AI_MATKEY_OPACITY) < 1 || from.GetTextureCount(aiTextureType_OPACITY) > 0)
-    note_unmodelled(r.scene, "alpha blending");
-  if (from.GetTextureCount(aiTextureType_HEIGHT) > 0 || from.GetTextureCount(aiTextureType_NORMALS) > 0)
-    note_unmodelled(r.scene, "normal maps");
-  return m;
-}
+Material white(const std::string& name) { return {.name = name, .ior = 1, .double_sided = true}; }
 
-glm::vec3 vector(const aiVector3D& v, const char* what) {
-  if (!(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)))
-    throw InputError(fmt::format("holds {} that are NaN or infinite", what));
-  return {v.x, v.y, v.z};
-}
-
-Mesh mesh(const aiMesh& from) {
-  Mesh made{.material = static_cast<int>(from.mMaterialIndex)};
-  for (unsigned k = 0; k < from.mNumVertices; ++k) {
-    made.positions.push_back(vector(from.mVertices[k], "vertices"));
-    if (from.HasNormals()) made.normals.push_back(vector(from.mNormals[k], "normals"));
-    if (!from.HasTextureCoords(0)) continue;
-    const glm::vec3 at = vector(from.mTextureCoords[0][k], "texture coordinates");
-    made.coordinates.emplace_back(at.x, 1 - at.y);  // Down from the upper edge, as in glTF.
-  }
-  for (unsigned f = 0; f < from.mNumFaces; ++f) {
-    const aiFace& face = from.mFaces[f];
-    if (face.mNumIndices != 3) continue;
-    for (unsigned c = 0; c < 3; ++c) {
-      if (face.mIndices[c] >= from.mNumVertices)
-        throw InputError(fmt::format("points to vertex {}, but there are {}", face.mIndices[c], from.mNumVertices));
-      made.indices.push_back(face.mIndices[c]);
-    }
-  }
-  complete(made);
+Material material(Materials& m, const std::string& name) {
+  const auto found = m.listed.find(name);
+  if (found == m.listed.end()) return white(name);
+  const Listed& listed = found->second;
+  Material made = listed.material.material;
+  made.base_colour_texture = texture(m, listed.material.colour, listed.folder);
+  made.emissive_texture = texture(m, listed.material.emission, listed.folder);
+  for (const std::string& what : listed.material.unmodelled) note_unmodelled(m.scene, what);
   return made;
 }
 
-void read_node(Reader& r, const aiNode& from, int parent) {
-  Node node{.name = from.mName.C_Str(), .parent = parent};
-  const aiMatrix4x4& m = from.mTransformation;
-  for (unsigned row = 0; row < 4; ++row)
-    for (unsigned column = 0; column < 4; ++column)
-      node.local[static_cast<int>(column)][static_cast<int>(row)] = m[row][column];
-  for (unsigned k = 0; k < from.mNumMeshes; ++k) node.meshes.push_back(static_cast<int>(from.mMeshes[k]));
-  const int index = static_cast<int>(r.scene.nodes.size());
-  r.scene.nodes.push_back(std::move(node));
-  for (unsigned k = 0; k < from.mNumChildren; ++k) read_node(r, *from.mChildren[k], index);  // OBJ: groups, one deep.
+// Those that faces use, in the order of their names in the document, then a white one where faces have none.
+void read_materials(const ObjDocument& d, const SceneFolder& folder, Scene& scene) {
+  Materials m{folder, scene};
+  for (const std::string& line : d.libraries) read_libraries(m, line);
+  for (const std::string& name : d.materials) {
+    if (!m.listed.contains(name) && scene.remarks.empty())
+      scene.remarks.push_back(fmt::format("no .mtl defines the material '{}': it is white", name));
+    scene.materials.push_back(material(m, name));
+  }
+  scene.materials.push_back(white(""));
+}
+
+// ---- faces -----------------------------------------------------------------------------------------------------------
+
+std::vector<Direction> corners_of(const ObjDocument& d, const Face& face) {
+  std::vector<Direction> made;
+  for (const Corner& c : std::span(d.corners).subspan(face.first, static_cast<std::size_t>(face.count)))
+    made.push_back(d.positions[static_cast<std::size_t>(c.position)]);
+  return made;
+}
+
+Direction unit(const Direction& v) {
+  const double length = glm::length(v);
+  return length > 0 && std::isfinite(length) ? v / length : Direction(0);
+}
+
+// Normals for the corners that have none.
+void add_normals(ObjDocument& d) {
+  std::map<std::pair<int, int>, int> smooth;  // By position and smoothing group.
+  for (const Face& face : d.faces) {
+    const auto corners = std::span(d.corners).subspan(face.first, static_cast<std::size_t>(face.count));
+    if (std::ranges::none_of(corners, [](const Corner& c) { return c.normal < 0; })) continue;
+    const std::vector<Direction> at = corners_of(d, face);
+    const Direction normal = unit(area_vector(at));
+    const int flat = static_cast<int>(d.normals.size());
+    if (face.smoothing == 0) d.normals.push_back(normal);
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      if (corners[k].normal >= 0) continue;
+      if (face.smoothing == 0) {
+        corners[k].normal = flat;
+        continue;
+      }
+      const auto [found, first] =
+          smooth.try_emplace({corners[k].position, face.smoothing}, static_cast<int>(d.normals.size()));
+      if (first) d.normals.emplace_back(0);
+      const Direction before = unit(at[(k + at.size() - 1) % at.size()] - at[k]),
+                      after = unit(at[(k + 1) % at.size()] - at[k]);
+      d.normals[static_cast<std::size_t>(found->second)] += normal * angle_between(before, after);
+      corners[k].normal = found->second;
+    }
+  }
+}
+
+struct CornerHash {
+  std::size_t operator()(const Corner& c) const {
+    std::size_t hash = 0;
+    for (const int index : {c.position, c.coordinate, c.normal})
+      hash = (hash ^ static_cast<std::size_t>(index)) * 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio (Knuth, 6.4).
+    return hash ^ hash >> 32;
+  }
+};
+
+// A mesh in the making: corners that are alike are one vertex.
+struct Part {
+  Mesh mesh = {};
+  std::unordered_map<Corner, std::uint32_t, CornerHash> vertices = {};
+};
+
+std::uint32_t vertex(const ObjDocument& d, Part& part, const Corner& c) {
+  const auto number = static_cast<std::uint32_t>(part.mesh.positions.size());
+  const auto [found, first] = part.vertices.try_emplace(c, number);
+  if (!first) return found->second;
+  part.mesh.positions.emplace_back(d.positions[static_cast<std::size_t>(c.position)]);
+  part.mesh.normals.emplace_back(d.normals[static_cast<std::size_t>(c.normal)]);
+  const Vec2<float> t = c.coordinate < 0 ? Vec2<float>(0, 1) : d.coordinates[static_cast<std::size_t>(c.coordinate)];
+  part.mesh.coordinates.emplace_back(t.x, 1 - t.y);  // Down from the upper edge, as in glTF.
+  return number;
+}
+
+void add_face(const ObjDocument& d, const Face& face, Part& part) {
+  const std::span corners = std::span(d.corners).subspan(face.first, static_cast<std::size_t>(face.count));
+  try {
+    for (const auto& triangle : triangulate(corners_of(d, face)))
+      for (const std::uint32_t corner : triangle) part.mesh.indices.push_back(vertex(d, part, corners[corner]));
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("line {}: {}", face.line, e.what()));
+  }
+}
+
+// A node for each group with faces, a mesh for each of its materials.
+void read_faces(const ObjDocument& d, Scene& scene) {
+  std::map<std::pair<int, int>, Part> parts;
+  for (const Face& face : d.faces) add_face(d, face, parts[{face.group, face.material}]);
+  int last = -2;
+  for (auto& [place, part] : parts) {
+    const auto [group, material] = place;
+    if (group != last) scene.nodes.push_back({.name = group < 0 ? "" : d.groups[static_cast<std::size_t>(group)]});
+    last = group;
+    part.mesh.material = material < 0 ? static_cast<int>(scene.materials.size()) - 1 : material;
+    complete(part.mesh);
+    scene.nodes.back().meshes.push_back(static_cast<int>(scene.meshes.size()));
+    scene.meshes.push_back(std::move(part.mesh));
+  }
 }
 
 }  // namespace
 
 Scene read_obj(const std::string& path) {
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* from = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_SortByPType);
-  if (from == nullptr) {
-    const std::string why = importer.GetErrorString();
-    throw InputError("not a sound OBJ file: " + why.substr(0, why.find('\n')));
-  }
-  Reader r{std::filesystem::path(path).parent_path()};
-  for (unsigned k = 0; k < from->mNumMaterials; ++k) r.scene.materials.push_back(material(r, *from->mMaterials[k]));
-  for (unsigned k = 0; k < from->mNumMeshes; ++k) r.scene.meshes.push_back(mesh(*from->mMeshes[k]));
-  if (from->mRootNode != nullptr) read_node(r, *from->mRootNode, -1);
-  return std::move(r.scene);
+  ObjDocument document = read_obj_text(text_of(file_bytes(path)));
+  Scene scene;
+  for (const std::string& what : document.unmodelled) note_unmodelled(scene, what);
+  read_materials(document, SceneFolder(path), scene);
+  add_normals(document);
+  read_faces(document, scene);
+  return scene;
 }
 
 }  // namespace envmap

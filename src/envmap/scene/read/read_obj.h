@@ -1,5 +1,5 @@
 /// @file
-/// Wavefront OBJ with its MTL files, through assimp.
+/// Wavefront OBJ with its MTL files. Source: Alias/Wavefront, "Advanced Visualizer Manual", appendix B1 (object files).
 #pragma once
 
 #include <string>
@@ -8,7 +8,9 @@
 
 namespace envmap {
 
-/// Phong's exponent becomes the roughness whose lobe is as wide; Pm and Pr are taken as they are.
+/// Polygons, as triangles; a node for each name of `o` and `g`. Where a face has no normals they are made: smooth within a
+/// smoothing group, weighted by the angles at a corner (Thuermer and Wuethrich 1998), else those of the face. Materials as
+/// read_mtl() says; white where a file has none, or its .mtl is missing, which Scene::remarks says.
 /// @throws InputError without the name of the file.
 Scene read_obj(const std::string& path);
 

@@ -14,6 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Names and texts come from the file: nothing for the terminal to obey remains.
+std::string harmless(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
+  return text;
+}
+
 bool is_obj(const std::string& path) {
   std::string extension = fs::path(path).extension().string();
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -55,14 +62,13 @@ void check(const Scene& scene) {
 Scene read_scene(const std::string& path) {
   try {
     Scene scene = read_any(path);
+    scene.files.insert(scene.files.begin(), path);
     check(scene);
+    std::ranges::transform(scene.unmodelled, scene.unmodelled.begin(), harmless);
+    std::ranges::transform(scene.remarks, scene.remarks.begin(), harmless);
     return scene;
   } catch (const InputError& e) {
-    // Names and texts come from the file: nothing for the terminal to obey remains.
-    std::string message = path + ": " + e.what();
-    std::ranges::replace_if(
-        message, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
-    throw InputError(message);
+    throw InputError(harmless(path + ": " + e.what()));
   }
 }
 

@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "envmap/base/error.h"
 #include "envmap/io/image.h"
@@ -44,15 +41,6 @@ Texture decode_texture(const std::string& name, std::vector<char> bytes) {
     texture.texels[k] = {v(0), v(grey ? 0 : 1), v(grey ? 0 : 2), channels % 2 == 0 ? v(channels - 1) : 255};
   }
   return texture;
-}
-
-Texture read_texture_file(const std::string& path) {
-  Image image;
-  image.name = path;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) image.fail("no such file");
-  std::ifstream stream(path, std::ios::binary);
-  return decode_texture(path, {std::istreambuf_iterator<char>(stream), {}});
 }
 
 }  // namespace envmap

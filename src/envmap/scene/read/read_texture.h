@@ -13,7 +13,4 @@ namespace envmap {
 /// @throws InputError, beginning with the name.
 Texture decode_texture(const std::string& name, std::vector<char> bytes);
 
-/// The same of a file.
-Texture read_texture_file(const std::string& path);
-
 }  // namespace envmap

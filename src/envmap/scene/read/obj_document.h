@@ -1,0 +1,38 @@
+/// @file
+/// What the text of an OBJ file says, before it becomes a scene.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "envmap/maths/vector.h"
+
+namespace envmap {
+
+/// Faces and what they refer to. Every index is checked: into the vector of its kind, -1 where there is none.
+struct ObjDocument {
+  struct Corner {
+    int position = 0, coordinate = -1, normal = -1;
+    bool operator==(const Corner&) const = default;
+  };
+  struct Face {
+    std::size_t first = 0;          ///< Of corners.
+    int count = 0;                  ///< Three or more.
+    int line = 0;                   ///< Of the text, for messages.
+    int smoothing = 0;              ///< The group; 0: none.
+    int group = -1, material = -1;  ///< Indices; -1: before any was named.
+  };
+  std::vector<Direction> positions, normals;
+  std::vector<Vec2<float>> coordinates;  ///< As in the file: up from the lower edge.
+  std::vector<Corner> corners;
+  std::vector<Face> faces;
+  std::vector<std::string> groups, materials;  ///< Names, each once.
+  std::vector<std::string> libraries;          ///< What mtllib names, a line each.
+  std::vector<std::string> unmodelled;         ///< As Scene::unmodelled.
+};
+
+/// @throws InputError("line N: ...") where the text is no sound OBJ file.
+ObjDocument read_obj_text(std::string_view text);
+
+}  // namespace envmap
