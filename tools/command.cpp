@@ -70,6 +70,22 @@ CLI::Option* add_layout(CLI::App& app, const std::string& flag, std::optional<La
   return add_choice(app, flag, value, joined(names), layout_named, help);
 }
 
+CLI::Option* add_filter(CLI::App& app, std::optional<Filter>& value, const std::string& help) {
+  std::string words = "auto";
+  for (const FilterInfo& f : filters()) words += fmt::format("|{}", f.name);
+  return app
+      .add_option_function<std::string>(
+          "--filter",
+          [&value, words](const std::string& word) {
+            const auto found = std::ranges::find(filters(), word, &FilterInfo::name);
+            if (found == filters().end() && word != "auto")
+              throw CLI::ValidationError("--filter", "'" + word + "' is none of " + words);
+            value = word == "auto" ? std::nullopt : std::optional(found->filter);
+          },
+          help)
+      ->type_name(words);
+}
+
 CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<Forward>& value, const std::string& help) {
   return add_choice(app, flag, value, joined(forward_names), forward_named, help);
 }
@@ -89,6 +105,9 @@ void add_clamp(CLI::App& app, WriteOptions& options) {
 }
 
 CLI::Option* add_size(CLI::App& app, int& size, const std::string& help) {
+  return app.add_option("--size", size, help)->type_name("N")->check(CLI::Range(1, 65536));
+}
+CLI::Option* add_size(CLI::App& app, std::optional<int>& size, const std::string& help) {
   return app.add_option("--size", size, help)->type_name("N")->check(CLI::Range(1, 65536));
 }
 

@@ -14,6 +14,7 @@
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
 #include "envmap/base/progress.h"
+#include "envmap/sample/filter.h"
 
 namespace tools {
 
@@ -88,10 +89,13 @@ std::string joined(std::span<const std::string_view> words);
 CLI::Option* add_projection(CLI::App& app, const std::string& flag, std::optional<envmap::Projection>& value,
                             const std::string& help);
 CLI::Option* add_layout(CLI::App& app, const std::string& flag, std::optional<envmap::Layout>& value, const std::string& help);
+/// --filter: of convert, or absent for "auto".
+CLI::Option* add_filter(CLI::App& app, std::optional<envmap::Filter>& value, const std::string& help);
 CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<envmap::Forward>& value,
                          const std::string& help);
 CLI::Option* add_depth(CLI::App& app, std::optional<envmap::Depth>& value);
 CLI::Option* add_size(CLI::App& app, int& size, const std::string& help);
+CLI::Option* add_size(CLI::App& app, std::optional<int>& size, const std::string& help);
 void add_format(CLI::App& app, envmap::WriteOptions& options);
 void add_clamp(CLI::App& app, envmap::WriteOptions& options);
 

@@ -16,7 +16,7 @@ struct Options {
   std::string a, b, difference;
   ReadOptions read;
   std::optional<Projection> from_b;
-  Filter filter = Filter::area;
+  std::optional<Filter> filter = Filter::area;
   std::optional<double> max_error, max_rms, max_flux;
 };
 
@@ -57,7 +57,7 @@ int run(const Options& o, const Common& common) {
   a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());  // Or a filter might read them as its own.
   if (resampled)
     a.map = convert(a.map,
-                    {.to = b.map.projection(), .size = b.map.base().height(), .filter = o.filter, .forward = b.map.forward},
+                    {.to = b.map.frame(), .size = b.map.base().height(), .filter = o.filter},
                     progress_line(common, "resample"));
   Level shown(b.map.projection(), b.map.base().height());
   const Difference d = compare(a.map.base(), b.map.base(), &shown);
@@ -134,8 +134,7 @@ Command compare_command() {
         add_limit(app, "--max-rms", o->max_rms, "Exit with 1 if rms is larger");
         add_limit(app, "--max-flux", o->max_flux, "Exit with 1 if flux of any channel differs by more");
         app.add_option("--difference", o->difference, "Write |A-B| as a map")->type_name("FILE");
-        add_choice(app, "--filter", o->filter, joined(filter_names), one_of<Filter>(filter_names),
-                   "How A is resampled if it must be (default: area)");
+        add_filter(app, o->filter, "How A is resampled if it must be (default: area)");
         add_read_options(app, o->read);
         add_repair(app, o->read);
         add_projection(app, "--from-b", o->from_b, "Projection of B, if not that of --from");

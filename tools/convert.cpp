@@ -4,7 +4,7 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/operate/choose.h"
+#include "envmap/operate/resampler.h"
 
 namespace tools {
 namespace {
@@ -18,32 +18,35 @@ struct Options {
   std::optional<Forward> forward;
   std::optional<Direction> turn;  // Yaw, pitch, roll.
   double exposure = 0;
-  double max_error = 0;  // 0: none asked for.
-  Conversion conversion;
+  ConvertOptions convert;
   WriteOptions write;
 };
 
-std::string words(const Trial& t) {
-  return std::string(filter_names[static_cast<std::size_t>(t.filter)]) +
-         (t.samples > 1 ? fmt::format(" --samples {}", t.samples) : "");
+std::string words(Filter filter, int samples) {
+  return std::string(name(filter)) + (samples > 1 ? fmt::format(" --samples {}", samples) : "");
 }
 
-// The cheapest filter for the error asked for, and what it was measured to do.
-bool settle_filter(Options& o, EnvironmentMap& source, const Common& common) {
-  const Choice choice = cheapest_filter(source, o.conversion, o.max_error);
-  const auto line = [&](const Trial& t) {
-    return fmt::format("{}: max {:.2e}, rms {:.2e} in {} texels, {:.2g} us a texel", words(t), t.maximum, t.rms,
-                       choice.texels, 1e6 * t.seconds_per_texel);
+// Tells which filter was chosen for the error asked for, and what it was measured to do. False where none reached it.
+bool tell_choice(const FilterChoice& choice, double max_error, const Common& common) {
+  const auto line = [&](const FilterTrial& t) {
+    return fmt::format("{}: max {:.2e}, rms {:.2e} in {} texels, {:.2g} us a texel", words(t.filter, t.samples), t.maximum,
+                       t.rms, choice.texels, 1e6 * t.seconds_per_texel);
   };
   if (common.verbose)
-    for (const Trial& t : choice.trials) note(common, "tried " + line(t));
-  o.conversion = choice.conversion;
+    for (const FilterTrial& t : choice.trials) note(common, "tried " + line(t));
+  const std::string chosen = line(choice.trials.back());
   if (choice.reached)
-    note(common, line(choice.best));
+    note(common, chosen);
   else
-    std::fputs(fmt::format("envmap convert: --max-error {:g} is not reached: {}\n", o.max_error, line(choice.best)).c_str(),
-               stderr);
+    std::fputs(fmt::format("envmap convert: --max-error {:g} is not reached: {}\n", max_error, chosen).c_str(), stderr);
   return choice.reached;
+}
+
+// A sentence for each filter.
+std::string filter_words() {
+  std::string text;
+  for (const FilterInfo& f : filters()) text += fmt::format(" '{}' {}.", f.name, f.summary);
+  return text;
 }
 
 int run(Options& o, const Common& common) {
@@ -51,23 +54,25 @@ int run(Options& o, const Common& common) {
   // What can be known to fail is said before any work is done.
   if (o.to) check_output(o.output, o.write, *o.to);
   Source source = read_map(o.input, o.read, common);
-  o.conversion.to = o.to.value_or(source.map.projection());
-  o.conversion.forward = o.forward.value_or(has_forward(o.conversion.to) && !o.to ? source.map.forward : Forward::plus_z);
-  if (o.forward && !has_forward(o.conversion.to) && !has_forward(source.map.projection()))
+  const Frame from = source.map.frame();
+  const Projection to = o.to.value_or(from.projection);
+  o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
+  if (o.forward && !has_forward(to) && !has_forward(from.projection))
     throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
-  if (o.turn) o.conversion.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
-  o.conversion.gain = std::exp2(o.exposure);
+  if (o.turn) o.convert.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
+  o.convert.gain = std::exp2(o.exposure);
   o.write.source_depth = source.depth;
-  check_output(o.output, o.write, o.conversion.to);
+  check_output(o.output, o.write, to);
 
-  if (source.map.base().max_memory() > 0 && o.conversion.filter == Filter::sat)
+  if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
     throw UsageError(
         "--filter sat needs a table of all texels in memory: leave out --max-memory or choose another filter");
-  if (o.max_error > 0 && !settle_filter(o, source.map, common)) return 1;
+  const Resampler resampler(std::move(source.map), o.convert);
+  if (resampler.choice() && !tell_choice(*resampler.choice(), *o.convert.max_error, common)) return 1;
   if (common.verbose)
-    note(common, fmt::format("{} to {}: {}", name(source.map.projection()), name(o.conversion.to),
-                             filter_names[static_cast<std::size_t>(resolved(o.conversion, source.map).filter)]));
-  write_map(o.output, converted(source.map, o.conversion), o.write, {o.input}, "convert", common);
+    note(common, fmt::format("{} to {}: {}", name(from.projection), name(to),
+                             words(resampler.filter().filter, resampler.filter().samples)));
+  write_map(o.output, resampler.rows(), o.write, {o.input}, "convert", common);
   return 0;
 }
 
@@ -78,18 +83,12 @@ Command convert_command() {
       .name = "convert",
       .summary = "Convert an environment map to another projection, size, layout or file format",
       .description =
-          "Reads an environment map, resamples it and writes it. Directions keep their meaning: world axes are "
+          std::string("Reads an environment map, resamples it and writes it. Directions keep their meaning: world axes are "
           "right-handed "
           "with +Y up, +Z lies at the centre of latlong and angular images unless --forward says otherwise, and "
-          "nothing is mirrored. Texels outside the disc of sphere and angular maps are written as 0.\n\n"
-          "Filters, from fast to exact. 'nearest' takes the texel at the centre of each texel of the result. "
-          "'bilinear' interpolates there. 'bicubic' does so by Catmull-Rom's curve, kept within the range of the four "
-          "texels around. --samples N takes N x N places a texel instead of one. 'trilinear' reads solid-angle "
-          "weighted mip levels: it never aliases, but blurs where a texel is long and narrow in the source. 'sat' "
-          "takes the mean over an upright box in the source, from a summed-area table. 'ewa' puts the footprint of "
-          "each texel together from trilinear probes. 'area' is the reference: the solid-angle mean of the bilinearly "
-          "reconstructed source over the footprint, refined until the estimated error of the texel is below "
-          "--area-error. 'auto' is area where the result is coarser than the source (a texel spans over 1.25 times as "
+          "nothing is mirrored. Texels outside the disc of sphere and angular maps are written as 0.\n\n") +
+          "Filters, from fast to exact." + filter_words() + " --samples N takes N x N places a texel instead of one, with "
+          "the first three; --area-error is what the last may err by. 'auto' is area where the result is coarser than the source (a texel spans over 1.25 times as "
           "many degrees), else bilinear, with --samples 2 where it is less than twice as fine.\n\n"
           "--rotate turns the environment about +Z by the roll, then +X by the pitch, then +Y by the yaw, "
           "right-handed: "
@@ -114,21 +113,20 @@ Command convert_command() {
                        "File to write, '-' for standard output; {face} in the name writes six files")
             ->required();
         add_projection(app, "--to", o->to, "Projection of the output (default: as the input)");
-        add_size(app, o->conversion.size, "Height of a face (default: the input's degrees per texel)");
+        add_size(app, o->convert.size, "Height of a face (default: the input's degrees per texel)");
         add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
-        add_choice(app, "--filter", o->conversion.filter, joined(filter_names), one_of<Filter>(filter_names),
-                   "How the input is sampled (default: auto)");
-        app.add_option("--samples", o->conversion.samples,
+        add_filter(app, o->convert.filter, "How the input is sampled (default: auto)");
+        app.add_option("--samples", o->convert.samples,
                        "N x N samples a texel, of nearest, bilinear and bicubic (default: 1; of auto as above)")
             ->type_name("N")
             ->check(CLI::Range(1, 64));
-        app.add_option("--area-error", o->conversion.area_tolerance,
+        app.add_option("--area-error", o->convert.area_error,
                        "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4; 1e-3 where "
                        "'auto' chose it)")
             ->type_name("E")
             ->check(CLI::Range(1e-7, 1.0));
         app.add_option(
-               "--max-error", o->max_error,
+               "--max-error", o->convert.max_error,
                "Take the cheapest filter whose max and rms errors against 'area', measured on this map, are below E; "
                "exit status 1 where none is")
             ->type_name("E")

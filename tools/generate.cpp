@@ -48,7 +48,7 @@ int run(const Options& o, const Common& common) {
   check_output(o.output, o.write, to);
   if (o.forward && !has_forward(to)) throw UsageError("--forward is for latlong and angular maps");
   const EnvironmentMap map =
-      generate(pattern(o), to, o.size, o.forward.value_or(Forward::plus_z), progress_line(common, "generate"));
+      generate(pattern(o), {to, o.forward.value_or(Forward::plus_z)}, o.size, progress_line(common, "generate"));
   write_map(o.output, rows_of(map), o.write, {}, "write", common);
   return 0;
 }

@@ -5,7 +5,6 @@
 #include <regex>
 
 #include "envmap/base/error.h"
-#include "envmap/map/gutter.h"
 #include "envmap/scene/read/read_scene.h"
 
 namespace tools {
@@ -47,7 +46,7 @@ Frames frames_of(const SceneOptions& o, const Common& common) {
 Shot LoadedScene::shot(double time, const SceneOptions& options) const {
   return {.scene = scene,
           .pose = pose(scene, time),
-          .environment = environment(),
+          .environment = sky ? &sky->lookup : nullptr,
           .light = light(),
           .ambient = Colour(options.ambient.value_or(Direction(0)))};
 }
@@ -63,8 +62,7 @@ LoadedScene load(const SceneOptions& o, const Common& common) {
                              instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  loaded.sky = std::make_unique<LoadedScene::Sky>(LoadedScene::Sky{read_map(o.environment, o.read, common).map, {}});
-  for (Level& level : loaded.sky->map.levels) fill_gutter(level);
+  loaded.sky = std::make_unique<LoadedScene::Sky>(read_map(o.environment, o.read, common).map);
   loaded.sky->light = environment_light(loaded.sky->map, glossy_size, progress_line(common, "light of the environment"));
   return loaded;
 }

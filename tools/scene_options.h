@@ -41,7 +41,9 @@ Frames frames_of(const SceneOptions& options, const Common& common);
 /// A scene in memory with its environment. What it does not draw has been said.
 struct LoadedScene {
   struct Sky {
+    explicit Sky(envmap::EnvironmentMap from) : map(std::move(from)), lookup(map) {}
     envmap::EnvironmentMap map;
+    envmap::EnvironmentLookup lookup;
     envmap::EnvironmentLight light;
   };
   envmap::Scene scene;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "envmap/sample/sample.h"
+#include "envmap/sample/point.h"
 
 namespace water {
 namespace {

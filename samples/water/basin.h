@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "envmap/map/environment_map.h"
+#include "envmap/sample/padded_level.h"
 #include "height_field.h"
 
 namespace water {
@@ -21,7 +21,7 @@ struct Basin {
 struct View {
   const Basin& basin;
   const HeightField& field;
-  const envmap::Level& sky;     ///< In the frame of sky_axes(), gutter filled.
+  const envmap::PaddedLevel& sky;  ///< In the frame of sky_axes().
   Direction sun;                ///< Towards it.
   std::vector<float> caustics;  ///< Of the floor, a value a column: sunlight that waves gather, 1 under still water.
 };

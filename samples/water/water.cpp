@@ -11,7 +11,6 @@
 #include "envmap/base/error.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/read.h"
-#include "envmap/map/gutter.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/generate.h"
 
@@ -23,22 +22,23 @@ using namespace water;
 const Direction sun = glm::normalize(Direction(-0.45, 0.7, -0.55));
 
 // A blue sky with a sun, or what a file holds, as a dual-paraboloid map whose axis is up.
-Level make_sky(const std::string& path, int size) {
+PaddedLevel make_sky(const std::string& path, int size) {
   EnvironmentMap map;
   if (path.empty()) {
-    map = generate(Gradient{Direction(0.55, 0.5, 0.4), Direction(0.12, 0.3, 0.75)}, Projection::cube, 256, Forward::plus_z);
-    const EnvironmentMap disc = generate(Sun{sun, 2, Direction(60, 52, 40), 0, 0}, Projection::cube, 256, Forward::plus_z);
+    map = generate(Gradient{Direction(0.55, 0.5, 0.4), Direction(0.12, 0.3, 0.75)}, Projection::cube, 256);
+    const EnvironmentMap disc = generate(Sun{sun, 2, Direction(60, 52, 40), 0, 0}, Projection::cube, 256);
     for (int face = 0; face < 6; ++face)
       for (int j = 0; j < 256; ++j)
         for (int i = 0; i < 256; ++i) *map.base().texel(face, i, j) += *disc.base().texel(face, i, j);
   } else {
     map = std::move(read(path, {}).map);
   }
-  Conversion wanted{.to = Projection::paraboloid, .size = size, .filter = Filter::bilinear, .samples = 4};
-  wanted.rotation = glm::transpose(sky_axes());  // From the world to the map.
-  EnvironmentMap sky = convert(map, wanted);
-  fill_gutter(sky.base());
-  return std::move(sky.base());
+  return PaddedLevel(std::move(convert(map, {.to = Projection::paraboloid,
+                                            .size = size,
+                                            .filter = Filter::bilinear,
+                                            .samples = 4,
+                                            .rotation = glm::transpose(sky_axes())})  // From the world to the map.
+                                   .base()));
 }
 
 struct Settings {
@@ -68,7 +68,7 @@ std::vector<Colour> picture(const View& view, const Settings& s, int width) {
 
 void run(const Settings& s) {
   const int width = s.height * 16 / 9;
-  const Level sky = make_sky(s.sky, 512);
+  const PaddedLevel sky = make_sky(s.sky, 512);
   const Basin basin;
   HeightField field(192, 120);
   constexpr double stiffness = 0.12, kept = 0.9985;

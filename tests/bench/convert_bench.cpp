@@ -1,9 +1,9 @@
-// What conversion costs, one thread, no files: rows of envmap::converted() into one buffer. items/s are texels made.
+// What conversion costs, one thread, no files: rows of a Resampler into one buffer. items/s are texels made.
 //
 //   kernel/FROM/TO      bilinear, equal density, all 25 pairs (same projection: turned, or it would be a copy)
-//   filter/NAME/xM      latlong to cube, a result M times as coarse; every filter of filter_names
+//   filter/NAME/xM      latlong to cube, a result M times as coarse; every filter there is
 //   size/W              latlong W wide to the cube of its density, bilinear: what caches and pages cost
-//   gutter/P            fill_gutter() on the maps of kernel/
+//   apron/P             a PaddedLevel made of the maps of kernel/
 //
 // JSON: --benchmark_out=FILE; some of them: --benchmark_filter=REGEX.
 #include <benchmark/benchmark.h>
@@ -16,14 +16,13 @@
 #include <utility>
 #include <vector>
 
-#include "envmap/map/gutter.h"
-#include "envmap/operate/convert.h"
+#include "envmap/operate/resampler.h"
 
 namespace {
 
 using namespace envmap;
 
-constexpr int latlong_height = 1024;  // What the maps of kernel/, filter/ and gutter/ are as dense as.
+constexpr int latlong_height = 1024;  // What the maps of kernel/, filter/ and apron/ are as dense as.
 constexpr int most_rows = 192;        // Timed at once: enough to see every part of a map, few enough for 16k maps.
 constexpr int run_rows = 16;          // That follow each other, as those of a band do: they share what the caches hold.
 
@@ -71,8 +70,9 @@ Sample sample_of(const Rows& rows) {
   return s;
 }
 
-void time_rows(benchmark::State& state, EnvironmentMap& from, const Conversion& wanted) {
-  const Rows rows = converted(from, wanted);
+void time_rows(benchmark::State& state, const EnvironmentMap& from, const ConvertOptions& wanted) {
+  const Resampler resampler(from, wanted);
+  const Rows rows = resampler.rows();
   const Sample sample = sample_of(rows);
   std::vector<Colour> out(static_cast<std::size_t>(rows.size) * static_cast<std::size_t>(aspect(rows.projection)));
   for (auto _ : state) {
@@ -83,7 +83,7 @@ void time_rows(benchmark::State& state, EnvironmentMap& from, const Conversion& 
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * sample.texels);
 }
 
-void add(const std::string& name, Projection from, int size, const Conversion& wanted) {
+void add(const std::string& name, Projection from, int size, const ConvertOptions& wanted) {
   benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
     time_rows(state, source(from, size), wanted);
   })->Unit(benchmark::kMillisecond);
@@ -92,17 +92,17 @@ void add(const std::string& name, Projection from, int size, const Conversion& w
 void add_kernels() {
   for (const Projection from : all_projections)
     for (const Projection to : all_projections) {
-      Conversion wanted{.to = to, .size = height(to), .filter = Filter::bilinear};
+      ConvertOptions wanted{.to = to, .size = height(to), .filter = Filter::bilinear};
       if (from == to) wanted.rotation = rotation(30, 20, 10);
       add(fmt::format("kernel/{}/{}", name(from), name(to)), from, height(from), wanted);
     }
 }
 
 void add_filters() {
-  for (std::size_t k = 0; k < std::size(filter_names); ++k)
+  for (const FilterInfo& f : filters())
     for (const int times : {1, 4, 32})
-      add(fmt::format("filter/{}/x{}", filter_names[k], times), Projection::latlong, latlong_height,
-          {.to = Projection::cube, .size = latlong_height / 2 / times, .filter = static_cast<Filter>(k)});
+      add(fmt::format("filter/{}/x{}", f.name, times), Projection::latlong, latlong_height,
+          {.to = Projection::cube, .size = latlong_height / 2 / times, .filter = f.filter});
 }
 
 void add_sizes() {
@@ -111,14 +111,11 @@ void add_sizes() {
         {.to = Projection::cube, .size = width / 4, .filter = Filter::bilinear});
 }
 
-void add_gutters() {
+void add_aprons() {
   for (const Projection p : all_projections)
-    benchmark::RegisterBenchmark(fmt::format("gutter/{}", name(p)).c_str(), [p](benchmark::State& state) {
-      Level& level = source(p, height(p)).base();
-      for (auto _ : state) {
-        fill_gutter(level);
-        benchmark::ClobberMemory();
-      }
+    benchmark::RegisterBenchmark(fmt::format("apron/{}", name(p)).c_str(), [p](benchmark::State& state) {
+      const Level& level = source(p, height(p)).base();
+      for (auto _ : state) benchmark::DoNotOptimize(PaddedLevel(level).texel(0, 0, 0));
     })->Unit(benchmark::kMillisecond);
 }
 
@@ -131,7 +128,7 @@ int main(int argc, char** argv) {
   add_kernels();
   add_filters();
   add_sizes();
-  add_gutters();
+  add_aprons();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return 0;

@@ -6,19 +6,20 @@
 // midpoints each way, more where the texel spans several of the source. SAMPLES says where a tool takes its samples to
 // lie, in what it reads as in what it writes: `centre` of the texels; `border`, OpenEXR's convention (the first and
 // last on the edges of the image); `corner`, sample i at i/W. Every tool is judged at its own samples, so no result is
-// resampled. envmap's filters have no part in this beyond the gutter, only its projections, which have their own tests.
+// resampled. envmap's filters have no part in this beyond the apron, only its projections, which have their own tests.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "envmap/map/gutter.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/map/layout.h"
 #include "envmap/map/page.h"
 #include "envmap/base/parallel.h"
@@ -42,6 +43,7 @@ Samples samples_named(std::string_view name) {
 struct Picture {
   Level level;
   Samples samples;
+  std::optional<PaddedLevel> padded = {};  // Of samples at the centres of cells.
 };
 
 Picture read(const std::string& path, const std::string& projection, std::string_view samples) {
@@ -65,12 +67,14 @@ Direction bilinear(const Picture& from, const Location<double>& at) {
   const Level& level = from.level;
   const double x = at.u * (level.width() - from.samples.less) - from.samples.offset;
   const double y = at.v * (level.height() - from.samples.less) - from.samples.offset;
-  // Border samples have nothing beyond them; the others read the gutter there.
+  // Border samples have nothing beyond them; the others read the apron there.
   const int past = from.samples.less > 0 ? 2 : 1;
   const int i = std::min(static_cast<int>(std::floor(x)), level.width() - past);
   const int j = std::min(static_cast<int>(std::floor(y)), level.height() - past);
-  const Direction a(*level.texel(at.face, i, j)), b(*level.texel(at.face, i + 1, j));
-  const Direction c(*level.texel(at.face, i, j + 1)), d(*level.texel(at.face, i + 1, j + 1));
+  const auto texel = [&](int column, int row) {
+    return Direction(*(from.padded ? from.padded->texel(at.face, column, row) : level.texel(at.face, column, row)));
+  };
+  const Direction a = texel(i, j), b = texel(i + 1, j), c = texel(i, j + 1), d = texel(i + 1, j + 1);
   return glm::mix(glm::mix(a, b, x - i), glm::mix(c, d, x - i), y - j);
 }
 
@@ -159,7 +163,7 @@ int main(int argc, char** argv) {
   try {
     const Picture result = read(argv[1], argv[2], argv[3]);
     Picture source = read(argv[4], argv[5], argv[6]);
-    if (source.samples.less == 0) fill_gutter(source.level);
+    if (source.samples.less == 0) source.padded.emplace(source.level);
     judge(source, result);
   } catch (const std::exception& e) {
     fmt::print(stderr, "judge: {}\n", e.what());

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "envmap/map/gutter.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/sample/adaptive.h"
@@ -14,7 +14,7 @@
 namespace envmap {
 namespace {
 
-// Values at the texels of a latlong map, and bilinear interpolation written with wrapped indices: no gutter.
+// Values at the texels of a latlong map, and bilinear interpolation written with wrapped indices: no apron.
 struct Lookup {
   const Level& level;
 
@@ -90,7 +90,7 @@ TEST_P(EachArea, AgreesWithBruteForce) {
 TEST(Area, TheErrorAskedForIsTheErrorFound) {
   EnvironmentMap source = noise(64);
   const auto map = [&](double tolerance) {
-    return convert(source, {.to = Projection::cube, .size = 8, .filter = Filter::area, .area_tolerance = tolerance});
+    return convert(source, {.to = Projection::cube, .size = 8, .filter = Filter::area, .area_error = tolerance});
   };
   const EnvironmentMap truth = map(1e-7);
   for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
@@ -109,11 +109,11 @@ TEST_P(EachArea, AgreesWithSamples) {
     for (int f = 0; f < map.base().faces(); ++f)
       for (int j = 0; j < map.base().height(); ++j)
         for (Colour& c : map.base().row(f, j)) c = Colour(0.5F + static_cast<float>(random() % 1000) / 1000);
-    fill_gutter(map.base());
+    const PaddedLevel padded(std::move(map.base()));
     for (const int like : {160, 24}) {
       const Target target{GetParam(), matching_size(Projection::latlong, like, GetParam()), rotation(20, 30, 40)};
-      const Sampler by_outlines = area_sampler(map.base(), target, 1e-4, 1e-3);
-      const Sampler by_samples = adaptive_sampler(map.base(), target, 1e-4, 1e-3);
+      const Sampler by_outlines = area_sampler(padded, target, 1e-4, 1e-3);
+      const Sampler by_samples = adaptive_sampler(padded, target, 1e-4, 1e-3);
       for (int k = 0; k < 25; ++k) {
         const int face = static_cast<int>(random() % static_cast<unsigned>(faces(target.to)));
         const int j = static_cast<int>(random() % static_cast<unsigned>(target.size));
@@ -131,10 +131,10 @@ TEST_P(EachArea, AgreesWithSamples) {
 // Texels at and round a pole of the source, against nine million samples.
 TEST(Area, IsRightAtThePole) {
   EnvironmentMap source = noise(160);
-  fill_gutter(source.base());
+  const PaddedLevel padded(source.base());
   for (const int size : {20, 21}) {
     Colour texel;
-    area_sampler(source.base(), {Projection::cube, size, Rotation(1)}, 1e-4, 1e-3)(2, 10, 10, {&texel, 1});
+    area_sampler(padded, {Projection::cube, size, Rotation(1)}, 1e-4, 1e-3)(2, 10, 10, {&texel, 1});
     EXPECT_NEAR(texel.x / brute_force({source.base()}, Projection::cube, size, 2, 10, 10, 3000), 1, 2e-5);
   }
 }

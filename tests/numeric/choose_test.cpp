@@ -1,5 +1,5 @@
 // --max-error: what is promised of the sampled texels has to hold in all of them.
-#include "envmap/operate/choose.h"
+#include "envmap/operate/resampler.h"
 
 #include <gtest/gtest.h>
 
@@ -24,14 +24,11 @@ EnvironmentMap landscape(int height) {
 TEST(Choose, TheErrorAskedForHoldsInEveryTexel) {
   for (const Projection to : {Projection::cube, Projection::paraboloid})
     for (const double error : {0.3, 1e-2, 1e-3}) {
-      EnvironmentMap source = landscape(96), copy = source;
-      const Conversion wanted{.to = to, .size = 20};
-      const Choice choice = cheapest_filter(source, wanted, error);
-      ASSERT_TRUE(choice.reached) << error;
-      Conversion reference = wanted;
-      reference.filter = Filter::area;
-      reference.area_tolerance = 1e-5;
-      const Difference d = compare(convert(source, choice.conversion).base(), convert(copy, reference).base());
+      const EnvironmentMap source = landscape(96);
+      const Resampler resampler(source, {.to = to, .size = 20, .max_error = error});
+      ASSERT_TRUE(resampler.choice()->reached) << error;
+      const EnvironmentMap reference = convert(source, {.to = to, .size = 20, .filter = Filter::area, .area_error = 1e-5});
+      const Difference d = compare(level_of(resampler.rows()), reference.base());
       // The texels measured are a sample of all, but for small maps nearly all of them.
       EXPECT_LT(d.maximum, 1.5 * error) << name(to) << " at " << d.worst.i << "," << d.worst.j;
       EXPECT_LT(d.rms, error);
@@ -42,9 +39,9 @@ TEST(Choose, CheaperFiltersServeLargerErrors) {
   EnvironmentMap smooth;
   smooth.levels.emplace_back(Projection::latlong, 64);
   for (int j = 0; j < 64; ++j) std::ranges::fill(smooth.base().row(0, j), Colour(2));
-  EXPECT_EQ(cheapest_filter(smooth, {.to = Projection::cube, .size = 8}, 1e-3).best.filter, Filter::nearest);
-  EnvironmentMap rough = landscape(64);
-  EXPECT_EQ(cheapest_filter(rough, {.to = Projection::cube, .size = 8}, 1e-3).best.filter, Filter::area);
+  const ConvertOptions wanted{.to = Projection::cube, .size = 8, .max_error = 1e-3};
+  EXPECT_EQ(Resampler(smooth, wanted).filter().filter, Filter::nearest);
+  EXPECT_EQ(Resampler(landscape(64), wanted).filter().filter, Filter::area);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
+#include "envmap/operate/resampler.h"
 #include "formulae.h"
 
 namespace envmap {
@@ -80,7 +81,7 @@ TEST_P(EachPair, NearestKeepsDirectionsWithinItsTexel) {
 TEST_P(EachPair, ConstantStaysConstant) {
   for (const Filter filter : {Filter::nearest, Filter::bilinear, Filter::area})
     for (const int size : {1, 2, 3, 16}) {
-      EnvironmentMap source = generate(Constant{}, from_, size, Forward::plus_z);
+      EnvironmentMap source = generate(Constant{}, from_, size);
       const EnvironmentMap result = convert(source, {.to = to_, .size = size + 3, .filter = filter});
       for (int f = 0; f < result.base().faces(); ++f)
         for (int j = 0; j < result.base().height(); ++j) {
@@ -104,13 +105,13 @@ TEST_P(EachPair, FluxOfASmoothEnvironment) {
   if (from_ != to_) {
     EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::bilinear}).base()), 1, 4e-4);
   }
-  EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::area, .area_tolerance = 1e-3}).base()), 1, 3e-4);
+  EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::area, .area_error = 1e-3}).base()), 1, 3e-4);
 }
 
 TEST_P(EachPair, TheSameBytesAtAnyNumberOfThreads) {
   const auto bytes = [&](std::size_t threads, Filter filter) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    EnvironmentMap source = generate(Sun{.radius = 5}, from_, 24, Forward::plus_z);
+    EnvironmentMap source = generate(Sun{.radius = 5}, from_, 24);
     return convert(source, {.to = to_, .size = 20, .filter = filter});
   };
   for (const Filter filter : {Filter::bilinear, Filter::bicubic, Filter::trilinear, Filter::sat, Filter::ewa, Filter::area}) {
@@ -136,7 +137,7 @@ TEST_P(EachPair, RotationMovesRadianceFromDToRotationTimesD) {
 
 // The largest step between neighbours across a seam is no larger than inside.
 TEST(Seams, CubeEdgesAndLatlongSeam) {
-  EnvironmentMap source = generate(Harmonic{.degree = 3, .order = 2}, Projection::latlong, 128, Forward::plus_z);
+  EnvironmentMap source = generate(Harmonic{.degree = 3, .order = 2}, Projection::latlong, 128);
   EnvironmentMap cube = convert(source, {.to = Projection::cube});
   // Walk from texel to texel in space: fine steps over edges, radiance by nearest texel, against steps within a face.
   const Level& level = cube.base();
@@ -181,7 +182,7 @@ TEST(Forward, ChoosesTheCentreOfTheImage) {
                                                    {Forward::minus_x, {-1, 0, 0}}};
   for (const Projection to : {Projection::latlong, Projection::angular})
     for (const auto& [forward, axis] : centres) {
-      const EnvironmentMap map = convert(cube, {.to = to, .size = 129, .forward = forward});
+      const EnvironmentMap map = convert(cube, {.to = {to, forward}, .size = 129});
       const int middle = map.base().width() / 2;
       EXPECT_LT(angle_between(decoded(*map.base().texel(0, middle, 64)), axis), 0.02);
       // Up stays up, and nothing is mirrored: left of the centre lies up x forward.
@@ -191,15 +192,15 @@ TEST(Forward, ChoosesTheCentreOfTheImage) {
 }
 
 TEST(Forward, AMapReadWithOneAxisAndWrittenWithItIsUnchanged) {
-  EnvironmentMap map = generate(Directions{}, Projection::latlong, 16, Forward::minus_x);
-  const EnvironmentMap same = convert(map, {.to = Projection::latlong, .forward = Forward::minus_x});
+  EnvironmentMap map = generate(Directions{}, {Projection::latlong, Forward::minus_x}, 16);
+  const EnvironmentMap same = convert(map, {.to = {Projection::latlong, Forward::minus_x}});
   for (int j = 0; j < 16; ++j)
     for (int i = 0; i < 32; ++i)
       EXPECT_LT(glm::length(Direction(*same.base().texel(0, i, j)) - Direction(*map.base().texel(0, i, j))), 1e-6);
 }
 
 TEST(Convert, ASunOfABillionDoesNotDrownItsNeighbours) {
-  EnvironmentMap source = generate(Constant{}, Projection::latlong, 32, Forward::plus_z);
+  EnvironmentMap source = generate(Constant{}, Projection::latlong, 32);
   *source.base().texel(0, 20, 10) = Colour(1e9F);
   const EnvironmentMap same = convert(source, {.to = Projection::latlong, .filter = Filter::bilinear});
   // At the texel's own centre, a rounding of the location leaks 1e-13 of the sun; next but one, nothing.
@@ -209,7 +210,7 @@ TEST(Convert, ASunOfABillionDoesNotDrownItsNeighbours) {
 }
 
 TEST(Convert, SubnormalRadianceStays) {
-  EnvironmentMap source = generate(Constant{Direction(1e-40)}, Projection::cube, 8, Forward::plus_z);
+  EnvironmentMap source = generate(Constant{Direction(1e-40)}, Projection::cube, 8);
   for (const Filter filter : {Filter::bilinear, Filter::area}) {
     const EnvironmentMap map = convert(source, {.to = Projection::angular, .size = 8, .filter = filter});
     EXPECT_NEAR(map.base().texel(0, 4, 4)->x / 1e-40, 1, 1e-4);
@@ -217,14 +218,36 @@ TEST(Convert, SubnormalRadianceStays) {
 }
 
 TEST(Convert, AutomaticIsAreaOnlyWhereItMinifies) {
-  EnvironmentMap source = generate(Constant{}, Projection::latlong, 64, Forward::plus_z);
-  EXPECT_EQ(resolved({.to = Projection::cube}, source).filter, Filter::bilinear);
-  EXPECT_EQ(resolved({.to = Projection::cube}, source).size, 32);
-  EXPECT_EQ(resolved({.to = Projection::cube, .size = 16}, source).filter, Filter::area);
+  EnvironmentMap source = generate(Constant{}, Projection::latlong, 64);
+  const Resampler same(source, {.to = Projection::cube}), coarser(source, {.to = Projection::cube, .size = 16});
+  EXPECT_EQ(same.filter().filter, Filter::bilinear);
+  EXPECT_EQ(same.size(), 32);
+  EXPECT_EQ(coarser.filter().filter, Filter::area);
+}
+
+// Turns that take texels to texels: each bit of the source is there, at its place by the formula.
+TEST(Convert, TurnsByWholeTexelsAreExactCopies) {
+  EnvironmentMap latlong = generate(Directions{}, Projection::latlong, 90);
+  *latlong.base().texel(0, 17, 40) = Colour(6e4F);
+  for (const double degrees : {90.0, -2.0, 178.0, 360.0 * 1e6 + 4}) {
+    const EnvironmentMap turned = convert(latlong, {.to = Projection::latlong, .rotation = rotation(degrees, 0, 0)});
+    const int left = static_cast<int>(std::lround(degrees / 2)) % 180;  // A texel spans two degrees; +X lies to the left.
+    for (int j = 0; j < 90; ++j)
+      for (int i = 0; i < 180; ++i)
+        ASSERT_EQ(*turned.base().texel(0, i, j), *latlong.base().texel(0, (i + left + 180) % 180, j)) << degrees;
+  }
+  const EnvironmentMap cube = generate(Directions{}, Projection::cube, 7);
+  for (const Rotation& turn : {rotation(90, 0, 0), rotation(180, 90, 0), rotation(-90, 180, 270)}) {
+    const EnvironmentMap turned = convert(cube, {.to = Projection::cube, .rotation = turn});
+    for_texels(turned.base(), [&](int f, int i, int j, const Direction& d) {
+      const auto at = Cube::locate(glm::transpose(turn) * d);
+      ASSERT_EQ(*turned.base().texel(f, i, j), *cube.base().texel(at.face, int(at.u * 7), int(at.v * 7)));
+    });
+  }
 }
 
 TEST(Convert, GainIsAPlainFactor) {
-  EnvironmentMap source = generate(Constant{Direction(0.25)}, Projection::latlong, 4, Forward::plus_z);
+  EnvironmentMap source = generate(Constant{Direction(0.25)}, Projection::latlong, 4);
   EXPECT_EQ(convert(source, {.to = Projection::cube, .gain = 8}).base().texel(0, 0, 0)->x, 2);
 }
 

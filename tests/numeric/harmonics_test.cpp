@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(, EachHarmonics, testing::ValuesIn(all_projections),
 TEST_P(EachHarmonics, ComeBackFromAMapOfOne) {
   for (const auto& [degree, order] : {std::pair{1, 0}, {2, -1}, {3, 3}}) {
     const Forward forward = has_forward(GetParam()) ? Forward::plus_x : Forward::plus_z;
-    const EnvironmentMap map = generate(Harmonic{degree, order, 1, 0.5}, GetParam(), 96, forward);
+    const EnvironmentMap map = generate(Harmonic{degree, order, 1, 0.5}, {GetParam(), forward}, 96);
     const Harmonics h = project(map, 4);
     for (int l = 0; l <= 4; ++l)
       for (int m = -l; m <= l; ++m) {
@@ -54,13 +54,13 @@ TEST_P(EachHarmonics, ComeBackFromAMapOfOne) {
         EXPECT_NEAR(h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)].x, truth, 4e-3) << l << " " << m;
       }
     const EnvironmentMap drawn = evaluate(h, GetParam(), 24, forward);
-    EXPECT_LT(compare(drawn.base(), generate(Harmonic{degree, order, 1, 0.5}, GetParam(), 24, forward).base()).maximum, 2e-2);
+    EXPECT_LT(compare(drawn.base(), generate(Harmonic{degree, order, 1, 0.5}, {GetParam(), forward}, 24).base()).maximum, 2e-2);
   }
 }
 
 TEST(Harmonics, OfAWhiteMapAreExact) {
   for (const Projection p : all_projections) {
-    const Harmonics h = project(generate(Constant{Direction(1)}, p, 5, Forward::plus_z), 6);
+    const Harmonics h = project(generate(Constant{Direction(1)}, p, 5), 6);
     EXPECT_NEAR(h.coefficients[0].x, std::sqrt(4 * pi), 1e-6) << name(p);
     // At a rim, texels that the disc cuts are taken by their means.
     for (std::size_t k = 1; k < h.coefficients.size(); ++k)
@@ -93,7 +93,7 @@ TEST(Harmonics, WindowsLeaveTheMean) {
 }
 
 TEST(Harmonics, IsTheDiffuseMapOfASoftEnvironment) {
-  const EnvironmentMap map = generate(Harmonic{2, 1, 1, 0.5}, Projection::cube, 64, Forward::plus_z);
+  const EnvironmentMap map = generate(Harmonic{2, 1, 1, 0.5}, Projection::cube, 64);
   const PrefilterSource source(map);
   const Prefiltered tree = source.make({.size = 8, .max_error = 1e-4}),
                     series = source.make({.size = 8, .method = Method::sh, .max_error = 1e-3});

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "envmap/map/gutter.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
 
@@ -21,7 +21,8 @@ TEST_P(EachLevels, KeepTheFluxOfASunAnywhere) {
   for (const int size : {1, 2, 3, 7, 30, 64}) {
     const int w = size * aspect(GetParam());
     for (const auto& [i, j] : {std::pair{0, 0}, {w / 2, 0}, {w / 2, size - 1}, {w - 1, size / 2}, {w / 3, size / 3}}) {
-      std::vector<Level> levels{Level(GetParam(), size)};
+      std::vector<Level> levels;
+      levels.emplace_back(GetParam(), size);
       Level& base = levels.front();
       for (int f = 0; f < base.faces(); ++f)
         for (int row = 0; row < size; ++row) std::ranges::fill(base.row(f, row), Colour(1));
@@ -36,23 +37,25 @@ TEST_P(EachLevels, KeepTheFluxOfASunAnywhere) {
 }
 
 TEST_P(EachLevels, KeepWhiteWhiteDownToOneTexel) {
-  std::vector<Level> levels{Level(GetParam(), 45)};
+  std::vector<Level> levels;
+  levels.emplace_back(GetParam(), 45);
   Level& base = levels.front();
   for (int f = 0; f < base.faces(); ++f)
     for (int row = 0; row < 45; ++row) std::ranges::fill(base.row(f, row), Colour(1));
   add_levels(levels);
-  for (Level& level : levels) fill_gutter(level);
   // 45 22 11 5 2 1, and a latlong map ends at 1x1: 90x45 45x22 22x11 11x5 5x2 2x1 1x1.
   EXPECT_EQ(levels.size(), GetParam() == Projection::latlong ? 7U : 6U);
-  for (const Level& level : levels)
+  for (const Level& plain : levels) {
+    const PaddedLevel level(plain);
     for (int f = 0; f < level.faces(); ++f)
-      for (int j = -Level::gutter; j < level.height() + Level::gutter; ++j)
-        for (int i = -Level::gutter; i < level.width() + Level::gutter; ++i) {
+      for (int j = -Level::apron; j < level.height() + Level::apron; ++j)
+        for (int i = -Level::apron; i < level.width() + Level::apron; ++i) {
           const float x = level.texel(f, i, j)->x;
           if (x != 0 || !on_disc(GetParam())) {
             EXPECT_NEAR(x, 1, 1e-6) << level.height() << ": " << i << "," << j;
           }
         }
+  }
 }
 
 // What a texel of the rectangle [u0,u1] x [v0,v1] should hold: the mean over its part of the sphere, by the midpoints of a
@@ -80,7 +83,8 @@ Colour mean_over(Projection p, int face, const Rect& r, F&& f) {
 TEST_P(EachLevels, ShowTheMeanOfTheEnvironmentInEveryTexel) {
   const auto environment = [](const Direction& d) { return Flux(1 + d.x, std::exp(d.y), 1 + d.z * d.x); };
   for (const int size : {32, 45}) {
-    std::vector<Level> levels{Level(GetParam(), size)};
+    std::vector<Level> levels;
+      levels.emplace_back(GetParam(), size);
     const auto rect = [](const Level& level, int i, int j) {
       const double w = level.width(), h = level.height();
       return Rect{i / w, j / h, (i + 1) / w, (j + 1) / h};
@@ -114,7 +118,7 @@ TEST_P(EachLevels, AreTheSameBitsAtAnyNumberOfThreads) {
   std::vector<std::vector<Level>> chains;
   for (const std::size_t threads : {1U, 2U, 5U}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    chains.push_back(generate(Directions{}, GetParam(), 99, Forward::plus_z).levels);
+    chains.push_back(generate(Directions{}, GetParam(), 99).levels);
     add_levels(chains.back());
   }
   for (std::size_t k = 0; k < chains[0].size(); ++k)
@@ -124,7 +128,8 @@ TEST_P(EachLevels, AreTheSameBitsAtAnyNumberOfThreads) {
 }
 
 TEST(Levels, OfUniformWeightsArePlainMeansOfFour) {
-  const Level base = generate(Directions{}, Projection::cube, 16, Forward::plus_z).base();
+  const EnvironmentMap map = generate(Directions{}, Projection::cube, 16);
+  const Level& base = map.base();
   const Level half = half_level(base, Weights::uniform);
   for (int f = 0; f < 6; ++f)
     for (int j = 0; j < 8; ++j)
@@ -136,7 +141,7 @@ TEST(Levels, OfUniformWeightsArePlainMeansOfFour) {
 }
 
 TEST(Levels, OfAParaboloidGoOnBeyondItsDisc) {
-  std::vector<Level> levels{generate(Directions{}, Projection::paraboloid, 64, Forward::plus_z).base()};
+  std::vector<Level> levels = generate(Directions{}, Projection::paraboloid, 64).levels;
   Level& base = levels.front();
   for (int f = 0; f < 2; ++f)  // Nothing of what other programs leave there is used.
     for (int j = 0; j < 64; ++j)

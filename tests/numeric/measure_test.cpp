@@ -15,7 +15,7 @@ namespace {
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
-EnvironmentMap grey(Projection p, int size) { return generate(Constant{}, p, size, Forward::plus_z); }
+EnvironmentMap grey(Projection p, int size) { return generate(Constant{}, p, size); }
 
 TEST(Measure, FluxOfAConstantIsFourPi) {
   for (const Projection p : all_projections)
@@ -57,7 +57,7 @@ TEST(Flaws, OutsideTheDiscDoNotCount) {
 }
 
 TEST(Repair, TakesTheMeanOfSoundNeighbours) {
-  EnvironmentMap map = generate(Gradient{Direction(0), Direction(2)}, Projection::latlong, 16, Forward::plus_z);
+  EnvironmentMap map = generate(Gradient{Direction(0), Direction(2)}, Projection::latlong, 16);
   const double truth = map.base().texel(0, 5, 7)->x;
   for (int j = 6; j <= 8; ++j)
     for (int i = 4; i <= 6; ++i) *map.base().texel(0, i, j) = Colour(nan);
@@ -110,7 +110,7 @@ TEST(Compare, DarkTexelsAreMeasuredAgainstTheMean) {
 }
 
 TEST(Compare, BlackMapsAgreeAndLightAgainstBlackIsInfinite) {
-  EnvironmentMap black = generate(Constant{Direction(0)}, Projection::cube, 2, Forward::plus_z),
+  EnvironmentMap black = generate(Constant{Direction(0)}, Projection::cube, 2),
                  a = grey(Projection::cube, 2);
   EXPECT_EQ(compare(black.base(), black.base()).rms, 0);
   EXPECT_EQ(compare(black.base(), black.base()).maximum, 0);

@@ -120,7 +120,7 @@ TEST_P(EachPrefilter, AgreesWithTheDefinition) {
 }
 
 TEST_P(EachPrefilter, WhiteStaysWhite) {
-  const EnvironmentMap white = generate(Constant{Direction(1)}, GetParam(), 9, Forward::plus_z);
+  const EnvironmentMap white = generate(Constant{Direction(1)}, GetParam(), 9);
   const PrefilterSource prepared(white);
   std::vector<Direction> some;
   for (int face = 0; face < 6; ++face) some.push_back(direction_of({.size = 5}, face, face % 3, 4 - face % 2));
@@ -179,7 +179,7 @@ TEST(Prefilter, OneTexelGivesTheLobe) {
 
 TEST(Prefilter, AGradientKeepsItsMeanAndLosesSlope) {
   // L = a + b y: convolution keeps a and multiplies b with the lobe's first moment, (m+1)/(m+2) for Phong, 2/3 diffuse.
-  const EnvironmentMap map = generate(Gradient{Direction(0.5), Direction(1.5)}, Projection::latlong, 128, Forward::plus_z);
+  const EnvironmentMap map = generate(Gradient{Direction(0.5), Direction(1.5)}, Projection::latlong, 128);
   const PrefilterSource prepared(map);
   for (const auto& [p, slope] : {std::pair{Prefilter{.size = 8}, 2.0 / 3},
                                  {Prefilter{.shape = Shape::phong, .parameter = 9, .size = 8}, 10.0 / 11}}) {
@@ -350,7 +350,7 @@ TEST(Prefilter, TheExactSumLosesNoTexelAtARimThatItLooksAt) {
   for (const Direction& d : {Direction(1, 0, 0), Direction(-1, 0, 0)})
     for (const double roughness : {0.05, 0.1})
       EXPECT_NEAR(exact_prefilter(map.base(), Ggx(roughness), std::span(&d, 1))[0].x, 0.5, 0.02) << d.x << " " << roughness;
-  const EnvironmentMap white = generate(Constant{Direction(1)}, Projection::paraboloid, 48, Forward::plus_z);
+  const EnvironmentMap white = generate(Constant{Direction(1)}, Projection::paraboloid, 48);
   for (const Direction& d : {Direction(1, 0, 0), Direction(-1, 0, 0), Direction(0, 1, 0), Direction(0, -1, 0)})
     EXPECT_NEAR(exact_prefilter(white.base(), Ggx(0.05), std::span(&d, 1))[0].x, 1, 1e-6);
 }
@@ -397,7 +397,7 @@ TEST(Prefilter, SunsOfAnyStrengthAndBlackAreFinite) {
     }
   }
   for (const double value : {0.0, 1e-42}) {
-    const EnvironmentMap source = generate(Constant{Direction(value)}, Projection::cube, 1, Forward::plus_z);
+    const EnvironmentMap source = generate(Constant{Direction(value)}, Projection::cube, 1);
     for (Prefilter p : lobes) {
       p.size = 2;
       const Prefiltered done = PrefilterSource(source).make(p);

@@ -18,7 +18,7 @@ TEST(Probes, FluxThroughEveryProjection) {
     Source source = read(entry.path().string(), {});
     const double flux = mean_radiance(source.map.base());
     for (const Projection p : all_projections) {
-      const Conversion area{.to = p, .size = 40, .filter = Filter::area};
+      const ConvertOptions area{.to = p, .size = 40, .filter = Filter::area};
       EXPECT_NEAR(mean_radiance(convert(source.map, area).base()) / flux, 1, 1e-4) << entry << name(p);
       EXPECT_NEAR(mean_radiance(convert(source.map, {.to = p, .filter = Filter::bilinear}).base()) / flux, 1, 2e-3)
           << entry << name(p);

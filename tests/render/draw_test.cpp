@@ -180,9 +180,10 @@ TEST(DrawMethods, EnvironmentIsTheBackground) {
       const auto at = static_cast<int>(k);
       *level.texel(at / (width * 256), at % width, at / width % 256) = Colour(0.5 * (ray + 1.0));
     });
+    const EnvironmentLookup lookup(sky);
     Renderer renderer(empty, &sky);
     const Viewpoint from{.to = Projection::paraboloid, .size = 64, .axes = rotation(10, 20, 30)};
-    const Drawn map = draw(renderer, from, {empty, {}, &sky}, DrawMethod::exact);
+    const Drawn map = draw(renderer, from, {empty, {}, &lookup}, DrawMethod::exact);
     double worst = 0;
     rooms::for_each_texel(from.to, from.size, [&](std::size_t k, const Direction& ray) {
       const Colour wanted(0.5 * (from.axes * ray + 1.0));

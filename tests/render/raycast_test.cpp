@@ -8,7 +8,7 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "envmap/map/gutter.h"
+#include "envmap/sample/lookup.h"
 #include "envmap/operate/generate.h"
 #include "envmap/render/shading.h"
 #include "envmap/render/texture_sample.h"
@@ -176,8 +176,8 @@ TEST(Raycast, TexturesWrap) {
 }
 
 TEST(Raycast, ASphereInAWhiteRoomIsInvisibleAndItsNormalsAreSmooth) {
-  EnvironmentMap white = generate(Constant{Direction(1)}, Projection::cube, 8, Forward::plus_z);
-  fill_gutter(white.base());
+  EnvironmentMap white = generate(Constant{Direction(1)}, Projection::cube, 8);
+  const EnvironmentLookup lookup(white);
   Scene scene;
   scene.materials.push_back({});
   Mesh ball;
@@ -198,7 +198,7 @@ TEST(Raycast, ASphereInAWhiteRoomIsInvisibleAndItsNormalsAreSmooth) {
   scene.meshes = {ball};
   scene.nodes.push_back({.local = glm::scale(Matrix(1), Direction(1, 2, 0.5)), .meshes = {0}});
   const EnvironmentLight light = environment_light(white, 4);
-  Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &white, .light = &light};
+  Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &lookup, .light = &light};
   for (const float metallic : {0.0F, 1.0F}) {
     scene.materials[0].metallic = metallic;
     scene.materials[0].roughness = 0.6F;

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "envmap/map/gutter.h"
+#include "envmap/sample/lookup.h"
 #include "envmap/operate/generate.h"
 
 namespace {
@@ -17,13 +17,13 @@ Direction tilted(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
 // The light of a map, and the map.
 struct Room {
   EnvironmentMap map;
+  EnvironmentLookup lookup;
   EnvironmentLight light;
   explicit Room(const Pattern& pattern, int size = 6)
-      : map(generate(pattern, Projection::latlong, 64, Forward::plus_z)) {
-    fill_gutter(map.base());
+      : map(generate(pattern, Projection::latlong, 64)), lookup(map) {
     light = environment_light(map, size);
   }
-  [[nodiscard]] Lighting lighting() const { return {{}, &map, &light, Colour(0)}; }
+  [[nodiscard]] Lighting lighting() const { return {{}, &lookup, &light, Colour(0)}; }
 };
 
 TEST(Shading, WhiteSurfacesInAWhiteRoomStayWhite) {

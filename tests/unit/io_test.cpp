@@ -64,7 +64,7 @@ TEST_F(Io, CommitReplaces) {
 
 TEST_F(Io, FloatExrIsExact) {
   for (const Projection p : all_projections) {
-    const EnvironmentMap map = generate(Directions{}, p, 5, Forward::plus_z);
+    const EnvironmentMap map = generate(Directions{}, p, 5);
     write(path("m.exr"), rows_of(map), {});
     const Source back = read(path("m.exr"), {});
     EXPECT_EQ(back.map.projection(), p);
@@ -83,7 +83,7 @@ TEST_F(Io, ForwardIsRecorded) {
 }
 
 TEST_F(Io, ValuesThatDoNotFitAreRefusedOrClamped) {
-  const EnvironmentMap map = generate(Constant{{7e4, 1, 1}}, Projection::latlong, 4, Forward::plus_z);
+  const EnvironmentMap map = generate(Constant{{7e4, 1, 1}}, Projection::latlong, 4);
   WriteOptions half{.depth = Depth::half};
   EXPECT_THROW(write(path("m.exr"), rows_of(map), half), OutputError);
   EXPECT_EQ(entries(), 0U);

@@ -1,43 +1,46 @@
-// Levels, gutters and layouts.
+// Levels, aprons and layouts.
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "envmap/base/error.h"
 #include "envmap/io/recognise.h"
-#include "envmap/map/gutter.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/generate.h"
 
 namespace envmap {
 namespace {
 
-class EachGutter : public testing::TestWithParam<Projection> {};
-INSTANTIATE_TEST_SUITE_P(, EachGutter, testing::ValuesIn(all_projections),
+class EachApron : public testing::TestWithParam<Projection> {};
+INSTANTIATE_TEST_SUITE_P(, EachApron, testing::ValuesIn(all_projections),
                          [](const auto& p) { return std::string(name(p.param)); });
 
-TEST_P(EachGutter, TexelsDoNotOverlap) {
+TEST_P(EachApron, TexelsDoNotOverlap) {
   Level level(GetParam(), 3);
-  const float border = 2 * Level::gutter;
-  float next = 1;
-  for (int pass = 0; pass < 2; ++pass)
-    for (int f = 0; f < level.faces(); ++f)
-      for (int j = -Level::gutter; j < level.height() + Level::gutter; ++j)
-        for (int i = -Level::gutter; i < level.width() + Level::gutter; ++i) {
-          if (pass == 0) *level.texel(f, i, j) = Colour(next++);
-          if (pass == 1) {
-            EXPECT_EQ(level.texel(f, i, j)->x, next - level.faces() * (level.height() + border) * (level.width() + border));
-            ++next;
-          }
-        }
+  float next = 0;
+  for (int f = 0; f < level.faces(); ++f)
+    for (int j = 0; j < level.height(); ++j)
+      for (int i = 0; i < level.width(); ++i) *level.texel(f, i, j) = Colour(++next);
+  next = 0;
+  for (int f = 0; f < level.faces(); ++f)
+    for (int j = 0; j < level.height(); ++j)
+      for (int i = 0; i < level.width(); ++i) EXPECT_EQ(level.texel(f, i, j)->x, ++next);
 }
 
-// The gutter of a map of directions must hold the directions that the projection continues to.
-TEST_P(EachGutter, GutterContinuesTheMap) {
+TEST_P(EachApron, PaddingLeavesTheSourceAsItWas) {
+  const EnvironmentMap map = generate(Directions{}, GetParam(), 9);
+  const EnvironmentMap before = map.clone();
+  const PaddedLevel padded(map.base());
+  for (int f = 0; f < map.base().faces(); ++f)
+    for (int j = 0; j < 9; ++j) EXPECT_TRUE(std::ranges::equal(map.base().row(f, j), before.base().row(f, j)));
+}
+
+// The apron of a map of directions must hold the directions that the projection continues to.
+TEST_P(EachApron, ApronContinuesTheMap) {
   const int size = 64;
-  EnvironmentMap map = generate(Directions{}, GetParam(), size, Forward::plus_z);
-  Level& level = map.base();
-  fill_gutter(level);
+  EnvironmentMap map = generate(Directions{}, GetParam(), size);
+  const PaddedLevel level(std::move(map.base()));
   visit(GetParam(), [&](auto q) {
     using P = decltype(q);
     for (int f = 0; f < P::faces; ++f)
@@ -53,15 +56,15 @@ TEST_P(EachGutter, GutterContinuesTheMap) {
   });
 }
 
-TEST_P(EachGutter, GutterOfAConstantIsThatConstant) {
+TEST_P(EachApron, ApronOfAConstantIsThatConstant) {
   for (const int size : {1, 2, 3, 5, 16}) {
-    Level level(GetParam(), size);
-    for (int f = 0; f < level.faces(); ++f)
+    Level constant(GetParam(), size);
+    for (int f = 0; f < constant.faces(); ++f)
       for (int j = 0; j < size; ++j) {
         const Columns in = columns(GetParam(), size, j);
-        for (int i = in.first; i < in.end; ++i) *level.texel(f, i, j) = Colour(0.7F, 1, 3e-39F);
+        for (int i = in.first; i < in.end; ++i) *constant.texel(f, i, j) = Colour(0.7F, 1, 3e-39F);
       }
-    fill_gutter(level);
+    const PaddedLevel level(std::move(constant));
     for (int f = 0; f < level.faces(); ++f)
       for (int j = -1; j <= size; ++j)
         for (int i = -1; i <= level.width(); ++i) {
@@ -75,35 +78,33 @@ TEST_P(EachGutter, GutterOfAConstantIsThatConstant) {
   }
 }
 
-// What lies outside the disc never gets in: poison there changes no gutter texel that counts.
-TEST(Gutter, IgnoresWhatLiesOutsideTheDisc) {
+// What lies outside the disc never gets in: poison there changes no apron texel that counts.
+TEST(PaddedLevel, IgnoresWhatLiesOutsideTheDisc) {
   for (const Projection p : {Projection::sphere, Projection::angular, Projection::paraboloid}) {
     const int size = 32;
-    EnvironmentMap clean = generate(Gradient{}, p, size, Forward::plus_z), poisoned = clean;
+    EnvironmentMap clean = generate(Gradient{}, p, size), poisoned = clean.clone();
     for (int f = 0; f < faces(p); ++f)
       for (int j = 0; j < size; ++j)
         for (int i = 0; i < size; ++i)
           if (std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) > 1)
             *poisoned.base().texel(f, i, j) = Colour(1e30F);
-    fill_gutter(clean.base());
-    fill_gutter(poisoned.base());
+    const PaddedLevel a(std::move(clean.base())), b(std::move(poisoned.base()));
     for (int f = 0; f < faces(p); ++f)
       for (int j = -1; j <= size; ++j)
         for (int i = -1; i <= size; ++i)
           if (std::hypot((2 * i + 1.0) / size - 1, (2 * j + 1.0) / size - 1) <= 1 + 2.8 / size) {
-            ASSERT_EQ(*clean.base().texel(f, i, j), *poisoned.base().texel(f, i, j)) << name(p) << " " << i << "," << j;
+            ASSERT_EQ(*a.texel(f, i, j), *b.texel(f, i, j)) << name(p) << " " << i << "," << j;
           }
   }
 }
 
-TEST(Gutter, LatlongWrapsExactlyAndCrossesThePole) {
+TEST(PaddedLevel, LatlongWrapsExactlyAndCrossesThePole) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::latlong, 8);
   std::mt19937 random(3);
   for (int j = 0; j < 8; ++j)
     for (Colour& c : map.base().row(0, j)) c = Colour(static_cast<float>(random() % 1000));
-  Level& level = map.base();
-  fill_gutter(level);
+  const PaddedLevel level(std::move(map.base()));
   for (int j = 0; j < 8; ++j) {
     EXPECT_NEAR(level.texel(0, -1, j)->x, level.texel(0, 15, j)->x, 1e-3);
     EXPECT_NEAR(level.texel(0, 17, j)->x, level.texel(0, 1, j)->x, 1e-3);
@@ -112,7 +113,7 @@ TEST(Gutter, LatlongWrapsExactlyAndCrossesThePole) {
 }
 
 TEST(Page, ScatterUndoesGather) {
-  EnvironmentMap map = generate(Directions{}, Projection::cube, 4, Forward::plus_z);
+  EnvironmentMap map = generate(Directions{}, Projection::cube, 4);
   const Rows rows = rows_of(map);
   for (const Layout layout : {Layout::column, Layout::row, Layout::cross, Layout::vcross, Layout::grid3x2}) {
     const Page page{rows, grid(layout)};
@@ -132,7 +133,7 @@ TEST(Page, ScatterUndoesGather) {
 // In a cross, texels that meet across a face's edge look almost the same way.
 TEST(Page, CrossesAreTheUnfoldedCube) {
   const int n = 16;
-  EnvironmentMap map = generate(Directions{}, Projection::cube, n, Forward::plus_z);
+  EnvironmentMap map = generate(Directions{}, Projection::cube, n);
   const Rows rows = rows_of(map);
   for (const Layout layout : {Layout::cross, Layout::vcross}) {
     const Page page{rows, grid(layout)};

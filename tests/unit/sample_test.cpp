@@ -1,5 +1,5 @@
 // Bilinear samples by the vector code of every target: the scalar formula to the last bit, and nothing beyond a span.
-#include "envmap/sample/sample.h"
+#include "envmap/sample/point.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "envmap/map/gutter.h"
+#include "envmap/sample/padded_level.h"
 #include "every_target.h"
 
 namespace envmap {
@@ -18,19 +18,19 @@ INSTANTIATE_TEST_SUITE_P(, EachSampled, testing::ValuesIn(all_projections),
                          [](const auto& p) { return std::string(name(p.param)); });
 
 // Suns beside subnormal numbers.
-Level rough(Projection p, int size) {
+PaddedLevel rough(Projection p, int size) {
   Level level(p, size);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> exponent(-140, 30), any(1, 2);
   for (int face = 0; face < level.faces(); ++face)
-    for (int j = -Level::gutter; j < size + Level::gutter; ++j)
-      for (int i = -Level::gutter; i < level.width() + Level::gutter; ++i)
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < level.width(); ++i)
         for (int c = 0; c < 3; ++c)
           (*level.texel(face, i, j))[c] = std::ldexp(any(random), static_cast<int>(exponent(random)));
-  return level;
+  return PaddedLevel(std::move(level));
 }
 
-std::vector<Location<double>> places(const Level& level, std::size_t count) {
+std::vector<Location<double>> places(const PaddedLevel& level, std::size_t count) {
   const double over = 0.9 / level.width();  // Settled locations lie up to a texel outside.
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(-over, 1 + over);
@@ -47,7 +47,7 @@ bool same(const Colour& a, const Colour& b) { return std::memcmp(&a, &b, sizeof 
 
 TEST_P(EachSampled, BilinearSpanIsTheScalarFormulaBitForBit) {
   for (const int size : {1, 2, 17, 64}) {
-    const Level level = rough(GetParam(), size);
+    const PaddedLevel level = rough(GetParam(), size);
     const auto at = places(level, 3000);
     on_every_target([&](const char* target) {
       std::vector<Colour> out(at.size());
@@ -60,7 +60,7 @@ TEST_P(EachSampled, BilinearSpanIsTheScalarFormulaBitForBit) {
 }
 
 TEST_P(EachSampled, BilinearSpanStaysInBounds) {
-  const Level level = rough(GetParam(), 8);
+  const PaddedLevel level = rough(GetParam(), 8);
   on_every_target([&](const char* target) {
     for (const std::size_t n : {0, 1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 63, 64, 65, 127, 128, 129}) {
       auto at = places(level, 200);
@@ -77,8 +77,8 @@ TEST_P(EachSampled, BilinearSpanStaysInBounds) {
 
 // The last four taps of a level end with its last texel.
 TEST(Sample, LastTexelOfALevel) {
-  const Level level = rough(Projection::paraboloid, 4);
-  const double corner = (4 + Level::gutter - 1.5) / 4;
+  const PaddedLevel level = rough(Projection::paraboloid, 4);
+  const double corner = (4 + Level::apron - 1.5) / 4;
   const std::vector<Location<double>> at{{1, corner, corner}};
   on_every_target([&](const char*) {
     std::vector<Colour> out(1);

@@ -23,7 +23,7 @@
 #include "envmap/io/path.h"
 #include "envmap/io/pfm.h"
 #include "envmap/io/srgb.h"
-#include "envmap/map/border.h"
+#include "envmap/operate/border_samples.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/levels.h"
 

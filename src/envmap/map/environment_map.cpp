@@ -7,7 +7,20 @@ Level::Level(Projection projection, int size, int width, std::size_t max_memory)
       faces_(envmap::faces(projection)),
       width_(width > 0 ? width : size * aspect(projection)),
       height_(size),
-      pixels_(index(faces_, -gutter, -gutter) + 1, max_memory) {}
+      pixels_(index(faces_, -apron, -apron) + 1, max_memory) {}
+
+EnvironmentMap EnvironmentMap::clone() const {
+  EnvironmentMap copy{{}, forward};
+  copy.levels.reserve(levels.size());
+  for (const Level& level : levels) copy.levels.push_back(level.clone());
+  return copy;
+}
+
+EnvironmentMap blank_map(const Frame& frame, int size) {
+  EnvironmentMap map{{}, frame.forward};
+  map.levels.emplace_back(frame.projection, size);
+  return map;
+}
 
 Rotation image_to_world(Forward forward) {
   switch (forward) {

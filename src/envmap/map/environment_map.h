@@ -1,7 +1,8 @@
 /// @file
-/// The environment map in memory: float32 linear RGB, faces and levels, each face with a gutter around it.
+/// The environment map in memory: float32 linear RGB, faces and levels.
 #pragma once
 
+#include <cassert>
 #include <cstddef>
 #include <span>
 #include <string_view>
@@ -14,28 +15,36 @@ namespace envmap {
 
 /// One mip level: the faces of a projection at one size.
 ///
-/// Rows are stored with `gutter` more texels at either end and above and below each face, so that a filter may read
-/// that far over any edge. fill_gutter() (gutter.h) gives them their values.
+/// Levels are moved, or copied by clone(), never by accident. Faces are stored with room for an apron of texels around
+/// them, which only a PaddedLevel (sample/padded_level.h) fills and reads.
 class Level {
  public:
-  /// Cubic taps reach 2 texels beyond a place, which settle.h may move out by 1.
-  static constexpr int gutter = 3;
+  /// Cubic taps reach 2 texels beyond a place, which the inverse bilinear lookup may move out by 1.
+  static constexpr int apron = 3;
 
   /// All texels 0. @param size height of a face, at least 1. @param width of a face; 0: size x the aspect of the projection.
   /// Only the coarser levels of a latlong map have another: they halve each side and round it down, 90x45 45x22 ... 1x1.
   /// @param max_memory of the process, in bytes: the texels then lie in a scratch file (storage.h). 0: in memory.
   Level(Projection projection, int size, int width = 0, std::size_t max_memory = 0);
+  Level(Level&&) noexcept = default;
+  Level& operator=(Level&&) noexcept = default;
+  [[nodiscard]] Level clone() const { return Level(*this); }
 
   [[nodiscard]] Projection projection() const { return projection_; }
   [[nodiscard]] int faces() const { return faces_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
 
-  /// Texel (i,j) of a face; i and j may reach `gutter` beyond the face.
-  [[nodiscard]] Colour* texel(int face, int i, int j) { return pixels_.data() + index(face, i, j); }
-  [[nodiscard]] const Colour* texel(int face, int i, int j) const { return pixels_.data() + index(face, i, j); }
+  /// Texel (i,j) of a face.
+  [[nodiscard]] Colour* texel(int face, int i, int j) {
+    assert(i >= 0 && i < width_ && j >= 0 && j < height_);
+    return stored(face, i, j);
+  }
+  [[nodiscard]] const Colour* texel(int face, int i, int j) const {
+    assert(i >= 0 && i < width_ && j >= 0 && j < height_);
+    return stored(face, i, j);
+  }
 
-  /// A row without its gutter.
   [[nodiscard]] std::span<Colour> row(int face, int j) { return {texel(face, 0, j), static_cast<std::size_t>(width_)}; }
   [[nodiscard]] std::span<const Colour> row(int face, int j) const {
     return {texel(face, 0, j), static_cast<std::size_t>(width_)};
@@ -46,12 +55,18 @@ class Level {
   void trim() const { pixels_.trim(); }
 
   /// Texels from one row to the next.
-  [[nodiscard]] std::ptrdiff_t stride() const { return width_ + 2 * gutter; }
+  [[nodiscard]] std::ptrdiff_t stride() const { return width_ + 2 * apron; }
 
  private:
+  friend class PaddedLevel;
+  Level(const Level&) = default;
+  // Texel (i,j), of the apron, too.
+  [[nodiscard]] Colour* stored(int face, int i, int j) { return pixels_.data() + index(face, i, j); }
+  [[nodiscard]] const Colour* stored(int face, int i, int j) const { return pixels_.data() + index(face, i, j); }
+
   [[nodiscard]] std::size_t index(int face, int i, int j) const {
-    return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(face) * (height_ + 2 * gutter) + j + gutter) * stride() +
-                                    i + gutter);
+    return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(face) * (height_ + 2 * apron) + j + apron) * stride() +
+                                    i + apron);
   }
 
   Projection projection_;
@@ -70,14 +85,29 @@ Rotation image_to_world(Forward forward);
 /// Whether the projection has a centre that --forward can choose.
 inline bool has_forward(Projection p) { return p == Projection::latlong || p == Projection::angular; }
 
+/// How an image shows the world: its projection, and the world axis at its centre.
+struct Frame {
+  Projection projection;
+  Forward forward;  ///< +z for projections without a centre to choose, whatever was asked for.
+
+  Frame(Projection p, Forward f = Forward::plus_z)  // NOLINT: a projection is a frame.
+      : projection(p), forward(has_forward(p) ? f : Forward::plus_z) {}
+};
+
 /// A whole environment: level 0 and what mip levels there are.
 struct EnvironmentMap {
   std::vector<Level> levels;
   Forward forward = Forward::plus_z;
 
+  [[nodiscard]] EnvironmentMap clone() const;
+
   [[nodiscard]] const Level& base() const { return levels.front(); }
   [[nodiscard]] Level& base() { return levels.front(); }
   [[nodiscard]] Projection projection() const { return base().projection(); }
+  [[nodiscard]] Frame frame() const { return {projection(), forward}; }
 };
+
+/// A map of one level, all 0.
+EnvironmentMap blank_map(const Frame& frame, int size);
 
 }  // namespace envmap

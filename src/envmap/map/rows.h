@@ -28,7 +28,7 @@ Rows rows_of(const Level& level, Forward forward);
 Rows rows_of(const EnvironmentMap& map);
 std::vector<Rows> all_rows_of(const EnvironmentMap& map);
 
-/// All rows, made in parallel. No gutter is filled.
+/// All rows, made in parallel.
 Level level_of(const Rows& rows);
 
 }  // namespace envmap

@@ -184,11 +184,9 @@ double real_harmonic(int degree, int order, const Direction& d) {
   return std::numbers::sqrt2 * current * (order > 0 ? std::cos(m * longitude) : std::sin(m * longitude));
 }
 
-EnvironmentMap generate(const Pattern& pattern, Projection to, int size, Forward forward, const Progress& progress) {
-  EnvironmentMap map;
-  map.forward = has_forward(to) ? forward : Forward::plus_z;
+EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Progress& progress) {
   std::visit([](const auto& p) { check(p); }, pattern);
-  map.levels.emplace_back(to, size);
+  EnvironmentMap map = blank_map(to, size);
   std::visit([&](const auto& p) { fill(p, map, progress); }, pattern);
   for (int face = 0; face < map.base().faces(); ++face)
     for (int j = 0; j < map.base().height(); ++j)

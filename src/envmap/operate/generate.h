@@ -58,6 +58,6 @@ using Pattern = std::variant<Constant, Gradient, Checker, Directions, Sun, Sky, 
 double real_harmonic(int degree, int order, const Direction& d);
 
 /// @throws UsageError where the pattern would hold negative radiance or its parameters make no sense.
-EnvironmentMap generate(const Pattern& pattern, Projection to, int size, Forward forward, const Progress& progress = {});
+EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Progress& progress = {});
 
 }  // namespace envmap

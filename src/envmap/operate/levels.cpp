@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "envmap/map/gutter.h"
-#include "envmap/sample/sample.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 namespace {
@@ -74,8 +73,7 @@ void halve_row(const Cells& across, const RowWeights& weights, std::span<const C
 
 // Texels of a paraboloid map without any part in the disc: what the other half shows in their direction.
 void fill_beyond_disc(Level& level) {
-  Level sound = level;
-  fill_gutter(sound);
+  const PaddedLevel sound(level);
   sound.trim();
   const int n = level.height();
   const auto distance = [n](int i) { return std::max(0, std::abs(2 * i + 1 - n) - 1) / double(n); };  // Of the near edge.

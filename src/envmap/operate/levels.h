@@ -15,12 +15,11 @@ bool has_next(const Level& level);
 
 /// The level after: each side half as long, rounded down, at least 1. Where a size is odd, texels that straddle two of the
 /// result count for each by the part. Flux is kept to the rounding of float32. Texels outside the disc are 0 on sphere and
-/// angular maps; on paraboloid maps they show what the other half does there, as fill_gutter() finds it (with uniform
+/// angular maps; on paraboloid maps they show what the other half does there, as a PaddedLevel finds it (with uniform
 /// weights: plain means).
-/// @param fine before fill_gutter(), which puts other values into the texels of a rim whose centres lie outside the disc.
 Level half_level(const Level& fine, Weights weights = Weights::solid_angle);
 
-/// Adds the levels after the last one, down to one texel a face, or until there are `count`. No gutter is filled.
+/// Adds the levels after the last one, down to one texel a face, or until there are `count`.
 /// @param count 0: no limit.
 void add_levels(std::vector<Level>& levels, Weights weights = Weights::solid_angle, int count = 0);
 

@@ -123,9 +123,9 @@ struct Making {
   }
   [[nodiscard]] Prefiltered mirror() const {
     return timed(Method::exact, [&](Level& out, auto&) {
-      EnvironmentMap copy = source;
-      const Conversion nearest{.to = wanted.to, .size = wanted.size, .filter = Filter::nearest, .forward = wanted.forward};
-      out = std::move(convert(copy, nearest).base());
+      const ConvertOptions nearest{
+          .to = {wanted.to, wanted.forward}, .size = wanted.size, .filter = Filter::nearest};
+      out = std::move(convert(source, nearest).base());
     });
   }
   [[nodiscard]] Prefiltered harmonics() const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
+#include "envmap/sample/lookup.h"
 #include "envmap/scene/scene.h"
 
 namespace envmap {
@@ -51,7 +52,7 @@ struct MirrorLook {
 struct Shot {
   const Scene& scene;
   Pose pose;
-  const EnvironmentMap* environment = nullptr;  ///< Background, gutters filled; null: black.
+  const EnvironmentLookup* environment = nullptr;  ///< Background; null: black.
   const EnvironmentLight* light = nullptr;      ///< What it gives surfaces (shading.h); null: reflections alone.
   Colour ambient{0};                            ///< Radiance from everywhere, beside the environment.
   std::span<const MirrorMap> mirrors{};         ///< In the order of the renderer's; empty: they show the environment.

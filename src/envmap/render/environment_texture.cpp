@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "envmap/map/gutter.h"
 #include "envmap/operate/convert.h"
+#include "envmap/sample/lookup.h"
 
 namespace envmap {
 namespace {
 
 // Seen from outside: X and Z mirrored left to right, Y top to bottom.
-std::vector<Colour> as_gl_turns(const Level& cube, int face) {
+std::vector<Colour> as_gl_turns(const PaddedLevel& cube, int face) {
   const int n = cube.height();
   const bool y = face / 2 == 1;
   std::vector<Colour> all;
@@ -40,24 +40,23 @@ LightTexture upload(const EnvironmentLight* light) {
 }
 
 EnvironmentTexture upload(const EnvironmentMap& map) {
-  EnvironmentMap copy{{map.base()}, map.forward};
+  constexpr int aprons = 2 * Level::apron;
   GLint largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  const auto side = [](const Level& level) { return std::max(level.width(), level.height()) + 2 * Level::gutter; };
-  if (copy.projection() == Projection::sphere || side(copy.base()) > largest) {
-    const int dense = matching_size(copy.projection(), copy.base().height(), Projection::cube);
-    copy = convert(copy, {.to = Projection::cube, .size = std::min(dense, largest - 2 * Level::gutter)});
-  }
-  Level& level = copy.base();
-  fill_gutter(level);
-  EnvironmentTexture out{gl::make_texture(GL_TEXTURE_2D_ARRAY), copy.projection(),
-                         glm::transpose(image_to_world(copy.forward))};
-  const int width = level.width() + 2 * Level::gutter, height = level.height() + 2 * Level::gutter;
+  const bool too_large = std::max(map.base().width(), map.base().height()) + aprons > largest;
+  const EnvironmentLookup shown = [&] {
+    if (map.projection() != Projection::sphere && !too_large) return EnvironmentLookup(map);
+    const int dense = matching_size(map.projection(), map.base().height(), Projection::cube);
+    return EnvironmentLookup(convert(map, {.to = Projection::cube, .size = std::min(dense, largest - aprons)}));
+  }();
+  const PaddedLevel& level = shown.level();
+  EnvironmentTexture out{gl::make_texture(GL_TEXTURE_2D_ARRAY), level.projection(), shown.world_to_image()};
+  const int width = level.width() + aprons, height = level.height() + aprons;
   glTextureStorage3D(out.texture, 1, GL_RGB32F, width, height, level.faces());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   for (int face = 0; face < level.faces(); ++face)
     glTextureSubImage3D(out.texture, 0, 0, 0, face, width, height, 1, GL_RGB, GL_FLOAT,
-                        level.texel(face, -Level::gutter, -Level::gutter));
+                        level.texel(face, -Level::apron, -Level::apron));
   gl::interpolate(out.texture);
   gl::check("upload of the environment");
   return out;

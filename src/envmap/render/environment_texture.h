@@ -11,7 +11,7 @@
 namespace envmap {
 
 struct EnvironmentTexture {
-  gl::Texture texture;  ///< A layer a face, each with its gutter.
+  gl::Texture texture;  ///< A layer a face, each with its apron.
   Projection projection = Projection::cube;
   Rotation to_map{1};  ///< From the world.
 };

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "envmap/map/gutter.h"
 #include "envmap/render/shading.h"
 
 namespace envmap {
@@ -165,9 +164,7 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
   with_maps.look = {};
   renderer.draw(from, with_maps, options.method, *map.texture);
   if (!mirror.rough) return;
-  EnvironmentMap drawn = read_back(*map.texture);
-  for (Level& level : drawn.levels) fill_gutter(level);
-  const EnvironmentLight light = environment_light(drawn, std::min(glossy_size, map.texture->size));
+  const EnvironmentLight light = environment_light(read_back(*map.texture), std::min(glossy_size, map.texture->size));
   map.glossy = upload(&light);
 }
 

@@ -190,7 +190,7 @@ Seen look(const World& w, const Lighting& lighting, const Viewpoint& from, const
 Drawn raycast(const Shot& shot, const Viewpoint& from, const Progress& progress) {
   const World world = build(shot, from);
   const Lighting light = lighting(shot);
-  Drawn drawn{.radiance = {.levels = {Level(from.to, from.size)}}};
+  Drawn drawn{.radiance = blank_map(from.to, from.size)};
   Level& level = drawn.radiance.base();
   const auto width = static_cast<std::size_t>(level.width()), height = static_cast<std::size_t>(level.height());
   drawn.distances.assign(static_cast<std::size_t>(level.faces()) * width * height, std::numeric_limits<float>::infinity());

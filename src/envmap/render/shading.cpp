@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "envmap/map/gutter.h"
 #include "envmap/prefilter/brdf_table.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/sample/sample.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 
@@ -30,8 +29,7 @@ EnvironmentLight environment_light(const EnvironmentMap& map, int size, const Pr
                                     .size = size,
                                     .method = Method::hierarchical,
                                     .max_error = 1e-2});
-    fill_gutter(made.map.base());
-    light.glossy.push_back(std::move(made.map.base()));
+    light.glossy.emplace_back(std::move(made.map.base()));
     if (progress) progress(static_cast<double>(k) / glossy_levels);
   }
   return light;
@@ -42,11 +40,8 @@ const std::vector<Colour>& split_sum_table() {
   return table;
 }
 
-Colour background(const EnvironmentMap* environment, const Direction& from) {
-  if (environment == nullptr) return Colour(0);
-  const Direction d = glm::transpose(image_to_world(environment->forward)) * from;
-  return bilinear(environment->base(),
-                  visit(environment->projection(), [&](auto p) { return decltype(p)::template locate<double>(d); }));
+Colour background(const EnvironmentLookup* environment, const Direction& from) {
+  return environment != nullptr ? (*environment)(from) : Colour(0);
 }
 
 namespace {

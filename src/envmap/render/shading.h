@@ -30,9 +30,9 @@ struct EnvironmentLight {
   /// Irradiance over pi in direction (x,y,z): the sum of these times 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2; what falls
   /// below 0 beside suns is 0 (Ramamoorthi and Hanrahan 2001). Off by 1% on average and 9% at worst.
   std::array<Colour, 9> irradiance{};
-  /// GGX-prefiltered cubes in the world's frame, gutters filled, all of one size: roughness 1/n, 2/n, ... 1. Roughness 0
+  /// GGX-prefiltered cubes in the world's frame, all of one size: roughness 1/n, 2/n, ... 1. Roughness 0
   /// is the environment itself.
-  std::vector<Level> glossy;
+  std::vector<PaddedLevel> glossy;
 };
 inline constexpr int glossy_size = 64, glossy_levels = 5;
 
@@ -56,14 +56,14 @@ std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose);
 /// All that shines on a scene at one moment. What it points to must outlive it.
 struct Lighting {
   std::vector<PlacedLight> lights;
-  const EnvironmentMap* environment = nullptr;  ///< Gutters filled.
+  const EnvironmentLookup* environment = nullptr;
   const EnvironmentLight* light = nullptr;
   Colour ambient{0};
 };
 Lighting lighting(const Shot& shot);
 
 /// Radiance of the environment, without ambient light, from a world direction: black where there is none.
-Colour background(const EnvironmentMap* environment, const Direction& from);
+Colour background(const EnvironmentLookup* environment, const Direction& from);
 
 /// @param towards_viewer unit vector. @return radiance.
 Colour shade(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting);

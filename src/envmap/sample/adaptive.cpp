@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "envmap/sample/footprint.h"
-#include "envmap/sample/sample.h"
-#include "envmap/sample/settle.h"
+#include "envmap/sample/point.h"
+#include "envmap/sample/inverse_bilinear.h"
 
 namespace envmap {
 namespace {
@@ -19,7 +19,7 @@ constexpr std::size_t max_samples_of_sphere = 8192;
 constexpr int max_rounds = 12;  // A cell round a pole stays wide however often it is quartered.
 
 struct Area {
-  const Level& source;
+  const PaddedLevel& source;
   Projection to;
   int size;
   Rotation to_source;
@@ -86,7 +86,7 @@ struct Workspace {
     return density[0];
   }
 
-  static void gather(const Level& source, const Location<double>* at, const Colour* colour, const double* density,
+  static void gather(const PaddedLevel& source, const Location<double>* at, const Colour* colour, const double* density,
                      double measure, Cell& cell) {
     cell.weight = 0;
     cell.sum = Direction(0);
@@ -127,8 +127,8 @@ struct Workspace {
   }
 
   // Least and largest of the texels that the reconstruction uses in a box.
-  static void add_range(const Level& source, int face, const Rect& box, Colour& low, Colour& high) {
-    constexpr int g = Level::gutter;
+  static void add_range(const PaddedLevel& source, int face, const Rect& box, Colour& low, Colour& high) {
+    constexpr int g = Level::apron;
     const auto whole = [](double x, int n) { return std::clamp(static_cast<int>(std::floor(x)), -g, n + g - 1); };
     const int i0 = whole(box.u0, source.width()), i1 = whole(box.u1 + 1, source.width());
     for (int j = whole(box.v0, source.height()); j <= whole(box.v1 + 1, source.height()); ++j)
@@ -220,7 +220,7 @@ void sample_area(const Area& task, int face, int row, int first, std::span<Colou
 
 }  // namespace
 
-Sampler adaptive_sampler(const Level& source, const Target& target, double tolerance, double floor) {
+Sampler adaptive_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
   const Area task{source, target.to, target.size, target.to_source, tolerance, floor};
   return [task](int face, int row, int first, std::span<Colour> out) { sample_area(task, face, row, first, out); };
 }

@@ -2,7 +2,7 @@
 /// The area filter by sampling, for any footprint: the solid-angle mean of the bilinear reconstruction over each texel.
 #pragma once
 
-#include "envmap/map/environment_map.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"
 
 namespace envmap {
@@ -11,8 +11,8 @@ namespace envmap {
 /// for kinks where it passes from one patch of four texels to the next, and it never leaves the range of their values:
 /// that range bounds the error of a cell, so that none is accepted because its samples happen to agree. Cells are
 /// quartered until the bounds, added up as independent errors, are below the tolerance, or there are too many.
-/// @param source its gutter filled; must outlive the sampler.
+/// @param source must outlive the sampler.
 /// @param tolerance of a texel, relative to the larger of its value and `floor`.
-Sampler adaptive_sampler(const Level& source, const Target& target, double tolerance, double floor);
+Sampler adaptive_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor);
 
 }  // namespace envmap

@@ -20,7 +20,7 @@ constexpr std::size_t rim_pieces = 64;    // Of a texel that a disc's rim cuts, 
 constexpr double bend_for_error = 0.5;
 
 struct Task {
-  const Level& source;
+  const PaddedLevel& source;
   Target target;
   double tolerance;
 
@@ -45,7 +45,7 @@ struct Mean {
   double weight = 0;
 };
 
-void integrate(const Level& source, int face, std::span<const Vec2<double>> polygon, Workspace& ws, Mean& mean) {
+void integrate(const PaddedLevel& source, int face, std::span<const Vec2<double>> polygon, Workspace& ws, Mean& mean) {
   Coverage& c = ws.coverage;
   c.cover(polygon);
   ws.centres.clear();
@@ -68,7 +68,7 @@ void integrate(const Level& source, int face, std::span<const Vec2<double>> poly
 
 // Over the edges of a cube, face by face: great circles are straight on all of them. False where the outline passes behind
 // the plane of a face.
-bool integrate_over_edges(const Level& source, std::size_t texel, Workspace& ws, Mean& mean) {
+bool integrate_over_edges(const PaddedLevel& source, std::size_t texel, Workspace& ws, Mean& mean) {
   const double size = source.height();
   unsigned faces = 0;
   ws.sides.around(texel, [&](std::size_t k) { faces |= 1U << ws.sides.places[k].face; });
@@ -161,7 +161,7 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
 
 }  // namespace
 
-Sampler area_sampler(const Level& source, const Target& target, double tolerance, double floor) {
+Sampler area_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
   const Sampler otherwise = adaptive_sampler(source, target, tolerance, floor);
   // Densities are taken as linear over a texel, which leaves an eighth of their second derivative.
   const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();

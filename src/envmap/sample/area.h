@@ -2,7 +2,7 @@
 /// The reference filter: the solid-angle mean of the bilinear reconstruction over each texel.
 #pragma once
 
-#include "envmap/map/environment_map.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"
 
 namespace envmap {
@@ -15,9 +15,9 @@ namespace envmap {
 /// Over the seam and the poles of a latlong map and the edges of a cube the outline goes on. Texels whose outline meets
 /// the rim of a disc in the source, or that look towards -Z of a sphere map, are left to adaptive_sampler(); so are small
 /// sources (at 1e-4 those of less than 140 rows of a latlong map), over whose texels the solid angle is not linear.
-/// @param source its gutter filled; must outlive the sampler.
+/// @param source must outlive the sampler.
 /// @param tolerance how far an outline may bend, in source texels, or over its own thickness where that is less. Texels
 /// are right to that, relative to the larger of their value and `floor`, but where a sun is cut in two.
-Sampler area_sampler(const Level& source, const Target& target, double tolerance, double floor);
+Sampler area_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor);
 
 }  // namespace envmap

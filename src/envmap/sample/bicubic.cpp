@@ -15,7 +15,7 @@ std::array<float, 4> catmull_rom(double t) {
 
 }  // namespace
 
-Colour bicubic(const Level& level, const Location<double>& at) {
+Colour bicubic(const PaddedLevel& level, const Location<double>& at) {
   const double x = at.u * level.width() - 0.5, y = at.v * level.height() - 0.5;
   const double left = std::floor(x), top = std::floor(y);
   const std::array<float, 4> wx = catmull_rom(x - left), wy = catmull_rom(y - top);
@@ -31,7 +31,7 @@ Colour bicubic(const Level& level, const Location<double>& at) {
                     glm::max(glm::max(a[0], a[1]), glm::max(b[0], b[1])));
 }
 
-void sample_bicubic(const Level& level, std::span<const Location<double>> at, std::span<Colour> out) {
+void sample_bicubic(const PaddedLevel& level, std::span<const Location<double>> at, std::span<Colour> out) {
   for (std::size_t k = 0; k < at.size(); ++k) out[k] = bicubic(level, at[k]);
 }
 

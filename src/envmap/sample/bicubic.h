@@ -4,14 +4,14 @@
 
 #include <span>
 
-#include "envmap/map/environment_map.h"
+#include "envmap/sample/padded_level.h"
 
 namespace envmap {
 
 /// Catmull-Rom (Catmull and Rom 1974; Keys 1981 with a = -1/2): 4 x 4 texels, passes through them, exact for quadratics.
 /// Its negative lobes would ring round a sun and go below 0: the value stays in the range of the 4 texels around the
-/// place. Wants a level whose gutter is filled.
-Colour bicubic(const Level& level, const Location<double>& at);
-void sample_bicubic(const Level& level, std::span<const Location<double>> at, std::span<Colour> out);
+/// place.
+Colour bicubic(const PaddedLevel& level, const Location<double>& at);
+void sample_bicubic(const PaddedLevel& level, std::span<const Location<double>> at, std::span<Colour> out);
 
 }  // namespace envmap

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "envmap/sample/sample.h"
+#include "envmap/sample/point.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/sample/bilinear.cpp"
@@ -16,7 +16,7 @@ namespace envmap {
 namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
-void SampleBilinear(const Level& level, std::span<const Location<double>> at, std::span<Colour> out) {
+void SampleBilinear(const PaddedLevel& level, std::span<const Location<double>> at, std::span<Colour> out) {
   for (std::size_t k = 0; k < at.size(); ++k) out[k] = bilinear(level, at[k]);
 }
 #else
@@ -38,11 +38,11 @@ HWY_INLINE V whole_below(D d, V x) {
   return hn::Sub(nearest, hn::IfThenElseZero(hn::Gt(nearest, x), hn::Set(d, 1)));
 }
 
-void place(const Level& level, std::size_t count, Places& places) {
+void place(const PaddedLevel& level, std::size_t count, Places& places) {
   const hn::ScalableTag<double> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto width = hn::Set(d, level.width()), height = hn::Set(d, level.height()), half = hn::Set(d, 0.5);
-  const auto rows = hn::Set(d, level.height() + 2 * Level::gutter);
+  const auto rows = hn::Set(d, level.height() + 2 * Level::apron);
   const auto stride = hn::Set(d, static_cast<double>(level.stride()));
   for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
     const auto x = hn::Sub(hn::Mul(hn::Load(d, places.u + k), width), half);
@@ -81,7 +81,7 @@ void blend(const Colour* origin, std::ptrdiff_t stride, const Places& places, st
   out[count - 1] = {last[0], last[1], last[2]};
 }
 
-void SampleBilinear(const Level& level, std::span<const Location<double>> at, std::span<Colour> out) {
+void SampleBilinear(const PaddedLevel& level, std::span<const Location<double>> at, std::span<Colour> out) {
   Places places;
   for (std::size_t start = 0; start < at.size(); start += block) {
     const std::size_t count = std::min(block, at.size() - start);
@@ -107,7 +107,7 @@ namespace envmap {
 
 HWY_EXPORT(SampleBilinear);
 
-void sample_bilinear(const Level& level, std::span<const Location<double>> at, std::span<Colour> out) {
+void sample_bilinear(const PaddedLevel& level, std::span<const Location<double>> at, std::span<Colour> out) {
   HWY_DYNAMIC_DISPATCH(SampleBilinear)(level, at, out);
 }
 

@@ -7,8 +7,8 @@
 #include "envmap/sample/bicubic.h"
 #include "envmap/sample/probes.h"
 #include "envmap/sample/pyramid.h"
-#include "envmap/sample/sample.h"
-#include "envmap/sample/settle.h"
+#include "envmap/sample/point.h"
+#include "envmap/sample/inverse_bilinear.h"
 #include "envmap/sample/summed_area.h"
 
 namespace envmap {
@@ -17,10 +17,10 @@ namespace {
 // Samples worked on at once: few enough that their directions and locations stay in the nearest cache.
 constexpr std::size_t block = 256;
 
-using Sample = void (*)(const Level&, std::span<const Location<double>>, std::span<Colour>);
+using Sample = void (*)(const PaddedLevel&, std::span<const Location<double>>, std::span<Colour>);
 
 // A run of samples in a row of texels: their directions, where they lie in the source, what is there.
-void sample_row(const Level& base, const Target& target, bool settle, Sample sample, int size, int face, int row,
+void sample_row(const PaddedLevel& base, const Target& target, bool inverse_bilinear, Sample sample, int size, int face, int row,
                 int first, std::span<Colour> out) {
   std::array<Direction, block> all_directions;
   std::array<Location<double>, block> all_locations;
@@ -28,7 +28,7 @@ void sample_row(const Level& base, const Target& target, bool settle, Sample sam
   const std::span locations = std::span(all_locations).first(out.size());
   texel_directions(target.to, size, face, row, first, directions);
   rotate(target.to_source, directions);
-  settle ? locate_for_bilinear(base.projection(), base.height(), directions, locations)
+  inverse_bilinear ? locate_for_bilinear(base.projection(), base.height(), directions, locations)
          : locate(base.projection(), directions, locations);
   sample(base, locations, out);
 }
@@ -44,7 +44,7 @@ void weigh(Projection p, int size, int row, int first, std::span<double> weights
 }
 
 // n x n samples a texel: one in each texel of a map n times as fine, and their solid-angle weighted means.
-Sampler grid_sampler(const Level& base, const Target& target, int n, bool settle, Sample sample) {
+Sampler grid_sampler(const PaddedLevel& base, const Target& target, int n, bool inverse_bilinear, Sample sample) {
   const auto fine = static_cast<std::size_t>(n), at_once = block / fine;
   return [=, &base](int face, int row, int first, std::span<Colour> out) {
     std::array<Colour, block> colours;
@@ -59,7 +59,7 @@ Sampler grid_sampler(const Level& base, const Target& target, int n, bool settle
       wholes.fill(0);
       for (int part = 0; part < n; ++part) {
         const int fine_row = n * row + part;
-        sample_row(base, target, settle, sample, n * target.size, face, fine_row, column, std::span(colours).first(count));
+        sample_row(base, target, inverse_bilinear, sample, n * target.size, face, fine_row, column, std::span(colours).first(count));
         weigh(target.to, n * target.size, fine_row, column, std::span(weights).first(count));
         for (std::size_t k = 0; k < texels.size(); ++k)
           for (std::size_t m = k * fine; m < (k + 1) * fine; ++m) {
@@ -73,46 +73,67 @@ Sampler grid_sampler(const Level& base, const Target& target, int n, bool settle
 }
 
 // The same for one sample, which needs no mean.
-Sampler point_sampler(const Level& base, const Target& target, bool settle, Sample sample) {
+Sampler point_sampler(const PaddedLevel& base, const Target& target, bool inverse_bilinear, Sample sample) {
   return [=, &base](int face, int row, int first, std::span<Colour> out) {
     for (std::size_t k = 0; k < out.size(); k += block)
-      sample_row(base, target, settle, sample, target.size, face, row, first + static_cast<int>(k),
+      sample_row(base, target, inverse_bilinear, sample, target.size, face, row, first + static_cast<int>(k),
                  out.subspan(k, std::min(block, out.size() - k)));
   };
 }
 
+using Levels = std::vector<PaddedLevel>;
+
+Sampler make_points(const Levels& levels, const Target& target, const FilterOptions& o, bool inverse_bilinear, Sample sample) {
+  const PaddedLevel& base = levels.front();
+  return o.samples == 1 ? point_sampler(base, target, inverse_bilinear, sample)
+                        : grid_sampler(base, target, o.samples, inverse_bilinear, sample);
+}
+
+// Probes of trilinear lookups. @param plan how many, and at which level.
+Sampler make_probes(const Levels& levels, const Target& target, Probes (*plan)(const Target&, const PaddedLevel&, int, const Vec2<double>&)) {
+  return [=, &levels](int face, int row, int first, std::span<Colour> out) {
+    const PaddedLevel& base = levels.front();
+    sample_probes(
+        target, face, row, first, out,
+        [&](std::span<const Direction> directions, std::span<Location<double>> at) {
+          locate_for_bilinear(base.projection(), base.height(), directions, at);
+        },
+        [&](int, const Vec2<double>& at) { return plan(target, base, face, at); },
+        [&](std::span<const Location<double>> at, const Probes& p, std::span<Colour> colours) {
+          sample_trilinear(levels, at, p.lod, colours);
+        });
+  };
+}
+
+constexpr std::array<FilterInfo, 7> table{{
+    {Filter::nearest, "nearest", "takes the texel at the centre of each texel of the result", false,
+     [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, false, sample_nearest); }},
+    {Filter::bilinear, "bilinear", "interpolates there", false,
+     [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bilinear); }},
+    {Filter::bicubic, "bicubic", "does so by Catmull-Rom's curve, kept within the range of the four texels around", false,
+     [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bicubic); }},
+    {Filter::trilinear, "trilinear",
+     "reads solid-angle weighted mip levels: it never aliases, but blurs where a texel is long and narrow in the source",
+     true, [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, trilinear_plan); }},
+    {Filter::sat, "sat", "takes the mean over an upright box in the source, from a summed-area table", false,
+     [](const Levels& l, const Target& t, const FilterOptions&) { return summed_area_sampler(l.front(), t); }},
+    {Filter::ewa, "ewa", "puts the footprint of each texel together from trilinear probes", true,
+     [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, ewa_plan); }},
+    {Filter::area, "area",
+     "is the reference: the solid-angle mean of the bilinearly reconstructed source over the footprint, right to "
+     "the error asked for",
+     false,
+     [](const Levels& l, const Target& t, const FilterOptions& o) {
+       return area_sampler(l.front(), t, o.area_error, o.floor);
+     }},
+}};
+
 }  // namespace
 
-Sampler make_sampler(const std::vector<Level>& levels, const Target& target, const FilterOptions& options) {
-  const Level& base = levels.front();
-  const auto points = [&](Sample sample, bool settle = true) {
-    return options.samples == 1 ? point_sampler(base, target, settle, sample)
-                                : grid_sampler(base, target, options.samples, settle, sample);
-  };
-  const auto probes = [&](auto plan) -> Sampler {
-    return [=, &base, &levels](int face, int row, int first, std::span<Colour> out) {
-      sample_probes(
-          target, face, row, first, out,
-          [&](std::span<const Direction> directions, std::span<Location<double>> at) {
-            locate_for_bilinear(base.projection(), base.height(), directions, at);
-          },
-          [&](int, const Vec2<double>& at) { return plan(target, base, face, at); },
-          [&](std::span<const Location<double>> at, const Probes& p, std::span<Colour> colours) {
-            sample_trilinear(levels, at, p.lod, colours);
-          });
-    };
-  };
-  switch (options.filter) {
-    case Filter::nearest: return points(sample_nearest, false);
-    case Filter::bicubic: return points(sample_bicubic);
-    case Filter::trilinear: return probes(trilinear_plan);
-    case Filter::ewa: return probes(ewa_plan);
-    case Filter::sat: return summed_area_sampler(base, target);
-    case Filter::area: return area_sampler(base, target, options.area_tolerance, options.floor);
-    case Filter::automatic:
-    case Filter::bilinear: break;
-  }
-  return points(sample_bilinear);
+std::span<const FilterInfo> filters() { return table; }
+
+Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options) {
+  return table[static_cast<std::size_t>(options.filter)].make(levels, target, options);
 }
 
 }  // namespace envmap

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "envmap/sample/settle.h"
+#include "envmap/sample/inverse_bilinear.h"
 
 namespace envmap {
 namespace {
@@ -78,7 +78,7 @@ namespace {
 // points; and through a pole it goes along the map's border, where all places are one direction.
 struct LatlongPath {
   Outline& out;
-  const Level& source;
+  const PaddedLevel& source;
   const Target& target;
   const Sides& sides;
   std::size_t texel;
@@ -142,10 +142,10 @@ struct LatlongPath {
 
 }  // namespace
 
-bool Outline::follow(const Level& source, const Target& target, const Sides& sides, std::size_t texel) {
+bool Outline::follow(const PaddedLevel& source, const Target& target, const Sides& sides, std::size_t texel) {
   const Projection p = source.projection();
   const bool disc = on_disc(p);
-  const double behind = settled_below(p, source.height()), rim = disc ? 0.5 - 1.0 * Level::gutter / source.height() : 2;
+  const double behind = bilinear_bends_below(p, source.height()), rim = disc ? 0.5 - 1.0 * Level::apron / source.height() : 2;
   points.clear();
   corners.clear();
   latlong_rows = p == Projection::latlong ? source.height() : 0;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "envmap/map/environment_map.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"
 
 namespace envmap {
@@ -51,7 +51,7 @@ struct Outline {
 
   /// Follows the outline of texel `first` + k. False where it is none on one face, or where bilinear interpolation would
   /// not show the directions themselves.
-  bool follow(const Level& source, const Target& target, const Sides& sides, std::size_t k);
+  bool follow(const PaddedLevel& source, const Target& target, const Sides& sides, std::size_t k);
 
   /// How far a side bends away from its pieces: the largest distance over what `tolerance` of a texel is, or of the
   /// outline's own thickness where that is less.
@@ -63,7 +63,7 @@ struct Outline {
 };
 
 /// A location in source texels with their centres at whole numbers.
-inline Vec2<double> in_texels(const Level& source, const Location<double>& at) {
+inline Vec2<double> in_texels(const PaddedLevel& source, const Location<double>& at) {
   return {at.u * source.width() - 0.5, at.v * source.height() - 0.5};
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "envmap/sample/footprint.h"
-#include "envmap/sample/sample.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 namespace {
@@ -17,7 +17,7 @@ constexpr double most_probes = 32;  // Along a side of a texel: what is more obl
 
 }  // namespace
 
-void sample_trilinear(std::span<const Level> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out) {
+void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out) {
   const double level = std::clamp(lod, 0.0, static_cast<double>(levels.size() - 1));
   const auto fine = static_cast<std::size_t>(level);
   const auto f = static_cast<float>(level - static_cast<double>(fine));
@@ -29,12 +29,12 @@ void sample_trilinear(std::span<const Level> levels, std::span<const Location<do
   for (std::size_t k = 0; k < at.size(); ++k) out[k] = (1 - f) * out[k] + f * coarse[k];
 }
 
-Probes trilinear_plan(const Target& target, const Level& base, int face, const Vec2<double>& at) {
+Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Vec2<double>& at) {
   const Ellipse e = ellipse(jacobian(target, base.projection(), base.height(), face, at));
   return {.lod = std::log2(std::max(1.0, e.major))};
 }
 
-Probes ewa_plan(const Target& target, const Level& base, int face, const Vec2<double>& at) {
+Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const Vec2<double>& at) {
   const Jacobian j = jacobian(target, base.projection(), base.height(), face, at);
   const double across = glm::length(j.du), down = glm::length(j.dv);
   const double texel = std::max({1.0, ellipse(j).minor / finer, across / most_probes, down / most_probes});

@@ -2,20 +2,19 @@
 /// Filters that read mip levels: trilinear, and footprints put together from trilinear probes.
 #pragma once
 
-#include "envmap/map/environment_map.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/sample/probes.h"
 
 namespace envmap {
 
 /// Between the two levels next to `lod` (0 is the finest), bilinear in each (Williams 1983, "Pyramidal parametrics").
-/// @param levels with their gutters filled.
-void sample_trilinear(std::span<const Level> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out);
+void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out);
 
 /// One probe at the level where a texel is as wide as the footprint is long: never aliases, blurs what is oblique.
-Probes trilinear_plan(const Target& target, const Level& base, int face, const Vec2<double>& at);
+Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Vec2<double>& at);
 
 /// As many probes as tile the footprint at a level chosen by its short axis: footprint assembly (Schilling, Knittel and
 /// Strasser 1996, "Texram"), with the axes that EWA takes from the Jacobian (Heckbert 1989).
-Probes ewa_plan(const Target& target, const Level& base, int face, const Vec2<double>& at);
+Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const Vec2<double>& at);
 
 }  // namespace envmap

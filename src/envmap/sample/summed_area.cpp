@@ -8,7 +8,7 @@
 
 #include "envmap/sample/footprint.h"
 #include "envmap/sample/probes.h"
-#include "envmap/sample/sample.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 namespace {
@@ -25,7 +25,7 @@ struct Box {
 };
 
 // A texel of the face, or of the environment where the projection continues to beyond it; weighted by |dd/du x dd/dv|.
-Texel texel_or_beyond(const Level& level, int face, int i, int j) {
+Texel texel_or_beyond(const PaddedLevel& level, int face, int i, int j) {
   const double n = level.height(), u = (i + 0.5) / level.width(), v = (j + 0.5) / n;
   const Derivative d = derivative(level.projection(), {face, u, v}, 0.25 / n);
   const double weight = glm::length(glm::cross(d.du, d.dv));
@@ -42,8 +42,7 @@ Texel texel_or_beyond(const Level& level, int face, int i, int j) {
 
 }  // namespace
 
-template <class T>
-SummedArea<T>::SummedArea(const Level& level, int margin)
+SummedArea::SummedArea(const PaddedLevel& level, int margin)
     : margin_(margin),
       width_(level.width() + 2 * margin),
       height_(level.height() + 2 * margin),
@@ -52,20 +51,18 @@ SummedArea<T>::SummedArea(const Level& level, int margin)
   tbb::parallel_for(0, level.faces(), [&](int face) { fill_face(level, face); });
 }
 
-template <class T>
-const typename SummedArea<T>::Entry* SummedArea<T>::entry(int face, int i, int j) const {
+const SummedArea::Entry* SummedArea::entry(int face, int i, int j) const {
   return entries_.data() + (static_cast<std::ptrdiff_t>(face) * (height_ + 1) + j) * (width_ + 1) + i;
 }
 
-template <class T>
-void SummedArea<T>::fill_face(const Level& level, int face) {
+void SummedArea::fill_face(const PaddedLevel& level, int face) {
   const auto at = [&](int i, int j) { return const_cast<Entry*>(entry(face, i, j)); };
   tbb::parallel_for(0, height_, [&](int j) {
     Entry row;
     for (int i = 0; i < width_; ++i) {
       const Texel t = texel_or_beyond(level, face, i - margin_, j - margin_);
-      row.light += glm::vec<3, T, glm::highp>(t.light);
-      row.weight += static_cast<T>(t.weight);
+      row.light += t.light;
+      row.weight += t.weight;
       *at(i + 1, j + 1) = row;
     }
   });
@@ -77,20 +74,17 @@ void SummedArea<T>::fill_face(const Level& level, int face) {
 }
 
 // The table is linear between its entries, as the sum over a texel of one colour is.
-template <class T>
-void SummedArea<T>::add_corner(int face, double x, double y, double sign, Direction& light, double& weight) const {
+void SummedArea::add_corner(int face, double x, double y, double sign, Direction& light, double& weight) const {
   const int i = std::clamp(static_cast<int>(x), 0, width_ - 1), j = std::clamp(static_cast<int>(y), 0, height_ - 1);
   const double fx = x - i, fy = y - j;
   const Entry* a = entry(face, i, j);
   const Entry* b = entry(face, i, j + 1);
   const double w[4] = {sign * (1 - fx) * (1 - fy), sign * fx * (1 - fy), sign * (1 - fx) * fy, sign * fx * fy};
-  light += w[0] * Direction(a[0].light) + w[1] * Direction(a[1].light) + w[2] * Direction(b[0].light) +
-           w[3] * Direction(b[1].light);
+  light += w[0] * a[0].light + w[1] * a[1].light + w[2] * b[0].light + w[3] * b[1].light;
   weight += w[0] * a[0].weight + w[1] * a[1].weight + w[2] * b[0].weight + w[3] * b[1].weight;
 }
 
-template <class T>
-Colour SummedArea<T>::mean(const Location<double>& at, Vec2<double> half) const {
+Colour SummedArea::mean(const Location<double>& at, Vec2<double> half) const {
   half = glm::clamp(half, Vec2<double>(0.5), Vec2<double>(margin_));
   const double x = at.u * (width_ - 2 * margin_) + margin_, y = at.v * (height_ - 2 * margin_) + margin_;
   Direction light(0);
@@ -102,13 +96,10 @@ Colour SummedArea<T>::mean(const Location<double>& at, Vec2<double> half) const 
   return Colour(glm::max(light / weight, Direction(0)));  // Rounding may leave a black place below 0.
 }
 
-template class SummedArea<double>;
-template class SummedArea<float>;
-
-Sampler summed_area_sampler(const Level& source, const Target& target) {
+Sampler summed_area_sampler(const PaddedLevel& source, const Target& target) {
   const double covers = static_cast<double>(matching_size(source.projection(), source.height(), target.to)) / target.size;
   const int margin = std::clamp(static_cast<int>(2 * covers) + 2, 2, std::max(2, source.height() / 2));
-  const auto table = std::make_shared<SummedArea<double>>(source, margin);
+  const auto table = std::make_shared<SummedArea>(source, margin);
   return [&source, target, table](int face, int row, int first, std::span<Colour> out) {
     const auto plan = [&](int on, const Vec2<double>& at) {
       const Jacobian j = jacobian(target, source.projection(), source.height(), on, at);

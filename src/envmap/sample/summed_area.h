@@ -4,31 +4,29 @@
 
 #include <vector>
 
-#include "envmap/map/environment_map.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"
 
 namespace envmap {
 
 /// Sums of radiance x solid angle over all texels left of and above a place, for every face with a margin around it that
 /// is filled through the projection.
-///
-/// @tparam T of the sums. Behind a sun of 1e8 a float has no digits left for a sky of 1: what is right of and below the
-/// sun turns to noise (tests/numeric/filter_test.cpp shows it). Doubles keep 1e-7 of the sky beside a sun of 1e9.
-template <class T>
+/// Sums are doubles: behind a sun of 1e8 a float has no digits left for a sky of 1. They keep 1e-7 of the sky beside a sun
+/// of 1e9.
 class SummedArea {
  public:
-  /// @param level its gutter filled. @param margin texels around each face: half the largest box.
-  SummedArea(const Level& level, int margin);
+  /// @param margin texels around each face: half the largest box.
+  SummedArea(const PaddedLevel& level, int margin);
 
   /// Solid-angle weighted mean over a box about a place; `half` are half its sides in texels, cut to the margin.
   [[nodiscard]] Colour mean(const Location<double>& at, Vec2<double> half) const;
 
  private:
   struct Entry {
-    glm::vec<3, T, glm::highp> light{0};
-    T weight{0};
+    Vec3<double> light{0};
+    double weight = 0;
   };
-  void fill_face(const Level& level, int face);
+  void fill_face(const PaddedLevel& level, int face);
   [[nodiscard]] const Entry* entry(int face, int i, int j) const;
   void add_corner(int face, double x, double y, double sign, Direction& light, double& weight) const;
 
@@ -36,11 +34,8 @@ class SummedArea {
   std::vector<Entry> entries_;   // (width + 1) x (height + 1) a face, the first row and column 0.
 };
 
-extern template class SummedArea<double>;
-extern template class SummedArea<float>;
-
 /// Boxes that hold the footprint of each texel: seamless, never alias, blur what is oblique to the source's axes.
 /// @param source must outlive the sampler.
-Sampler summed_area_sampler(const Level& source, const Target& target);
+Sampler summed_area_sampler(const PaddedLevel& source, const Target& target);
 
 }  // namespace envmap

@@ -18,6 +18,6 @@ namespace envmap {
 void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions, std::span<Location<double>> out);
 
 /// The z of a direction below which locate_for_bilinear() is not locate().
-double settled_below(Projection p, int size);
+double bilinear_bends_below(Projection p, int size);
 
 }  // namespace envmap

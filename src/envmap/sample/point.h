@@ -1,19 +1,19 @@
 /// @file
-/// Point samples of one level. Every function wants a level whose gutter is filled.
+/// Point samples of one level.
 #pragma once
 
 #include <cmath>
 #include <span>
 
-#include "envmap/map/environment_map.h"
+#include "envmap/sample/padded_level.h"
 
 namespace envmap {
 
 /// The texel that contains the location.
-Colour nearest(const Level& level, const Location<double>& at);
+Colour nearest(const PaddedLevel& level, const Location<double>& at);
 
 /// The seamless bilinear reconstruction: what this project takes the continuous environment of a map to be.
-inline Colour bilinear(const Level& level, const Location<double>& at) {
+inline Colour bilinear(const PaddedLevel& level, const Location<double>& at) {
   const double x = at.u * level.width() - 0.5, y = at.v * level.height() - 0.5;
   const double left = std::floor(x), top = std::floor(y);
   const float fx = static_cast<float>(x - left), fy = static_cast<float>(y - top);
@@ -25,7 +25,7 @@ inline Colour bilinear(const Level& level, const Location<double>& at) {
 }
 
 /// The same for many locations; bilinear a vector at a time, with the same result to the last bit.
-void sample_nearest(const Level& level, std::span<const Location<double>> at, std::span<Colour> out);
-void sample_bilinear(const Level& level, std::span<const Location<double>> at, std::span<Colour> out);
+void sample_nearest(const PaddedLevel& level, std::span<const Location<double>> at, std::span<Colour> out);
+void sample_bilinear(const PaddedLevel& level, std::span<const Location<double>> at, std::span<Colour> out);
 
 }  // namespace envmap

@@ -11,7 +11,6 @@ namespace envmap {
 Level to_cell_centres(const Level& border);
 
 /// For such a file: values at u = i / (width - 1), v = j / (height - 1), bicubic over edges and poles. A pole is one value.
-/// @param centres gets its gutter filled.
-Level to_border(Level& centres);
+Level to_border(const Level& level);
 
 }  // namespace envmap

@@ -1,4 +1,4 @@
-#include "envmap/sample/settle.h"
+#include "envmap/sample/inverse_bilinear.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +67,7 @@ Location<double> settled(const Direction& wanted, const Location<double>& start,
 
 }  // namespace
 
-double settled_below(Projection p, int size) {
+double bilinear_bends_below(Projection p, int size) {
   // With q = sqrt((1 + z) / 2) the curvature of the map grows as q^-3: before this, interpolation is off by less than
   // 0.04 of the angle that a texel spans at the middle.
   return p == Projection::sphere ? 2 * std::pow(4.0 / size, 2.0 / 3) - 1 : -2;
@@ -76,7 +76,7 @@ double settled_below(Projection p, int size) {
 void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions, std::span<Location<double>> out) {
   locate(p, directions, out);
   if (p != Projection::sphere) return;
-  const double behind = settled_below(p, size);
+  const double behind = bilinear_bends_below(p, size);
   Corners corners;
   for (std::size_t k = 0; k < directions.size(); ++k)
     if (directions[k].z < behind) out[k] = settled(directions[k], out[k], size, corners);

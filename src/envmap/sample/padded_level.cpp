@@ -1,50 +1,53 @@
-#include "envmap/map/gutter.h"
+#include "envmap/sample/padded_level.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
 
-#include "envmap/sample/sample.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 namespace {
 
-struct GutterTexel {
+struct ApronTexel {
   int face, i, j;
   Direction beyond;         // Where the projection continues to at this texel.
   Location<double> source;  // What part of the image shows that direction.
 };
 
-bool in_face(const Level& level, int i, int j) { return i >= 0 && j >= 0 && i < level.width() && j < level.height(); }
+bool in_face(const PaddedLevel& level, int i, int j) { return i >= 0 && j >= 0 && i < level.width() && j < level.height(); }
 
 // Distance of a texel's centre from the middle of the disc, which has radius 1.
-double radius(const Level& level, int i, int j) {
+double radius(const PaddedLevel& level, int i, int j) {
   const double n = level.height();
   return glm::length(Vec2<double>((2 * i + 1) / n - 1, 1 - (2 * j + 1) / n));
 }
 
-bool is_image(const Level& level, int i, int j) {
+bool is_image(const PaddedLevel& level, int i, int j) {
   return in_face(level, i, j) && (!on_disc(level.projection()) || radius(level, i, j) <= 1);
 }
 
-// Of a disc, the texels that a tap can reach: at most sqrt(2) x gutter texels of width 2/n from the place it is read for.
-bool is_gutter(const Level& level, int i, int j) {
+// Of a disc, the texels that a tap can reach: at most sqrt(2) x apron texels of width 2/n from the place it is read for.
+bool is_apron(const PaddedLevel& level, int i, int j) {
   if (is_image(level, i, j)) return false;
   return !on_disc(level.projection()) ||
-         radius(level, i, j) <= 1 + 2 * std::numbers::sqrt2 * Level::gutter / level.height();
+         radius(level, i, j) <= 1 + 2 * std::numbers::sqrt2 * Level::apron / level.height();
 }
 
-std::vector<GutterTexel> gutter_texels(const Level& level) {
-  constexpr int g = Level::gutter;
+std::vector<ApronTexel> apron_texels(const PaddedLevel& level) {
+  constexpr int g = Level::apron;
   const int w = level.width(), h = level.height();
-  std::vector<GutterTexel> found;
+  std::vector<ApronTexel> found;
   visit(level.projection(), [&](auto p) {
     using P = decltype(p);
     for (int face = 0; face < level.faces(); ++face)
       for (int j = -g; j < h + g; ++j)
         for (int i = -g; i < w + g; ++i) {
           if (!P::on_disc && i == 0 && j >= 0 && j < h) i = w;  // All of an inner row is image.
-          if (!is_gutter(level, i, j)) continue;
+          if (!is_apron(level, i, j)) continue;
           // Round a disc of one or two texels some lie so far out that they would have gone round the sphere once.
           const double pull = P::on_disc ? std::min(1.0, 1.9 / radius(level, i, j)) : 1;
           const Direction beyond =
@@ -56,28 +59,6 @@ std::vector<GutterTexel> gutter_texels(const Level& level) {
 }
 
 constexpr std::size_t between_trims = 256;
-
-void store(Level& level, const std::vector<GutterTexel>& texels, const std::vector<Colour>& values) {
-  for (std::size_t k = 0; k < texels.size(); ++k) {
-    if (k % between_trims == 0) level.trim();
-    *level.texel(texels[k].face, texels[k].i, texels[k].j) = values[k];
-  }
-}
-
-// ---- faces whose edges follow their texels: cube, latlong -----------------------------------------------------------
-
-// Bilinear values. Some taps are gutter themselves, with a weight of about half a texel / size: start from the nearest
-// texel of the image, then repeat, which contracts.
-void fill_by_bilinear(Level& level, const std::vector<GutterTexel>& texels) {
-  std::vector<Colour> values(texels.size());
-  for (int round = 0; round < 4; ++round) {
-    for (std::size_t k = 0; k < texels.size(); ++k) {
-      if (k % between_trims == 0) level.trim();
-      values[k] = round == 0 ? nearest(level, texels[k].source) : bilinear(level, texels[k].source);
-    }
-    store(level, texels, values);
-  }
-}
 
 // ---- rims ------------------------------------------------------------------------------------------------------------
 
@@ -122,7 +103,7 @@ class TangentFit {
 };
 
 // Adds the image texels within `reach` of a place given in texels of a face.
-void add_neighbours(TangentFit& fit, const Level& level, int face, double x, double y) {
+void add_neighbours(TangentFit& fit, const PaddedLevel& level, int face, double x, double y) {
   constexpr double reach = 2.6;
   constexpr std::size_t most = 36;  // Whole numbers in an interval 2 x 2.6 long: six at most, each way.
   const int n = level.height();
@@ -144,26 +125,44 @@ void add_neighbours(TangentFit& fit, const Level& level, int face, double x, dou
   for (std::size_t k = 0; k < count; ++k) fit.add(d[k], *colours[k], weights[k]);
 }
 
-// The texels just outside a rim and those of the other half (or of the opposite rim) at the same place are each
-// other's neighbours, so no iteration between them gets anywhere: the image texels on both sides are fitted instead.
-void fill_by_fit(Level& level, const std::vector<GutterTexel>& texels) {
-  std::vector<Colour> values(texels.size());
-  for (std::size_t k = 0; k < texels.size(); ++k) {
-    const GutterTexel& t = texels[k];
-    if (k % between_trims == 0) level.trim();
-    TangentFit fit(t.beyond);
-    add_neighbours(fit, level, t.face, t.i, t.j);
-    add_neighbours(fit, level, t.source.face, t.source.u * level.width() - 0.5, t.source.v * level.height() - 0.5);
-    values[k] = fit.empty() ? *level.texel(0, level.width() / 2, level.height() / 2) : fit.value();
-  }
-  store(level, texels, values);
-}
-
 }  // namespace
 
-void fill_gutter(Level& level) {
-  const std::vector<GutterTexel> texels = gutter_texels(level);
-  on_disc(level.projection()) ? fill_by_fit(level, texels) : fill_by_bilinear(level, texels);
+PaddedLevel::PaddedLevel(const Level& level) : PaddedLevel(level.clone()) {}
+
+PaddedLevel::PaddedLevel(Level&& level) : level_(std::move(level)) {
+  on_disc(projection()) ? fill_by_fit() : fill_by_bilinear();
+}
+
+// Of faces whose edges follow their texels: cube, latlong. Some taps are apron themselves, with a weight of about half a
+// texel / size: start from the nearest texel of the image, then repeat, which contracts.
+void PaddedLevel::fill_by_bilinear() {
+  const std::vector<ApronTexel> texels = apron_texels(*this);
+  std::vector<Colour> values(texels.size());
+  for (int round = 0; round < 4; ++round) {
+    for (std::size_t k = 0; k < texels.size(); ++k) {
+      if (k % between_trims == 0) trim();
+      values[k] = round == 0 ? nearest(*this, texels[k].source) : bilinear(*this, texels[k].source);
+    }
+    for (std::size_t k = 0; k < texels.size(); ++k) {
+      if (k % between_trims == 0) trim();
+      *level_.stored(texels[k].face, texels[k].i, texels[k].j) = values[k];
+    }
+  }
+}
+
+// The texels just outside a rim and those of the other half (or of the opposite rim) at the same place are each
+// other's neighbours, so no iteration between them gets anywhere: the image texels on both sides are fitted instead.
+// The fit reads image texels alone, so each apron texel is written as soon as it is known.
+void PaddedLevel::fill_by_fit() {
+  const std::vector<ApronTexel> texels = apron_texels(*this);
+  for (std::size_t k = 0; k < texels.size(); ++k) {
+    const ApronTexel& t = texels[k];
+    if (k % between_trims == 0) trim();
+    TangentFit fit(t.beyond);
+    add_neighbours(fit, *this, t.face, t.i, t.j);
+    add_neighbours(fit, *this, t.source.face, t.source.u * width() - 0.5, t.source.v * height() - 0.5);
+    *level_.stored(t.face, t.i, t.j) = fit.empty() ? *texel(0, width() / 2, height() / 2) : fit.value();
+  }
 }
 
 }  // namespace envmap

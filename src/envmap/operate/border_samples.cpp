@@ -1,16 +1,15 @@
-#include "envmap/map/border.h"
+#include "envmap/operate/border_samples.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 
-#include "envmap/map/gutter.h"
 #include "envmap/sample/bicubic.h"
 
 namespace envmap {
 
 Level to_cell_centres(const Level& border) {
-  if (border.width() < 2 || border.height() < 2) return border;
+  if (border.width() < 2 || border.height() < 2) return border.clone();
   Level level(border.projection(), border.height(), border.width());
   const double sx = (level.width() - 1.0) / level.width(), sy = (level.height() - 1.0) / level.height();
   tbb::parallel_for(0, level.faces() * level.height(), [&](int k) {
@@ -29,10 +28,10 @@ Level to_cell_centres(const Level& border) {
   return level;
 }
 
-Level to_border(Level& centres) {
+Level to_border(const Level& level) {
+  const PaddedLevel centres(level);
   const int w = centres.width(), h = centres.height();
   Level border(centres.projection(), h, w);
-  fill_gutter(centres);
   const auto place = [](int i, int n) { return n > 1 ? i / (n - 1.0) : 0.5; };
   tbb::parallel_for(0, centres.faces() * h, [&](int k) {
     const int face = k / h, j = k % h;

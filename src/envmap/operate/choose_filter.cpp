@@ -1,4 +1,4 @@
-#include "envmap/operate/choose.h"
+#include "envmap/operate/choose_filter.h"
 
 #include <tbb/parallel_for.h>
 
@@ -6,9 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "envmap/map/gutter.h"
 #include "envmap/maths/sum.h"
-#include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 
 namespace envmap {
@@ -57,7 +55,7 @@ std::vector<Texel> every(std::int64_t count, Projection p, int size) {
 }
 
 // The texels in which one sample and 2 x 2 differ most, for their own radiance and for the light that is wrong.
-std::vector<Texel> hardest(const std::vector<Level>& levels, const Target& target, double floor) {
+std::vector<Texel> hardest(const std::vector<PaddedLevel>& levels, const Target& target, double floor) {
   const std::vector<Texel> texels = every(searched, target.to, target.size);
   const std::vector<Colour> one = sampled(make_sampler(levels, target, {Filter::bilinear, 1}), texels);
   const std::vector<Colour> four = sampled(make_sampler(levels, target, {Filter::bilinear, 2}), texels);
@@ -87,9 +85,9 @@ std::vector<double> weights(const Target& target, std::span<const Texel> texels)
 
 // The metrics of compare(). For rms the brightest texels stand for themselves and the first `even`, spread over the map,
 // for `share` each: most of the power of a map with a sun is in a few texels.
-Trial measured(const Candidate& candidate, std::span<const Colour> result, std::span<const Colour> truth,
+FilterTrial measured(const Candidate& candidate, std::span<const Colour> result, std::span<const Colour> truth,
                std::span<const double> weights, std::size_t even, double share, double floor) {
-  Trial t{candidate.filter, candidate.samples, 0, 0, 0};
+  FilterTrial t{candidate.filter, candidate.samples, 0, 0, 0};
   Sum error, power;
   for (std::size_t k = 0; k < truth.size(); ++k)
     for (int c = 0; c < 3; ++c) {
@@ -105,37 +103,28 @@ Trial measured(const Candidate& candidate, std::span<const Colour> result, std::
 
 }  // namespace
 
-Choice cheapest_filter(EnvironmentMap& source, const Conversion& wanted, double max_error) {
-  const Conversion c = resolved(wanted, source);
-  const Target target = target_of(c, source);
-  add_levels(source.levels);
-  for (Level& level : source.levels) fill_gutter(level);
-  const double floor = 1e-3 * mean_radiance(source.base());
-  std::vector<Texel> texels = every(static_cast<std::int64_t>(spread), c.to, c.size);
+FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target& target, double max_error, double floor) {
+  std::vector<Texel> texels = every(static_cast<std::int64_t>(spread), target.to, target.size);
   texels.resize(std::min(texels.size(), spread));
   const std::size_t even = texels.size();
-  std::ranges::copy(hardest(source.levels, target, floor), std::back_inserter(texels));
+  std::ranges::copy(hardest(levels, target, floor), std::back_inserter(texels));
   const std::vector<double> w = weights(target, texels);
-  const double all = static_cast<double>(faces(c.to)) * c.size * c.size * aspect(c.to);
+  const double all = static_cast<double>(faces(target.to)) * target.size * target.size * aspect(target.to);
   const double share = std::max(1.0, all / static_cast<double>(even));
-  const auto truth =
-      sampled(make_sampler(source.levels, target, {Filter::area, 1, std::max(1e-7, 0.1 * max_error), floor}), texels);
+  const auto truth = sampled(make_sampler(levels, target, {Filter::area, 1, std::max(1e-7, 0.1 * max_error), floor}), texels);
 
-  Choice choice{.conversion = c, .best = {}, .trials = {}, .texels = static_cast<std::int64_t>(texels.size()), .reached = false};
+  FilterChoice choice{.filter = {}, .trials = {}, .texels = static_cast<std::int64_t>(texels.size()), .reached = false};
   const auto attempt = [&](const Candidate& candidate) {
-    choice.conversion.filter = candidate.filter;
-    choice.conversion.samples = candidate.samples;
-    choice.conversion.area_tolerance = std::max(1e-7, 0.25 * max_error);
-    const FilterOptions options{candidate.filter, candidate.samples, choice.conversion.area_tolerance, floor};
+    choice.filter = {candidate.filter, candidate.samples, std::max(1e-7, 0.25 * max_error), floor};
     const auto start = std::chrono::steady_clock::now();
-    const Sampler sampler = make_sampler(source.levels, target, options);
+    const Sampler sampler = make_sampler(levels, target, choice.filter);
     const auto made = std::chrono::steady_clock::now();
     const auto result = sampled(sampler, texels);
     const std::chrono::duration<double> making = made - start, sampling = std::chrono::steady_clock::now() - made;
-    choice.best = measured(candidate, result, truth, w, even, share, floor);
-    choice.best.seconds_per_texel = making.count() / all + sampling.count() / static_cast<double>(texels.size());
-    choice.trials.push_back(choice.best);
-    choice.reached = choice.best.rms <= max_error && choice.best.maximum <= max_error;
+    FilterTrial trial = measured(candidate, result, truth, w, even, share, floor);
+    trial.seconds_per_texel = making.count() / all + sampling.count() / static_cast<double>(texels.size());
+    choice.trials.push_back(trial);
+    choice.reached = trial.rms <= max_error && trial.maximum <= max_error;
     return choice.reached;
   };
   for (const Candidate& candidate : candidates)

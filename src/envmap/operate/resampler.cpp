@@ -1,0 +1,137 @@
+#include "envmap/operate/resampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "envmap/operate/levels.h"
+#include "envmap/operate/measure.h"
+#include "envmap/base/parallel.h"
+
+namespace envmap {
+namespace {
+
+// Degrees that a texel spans along the height of a face.
+double pitch(Projection p, int size) {
+  return visit(p, [](auto q) { return decltype(q)::span; }) / size;
+}
+
+// How many source texels a texel of the result covers, along a side.
+double covered(const Target& target, const Level& source) {
+  return pitch(target.to, target.size) / pitch(source.projection(), source.height());
+}
+
+Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
+  const int size = o.size.value_or(matching_size(source.projection(), source.base().height(), o.to.projection));
+  return {o.to.projection, size,
+          glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) * image_to_world(o.to.forward)};
+}
+
+bool same_grid(const Target& target, const Level& source) {
+  return target.to == source.projection() && target.size == source.height();
+}
+
+bool near_whole(double x, double tolerance) { return std::abs(x - std::round(x)) <= tolerance; }
+
+// Whether a turn takes texel centres to texel centres: quarter turns of a cube, and whole columns of a latlong map. The
+// angles of a turn are rounded, and so are its sines.
+bool permutes_texels(const Target& target, const Level& source) {
+  constexpr double rounding = 1e-12;
+  if (!same_grid(target, source)) return false;
+  const Rotation& r = target.to_source;
+  if (target.to == Projection::cube) {
+    for (int column = 0; column < 3; ++column)
+      for (int row = 0; row < 3; ++row)
+        if (!near_whole(r[column][row], rounding)) return false;
+    return true;
+  }
+  if (target.to != Projection::latlong || std::abs(r[1][1] - 1) > rounding) return false;
+  return near_whole(std::atan2(r[2][0], r[2][2]) / (2 * pi) * source.width(), rounding * source.width());
+}
+
+FilterOptions make_filter(const Target& target, const Level& source, const ConvertOptions& o) {
+  FilterOptions f{.filter = o.filter.value_or(Filter::bilinear), .samples = o.samples, .area_error = o.area_error.value_or(1e-4)};
+  if (o.filter) return f;
+  const double covers = covered(target, source);
+  if (covers > 1.25) f.filter = Filter::area, f.area_error = o.area_error.value_or(1e-3);
+  if (covers > 0.5 && !permutes_texels(target, source)) f.samples = std::max(f.samples, 2);
+  return f;
+}
+
+// Whether the filter gives a texel's own value back at its centre.
+bool interpolates(const FilterOptions& f) {
+  return f.samples == 1 && (f.filter == Filter::nearest || f.filter == Filter::bilinear || f.filter == Filter::bicubic);
+}
+
+// Texels of the result between looks at the memory of a source in a scratch file: each place may bring in 16 pages, a
+// large area more than that.
+std::size_t between_trims(const Target& target, const Level& source) {
+  if (source.max_memory() == 0) return std::numeric_limits<std::size_t>::max();
+  const double covers = covered(target, source);
+  return static_cast<std::size_t>(std::clamp(256 * 64 / (covers * covers), 1.0, 256.0));
+}
+
+// The texels of a row that carry the image, the others black.
+std::span<Colour> image_part(const Columns& in, std::span<Colour> row) {
+  std::ranges::fill(row, Colour(0));
+  return row.subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first));
+}
+
+}  // namespace
+
+Resampler::Resampler(EnvironmentMap&& source, const ConvertOptions& options)
+    : frame_(options.to),
+      target_(make_target(source, options)),
+      filter_(make_filter(target_, source.base(), options)),
+      gain_(options.gain),
+      texels_between_trims_(between_trims(target_, source.base())) {
+  if (!options.max_error && interpolates(filter_)) {
+    if (same_grid(target_, source.base()) && target_.to_source == Rotation(1)) {
+      unchanged_ = std::move(source.base());
+      return;
+    }
+    if (permutes_texels(target_, source.base())) filter_.filter = Filter::nearest;
+  }
+  // The mean costs more than many a conversion: exact solid angles of every texel.
+  if (options.max_error || filter_.filter == Filter::area) filter_.floor = 1e-3 * mean_radiance(source.base());
+  if (options.max_error || reads_levels(filter_.filter)) add_levels(source.levels);
+  for (Level& level : source.levels) levels_.emplace_back(std::move(level));
+  if (options.max_error) {
+    choice_ = choose_filter(levels_, target_, *options.max_error, filter_.floor);
+    filter_ = choice_->filter;
+  }
+  sampler_ = make_sampler(levels_, target_, filter_);
+}
+
+Rows Resampler::rows() const {
+  return {frame_.projection, target_.size, frame_.forward, [this](int face, int row, std::span<Colour> out) {
+            const Columns in = columns(target_.to, target_.size, row);
+            const std::span<Colour> texels = image_part(in, out);
+            if (unchanged_) {
+              unchanged_->trim();
+              std::ranges::copy(unchanged_->row(face, row).subspan(static_cast<std::size_t>(in.first), texels.size()),
+                                texels.begin());
+            } else {
+              for (std::size_t k = 0; k < texels.size(); k += texels_between_trims_) {
+                sampler_(face, row, in.first + static_cast<int>(k),
+                         texels.subspan(k, std::min(texels_between_trims_, texels.size() - k)));
+                for (const PaddedLevel& level : levels_) level.trim();
+              }
+            }
+            if (gain_ != 1)
+              for (Colour& texel : texels) texel = Colour(Direction(texel) * gain_);
+          }};
+}
+
+EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Progress& progress) {
+  const Resampler resampler(source, options);
+  const Rows rows = resampler.rows();
+  EnvironmentMap out = blank_map(resampler.frame(), resampler.size());
+  Level& level = out.base();
+  for_each_row(level.faces(), level.height(), progress,
+               [&](int face, int row) { rows.fill(face, row, level.row(face, row)); });
+  return out;
+}
+
+}  // namespace envmap

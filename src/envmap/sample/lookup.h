@@ -1,0 +1,29 @@
+/// @file
+/// Radiance by world direction.
+#pragma once
+
+#include "envmap/sample/padded_level.h"
+
+namespace envmap {
+
+/// The continuous environment that a map stands for: the seamless bilinear reconstruction of its level 0.
+class EnvironmentLookup {
+ public:
+  /// Copies the texels, or takes them over.
+  explicit EnvironmentLookup(const EnvironmentMap& map) : EnvironmentLookup(map.base().clone(), map.forward) {}
+  explicit EnvironmentLookup(EnvironmentMap&& map) : EnvironmentLookup(std::move(map.base()), map.forward) {}
+
+  /// @param direction a unit vector of the world.
+  [[nodiscard]] Colour operator()(const Direction& direction) const;
+
+  [[nodiscard]] const PaddedLevel& level() const { return level_; }
+  [[nodiscard]] const Rotation& world_to_image() const { return world_to_image_; }
+
+ private:
+  EnvironmentLookup(Level&& level, Forward forward);
+
+  PaddedLevel level_;
+  Rotation world_to_image_;
+};
+
+}  // namespace envmap
