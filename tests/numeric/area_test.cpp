@@ -139,6 +139,18 @@ TEST(Area, IsRightAtThePole) {
   }
 }
 
+// Of sources so small that the solid angle bends over a texel, and in texels that hold a pole, at every tolerance.
+TEST(Area, IsRightAtThePoleOfASmallSource) {
+  const EnvironmentMap source = noise(50);
+  std::vector<EnvironmentMap> results;
+  for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6})
+    results.push_back(convert(source, {.to = Projection::angular, .size = 14, .filter = Filter::area, .area_error = tolerance}));
+  for (const auto& [i, j] : {std::pair{6, 3}, {7, 3}, {6, 10}, {7, 10}}) {
+    const double truth = brute_force({source.base()}, Projection::angular, 14, 0, i, j, 700);
+    for (const EnvironmentMap& result : results) EXPECT_NEAR(result.base().texel(0, i, j)->x / truth, 1, 3e-5) << i << "," << j;
+  }
+}
+
 // One texel holds a sun; whatever projection it falls into, its light is all there.
 TEST_P(EachArea, KeepsTheFluxOfASunInOneTexel) {
   for (const auto& [i, j] : {std::pair{31, 15}, {0, 20}, {40, 3}, {16, 31}}) {

@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
+#include "envmap/base/parallel.h"
 #include "envmap/maths/polygon.h"
 #include "envmap/sample/adaptive.h"
 #include "envmap/sample/coverage.h"
 #include "envmap/sample/outline.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 namespace {
 
-constexpr std::size_t most_pieces = 256;  // That a side of a texel is followed by.
+constexpr std::size_t most_pieces = 4096;  // That a side of a texel is followed by.
 constexpr std::size_t rim_pieces = 64;    // Of a texel that a disc's rim cuts, at the least.
 
 // A side that bends by half the tolerance puts that much of a sun into the wrong one of two texels; what else there
@@ -23,6 +27,7 @@ struct Task {
   const PaddedLevel& source;
   Target target;
   double tolerance;
+  int division;  // Of the source's texels, along a side.
 
   void find(Sides& sides, int face, int row, int first, std::size_t texels, std::size_t pieces, bool inside) const {
     sides.face = face, sides.row = row, sides.first = first, sides.texels = texels, sides.pieces = pieces;
@@ -97,7 +102,7 @@ enum class Outcome { done, bent, unsuitable };
 Outcome texel_mean(const Task& task, std::size_t texel, Workspace& ws, Colour& out) {
   Mean mean;
   if (ws.outline.follow(task.source, task.target, ws.sides, texel)) {
-    if (ws.outline.bend(task.tolerance) > 1) return Outcome::bent;
+    if (ws.outline.bend(task.tolerance, task.division) > 1) return Outcome::bent;
     integrate(task.source, ws.outline.face, ws.outline.points, ws, mean);
   } else if (task.source.projection() == Projection::cube) {
     if (ws.sides.pieces < 8) return Outcome::bent;
@@ -129,7 +134,7 @@ std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Wo
   for (const int column : {first, (first + last) / 2, last}) {
     task.find(ws.sides, face, row, column, 1, 4, false);
     const bool outline = ws.outline.follow(task.source, task.target, ws.sides, 0);
-    most = std::max(most, outline ? ws.outline.bend(task.tolerance) : 1);
+    most = std::max(most, outline ? ws.outline.bend(task.tolerance, task.division) : 1);
   }
   const double pieces = 4 * std::sqrt(1.2 * most);
   return pieces < 0.5 ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(pieces)), 2, 16);
@@ -159,15 +164,38 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
   }
 }
 
+// By what odd factor the texels of a source must be divided for a tolerance: densities are taken as linear over a texel,
+// which leaves an eighth of their second derivative. 0 where the finer source would be too large.
+int division_for(const PaddedLevel& source, double tolerance) {
+  constexpr double most_texels = 3 * 8192.0 * 8192;
+  const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
+  int times = 1;
+  while (0.2 * texel * texel > tolerance * times * times) times += 2;
+  return times == 1 || static_cast<double>(source.faces()) * source.width() * source.height() * times * times < most_texels ? times : 0;
+}
+
+// The same reconstruction from texels an odd number of times as small: their centres meet those of the source's, and a
+// part of a bilinear patch is bilinear.
+PaddedLevel divided(const PaddedLevel& source, int times) {
+  Level fine(source.projection(), source.height() * times, source.width() * times, source.max_memory());
+  for_each_row(fine.faces(), fine.height(), {}, [&](int face, int row) {
+    const std::span<Colour> out = fine.row(face, row);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = bilinear(source, {face, (static_cast<double>(i) + 0.5) / fine.width(), (row + 0.5) / fine.height()});
+    fine.trim();
+  });
+  return PaddedLevel(std::move(fine));
+}
+
 }  // namespace
 
 Sampler area_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
   const Sampler otherwise = adaptive_sampler(source, target, tolerance, floor);
-  // Densities are taken as linear over a texel, which leaves an eighth of their second derivative.
-  const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
-  if (0.2 * texel * texel > tolerance) return otherwise;
-  const Task task{source, target, bend_for_error * tolerance};
-  return [task, otherwise](int face, int row, int first, std::span<Colour> out) {
+  const int times = division_for(source, tolerance);
+  if (times == 0) return otherwise;
+  const auto finer = times > 1 ? std::make_shared<const PaddedLevel>(divided(source, times)) : nullptr;
+  const Task task{finer ? *finer : source, target, bend_for_error * tolerance, times};
+  return [finer, task, otherwise](int face, int row, int first, std::span<Colour> out) {
     while (!out.empty()) {
       const auto count = std::min(out.size(), static_cast<std::size_t>(block - first % block));
       sample_block(task, otherwise, face, row, first, out.first(count));

@@ -13,8 +13,9 @@ namespace envmap {
 /// as densely as the tolerance asks for.
 ///
 /// Over the seam and the poles of a latlong map and the edges of a cube the outline goes on. Texels whose outline meets
-/// the rim of a disc in the source, or that look towards -Z of a sphere map, are left to adaptive_sampler(); so are small
-/// sources (at 1e-4 those of less than 140 rows of a latlong map), over whose texels the solid angle is not linear.
+/// the rim of a disc in the source, or that look towards -Z of a sphere map, are left to adaptive_sampler(). Where the solid
+/// angle is not linear over a texel to the tolerance (at 1e-4 in latlong maps of less than 140 rows), the texels are
+/// divided first, which changes nothing of the reconstruction.
 /// @param source must outlive the sampler.
 /// @param tolerance how far an outline may bend, in source texels, or over its own thickness where that is less. Texels
 /// are right to that, relative to the larger of their value and `floor`, but where a sun is cut in two.

@@ -48,7 +48,7 @@ void Sides::find(const Target& target, Projection source, bool inside) {
   locate(source, directions, places);
 }
 
-double Outline::bend(double tolerance) const {
+double Outline::bend(double tolerance, double unit) const {
   Vec2<double> low = points[0], high = points[0];
   double most = 0, area = 0;
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
@@ -63,7 +63,7 @@ double Outline::bend(double tolerance) const {
   }
   const double across = (high.x - low.x) * narrowing(0.5 * (low.y + high.y));
   const double thickness = 0.5 * std::abs(area) / std::max({across, high.y - low.y, 1e-300});
-  return 0.25 * most / (tolerance * std::min(1.0, thickness));
+  return 0.25 * most / (tolerance * std::min(unit, thickness));
 }
 
 double Outline::narrowing(double y) const {

@@ -53,9 +53,9 @@ struct Outline {
   /// not show the directions themselves.
   bool follow(const PaddedLevel& source, const Target& target, const Sides& sides, std::size_t k);
 
-  /// How far a side bends away from its pieces: the largest distance over what `tolerance` of a texel is, or of the
-  /// outline's own thickness where that is less.
-  [[nodiscard]] double bend(double tolerance) const;
+  /// How far a side bends away from its pieces: the largest distance over `tolerance` times `unit`, or times the outline's
+  /// own thickness where that is less. @param unit in texels.
+  [[nodiscard]] double bend(double tolerance, double unit) const;
 
  private:
   // How long a step along a row of the source is, over one at the equator of a latlong map.
