@@ -139,6 +139,15 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(0, 31));
   app.add_flag("--drop-channels", options.drop_channels, "Read R, G and B of files with more channels");
+  app.add_option("--part", options.choice.part,
+                 "Of an EXR file with several: its name, or its number from 0 (default: the first)")
+      ->type_name("PART");
+  auto* const layer =
+      app.add_option("--layer", options.choice.layer, "Of an EXR file: read LAYER.R, LAYER.G and LAYER.B")
+          ->type_name("LAYER");
+  app.add_option("--channels", options.choice.channels, "Of an EXR file: read these three as R, G and B, or one as grey")
+      ->type_name("R,G,B")
+      ->excludes(layer);
 }
 
 void add_max_memory(CLI::App& app, ReadOptions& options) {
@@ -178,7 +187,9 @@ Source read_map(const std::string& path, const ReadOptions& options, const Commo
   const auto start = std::chrono::steady_clock::now();
   Source source = read(path, options);
   if (source.repaired > 0) note(common, fmt::format("{}: repaired {} texels", path, source.repaired));
+  for (const std::string& what : source.notes) note(common, fmt::format("{}: {}", path, what));
   if (common.verbose) {
+    for (const std::string& what : source.details) note(common, fmt::format("{}: {}", path, what));
     const Level& level = source.map.base();
     note(common, fmt::format("{}: {} {}x{}{}, {} {}, read in {:.2f} s", path, name(level.projection()), level.width(),
                              level.height(), level.faces() > 1 ? fmt::format(" x {} faces", level.faces()) : "",

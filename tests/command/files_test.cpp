@@ -108,6 +108,20 @@ TEST_F(Formats, TakeGreyAsEqualRedGreenAndBlue) {
   EXPECT_EQ(load(path("out.exr")), Picture::filled(8, 4, 0.5));
 }
 
+// TIFF 6.0: of 3 the first row is at the bottom and the first column on the right: half a turn.
+TEST_F(Formats, AreTurnedUpright) {
+  Picture picture = latlong_directions(8);
+  save(path("upright.tif"), picture);
+  OIIO::ImageSpec spec;
+  spec.attribute("Orientation", 3);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 16; ++x) std::swap_ranges(picture.at(x, y), picture.at(x, y) + 3, picture.at(15 - x, 7 - y));
+  save(path("turned.tif"), picture, OIIO::TypeDesc::FLOAT, spec);
+  succeeds({"convert", "upright.tif", "a.exr", "--size", "8"});
+  succeeds({"convert", "turned.tif", "b.exr", "--size", "8"});
+  EXPECT_EQ(difference(load(path("a.exr")), load(path("b.exr"))), 0);
+}
+
 TEST_F(Formats, GoThroughPipes) {
   succeeds({"generate", "directions", "in.exr", "--size", "8"});
   const std::string in = envmap({"info", "in.exr"}).out, facts = in.substr(in.find("projection"));
@@ -241,6 +255,60 @@ TEST_F(Places, NamesWithOddCharactersWork) {
   const std::string name = "a b'c$d#e\xc3\xa9.exr";
   succeeds({"convert", "in.exr", name, "--filter", "nearest"});
   EXPECT_EQ(load(path(name)), latlong_directions(4));
+}
+
+TEST_F(Places, NamesAsLongAsTheyCanBe) {
+  const std::string longest = std::string(251, 'x') + ".exr";
+  for (int k = 0; k < 2; ++k) succeeds({"generate", "sky", longest, "--size", "4"});
+  EXPECT_EQ(names(), (std::vector<std::string>{"in.exr", longest}));
+}
+
+TEST_F(Places, WhatIsReplacedKeepsWhoMayReadIt) {
+  succeeds({"generate", "sky", "a.exr", "--size", "4"});
+  fs::permissions(path("a.exr"), fs::perms(0640));
+  succeeds({"generate", "sky", "a.exr", "--size", "8"});
+  EXPECT_EQ(fs::status(path("a.exr")).permissions(), fs::perms(0640));
+}
+
+TEST_F(Places, TheTemporaryFolderIsNamedWhereItIsMissing) {
+  const Result r = shell("TMPDIR=/nonexistent \"$ENVMAP\" generate sky - --size 4");
+  EXPECT_EQ(r.status, 4);
+  EXPECT_NE(r.err.find("/nonexistent"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("TMPDIR"), std::string::npos) << r.err;
+}
+
+// A limit on files is like a full disk, not a signal; and nothing is left, neither of that nor of a kill.
+TEST_F(Places, NothingIsLeftOfWhatIsCutShort) {
+  const Result limited = shell("ulimit -f 1; \"$ENVMAP\" generate sky a.exr --size 256");
+  EXPECT_EQ(limited.status, 4) << limited.err;
+  for (const char* signal : {"TERM", "QUIT", "INT", "KILL"}) {
+    const std::string line =
+        std::string("\"$ENVMAP\" generate checker b.exr --size 2048 -q & sleep 0.3; kill -") + signal + " $!; wait $!";
+    (void)shell(line);
+  }
+  for (const std::string& name : names()) EXPECT_FALSE(name.starts_with('.')) << name;
+}
+
+// What is no image is refused at its first bytes, however much follows.
+TEST_F(Places, EndlessInputThatIsNoImageIsRefused) {
+  const Result r = shell("\"$ENVMAP\" info - </dev/zero");
+  EXPECT_EQ(r.status, 3);
+  EXPECT_NE(r.err.find("not an image"), std::string::npos) << r.err;
+  EXPECT_EQ(shell("yes | \"$ENVMAP\" info -").status, 3);
+}
+
+// From a file the bytes are read where they are wanted, from where the shell left them.
+TEST_F(Places, StandardInputMayBeAFileOrAPipe) {
+  for (const char* name : {"a.exr", "a.hdr", "a.png", "a.ktx2"}) {
+    succeeds({"generate", "directions", name, "--size", "16"});
+    const std::string info = std::string("\"$ENVMAP\" info - ");
+    const Result file = shell(info + "<" + name), pipe = shell("cat " + std::string(name) + " | " + info);
+    const Result later = shell("(printf 12345; cat " + std::string(name) +
+                               ") >b; (dd bs=1 count=5 of=/dev/null 2>/dev/null; " + info + ") <b");
+    EXPECT_EQ(file.status, 0) << file.err;
+    EXPECT_EQ(file.out, pipe.out);
+    EXPECT_EQ(file.out, later.out) << later.err;
+  }
 }
 
 TEST_F(Places, OutputsHaveTheUsualPermissions) {

@@ -4,11 +4,10 @@
 
 #include <sys/resource.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
-#include <iostream>
-#include <sstream>
 #include <string>
 
 #include "envmap/base/error.h"
@@ -55,11 +54,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   const unsigned choice = size > 0 ? data[size - 1] : 0;
   if (choice & 1) {
-    std::istringstream stream(bytes);
-    std::streambuf* const before = std::cin.rdbuf(stream.rdbuf());
-    std::cin.clear();
+    // A pipe holds 64 kB, more than any input here.
+    int pipe[2];
+    if (::pipe(pipe) != 0 || ::write(pipe[1], bytes.data(), bytes.size()) < 0) std::abort();
+    ::close(pipe[1]);
+    ::dup2(pipe[0], STDIN_FILENO);
+    ::close(pipe[0]);
     try_to_read("-", options(choice));
-    std::cin.rdbuf(before);
   } else {
     try_to_read(file, options(choice));
   }

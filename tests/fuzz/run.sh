@@ -51,6 +51,12 @@ for kind in 'exr --tile 4 4' 'exr -d half --compression dwaa' 'exr -d half --com
   seed "$(echo "$kind" | tr ' ' -)"
 done
 
+# Radiance pictures that only others write: old run lengths, columns first, exposures, XYZE.
+printf '#?RADIANCE\nEXPOSURE=2\nCOLORCORR=1 1 2\nFORMAT=32-bit_rle_rgbe\n\n+X 4 -Y 2\n\100\100\040\200\001\001\001\001\100\100\040\200\001\001\001\001\100\100\040\200\001\001\001\001\100\100\040\200\001\001\001\001' >corpus/map
+seed old-hdr
+printf '#?RGBE\nFORMAT=32-bit_rle_xyze\nPRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329\n\n-Y 1 +X 2\n\100\100\040\200\100\101\040\200' >corpus/map
+seed xyz-hdr
+
 # Scenes small enough to be changed all through: a triangle in each of the three formats, and materials.
 printf 'mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 3/1/1\n' >corpus/scene/triangle.obj
 printf 'v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nvt 0 0\nvt 1 0\ns 1\no a\nusemtl b\nf 1/1 -3/2 \\\n3/1 4\ng c\nl 1 2\n' >corpus/scene/polygon.obj

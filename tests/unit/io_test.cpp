@@ -6,6 +6,7 @@
 #include <ImfOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
+#include <ImfRgbaFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
@@ -75,7 +76,7 @@ TEST_F(Io, FloatExrIsExact) {
 }
 
 TEST_F(Io, ForwardIsRecorded) {
-  const EnvironmentMap map = generate(Directions{}, Projection::latlong, 4, Forward::minus_x);
+  const EnvironmentMap map = generate(Directions{}, Frame{Projection::latlong, Forward::minus_x}, 4);
   write(path("m.exr"), rows_of(map), {});
   EXPECT_EQ(read(path("m.exr"), {}).map.forward, Forward::minus_x);
   EXPECT_EQ(read(path("m.exr"), {.forward = Forward::plus_x}).map.forward, Forward::plus_x);
@@ -163,16 +164,19 @@ TEST_F(Io, LevelsThatAreRoundedUpAreRead) {
 
 // An image of one value a channel, whose windows begin anywhere.
 void write_exr(const std::string& path, const Imath::Box2i& window, const std::map<std::string, Imf::Channel>& channels,
-               const std::map<std::string, float>& values, std::optional<Imf::LevelMode> tiles) {
-  Imf::Header header(window, window);
-  const std::size_t width = 8;
+               const std::map<std::string, float>& values, std::optional<Imf::LevelMode> tiles,
+               std::optional<Imath::Box2i> display = {}) {
+  Imf::Header header(display.value_or(window), window);
+  const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
+  const auto height = static_cast<std::size_t>(window.max.y - window.min.y + 1);
   std::vector<std::vector<float>> pixels;
   Imf::FrameBuffer frame;
   for (const auto& [name, channel] : channels) {
     header.channels().insert(name, channel);
-    pixels.emplace_back(width * 8, values.at(name));
-    char* origin = reinterpret_cast<char*>(pixels.back().data()) -
-                   static_cast<std::ptrdiff_t>(sizeof(float)) * (window.min.x + window.min.y * 8L);
+    pixels.emplace_back(width * height, values.at(name));
+    char* origin =
+        reinterpret_cast<char*>(pixels.back().data()) -
+        static_cast<std::ptrdiff_t>(sizeof(float)) * (window.min.x + window.min.y * static_cast<std::ptrdiff_t>(width));
     frame.insert(name, Imf::Slice(channel.type, origin, sizeof(float), sizeof(float) * width, channel.xSampling,
                                   channel.ySampling));
   }
@@ -220,7 +224,7 @@ TEST_F(Io, ExrChannelsThatAreNoRadiance) {
   EXPECT_THROW(read(path("coarse.exr"), {}), InputError);
 }
 
-// Of a file with several images the first is read.
+// Of a file with several images the first is read, which is said, or the one that was asked for.
 TEST_F(Io, ExrOfSeveralParts) {
   std::vector<Imf::Header> headers;
   const std::vector<float> white(8 * 4, 1), black(8 * 4, 0);
@@ -243,9 +247,151 @@ TEST_F(Io, ExrOfSeveralParts) {
       part.writePixels(4);
     }
   }
+  const auto first = [&](const std::string& part) {
+    return *read(path("m.exr"), {.choice = {.part = part}}).map.base().texel(0, 0, 0);
+  };
   const Source source = read(path("m.exr"), {});
   for (int j = 0; j < 4; ++j)
     for (const Colour& c : source.map.base().row(0, j)) EXPECT_EQ(c, Colour(1));
+  ASSERT_EQ(source.notes.size(), 1U);
+  EXPECT_NE(source.notes[0].find("(white, black)"), std::string::npos);
+  EXPECT_EQ(first("white"), Colour(1));
+  EXPECT_EQ(first("0"), Colour(1));
+  EXPECT_EQ(first("black"), Colour(0));
+  EXPECT_EQ(first("1"), Colour(0));
+  EXPECT_TRUE(read(path("m.exr"), {.choice = {.part = "black"}}).notes.empty());
+  EXPECT_THROW(first("2"), InputError);
+  EXPECT_THROW(first("grey"), InputError);
+}
+
+TEST_F(Io, ExrLayersAndChannels) {
+  const Imf::Channel single(Imf::FLOAT);
+  const Imath::Box2i window({0, 0}, {7, 3});
+  const std::map<std::string, float> values{{"a.R", 1},   {"a.G", 2},   {"a.B", 3},   {"a.A", 9},
+                                            {"b.c.R", 4}, {"b.c.G", 5}, {"b.c.B", 6}, {"Z", 7}};
+  const auto colour = [&](const ImageChoice& choice) {
+    return *read(path("m.exr"), {.choice = choice}).map.base().texel(0, 7, 3);
+  };
+  const auto why = [&](const ImageChoice& choice) -> std::string {
+    try {
+      colour(choice);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  write_exr(path("m.exr"), window, {{"a.R", single}, {"a.G", single}, {"a.B", single}, {"a.A", single}, {"Z", single}},
+            values, {});
+  EXPECT_EQ(colour({}), Colour(1, 2, 3)) << "the only layer";
+  EXPECT_EQ(read(path("m.exr"), {}).notes.size(), 1U);
+  write_exr(path("m.exr"), window,
+            {{"a.R", single}, {"a.G", single}, {"a.B", single}, {"b.c.R", single}, {"b.c.G", single}, {"b.c.B", single}, {"Z", single}},
+            values, {});
+  EXPECT_NE(why({}).find("layers (a, b.c): choose one with --layer"), std::string::npos) << why({});
+  EXPECT_EQ(colour({.layer = "a"}), Colour(1, 2, 3));
+  EXPECT_EQ(colour({.layer = "b.c"}), Colour(4, 5, 6));
+  EXPECT_NE(why({.layer = "b"}).find("its layers are a, b.c"), std::string::npos);
+  EXPECT_EQ(colour({.channels = "b.c.B,a.R,Z"}), Colour(6, 1, 7));
+  EXPECT_EQ(colour({.channels = "Z"}), Colour(7));
+  EXPECT_NE(why({.channels = "b.c.B,a.R,Y"}).find("no channel 'Y'"), std::string::npos);
+  EXPECT_THROW(colour({.channels = "Z,Z"}), UsageError);
+  write_exr(path("m.exr"), window, {{"Z", single}}, values, {});
+  EXPECT_NE(why({}).find("holds only Z (depth), no radiance"), std::string::npos) << why({});
+}
+
+// What a data window leaves out is black; what is beyond the display window is not there.
+TEST_F(Io, ExrDataWindowsArePaddedAndCropped) {
+  const Imf::Channel single(Imf::FLOAT);
+  const std::map<std::string, float> values{{"R", 1}, {"G", 2}, {"B", 3}};
+  const Imath::Box2i shown({100, 50}, {107, 53});
+  const Imath::Box2i datas[] = {{{102, 51}, {104, 52}}, {{90, 40}, {120, 60}}, {{90, 52}, {101, 60}}, {{200, 200}, {202, 201}}};
+  for (const auto& tiles :
+       {std::optional<Imf::LevelMode>(), std::optional(Imf::ONE_LEVEL), std::optional(Imf::MIPMAP_LEVELS)})
+    for (const Imath::Box2i& data : datas) {
+      write_exr(path("m.exr"), data, {{"R", single}, {"G", single}, {"B", single}}, values, tiles, shown);
+      const Source source = read(path("m.exr"), {});
+      EXPECT_EQ(source.notes.size(), 1U);
+      const Level& level = source.map.base();
+      ASSERT_EQ(level.height(), 4);
+      for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 8; ++x)
+          EXPECT_EQ(level.row(0, y)[static_cast<std::size_t>(x)],
+                    data.intersects(shown.min + Imath::V2i(x, y)) ? Colour(1, 2, 3) : Colour(0));
+    }
+}
+
+// OpenEXR's own writer halves the chroma and rounds luminance to 7 bits, chroma to 6: steps of 1/64 of the largest.
+TEST_F(Io, ExrLuminanceAndChroma) {
+  {
+    Imf::RgbaOutputFile out(path("m.exr").c_str(), Imf::Header(8, 4), Imf::WRITE_YC);
+    const std::vector<Imf::Rgba> pixels(32, Imf::Rgba(4, 2, 0.5F));
+    out.setFrameBuffer(pixels.data(), 1, 8);
+    out.writePixels(4);
+  }
+  const Source source = read(path("m.exr"), {});
+  for (int y = 0; y < 4; ++y)
+    for (const Colour& c : source.map.base().row(0, y))
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(c[k], Colour(4, 2, 0.5F)[k], 4.0 / 64);
+}
+
+// A header can promise anything, and OpenEXR takes the memory first: here there is none to take.
+TEST_F(Io, ExrsThatPromiseMoreThanTheyHold) {
+  const Imf::Channel single(Imf::FLOAT);
+  write_exr(path("m.exr"), {{0, 0}, {7, 3}}, {{"R", single}, {"G", single}, {"B", single}},
+            {{"R", 1}, {"G", 1}, {"B", 1}}, Imf::MIPMAP_LEVELS);
+  std::ifstream stream(path("m.exr"), std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+  const auto why = [&](const std::string& attribute, std::size_t from, std::vector<std::int32_t> values) -> std::string {
+    std::string bytes = whole;
+    bytes.replace(bytes.find(attribute) + from, 4 * values.size(), reinterpret_cast<const char*>(values.data()),
+                  4 * values.size());
+    std::ofstream(path("lie.exr"), std::ios::binary) << bytes;
+    try {
+      read(path("lie.exr"), {});
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  // Names and types end in 0, then comes the size.
+  const std::size_t window = std::string("dataWindow").size() + 1 + std::string("box2i").size() + 1,
+                    tiles = std::string("tiles").size() + 1 + std::string("tiledesc").size() + 1;
+  EXPECT_NE(why("dataWindow", window + 4, {0, 0, 99999, 49999}).find("cannot hold 100000x50000"), std::string::npos);
+  EXPECT_NE(why("dataWindow", window + 4, {0, 0, 4095, 2047}).find("chunks"), std::string::npos);
+  EXPECT_NE(why("dataWindow", window + 4, {0, 0, -4, 2047}).find("empty"), std::string::npos);
+  EXPECT_NE(why("dataWindow", window, {2000000000}).find("attribute of 2000000000 bytes"), std::string::npos);
+  EXPECT_NE(why("dataWindow", window, {-1}).find("attribute"), std::string::npos);
+  EXPECT_NE(why("tiles", tiles + 4, {0, 0}).find("tiles without a size"), std::string::npos);
+}
+
+// Half rounds by 2^-11 of a value; below 2^-14 it has only multiples of 2^-24. What loses more light than that is refused.
+TEST_F(Io, LightThatBecomesNothingIsRefused) {
+  const auto loss = [&](float radiance, Depth depth, const std::string& name) {
+    const EnvironmentMap map = generate(Constant{Direction(radiance)}, Projection::latlong, 4);
+    const auto refused = [&] {
+      try {
+        write(path(name), rows_of(map), {.depth = depth});
+      } catch (const OutputError& e) {
+        EXPECT_NE(std::string(e.what()).find("too dark"), std::string::npos) << e.what();
+        return true;
+      }
+      return false;
+    };
+    const bool no = refused();
+    const double lost = write(path(name), rows_of(map), {.depth = depth, .clamp = true}).flux_lost;
+    EXPECT_EQ(no, lost > 0) << radiance;
+    return lost;
+  };
+  EXPECT_DOUBLE_EQ(loss(1e-9F, Depth::half, "a.exr"), 1);
+  EXPECT_DOUBLE_EQ(loss(1e-9F, Depth::half, "a.ktx2"), 1);
+  EXPECT_DOUBLE_EQ(loss(1e-9F, Depth::rgb9e5, "a.ktx2"), 1);
+  EXPECT_NEAR(loss(0x1.8p-24F, Depth::half, "a.exr"), 1.0 / 3, 1e-6) << "1.5 becomes 2";
+  EXPECT_EQ(loss(0x1.8p-23F, Depth::half, "a.exr"), 0) << "3 stays 3";
+  EXPECT_EQ(loss(1e-9F, Depth::single, "a.exr"), 0);
+  // Among light the same is nothing.
+  EnvironmentMap map = generate(Constant{}, Projection::latlong, 4);
+  map.levels[0].row(0, 1)[3] = Colour(1e-9F);
+  EXPECT_EQ(write(path("a.exr"), rows_of(map), {.depth = Depth::half}).clamped, 0);
 }
 
 TEST(Srgb, CurveOfTheStandard) {

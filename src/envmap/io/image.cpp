@@ -1,18 +1,17 @@
 #include "envmap/io/image.h"
 
+#include <unistd.h>
+
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <iterator>
 
 #include "envmap/base/error.h"
 #include "envmap/io/dds.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/openexr.h"
+#include "envmap/io/orientation.h"
+#include "envmap/io/radiance.h"
 
 namespace envmap {
 
@@ -49,73 +48,69 @@ std::string format_of(std::string_view head, const std::string& path) {
   return path.ends_with(".tga") || path.ends_with(".TGA") ? "targa" : "";
 }
 
-// Image::file -> its reader.
-void open_as_its_bytes_say(Image& image, const std::string& path, bool straight_alpha) {
+// Image::file -> its reader. @param path of a file on disk that OpenImageIO may open itself; of others it is a name.
+void open_as_its_bytes_say(Image& image, const std::string& path, const ImageChoice& choice, bool for_texture) {
+  InputFile& file = *image.file;
+  if (file.size() == 0) image.fail("is empty");
   char head[head_size] = {};
-  const std::size_t size = image.file->pread(head, head_size, 0);
+  const std::size_t size = file.pread(head, head_size, 0);
   const std::string format = format_of({head, size}, path), unread = "not an image that can be read: ";
   if (format.empty())
     image.fail(unread +
                "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, PSD nor SGI");
+  if (!choice.empty() && format != "openexr")
+    throw UsageError(image.name + ": --part, --layer and --channels are for EXR files");
   try {
-    if (format == "ktx2") image.texture = open_ktx2(*image.file);
-    if (format == "dds") image.texture = open_dds(*image.file);
+    file.read_all();
+    image.size = file.size();
+    if (format == "openexr") image.reader = open_openexr(file, choice);
+    if (format == "ktx2") image.texture = open_ktx2(file);
+    if (format == "dds") image.texture = open_dds(file);
   } catch (const InputError& e) {
     image.fail(e.what());
   }
-  if (image.texture) return;
+  if (image.texture || image.reader) return;
   try {
-    image.reader = format == "openexr" ? open_openexr(*image.file)
-                                       : formats().open(format, path, image.file->bytes(), straight_alpha);
+    if (format == "hdr") {
+      image.reader = open_radiance(file);
+    } else {
+      if (path.empty()) file.hold();
+      image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture);
+    }
+    // The coordinates of a texture count from its first texel, whatever way a camera was held.
+    if (!for_texture && image.reader->facts.orientation != Orientation::upright)
+      image.reader = turned_upright(std::move(*image.reader));
   } catch (const InputError& e) {
     image.fail(unread + e.what());
   }
 }
 
-// Standard input and pipes, which cannot be read twice.
-void open_stream(Image& image, std::istream& stream) {
-  open_bytes(image, image.name, {std::istreambuf_iterator<char>(stream), {}});
-}
-
-void open_file(Image& image, const std::string& path) {
-  image.name = path;
+void check_file(const Image& image, const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status))
     image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
   if (fs::is_directory(status)) image.fail("is a folder; name a file");
-  if (!fs::is_regular_file(status)) {
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) image.fail(std::strerror(errno));
-    return open_stream(image, stream);
-  }
-  try {
-    image.file = std::make_unique<InputFile>(path);
-  } catch (const InputError& e) {
-    image.fail(e.what());
-  }
-  image.size = image.file->size();
-  if (image.size == 0) image.fail("is empty");
-  open_as_its_bytes_say(image, path, false);
 }
 
 }  // namespace
 
-void open_bytes(Image& image, std::string name, std::vector<char> bytes, bool straight_alpha) {
+void open_bytes(Image& image, std::string name, std::vector<char> bytes, bool for_texture) {
   image.name = std::move(name);
-  image.size = bytes.size();
-  if (bytes.empty()) image.fail("is empty");
   image.file = std::make_unique<InputFile>(std::move(bytes));
-  open_as_its_bytes_say(image, image.name, straight_alpha);
+  open_as_its_bytes_say(image, image.name, {}, for_texture);
 }
 
-void open(Image& image, const std::string& path) {
-  if (path == "-") {
-    image.name = "standard input";
-    open_stream(image, std::cin);
-  } else {
-    open_file(image, path);
+void open(Image& image, const std::string& path, const ImageChoice& choice) {
+  const bool standard = path == "-";
+  image.name = standard ? "standard input" : path;
+  if (!standard) check_file(image, path);
+  try {
+    image.file = standard ? std::make_unique<InputFile>(STDIN_FILENO) : std::make_unique<InputFile>(path);
+  } catch (const InputError& e) {
+    image.fail(e.what());
   }
+  open_as_its_bytes_say(image, standard ? "" : path, choice, false);
 }
 
 }  // namespace envmap

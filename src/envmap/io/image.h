@@ -9,6 +9,7 @@
 
 #include "envmap/io/image_reader.h"
 #include "envmap/io/input_file.h"
+#include "envmap/io/openexr.h"
 #include "envmap/io/texture.h"
 
 namespace envmap {
@@ -26,10 +27,12 @@ struct Image {
   [[noreturn]] void fail(std::string why) const;
 };
 
-/// @param path `-` for standard input. @throws InputError where there is no such file or no format reads it.
-void open(Image& image, const std::string& path);
+/// @param path `-` for standard input. @param choice of an EXR file. @throws InputError where there is no such file or no
+/// format reads it, UsageError where there is a choice and it is not EXR.
+void open(Image& image, const std::string& path, const ImageChoice& choice = {});
 
-/// The same of a file's bytes in memory. @param straight_alpha whether colours stay as stored, not multiplied by alpha.
-void open_bytes(Image& image, std::string name, std::vector<char> bytes, bool straight_alpha = false);
+/// The same of a file's bytes in memory. @param for_texture whether texels stay as stored: colours not multiplied by alpha,
+/// rows not turned upright.
+void open_bytes(Image& image, std::string name, std::vector<char> bytes, bool for_texture = false);
 
 }  // namespace envmap

@@ -17,17 +17,33 @@ namespace envmap {
 using Attributes = std::map<std::string, std::string>;
 inline constexpr const char* description = "ImageDescription";
 
+/// Which side of the picture the first row and the first column in the file are: numbered as EXIF and TIFF do (TIFF 6.0,
+/// "Orientation").
+enum class Orientation {
+  upright = 1,
+  top_right,
+  bottom_right,
+  bottom_left,
+  left_top,
+  right_top,
+  right_bottom,
+  left_bottom
+};
+
 /// What a file says of an image, or of one level of it.
 struct ImageFacts {
   int width = 0, height = 0;
   int tile_width = 0, tile_height = 0;  ///< 0: the image is in lines, not in tiles.
   bool flat = true;                     ///< One sample for each pixel and channel: neither deep nor a volume.
-  bool whole = true;                    ///< All of the picture: data and display window are the same.
   bool encoded = false;                 ///< Its values are sRGB encoded.
   bool names = true;                    ///< Channel names tell what channels are; else the first three are R, G and B.
   Depth depth = Depth::single;
   std::vector<std::string> channels = {};  ///< R, G and B, where they are there, follow each other.
   Attributes attributes = {};
+  Orientation orientation = Orientation::upright;
+  int chosen = 0;  ///< So many channels, the first, were asked for: 3, or 1 that is grey. 0: their names tell.
+  std::vector<std::string> notes = {};    ///< What of the file is not read, or was added, for people.
+  std::vector<std::string> details = {};  ///< What reading did to the values.
 };
 
 struct ImageReader {

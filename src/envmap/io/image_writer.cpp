@@ -5,6 +5,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/openexr.h"
+#include "envmap/io/radiance.h"
 
 namespace envmap {
 namespace {
@@ -22,7 +23,9 @@ auto naming(const std::string& path, F&& action) {
 
 ImageWriter make_writer(OutputFile& file, const std::string& path, const std::string& extension, const ImagePlan& plan) {
   const ImageWriter writer = naming(path, [&] {
-    return extension == "exr" ? create_openexr(file, plan) : formats().create(file, extension, plan);
+    return extension == "exr"   ? create_openexr(file, plan)
+           : extension == "hdr" ? create_radiance(file, plan)
+                                : formats().create(file, extension, plan);
   });
   return {.write =
               [path, writer](int level, int begin, int end, std::span<const Colour> rows) {

@@ -1,44 +1,61 @@
 #include "envmap/io/limit.h"
 
-namespace envmap {
+#include <algorithm>
+#include <cmath>
 
-Limited::Limited(const Rows& rows, double limit, bool weigh)
-    : limit_(limit),
-      weigh_(weigh),
+namespace envmap {
+namespace {
+
+double sum(const Colour& c) { return double{c.x} + double{c.y} + double{c.z}; }
+
+}  // namespace
+
+Limited::Limited(const Rows& rows, const Range& range, bool weigh)
+    : range_(range),
+      weigh_(weigh || range.step > 0),
       limited_(rows),
-      excess_(static_cast<std::size_t>(faces(rows.projection)) * static_cast<std::size_t>(rows.size)) {
+      misfits_(static_cast<std::size_t>(faces(rows.projection)) * static_cast<std::size_t>(rows.size)) {
   limited_.fill = [this, &rows](int face, int row, std::span<Colour> out) {
     rows.fill(face, row, out);
-    excess_[static_cast<std::size_t>(face) * static_cast<std::size_t>(rows.size) + static_cast<std::size_t>(row)] =
+    misfits_[static_cast<std::size_t>(face) * static_cast<std::size_t>(rows.size) + static_cast<std::size_t>(row)] =
         cut(row, out);
   };
 }
 
-Excess Limited::total() const {
-  Excess sum;
-  for (const Excess& e : excess_) {
-    sum.count += e.count;
-    sum.lost += e.lost;
-    sum.flux += e.flux;
+Misfits Limited::total() const {
+  Misfits sum;
+  for (const Misfits& m : misfits_) {
+    sum.over += m.over;
+    sum.dark += m.dark;
+    sum.cut += m.cut;
+    sum.rounded += m.rounded;
+    sum.flux += m.flux;
   }
   return sum;
 }
 
-Excess Limited::cut(int row, std::span<Colour> out) const {
-  Excess e;
-  const auto limit = static_cast<float>(limit_);
+Misfits Limited::cut(int row, std::span<Colour> out) const {
+  Misfits m;
+  const auto largest = static_cast<float>(range_.largest);
+  const double fine = range_.fine, step = range_.step;
   std::vector<double> w;
   if (weigh_) {
     w.resize(out.size());
     solid_angles(limited_.projection, limited_.size, row, w);
   }
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const Colour c = out[i], over = glm::max(c - limit, Colour(0));
-    e.count += over.x > 0 || over.y > 0 || over.z > 0;
-    out[i] = glm::min(c, Colour(limit));
-    if (weigh_) e.lost += w[i] * (over.x + over.y + over.z), e.flux += w[i] * (c.x + c.y + c.z);
+    const Colour c = out[i], over = glm::max(c - largest, Colour(0));
+    m.over += over.x > 0 || over.y > 0 || over.z > 0;
+    out[i] = glm::min(c, Colour(largest));
+    if (weigh_) m.cut += w[i] * sum(over), m.flux += w[i] * sum(c);
+    if (!(std::min({c.x, c.y, c.z}) < fine) || c == Colour(0)) continue;
+    double error = 0;
+    for (int k = 0; k < 3; ++k)
+      if (c[k] < fine) error += std::abs(c[k] - step * std::nearbyint(c[k] / step));
+    m.dark += error > 0;
+    m.rounded += w[i] * error;
   }
-  return e;
+  return m;
 }
 
 }  // namespace envmap

@@ -9,30 +9,39 @@
 
 namespace envmap {
 
-/// What was beyond the limit: texels, and of their radiance x solid angle.
-struct Excess {
-  std::int64_t count = 0;
-  double lost = 0, flux = 0;
+/// What a depth can hold. Values between `fine` and `largest` are rounded by half of `precision` of themselves at most; those
+/// below `fine` to multiples of `step`, and what is less than half of that becomes 0.
+struct Range {
+  double largest;
+  double fine = 0, step = 0;
+  double precision = 0;
+};
+
+/// What did not fit: texels beyond the largest value, and those below the fine ones. Of their radiance x solid angle, and
+/// that of all.
+struct Misfits {
+  std::int64_t over = 0, dark = 0;
+  double cut = 0, rounded = 0, flux = 0;
 };
 
 /// Rows cut at the largest value the file holds. What is cut is noted per row, so that the sums do not depend on the
 /// order in which rows are made.
 class Limited {
  public:
-  /// @param rows must outlive this. @param weigh whether flux is summed, too.
-  Limited(const Rows& rows, double limit, bool weigh);
+  /// @param rows must outlive this. @param weigh whether flux is summed though nothing may be lost to darkness.
+  Limited(const Rows& rows, const Range& range, bool weigh);
   Limited(const Limited&) = delete;
 
   [[nodiscard]] const Rows& rows() const { return limited_; }
-  [[nodiscard]] Excess total() const;
+  [[nodiscard]] Misfits total() const;
 
  private:
-  [[nodiscard]] Excess cut(int row, std::span<Colour> out) const;
+  [[nodiscard]] Misfits cut(int row, std::span<Colour> out) const;
 
-  double limit_;
+  Range range_;
   bool weigh_;
   Rows limited_;
-  std::vector<Excess> excess_;
+  std::vector<Misfits> misfits_;
 };
 
 }  // namespace envmap

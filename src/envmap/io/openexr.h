@@ -2,6 +2,7 @@
 /// EXR files, by OpenEXR itself.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "envmap/io/image_reader.h"
@@ -10,10 +11,25 @@
 
 namespace envmap {
 
-/// The first part of a file: lines or tiles, with its levels if it has mip levels.
+/// What to read of a file that holds several images; where a text is empty nothing is said.
+struct ImageChoice {
+  std::string part;      ///< Its name, or its number from 0; else the first.
+  std::string layer;     ///< The channels LAYER.R, LAYER.G and LAYER.B.
+  std::string channels;  ///< Three names with commas between them, or one for grey.
+
+  [[nodiscard]] bool empty() const { return part.empty() && layer.empty() && channels.empty(); }
+};
+
+/// One part of a file: lines or tiles, with its levels if it has mip levels. Without a choice R, G and B are read, or those of
+/// the only layer; Y with RY and BY becomes RGB (to half). Where the data window is not the display window, texels are
+/// added (black) and left out to make it so.
 /// The `envmap` attribute becomes the text `textureformat`, `comments` the description. @param file must outlive the reader.
 /// @throws InputError without the file's name.
-ImageReader open_openexr(const InputFile& file);
+ImageReader open_openexr(const InputFile& file, const ImageChoice& choice);
+
+/// Whether the header's sizes can be true of a file of that length: OpenEXR takes memory before it finds out.
+/// @throws InputError without the file's name.
+void check_openexr(const InputFile& file);
 
 /// For make_writer(): throws OutputError without the file's name.
 ImageWriter create_openexr(OutputFile& file, const ImagePlan& plan);

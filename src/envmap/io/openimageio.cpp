@@ -11,6 +11,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
+#include "envmap/io/window.h"
 
 namespace envmap {
 namespace {
@@ -60,8 +61,6 @@ Depth depth_of(OIIO::TypeDesc t) {
 }
 
 ImageFacts facts_of(const OIIO::ImageSpec& spec, const OIIO::ImageInput& input) {
-  const bool window =
-      spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x && spec.full_y == spec.y;
   const bool linear =
       spec.format.is_floating_point() || OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
   ImageFacts f{.width = spec.width,
@@ -69,13 +68,14 @@ ImageFacts facts_of(const OIIO::ImageSpec& spec, const OIIO::ImageInput& input) 
                .tile_width = spec.tile_width,
                .tile_height = spec.tile_height,
                .flat = spec.depth <= 1 && !spec.deep,
-               .whole = window,
                .encoded = !linear,
                .names = input.supports("arbitrary_metadata") != 0,
                .depth = depth_of(spec.format)};
   for (int c = 0; c < spec.nchannels; ++c) f.channels.emplace_back(spec.channel_name(c));
   for (const OIIO::ParamValue& p : spec.extra_attribs)
     if (p.type() == OIIO::TypeDesc::STRING) f.attributes.emplace(p.name().string(), p.get_string());
+  const int orientation = spec.get_int_attribute("Orientation", 1);
+  if (orientation >= 1 && orientation <= 8) f.orientation = static_cast<Orientation>(orientation);
   return f;
 }
 
@@ -111,15 +111,21 @@ ImageReader open(const std::string& format, const std::string& path, std::span<c
   if (straight_alpha) config.attribute("oiio:UnassociatedAlpha", 1);
   if (!in->reader || !in->reader->open(path, spec, config))
     throw InputError(first_line(in->reader ? in->reader->geterror() : OIIO::geterror(), "no image format reads it"));
-  return {.format = in->reader->format_name(),
-          .facts = facts_of(spec, *in->reader),
-          .level = [in](int level) -> std::optional<ImageFacts> {
-            if (in->reader->seek_subimage(0, level)) return facts_of(in->reader->spec(0, level), *in->reader);
-            (void)in->reader->geterror();
-            return std::nullopt;
-          },
-          .read = [in](int level, int begin, int end, int first, int count,
-                       std::span<float> out) { read_rows(*in->reader, level, begin, end, first, count, out); }};
+  ImageReader reader{.format = in->reader->format_name(),
+                     .facts = facts_of(spec, *in->reader),
+                     .level = [in](int level) -> std::optional<ImageFacts> {
+                       if (in->reader->seek_subimage(0, level))
+                         return facts_of(in->reader->spec(0, level), *in->reader);
+                       (void)in->reader->geterror();
+                       return std::nullopt;
+                     },
+                     .read = [in](int level, int begin, int end, int first, int count,
+                                  std::span<float> out) { read_rows(*in->reader, level, begin, end, first, count, out); }};
+  if (spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x && spec.full_y == spec.y)
+    return reader;
+  reader.facts.notes.emplace_back("its data window is not its display window: what is missing is black");
+  return in_window(std::move(reader), {std::int64_t{spec.x} - spec.full_x, std::int64_t{spec.y} - spec.full_y,
+                                       spec.full_width, spec.full_height});
 }
 
 // ---- writing --------------------------------------------------------------------------------------------------------

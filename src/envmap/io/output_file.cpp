@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
@@ -29,13 +30,17 @@ extern "C" void remove_pending(int signal) {
   std::raise(signal);
 }
 
-void guard(const char* name) {
+void handle_signals() {
   static const bool installed = [] {
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE})
       if (std::signal(signal, remove_pending) == SIG_IGN) std::signal(signal, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // Writing beyond a limit of the shell's is an error like a full disk.
     return true;
   }();
   (void)installed;
+}
+
+void guard(const char* name) {
   for (auto& slot : pending) {
     const char* empty = nullptr;
     if (slot.compare_exchange_strong(empty, name)) return;
@@ -54,12 +59,27 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-// Where bytes for `-`, a device or a pipe are collected: formats seek while they write.
-std::string scratch_name() { return (fs::temp_directory_path() / "envmap.XXXXXX").string(); }
+std::string temporary_folder() {
+  const char* const wanted = std::getenv("TMPDIR");
+  return wanted && *wanted ? wanted : "/tmp";
+}
+
+// A file that has no name yet, so that nothing is left of it however the program ends. Not every file system has those.
+int open_nameless(const std::string& folder) {
+  static const bool can_be_named = ::access("/proc/self/fd", X_OK) == 0;
+  return can_be_named ? ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666) : -1;
+}
+
+// The file is there without a name: gives it one that nothing has. @return whether it did.
+bool link_as(int descriptor, const std::string& name) {
+  return ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", descriptor).c_str(), AT_FDCWD, name.c_str(),
+                  AT_SYMLINK_FOLLOW) == 0;
+}
 
 }  // namespace
 
 OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
+  handle_signals();
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (path != "-" && fs::is_directory(status)) throw OutputError(path + ": is a folder; name a file");
@@ -67,20 +87,27 @@ OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
   // Through links to what they name, which need not exist: renaming over a link would cut it.
   for (int links = 0; !stream_ && links < 40 && fs::is_symlink(fs::symlink_status(target_, ignored)); ++links)
     target_ = (fs::path(target_).parent_path() / fs::read_symlink(target_, ignored)).string();
-  temporary_ = stream_
-                   ? scratch_name()
-                   : (fs::path(folder_of(target_)) / ("." + fs::path(target_).filename().string() + ".XXXXXX")).string();
-  descriptor_ = ::mkstemp(temporary_.data());
+  // Bytes for `-`, a device or a pipe are collected: formats seek while they write.
+  const std::string folder = stream_ ? temporary_folder() : folder_of(target_);
+  descriptor_ = open_nameless(folder);
   if (descriptor_ < 0) {
-    const int why = errno;
-    temporary_.clear();
-    throw OutputError(fmt::format("{}: cannot write into {}: {}", path,
-                                  stream_ ? "the temporary folder" : folder_of(target_), std::strerror(why)));
+    // Short: the target's name may be as long as names can be.
+    temporary_ = (fs::path(folder) / ".envmap-XXXXXX").string();
+    descriptor_ = ::mkostemp(temporary_.data(), O_CLOEXEC);
+    if (descriptor_ < 0) {
+      const int why = errno;
+      temporary_.clear();
+      throw OutputError(fmt::format("{}: cannot write into {}: {}{}", path == "-" ? "standard output" : path, folder,
+                                    std::strerror(why), stream_ ? "; name another folder in TMPDIR" : ""));
+    }
+    if (stream_)
+      ::unlink(temporary_.c_str()), temporary_.clear();
+    else
+      guard(temporary_.c_str());
   }
-  guard(temporary_.c_str());
   // Never one of the standard three, even where the caller has closed them: `-` would write into its own file.
   if (const int low = descriptor_; low < 3) {
-    descriptor_ = ::fcntl(low, F_DUPFD, 3);
+    descriptor_ = ::fcntl(low, F_DUPFD_CLOEXEC, 3);
     ::close(low);
   }
 }
@@ -133,21 +160,41 @@ void OutputFile::copy_to_stream() {
   if (out >= 0 && path_ != "-" && ::close(out) != 0 && error_ == 0) error_ = errno;
 }
 
-void OutputFile::commit() {
-  if (stream_ && error_ == 0) copy_to_stream();
-  if (!stream_) {
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    ::fchmod(descriptor_, 0666 & ~mask);
+// A file without a name gets one: its own at once where there is nothing yet, else another, from which it takes the place
+// of what is there. One that has a name takes it from that.
+void OutputFile::take_name() {
+  struct stat before = {};
+  const bool there = ::stat(target_.c_str(), &before) == 0;
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  // What is replaced keeps who may read it.
+  ::fchmod(descriptor_, there ? before.st_mode & 0777 : 0666 & ~mask);
+  if (temporary_.empty()) {
+    if (!there && link_as(descriptor_, target_)) return;
+    for (int k = 0; temporary_.empty() && error_ == 0; ++k) {
+      temporary_ = (fs::path(folder_of(target_)) / fmt::format(".envmap-{}-{}", ::getpid(), k)).string();
+      guard(temporary_.c_str());
+      if (link_as(descriptor_, temporary_)) break;
+      if (errno != EEXIST) error_ = errno;
+      unguard(temporary_.c_str());
+      temporary_.clear();
+    }
+    if (error_ != 0) return;
   }
-  if (::close(descriptor_) != 0 && error_ == 0) error_ = errno;
-  descriptor_ = -1;
-  if (!stream_ && error_ == 0 && ::rename(temporary_.c_str(), target_.c_str()) != 0) error_ = errno;
-  if (error_ != 0)
-    throw OutputError(fmt::format("{}: not written: {}", path_ == "-" ? "standard output" : path_, std::strerror(error_)));
-  if (stream_) return;
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
+    error_ = errno;
+    return;
+  }
   unguard(temporary_.c_str());
   temporary_.clear();
+}
+
+void OutputFile::commit() {
+  if (error_ == 0) stream_ ? copy_to_stream() : take_name();
+  if (::close(descriptor_) != 0 && error_ == 0) error_ = errno;
+  descriptor_ = -1;
+  if (error_ != 0)
+    throw OutputError(fmt::format("{}: not written: {}", path_ == "-" ? "standard output" : path_, std::strerror(error_)));
 }
 
 }  // namespace envmap

@@ -8,9 +8,10 @@
 
 namespace envmap {
 
-/// Bytes on their way to a file. They go to a temporary file in the same folder; commit() renames it over the target.
-/// Without commit(), or where a write failed, nothing is left. Standard output, devices and pipes take the bytes at
-/// commit(). An interrupted program removes its temporary files, too.
+/// Bytes on their way to a file. They go to a file without a name in the same folder (O_TMPFILE), which commit() names;
+/// where the file system has no such files, to a temporary one, which commit() renames. Without commit(), or where a write
+/// failed, nothing is left; nor where the program is interrupted, or killed where files without names are. What is
+/// replaced keeps its mode bits. Standard output, devices and pipes take the bytes at commit(), out of $TMPDIR.
 class OutputFile {
  public:
   /// @param path `-` for standard output. @throws OutputError where the folder cannot be written.
@@ -31,6 +32,7 @@ class OutputFile {
 
  private:
   void copy_to_stream();
+  void take_name();
 
   std::string path_, target_, temporary_;
   int descriptor_ = -1;

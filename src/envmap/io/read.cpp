@@ -41,10 +41,13 @@ std::string listed(std::span<const std::string> names, int without, int count) {
 Channels choose_channels(const Image& image, const ReadOptions& options) {
   const ImageFacts& facts = image.reader->facts;
   const std::vector<std::string>& names = facts.channels;
+  if (facts.chosen > 0) return {0, facts.chosen};
   int first = -1, count = 3;
   for (std::size_t c = 0; c + 2 < names.size() && first < 0; ++c)
     if (is(names[c], 'R') && is(names[c + 1], 'G') && is(names[c + 2], 'B')) first = static_cast<int>(c);
   if (first < 0 && names.size() >= 3 && !facts.names) first = 0;
+  if (names.size() == 1 && (is(names[0], 'Z') || is(names[0], 'A')))
+    image.fail(fmt::format("holds only {} ({}), no radiance", names[0], is(names[0], 'Z') ? "depth" : "alpha"));
   if (first < 0 && names.size() == 1) first = 0, count = 1;
   if (first < 0) image.fail(fmt::format("no R, G and B among its {} channels ({})", names.size(), listed(names, 0, 0)));
   if (static_cast<int>(names.size()) > count && !options.drop_channels)
@@ -57,7 +60,6 @@ void check_size(const Image& image, const ReadOptions& options) {
   const ImageFacts& facts = image.reader->facts;
   if (!facts.flat) image.fail("holds deep samples or a volume, not a flat image");
   if (facts.width < 1 || facts.height < 1) image.fail("not a flat image");
-  if (!facts.whole) image.fail("its data window is not its display window: only part of the sphere is there");
   // A tile may reach beyond the image, but the libraries take memory for all of it, and divide by its sides.
   constexpr int roomy = 4096;
   const bool tiled = facts.tile_width != 0 || facts.tile_height != 0;
@@ -210,7 +212,9 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
           .image_width = facts.width,
           .image_height = facts.height,
           .border_samples = has_border_samples(facts.attributes) && !options.ignore_envmap_attribute,
-          .levels = recorded.levels.value_or(std::numeric_limits<int>::max())};
+          .levels = recorded.levels.value_or(std::numeric_limits<int>::max()),
+          .notes = facts.notes,
+          .details = facts.details};
 }
 
 // Levels that a file has, at most.
@@ -222,7 +226,7 @@ int count_levels(const Image& image, int most) {
 
 Source read_image(const std::string& path, const ReadOptions& options) {
   Image image;
-  open(image, level_path(path, 0));
+  open(image, level_path(path, 0), options.choice);
   Metadata recorded;
   Source source = read_head(image, options, recorded);
   const Recognised found = recognise(image, options, recorded, source.image_width, source.image_height);
@@ -235,7 +239,7 @@ Source read_image(const std::string& path, const ReadOptions& options) {
   for (const int k : wanted_levels(image.name, options, source.levels)) {
     if (has_level(path) && k > 0) {
       Image one;
-      open(one, level_path(path, k));
+      open(one, level_path(path, k), options.choice);
       if (one.reader) check_size(one, options);
       source.map.levels.push_back(read_level(one, options, 0, found, k));
     } else {
@@ -253,7 +257,7 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
   std::optional<Level> level;
   for (int face = 0; face < 6; ++face) {
     Image image;
-    open(image, face_path(level_path(path, number), face));
+    open(image, face_path(level_path(path, number), face), options.choice);
     Metadata recorded;
     const Source head = read_head(image, options, recorded);
     const int w = head.image_width, h = head.image_height;

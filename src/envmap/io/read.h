@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "envmap/io/depth.h"
 #include "envmap/io/metadata.h"
+#include "envmap/io/openexr.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/layout.h"
 
@@ -24,7 +26,8 @@ struct ReadOptions {
   std::optional<Forward> assumed_forward;  ///< Where there is no metadata; otherwise +z.
   bool ignore_envmap_attribute = false;    ///< Take texels as cell-centred whatever OpenEXR's attribute says.
   std::size_t max_memory = 0;  ///< Bytes that the process may take; larger maps lie in a scratch file. 0: no limit.
-  bool drop_channels = false;              ///< Read RGB and leave alpha and other channels behind.
+  bool drop_channels = false;  ///< Read RGB and leave alpha and other channels behind.
+  ImageChoice choice = {};     ///< Which of the images of an EXR file.
   FlawPolicy flaws = FlawPolicy::refuse;
   int level = 0;            ///< The level to read, as the only one of the map.
   bool all_levels = false;  ///< Read them all; `level` must be 0.
@@ -36,10 +39,12 @@ struct Source {
   Depth depth;
   std::string format;  ///< openexr, hdr, ktx2, dds, ...; else OpenImageIO's name for it.
   int image_width, image_height;
-  bool border_samples = false;  ///< OpenEXR's `envmap` convention; resampled to cell centres here.
-  int levels = 1;               ///< That the file has; `map` holds those that were asked for.
-  Facts facts = {};             ///< Further metadata, such as the lobe.
-  std::int64_t repaired = 0;    ///< Texels that FlawPolicy::repair changed.
+  bool border_samples = false;            ///< OpenEXR's `envmap` convention; resampled to cell centres here.
+  int levels = 1;                         ///< That the file has; `map` holds those that were asked for.
+  Facts facts = {};                       ///< Further metadata, such as the lobe.
+  std::int64_t repaired = 0;              ///< Texels that FlawPolicy::repair changed.
+  std::vector<std::string> notes = {};    ///< What of the file is not read, or was added.
+  std::vector<std::string> details = {};  ///< What reading did to the values, such as dividing an exposure out.
 };
 
 /// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz) and `{level}` for

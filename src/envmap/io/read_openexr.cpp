@@ -4,6 +4,7 @@
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
+#include <ImfRgbaFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfTiledInputPart.h>
@@ -16,19 +17,23 @@
 #include "envmap/base/error.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/openexr_stream.h"
+#include "envmap/io/window.h"
 
 namespace envmap {
 namespace {
 
-// An opened file and its first part, of which one is set once pixels have been asked for.
+// An opened file and one part of it, of which one reader is set once pixels have been asked for.
 struct File {
   ExrInput stream;
   Imf::MultiPartInputFile parts;
+  int part = 0;
+  ExrInput again;  // For the reader of luminance and chroma.
   std::optional<Imf::InputPart> lines = {};
   std::optional<Imf::TiledInputPart> tiles = {};
+  std::optional<Imf::RgbaInputFile> luminance = {};
 
-  explicit File(const InputFile& file) : stream(file), parts(stream) {}
-  [[nodiscard]] const Imf::Header& header() const { return parts.header(0); }
+  explicit File(const InputFile& file) : stream(file), parts(stream), again(file) {}
+  [[nodiscard]] const Imf::Header& header() const { return parts.header(part); }
 };
 
 // An image in lines may have a description of tiles all the same.
@@ -58,29 +63,31 @@ Attributes attributes_of(const Imf::Header& header) {
   return texts;
 }
 
-ImageFacts facts_of(const Imf::Header& header) {
-  const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
+// @param wanted channels that are to come first.
+ImageFacts facts_of(const Imf::Header& header, const std::vector<std::string>& wanted) {
+  const Imath::Box2i data = header.dataWindow();
   ImageFacts f{.width = static_cast<int>(std::min<std::int64_t>(1L + data.max.x - data.min.x, INT_MAX)),
                .height = static_cast<int>(std::min<std::int64_t>(1L + data.max.y - data.min.y, INT_MAX)),
                .flat = !header.hasType() || !Imf::isDeepData(header.type()),
-               .whole = data == display,
                .depth = Depth::half,
-               .channels = channel_names(header.channels()),
-               .attributes = attributes_of(header)};
+               .channels = wanted,
+               .attributes = attributes_of(header),
+               .chosen = static_cast<int>(wanted.size())};
+  for (const std::string& name : channel_names(header.channels()))
+    if (std::ranges::find(wanted, name) == wanted.end()) f.channels.push_back(name);
   if (in_tiles(header)) {
     f.tile_width = static_cast<int>(std::min<unsigned>(header.tileDescription().xSize, INT_MAX));
     f.tile_height = static_cast<int>(std::min<unsigned>(header.tileDescription().ySize, INT_MAX));
   }
-  const std::size_t colours = std::min<std::size_t>(f.channels.size(), 3);
+  const std::size_t colours = wanted.empty() ? std::min<std::size_t>(f.channels.size(), 3) : wanted.size();
   for (std::size_t k = 0; k < colours; ++k)
     if (header.channels()[f.channels[k]].type != Imf::HALF) f.depth = Depth::single;
   return f;
 }
 
 // The same of a smaller level.
-std::optional<ImageFacts> level_facts(File& file, int level) {
+std::optional<ImageFacts> level_facts(const File& file, ImageFacts f, int level) {
   const Imf::Header& header = file.header();
-  ImageFacts f = facts_of(header);
   if (level == 0) return f;
   if (!in_tiles(header) || header.tileDescription().mode != Imf::MIPMAP_LEVELS) return std::nullopt;
   const bool up = header.tileDescription().roundingMode == Imf::ROUND_UP;
@@ -110,20 +117,21 @@ Imf::FrameBuffer frame(const File& file, const ImageFacts& f, int begin, int fir
 }
 
 void read_tiles(File& file, const Imf::FrameBuffer& buffer, const ImageFacts& f, int level, int begin, int end) {
-  if (!file.tiles) file.tiles.emplace(file.parts, 0);
+  if (!file.tiles) file.tiles.emplace(file.parts, file.part);
   file.tiles->setFrameBuffer(buffer);
   file.tiles->readTiles(0, (f.width - 1) / f.tile_width, begin / f.tile_height, (end - 1) / f.tile_height, level, level);
 }
 
 void read_lines(File& file, const Imf::FrameBuffer& buffer, int begin, int end) {
-  if (!file.lines) file.lines.emplace(file.parts, 0);
+  if (!file.lines) file.lines.emplace(file.parts, file.part);
   const int top = file.header().dataWindow().min.y;
   file.lines->setFrameBuffer(buffer);
   file.lines->readPixels(top + begin, top + end - 1);
 }
 
-void read_rows(File& file, int level, int begin, int end, int first, int count, std::span<float> out) {
-  const ImageFacts f = *level_facts(file, level);
+void read_rows(File& file, const ImageFacts& facts, int level, int begin, int end, int first, int count,
+               std::span<float> out) {
+  const ImageFacts f = *level_facts(file, facts, level);
   const Imf::FrameBuffer buffer = frame(file, f, begin, first, count, out.data());
   try {
     if (f.tile_width > 0)
@@ -135,21 +143,147 @@ void read_rows(File& file, int level, int begin, int end, int first, int count, 
   }
 }
 
+// ---- what to read of it ----------------------------------------------------------------------------------------------
+
+std::string joined(std::span<const std::string> names) {
+  constexpr std::size_t most = 60;
+  std::string list;
+  for (const std::string& name : names)
+    if (list.size() < most) list += (list.empty() ? "" : ", ") + name;
+  return list.size() < most ? list : list + " ...";
+}
+
+void choose_part(File& file, const std::string& wanted, ImageFacts& facts) {
+  const int count = file.parts.parts();
+  std::vector<std::string> names;
+  for (int k = 0; k < count; ++k)
+    names.push_back(file.parts.header(k).hasName() ? file.parts.header(k).name() : std::to_string(k));
+  if (wanted.empty()) {
+    if (count > 1)
+      facts.notes.push_back(fmt::format("of its {} parts ({}) the first is read: --part chooses", count, joined(names)));
+    return;
+  }
+  for (int k = 0; k < count; ++k)
+    if (names[static_cast<std::size_t>(k)] == wanted || std::to_string(k) == wanted) {
+      file.part = k;
+      return;
+    }
+  throw InputError(fmt::format("has no part '{}': there {} {}", wanted, count == 1 ? "is" : "are", joined(names)));
+}
+
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> names(1);
+  for (const char c : list)
+    if (c == ',')
+      names.emplace_back();
+    else
+      names.back() += c;
+  return names;
+}
+
+// Layers with R, G and B, as channels NAME.R or the like. NAME itself may hold dots.
+std::vector<std::string> layers(const Imf::ChannelList& list) {
+  std::vector<std::string> found;
+  for (auto c = list.begin(); c != list.end(); ++c)
+    if (const std::string name = c.name(); name.ends_with(".R")) {
+      const std::string layer = name.substr(0, name.size() - 2);
+      if (list.findChannel(layer + ".G") && list.findChannel(layer + ".B")) found.push_back(layer);
+    }
+  return found;
+}
+
+// The channels that are R, G and B, or grey; none: the names say it.
+std::vector<std::string> choose_channels(const Imf::ChannelList& list, const ImageChoice& choice, ImageFacts& facts) {
+  const auto of = [](const std::string& layer) { return std::vector{layer + ".R", layer + ".G", layer + ".B"}; };
+  const std::vector<std::string> there = layers(list);
+  if (!choice.layer.empty()) {
+    if (std::ranges::find(there, choice.layer) != there.end()) return of(choice.layer);
+    throw InputError(fmt::format("has no layer '{}' with R, G and B: {}", choice.layer,
+                                 there.empty() ? "it has no layers" : "its layers are " + joined(there)));
+  }
+  if (!choice.channels.empty()) {
+    const std::vector<std::string> wanted = split(choice.channels);
+    if (wanted.size() != 3 && wanted.size() != 1)
+      throw UsageError("--channels: three names with commas between them, or one");
+    for (const std::string& name : wanted)
+      if (!list.findChannel(name))
+        throw InputError(fmt::format("has no channel '{}': its channels are {}", name, joined(channel_names(list))));
+    return wanted;
+  }
+  const auto has = [&](const char* upper, const char* lower) {
+    return list.findChannel(upper) || list.findChannel(lower);
+  };
+  if ((has("R", "r") && has("G", "g") && has("B", "b")) || there.empty()) return {};
+  if (there.size() > 1)
+    throw InputError(fmt::format("holds no plain R, G and B but layers ({}): choose one with --layer", joined(there)));
+  facts.notes.push_back(fmt::format("the layer '{}' is read", there[0]));
+  return of(there[0]);
+}
+
+bool is_luminance_and_chroma(const Imf::ChannelList& list) {
+  return list.findChannel("Y") && list.findChannel("RY") && list.findChannel("BY");
+}
+
+void read_luminance(File& file, const ImageFacts& f, int begin, int end, int first, int count, std::span<float> out) {
+  try {
+    if (!file.luminance) file.luminance.emplace(file.again);
+    const Imath::Box2i window = file.header().dataWindow();
+    std::vector<Imf::Rgba> rows(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(f.width));
+    const std::ptrdiff_t line = f.width;
+    file.luminance->setFrameBuffer(rows.data() - window.min.x - line * (std::ptrdiff_t{window.min.y} + begin), 1,
+                                   static_cast<std::size_t>(line));
+    file.luminance->readPixels(window.min.y + begin, window.min.y + end - 1);
+    float* to = out.data();
+    for (const Imf::Rgba& p : rows)
+      for (int c = first; c < first + count; ++c) *to++ = c == 0 ? p.r : c == 1 ? p.g : c == 2 ? p.b : p.a;
+  } catch (const Iex::BaseExc& e) {
+    throw InputError(plain(e.what()));
+  }
+}
+
 }  // namespace
 
-ImageReader open_openexr(const InputFile& bytes) {
+ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   use_our_threads();
+  check_openexr(bytes);
   std::shared_ptr<File> file;
   try {
     file = std::make_shared<File>(bytes);
   } catch (const Iex::BaseExc& e) {
-    throw InputError(plain(e.what()));
+    throw InputError("not an image that can be read: " + plain(e.what()));
   }
-  return {.format = "openexr",
-          .facts = facts_of(file->header()),
-          .level = [file](int level) { return level_facts(*file, level); },
-          .read = [file](int level, int begin, int end, int first, int count,
-                         std::span<float> out) { read_rows(*file, level, begin, end, first, count, out); }};
+  ImageFacts facts;
+  choose_part(*file, choice.part, facts);
+  const Imf::Header& header = file->header();
+  const std::vector<std::string> wanted = choose_channels(header.channels(), choice, facts);
+  std::vector<std::string> notes = std::move(facts.notes);
+  facts = facts_of(header, wanted);
+  facts.notes = std::move(notes);
+  const bool luminance = wanted.empty() && file->part == 0 && is_luminance_and_chroma(header.channels());
+  if (luminance) {
+    facts.channels = {"R", "G", "B"};
+    if (header.channels().findChannel("A")) facts.channels.emplace_back("A");
+    facts.depth = Depth::half;
+    facts.details.emplace_back("luminance and chroma became RGB");
+  }
+  ImageReader reader{.format = "openexr", .facts = facts, .level = {}, .read = {}};
+  reader.level = [file, facts](int level) { return level_facts(*file, facts, level); };
+  reader.read = [file, facts, luminance](int level, int begin, int end, int first, int count, std::span<float> out) {
+    if (luminance)
+      read_luminance(*file, facts, begin, end, first, count, out);
+    else
+      read_rows(*file, facts, level, begin, end, first, count, out);
+  };
+  const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
+  if (data == display) return reader;
+  reader.facts.notes.push_back(fmt::format(
+      "its data window ({},{} to {},{}) is not its display window ({},{} to {},{}): what is missing is black",
+      data.min.x, data.min.y, data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y));
+  const auto length = [](std::int64_t from, std::int64_t to) {
+    return static_cast<int>(std::min<std::int64_t>(1 + to - from, INT_MAX));
+  };
+  return in_window(std::move(reader), {std::int64_t{data.min.x} - display.min.x, std::int64_t{data.min.y} - display.min.y,
+                                       length(display.min.x, display.max.x), length(display.min.y, display.max.y)});
 }
 
 }  // namespace envmap

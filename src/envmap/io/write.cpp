@@ -22,6 +22,7 @@
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "envmap/io/pfm.h"
+#include "envmap/io/radiance.h"
 #include "envmap/io/srgb.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/map/page.h"
@@ -94,28 +95,16 @@ Layout choose_layout(const std::string& path, const std::string& ext, const Writ
   return options.layout.value_or(Layout::column);
 }
 
-double largest_value(const std::string& ext, Depth depth) {
-  if (is_integer(depth)) return 1;
-  if (depth == Depth::half) return 65504;
-  if (depth == Depth::rgb9e5) return largest_rgb9e5;
-  if (ext == "hdr") return 1.69e38;  // 255/256 x 2^127
-  return std::numeric_limits<float>::max();
+Range range_of(const std::string& ext, Depth depth) {
+  if (is_integer(depth)) return {.largest = 1};
+  // Half has 11 bits down to 2^-14; of a shared exponent 9 down to 2^-15 (a texel below that has no finer exponent).
+  if (depth == Depth::half) return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11};
+  if (depth == Depth::rgb9e5) return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9};
+  if (ext == "hdr") return {.largest = largest_radiance};
+  return {.largest = std::numeric_limits<float>::max()};
 }
 
 // ---- one file --------------------------------------------------------------------------------------------------------
-
-// To the nearest value that shares an exponent among its channels (Ward 1991): OpenImageIO 2.4 truncates, which loses
-// 0.4% of the light. A quarter of a step is added so that truncation gives back what was rounded.
-void round_to_rgbe(std::span<Colour> pixels) {
-  for (Colour& c : pixels) {
-    const float most = std::max({c.x, c.y, c.z});
-    if (most < 1e-32F) continue;
-    int exponent = 0;
-    if (std::frexp(most, &exponent) * 256 >= 255.5F) ++exponent;
-    const float step = std::ldexp(1.0F, exponent - 8);
-    for (int k = 0; k < 3; ++k) c[k] = (std::floor(c[k] / step + 0.5F) + 0.25F) * step;
-  }
-}
 
 // One image, or all levels of one, the largest first: then in tiles, as renderers' texture caches want them.
 void write_image(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Page> levels,
@@ -137,12 +126,30 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
     const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
     for_each_band(levels[k], so_far, [&](int begin, int end, std::vector<Colour>& band) {
       if (is_integer(depth)) encode_srgb(band);
-      if (ext == "hdr") round_to_rgbe(band);
       writer.write(static_cast<int>(k), begin, end, band);
     });
     done += part;
   }
   writer.close();
+}
+
+// Refuses a level of which the depth loses light, or notes how much.
+void check_fit(const std::string& path, const Misfits& level, const Range& range, const WriteOptions& options, Written& done) {
+  if (level.over > 0 && !options.clamp)
+    throw OutputError(fmt::format("{}: {} texels over {:g} do not fit {}: choose {}or say --clamp", path, level.over,
+                                  range.largest, name(done.depth),
+                                  is_integer(done.depth) ? "a floating-point format, lower --exposure " : "--depth float "));
+  // Less than what all values are rounded by anyway is no loss.
+  const bool dark = level.rounded > range.precision * level.flux;
+  if (dark && !options.clamp)
+    throw OutputError(
+        fmt::format("{}: {} texels below {:.2g} are too dark for {}, which changes {:.3g}% of the light: choose "
+                    "--depth float, raise "
+                    "--exposure or say --clamp",
+                    path, level.dark, range.fine, name(done.depth), 100 * level.rounded / level.flux));
+  done.clamped += level.over + (dark ? level.dark : 0);
+  const double lost = level.cut + (dark ? level.rounded : 0);
+  if (level.flux > 0) done.flux_lost = std::max(done.flux_lost, lost / level.flux);
 }
 
 // All files of a map, whose samples lie where the files want them.
@@ -151,11 +158,11 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   const Rows& base = levels.front();
   const std::string ext = extension(path, options);
   Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, ext, options, base.projection)};
-  const double limit = largest_value(ext, done.depth);
+  const Range range = range_of(ext, done.depth);
   std::vector<std::unique_ptr<Limited>> limited;
   std::vector<Rows> rows;
   for (const Rows& level : levels) {
-    limited.push_back(std::make_unique<Limited>(level, limit, options.clamp));
+    limited.push_back(std::make_unique<Limited>(level, range, options.clamp));
     rows.push_back(done.layout == Layout::api ? in_api_orientation(limited.back()->rows()) : limited.back()->rows());
   }
   Metadata data{.projection = base.projection, .facts = options.facts};
@@ -190,17 +197,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
         write_file(count > 1 ? face_path(one, k) : one, std::span(&page, 1), part);
       }
   }
-  Excess over;
-  for (const auto& level : limited) {
-    const Excess e = level->total();
-    over.count += e.count;
-    done.flux_lost = std::max(done.flux_lost, e.flux > 0 ? e.lost / e.flux : 0);
-  }
-  if (over.count > 0 && !options.clamp)
-    throw OutputError(fmt::format("{}: {} texels over {:g} do not fit {}: choose {}or say --clamp", path, over.count,
-                                  limit, name(done.depth),
-                                  is_integer(done.depth) ? "a floating-point format, lower --exposure " : "--depth float "));
-  done.clamped = over.count;
+  for (const auto& level : limited) check_fit(path, level->total(), range, options, done);
   for (const auto& file : files) file->commit();
   return done;
 }

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
+#include "envmap/base/progress.h"
 #include "envmap/io/depth.h"
 #include "envmap/io/metadata.h"
 #include "envmap/map/layout.h"
 #include "envmap/map/rows.h"
-#include "envmap/base/progress.h"
 
 namespace envmap {
 
@@ -19,10 +19,10 @@ struct WriteOptions {
   std::optional<Depth> depth;    ///< Asked for; refused where the format cannot hold it.
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.
   bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
-  bool openexr_envmap = false;  ///< OpenEXR's envmap attribute, samples on the border: EXR, latlong or cube column.
+  bool openexr_envmap = false;   ///< OpenEXR's envmap attribute, samples on the border: EXR, latlong or cube column.
   std::string compression = {};  ///< Of an EXR file, see ImagePlan: zip, zip:1, piz, dwaa:45, ...; zip if empty.
-  bool zstd = false;            ///< Compress KTX2 files with Zstandard.
-  Facts facts = {};             ///< Further metadata, such as the lobe: attributes envmap:NAME.
+  bool zstd = false;             ///< Compress KTX2 files with Zstandard.
+  Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
 };
 
 struct Written {

@@ -1,0 +1,62 @@
+#include "envmap/io/orientation.h"
+
+#include <memory>
+#include <utility>
+
+namespace envmap {
+namespace {
+
+// Where the file has texel (x, y) of the upright picture.
+std::pair<int, int> place_in_file(Orientation o, int width, int height, int x, int y) {
+  switch (o) {
+    case Orientation::upright: return {x, y};
+    case Orientation::top_right: return {width - 1 - x, y};
+    case Orientation::bottom_right: return {width - 1 - x, height - 1 - y};
+    case Orientation::bottom_left: return {x, height - 1 - y};
+    case Orientation::left_top: return {y, x};
+    case Orientation::right_top: return {y, width - 1 - x};
+    case Orientation::right_bottom: return {height - 1 - y, width - 1 - x};
+    case Orientation::left_bottom: return {height - 1 - y, x};
+  }
+  return {x, y};
+}
+
+// The channels that were asked for last, as the file has them.
+struct Whole {
+  int first = -1, count = 0;
+  std::vector<float> values = {};
+};
+
+}  // namespace
+
+ImageReader turned_upright(ImageReader stored) {
+  const Orientation orientation = stored.facts.orientation;
+  ImageReader upright{.format = stored.format, .facts = stored.facts};
+  if (is_transposed(orientation)) std::swap(upright.facts.width, upright.facts.height);
+  upright.facts.orientation = Orientation::upright;
+  upright.facts.details.emplace_back("turned upright");
+  upright.facts.tile_width = upright.facts.tile_height = 0;
+  upright.level = [facts = upright.facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; };
+  const auto whole = std::make_shared<Whole>();
+  upright.read = [stored = std::move(stored), facts = upright.facts, orientation,
+                  whole](int, int begin, int end, int first, int count, std::span<float> out) {
+    const auto channels = static_cast<std::size_t>(count);
+    if (whole->first != first || whole->count != count) {
+      const int rows = stored.facts.height;
+      whole->values.resize(static_cast<std::size_t>(stored.facts.width) * static_cast<std::size_t>(rows) * channels);
+      stored.read(0, 0, rows, first, count, whole->values);
+      whole->first = first, whole->count = count;
+    }
+    float* to = out.data();
+    for (int y = begin; y < end; ++y)
+      for (int x = 0; x < facts.width; ++x) {
+        const auto [column, row] = place_in_file(orientation, facts.width, facts.height, x, y);
+        const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(stored.facts.width) +
+                               static_cast<std::size_t>(column);
+        for (std::size_t c = 0; c < channels; ++c) *to++ = whole->values[at * channels + c];
+      }
+  };
+  return upright;
+}
+
+}  // namespace envmap
