@@ -17,6 +17,7 @@
 #include <map>
 
 #include "envmap/base/error.h"
+#include "envmap/io/formats.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/read.h"
 #include "envmap/io/srgb.h"
@@ -392,6 +393,12 @@ TEST_F(Io, LightThatBecomesNothingIsRefused) {
   EnvironmentMap map = generate(Constant{}, Projection::latlong, 4);
   map.levels[0].row(0, 1)[3] = Colour(1e-9F);
   EXPECT_EQ(write(path("a.exr"), rows_of(map), {.depth = Depth::half}).clamped, 0);
+}
+
+// libjpeg would end the program with 1 there.
+TEST_F(Io, JpegsThatAreTooLongAreRefused) {
+  OutputFile file(path("a.jpg"));
+  EXPECT_THROW(formats().create(file, "jpg", {.levels = {{65501, 1}}, .depth = Depth::uint8}), OutputError);
 }
 
 TEST(Srgb, CurveOfTheStandard) {

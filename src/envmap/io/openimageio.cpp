@@ -4,9 +4,13 @@
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
 #include <memory>
 
 #include "envmap/base/error.h"
@@ -136,6 +140,23 @@ OIIO::TypeDesc type(Depth d) {
                               : OIIO::TypeDesc::FLOAT;
 }
 
+// Around calls of writers: libjpeg ends the program itself where it cannot go on, with 1, which means something else here.
+class Writing {
+ public:
+  Writing() {
+    static const int registered = std::atexit([] {
+      if (calls_ > 0) ::_exit(4);
+    });
+    (void)registered;
+    ++calls_;
+  }
+  ~Writing() { --calls_; }
+  Writing(const Writing&) = delete;
+
+ private:
+  static inline std::atomic<int> calls_{0};
+};
+
 // Our file as OpenImageIO's.
 class Proxy final : public OIIO::Filesystem::IOProxy {
  public:
@@ -186,12 +207,21 @@ ImageWriter create(OutputFile& file, const std::string& extension, const ImagePl
   const auto check = [out](bool done) {
     if (!done) throw OutputError(out->writer->geterror());
   };
+  const Writing writing;
+  constexpr int longest_of_jpeg = 65500;
+  if (out->writer->format_name() == std::string("jpeg") && std::max(spec.width, spec.height) > longest_of_jpeg)
+    throw OutputError(fmt::format("JPEG holds {} texels a side at most, not {}x{}", longest_of_jpeg, spec.width, spec.height));
   check(out->writer->open(name, spec));
   return {.write =
               [out, check](int, int begin, int end, std::span<const Colour> rows) {
+                const Writing now;
                 check(out->writer->write_scanlines(begin, end, 0, OIIO::TypeDesc::FLOAT, rows.data()));
               },
-          .close = [out, check] { check(out->writer->close()); }};
+          .close =
+              [out, check] {
+                const Writing now;
+                check(out->writer->close());
+              }};
 }
 
 // ---- pictures -------------------------------------------------------------------------------------------------------
