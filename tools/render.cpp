@@ -39,8 +39,9 @@ int node_of(const Scene& scene, Options& o) {
 void check(const Options& o) {
   if (o.from.near >= o.from.far) throw UsageError("--near: not below --far");
   if (o.forward && !has_forward(o.from.to)) throw UsageError("--forward is for latlong and angular maps");
-  if (o.from.to == Projection::latlong && (o.method == DrawMethod::distort || o.method == DrawMethod::tessellate))
-    throw UsageError("--method distort and tessellate cannot draw latlong maps, which are cut open from pole to pole");
+  if (!can_draw(o.method, o.from.to))
+    throw UsageError(fmt::format("--method {} cannot draw {} maps: exact, resample or raycast",
+                                 draw_method_names[static_cast<std::size_t>(o.method)], name(o.from.to)));
 }
 
 int run(Options& o, const Common& common) {
@@ -57,7 +58,7 @@ int run(Options& o, const Common& common) {
   std::optional<Renderer> renderer;
   if (method != DrawMethod::raycast) {
     context.emplace(o.scene.context);
-    renderer.emplace(loaded.scene, loaded.environment(), loaded.light());
+    renderer.emplace(loaded.scene, loaded.environment.get());
     if (common.verbose) note(common, context->renderer());
   }
   double seconds = 0;

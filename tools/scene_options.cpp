@@ -46,8 +46,7 @@ Frames frames_of(const SceneOptions& o, const Common& common) {
 Shot LoadedScene::shot(double time, const SceneOptions& options) const {
   return {.scene = scene,
           .pose = pose(scene, time),
-          .environment = sky ? &sky->lookup : nullptr,
-          .light = light(),
+          .environment = environment.get(),
           .ambient = Colour(options.ambient.value_or(Direction(0)))};
 }
 
@@ -62,8 +61,8 @@ LoadedScene load(const SceneOptions& o, const Common& common) {
                              instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  loaded.sky = std::make_unique<LoadedScene::Sky>(read_map(o.environment, o.read, common).map);
-  loaded.sky->light = environment_light(loaded.sky->map, glossy_size, progress_line(common, "light of the environment"));
+  loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read, common).map, glossy_size,
+                                                     progress_line(common, "light of the environment"));
   return loaded;
 }
 

@@ -40,18 +40,10 @@ Frames frames_of(const SceneOptions& options, const Common& common);
 
 /// A scene in memory with its environment. What it does not draw has been said.
 struct LoadedScene {
-  struct Sky {
-    explicit Sky(envmap::EnvironmentMap from) : map(std::move(from)), lookup(map) {}
-    envmap::EnvironmentMap map;
-    envmap::EnvironmentLookup lookup;
-    envmap::EnvironmentLight light;
-  };
   envmap::Scene scene;
-  std::unique_ptr<Sky> sky;  ///< Null: black.
+  std::unique_ptr<envmap::Environment> environment;  ///< Null: black.
   std::vector<std::string> inputs;
 
-  [[nodiscard]] const envmap::EnvironmentMap* environment() const { return sky ? &sky->map : nullptr; }
-  [[nodiscard]] const envmap::EnvironmentLight* light() const { return sky ? &sky->light : nullptr; }
   [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;
 };
 LoadedScene load(const SceneOptions& options, const Common& common);

@@ -93,9 +93,10 @@ Eye eye_of(const Options& o, const Camera& camera, const Pose& pose, double asid
     return glm::vec<4, double, glm::highp>(normal, -glm::dot(normal, eye.from.at) + 1e-3);
   };
   const double shift = eye.from.lens->shift;
-  eye.viewer = {eye.from.at,
-                {side({1, 0, -across * (1 + shift)}), side({-1, 0, -across * (1 - shift)}), side({0, 1, -up}),
-                 side({0, -1, -up}), side({0, 0, -1})}};
+  eye.viewer = {.at = eye.from.at,
+                .planes = {side({1, 0, -across * (1 + shift)}), side({-1, 0, -across * (1 - shift)}), side({0, 1, -up}),
+                           side({0, -1, -up}), side({0, 0, -1})},
+                .pixel = 2 * up / o.height};
   return eye;
 }
 
@@ -117,9 +118,9 @@ int run(Options& o, const Common& common) {
   for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
   const Context context(o.scene.context);
   if (common.verbose) note(common, context.renderer());
-  Renderer renderer(scene, loaded.environment(), loaded.light(), nodes);
+  Renderer renderer(scene, loaded.environment.get(), nodes);
   Mirrors maps(scene, mirrors);
-  const double separation = o.anaglyph.value_or(0), pixel = 2 * std::tan(0.5 * camera.vertical_field) / o.height;
+  const double separation = o.anaglyph.value_or(0);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     Shot shot = loaded.shot(frames.time(frame), o.scene);
@@ -129,7 +130,9 @@ int run(Options& o, const Common& common) {
     std::vector<Viewer> viewers;
     for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
     const Stopwatch watch;
-    maps.update(renderer, shot, viewers, pixel, o.drawing, [&](const std::string& line) {
+    MirrorOptions drawing = o.drawing;
+    if (!drawing.bounces && frame > frames.first) drawing.bounces = 1;
+    maps.update(renderer, shot, viewers, drawing, [&](const std::string& line) {
       if (common.verbose) note(common, line);
     });
     shot.mirrors = maps.maps();
@@ -152,7 +155,9 @@ constexpr std::string_view description =
     "Draws a scene as one of its cameras sees it. What reflects sharply (metallic 1, roughness 0) or transmits light "
     "is "
     "drawn through an environment map of its own, which is drawn from the middle of the node with the other mirrors' "
-    "latest maps in it: a reflection in a reflection is as old as --bounces does not reach. --mirror adds nodes of any "
+    "latest maps in it. A still is drawn in rounds until no map changes by more than 1/255; of --frames only the first "
+    "one is, and reflections in reflections are a frame old after that, unless --bounces says how many rounds a frame "
+    "takes. --mirror adds nodes of any "
     "material, and says how one is mapped: rough metals then use levels prefiltered by GGX.\n\n"
     "Maps are looked up by direction alone, as if all they show were far away: what is near a mirror is out of place "
     "in "
@@ -204,7 +209,10 @@ Command view_command() {
                        "mapped so. May be given more than once")
             ->type_name("NODE")
             ->allow_extra_args(false);
-        app.add_option("--bounces", o->drawing.bounces, "Rounds in which mirrors draw each other, a frame (default: 1)")
+        app.add_option("--bounces", o->drawing.bounces,
+                       "Rounds in which mirrors draw each other, a frame (default: in the first one until nothing "
+                       "changes by more "
+                       "than 1/255, then 1)")
             ->type_name("N")
             ->check(CLI::Range(1, 64));
         app.add_option("--near", o->drawing.near, "Nothing nearer to a mirror's middle is in its map (default: 0.01)")

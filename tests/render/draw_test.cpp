@@ -3,21 +3,17 @@
 
 #include <random>
 
+#include "drawing.h"
 #include "envmap/render/choose.h"
-#include "envmap/render/context.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
+#include "envmap/render/shading.h"
 #include "rooms.h"
 
 namespace {
 
 using namespace envmap;
-
-// One for all tests of a process: drivers take long to start.
-Context& context() {
-  static Context made(ContextKind::osmesa);
-  return made;
-}
+using drawing::context;
 
 Drawn drawn(const Scene& scene, const Viewpoint& from, DrawMethod method) {
   context();
@@ -173,17 +169,17 @@ TEST(DrawMethods, EnvironmentIsTheBackground) {
   context();
   Scene empty;
   for (const Projection p : all_projections) {
-    EnvironmentMap sky;
-    Level& level = sky.levels.emplace_back(p, 256);
+    EnvironmentMap coded;
+    Level& level = coded.levels.emplace_back(p, 256);
     const int width = level.width();
     rooms::for_each_texel(p, 256, [&](std::size_t k, const Direction& ray) {
       const auto at = static_cast<int>(k);
       *level.texel(at / (width * 256), at % width, at / width % 256) = Colour(0.5 * (ray + 1.0));
     });
-    const EnvironmentLookup lookup(sky);
+    const Environment sky(std::move(coded), 4);
     Renderer renderer(empty, &sky);
     const Viewpoint from{.to = Projection::paraboloid, .size = 64, .axes = rotation(10, 20, 30)};
-    const Drawn map = draw(renderer, from, {empty, {}, &lookup}, DrawMethod::exact);
+    const Drawn map = draw(renderer, from, {empty, {}, &sky}, DrawMethod::exact);
     double worst = 0;
     rooms::for_each_texel(from.to, from.size, [&](std::size_t k, const Direction& ray) {
       const Colour wanted(0.5 * (from.axes * ray + 1.0));

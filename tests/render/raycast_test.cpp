@@ -176,8 +176,7 @@ TEST(Raycast, TexturesWrap) {
 }
 
 TEST(Raycast, ASphereInAWhiteRoomIsInvisibleAndItsNormalsAreSmooth) {
-  EnvironmentMap white = generate(Constant{Direction(1)}, Projection::cube, 8);
-  const EnvironmentLookup lookup(white);
+  const Environment white(generate(Constant{Direction(1)}, Projection::cube, 8), 4);
   Scene scene;
   scene.materials.push_back({});
   Mesh ball;
@@ -197,8 +196,7 @@ TEST(Raycast, ASphereInAWhiteRoomIsInvisibleAndItsNormalsAreSmooth) {
   complete(ball);
   scene.meshes = {ball};
   scene.nodes.push_back({.local = glm::scale(Matrix(1), Direction(1, 2, 0.5)), .meshes = {0}});
-  const EnvironmentLight light = environment_light(white, 4);
-  Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &lookup, .light = &light};
+  Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &white};
   for (const float metallic : {0.0F, 1.0F}) {
     scene.materials[0].metallic = metallic;
     scene.materials[0].roughness = 0.6F;

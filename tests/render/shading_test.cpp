@@ -14,16 +14,10 @@ using namespace envmap;
 
 Direction tilted(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
 
-// The light of a map, and the map.
 struct Room {
-  EnvironmentMap map;
-  EnvironmentLookup lookup;
-  EnvironmentLight light;
-  explicit Room(const Pattern& pattern, int size = 6)
-      : map(generate(pattern, Projection::latlong, 64)), lookup(map) {
-    light = environment_light(map, size);
-  }
-  [[nodiscard]] Lighting lighting() const { return {{}, &lookup, &light, Colour(0)}; }
+  Environment environment;
+  explicit Room(const Pattern& pattern, int size = 6) : environment(generate(pattern, Projection::latlong, 64), size) {}
+  [[nodiscard]] Lighting lighting() const { return {{}, &environment, Colour(0)}; }
 };
 
 TEST(Shading, WhiteSurfacesInAWhiteRoomStayWhite) {

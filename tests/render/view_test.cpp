@@ -1,18 +1,14 @@
 // Mirrors in a picture, against rays reflected from them into a room with a known answer.
 #include <gtest/gtest.h>
 
-#include "envmap/render/context.h"
+#include "drawing.h"
 #include "envmap/render/mirrors.h"
 #include "rooms.h"
 
 namespace {
 
 using namespace envmap;
-
-Context& context() {
-  static Context made(ContextKind::osmesa);
-  return made;
-}
+using drawing::context;
 
 constexpr int size = 96;
 constexpr double radius = 0.2;
@@ -35,7 +31,7 @@ Viewpoint camera() { return {.size = size, .at = {0.1, 0.05, 0.95}, .far = 100, 
 constexpr double pixel = 2 * 0.5 / size;
 
 Viewer viewer(const Viewpoint& from) {
-  Viewer v{from.at, {}};
+  Viewer v{.at = from.at, .pixel = pixel};
   for (const Direction& inwards : {Direction(1, 0, -0.5), {-1, 0, -0.5}, {0, 1, -0.5}, {0, -1, -0.5}, {0, 0, -1}}) {
     const Direction n = glm::normalize(from.axes * inwards);
     v.planes.emplace_back(n, 1e-3 - glm::dot(n, from.at));
@@ -50,7 +46,7 @@ struct Stage {
     const std::vector<Mirror> found = find_mirrors(scene, to);
     std::vector<int> nodes;
     for (const Mirror& m : found) nodes.push_back(m.node);
-    renderer.emplace(scene, nullptr, nullptr, nodes);
+    renderer.emplace(scene, nullptr, nodes);
     mirrors.emplace(scene, found);
   }
 
@@ -58,8 +54,7 @@ struct Stage {
     told.clear();
     const Viewpoint from = camera();
     Shot shot{.scene = scene, .pose = pose(scene, 0)};
-    mirrors->update(*renderer, shot, {viewer(from)}, pixel, options,
-                    [this](const std::string& line) { told += line + "\n"; });
+    mirrors->update(*renderer, shot, {viewer(from)}, options, [this](const std::string& line) { told += line + "\n"; });
     shot.mirrors = mirrors->maps();
     shot.look = look;
     return draw_picture(*renderer, from, shot);
@@ -130,9 +125,7 @@ TEST_P(View, MirrorsSeeEachOther) {
       EXPECT_GT(together[k].x + together[k].y + together[k].z, 0.05);
     }
   EXPECT_GT(most, 0.1);
-  // More bounces settle.
-  const float first = furthest(together, both.picture()), second = furthest(both.picture(), both.picture());
-  EXPECT_LE(second, first);
+  EXPECT_EQ(furthest(together, both.picture()), 0) << "it had settled";
 }
 
 TEST_P(View, TheSamePictureEachTime) {
@@ -145,7 +138,7 @@ TEST(Views, WhatStandsStillIsNotDrawnAgain) {
   const std::vector<Colour> first = stage.picture();
   EXPECT_NE(stage.told.find("ball 0: cube of"), std::string::npos) << stage.told;
   EXPECT_EQ(furthest(first, stage.picture()), 0);
-  EXPECT_NE(stage.told.find("ball 0: its surroundings did not move"), std::string::npos) << stage.told;
+  EXPECT_NE(stage.told.find("ball 0: its surroundings did not change"), std::string::npos) << stage.told;
 }
 
 // A square mirror in the plane z = -0.5 that faces the camera, or the wall behind.
@@ -188,10 +181,10 @@ TEST(Views, RoughMetalBlursItsMap) {
   const Mirror rough = make_mirror(scene, 6, Projection::paraboloid);
   EXPECT_TRUE(rough.rough);
   EXPECT_EQ(rough.to, Projection::cube);
-  Renderer renderer(scene, nullptr, nullptr, {6});
+  Renderer renderer(scene, nullptr, {6});
   Mirrors mirrors(scene, {rough});
   Shot shot{.scene = scene, .pose = pose(scene, 0)};
-  mirrors.update(renderer, shot, {viewer(camera())}, pixel, {.size = 32}, [](const std::string&) {});
+  mirrors.update(renderer, shot, {viewer(camera())}, {.size = 32}, [](const std::string&) {});
   shot.mirrors = mirrors.maps();
   const std::vector<Colour> picture = draw_picture(renderer, camera(), shot);
   // Along a row through the ball colours spread less than on the smooth one: the room's mean is (0.5, 0.5, 0.5).
@@ -203,7 +196,7 @@ TEST(Views, RoughMetalBlursItsMap) {
     }
     return high - low;
   };
-  EXPECT_LT(spread(picture), 0.7F * spread(smooth.picture()));
+  EXPECT_LT(spread(picture), 0.8F * spread(smooth.picture()));
   EXPECT_GT(picture[54 * size + 48].x, 0.1F);
 }
 

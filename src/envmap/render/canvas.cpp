@@ -75,18 +75,4 @@ gl::Texture make_rays(const Lens& lens, int height, const Vec2<double>& offset) 
   return uploaded(rays, lens.width, height);
 }
 
-Rotation map_to_face(Projection p, int face) {
-  switch (p) {
-    case Projection::cube: {
-      const Cube::Axes& axes = Cube::axes[static_cast<std::size_t>(face)];
-      return glm::transpose(Rotation(axes.right, axes.up, axes.forward));
-    }
-    case Projection::latlong: return Rotation(0, 1, 0, 0, 0, 1, 1, 0, 0);  // Z, X, Y.
-    case Projection::paraboloid: return Rotation(1, 0, 0, 0, 1, 0, 0, 0, face == 0 ? 1 : -1);
-    case Projection::angular: return Rotation(-1, 0, 0, 0, 1, 0, 0, 0, 1);
-    case Projection::sphere: break;
-  }
-  return Rotation(1);
-}
-
 }  // namespace envmap

@@ -34,7 +34,4 @@ gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offs
 /// The same of a picture.
 gl::Texture make_rays(const Lens& lens, int height, const Vec2<double>& offset);
 
-/// Rows are right, up and into the face of a cube; for other projections see images.glsl.
-Rotation map_to_face(Projection p, int face);
-
 }  // namespace envmap

@@ -1,5 +1,7 @@
 #include "envmap/render/choose.h"
 
+#include "envmap/render/image.h"
+
 namespace envmap {
 namespace {
 
@@ -19,8 +21,17 @@ double estimated_cost(DrawMethod method, Projection to, int size, std::size_t tr
 DrawMethod cheapest(Projection to, int size, std::size_t triangles) {
   DrawMethod best = DrawMethod::exact;
   for (const DrawMethod m : {DrawMethod::resample, DrawMethod::raycast})
-    if (estimated_cost(m, to, size, triangles) < estimated_cost(best, to, size, triangles)) best = m;
+    if (!can_draw(best, to) || estimated_cost(m, to, size, triangles) < estimated_cost(best, to, size, triangles))
+      best = m;
   return best;
+}
+
+bool can_draw(DrawMethod method, Projection to) {
+  const ImageShape shape = image_shape(to);
+  if (method == DrawMethod::exact) return shape != ImageShape::other;
+  if (method == DrawMethod::distort || method == DrawMethod::tessellate)
+    return shape == ImageShape::plane || shape == ImageShape::disc;
+  return true;
 }
 
 }  // namespace envmap

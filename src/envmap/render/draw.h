@@ -36,10 +36,11 @@ struct Viewpoint {
   int samples = 1;                 ///< A texel. Distances and surfaces are those of the first.
   unsigned which = ~0U;            ///< Faces to draw, a bit each.
   bool cull = true;                ///< Leave out what lies beyond a face, by spheres round meshes.
+  bool show_ambient = false;       ///< Behind all surfaces, too: as mirrors show it.
   std::optional<Lens> lens;        ///< Then it is a picture of one face, and `to` is not looked at.
 };
 
-struct EnvironmentLight;
+struct Environment;
 struct MirrorMap;
 
 /// How mirrors look their maps up.
@@ -52,10 +53,9 @@ struct MirrorLook {
 struct Shot {
   const Scene& scene;
   Pose pose;
-  const EnvironmentLookup* environment = nullptr;  ///< Background; null: black.
-  const EnvironmentLight* light = nullptr;      ///< What it gives surfaces (shading.h); null: reflections alone.
-  Colour ambient{0};                            ///< Radiance from everywhere, beside the environment.
-  std::span<const MirrorMap> mirrors{};         ///< In the order of the renderer's; empty: they show the environment.
+  const Environment* environment = nullptr;  ///< Background and light (shading.h); null: black.
+  Colour ambient{0};                         ///< Radiance from everywhere, beside the environment; no background.
+  std::span<const MirrorMap> mirrors{};      ///< In the order of the renderer's; empty: they show the environment.
   MirrorLook look{};
 };
 

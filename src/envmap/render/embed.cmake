@@ -1,10 +1,10 @@
 # cmake -DOUTPUT=shaders.cpp -DFILES=a.glsl;b.glsl -P embed.cmake: the text of the files as C++.
-set(text "#include \"envmap/render/shaders.h\"\n\n#include <stdexcept>\n#include <string>\n\n")
+set(text "#include \"envmap/render/shaders.h\"\n\n")
 string(APPEND text "namespace envmap {\n\nstd::string_view shader_source(std::string_view name) {\n")
 foreach(file ${FILES})
   get_filename_component(name ${file} NAME)
   file(READ ${file} source)
   string(APPEND text "  if (name == \"${name}\") return R\"glsl(${source})glsl\";\n")
 endforeach()
-string(APPEND text "  throw std::out_of_range(std::string(name));\n}\n\n}  // namespace envmap\n")
+string(APPEND text "  return {};\n}\n\n}  // namespace envmap\n")
 file(WRITE ${OUTPUT} "${text}")

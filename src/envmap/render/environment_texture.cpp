@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "envmap/operate/convert.h"
+#include "envmap/render/programs.h"
 #include "envmap/sample/lookup.h"
 
 namespace envmap {
@@ -20,19 +21,22 @@ std::vector<Colour> as_gl_turns(const PaddedLevel& cube, int face) {
 
 }  // namespace
 
-LightTexture upload(const EnvironmentLight* light) {
-  LightTexture out{gl::make_texture(GL_TEXTURE_CUBE_MAP_ARRAY), gl::make_texture(GL_TEXTURE_2D)};
-  glTextureStorage2D(out.split_sum, 1, GL_RGB32F, split_sum_size, split_sum_size);
-  glTextureSubImage2D(out.split_sum, 0, 0, 0, split_sum_size, split_sum_size, GL_RGB, GL_FLOAT, split_sum_table().data());
-  gl::interpolate(out.split_sum);
-  if (light == nullptr) return out;
-  out.irradiance = light->irradiance;
-  const int size = light->glossy.front().height(), levels = static_cast<int>(light->glossy.size());
+gl::Texture upload_split_sum() {
+  gl::Texture table = gl::make_texture(GL_TEXTURE_2D);
+  glTextureStorage2D(table, 1, GL_RGB32F, split_sum_size, split_sum_size);
+  glTextureSubImage2D(table, 0, 0, 0, split_sum_size, split_sum_size, GL_RGB, GL_FLOAT, split_sum_table().data());
+  gl::interpolate(table);
+  return table;
+}
+
+LightTexture upload(const EnvironmentLight& light) {
+  LightTexture out{gl::make_texture(GL_TEXTURE_CUBE_MAP_ARRAY), light.irradiance};
+  const int size = light.glossy.front().height(), levels = static_cast<int>(light.glossy.size());
   glTextureStorage3D(out.glossy, 1, GL_RGB32F, size, size, 6 * levels);
   for (int level = 0; level < levels; ++level)
     for (int face = 0; face < 6; ++face)
       glTextureSubImage3D(out.glossy, 0, 0, 0, 6 * level + face, size, size, 1, GL_RGB, GL_FLOAT,
-                          as_gl_turns(light->glossy[static_cast<std::size_t>(level)], face).data());
+                          as_gl_turns(light.glossy[static_cast<std::size_t>(level)], face).data());
   gl::interpolate(out.glossy);
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
   gl::check("upload of the environment's light");
@@ -45,7 +49,8 @@ EnvironmentTexture upload(const EnvironmentMap& map) {
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   const bool too_large = std::max(map.base().width(), map.base().height()) + aprons > largest;
   const EnvironmentLookup shown = [&] {
-    if (map.projection() != Projection::sphere && !too_large) return EnvironmentLookup(map);
+    if (map.projection() != Projection::sphere && has_shader(map.projection()) && !too_large)
+      return EnvironmentLookup(map);
     const int dense = matching_size(map.projection(), map.base().height(), Projection::cube);
     return EnvironmentLookup(convert(map, {.to = Projection::cube, .size = std::min(dense, largest - aprons)}));
   }();

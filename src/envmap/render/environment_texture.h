@@ -18,14 +18,16 @@ struct EnvironmentTexture {
 
 /// What an environment gives surfaces (shading.h), as shading.glsl reads it.
 struct LightTexture {
-  gl::Texture glossy;     ///< A cube array, faces turned as GL has them.
-  gl::Texture split_sum;  ///< There for any scene.
+  gl::Texture glossy;  ///< A cube array, faces turned as GL has them.
   std::array<Colour, 9> irradiance{};
 };
-/// @param light null: only the table.
-LightTexture upload(const EnvironmentLight* light);
+LightTexture upload(const EnvironmentLight& light);
 
-/// Level 0, as it is; a sphere map, which plain filtering does not do justice at its rim, as a cube of its density.
+/// split_sum_table().
+gl::Texture upload_split_sum();
+
+/// Level 0, as it is. As a cube of its density: a sphere map, which plain filtering does not do justice at its rim, and
+/// maps that no shader can look up.
 EnvironmentTexture upload(const EnvironmentMap& map);
 
 }  // namespace envmap

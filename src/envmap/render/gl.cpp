@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <new>
+#include <regex>
+#include <sstream>
 #include <stdexcept>
 
 #include "envmap/render/shaders.h"
@@ -15,13 +17,32 @@ struct DeleteShader {
 };
 using Shader = Object<DeleteShader>;
 
-Shader compile(const Stage& stage, const std::string& defines) {
-  std::string text = "#version 450 core\n" + defines, names;
-  for (const std::string_view file : stage.files) {
+// Mesa takes an undefined name in a condition for 0.
+void check_conditions(const std::string& source, const Definitions& definitions) {
+  static const std::regex directive(R"(\s*#\s*(\w+)(.*))"), word(R"([A-Za-z_]\w*)");
+  std::istringstream lines(source);
+  std::smatch found;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with('#') || !std::regex_match(line, found, directive)) continue;
+    if (found[1] == "ifdef" || found[1] == "ifndef") throw std::runtime_error(line + ": use #if, which is checked");
+    if (found[1] != "if" && found[1] != "elif") continue;
+    const std::string condition = found[2];
+    for (std::sregex_iterator name(condition.begin(), condition.end(), word), end; name != end; ++name)
+      if (!definitions.contains(name->str()))
+        throw std::runtime_error(fmt::format("{}: {} is not defined", line, name->str()));
+  }
+}
+
+Shader compile(const Stage& stage, const Definitions& definitions) {
+  std::string text = "#version 450 core\n", names;
+  for (const auto& [name, value] : definitions) text += fmt::format("#define {} {}\n", name, value);
+  for (const std::string& file : stage.files) {
+    const std::string source(shader_source(file));
+    if (source.empty()) throw std::runtime_error(file + ": there is no such shader");
+    check_conditions(source, definitions);
     // Line numbers of messages are those of the file.
-    text += "#line 1\n";
-    text += shader_source(file);
-    names += (names.empty() ? "" : " ") + std::string(file);
+    text += "#line 1\n" + source;
+    names += (names.empty() ? "" : " ") + file;
   }
   Shader shader(glCreateShader(stage.kind));
   const char* lines = text.c_str();
@@ -75,9 +96,9 @@ Framebuffer make_framebuffer() {
   return Framebuffer(name);
 }
 
-Program make_program(std::initializer_list<Stage> stages, const std::string& defines) {
+Program make_program(const std::vector<Stage>& stages, const Definitions& definitions) {
   Program program(glCreateProgram());
-  for (const Stage& stage : stages) glAttachShader(program, compile(stage, defines));
+  for (const Stage& stage : stages) glAttachShader(program, compile(stage, definitions));
   glLinkProgram(program);
   GLint linked = 0;
   glGetProgramiv(program, GL_LINK_STATUS, &linked);
@@ -96,8 +117,8 @@ void set(const Program& p, const char* name, float value) {
 void set(const Program& p, const char* name, std::span<const float, 2> value) {
   glProgramUniform2fv(p, glGetUniformLocation(p, name), 1, value.data());
 }
-void set(const Program& p, const char* name, std::span<const float, 3> value) {
-  glProgramUniform3fv(p, glGetUniformLocation(p, name), 1, value.data());
+void set(const Program& p, const char* name, const glm::vec3& value) {
+  glProgramUniform3fv(p, glGetUniformLocation(p, name), 1, &value.x);
 }
 void set(const Program& p, const char* name, std::span<const float, 9> columns) {
   glProgramUniformMatrix3fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, columns.data());

@@ -5,7 +5,7 @@
 #include <glad/gl.h>
 
 #include <glm/glm.hpp>
-#include <initializer_list>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -73,19 +73,24 @@ void interpolate(const Texture& texture);
 VertexArray make_vertex_array();
 Framebuffer make_framebuffer();
 
+/// Macros and what they stand for.
+using Definitions = std::map<std::string, std::string>;
+
 /// One stage of a program: files of shaders/, put one behind the other under `#version` and the definitions.
 struct Stage {
   GLenum kind;
-  std::initializer_list<std::string_view> files;
+  std::vector<std::string> files;
 };
-/// @param defines lines such as "#define PROJECTION 2\n". @throws std::runtime_error with GL's message.
-Program make_program(std::initializer_list<Stage> stages, const std::string& defines = {});
+/// A condition (#if) on a name that nobody defines is an error, so that nothing is left out of a program without a word;
+/// #ifdef, which cannot be checked, is one, too.
+/// @throws std::runtime_error with GL's message.
+Program make_program(const std::vector<Stage>& stages, const Definitions& definitions);
 
 /// Sets a uniform of the program, if it has it.
 void set(const Program& program, const char* name, int value);
 void set(const Program& program, const char* name, float value);
 void set(const Program& program, const char* name, std::span<const float, 2> value);
-void set(const Program& program, const char* name, std::span<const float, 3> value);
+void set(const Program& program, const char* name, const glm::vec3& value);
 void set(const Program& program, const char* name, std::span<const float, 9> columns);
 void set(const Program& program, const char* name, const glm::vec4& value);
 void set(const Program& program, const char* name, const glm::mat4& value);

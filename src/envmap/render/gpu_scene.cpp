@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/render/programs.h"
 #include "envmap/render/shading.h"
 
 namespace envmap {
@@ -200,14 +201,14 @@ void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye,
 
 void GpuScene::bind() const {
   glBindVertexArray(layout_);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, light_buffer_);
-  glBindTextureUnit(8, corner_texels_);
-  glBindTextureUnit(9, instance_texels_);
-  glBindTextureUnit(10, material_texels_);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_lights, light_buffer_);
+  glBindTextureUnit(unit_corners, corner_texels_);
+  glBindTextureUnit(unit_instances, instance_texels_);
+  glBindTextureUnit(unit_materials, material_texels_);
 }
 
 void GpuScene::bind(const Group& group) const {
-  for (GLuint unit = 1; const int texture : {group.base_colour, group.metallic_roughness, group.emissive})
+  for (GLuint unit = unit_base_colour; const int texture : {group.base_colour, group.metallic_roughness, group.emissive})
     glBindTextureUnit(unit++, texture < 0 ? 0 : static_cast<GLuint>(at(textures_, texture)));
 }
 

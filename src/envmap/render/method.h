@@ -16,4 +16,8 @@ enum class DrawMethod { automatic, exact, distort, tessellate, resample, raycast
 inline constexpr std::string_view draw_method_names[] = {"auto",       "exact",    "distort",
                                                          "tessellate", "resample", "raycast"};
 
+/// Whether a map can be drawn so, which says of a projection that is new whether it waits for shaders. resample and
+/// raycast draw any.
+bool can_draw(DrawMethod method, Projection to);
+
 }  // namespace envmap

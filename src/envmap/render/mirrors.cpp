@@ -6,13 +6,11 @@
 #include <chrono>
 #include <cmath>
 
+#include "envmap/base/parallel.h"
 #include "envmap/render/shading.h"
 
 namespace envmap {
 namespace {
-
-// A map in unchanged surroundings is drawn again as long as mirrors in it were: so often, then they have settled.
-constexpr int settled = 8;
 
 // Glass is seldom given a roughness of 0, and shows little of a small one.
 constexpr float smooth_metal = 0.001F, smooth_glass = 0.2F;
@@ -40,13 +38,41 @@ bool same_surroundings(const Scene& scene, int mirror, const Pose& a, const Pose
 double spacing(Projection p) { return p == Projection::cube ? 2 : 4; }
 
 // Radians beyond a direction that a lookup may read: two texels at a rim or an edge, and what mirror.glsl mixes there.
-double margin(const MapTexture& map) { return 6.0 / map.size; }
+double margin(int size) { return 6.0 / size; }
 
 // Z towards `axis`, X level.
 Rotation looking_along(const Direction& axis) {
   const Direction up = std::abs(axis.y) < 0.999 ? Direction(0, 1, 0) : Direction(0, 0, 1);
   const Direction x = glm::normalize(glm::cross(up, axis));
   return {x, glm::cross(axis, x), axis};
+}
+
+unsigned all_faces(Projection p) { return (1U << faces(p)) - 1; }
+
+// More texels than this many a pixel that looks them up are not drawn, however fine those could show them: a bottle a few
+// pixels wide does not get the map of a flat mirror that fills the picture.
+constexpr double texels_a_pixel = 64;
+
+// As fine as the pixels are, or as they can afford. @param step radians between texels.
+int fitting_size(const Mirror& mirror, double step, double pixels) {
+  const double fine = spacing(mirror.to) / std::max(step, 1e-6);
+  const double affordable = std::sqrt(texels_a_pixel * pixels / faces(mirror.to));
+  return static_cast<int>(std::clamp(std::ceil(std::min(fine, affordable) / 32) * 32, 32.0, 8192.0));
+}
+
+// What can be told apart in a picture: 1/255 of white, or of what is brighter.
+bool differs(const EnvironmentMap& a, const EnvironmentMap& b) {
+  const auto differ = [](const Colour& x, const Colour& y) {
+    const Colour off = glm::abs(x - y) - glm::max(Colour(1), glm::abs(y)) / 255.0F;
+    return std::max(off.x, std::max(off.y, off.z)) > 0;
+  };
+  const auto rows = map_rows<int>(a.base().height(), [&](int row) {
+    for (int face = 0; face < a.base().faces(); ++face)
+      for (int i = 0; i < a.base().width(); ++i)
+        if (differ(*a.base().texel(face, i, row), *b.base().texel(face, i, row))) return 1;
+    return 0;
+  });
+  return std::ranges::find(rows, 1) != rows.end();
 }
 
 }  // namespace
@@ -79,152 +105,173 @@ std::vector<Mirror> find_mirrors(const Scene& scene, Projection to) {
 Mirrors::Mirrors(const Scene& scene, std::vector<Mirror> mirrors)
     : scene_(scene), mirrors_(std::move(mirrors)), maps_(mirrors_.size()), drawn_(mirrors_.size()) {}
 
-Mirrors::Wanted Mirrors::wanted(std::size_t k, const Shot& shot, const std::vector<Viewer>& viewers, double pixel) const {
+void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, Wanted& want) const {
   const Mirror& mirror = mirrors_[k];
-  Wanted out{.finest = pi};
-  for (const Viewer& viewer : viewers)
-    for (const Instance& instance : instances(scene_)) {
-      if (!lies_under(scene_, instance.node, mirror.node)) continue;
-      const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(instance.mesh)];
-      const Shown shown = shown_directions(viewer, mesh, shot.pose[static_cast<std::size_t>(instance.node)], mirror.optics);
-      out.caps.insert(out.caps.end(), shown.caps.begin(), shown.caps.end());
-      out.finest = std::min(out.finest, pixel * shown.widening);
-      if (mirror.optics.refracts()) {
-        // A lens reflects, too.
-        const Shown reflected = shown_directions(viewer, mesh, shot.pose[static_cast<std::size_t>(instance.node)],
-                                                 {0, mirror.optics.double_sided});
-        out.caps.insert(out.caps.end(), reflected.caps.begin(), reflected.caps.end());
-      }
+  for (const Instance& instance : instances(scene_)) {
+    if (!lies_under(scene_, instance.node, mirror.node)) continue;
+    const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(instance.mesh)];
+    const Matrix& world = shot.pose[static_cast<std::size_t>(instance.node)];
+    const auto add = [&](const Optics& optics) {
+      const Shown shown = shown_directions(viewer, mesh, world, optics);
+      want.caps.insert(want.caps.end(), shown.caps.begin(), shown.caps.end());
+      return shown;
+    };
+    const Shown shown = add(mirror.optics);
+    if (viewer.pixel > 0) {
+      want.spacing = std::min(want.spacing, viewer.pixel * shown.widening);
+      want.pixels += shown.solid_angle / (viewer.pixel * viewer.pixel);
     }
-  return out;
+    if (mirror.optics.refracts()) add({0, mirror.optics.double_sided});  // A lens reflects, too.
+  }
 }
 
-unsigned Mirrors::needed_faces(std::size_t k, const std::vector<Cap>& caps) const {
+// First what the viewers see, then what is seen in mirrors that are seen, and so on. Pictures say how large maps are;
+// where a mirror is in none of them, the first map does that it is seen in.
+std::vector<Mirrors::Wanted> Mirrors::wanted(const Shot& shot, const std::vector<Viewer>& viewers) const {
+  std::vector<Wanted> want(mirrors_.size());
+  for (std::size_t k = 0; k < want.size(); ++k) {
+    want[k].at = centre_of(scene_, shot.pose, mirrors_[k].node);
+    for (const Viewer& viewer : viewers) add_wanted(k, shot, viewer, want[k]);
+  }
+  std::vector<bool> looked_from(want.size());
+  for (std::size_t from = 0; from < want.size();) {
+    if (looked_from[from] || want[from].caps.empty()) {
+      ++from;
+      continue;
+    }
+    looked_from[from] = true;
+    const double pixel = spacing(mirrors_[from].to) / fitting_size(mirrors_[from], want[from].spacing, want[from].pixels);
+    for (std::size_t k = 0; k < want.size(); ++k)
+      if (k != from)
+        add_wanted(k, shot, {.at = want[from].at, .node = mirrors_[from].node, .pixel = want[k].caps.empty() ? pixel : 0},
+                   want[k]);
+    from = 0;
+  }
+  return want;
+}
+
+// Size and axes stay as they are as long as they will do, so that the map can stay.
+Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want, const Viewer& viewer,
+                            const MirrorOptions& options) const {
+  const Mirror& mirror = mirrors_[k];
   const MirrorMap& map = maps_[k];
-  if (mirrors_[k].rough || mirrors_[k].to == Projection::sphere) return (1U << faces(mirrors_[k].to)) - 1;
+  const Drawn& drawn = drawn_[k];
+  const int largest = mirror.rough ? std::min(rough_size, options.largest) : options.largest;
+  const int size = options.size > 0 ? options.size : std::min(fitting_size(mirror, want.spacing, want.pixels), largest);
+  const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
+                                                     : map.texture->size >= size && map.texture->size <= 2 * size);
+  const bool moved = !fits || want.at != drawn.at || !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
+  Plan plan{.size = fits ? map.texture->size : size, .axes = map.axes, .anew = moved};
+  if (mirror.rough || mirror.to == Projection::cube) return plan;
+  if (mirror.to == Projection::sphere) {
+    // Its singularity lies behind a mirror, where only the outline shows it; of a lens, before it.
+    plan.axes = looking_along(glm::normalize(viewer.at - want.at) * (mirror.optics.refracts() ? -1.0 : 1.0));
+  } else {
+    const Cap all = enclosing(want.caps);
+    const double room = pi / 2 - margin(plan.size) - all.angle;
+    if (moved || (room > 0 && angle_between(map.axes[2], all.axis) >= room))
+      plan.axes = room > 0 ? looking_along(all.axis) : Rotation(1);
+  }
+  if (plan.axes != map.axes) plan.anew = true;
+  return plan;
+}
+
+unsigned Mirrors::needed_faces(std::size_t k, const std::vector<Cap>& caps, const Plan& plan) const {
+  const Mirror& mirror = mirrors_[k];
+  if (mirror.rough || mirror.to == Projection::sphere) return all_faces(mirror.to);
   unsigned needed = 0;
-  if (mirrors_[k].to == Projection::cube) {
-    const auto reached = reached_faces(caps, map.axes, margin(*map.texture));
+  if (mirror.to == Projection::cube) {
+    const auto reached = reached_faces(caps, plan.axes, margin(plan.size));
     for (unsigned face = 0; face < 6; ++face) needed |= reached[face] ? 1U << face : 0;
     return needed;
   }
   for (const Cap& cap : caps) {
-    const double reach = cap.angle + margin(*map.texture), along = angle_between(cap.axis, map.axes[2]);
+    const double reach = cap.angle + margin(plan.size), along = angle_between(cap.axis, plan.axes[2]);
     if (along - reach <= pi / 2) needed |= 1;
     if (along + reach >= pi / 2) needed |= 2;
   }
   return needed;
 }
 
-// Size and axes of a map. Both stay as they are as long as they will do, so that a map can stay. @return whether the map
-// must be drawn anew.
-bool Mirrors::prepare(std::size_t k, const Shot& shot, const Wanted& want, const Viewer& viewer,
-                      const MirrorOptions& options) {
-  const Mirror& mirror = mirrors_[k];
-  MirrorMap& map = maps_[k];
-  Drawn& drawn = drawn_[k];
-  const double texels = std::ceil(spacing(mirror.to) / std::max(want.finest, 1e-6) / 32) * 32;
-  const int largest = mirror.rough ? std::min(rough_size, options.largest) : options.largest;
-  const int size = options.size > 0 ? options.size : static_cast<int>(std::clamp(texels, 32.0, 1.0 * largest));
-  const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
-                                                     : map.texture->size >= size && map.texture->size <= 2 * size);
-  const bool moved = !fits || want.at != drawn.at || !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
-  if (!fits) map.texture.emplace(mirror.to, size);
-  drawn.unchanged = moved ? 0 : drawn.unchanged + 1;
-  if (mirror.rough || mirror.to == Projection::cube) return moved;
-  if (mirror.to == Projection::sphere) {
-    // Its singularity lies behind a mirror, where only the outline shows it; of a lens, before it.
-    const Direction axis = glm::normalize(viewer.at - want.at) * (mirror.optics.refracts() ? -1.0 : 1.0);
-    if (!moved && axis == map.axes[2]) return false;
-    map.axes = looking_along(axis);
-    return true;
-  }
-  const Cap all = enclosing(want.caps);
-  const double room = pi / 2 - margin(*map.texture) - all.angle;
-  if (!moved && (room <= 0 || angle_between(map.axes[2], all.axis) < room)) return false;
-  map.axes = room > 0 ? looking_along(all.axis) : Rotation(1);
-  return true;
-}
-
-void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at,
-                   const MirrorOptions& options, unsigned which) {
+// A map of another size or turned otherwise takes the place of the old one when it is drawn: until then, other mirrors
+// look that up. Faces that nobody needs show the environment.
+void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at, const Plan& plan,
+                   unsigned needed, const MirrorOptions& options) {
   MirrorMap& map = maps_[k];
   const Mirror& mirror = mirrors_[k];
-  const Viewpoint from{.to = mirror.to,
-                       .size = map.texture->size,
-                       .at = at,
-                       .axes = map.axes,
-                       .near = options.near,
-                       .far = options.far,
-                       .without = mirror.node,
-                       .which = which,
-                       .cull = !options.all};
+  Viewpoint from{.to = mirror.to,
+                 .size = plan.size,
+                 .at = at,
+                 .axes = plan.axes,
+                 .near = options.near,
+                 .far = options.far,
+                 .without = mirror.node,
+                 .which = needed,
+                 .cull = !options.all,
+                 .show_ambient = true};
   Shot with_maps = shot;
   with_maps.mirrors = maps_;
   with_maps.look = {};
-  renderer.draw(from, with_maps, options.method, *map.texture);
+  if (map.texture && map.texture->size == plan.size && map.axes == plan.axes) {
+    renderer.draw(from, with_maps, options.method, *map.texture);
+  } else {
+    MapTexture other(mirror.to, plan.size);
+    renderer.draw(from, with_maps, options.method, other);
+    from.which = ~needed;
+    renderer.draw_background(from, with_maps, other);
+    map.texture = std::move(other);
+    map.axes = plan.axes;
+  }
+  EnvironmentMap seen = read_back(*map.texture);
+  Drawn& drawn = drawn_[k];
+  if (!drawn.seen || drawn.seen->base().height() != plan.size || plan.anew || differs(seen, *drawn.seen))
+    ++drawn.version;
+  drawn.seen = std::move(seen);
   if (!mirror.rough) return;
-  const EnvironmentLight light = environment_light(read_back(*map.texture), std::min(glossy_size, map.texture->size));
-  map.glossy = upload(&light);
+  map.glossy = upload(environment_light(*drawn.seen, std::min(glossy_size, plan.size)));
 }
 
-void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers, double pixel,
+void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers,
                      const MirrorOptions& options, const std::function<void(const std::string&)>& tell) {
-  // Who sees whom: first the picture, then mirrors that are seen there, as often as light goes on.
-  std::vector<Wanted> want(mirrors_.size());
+  const std::vector<Wanted> want = wanted(shot, viewers);
+  std::vector<Plan> plans(want.size());
+  std::vector<unsigned> needed(want.size());
   for (std::size_t k = 0; k < want.size(); ++k) {
-    want[k] = wanted(k, shot, viewers, pixel);
-    want[k].at = centre_of(scene_, shot.pose, mirrors_[k].node);
-  }
-  for (int bounce = 0; bounce < options.bounces; ++bounce) {
-    std::vector<Viewer> seen;
-    for (std::size_t k = 0; k < want.size(); ++k)
-      if (!want[k].caps.empty()) seen.push_back({want[k].at, {}, mirrors_[k].node});
-    const std::vector<Wanted> before = want;
-    for (std::size_t k = 0; k < want.size(); ++k) {
-      std::vector<Viewer> others;
-      std::ranges::copy_if(seen, std::back_inserter(others), [&](const Viewer& v) { return v.node != mirrors_[k].node; });
-      const Wanted more = wanted(k, shot, others, pixel);
-      want[k] = before[k];
-      want[k].caps.insert(want[k].caps.end(), more.caps.begin(), more.caps.end());
+    if (want[k].caps.empty()) {
+      tell(fmt::format("{}: not seen, not drawn", name_of(k)));
+      continue;
     }
+    plans[k] = plan(k, shot, want[k], viewers.front(), options);
+    needed[k] = options.all ? all_faces(mirrors_[k].to) : needed_faces(k, want[k].caps, plans[k]);
   }
-  // Where maps see others before those are first drawn, once more: nobody has seen a frame before this one.
-  const bool first = std::ranges::any_of(maps_, [](const MirrorMap& m) { return !m.texture; }) && maps_.size() > 1;
-  std::vector<bool> anew(mirrors_.size());
-  for (std::size_t k = 0; k < mirrors_.size(); ++k)
-    if (!want[k].caps.empty()) anew[k] = prepare(k, shot, want[k], viewers.front(), options);
-  for (int round = 0; round < options.bounces + (first ? 1 : 0); ++round)
-    for (std::size_t k = 0; k < mirrors_.size(); ++k) {
-      const std::string& name = scene_.nodes[static_cast<std::size_t>(mirrors_[k].node)].name;
+  bool changing = true;
+  for (int round = 0; changing && round < options.bounces.value_or(most_rounds); ++round) {
+    changing = false;
+    for (std::size_t k = 0; k < want.size(); ++k) {
+      if (want[k].caps.empty()) continue;
       Drawn& drawn = drawn_[k];
-      if (want[k].caps.empty()) {
-        if (round == 0) tell(fmt::format("{}: not seen, not drawn", name));
-        continue;
-      }
-      const unsigned every = (1U << faces(mirrors_[k].to)) - 1, needed = options.all ? every : needed_faces(k, want[k].caps);
       std::vector<int> versions;
       for (std::size_t other = 0; other < drawn_.size(); ++other)
         versions.push_back(other == k ? 0 : drawn_[other].version);
-      const bool same =
-          !anew[k] && (needed & ~drawn.faces) == 0 && (versions == drawn.versions || drawn.unchanged >= settled);
-      if (same && !options.all) {
-        tell(fmt::format("{}: its surroundings did not move, not drawn again", name));
+      if (!plans[k].anew && (needed[k] & ~drawn.faces) == 0 && versions == drawn.versions && (!options.all || round > 0)) {
+        if (round == 0) tell(fmt::format("{}: its surroundings did not change, not drawn again", name_of(k)));
         continue;
       }
       const auto start = std::chrono::steady_clock::now();
-      draw(k, renderer, shot, want[k].at, options, needed);
+      draw(k, renderer, shot, want[k].at, plans[k], needed[k], options);
       drawn.pose = shot.pose;
       drawn.at = want[k].at;
-      drawn.faces = anew[k] ? needed : drawn.faces | needed;
+      drawn.faces = plans[k].anew ? needed[k] : drawn.faces | needed[k];
       drawn.versions = versions;
-      ++drawn.version;
-      anew[k] = false;
-      glFinish();
-      tell(fmt::format("{}: {} of {}, {} of {} faces drawn in {:.1f} ms", name, envmap::name(mirrors_[k].to),
-                       maps_[k].texture->size, std::popcount(needed), faces(mirrors_[k].to),
+      plans[k].anew = false;
+      changing = true;
+      tell(fmt::format("{}: {} of {}, {} of {} faces drawn in {:.1f} ms", name_of(k), name(mirrors_[k].to),
+                       plans[k].size, std::popcount(needed[k]), faces(mirrors_[k].to),
                        1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
     }
+  }
+  if (changing && !options.bounces && maps_.size() > 1)
+    tell(fmt::format("mirrors go on changing each other after {} rounds", most_rounds));
 }
 
 }  // namespace envmap

@@ -33,21 +33,25 @@ Mirror make_mirror(const Scene& scene, int node, Projection to);
 struct MirrorOptions {
   int size = 0;  ///< Height of a face; 0: what the pixels of the picture need, up to `largest`.
   int largest = 1024;
-  int bounces = 1;   ///< Rounds a frame: so often light goes from mirror to mirror before the next one.
+  /// Rounds a frame: so often light goes from mirror to mirror before the next one. None: until no texel changes by more
+  /// than 1/255 of white, or of itself where it is brighter; at most most_rounds.
+  std::optional<int> bounces;
   bool all = false;  ///< Draw every face of every map in every frame.
   double near = 0.01, far = 1000;
   DrawMethod method = DrawMethod::exact;
 };
 
-/// The maps as they are from frame to frame.
+inline constexpr int most_rounds = 32;
+
+/// The maps as they are from frame to frame. A map begins as the environment.
 class Mirrors {
  public:
   Mirrors(const Scene& scene, std::vector<Mirror> mirrors);
 
   /// Draws what the viewers need.
-  /// @param viewers at least one. @param pixel angle of view of a pixel of theirs, radians. @param tell a line for each map: what was drawn or skipped.
-  void update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers, double pixel,
-              const MirrorOptions& options, const std::function<void(const std::string&)>& tell);
+  /// @param viewers at least one. @param tell a line for each map: what was drawn or skipped.
+  void update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers, const MirrorOptions& options,
+              const std::function<void(const std::string&)>& tell);
 
   [[nodiscard]] const std::vector<MirrorMap>& maps() const { return maps_; }
 
@@ -58,19 +62,31 @@ class Mirrors {
     Direction at{0};
     unsigned faces = 0;
     std::vector<int> versions;  // Of all maps.
-    int version = 0, unchanged = 0;
+    int version = 0;            // Counts changes that can be seen.
+    std::optional<EnvironmentMap> seen;
   };
   struct Wanted {
     Direction at{0};  // Where it is drawn from.
     std::vector<Cap> caps;
-    double finest = 0;  // Radians between texels.
+    double spacing = pi;  // Radians between texels.
+    double pixels = 0;    // That look it up.
+  };
+  struct Plan {
+    int size = 0;
+    Rotation axes{1};
+    bool anew = false;  // All of it must be drawn.
   };
 
-  [[nodiscard]] Wanted wanted(std::size_t k, const Shot& shot, const std::vector<Viewer>& viewers, double pixel) const;
-  bool prepare(std::size_t k, const Shot& shot, const Wanted& wanted, const Viewer& viewer, const MirrorOptions& options);
-  [[nodiscard]] unsigned needed_faces(std::size_t k, const std::vector<Cap>& caps) const;
-  void draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at, const MirrorOptions& options,
-            unsigned faces);
+  [[nodiscard]] const std::string& name_of(std::size_t k) const {
+    return scene_.nodes[static_cast<std::size_t>(mirrors_[k].node)].name;
+  }
+  void add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, Wanted& want) const;
+  [[nodiscard]] std::vector<Wanted> wanted(const Shot& shot, const std::vector<Viewer>& viewers) const;
+  [[nodiscard]] Plan plan(std::size_t k, const Shot& shot, const Wanted& want, const Viewer& viewer,
+                          const MirrorOptions& options) const;
+  [[nodiscard]] unsigned needed_faces(std::size_t k, const std::vector<Cap>& caps, const Plan& plan) const;
+  void draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at, const Plan& plan, unsigned needed,
+            const MirrorOptions& options);
 
   const Scene& scene_;
   std::vector<Mirror> mirrors_;

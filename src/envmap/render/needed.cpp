@@ -71,7 +71,8 @@ struct Search {
     const Cap view = cap_of({rays(0), rays(1), rays(2)}), normal = cap_of({normals(0), normals(1), normals(2)});
     const double angle = view.angle + 2 * normal.angle;
     if (angle <= fineness || depth == deepest) {
-      Widening w{std::numeric_limits<double>::infinity(), glm::length(glm::cross(rays(1) - rays(0), rays(2) - rays(0)))};
+      Widening w{std::numeric_limits<double>::infinity(),
+                 0.5 * glm::length(glm::cross(rays(1) - rays(0), rays(2) - rays(0)))};
       for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3;
         const Direction from = optics.turned(rays(i), normals(i)), to = optics.turned(rays(j), normals(j));
@@ -116,6 +117,7 @@ Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& wor
     if (!optics.double_sided && glm::dot(facing, viewer.at - f[0].position) <= 0) continue;
     search.add(f, 0);
   }
+  for (const Widening& w : widenings) shown.solid_angle += w.solid_angle;
   shown.widening = usual(std::move(widenings));
   return shown;
 }

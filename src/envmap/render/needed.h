@@ -22,7 +22,8 @@ struct Viewer {
   Direction at;
   /// World planes (normal, offset) with everything seen where dot(normal, p) + offset >= 0; empty: all is seen.
   std::vector<glm::vec<4, double, glm::highp>> planes;
-  int node = -1;  ///< Whose centre it is; -1: a camera.
+  int node = -1;     ///< Whose centre it is; -1: a camera.
+  double pixel = 0;  ///< Radians between its rays; 0: it has none.
 };
 
 /// What a surface does with a view ray.
@@ -41,6 +42,7 @@ struct Shown {
   /// The least that directions turn for each radian that the ray does: 1 for flat mirrors and along cylinders, more on
   /// balls. A tenth of what is seen may be below. Infinite where nothing is seen.
   double widening = std::numeric_limits<double>::infinity();
+  double solid_angle = 0;  ///< In which the mesh is seen; what lies behind counts, too.
 };
 
 /// Caps that together hold every direction that a mesh shows a viewer; none where it is out of sight. Occlusion by other

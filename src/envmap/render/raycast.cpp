@@ -175,7 +175,8 @@ Seen look(const World& w, const Lighting& lighting, const Viewpoint& from, const
   hit.ray.tnear = static_cast<float>(from.near);
   hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(w.tree.get(), &context, &hit);
-  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {.radiance = background(lighting.environment, ray)};
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    return {.radiance = background(lighting.environment, ray) + (from.show_ambient ? lighting.ambient : Colour(0))};
   const Placed& p = w.placed[hit.hit.geomID];
   const Meeting m = meet(p, hit.hit.primID, ray);
   // A ray along the triangle's plane meets it where Embree says.

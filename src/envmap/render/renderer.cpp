@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/render/image.h"
 
 namespace envmap {
 namespace {
@@ -21,7 +22,7 @@ std::array<float, 9> floats(const M& m) {
 }
 
 // How near to -Z a vertex may come: the figures of Heidrich's and later implementations.
-float singularity(Projection p) { return p == Projection::paraboloid ? 0.5F : 0.05F; }
+float singularity(Projection p) { return filled_disc(p) ? 0.5F : 0.05F; }
 
 // Whether a sphere can be seen in a face at all.
 bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
@@ -35,11 +36,11 @@ bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
            !beyond(zoom.y, centre.y, 1) && !beyond(-zoom.y, centre.y, 1);
   }
   const Projection p = from.to;
-  if (p == Projection::cube)
+  if (image_shape(p) == ImageShape::plane)
     return centre.z >= -radius && std::max(std::abs(centre.x), std::abs(centre.y)) - centre.z <= std::sqrt(2.0) * radius;
   const double distance = glm::length(centre);
-  if (p != Projection::paraboloid || distance <= radius) return true;
-  return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= 1.92;
+  if (image_shape(p) != ImageShape::disc || distance <= radius) return true;
+  return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= reach(p) + 0.01;
 }
 
 // What a group's mirror shows; null for what is none, or has no map yet.
@@ -47,6 +48,22 @@ const MirrorMap* map_of(const Group& group, const Shot& shot) {
   if (group.mirror < 0 || shot.mirrors.empty()) return nullptr;
   const MirrorMap& map = shot.mirrors[static_cast<std::size_t>(group.mirror)];
   return map.texture ? &map : nullptr;
+}
+
+// What there is where there is no environment.
+const Environment& darkness() {
+  static const Environment black = [] {
+    EnvironmentMap map;
+    map.levels.emplace_back(Projection::cube, 1);
+    return Environment(std::move(map), 1);
+  }();
+  return black;
+}
+
+void finish_drawing() {
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl::check("drawing");
 }
 
 }  // namespace
@@ -73,74 +90,48 @@ MapTexture::MapTexture(int w, int n)
   gl::check("picture");
 }
 
-Renderer::Renderer(const Scene& scene, const EnvironmentMap* environment, const EnvironmentLight* light,
-                   std::vector<int> mirrors)
-    : mirrors_(std::move(mirrors)), gpu_(scene, mirrors_), light_(upload(light)), lit_by_environment_(light != nullptr) {
-  if (environment != nullptr) environment_ = upload(*environment);
-  background_ = lighting_program("background.frag.glsl", {});
+Renderer::Renderer(const Scene& scene, const Environment* environment, std::vector<int> mirrors)
+    : mirrors_(std::move(mirrors)),
+      gpu_(scene, mirrors_),
+      environment_(upload((environment != nullptr ? *environment : darkness()).map)),
+      light_(upload((environment != nullptr ? *environment : darkness()).light)),
+      split_sum_(upload_split_sum()),
+      background_(background_program(environment_.projection)) {
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
 }
 
-gl::Program Renderer::lighting_program(std::string_view last, const std::string& more) const {
-  std::string defines = more;
-  if (environment_) defines += fmt::format("#define MAP {}\n", static_cast<int>(environment_->projection));
-  gl::Program program =
-      gl::make_program({{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}},
-                        {GL_FRAGMENT_SHADER,
-                         {"triangle.glsl", "locate.glsl", "environment.glsl", "mirror.glsl", "shading.glsl", last}}},
-                       defines);
-  if (environment_) gl::set(program, "to_environment", floats(environment_->to_map));
-  glProgramUniform3fv(program, glGetUniformLocation(program, "irradiance"), 9, &light_.irradiance[0].x);
-  return program;
-}
-
-const gl::Program& Renderer::shade_program(const Group& group, const Shot& shot) {
+const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   const int textures =
       (group.base_colour >= 0 ? 1 : 0) + (group.metallic_roughness >= 0 ? 2 : 0) + (group.emissive >= 0 ? 4 : 0);
-  std::string defines = fmt::format("#define TEXTURES {}\n", textures);
-  if (const MirrorMap* mirror = map_of(group, shot))
-    defines +=
-        fmt::format("#define MIRROR {}\n{}{}", static_cast<int>(mirror->texture->projection),
-                    mirror->glossy ? "#define MIRROR_GLOSSY\n" : "", shot.look.by_vertex ? "#define BY_VERTEX\n" : "");
-  gl::Program& program = shade_[defines];
-  if (program == 0) program = lighting_program("shade.frag.glsl", defines);
+  Shading wanted{.environment = environment_.projection, .textures = textures};
+  if (const MirrorMap* mirror = map_of(group, shot)) {
+    wanted.mirror = mirror->texture->projection;
+    wanted.by_vertex = shot.look.by_vertex;
+  }
+  gl::Program& program = shading_[wanted];
+  if (program == 0) program = shading_program(wanted);
   return program;
 }
 
-void Renderer::bind_mirror(const gl::Program& program, const MirrorMap& mirror, const MirrorLook& look) const {
-  gl::set(program, "to_mirror", floats(glm::transpose(mirror.axes)));
-  gl::set(program, "tinted", look.tinted ? 1 : 0);
-  glBindTextureUnit(11, mirror.texture->texture);
-  if (mirror.glossy) glBindTextureUnit(12, mirror.glossy->glossy);
+// What shines on a group from all round: the environment and ambient light, or the group's own map as far as that goes.
+void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, const Shot& shot) const {
+  const bool own = mirror != nullptr && mirror->glossy;
+  const LightTexture& light = own ? *mirror->glossy : light_;
+  const Colour none(0);
+  gl::set(program, "ambient", own ? none : shot.ambient);
+  gl::set(program, "reflected_ambient", mirror != nullptr ? none : shot.ambient);
+  gl::set(program, "blur", mirror != nullptr && !own ? 0.0F : 1.0F);
+  glProgramUniform3fv(program, glGetUniformLocation(program, "irradiance"), 9, &light.irradiance[0].x);
+  glBindTextureUnit(unit_glossy, light.glossy);
+  if (mirror == nullptr) return;
+  gl::set(program, "to_mirror", floats(glm::transpose(mirror->axes)));
+  gl::set(program, "tinted", shot.look.tinted ? 1 : 0);
+  glBindTextureUnit(unit_mirror, mirror->texture->texture);
 }
 
-const gl::Program& Renderer::visibility_program(DrawMethod method, Projection p, bool holes) {
-  gl::Program& program = programs_[{method, p, holes}];
-  if (program != 0) return program;
-  const std::string defines = fmt::format("#define IMAGE {}\n{}", static_cast<int>(p), holes ? "#define HOLES\n" : "") +
-                              (method == DrawMethod::tessellate ? "#define TESSELLATED\n" : "");
-  const bool plain = p == Projection::cube && method != DrawMethod::exact;
-  const std::string_view last = method == DrawMethod::exact ? "exact.frag.glsl"
-                                : plain                     ? "raster.frag.glsl"
-                                                            : "distort.frag.glsl";
-  const gl::Stage place{GL_VERTEX_SHADER, {"instances.glsl", "place.vert.glsl"}};
-  const gl::Stage seen{GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
-  if (method == DrawMethod::exact)
-    program = gl::make_program(
-        {place, {GL_GEOMETRY_SHADER, {"instances.glsl", "images.glsl", "bounds.glsl", "exact.geom.glsl"}}, seen}, defines);
-  else if (plain)
-    program = gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "images.glsl", "raster.vert.glsl"}}, seen}, defines);
-  else if (method == DrawMethod::distort)
-    program =
-        gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "distort.vert.glsl"}}, seen},
-                         defines);
-  else
-    program = gl::make_program(
-        {{GL_VERTEX_SHADER, {"instances.glsl", "triangle.glsl", "patch.vert.glsl"}},
-         {GL_TESS_CONTROL_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "tessellate.tesc.glsl"}},
-         {GL_TESS_EVALUATION_SHADER, {"instances.glsl", "images.glsl", "distort.glsl", "tessellate.tese.glsl"}},
-         seen},
-        defines);
+const gl::Program& Renderer::visibility(DrawMethod method, Projection p, bool holes) {
+  gl::Program& program = visibility_[{method, p, holes}];
+  if (program == 0) program = visibility_program(method, p, holes);
   return program;
 }
 
@@ -154,7 +145,7 @@ const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
 
 void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample) {
   const Projection image = from.lens ? Projection::cube : from.to;
-  const bool tessellated = method == DrawMethod::tessellate && image != Projection::cube;
+  const bool tessellated = method == DrawMethod::tessellate && image_shape(image) == ImageShape::disc;
   const Rotation to_face = from.lens ? Rotation(1, 0, 0, 0, 1, 0, 0, 0, -1) : map_to_face(from.to, face);
   const Vec2<double> tangents = from.lens ? from.lens->tangents : Vec2<double>(1);
   // The near plane touches the near sphere from inside, at the corners.
@@ -189,7 +180,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
       if (glm::length(placed.ball.centre) - placed.ball.radius > from.far) continue;
       if (from.cull && !in_face(from, to_face * placed.ball.centre, placed.ball.radius)) continue;
       if (program == nullptr) {
-        program = &visibility_program(method, image, holes);
+        program = &visibility(method, image, holes);
         gl::set(*program, "range", range);
         gl::set(*program, "pixel", pixel);
         gl::set(*program, "shift", shift);
@@ -219,53 +210,64 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
   glDisable(GL_CULL_FACE);
 }
 
-void Renderer::shade(const Viewpoint& from, const Shot& shot, MapTexture& to, int face, int sample) {
+// The texels of a layer whose stencil says so.
+void Renderer::begin_shading(const MapTexture& to, int face, int sample) {
   glNamedFramebufferTextureLayer(canvas_->lit, GL_COLOR_ATTACHMENT0, to.texture, 0, to.layer(face));
   glBindFramebuffer(GL_FRAMEBUFFER, canvas_->lit);
+  glViewport(0, 0, canvas_->width, canvas_->height);
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
+  glEnable(GL_STENCIL_TEST);
   glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
   glStencilMask(0);
   // Radiance of all samples, distance of the first.
   (sample > 0 ? glEnable : glDisable)(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, sample > 0 ? GL_FALSE : GL_TRUE);
-  if (environment_) glBindTextureUnit(4, environment_->texture);
-  glBindTextureUnit(5, canvas_->surfaces);
-  if (lit_by_environment_) glBindTextureUnit(6, light_.glossy);
-  glBindTextureUnit(7, light_.split_sum);
-  const std::array<float, 3> ambient{shot.ambient.x, shot.ambient.y, shot.ambient.z};
-  const auto light = [&](const gl::Program& program, int stencil) {
-    gl::set(program, "to_world", floats(from.axes));
-    gl::set(program, "weight", static_cast<float>(1.0 / from.samples));
-    gl::set(program, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
-    gl::set(program, "ambient", ambient);
-    gl::set(program, "light_count", gpu_.lights());
-    glUseProgram(program);
-    glStencilFunc(GL_EQUAL, stencil, 0xff);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-  };
-  light(background_, 0);
-  for (std::size_t k = 0; k < gpu_.groups().size(); ++k) {
-    const Group& group = gpu_.groups()[k];
-    // What is left out is not shaded: its map may be what is being drawn.
-    if (group.mirror >= 0 && lies_under(shot.scene, mirrors_[static_cast<std::size_t>(group.mirror)], from.without))
-      continue;
-    gpu_.bind(group);
-    const gl::Program& program = shade_program(group, shot);
-    if (const MirrorMap* mirror = map_of(group, shot)) bind_mirror(program, *mirror, shot.look);
-    light(program, static_cast<int>(1 + k));
-  }
+  glBindTextureUnit(unit_environment, environment_.texture);
+  glBindTextureUnit(unit_surfaces, canvas_->surfaces);
+  glBindTextureUnit(unit_split_sum, split_sum_);
+}
+
+void Renderer::light(const gl::Program& program, const Viewpoint& from, int stencil) const {
+  gl::set(program, "to_world", floats(from.axes));
+  gl::set(program, "to_environment", floats(environment_.to_map));
+  gl::set(program, "weight", static_cast<float>(1.0 / from.samples));
+  gl::set(program, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
+  gl::set(program, "light_count", gpu_.lights());
+  glUseProgram(program);
+  glStencilFunc(GL_EQUAL, stencil, 0xff);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Renderer::shade_background(const Viewpoint& from, const Shot& shot) {
+  gl::set(background_, "behind", from.show_ambient ? shot.ambient : Colour(0));
+  light(background_, from, 0);
+}
+
+void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t k) {
+  const Group& group = gpu_.groups()[k];
+  // What is left out is not shaded: its map may be what is being drawn.
+  if (group.mirror >= 0 && lies_under(shot.scene, mirrors_[static_cast<std::size_t>(group.mirror)], from.without))
+    return;
+  gpu_.bind(group);
+  const gl::Program& program = shading(group, shot);
+  set_light(program, map_of(group, shot), shot);
+  light(program, from, static_cast<int>(1 + k));
+}
+
+void Renderer::prepare_canvas(const Viewpoint& from) {
+  const int width = from.lens ? from.lens->width : from.size * aspect(from.to);
+  if (!canvas_ || canvas_->width != width || canvas_->height != from.size) canvas_.emplace(width, from.size);
 }
 
 void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
                     std::vector<std::uint32_t>* surfaces) {
-  if (!from.lens && from.to == Projection::latlong && (method == DrawMethod::distort || method == DrawMethod::tessellate))
-    throw UsageError(fmt::format("{} cannot draw latlong maps, which are cut open from pole to pole: exact or resample",
-                                 draw_method_names[static_cast<std::size_t>(method)]));
-  const int width = from.lens ? from.lens->width : from.size * aspect(from.to);
-  if (!canvas_ || canvas_->width != width || canvas_->height != from.size) canvas_.emplace(width, from.size);
-  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(from.size);
+  if (!from.lens && !can_draw(method, from.to))
+    throw UsageError(
+        fmt::format("{} cannot draw {} maps", draw_method_names[static_cast<std::size_t>(method)], name(from.to)));
+  prepare_canvas(from);
+  const std::size_t texels = static_cast<std::size_t>(canvas_->width) * static_cast<std::size_t>(from.size);
   std::vector<glm::uvec2> seen;
   gpu_.place(shot.scene, shot.pose, from.at, from.axes);
   gpu_.bind();
@@ -273,7 +275,7 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
   for (int face = 0; face < count; ++face) {
     if ((from.which >> face & 1U) == 0) continue;
     for (int sample = 0; sample < from.samples; ++sample) {
-      glBindTextureUnit(0, rays(from, face, sample));
+      glBindTextureUnit(unit_rays, rays(from, face, sample));
       find_surfaces(from, shot, method, face, sample);
       if (surfaces != nullptr && sample == 0) {
         seen.resize(texels);
@@ -282,12 +284,26 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
         surfaces->resize(texels * static_cast<std::size_t>(count));
         for (std::size_t k = 0; k < texels; ++k) (*surfaces)[static_cast<std::size_t>(face) * texels + k] = seen[k].x;
       }
-      shade(from, shot, to, face, sample);
+      begin_shading(to, face, sample);
+      shade_background(from, shot);
+      for (std::size_t k = 0; k < gpu_.groups().size(); ++k) shade_group(from, shot, k);
     }
   }
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  gl::check("drawing");
+  finish_drawing();
+}
+
+void Renderer::draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to) {
+  prepare_canvas(from);
+  gpu_.bind();
+  for (int face = 0; face < faces(from.to); ++face) {
+    if ((from.which >> face & 1U) == 0) continue;
+    glBindTextureUnit(unit_rays, rays(from, face, 0));
+    glStencilMask(0xff);
+    glClearNamedFramebufferfi(canvas_->seen, GL_DEPTH_STENCIL, 0, 0, 0);
+    begin_shading(to, face, 0);
+    shade_background(from, shot);
+  }
+  finish_drawing();
 }
 
 }  // namespace envmap

@@ -12,6 +12,7 @@
 #include "envmap/render/environment_texture.h"
 #include "envmap/render/gpu_scene.h"
 #include "envmap/render/method.h"
+#include "envmap/render/programs.h"
 
 namespace envmap {
 
@@ -40,39 +41,43 @@ struct MirrorMap {
 /// Needs a current context, and goes before it.
 class Renderer {
  public:
-  /// @param environment background of all maps; null: black. @param light what it gives surfaces (shading.h), or null.
-  /// @throws UsageError where GL cannot hold a part of the scene.
-  /// @param mirrors nodes, of which Shot::mirrors are the maps.
-  Renderer(const Scene& scene, const EnvironmentMap* environment, const EnvironmentLight* light = nullptr,
-           std::vector<int> mirrors = {});
+  /// @param environment of all that is drawn (shading.h); null: black. @param mirrors nodes, of which Shot::mirrors are
+  /// the maps. @throws UsageError where GL cannot hold a part of the scene.
+  Renderer(const Scene& scene, const Environment* environment, std::vector<int> mirrors = {});
 
   /// Draws the faces of `from.which` and leaves the others alone.
   /// @param method of those that draw: exact, distort or tessellate. @param surfaces of Drawn, if that is asked for.
-  /// @throws UsageError: distort and tessellate know no latlong maps; the face is too large.
+  /// @throws UsageError where can_draw() says no, and where the face is too large.
   void draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
             std::vector<std::uint32_t>* surfaces = nullptr);
+
+  /// The environment alone in the faces of `from.which`.
+  void draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to);
 
   [[nodiscard]] const GpuScene& scene() const { return gpu_; }
 
  private:
-  const gl::Program& visibility_program(DrawMethod method, Projection p, bool holes);
-  [[nodiscard]] gl::Program lighting_program(std::string_view last, const std::string& defines) const;
-  const gl::Program& shade_program(const Group& group, const Shot& shot);
+  const gl::Program& visibility(DrawMethod method, Projection p, bool holes);
+  const gl::Program& shading(const Group& group, const Shot& shot);
   const gl::Texture& rays(const Viewpoint& from, int face, int sample);
   void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample);
-  void bind_mirror(const gl::Program& program, const MirrorMap& mirror, const MirrorLook& look) const;
-  void shade(const Viewpoint& from, const Shot& shot, MapTexture& to, int face, int sample);
+  void set_light(const gl::Program& program, const MirrorMap* mirror, const Shot& shot) const;
+  void begin_shading(const MapTexture& to, int face, int sample);
+  void shade_background(const Viewpoint& from, const Shot& shot);
+  void shade_group(const Viewpoint& from, const Shot& shot, std::size_t group);
+  void light(const gl::Program& program, const Viewpoint& from, int stencil) const;
+  void prepare_canvas(const Viewpoint& from);
 
   std::vector<int> mirrors_;
   GpuScene gpu_;
-  std::optional<EnvironmentTexture> environment_;
+  EnvironmentTexture environment_;
   LightTexture light_;
-  bool lit_by_environment_;
+  gl::Texture split_sum_;
   std::optional<Canvas> canvas_;
-  std::map<std::tuple<DrawMethod, Projection, bool>, gl::Program> programs_;
+  std::map<std::tuple<DrawMethod, Projection, bool>, gl::Program> visibility_;
   std::map<std::tuple<Projection, int, int>, gl::Texture> rays_;  // Of texels' centres, by projection, size and face.
   gl::Texture sample_rays_;
-  std::map<std::string, gl::Program> shade_;  // By what is defined.
+  std::map<Shading, gl::Program> shading_;
   gl::Program background_;
 };
 

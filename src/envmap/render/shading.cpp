@@ -40,29 +40,29 @@ const std::vector<Colour>& split_sum_table() {
   return table;
 }
 
-Colour background(const EnvironmentLookup* environment, const Direction& from) {
-  return environment != nullptr ? (*environment)(from) : Colour(0);
+Colour background(const Environment* environment, const Direction& from) {
+  return environment != nullptr ? environment->lookup(from) : Colour(0);
 }
 
 namespace {
 
 Flux irradiance_over_pi(const Lighting& l, const Direction& n) {
   const Flux ambient(l.ambient);
-  if (l.light == nullptr) return ambient;
+  if (l.environment == nullptr) return ambient;
   const double basis[9] = {1, n.x, n.y, n.z, n.x * n.z, n.x * n.y, 3 * n.y * n.y - 1, n.y * n.z, n.z * n.z - n.x * n.x};
   Flux sum(0);
-  for (std::size_t k = 0; k < 9; ++k) sum += basis[k] * Flux(l.light->irradiance[k]);
+  for (std::size_t k = 0; k < 9; ++k) sum += basis[k] * Flux(l.environment->light.irradiance[k]);
   return ambient + glm::max(sum, 0.0);
 }
 
 Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness) {
   const Flux ambient(l.ambient);
-  if (l.light == nullptr) return ambient + Flux(background(l.environment, from));
+  if (l.environment == nullptr) return ambient;
   const double level = std::clamp(roughness, 0.0, 1.0) * glossy_levels;
   const int lower = std::min(static_cast<int>(level), glossy_levels - 1);
   const auto at = [&](int k) {
     if (k == 0) return Flux(background(l.environment, from));
-    return Flux(bilinear(l.light->glossy[static_cast<std::size_t>(k - 1)], Cube::locate(from)));
+    return Flux(bilinear(l.environment->light.glossy[static_cast<std::size_t>(k - 1)], Cube::locate(from)));
   };
   const double part = level - lower;
   return ambient + (part < 1 ? (1 - part) * at(lower) : Flux(0)) + (part > 0 ? part * at(lower + 1) : Flux(0));
@@ -127,9 +127,7 @@ std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
   return placed;
 }
 
-Lighting lighting(const Shot& shot) {
-  return {placed_lights(shot.scene, shot.pose), shot.environment, shot.light, shot.ambient};
-}
+Lighting lighting(const Shot& shot) { return {placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient}; }
 
 Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
   const Direction& n = s.normal;

@@ -13,6 +13,7 @@
 
 #include "envmap/base/progress.h"
 #include "envmap/render/draw.h"
+#include "envmap/sample/lookup.h"
 
 namespace envmap {
 
@@ -39,6 +40,16 @@ inline constexpr int glossy_size = 64, glossy_levels = 5;
 /// @param size of the glossy cubes. @param progress may be empty.
 EnvironmentLight environment_light(const EnvironmentMap& map, int size = glossy_size, const Progress& progress = {});
 
+/// What lies all round a scene: a map, and what it gives surfaces.
+struct Environment {
+  explicit Environment(EnvironmentMap from, int size = glossy_size, const Progress& progress = {})
+      : map(std::move(from)), lookup(map), light(environment_light(map, size, progress)) {}
+
+  EnvironmentMap map;
+  EnvironmentLookup lookup;
+  EnvironmentLight light;
+};
+
 /// Scale and bias of the split sum (prefilter/brdf_table.h), made once: columns cosine, rows roughness.
 inline constexpr int split_sum_size = 32;
 const std::vector<Colour>& split_sum_table();
@@ -56,14 +67,13 @@ std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose);
 /// All that shines on a scene at one moment. What it points to must outlive it.
 struct Lighting {
   std::vector<PlacedLight> lights;
-  const EnvironmentLookup* environment = nullptr;
-  const EnvironmentLight* light = nullptr;
+  const Environment* environment = nullptr;  ///< Null: black.
   Colour ambient{0};
 };
 Lighting lighting(const Shot& shot);
 
 /// Radiance of the environment, without ambient light, from a world direction: black where there is none.
-Colour background(const EnvironmentLookup* environment, const Direction& from);
+Colour background(const Environment* environment, const Direction& from);
 
 /// @param towards_viewer unit vector. @return radiance.
 Colour shade(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting);

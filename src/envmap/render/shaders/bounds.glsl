@@ -7,9 +7,9 @@ const Rectangle nothing = Rectangle(vec2(0), vec2(0), vec2(0));
 // The compiler's own arctangents and our rounding; in radians. Snapping of corners by the rasteriser; in pixels.
 const float angle_slack = 5e-5, pixel_slack = 0.02;
 
-#if IMAGE != CUBE
+#if SHAPE != PLANE
 struct Angles {
-  vec2 from_axis, round_it;  // Least and largest. round_it spans 2 pi where the axis lies inside.
+  vec2 from_axis, round_it;  // Least and largest. round_it spans 2 PI where the axis lies inside.
 };
 
 float from_axis(vec3 p) { return atan(length(p.xy), p.z); }
@@ -20,12 +20,12 @@ void extend_by_arc(vec3 a, vec3 b, vec3 n, inout vec2 range) {
   float rise = n.x * a.y - n.y * a.x, fall = b.x * n.y - b.y * n.x;
   float nearest = atan(abs(n.z), length(n.xy));
   if (rise >= 0 && fall >= 0) range.x = min(range.x, nearest);
-  if (rise <= 0 && fall <= 0) range.y = max(range.y, pi - nearest);
+  if (rise <= 0 && fall <= 0) range.y = max(range.y, PI - nearest);
 }
 
 float turn(float from, float to) {
   float by = to - from;
-  return by - 2 * pi * round(by / (2 * pi));
+  return by - 2 * PI * round(by / (2 * PI));
 }
 
 // n: the planes through the origin and the sides ab, bc, ca.
@@ -40,27 +40,26 @@ Angles angles_of(vec3 a, vec3 b, vec3 c, mat3 n, float volume) {
   vec3 slack = 4e-7 * vec3(length(n[0]), length(n[1]), length(n[2]));
   bool front = all(greaterThanEqual(height, -slack)), back = all(lessThanEqual(height, slack));
   if (front) range.x = 0;
-  if (back) range.y = pi;
+  if (back) range.y = PI;
   range += vec2(-angle_slack, angle_slack);
   float first = atan(a.y, a.x), to_b = turn(first, atan(b.y, b.x)), to_c = turn(first, atan(c.y, c.x));
   vec2 round_it = first + vec2(min(0, min(to_b, to_c)) - angle_slack, max(0, max(to_b, to_c)) + angle_slack);
-  if (front || back || max(abs(to_b), max(abs(to_c), abs(to_c - to_b))) > pi - 0.01) round_it = vec2(-pi, pi);
-  return Angles(vec2(max(range.x, 0), min(range.y, pi)), round_it);
+  if (front || back || max(abs(to_b), max(abs(to_c), abs(to_c - to_b))) > PI - 0.01) round_it = vec2(-PI, PI);
+  return Angles(vec2(max(range.x, 0), min(range.y, PI)), round_it);
 }
 #endif
 
-#if IMAGE == LATLONG
+#if SHAPE == BAND
 // Two of them where the triangle lies across the seam.
 Rectangle rectangle_of(Angles angles, float shift) {
-  vec2 x = -(angles.round_it + shift) / pi, y = 1 - 2 * angles.from_axis / pi;
+  vec2 x = -(angles.round_it + shift) / PI, y = 1 - 2 * angles.from_axis / PI;
   return Rectangle(0.5 * vec2(x.x + x.y, y.x + y.y), vec2(0.5 * abs(x.x - x.y) + pixel_slack * pixel.x, 0),
                    vec2(0, 0.5 * abs(y.x - y.y) + pixel_slack * pixel.y));
 }
-#elif IMAGE != CUBE
+#elif SHAPE == DISC
 Rectangle rectangle_of(Angles angles) {
-#if IMAGE == PARABOLOID
-  // The corners of the square see 109.5 degrees from the axis.
-  if (angles.from_axis.x > 1.912) return nothing;
+  if (angles.from_axis.x > REACH) return nothing;
+#if FILLED
   float slack = pixel_slack * pixel.x;
 #else
   // Texels on the rim look up to two pixels further inside than they lie.
@@ -68,7 +67,7 @@ Rectangle rectangle_of(Angles angles) {
 #endif
   vec2 r = vec2(radius(angles.from_axis.x), radius(angles.from_axis.y));
   float half_turn = 0.5 * (angles.round_it.y - angles.round_it.x), middle = angles.round_it.x + half_turn;
-  if (half_turn >= 0.5 * pi) return Rectangle(vec2(0), vec2(r.y + slack, 0), vec2(0, r.y + slack));
+  if (half_turn >= 0.5 * PI) return Rectangle(vec2(0), vec2(r.y + slack, 0), vec2(0, r.y + slack));
   r.x *= cos(half_turn);
   vec2 outwards = vec2(cos(middle), sin(middle));
   return Rectangle(0.5 * (r.x + r.y) * outwards, (0.5 * (r.y - r.x) + slack) * outwards,

@@ -1,6 +1,6 @@
-layout(binding = 0) uniform sampler2D rays;
+layout(binding = UNIT_RAYS) uniform sampler2D rays;
 
-#ifdef TESSELLATED
+#if TESSELLATED
 flat in uint triangle;
 #else
 uint triangle = uint(first_triangle + gl_PrimitiveID);
@@ -8,7 +8,7 @@ uint triangle = uint(first_triangle + gl_PrimitiveID);
 
 void main() {
   if (gl_FragCoord.z * range.y < range.x) discard;
-#ifdef HOLES
+#if HOLES
   if (is_hole(triangle, texelFetch(rays, ivec2(gl_FragCoord.xy), 0).xyz)) discard;
 #endif
   surface = uvec2(instance + 1, triangle);

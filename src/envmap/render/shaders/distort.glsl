@@ -4,9 +4,9 @@
 uniform float singularity;
 
 vec4 distorted(vec3 p) {
-#if IMAGE == CUBE
+#if SHAPE == PLANE
   return vec4(vec2(p.x, -p.y) + shift * p.z, 0.57 * range.x, p.z);
-#else
+#elif SHAPE == DISC
   float distance = max(length(p), 1e-30);
   vec3 d = p / distance;
   float z = max(d.z, singularity - 1), across = length(d.xy);
@@ -14,5 +14,7 @@ vec4 distorted(vec3 p) {
   vec2 at = radius(acos(z)) * outwards;
   // Affine in 1 / distance, as the depth of a plain projection is in 1 / z.
   return vec4(vec2(at.x, -at.y) + shift, range.x / distance, 1);
+#else
+#error "vertices cannot be moved into images of this shape"
 #endif
 }

@@ -3,7 +3,7 @@
 flat in mat3 sides;
 flat in vec4 plane;
 flat in uint triangle;
-layout(binding = 0) uniform sampler2D rays;
+layout(binding = UNIT_RAYS) uniform sampler2D rays;
 
 void main() {
   vec3 ray = texelFetch(rays, ivec2(gl_FragCoord.xy), 0).xyz;
@@ -11,7 +11,7 @@ void main() {
   if (min(side.x, min(side.y, side.z)) < 0 && max(side.x, max(side.y, side.z)) > 0) discard;
   float distance = plane.w / dot(ray, plane.xyz);
   if (!(distance >= range.x && distance <= range.y)) discard;
-#ifdef HOLES
+#if HOLES
   if (is_hole(triangle, ray)) discard;
 #endif
   gl_FragDepth = range.x / distance;

@@ -36,15 +36,15 @@ void main() {
   a = to_face * a;
   b = to_face * b;
   c = to_face * c;
-#if IMAGE == CUBE
+#if SHAPE == PLANE
   Rectangle r = rectangle_of(a, b, c, range.x);
   if (r.along != vec2(0)) emit_rectangle(r, n, p);
 #else
   Angles angles = angles_of(a, b, c, determinant(to_face) * to_face * n, determinant(to_face) * height);
-#if IMAGE == LATLONG
+#if SHAPE == BAND
   emit_rectangle(rectangle_of(angles, 0), n, p);
-  if (angles.round_it.x < -pi) emit_rectangle(rectangle_of(angles, 2 * pi), n, p);
-  if (angles.round_it.y > pi) emit_rectangle(rectangle_of(angles, -2 * pi), n, p);
+  if (angles.round_it.x < -PI) emit_rectangle(rectangle_of(angles, 2 * PI), n, p);
+  if (angles.round_it.y > PI) emit_rectangle(rectangle_of(angles, -2 * PI), n, p);
 #else
   Rectangle r = rectangle_of(angles);
   if (r.along != vec2(0)) emit_rectangle(r, n, p);

@@ -1,10 +1,10 @@
 in vec3 placed;
-layout(binding = 0) uniform sampler2D rays;
+layout(binding = UNIT_RAYS) uniform sampler2D rays;
 
 void main() {
   float distance = length(placed);
   if (distance < range.x || distance > range.y) discard;
-#ifdef HOLES
+#if HOLES
   if (is_hole(uint(first_triangle + gl_PrimitiveID), texelFetch(rays, ivec2(gl_FragCoord.xy), 0).xyz)) discard;
 #endif
   surface = uvec2(instance + 1, first_triangle + gl_PrimitiveID);

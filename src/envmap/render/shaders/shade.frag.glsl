@@ -3,8 +3,8 @@
 // base colour, 2 metallic and roughness, 4 emissive.
 layout(early_fragment_tests) in;
 layout(location = 0) out vec4 colour;  // Radiance, and the distance.
-layout(binding = 0) uniform sampler2D rays;
-layout(binding = 5) uniform usampler2D surfaces;
+layout(binding = UNIT_RAYS) uniform sampler2D rays;
+layout(binding = UNIT_SURFACES) uniform usampler2D surfaces;
 uniform mat3 to_world;  // From the map.
 uniform float weight;
 uniform float spread;   // Distance of samples, in texels.
@@ -63,7 +63,7 @@ void main() {
 #if (TEXTURES & 4) != 0
   surface.emissive *= textureGrad(emissives, place, along, down).rgb;
 #endif
-#ifdef BY_VERTEX
+#if BY_VERTEX
   // The classic way: reflected directions at the corners, places in the map between them, all in the first one's face.
   place_by_vertex = vec3(0);
   reflects_only = surface.transmission == 0;
@@ -74,7 +74,7 @@ void main() {
     if (k == 0) face = place.z;
     place_by_vertex += weights[k] * place;
   }
-  if (MIRROR == 3) place_by_vertex.z = face;
+  place_by_vertex = in_face(place_by_vertex, face);
 #endif
   colour = vec4(weight * shade(surface, to_world * -ray), far_off);
 }

@@ -1,25 +1,24 @@
 // The light that a surface sends towards the viewer; the formulae and sources are those of render/shading.h, function by
-// function. All in the world's axes, positions from the viewpoint.
+// function. All in the world's axes, positions from the viewpoint. reflected() is what lies in a direction, sharply:
+// reflect_environment.glsl or reflect_mirror.glsl.
 //
-// Buffer 4 and light_count: placed_lights(). ambient: Shot::ambient. With ENVIRONMENT_LIGHT defined also, of
-// EnvironmentLight: irradiance; glossy, a cube array of its levels as GL turns faces (Layout::api); and split_sum, the
-// table of split_sum_table(), edges clamped. environment_at() (environment.glsl) is the environment itself. A unit that
-// defines OWN_GLOSSY_RADIANCE brings glossy_radiance() along: mirrors that look up maps of their own.
+// Buffer LIGHTS and light_count: placed_lights(). ambient: Shot::ambient.
 struct Light {
-  vec4 position;   // Of points and spots; w: its kind, an enumerator of PunctualLight::Kind in scene.h.
+  vec4 position;   // Of points and spots; w: its kind, an enumerator of PunctualLight::Kind in scene.h: POINT, SPOT, DIRECTIONAL.
   vec4 direction;  // That it shines in; w: its range, 0: no end.
   vec4 intensity;  // w: nothing.
   vec4 cone;       // Of spots: cosines of the inner and the outer half angle.
 };
-layout(std430, binding = 4) readonly buffer Lights { Light lights[]; };
+layout(std430, binding = BUFFER_LIGHTS) readonly buffer Lights { Light lights[]; };
 uniform int light_count;
 uniform vec3 ambient;
-#ifdef ENVIRONMENT_LIGHT
+layout(binding = UNIT_SPLIT_SUM) uniform sampler2D split_sum;  // split_sum_table(), edges clamped.
+
+// Light from all round, EnvironmentLight's: of the environment, or of a rough mirror's own map.
 uniform vec3 irradiance[9];
-layout(binding = 6) uniform samplerCubeArray glossy;
-#endif
-layout(binding = 7) uniform sampler2D split_sum;
-const float pi = 3.14159265358979;
+layout(binding = UNIT_GLOSSY) uniform samplerCubeArray glossy;  // Its levels as GL turns faces (Layout::api).
+uniform vec3 reflected_ambient;  // Beside what is reflected: 0 where a map holds it.
+uniform float blur;              // 1; 0: all is reflected sharply.
 
 struct Surface {
   vec3 position, normal;
@@ -30,36 +29,23 @@ struct Surface {
 };
 
 vec3 irradiance_over_pi(vec3 n) {
-#ifdef ENVIRONMENT_LIGHT
   vec3 sum = irradiance[0] + n.x * irradiance[1] + n.y * irradiance[2] + n.z * irradiance[3] + n.x * n.z * irradiance[4] +
              n.x * n.y * irradiance[5] + (3 * n.y * n.y - 1) * irradiance[6] + n.y * n.z * irradiance[7] +
              (n.z * n.z - n.x * n.x) * irradiance[8];
   return ambient + max(sum, 0);
-#else
-  return ambient;
-#endif
 }
 
-#ifdef OWN_GLOSSY_RADIANCE
-vec3 glossy_radiance(vec3 from, float roughness);
-#else
 vec3 glossy_radiance(vec3 from, float roughness) {
-#ifdef ENVIRONMENT_LIGHT
-  const int levels = 5;
-  float level = clamp(roughness, 0, 1) * levels;
-  int lower = min(int(level), levels - 1);
-  vec3 below = lower == 0 ? environment_at(from) : textureLod(glossy, vec4(from, lower - 1), 0).rgb;
-  return ambient + mix(below, textureLod(glossy, vec4(from, lower), 0).rgb, level - lower);
-#else
-  return ambient + environment_at(from);
-#endif
+  float level = clamp(blur * roughness, 0, 1) * GLOSSY_LEVELS;
+  int lower = min(int(level), GLOSSY_LEVELS - 1);
+  vec3 below = lower == 0 ? reflected(from) : textureLod(glossy, vec4(from, lower - 1), 0).rgb;
+  return reflected_ambient + mix(below, textureLod(glossy, vec4(from, lower), 0).rgb, level - lower);
 }
-#endif
 
 // KHR_lights_punctual: what arrives across the light, and from where.
 vec3 arriving(Light light, vec3 position, out vec3 from) {
   from = -light.direction.xyz;
-  if (light.position.w == 2) return light.intensity.rgb;
+  if (light.position.w == DIRECTIONAL) return light.intensity.rgb;
   vec3 way = light.position.xyz - position;
   float square = max(dot(way, way), 1e-12);
   from = way * inversesqrt(square);
@@ -68,7 +54,7 @@ vec3 arriving(Light light, vec3 position, out vec3 from) {
     float part = square / (light.direction.w * light.direction.w);
     there *= clamp(1 - part * part, 0, 1);
   }
-  if (light.position.w == 1) {
+  if (light.position.w == SPOT) {
     float part = clamp((dot(-from, light.direction.xyz) - light.cone.y) / max(1e-4, light.cone.x - light.cone.y), 0, 1);
     there *= part * part;
   }
@@ -80,7 +66,7 @@ float specular(float alpha, vec3 n, vec3 h, float nv, float nl) {
   vec3 side = cross(n, h);
   float q = a2 * nh * nh + dot(side, side);
   float masking = nl * sqrt(nv * nv * (1 - a2) + a2) + nv * sqrt(nl * nl * (1 - a2) + a2);
-  return a2 / (pi * q * q) * 0.5 / masking;
+  return a2 / (PI * q * q) * 0.5 / masking;
 }
 
 // By scale and bias of the split sum, for a reflectance at normal incidence.
@@ -115,7 +101,7 @@ vec3 shade(Surface s, vec3 v) {
     vec3 h = normalize(from + v);
     float grazing = pow(1 - clamp(dot(v, h), 0, 1), 5);
     vec3 f0 = mix(plain, base, s.metallic), fresnel = f0 + (1 - f0) * grazing;
-    vec3 diffuse = (1 - plain - (1 - plain) * grazing) * (1 - s.transmission) / pi;
+    vec3 diffuse = (1 - plain - (1 - plain) * grazing) * (1 - s.transmission) / PI;
     sum += there * nl * (diffuse * dielectric + fresnel * specular(alpha, n, h, nv, nl));
   }
   return sum;

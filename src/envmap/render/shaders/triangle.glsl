@@ -1,11 +1,11 @@
 // A triangle of the scene by its numbers, and where a ray meets it. Buffer textures: llvmpipe fetches four floats as
 // fast as one, and storage buffers one by one.
-layout(binding = 8) uniform samplerBuffer corners;    // Position and u, normal and v; three corners a triangle.
-layout(binding = 9) uniform samplerBuffer instances;  // Three rows to the frame of the map, three to the world's normals.
-layout(binding = 10) uniform samplerBuffer materials;  // Base colour; emissive and alpha_cutoff; metallic, roughness, ...
-layout(binding = 1) uniform sampler2D base_colours;
-layout(binding = 2) uniform sampler2D metallic_roughnesses;
-layout(binding = 3) uniform sampler2D emissives;
+layout(binding = UNIT_CORNERS) uniform samplerBuffer corners;    // Position and u, normal and v; three corners a triangle.
+layout(binding = UNIT_INSTANCES) uniform samplerBuffer instances;  // Three rows to the frame of the map, three to the world's normals.
+layout(binding = UNIT_MATERIALS) uniform samplerBuffer materials;  // Base colour; emissive and alpha_cutoff; metallic, roughness, ...
+layout(binding = UNIT_BASE_COLOUR) uniform sampler2D base_colours;
+layout(binding = UNIT_METALLIC_ROUGHNESS) uniform sampler2D metallic_roughnesses;
+layout(binding = UNIT_EMISSIVE) uniform sampler2D emissives;
 
 struct Triangle {
   vec3 a, b, c;    // In the frame of the map.

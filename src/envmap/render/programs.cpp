@@ -1,0 +1,110 @@
+#include "envmap/render/programs.h"
+
+#include <fmt/format.h>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/render/image.h"
+#include "envmap/render/shaders.h"
+#include "envmap/render/shading.h"
+
+namespace envmap {
+namespace {
+
+std::string number(auto value) { return std::to_string(static_cast<int>(value)); }
+
+gl::Definitions constants() {
+  return {{"PI", fmt::format("{}", static_cast<float>(pi))},
+          {"APRON", fmt::format("{}.0", Level::apron)},
+          {"GLOSSY_LEVELS", number(glossy_levels)},
+          {"POINT", number(PunctualLight::Kind::point)},
+          {"SPOT", number(PunctualLight::Kind::spot)},
+          {"DIRECTIONAL", number(PunctualLight::Kind::directional)},
+          {"PLANE", number(ImageShape::plane)},
+          {"DISC", number(ImageShape::disc)},
+          {"BAND", number(ImageShape::band)},
+          {"UNIT_RAYS", number(unit_rays)},
+          {"UNIT_BASE_COLOUR", number(unit_base_colour)},
+          {"UNIT_METALLIC_ROUGHNESS", number(unit_metallic_roughness)},
+          {"UNIT_EMISSIVE", number(unit_emissive)},
+          {"UNIT_ENVIRONMENT", number(unit_environment)},
+          {"UNIT_SURFACES", number(unit_surfaces)},
+          {"UNIT_GLOSSY", number(unit_glossy)},
+          {"UNIT_SPLIT_SUM", number(unit_split_sum)},
+          {"UNIT_CORNERS", number(unit_corners)},
+          {"UNIT_INSTANCES", number(unit_instances)},
+          {"UNIT_MATERIALS", number(unit_materials)},
+          {"UNIT_MIRROR", number(unit_mirror)},
+          {"BUFFER_LIGHTS", number(buffer_lights)}};
+}
+
+std::string file_of(Projection p) { return fmt::format("{}.glsl", name(p)); }
+
+// Those of several projections, each once.
+std::vector<std::string> files_of(std::initializer_list<std::optional<Projection>> projections) {
+  std::vector<std::string> files;
+  for (const auto& p : projections)
+    if (p && std::ranges::find(files, file_of(*p)) == files.end()) files.push_back(file_of(*p));
+  return files;
+}
+
+gl::Program lighting(const std::vector<std::string>& files, gl::Definitions definitions, Projection environment) {
+  definitions["ENVIRONMENT_LOCATED"] = fmt::format("{}_located", name(environment));
+  return gl::make_program({{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}}, {GL_FRAGMENT_SHADER, files}}, definitions);
+}
+
+}  // namespace
+
+bool has_shader(Projection p) { return !shader_source(file_of(p)).empty(); }
+
+gl::Program visibility_program(DrawMethod method, Projection image, bool holes) {
+  gl::Definitions definitions = constants();
+  definitions["SHAPE"] = number(image_shape(image));
+  definitions["RADIUS"] = fmt::format("{}_radius", name(image));
+  definitions["REACH"] = fmt::format("{:.7}", reach(image) + 1e-3);
+  definitions["FILLED"] = number(filled_disc(image));
+  definitions["HOLES"] = number(holes);
+  definitions["TESSELLATED"] = number(method == DrawMethod::tessellate);
+  const bool plain = image_shape(image) == ImageShape::plane && method != DrawMethod::exact;
+  const std::string last = method == DrawMethod::exact ? "exact.frag.glsl"
+                           : plain                     ? "raster.frag.glsl"
+                                                       : "distort.frag.glsl";
+  const gl::Stage seen{GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
+  const gl::Stage place{GL_VERTEX_SHADER, {"instances.glsl", "place.vert.glsl"}};
+  // A stage that knows where directions lie in the image.
+  const auto imaging = [&](GLenum kind, std::initializer_list<std::string> files) {
+    gl::Stage stage{kind, {"instances.glsl", file_of(image), "images.glsl"}};
+    stage.files.insert(stage.files.end(), files);
+    return stage;
+  };
+  if (method == DrawMethod::exact)
+    return gl::make_program({place, imaging(GL_GEOMETRY_SHADER, {"bounds.glsl", "exact.geom.glsl"}), seen}, definitions);
+  if (plain) return gl::make_program({imaging(GL_VERTEX_SHADER, {"raster.vert.glsl"}), seen}, definitions);
+  if (method == DrawMethod::distort)
+    return gl::make_program({imaging(GL_VERTEX_SHADER, {"distort.glsl", "distort.vert.glsl"}), seen}, definitions);
+  return gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "triangle.glsl", "patch.vert.glsl"}},
+                           imaging(GL_TESS_CONTROL_SHADER, {"distort.glsl", "tessellate.tesc.glsl"}),
+                           imaging(GL_TESS_EVALUATION_SHADER, {"distort.glsl", "tessellate.tese.glsl"}),
+                           seen},
+                          definitions);
+}
+
+gl::Program background_program(Projection environment) {
+  return lighting({file_of(environment), "environment.glsl", "background.frag.glsl"}, constants(), environment);
+}
+
+gl::Program shading_program(const Shading& s) {
+  gl::Definitions definitions = constants();
+  definitions["TEXTURES"] = std::to_string(s.textures);
+  definitions["BY_VERTEX"] = number(s.mirror && s.by_vertex);
+  std::vector<std::string> files = files_of({s.environment, s.mirror});
+  const auto add = [&](std::initializer_list<std::string> more) { files.insert(files.end(), more); };
+  add({"triangle.glsl", "environment.glsl"});
+  if (s.mirror)
+    add({"tint.glsl", fmt::format("mirror_{}.glsl", name(*s.mirror)), "reflect_mirror.glsl"});
+  else
+    add({"reflect_environment.glsl"});
+  add({"shading.glsl", "shade.frag.glsl"});
+  return lighting(files, definitions, s.environment);
+}
+
+}  // namespace envmap

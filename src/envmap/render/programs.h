@@ -1,0 +1,49 @@
+/// @file
+/// The programs of the shaders, put together for what they draw. All that shaders and C++ must agree about, units and
+/// enumerators, is defined for them from here.
+#pragma once
+
+#include "envmap/projection/projection.h"
+#include "envmap/render/gl.h"
+#include "envmap/render/method.h"
+
+namespace envmap {
+
+/// Units that textures are bound to, and buffers to their own.
+enum Unit : GLuint {
+  unit_rays,
+  unit_base_colour,
+  unit_metallic_roughness,
+  unit_emissive,
+  unit_environment,
+  unit_surfaces,
+  unit_glossy,
+  unit_split_sum,
+  unit_corners,
+  unit_instances,
+  unit_materials,
+  unit_mirror,
+  buffer_lights = 4
+};
+
+/// What finds the surface of each texel. @param method exact, distort or tessellate, as far as can_draw(). @param holes
+/// whether the material has an alpha_cutoff.
+gl::Program visibility_program(DrawMethod method, Projection image, bool holes);
+
+/// The environment behind all surfaces. @param environment projection of its texture, has_shader().
+gl::Program background_program(Projection environment);
+
+/// What lights the texels of a group.
+struct Shading {
+  Projection environment;
+  int textures = 0;                  ///< A bit each: base colour, metallic and roughness, emissive.
+  std::optional<Projection> mirror;  ///< Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
+  bool by_vertex = false;            ///< MirrorLook::by_vertex.
+  auto operator<=>(const Shading&) const = default;
+};
+gl::Program shading_program(const Shading& shading);
+
+/// Whether shaders can look up maps of this projection: shaders/projection/NAME.glsl is there.
+bool has_shader(Projection p);
+
+}  // namespace envmap

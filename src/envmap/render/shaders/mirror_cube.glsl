@@ -1,0 +1,9 @@
+// A mirror's map on a cube: a place is the direction itself.
+layout(binding = UNIT_MIRROR) uniform samplerCube mirror;  // Z mirrored: MapTexture::layer().
+
+vec3 place_of(vec3 d) { return d; }
+vec3 in_face(vec3 place, float face) { return place; }
+
+vec3 mirror_at_place(vec3 at) { return tint(int(cube_located(at).z)) * textureLod(mirror, vec3(at.xy, -at.z), 0).rgb; }
+
+vec3 mirror_at(vec3 d) { return mirror_at_place(d); }

@@ -1,0 +1,2 @@
+// What surfaces without a map of their own reflect.
+vec3 reflected(vec3 from) { return environment_at(from); }

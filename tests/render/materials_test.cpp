@@ -1,0 +1,246 @@
+// Every kind of material under every kind of environment: what OpenGL draws against rays, and both against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "drawing.h"
+#include "envmap/render/raycast.h"
+#include "envmap/render/renderer.h"
+#include "envmap/render/shading.h"
+#include "rooms.h"
+
+namespace {
+
+using namespace envmap;
+
+// ---- what is lit -------------------------------------------------------------------------------------------------------
+
+struct Lit {
+  const char* name;
+  Material material;
+  bool white;  // Reflects and lets through all light: in a white environment it is not seen.
+};
+
+// Texture 0 is of colours, 1 of roughness and metalness, 2 has holes.
+const Lit materials[] = {
+    {"WhiteRough", {.roughness = 1}, true},
+    {"WhiteDielectric", {.roughness = 0.4F}, true},
+    {"WhitePolished", {.roughness = 0}, true},
+    {"Coloured", {.base_colour = {0.8F, 0.4F, 0.1F, 1}, .roughness = 0.7F}, false},
+    {"MirrorMetal", {.metallic = 1, .roughness = 0}, true},
+    {"Metal10", {.metallic = 1, .roughness = 0.1F}, true},
+    {"Metal35", {.metallic = 1, .roughness = 0.35F}, true},
+    {"Metal60", {.metallic = 1, .roughness = 0.6F}, true},
+    {"Metal100", {.metallic = 1, .roughness = 1}, true},
+    {"Copper", {.base_colour = {0.95F, 0.64F, 0.54F, 1}, .metallic = 1, .roughness = 0.2F}, false},
+    {"HalfMetal", {.metallic = 0.5F, .roughness = 0.5F}, true},
+    {"Emissive", {.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = Colour(3, 2, 1)}, false},
+    {"Textured", {.base_colour_texture = 0, .roughness = 0.8F}, false},
+    {"TexturedMetal", {.metallic = 1, .roughness = 1, .metallic_roughness_texture = 1}, true},
+    {"TexturedGlow", {.roughness = 1, .emissive = Colour(2), .emissive_texture = 0}, false},
+    {"Glass", {.roughness = 0, .transmission = 1}, true},
+    {"FrostedGlass", {.roughness = 0.5F, .transmission = 0.8F, .ior = 1.3F}, true},
+    {"Masked", {.base_colour_texture = 2, .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, true},
+};
+
+Texture texture(bool srgb, std::vector<glm::u8vec4> texels) {
+  return {.width = 2, .height = 2, .texels = std::move(texels), .srgb = srgb};
+}
+
+// A ball of radius 1 about the origin.
+Scene scene_of(const Material& material) {
+  Scene scene;
+  scene.textures = {
+      texture(true, {{255, 40, 40, 255}, {40, 255, 40, 255}, {40, 40, 255, 255}, {250, 250, 40, 255}}),
+      texture(false, {{0, 30, 255, 255}, {0, 200, 255, 255}, {0, 90, 255, 255}, {0, 250, 255, 255}}),
+      texture(true, {{255, 255, 255, 255}, {255, 255, 255, 0}, {255, 255, 255, 255}, {255, 255, 255, 255}}),
+  };
+  scene.materials = {material};
+  scene.meshes = {rooms::ball(64)};
+  for (std::size_t k = 0; k < scene.meshes[0].positions.size(); ++k) {
+    const glm::vec3& n = scene.meshes[0].normals[k];
+    scene.meshes[0].coordinates[k] = 0.5F + 0.25F * glm::vec2(n.x, n.y);  // Magnified: rays know no mip levels.
+  }
+  scene.nodes = {{.name = "ball", .meshes = {0}}};
+  return scene;
+}
+
+// ---- what lights it ----------------------------------------------------------------------------------------------------
+
+EnvironmentMap map_of(auto&& radiance) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::latlong, 128);
+  std::vector<Direction> rays(256);
+  for (int row = 0; row < 128; ++row) {
+    texel_directions(Projection::latlong, 128, 0, row, 0, rays);
+    for (int i = 0; i < 256; ++i) *map.base().texel(0, i, row) = radiance(rays[static_cast<std::size_t>(i)]);
+  }
+  return map;
+}
+
+const Environment& white() {
+  static const Environment sky(map_of([](const Direction&) { return Colour(1); }));
+  return sky;
+}
+// 1 above the horizon, 0 below it.
+const Environment& half() {
+  static const Environment sky(map_of([](const Direction& d) { return Colour(d.y > 0 ? 1 : 0); }));
+  return sky;
+}
+// As probes are: a bright small sun, a sky brighter to one side, a coloured ground.
+const Environment& sunny() {
+  static const Environment sky(map_of([](const Direction& d) {
+    const Colour even = d.y > 0 ? Colour(0.3, 0.5, 0.9) * (1.2F + 0.5F * static_cast<float>(d.x)) : Colour(0.2, 0.15, 0.1);
+    return glm::dot(d, glm::normalize(Direction(1, 1, 2))) > 0.995 ? Colour(200, 180, 150) : even;
+  }));
+  return sky;
+}
+struct Named {
+  const char* name;
+  const Environment& (*sky)();
+  double tolerance;  // GL filters textures with weights of 8 bits, which shows in the roughness that a sun is blurred by.
+};
+const Named skies[] = {{"White", white, 5e-4}, {"Half", half, 4e-3}, {"Sunny", sunny, 0.012}};
+
+Shot shot_of(const Scene& scene, const Environment& sky) {
+  return {.scene = scene, .pose = pose(scene, 0), .environment = &sky};
+}
+
+Drawn drawn(const Scene& scene, const Environment& sky, const Viewpoint& from, DrawMethod method = DrawMethod::exact) {
+  drawing::context();
+  Renderer renderer(scene, &sky);
+  return draw(renderer, from, shot_of(scene, sky), method);
+}
+
+// The ball from the front, a little from above, in one face of a cube.
+Viewpoint camera(Direction at = {0.4, 0.7, 2.2}) {
+  return {.to = Projection::cube, .size = 96, .at = at, .which = 1U << 5};
+}
+
+// f(number of the texel, ray) for the texels of the face that is drawn.
+void for_each_pixel(const Viewpoint& from, auto&& f) {
+  const auto texels = static_cast<std::size_t>(from.size) * static_cast<std::size_t>(from.size);
+  rooms::for_each_texel(from.to, from.size, [&](std::size_t k, const Direction& ray) {
+    if ((from.which >> (k / texels) & 1) != 0) f(k, from.axes * ray);
+  });
+}
+
+double difference(const Colour& a, const Colour& b) {
+  const Flux off = glm::abs(Flux(a) - Flux(b)) / glm::max(Flux(1), Flux(b));
+  return std::max(off.x, std::max(off.y, off.z));
+}
+
+// ---- against rays ------------------------------------------------------------------------------------------------------
+
+using Combination = std::tuple<Lit, Named>;
+class MaterialUnder : public ::testing::TestWithParam<Combination> {};
+INSTANTIATE_TEST_SUITE_P(All, MaterialUnder, ::testing::Combine(::testing::ValuesIn(materials), ::testing::ValuesIn(skies)),
+                         [](const auto& p) { return std::string(std::get<0>(p.param).name) + std::get<1>(p.param).name; });
+
+// In every pixel; of those whose rays graze an outline a few see something else.
+TEST_P(MaterialUnder, IsDrawnAsRaysSeeIt) {
+  const auto& [lit, named] = GetParam();
+  const Scene scene = scene_of(lit.material);
+  const Viewpoint from = camera();
+  const Drawn map = drawn(scene, named.sky(), from), truth = raycast(shot_of(scene, named.sky()), from);
+  int others = 0, on_ball = 0;
+  double worst = 0;
+  for_each_pixel(from, [&](std::size_t k, const Direction&) {
+    on_ball += truth.surfaces[k] != 0;
+    if (map.surfaces[k] != truth.surfaces[k])
+      ++others;
+    else
+      worst = std::max(worst, difference(rooms::colour_at(map, k), rooms::colour_at(truth, k)));
+  });
+  EXPECT_LE(others, 4);
+  EXPECT_GT(on_ball, 1000);
+  EXPECT_LT(worst, named.tolerance);
+}
+
+// ---- against closed forms ----------------------------------------------------------------------------------------------
+
+class WhiteMaterial : public ::testing::TestWithParam<Lit> {};
+INSTANTIATE_TEST_SUITE_P(All, WhiteMaterial, ::testing::ValuesIn([] {
+                           std::vector<Lit> all;
+                           std::ranges::copy_if(materials, std::back_inserter(all), &Lit::white);
+                           return all;
+                         }()),
+                         [](const auto& p) { return std::string(p.param.name); });
+
+// The furnace: what reflects all light cannot be told from a white environment, whatever draws it.
+TEST_P(WhiteMaterial, IsNotSeenInWhite) {
+  const Scene scene = scene_of(GetParam().material);
+  for (const Projection to : all_projections)
+    for (const DrawMethod method : {DrawMethod::exact, DrawMethod::resample, DrawMethod::raycast}) {
+      const Viewpoint from{.to = to, .size = 48, .at = {0.4, 0.7, 2.2}};
+      const Drawn map =
+          method == DrawMethod::raycast ? raycast(shot_of(scene, white()), from) : drawn(scene, white(), from, method);
+      int on_ball = 0;
+      double worst = 0;
+      rooms::for_each_texel(to, from.size, [&](std::size_t k, const Direction&) {
+        on_ball += map.surfaces[k] != 0;
+        worst = std::max(worst, difference(rooms::colour_at(map, k), Colour(1)));
+      });
+      EXPECT_GT(on_ball, 20);
+      EXPECT_LT(worst, 5e-3) << name(to);
+    }
+}
+
+// Half a sphere of sky gives E = pi (1 + n.y) / 2 (Lambert 1760); without an interface all of that is diffused.
+TEST(HalfSky, LightsADiffuseBall) {
+  const Scene scene = scene_of({.roughness = 1, .ior = 1});
+  const Viewpoint from = camera();
+  for (const Drawn& map : {drawn(scene, half(), from), raycast(shot_of(scene, half()), from)}) {
+    double worst = 0;
+    for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
+      if (map.surfaces[k] == 0) return;
+      const Direction normal = glm::normalize(from.at + static_cast<double>(map.distances[k]) * ray);
+      worst = std::max(worst, std::abs(rooms::colour_at(map, k).y - 0.5 * (1 + normal.y)));
+    });
+    EXPECT_LT(worst, 0.015);  // Schlick's Fresnel reflects a little at the rim even so.
+  }
+}
+
+// Any white ball is as bright as the sky where it is seen from straight above, black from straight below; half of what
+// a level view of its middle diffuses comes from the sky, and half of what it reflects roughly.
+TEST(HalfSky, LightsTopMiddleAndBottom) {
+  for (const Lit& lit : materials) {
+    if (!lit.white || lit.material.transmission > 0 || lit.material.alpha_cutoff > 0) continue;
+    const Scene scene = scene_of(lit.material);
+    const auto middle = [&](const Direction& at, unsigned face) {
+      const Viewpoint from{.to = Projection::cube, .size = 33, .at = at, .which = 1U << face};
+      return rooms::colour_at(drawn(scene, half(), from), face * 33 * 33 + 16 * 33 + 16).y;
+    };
+    EXPECT_NEAR(middle({0, 3, 0}, 3), 1, 0.02) << lit.name;
+    EXPECT_NEAR(middle({0, -3, 0}, 2), 0, 0.02) << lit.name;
+    if (lit.material.roughness >= 0.35F) {
+      EXPECT_NEAR(middle({0, 0, 3}, 5), 0.5, 0.02) << lit.name;
+    }
+  }
+}
+
+TEST(ClosedForms, AMirrorShowsTheSkyInTheReflectedDirection) {
+  const Scene scene = scene_of({.metallic = 1, .roughness = 0});
+  const Viewpoint from = camera();
+  const Drawn map = drawn(scene, half(), from);
+  for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
+    if (map.surfaces[k] == 0) return;
+    const Direction place = from.at + static_cast<double>(map.distances[k]) * ray;
+    const Direction mirrored = glm::reflect(ray, glm::normalize(place));
+    if (std::abs(mirrored.y) > 0.05) {  // Beside the horizon the map's texels mix both.
+      EXPECT_NEAR(rooms::colour_at(map, k).y, mirrored.y > 0 ? 1 : 0, 1e-3);
+    }
+  });
+}
+
+TEST(ClosedForms, WhatShinesInTheDarkShowsItsEmission) {
+  static const Environment black(map_of([](const Direction&) { return Colour(0); }));
+  const Scene scene = scene_of({.roughness = 1, .emissive = Colour(3, 2, 1)});
+  const Viewpoint from = camera();
+  const Drawn map = drawn(scene, black, from);
+  for_each_pixel(from, [&](std::size_t k, const Direction&) {
+    EXPECT_LT(difference(rooms::colour_at(map, k), map.surfaces[k] == 0 ? Colour(0) : Colour(3, 2, 1)), 1e-5);
+  });
+}
+
+}  // namespace
