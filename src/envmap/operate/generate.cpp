@@ -38,24 +38,52 @@ constexpr int samples = 1;
 template <>
 constexpr int samples<Checker> = 8;
 
+// How far the nearest edge of a square is, in radians.
+double to_edge(const Checker& p, const Direction& d) {
+  const double longitude = std::atan2(d.x, d.z), latitude = std::asin(std::clamp(d.y, -1.0, 1.0)), step = pi / p.squares;
+  const auto off = [&](double angle) { return std::abs(angle - step * std::round(angle / step)); };
+  return std::min(off(latitude), std::asin(std::sin(off(longitude)) * std::cos(latitude)));
+}
+
+// No point of a texel is further from its centre, in radians: half its diagonal times the largest stretch of the projection.
+double texel_reach(Projection p, int size) {
+  const double half_diagonal = std::numbers::sqrt2 / size;  // In s and t, which are 2 a side.
+  if (p == Projection::latlong) return half_diagonal * pi / 2;
+  if (p == Projection::cube) return half_diagonal;
+  if (p == Projection::paraboloid) return half_diagonal * 2;
+  return pi;  // Maps on a disc stretch without bound towards the rim.
+}
+
+// The mean over the texels of an n times finer map, n x n to each of these; those outside the disc are sampled at the rim.
+template <class P>
+void supersample(const P& pattern, const Level& level, const Rotation& to_world, int face, int row, int first,
+                 std::span<Direction> sum) {
+  constexpr int n = samples<P>;
+  std::vector<Direction> fine(sum.size() * n);
+  for (int j = 0; j < n; ++j) {
+    texel_directions(level.projection(), level.height() * n, face, row * n + j, first * n, fine);
+    for (std::size_t k = 0; k < fine.size(); ++k) sum[k / n] += radiance(pattern, to_world * fine[k]) / double(n * n);
+  }
+}
+
 template <class P>
 void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
   Level& level = map.base();
   const Rotation to_world = image_to_world(map.forward);
-  constexpr int n = samples<P>;
   for_each_row(level.faces(), level.height(), progress, [&](int face, int row) {
     const Columns in = columns(level.projection(), level.height(), row);
     std::vector<Direction> sum(static_cast<std::size_t>(in.end - in.first)), d(sum.size());
-    if constexpr (n == 1) {
-      texel_directions(level.projection(), level.height(), face, row, in.first, d);
+    texel_directions(level.projection(), level.height(), face, row, in.first, d);
+    if constexpr (samples<P> == 1) {
       for (std::size_t k = 0; k < d.size(); ++k) sum[k] = radiance(pattern, to_world * d[k]);
     } else {
-      // The texels of an n times finer map, n x n to each of ours; those outside the disc are sampled at the rim.
-      std::vector<Direction> fine(d.size() * n);
-      for (int j = 0; j < n; ++j) {
-        texel_directions(level.projection(), level.height() * n, face, row * n + j, in.first * n, fine);
-        for (std::size_t k = 0; k < fine.size(); ++k)
-          sum[k / n] += radiance(pattern, to_world * fine[k]) / double(n * n);
+      // Away from edges all samples are alike.
+      const double reach = 1.001 * texel_reach(level.projection(), level.height());
+      for (std::size_t k = 0; k < d.size(); ++k) {
+        if (const Direction world = to_world * d[k]; to_edge(pattern, world) > reach)
+          sum[k] = radiance(pattern, world);
+        else
+          supersample(pattern, level, to_world, face, row, in.first + static_cast<int>(k), std::span(sum).subspan(k, 1));
       }
     }
     for (std::size_t k = 0; k < sum.size(); ++k) level.row(face, row)[static_cast<std::size_t>(in.first) + k] = sum[k];
