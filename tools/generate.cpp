@@ -19,7 +19,7 @@ struct Options {
   std::optional<Projection> to;
   std::optional<Forward> forward;
   int size = 256;
-  std::optional<Direction> value, value2, towards;
+  std::optional<Vec3<double>> value, value2, towards;
   int squares = 8;
   Sun sun;
   Harmonic harmonic;
@@ -28,9 +28,9 @@ struct Options {
 
 Pattern pattern(const Options& o) {
   switch (o.kind) {
-    case Kind::constant: return Constant{o.value.value_or(Direction(1))};
-    case Kind::gradient: return Gradient{o.value2.value_or(Direction(0.1)), o.value.value_or(Direction(1))};
-    case Kind::checker: return Checker{o.squares, o.value.value_or(Direction(1)), o.value2.value_or(Direction(0.1))};
+    case Kind::constant: return Constant{Rgb<double>(o.value.value_or(Vec3<double>(1)))};
+    case Kind::gradient: return Gradient{Rgb<double>(o.value2.value_or(Vec3<double>(0.1))), Rgb<double>(o.value.value_or(Vec3<double>(1)))};
+    case Kind::checker: return Checker{o.squares, Rgb<double>(o.value.value_or(Vec3<double>(1))), Rgb<double>(o.value2.value_or(Vec3<double>(0.1)))};
     case Kind::directions: return Directions{};
     case Kind::sky: return Sky{o.sun.zenith, o.sun.ground};
     case Kind::sh: return o.harmonic;
@@ -39,7 +39,7 @@ Pattern pattern(const Options& o) {
   Sun sun = o.sun;
   if (o.towards == Direction(0)) throw UsageError("--direction: not 0,0,0");
   if (o.towards) sun.towards = glm::normalize(*o.towards);
-  if (o.value) sun.radiance = *o.value;
+  if (o.value) sun.radiance = Rgb<double>(*o.value);
   return sun;
 }
 

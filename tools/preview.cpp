@@ -31,7 +31,7 @@ constexpr int border = 8, caption = 22;
 // Reinhard et al. 2002, equation 3, per channel; sRGB encoded.
 void tone_map(std::vector<Colour>& pixels, double scale) {
   for (Colour& c : pixels) {
-    const Direction x = scale * Direction(c);
+    const Rgb<double> x = scale * Rgb<double>(c);
     c = Colour(x / (1.0 + x));
   }
   encode_srgb(pixels);

@@ -25,8 +25,8 @@ const Direction sun = glm::normalize(Direction(-0.45, 0.7, -0.55));
 PaddedLevel make_sky(const std::string& path, int size) {
   EnvironmentMap map;
   if (path.empty()) {
-    map = generate(Gradient{Direction(0.55, 0.5, 0.4), Direction(0.12, 0.3, 0.75)}, Projection::cube, 256);
-    const EnvironmentMap disc = generate(Sun{sun, 2, Direction(60, 52, 40), 0, 0}, Projection::cube, 256);
+    map = generate(Gradient{{0.55, 0.5, 0.4}, {0.12, 0.3, 0.75}}, Projection::cube, 256);
+    const EnvironmentMap disc = generate(Sun{sun, 2, {60, 52, 40}, 0, 0}, Projection::cube, 256);
     for (int face = 0; face < 6; ++face)
       for (int j = 0; j < 256; ++j)
         for (int i = 0; i < 256; ++i) *map.base().texel(face, i, j) += *disc.base().texel(face, i, j);

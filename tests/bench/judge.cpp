@@ -85,7 +85,7 @@ struct Mean {
 
 // One texel by steps x steps points. Those of border samples reach over the edge, where the projection goes on.
 Mean truth(const Picture& source, const Picture& result, int face, int i, int j, int steps) {
-  static thread_local std::vector<Vec2<double>> points;
+  static thread_local std::vector<Point2> points;
   static thread_local std::vector<Direction> towards;
   static thread_local std::vector<double> density;
   static thread_local std::vector<Location<double>> where;

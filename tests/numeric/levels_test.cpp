@@ -67,7 +67,7 @@ Colour mean_over(Projection p, int face, const Rect& r, F&& f) {
   double whole = 0;
   for (int b = 0; b < n; ++b)
     for (int a = 0; a < n; ++a) {
-      const Vec2<double> at[1] = {{std::lerp(r.u0, r.u1, (a + 0.5) / n), std::lerp(r.v0, r.v1, (b + 0.5) / n)}};
+      const Point2 at[1] = {{std::lerp(r.u0, r.u1, (a + 0.5) / n), std::lerp(r.v0, r.v1, (b + 0.5) / n)}};
       double w[1];
       densities(p, at, w);
       if (w[0] == 0) continue;

@@ -40,7 +40,7 @@ Flux brute_force(const Level& source, const Prefilter& p, const Direction& r, in
     for (int j = 0; j < source.height() * n; ++j)
       for (int i = 0; i < source.width() * n; ++i) {
         const double u = (i + 0.5) / w, v = (j + 0.5) / h;
-        const Vec2<double> at[1] = {{u, v}};
+        const Point2 at[1] = {{u, v}};
         double density[1];
         densities(source.projection(), at, density);
         if (density[0] == 0) continue;

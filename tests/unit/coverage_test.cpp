@@ -11,7 +11,7 @@
 namespace envmap {
 namespace {
 
-using Points = std::vector<Vec2<double>>;
+using Points = std::vector<Point2>;
 
 // The integral of x^a y^b over a polygon, by triangles from the origin and a rule of the seventh degree would be one way;
 // here as Steger 1996, "On the calculation of arbitrary moments of polygons", for a, b <= 2.
@@ -21,7 +21,7 @@ double moment(const Points& p, int a, int b) {
   };
   double sum = 0;
   for (std::size_t n = 0; n < p.size(); ++n) {
-    const Vec2<double>&s = p[n], &t = p[(n + 1) % p.size()];
+    const Point2&s = p[n], &t = p[(n + 1) % p.size()];
     double inner = 0;
     for (int k = 0; k <= a; ++k)
       for (int l = 0; l <= b; ++l)
@@ -50,12 +50,12 @@ double weighted(Coverage& c, const Points& points, F&& density, double (*f)(doub
 // Stars about a point: concave, many sides, some level, some upright.
 Points star(std::mt19937& random, double size) {
   std::uniform_real_distribution<double> any(0, 1);
-  const Vec2<double> middle(10 * any(random) - 5, 10 * any(random) - 5);
+  const Point2 middle(10 * any(random) - 5, 10 * any(random) - 5);
   Points p;
   const int n = 3 + static_cast<int>(random() % 9);
   for (int k = 0; k < n; ++k) {
     const double angle = 2 * pi * (k + 0.8 * any(random)) / n, r = size * (0.2 + any(random));
-    p.push_back(middle + r * Vec2<double>(std::cos(angle), std::sin(angle)));
+    p.push_back(middle + r * Point2(std::cos(angle), std::sin(angle)));
     if (size > 4 && n < 6) p.back() = glm::round(p.back());  // Where the borders of cells are.
   }
   if (random() % 2) std::ranges::reverse(p);

@@ -77,7 +77,7 @@ TEST_F(Io, FloatExrIsExact) {
 }
 
 TEST_F(Io, ForwardIsRecorded) {
-  const EnvironmentMap map = generate(Directions{}, Frame{Projection::latlong, Forward::minus_x}, 4);
+  const EnvironmentMap map = generate(Directions{}, {Projection::latlong, Forward::minus_x}, 4);
   write(path("m.exr"), rows_of(map), {});
   EXPECT_EQ(read(path("m.exr"), {}).map.forward, Forward::minus_x);
   EXPECT_EQ(read(path("m.exr"), {.forward = Forward::plus_x}).map.forward, Forward::plus_x);

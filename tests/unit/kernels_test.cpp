@@ -81,10 +81,10 @@ TEST_P(EachKernel, TexelDirectionsAreTheFormula) {
 }
 
 // Points anywhere, for discs also a little beyond the rim.
-std::vector<Vec2<double>> points(Projection p) {
+std::vector<Point2> points(Projection p) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> any(0, 1);
-  std::vector<Vec2<double>> found{{0, 0}, {1, 1}, {0.5, 0.5}, {0, 0.5}, {1, 0.5}, {0.5, 0}, {0.5, 1}};
+  std::vector<Point2> found{{0, 0}, {1, 1}, {0.5, 0.5}, {0, 0.5}, {1, 0.5}, {0.5, 0}, {0.5, 1}};
   for (int k = 0; k < 20000; ++k) found.emplace_back(any(random), any(random));
   for (double tiny = 0.1; tiny > 1e-17; tiny *= 0.3) {
     const double turn = 2 * pi * any(random);
@@ -227,7 +227,7 @@ TEST_P(EachKernel, RemaindersStayInBounds) {
       std::vector<Location<double>> part_at(n + 1, {-7, -7, -7});
       // Exact heap blocks, so that a sanitizer sees a read beyond them.
       const std::vector<Direction> part_d(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(n));
-      const std::vector<Vec2<double>> part_uv(uv.begin(), uv.begin() + static_cast<std::ptrdiff_t>(n));
+      const std::vector<Point2> part_uv(uv.begin(), uv.begin() + static_cast<std::ptrdiff_t>(n));
       texel_directions(GetParam(), size, 0, 0, 12, std::span(part).first(n));
       directions(GetParam(), 0, part_uv, std::span(part_continued).first(n));
       locate(GetParam(), part_d, std::span(part_at).first(n));

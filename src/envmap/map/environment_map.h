@@ -82,9 +82,6 @@ inline constexpr std::string_view forward_names[] = {"+z", "-z", "+x", "-x"};
 /// Turn about +Y from the image frame (+Z at the centre) to the world.
 Rotation image_to_world(Forward forward);
 
-/// Whether the projection has a centre that --forward can choose.
-inline bool has_forward(Projection p) { return p == Projection::latlong || p == Projection::angular; }
-
 /// How an image shows the world: its projection, and the world axis at its centre.
 struct Frame {
   Projection projection;

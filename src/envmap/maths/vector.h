@@ -13,9 +13,15 @@ using Vec2 = glm::vec<2, T, glm::highp>;
 template <class T>
 using Vec3 = glm::vec<3, T, glm::highp>;
 
+using Point2 = Vec2<double>;     ///< A place in an image; its units are said where it is used.
 using Direction = Vec3<double>;  ///< A unit vector, world or image frame as said where it is used.
-using Colour = Vec3<float>;      ///< Linear RGB radiance.
-using Flux = Vec3<double>;       ///< Per-channel sum of radiance x solid angle.
+
+/// Linear RGB. GLM's qualifier makes it another type than a direction, which the compiler then keeps apart from it; the
+/// arithmetic is the same.
+template <class T>
+using Rgb = glm::vec<3, T, glm::mediump>;
+using Colour = Rgb<float>;  ///< Radiance of a texel.
+using Flux = Rgb<double>;   ///< Sum of radiance x solid angle.
 using Rotation = glm::mat<3, 3, double, glm::highp>;
 
 inline constexpr double pi = std::numbers::pi;

@@ -37,8 +37,8 @@ Level to_border(const Level& level) {
     const int face = k / h, j = k % h;
     for (int i = 0; i < w; ++i) *border.texel(face, i, j) = bicubic(centres, {face, place(i, w), place(j, h)});
     if (centres.projection() != Projection::latlong || h == 1 || (j > 0 && j < h - 1)) return;
-    Direction sum(0);
-    for (const Colour& c : border.row(face, j)) sum += Direction(c);
+    Rgb<double> sum(0);
+    for (const Colour& c : border.row(face, j)) sum += Rgb<double>(c);
     std::ranges::fill(border.row(face, j), Colour(sum / double(w)));
   });
   return border;

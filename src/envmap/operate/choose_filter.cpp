@@ -75,7 +75,7 @@ std::vector<Texel> hardest(const std::vector<PaddedLevel>& levels, const Target&
 
 // Steradians of the texels, but for a factor; those on a rim, with their centres outside, count next to nothing.
 std::vector<double> weights(const Target& target, std::span<const Texel> texels) {
-  std::vector<Vec2<double>> centres;
+  std::vector<Point2> centres;
   for (const Texel& t : texels)
     centres.push_back({(t.i + 0.5) / (target.size * aspect(target.to)), (t.j + 0.5) / target.size});
   std::vector<double> found(texels.size());

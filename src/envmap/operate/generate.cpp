@@ -12,24 +12,24 @@ namespace {
 
 // ---- patterns known by their radiance in one direction -------------------------------------------------------------
 
-Direction radiance(const Constant& p, const Direction&) { return p.radiance; }
+Rgb<double> radiance(const Constant& p, const Direction&) { return p.radiance; }
 
-Direction radiance(const Gradient& p, const Direction& d) { return glm::mix(p.bottom, p.top, 0.5 * (d.y + 1)); }
+Rgb<double> radiance(const Gradient& p, const Direction& d) { return glm::mix(p.bottom, p.top, 0.5 * (d.y + 1)); }
 
-Direction radiance(const Directions&, const Direction& d) { return 0.5 * (d + 1.0); }
+Rgb<double> radiance(const Directions&, const Direction& d) { return Rgb<double>(0.5 * (d + 1.0)); }
 
-Direction radiance(const Checker& p, const Direction& d) {
+Rgb<double> radiance(const Checker& p, const Direction& d) {
   const double longitude = std::atan2(d.x, d.z), latitude = std::asin(std::clamp(d.y, -1.0, 1.0));
   const auto square = [&](double angle) { return static_cast<long>(std::floor(angle * p.squares / pi)); };
   return (square(longitude) + square(latitude)) % 2 == 0 ? p.even : p.odd;
 }
 
-Direction radiance(const Sky& p, const Direction& d) {
-  return Direction(d.y < 0 ? p.ground : p.zenith * (1 + 2 * d.y) / 3);
+Rgb<double> radiance(const Sky& p, const Direction& d) {
+  return Rgb<double>(d.y < 0 ? p.ground : p.zenith * (1 + 2 * d.y) / 3);
 }
 
-Direction radiance(const Harmonic& p, const Direction& d) {
-  return Direction(p.base + p.amplitude * real_harmonic(p.degree, p.order, d));
+Rgb<double> radiance(const Harmonic& p, const Direction& d) {
+  return Rgb<double>(p.base + p.amplitude * real_harmonic(p.degree, p.order, d));
 }
 
 // Samples along a side of each texel.
@@ -57,7 +57,7 @@ double texel_reach(Projection p, int size) {
 // The mean over the texels of an n times finer map, n x n to each of these; those outside the disc are sampled at the rim.
 template <class P>
 void supersample(const P& pattern, const Level& level, const Rotation& to_world, int face, int row, int first,
-                 std::span<Direction> sum) {
+                 std::span<Rgb<double>> sum) {
   constexpr int n = samples<P>;
   std::vector<Direction> fine(sum.size() * n);
   for (int j = 0; j < n; ++j) {
@@ -72,7 +72,8 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
   const Rotation to_world = image_to_world(map.forward);
   for_each_row(level.faces(), level.height(), progress, [&](int face, int row) {
     const Columns in = columns(level.projection(), level.height(), row);
-    std::vector<Direction> sum(static_cast<std::size_t>(in.end - in.first)), d(sum.size());
+    std::vector<Rgb<double>> sum(static_cast<std::size_t>(in.end - in.first));
+    std::vector<Direction> d(sum.size());
     texel_directions(level.projection(), level.height(), face, row, in.first, d);
     if constexpr (samples<P> == 1) {
       for (std::size_t k = 0; k < d.size(); ++k) sum[k] = radiance(pattern, to_world * d[k]);
@@ -171,7 +172,7 @@ void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
     for (std::size_t i = 0; i < shares.size(); ++i)
       if (const double share = shares[i].x; share > 0) {
         Colour& c = level.row(face, row)[i];
-        c = Colour(share * sun.radiance + (1 - share) * Direction(c));
+        c = Colour(share * sun.radiance + (1 - share) * Rgb<double>(c));
       }
   });
 }

@@ -11,19 +11,19 @@ namespace envmap {
 
 /// The same radiance everywhere.
 struct Constant {
-  Direction radiance{1};
+  Rgb<double> radiance{1};
 };
 
 /// From `bottom` at -Y to `top` at +Y, linear in y; mean radiance (top + bottom) / 2.
 struct Gradient {
-  Direction bottom{0.1}, top{1};
+  Rgb<double> bottom{0.1}, top{1};
 };
 
 /// Squares of 180 / `squares` degrees of longitude and latitude; `even` holds the one east and north of +Z.
 /// Coverage by 8 x 8 samples a texel.
 struct Checker {
   int squares = 8;
-  Direction even{1}, odd{0.1};
+  Rgb<double> even{1}, odd{0.1};
 };
 
 /// RGB = (direction + 1) / 2, world frame, of each texel's centre.
@@ -34,7 +34,7 @@ struct Directions {};
 struct Sun {
   Direction towards{0, 0, 1};  ///< Unit vector, world frame.
   double radius = 0.2666;      ///< Degrees.
-  Direction radiance{1e5};
+  Rgb<double> radiance{1e5};
   double zenith = 1, ground = 0.2;  ///< Of the sky.
 };
 

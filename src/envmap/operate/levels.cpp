@@ -62,11 +62,11 @@ void weigh(Projection p, Weights weights, const Cells& across, const Cells& down
 // One row of one face. @param rows of the fine level, one for each part. Where nothing counts, 0.
 void halve_row(const Cells& across, const RowWeights& weights, std::span<const Colour* const> rows, std::span<Colour> out) {
   for (std::size_t i = 0; i < out.size(); ++i) {
-    Flux sum(0);
+    Rgb<double> sum(0);
     for (std::size_t part = 0; part < rows.size(); ++part)
       for (int c = across.first[i]; c < across.first[i + 1]; ++c)
         sum += weights.parts[part][static_cast<std::size_t>(c)] *
-               Flux(rows[part][across.source[static_cast<std::size_t>(c)]]);
+               Rgb<double>(rows[part][across.source[static_cast<std::size_t>(c)]]);
     out[i] = weights.whole[i] > 0 ? Colour(sum / weights.whole[i]) : Colour(0);
   }
 }

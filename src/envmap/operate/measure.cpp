@@ -136,10 +136,10 @@ std::int64_t repair(Level& level) {
   for (std::vector<Texel> ring = std::move(holes); left > 0;) {
     std::vector<std::pair<Texel, Colour>> filled;
     for (const Texel& t : ring) {
-      Direction sum(0);
+      Rgb<double> sum(0);
       int count = 0;
       for_each_around(level, t, [&](const Texel& beside) {
-        if (const Colour& c = at(level, beside); usable(c)) sum += Direction(c), ++count;
+        if (const Colour& c = at(level, beside); usable(c)) sum += Rgb<double>(c), ++count;
       });
       if (count > 0) filled.emplace_back(t, Colour(sum / double(count))), --left;
     }
@@ -162,7 +162,7 @@ Measures measure(const EnvironmentMap& map) {
   const Level& level = map.base();
   constexpr double inf = std::numeric_limits<double>::infinity();
   struct Row {
-    Direction low{inf}, high{-inf};
+    Rgb<double> low{inf}, high{-inf};
     double darkest = inf, brightest = -inf;
     Texel texel{0, 0, 0};
     void add(const Row& o) {
@@ -181,20 +181,20 @@ Measures measure(const EnvironmentMap& map) {
       const Colour c = *level.texel(face, i, j);
       if (!usable(c)) continue;
       const double y = luminance(c);
-      r.add({Direction(c), Direction(c), y > 0 ? y : inf, y, {face, i, j}});
+      r.add({Rgb<double>(c), Rgb<double>(c), y > 0 ? y : inf, y, {face, i, j}});
     }
     return r;
   });
   Row all;
   for (const Row& r : rows) all.add(r);
-  if (all.brightest == -inf) all = Row{Direction(0), Direction(0), 0, 0, {0, 0, 0}};  // Not one sound texel.
+  if (all.brightest == -inf) all = Row{Rgb<double>(0), Rgb<double>(0), 0, 0, {0, 0, 0}};  // Not one sound texel.
 
   const FluxSum sum = flux_sum(level);
   Direction d[1];
   texel_directions(level.projection(), level.height(), all.texel.face, all.texel.j, all.texel.i, d);
   return {.minimum = all.low,
           .maximum = all.high,
-          .mean = sum.weight.value() > 0 ? sum.value() / sum.weight.value() : Direction(0),
+          .mean = sum.weight.value() > 0 ? sum.value() / sum.weight.value() : Rgb<double>(0),
           .flux = sum.value(),
           .solid_angle = sum.weight.value(),
           .darkest = std::isinf(all.darkest) ? 0 : all.darkest,
@@ -248,7 +248,7 @@ Difference compare(const Level& a, const Level& b, Level* shown) {
     for (int face = 0; face < b.faces(); ++face)
       for (int i = 0; i < b.width(); ++i) {
         if (w[i] <= 0) continue;
-        const Direction ca(*a.texel(face, i, j)), cb(*b.texel(face, i, j)), d = glm::abs(ca - cb);
+        const Rgb<double> ca(*a.texel(face, i, j)), cb(*b.texel(face, i, j)), d = glm::abs(ca - cb);
         if (shown) *shown->texel(face, i, j) = Colour(d);
         r.error.add(w[i] * glm::dot(d, d));
         r.power.add(w[i] * glm::dot(cb, cb));

@@ -36,7 +36,7 @@ std::int64_t repair(Level& level);
 
 /// Radiance of sound texels only, luminance by Rec. 709.
 struct Measures {
-  Direction minimum, maximum, mean;  ///< Per channel, W/(sr m^2) or whatever the pixels hold.
+  Rgb<double> minimum, maximum, mean;  ///< Per channel, W/(sr m^2) or whatever the pixels hold.
   Flux flux;                         ///< Per channel: sum of radiance x solid angle.
   double solid_angle;                ///< 4 pi, as a check.
   double darkest, brightest;         ///< Luminance: least above 0, and largest; 0 if all is black.

@@ -120,7 +120,7 @@ Rows Resampler::rows() const {
               }
             }
             if (gain_ != 1)
-              for (Colour& texel : texels) texel = Colour(Direction(texel) * gain_);
+              for (Colour& texel : texels) texel = Colour(Rgb<double>(texel) * gain_);
           }};
 }
 

@@ -11,10 +11,11 @@
 namespace envmap {
 
 struct Angular {
+  static constexpr Projection id = Projection::angular;
   static constexpr const char* name = "angular";
   static constexpr int faces = 1, aspect = 1;
   static constexpr double span = 360;
-  static constexpr bool on_disc = true, filled = false;
+  static constexpr bool on_disc = true, filled = false, has_forward = true;
 
   /// sin(pi r) / r for r in [0,2], by the nearer zero of the sine so that the rim keeps its digits.
   static double sine_over_r(double r) {

@@ -11,10 +11,11 @@
 namespace envmap {
 
 struct Cube {
+  static constexpr Projection id = Projection::cube;
   static constexpr const char* name = "cube";
   static constexpr int faces = 6, aspect = 1;
   static constexpr double span = 90;
-  static constexpr bool on_disc = false, filled = true;
+  static constexpr bool on_disc = false, filled = true, has_forward = false;
 
   struct Axes {
     Direction forward, right, up;

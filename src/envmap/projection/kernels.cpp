@@ -82,7 +82,7 @@ void TexelDirections(Projection p, int size, int face, int row, int first, std::
   });
 }
 
-void Directions(Projection p, int face, std::span<const Vec2<double>> points, std::span<Direction> out) {
+void Directions(Projection p, int face, std::span<const Point2> points, std::span<Direction> out) {
   visit(p, [&](auto q) HWY_ATTR {
     const Lanes d;
     const std::size_t lanes = hn::Lanes(d);
@@ -90,9 +90,9 @@ void Directions(Projection p, int face, std::span<const Vec2<double>> points, st
     const auto one = hn::Set(d, 1), two = hn::Set(d, 2);
     for (std::size_t k = 0; k < points.size(); k += lanes) {
       const std::size_t count = std::min(lanes, points.size() - k);
-      std::array<Vec2<double>, hn::MaxLanes(Lanes())> all;
+      std::array<Point2, hn::MaxLanes(Lanes())> all;
       const bool whole = count == lanes;
-      if (!whole) std::fill(std::copy_n(&points[k], count, all.begin()), all.end(), Vec2<double>(0.5));
+      if (!whole) std::fill(std::copy_n(&points[k], count, all.begin()), all.end(), Point2(0.5));
       hn::Vec<Lanes> u, v, x, y, z;
       hn::LoadInterleaved2(d, whole ? &points[k].x : &all.front().x, u, v);
       direction(q, d, scale, face, hn::Sub(hn::Mul(two, u), one), hn::Sub(one, hn::Mul(two, v)), x, y, z);
@@ -142,7 +142,7 @@ void texel_directions(Projection p, int size, int face, int row, int first, std:
   HWY_DYNAMIC_DISPATCH(TexelDirections)(p, size, face, row, first, out);
 }
 
-void directions(Projection p, int face, std::span<const Vec2<double>> points, std::span<Direction> out) {
+void directions(Projection p, int face, std::span<const Point2> points, std::span<Direction> out) {
   HWY_DYNAMIC_DISPATCH(Directions)(p, face, points, out);
 }
 

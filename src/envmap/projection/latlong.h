@@ -11,10 +11,11 @@
 namespace envmap {
 
 struct Latlong {
+  static constexpr Projection id = Projection::latlong;
   static constexpr const char* name = "latlong";
   static constexpr int faces = 1, aspect = 2;
   static constexpr double span = 180;
-  static constexpr bool on_disc = false, filled = true;
+  static constexpr bool on_disc = false, filled = true, has_forward = true;
 
   template <class T>
   static Vec3<T> direction(int /*face*/, T u, T v) {

@@ -11,10 +11,11 @@
 namespace envmap {
 
 struct Paraboloid {
+  static constexpr Projection id = Projection::paraboloid;
   static constexpr const char* name = "paraboloid";
   static constexpr int faces = 2, aspect = 1;
   static constexpr double span = 180;
-  static constexpr bool on_disc = true, filled = true;
+  static constexpr bool on_disc = true, filled = true, has_forward = false;
 
   template <class T>
   static Vec3<T> direction(int face, T u, T v) {

@@ -30,7 +30,7 @@ Columns columns(Projection p, int size, int row) {
   });
 }
 
-void densities(Projection p, std::span<const Vec2<double>> points, std::span<double> out) {
+void densities(Projection p, std::span<const Point2> points, std::span<double> out) {
   visit(p, [&](auto q) {
     using P = decltype(q);
     for (std::size_t k = 0; k < points.size(); ++k)

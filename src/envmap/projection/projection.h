@@ -2,6 +2,8 @@
 /// The list of projections, the one dispatch, and what operations ask of a projection: rows and spans at a time.
 #pragma once
 
+#include <array>
+#include <concepts>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -15,22 +17,56 @@
 
 namespace envmap {
 
-enum class Projection { latlong, cube, sphere, paraboloid, angular };
+/// What a projection is: a type of pure functions and constants. `direction` and `locate` take and give float or double
+/// and are evaluated in double: a float result is off by its own rounding alone, 2^-23 rad for a direction and 2^-24 of the
+/// face for a location (tested).
+template <class P>
+concept ProjectionType = requires(int face, double u, double v, const Direction& d, const Rect& rect) {
+  { P::id } -> std::convertible_to<Projection>;
+  { P::name } -> std::convertible_to<const char*>;      // As users type it.
+  { P::faces } -> std::convertible_to<int>;
+  { P::aspect } -> std::convertible_to<int>;            // Width over height of a face.
+  { P::span } -> std::convertible_to<double>;           // Degrees of arc along the height of a face.
+  { P::on_disc } -> std::convertible_to<bool>;          // Only the unit disc of a face carries weight.
+  { P::filled } -> std::convertible_to<bool>;           // Texels outside the disc are written all the same.
+  { P::has_forward } -> std::convertible_to<bool>;      // The image has a centre that --forward can choose.
+  { P::direction(face, u, v) } -> std::same_as<Direction>;  // Unit; beyond the face its smooth continuation.
+  { P::locate(d) } -> std::same_as<Location<double>>;       // Of any unit vector.
+  { P::density(u, v) } -> std::same_as<double>;             // Solid angle per du dv; 0 outside the disc.
+  { P::solid_angle(rect) } -> std::same_as<double>;         // Of a rectangle in u and v: its part inside the disc.
+};
 
-inline constexpr Projection all_projections[] = {Projection::latlong, Projection::cube, Projection::sphere,
-                                                 Projection::paraboloid, Projection::angular};
+template <ProjectionType... P>
+struct ProjectionList {
+  static constexpr std::array<Projection, sizeof...(P)> ids{P::id...};
 
-/// Calls f with the type of a projection: the only switch over projections there is.
-template <class F>
-decltype(auto) visit(Projection p, F&& f) {
-  switch (p) {
-    case Projection::latlong: return f(Latlong{});
-    case Projection::cube: return f(Cube{});
-    case Projection::sphere: return f(Sphere{});
-    case Projection::paraboloid: return f(Paraboloid{});
-    case Projection::angular: break;
+  /// f of the projection's type.
+  template <class First, class... Rest, class F>
+  static constexpr decltype(auto) visit(Projection p, F&& f) {
+    if constexpr (sizeof...(Rest) > 0)
+      if (p != First::id) return visit<Rest...>(p, std::forward<F>(f));
+    return f(First{});
   }
-  return f(Angular{});
+  template <class F>
+  static constexpr decltype(auto) visit_all(Projection p, F&& f) {
+    return visit<P...>(p, std::forward<F>(f));
+  }
+};
+
+/// The one list of projections, in the order of their enumerators.
+using Projections = ProjectionList<Latlong, Cube, Sphere, Paraboloid, Angular>;
+
+inline constexpr auto all_projections = Projections::ids;
+static_assert([] {
+  for (std::size_t k = 0; k < all_projections.size(); ++k)
+    if (static_cast<std::size_t>(all_projections[k]) != k) return false;
+  return true;
+}());
+
+/// Calls f with the type of a projection: the only dispatch over projections there is.
+template <class F>
+constexpr decltype(auto) visit(Projection p, F&& f) {
+  return Projections::visit_all(p, std::forward<F>(f));
 }
 
 inline const char* name(Projection p) {
@@ -44,6 +80,9 @@ inline int aspect(Projection p) {
 }
 inline bool on_disc(Projection p) {
   return visit(p, [](auto q) { return decltype(q)::on_disc; });
+}
+inline bool has_forward(Projection p) {
+  return visit(p, [](auto q) { return decltype(q)::has_forward; });
 }
 /// @return the projection of that name, or nothing.
 std::optional<Projection> projection_named(std::string_view name);
@@ -64,13 +103,13 @@ Columns columns(Projection p, int size, int row);
 void texel_directions(Projection p, int size, int face, int row, int first, std::span<Direction> out);
 
 /// Unit vectors at points of one face.
-void directions(Projection p, int face, std::span<const Vec2<double>> points, std::span<Direction> out);
+void directions(Projection p, int face, std::span<const Point2> points, std::span<Direction> out);
 
 /// Where each direction lies. Sizes must agree.
 void locate(Projection p, std::span<const Direction> directions, std::span<Location<double>> out);
 
 /// Solid angle per du dv at points of a face; 0 outside the disc.
-void densities(Projection p, std::span<const Vec2<double>> points, std::span<double> out);
+void densities(Projection p, std::span<const Point2> points, std::span<double> out);
 
 /// Steradians of each texel of a row of `out.size()` texels; every face has the same. Outside the disc 0, on the rim the
 /// part inside.

@@ -10,10 +10,11 @@
 namespace envmap {
 
 struct Sphere {
+  static constexpr Projection id = Projection::sphere;
   static constexpr const char* name = "sphere";
   static constexpr int faces = 1, aspect = 1;
   static constexpr double span = 360;
-  static constexpr bool on_disc = true, filled = false;
+  static constexpr bool on_disc = true, filled = false, has_forward = false;
 
   /// With r = sin(a/2), a the angle from +Z. Beyond the rim the angle goes on past -Z: the point at radius r holds the
   /// direction of the point opposite at radius 2 - r.

@@ -28,20 +28,20 @@ struct Area {
 
 // A cell of the texel by its centre, what its samples add, and how far off that may be for every unit of its size.
 struct Cell {
-  Vec2<double> centre;
+  Point2 centre;
   double weight;
-  Direction sum;                // Weight x radiance.
+  Rgb<double> sum;              // Weight x radiance.
   double kink = 0, smooth = 0;  // Ranges of radiance over kinks and over smooth stretches, times weight.
   double rim = 0;               // Weight that the disc's rim may have cut wrongly.
   double size;                  // In source texels, if all on one face; else 0.
-  Direction low, high;          // Of the radiance it may hold.
+  Rgb<double> low, high;        // Of the radiance it may hold.
 };
 
-double largest(const Direction& d) { return std::max({d.x, d.y, d.z}); }
+double largest(const Rgb<double>& d) { return std::max({d.x, d.y, d.z}); }
 
 // What one thread needs to evaluate many cells at once; kept between texels so that nothing is allocated in the loop.
 struct Workspace {
-  std::vector<Vec2<double>> points;
+  std::vector<Point2> points;
   std::vector<Direction> directions;
   std::vector<Location<double>> locations;
   std::vector<double> densities;
@@ -49,7 +49,7 @@ struct Workspace {
   std::vector<Cell> cells, next;
 
   // Samples cells of one size, given by their centres.
-  void evaluate(const Area& task, int face, bool weigh, const Vec2<double>& side) {
+  void evaluate(const Area& task, int face, bool weigh, const Point2& side) {
     constexpr double gauss = 0.5 * 0.57735026918962576;  // 1 / sqrt(3) of half a side.
     points.clear();
     for (const Cell& c : cells)
@@ -77,10 +77,10 @@ struct Workspace {
   }
 
   // Of a cell that the rim cuts, the density at its corner nearest the middle: there it is largest. Else 0.
-  static double rim_density(Projection p, const Vec2<double>& centre, const Vec2<double>& side) {
-    const Vec2<double> c = glm::abs(centre - 0.5), nearest = glm::max(c - 0.5 * side, Vec2<double>(0));
+  static double rim_density(Projection p, const Point2& centre, const Point2& side) {
+    const Point2 c = glm::abs(centre - 0.5), nearest = glm::max(c - 0.5 * side, Point2(0));
     if (glm::length(nearest) >= 0.5 || glm::length(c + 0.5 * side) <= 0.5) return 0;
-    const Vec2<double> at[1] = {0.5 + nearest};
+    const Point2 at[1] = {0.5 + nearest};
     double density[1];
     envmap::densities(p, at, density);
     return density[0];
@@ -89,7 +89,7 @@ struct Workspace {
   static void gather(const PaddedLevel& source, const Location<double>* at, const Colour* colour, const double* density,
                      double measure, Cell& cell) {
     cell.weight = 0;
-    cell.sum = Direction(0);
+    cell.sum = Rgb<double>(0);
     bool one_face = true;
     Rect box{1e300, 1e300, -1e300, -1e300};
     double round0 = 1e300, round1 = -1e300;  // The same about the seam of a latlong map.
@@ -101,7 +101,7 @@ struct Workspace {
       one_face &= at[k].face == at[0].face;
       const double w = 0.25 * measure * density[k];
       cell.weight += w;
-      cell.sum += w * Direction(colour[k]);
+      cell.sum += w * Rgb<double>(colour[k]);
     }
 
     // The whole cell reaches sqrt(3) as far from its centre as its samples do.
@@ -143,7 +143,7 @@ struct Workspace {
 // a kink (0.04 of its height at worst, which is twice the slope), or of a smooth stretch, or of the rim. A cell that
 // spans many source texels has none; but the whole rim of a sphere map is one direction, where neighbours in the result
 // are found far apart with much the same radiance: small cells are judged by what that is about their samples.
-double error_bound(const Cell& c, const Direction& mean, double cell_size, bool sphere) {
+double error_bound(const Cell& c, const Rgb<double>& mean, double cell_size, bool sphere) {
   const double size = std::max(c.size, cell_size), off = largest(glm::max(glm::abs(c.high - mean), glm::abs(c.low - mean)));
   const double rim = 0.25 * c.rim * off;
   if (size <= 1) return size * (c.kink / 13 + c.smooth / 1000) + rim;
@@ -154,10 +154,10 @@ double error_bound(const Cell& c, const Direction& mean, double cell_size, bool 
 Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& fallback, bool weigh, Workspace& ws) {
   const Jacobian moved = jacobian({task.to, task.size, task.to_source}, task.source.projection(), task.source.height(),
                                   face, {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
-  const Vec2<double> covers{glm::length(moved.du), glm::length(moved.dv)};
+  const Point2 covers{glm::length(moved.du), glm::length(moved.dv)};
   const int nu = std::clamp(static_cast<int>(std::ceil(covers.x)), 1, max_cells);
   const int nv = std::clamp(static_cast<int>(std::ceil(covers.y)), 1, max_cells);
-  Vec2<double> side{(texel.u1 - texel.u0) / nu, (texel.v1 - texel.v0) / nv};
+  Point2 side{(texel.u1 - texel.u0) / nu, (texel.v1 - texel.v0) / nv};
   double cell_size = std::max(covers.x / nu, covers.y / nv);
   ws.cells.clear();
   for (int j = 0; j < nv; ++j)
@@ -165,17 +165,17 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
       ws.cells.push_back({.centre = {texel.u0 + (i + 0.5) * side.x, texel.v0 + (j + 0.5) * side.y}});
 
   double weight = 0;  // Of the cells that are done with.
-  Direction sum{0}, mean{0};
+  Rgb<double> sum{0}, mean{0};
   double whole = 0;
   const std::size_t most = task.source.projection() == Projection::sphere ? max_samples_of_sphere : max_samples;
   std::size_t samples = 0;
   for (int round = 0; round < max_rounds; ++round) {
     ws.evaluate(task, face, weigh, side);
     samples += ws.points.size();
-    Direction now = sum;
+    Rgb<double> now = sum;
     whole = weight;
     for (const Cell& c : ws.cells) now += c.sum, whole += c.weight;
-    mean = whole > 0 ? now / whole : Direction(0);
+    mean = whole > 0 ? now / whole : Rgb<double>(0);
 
     const double allowed = task.tolerance * std::max(largest(mean), task.floor) * whole;
     const double each = allowed / std::sqrt(static_cast<double>(ws.cells.size()));

@@ -39,18 +39,18 @@ struct Task {
 struct Workspace {
   Sides sides;
   Outline outline;
-  std::vector<Vec2<double>> centres, cut;
+  std::vector<Point2> centres, cut;
   std::vector<double> densities;
   Coverage coverage;
   std::vector<std::size_t> open, again;
 };
 
 struct Mean {
-  Direction light{0};
+  Rgb<double> light{0};
   double weight = 0;
 };
 
-void integrate(const PaddedLevel& source, int face, std::span<const Vec2<double>> polygon, Workspace& ws, Mean& mean) {
+void integrate(const PaddedLevel& source, int face, std::span<const Point2> polygon, Workspace& ws, Mean& mean) {
   Coverage& c = ws.coverage;
   c.cover(polygon);
   ws.centres.clear();
@@ -65,7 +65,7 @@ void integrate(const PaddedLevel& source, int face, std::span<const Vec2<double>
   for (int j = c.top(); j < c.top() + c.rows(); ++j) {
     const Colour* texels = source.texel(face, 0, j);
     for (int i = c.left(); i < c.left() + c.columns(); ++i, ++weight) {
-      mean.light += *weight * Direction(texels[over_seam ? (i % w + w) % w : i]);
+      mean.light += *weight * Rgb<double>(texels[over_seam ? (i % w + w) % w : i]);
       mean.weight += *weight;
     }
   }

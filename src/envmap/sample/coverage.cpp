@@ -5,11 +5,11 @@
 
 namespace envmap {
 
-void Coverage::cover(std::span<const Vec2<double>> points) {
-  Vec2<double> low = points[0], high = points[0];
+void Coverage::cover(std::span<const Point2> points) {
+  Point2 low = points[0], high = points[0];
   double area = 0;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const Vec2<double>&a = points[k], &b = points[k + 1 < points.size() ? k + 1 : 0];
+    const Point2&a = points[k], &b = points[k + 1 < points.size() ? k + 1 : 0];
     low = glm::min(low, a), high = glm::max(high, a);
     area += (b.y - a.y) * (a.x + b.x - 2 * points[0].x);
   }
@@ -17,13 +17,13 @@ void Coverage::cover(std::span<const Vec2<double>> points) {
   left_ = static_cast<int>(std::floor(low.x)), top_ = static_cast<int>(std::floor(low.y));
   across_ = static_cast<int>(std::floor(high.x)) - left_ + 1, down_ = static_cast<int>(std::floor(high.y)) - top_ + 1;
   cells_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_), {});
-  const Vec2<double> origin(left_, top_);
+  const Point2 origin(left_, top_);
   for (std::size_t k = 0; k < points.size(); ++k)
     add_side(points[k] - origin, points[k + 1 < points.size() ? k + 1 : 0] - origin);
 }
 
 // From row to row, always downwards.
-void Coverage::add_side(const Vec2<double>& a, const Vec2<double>& b) {
+void Coverage::add_side(const Point2& a, const Point2& b) {
   if (a.y == b.y) return;
   if (a.y > b.y) {
     sign_ = -sign_;
@@ -32,21 +32,21 @@ void Coverage::add_side(const Vec2<double>& a, const Vec2<double>& b) {
     return;
   }
   const double slope = (b.x - a.x) / (b.y - a.y);
-  Vec2<double> from = a;
+  Point2 from = a;
   for (int row = static_cast<int>(a.y); from.y < b.y; ++row) {
-    const Vec2<double> to = row + 1 < b.y ? Vec2<double>(a.x + (row + 1 - a.y) * slope, row + 1) : b;
+    const Point2 to = row + 1 < b.y ? Point2(a.x + (row + 1 - a.y) * slope, row + 1) : b;
     from.x <= to.x ? add_in_row(row, from, to) : add_in_row(row, to, from);
     from = to;
   }
 }
 
 // From column to column, always to the right; y may go either way, and counts by how far.
-void Coverage::add_in_row(int row, const Vec2<double>& a, const Vec2<double>& b) {
+void Coverage::add_in_row(int row, const Point2& a, const Point2& b) {
   const double slope = b.x > a.x ? (b.y - a.y) / (b.x - a.x) : 0;
-  Vec2<double> from = a;
+  Point2 from = a;
   for (int column = static_cast<int>(a.x);; ++column) {
     const bool last = !(column + 1 < b.x);
-    const Vec2<double> to = last ? b : Vec2<double>(column + 1, a.y + (column + 1 - a.x) * slope);
+    const Point2 to = last ? b : Point2(column + 1, a.y + (column + 1 - a.x) * slope);
     add_piece(cells_[static_cast<std::size_t>(std::min(row, down_ - 1) * across_ + std::min(column, across_ - 1))],
               {from.x - column, from.y - row}, {to.x - column, to.y - row});
     if (last) return;
@@ -56,7 +56,7 @@ void Coverage::add_in_row(int row, const Vec2<double>& a, const Vec2<double>& b)
 
 // Moments of what lies to the right of a straight piece within its cell, the unit square: integrals along the piece of
 // polynomials of the fifth degree at most, for which three Gauss points are exact.
-void Coverage::add_piece(Cell& cell, const Vec2<double>& a, const Vec2<double>& b) {
+void Coverage::add_piece(Cell& cell, const Point2& a, const Point2& b) {
   constexpr double places[] = {0.11270166537925831, 0.5, 0.88729833462074169}, parts[] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
   const double dy = sign_ * std::abs(b.y - a.y);
   for (int k = 0; k < 3; ++k) {

@@ -18,7 +18,7 @@ namespace envmap {
 class Coverage {
  public:
   /// @param points a closed polygon that does not cross itself, in texels, with texel centres at whole numbers below 2^30.
-  void cover(std::span<const Vec2<double>> points);
+  void cover(std::span<const Point2> points);
 
   /// What was covered: texels [left, left + columns) x [top, top + rows).
   [[nodiscard]] int left() const { return left_; }
@@ -37,9 +37,9 @@ class Coverage {
     double beyond = 0, beyond_y = 0, beyond_yy = 0;
   };
 
-  void add_side(const Vec2<double>& a, const Vec2<double>& b);
-  void add_in_row(int row, const Vec2<double>& a, const Vec2<double>& b);
-  void add_piece(Cell& cell, const Vec2<double>& a, const Vec2<double>& b);
+  void add_side(const Point2& a, const Point2& b);
+  void add_in_row(int row, const Point2& a, const Point2& b);
+  void add_piece(Cell& cell, const Point2& a, const Point2& b);
 
   int left_ = 0, top_ = 0, across_ = 0, down_ = 0;  // Of cells.
   double sign_ = 1;                                 // -1 where the polygon goes round the other way.

@@ -35,7 +35,7 @@ void sample_row(const PaddedLevel& base, const Target& target, bool inverse_bili
 
 // Solid angle of samples in a row, relative. What lies outside a disc counts where nothing lies inside, only.
 void weigh(Projection p, int size, int row, int first, std::span<double> weights) {
-  std::array<Vec2<double>, block> points;
+  std::array<Point2, block> points;
   const double h = size, w = h * aspect(p);
   for (std::size_t k = 0; k < weights.size(); ++k)
     points[k] = {(first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h};
@@ -49,13 +49,13 @@ Sampler grid_sampler(const PaddedLevel& base, const Target& target, int n, bool 
   return [=, &base](int face, int row, int first, std::span<Colour> out) {
     std::array<Colour, block> colours;
     std::array<double, block> weights;
-    std::array<Direction, block> sums;
+    std::array<Rgb<double>, block> sums;
     std::array<double, block> wholes;
     for (std::size_t start = 0; start < out.size(); start += at_once) {
       const std::span texels = out.subspan(start, std::min(at_once, out.size() - start));
       const int column = n * (first + static_cast<int>(start));
       const std::size_t count = fine * texels.size();
-      sums.fill(Direction(0));
+      sums.fill(Rgb<double>(0));
       wholes.fill(0);
       for (int part = 0; part < n; ++part) {
         const int fine_row = n * row + part;
@@ -63,7 +63,7 @@ Sampler grid_sampler(const PaddedLevel& base, const Target& target, int n, bool 
         weigh(target.to, n * target.size, fine_row, column, std::span(weights).first(count));
         for (std::size_t k = 0; k < texels.size(); ++k)
           for (std::size_t m = k * fine; m < (k + 1) * fine; ++m) {
-            sums[k] += weights[m] * Direction(colours[m]);
+            sums[k] += weights[m] * Rgb<double>(colours[m]);
             wholes[k] += weights[m];
           }
       }
@@ -90,7 +90,7 @@ Sampler make_points(const Levels& levels, const Target& target, const FilterOpti
 }
 
 // Probes of trilinear lookups. @param plan how many, and at which level.
-Sampler make_probes(const Levels& levels, const Target& target, Probes (*plan)(const Target&, const PaddedLevel&, int, const Vec2<double>&)) {
+Sampler make_probes(const Levels& levels, const Target& target, Probes (*plan)(const Target&, const PaddedLevel&, int, const Point2&)) {
   return [=, &levels](int face, int row, int first, std::span<Colour> out) {
     const PaddedLevel& base = levels.front();
     sample_probes(
@@ -98,7 +98,7 @@ Sampler make_probes(const Levels& levels, const Target& target, Probes (*plan)(c
         [&](std::span<const Direction> directions, std::span<Location<double>> at) {
           locate_for_bilinear(base.projection(), base.height(), directions, at);
         },
-        [&](int, const Vec2<double>& at) { return plan(target, base, face, at); },
+        [&](int, const Point2& at) { return plan(target, base, face, at); },
         [&](std::span<const Location<double>> at, const Probes& p, std::span<Colour> colours) {
           sample_trilinear(levels, at, p.lod, colours);
         });

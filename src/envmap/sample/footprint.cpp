@@ -5,9 +5,9 @@
 
 namespace envmap {
 
-Jacobian jacobian(const Target& target, Projection source, int source_size, int face, const Vec2<double>& at) {
+Jacobian jacobian(const Target& target, Projection source, int source_size, int face, const Point2& at) {
   const double h = target.size, w = h * aspect(target.to);
-  Vec2<double> inside = at;
+  Point2 inside = at;
   if (on_disc(target.to)) {  // Across the rim of a sphere map the derivative would cancel.
     const double r = glm::length(2.0 * at - 1.0);
     inside = 0.5 + (at - 0.5) * std::min(1.0, std::max(0.1, 1 - 0.5 / h) / std::max(r, 1e-9));
@@ -25,7 +25,7 @@ Jacobian jacobian(const Target& target, Projection source, int source_size, int 
   const auto moved = [&](const Direction& move) {
     const Direction m = target.to_source * move;
     const double ma = glm::dot(a, m), mb = glm::dot(b, m);
-    return Vec2<double>(bb * ma - ab * mb, aa * mb - ab * ma) / det;
+    return Point2(bb * ma - ab * mb, aa * mb - ab * ma) / det;
   };
   return {moved(out.du / w), moved(out.dv / h)};
 }

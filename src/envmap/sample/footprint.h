@@ -8,17 +8,17 @@ namespace envmap {
 
 /// Source texels by which the place in the source moves when the place in the result moves by one texel along u or v.
 struct Jacobian {
-  Vec2<double> du, dv;
+  Point2 du, dv;
 };
 
 /// At a point (u,v) of a face of the result. The chain rule: the derivative of the result's direction, solved for the
 /// source's in its tangent plane by the normal equations. Finite everywhere; close to singular at poles and rims.
-Jacobian jacobian(const Target& target, Projection source, int source_size, int face, const Vec2<double>& at);
+Jacobian jacobian(const Target& target, Projection source, int source_size, int face, const Point2& at);
 
 /// The ellipse that the Jacobian makes of a circle one texel across, by its singular values.
 struct Ellipse {
   double major, minor;  ///< Diameters in source texels, major >= minor.
-  Vec2<double> along;   ///< Unit step in the result, in texels, that moves along the major axis in the source.
+  Point2 along;   ///< Unit step in the result, in texels, that moves along the major axis in the source.
 };
 
 Ellipse ellipse(const Jacobian& j);

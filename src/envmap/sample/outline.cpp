@@ -10,8 +10,8 @@ namespace {
 
 // Beyond the rim, seen from the middle: onto the rim. On a level side whose neighbouring point lies inside: where the side
 // itself meets the rim, or else the piece would cut a corner off.
-Vec2<double> moved_onto_rim(const Vec2<double>& p, double piece) {
-  const Vec2<double> c = p - 0.5;
+Point2 moved_onto_rim(const Point2& p, double piece) {
+  const Point2 c = p - 0.5;
   const double radius = glm::length(c);
   if (radius <= 0.5) return p;
   const double x = std::copysign(std::sqrt(std::max(0.0, 0.25 - c.y * c.y)), c.x);
@@ -38,7 +38,7 @@ void Sides::find(const Target& target, Projection source, bool inside) {
   points.clear();
   for (std::size_t r = 0; r <= pieces; ++r)
     for (std::size_t k = 0; k <= pieces * texels; k += r == 0 || r == pieces ? 1 : pieces) {
-      const Vec2<double> p((first * n + static_cast<double>(k)) / n / w, (row * n + static_cast<double>(r)) / n / h);
+      const Point2 p((first * n + static_cast<double>(k)) / n / w, (row * n + static_cast<double>(r)) / n / h);
       points.push_back(inside ? moved_onto_rim(p, 1 / (n * h)) : p);
     }
   directions.resize(points.size());
@@ -49,15 +49,15 @@ void Sides::find(const Target& target, Projection source, bool inside) {
 }
 
 double Outline::bend(double tolerance, double unit) const {
-  Vec2<double> low = points[0], high = points[0];
+  Point2 low = points[0], high = points[0];
   double most = 0, area = 0;
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
-    const Vec2<double>&a = points[k], &b = points[k + 1];
+    const Point2&a = points[k], &b = points[k + 1];
     const double narrow = narrowing(b.y);
     area += narrow * (b.y - a.y) * (a.x + b.x - 2 * points[0].x);
     low = glm::min(low, a), high = glm::max(high, a);
     if (corners[k + 1]) continue;
-    const Vec2<double> chord = (points[k + 2] - a) * Vec2<double>(narrow, 1), step = (b - a) * Vec2<double>(narrow, 1);
+    const Point2 chord = (points[k + 2] - a) * Point2(narrow, 1), step = (b - a) * Point2(narrow, 1);
     const double length = glm::length(chord);
     if (length > 0) most = std::max(most, std::abs(chord.x * step.y - chord.y * step.x) / length);
   }
@@ -88,7 +88,7 @@ struct LatlongPath {
   void go_to(const Direction& d, const Location<double>& at, bool corner, int depth = 0) {
     const double w = source.width();
     const bool to_pole = d.x * d.x + d.z * d.z < 1e-28;
-    Vec2<double> p = in_texels(source, at);
+    Point2 p = in_texels(source, at);
     if (out.points.empty()) {
       out.add(p, true);
     } else if (to_pole) {
@@ -111,9 +111,9 @@ struct LatlongPath {
     from_pole = to_pole;
   }
 
-  void leave_pole(const Direction& d, Vec2<double> p, bool corner) {
+  void leave_pole(const Direction& d, Point2 p, bool corner) {
     const double w = source.width();
-    Vec2<double>& pole = out.points.back();
+    Point2& pole = out.points.back();
     if (out.points.size() == 1) pole.x = p.x;
     const double right = p.x - w * std::floor((p.x - pole.x) / w) - pole.x;  // From 0 to w.
     // Straight over it: to that side which the texel is on.
@@ -127,7 +127,7 @@ struct LatlongPath {
 
   // Back to the beginning. False where both poles lie inside.
   bool close() {
-    const Vec2<double> first = out.points.front(), from = out.points.back();
+    const Point2 first = out.points.front(), from = out.points.back();
     if (std::abs(first.x - from.x) > 0.5 && !from_pole) {
       const bool north = shows(target, sides, texel, {0, 1, 0});
       if (north == shows(target, sides, texel, {0, -1, 0})) return false;

@@ -14,7 +14,7 @@ namespace envmap {
 struct Sides {
   int face = 0, row = 0, first = 0;  ///< The texels' place in the result.
   std::size_t pieces = 0, texels = 0;
-  std::vector<Vec2<double>> points;
+  std::vector<Point2> points;
   std::vector<Direction> directions;     ///< In the frame of the source.
   std::vector<Location<double>> places;  ///< In the source.
 
@@ -40,11 +40,11 @@ struct Sides {
 /// a latlong map its x goes on.
 struct Outline {
   int face = -1;
-  std::vector<Vec2<double>> points;  ///< The last is the first again.
+  std::vector<Point2> points;  ///< The last is the first again.
   std::vector<bool> corners;         ///< Where the outline may turn.
   int latlong_rows = 0;              ///< Of a source that is a latlong map.
 
-  void add(const Vec2<double>& p, bool corner) {
+  void add(const Point2& p, bool corner) {
     points.push_back(p);
     corners.push_back(corner);
   }
@@ -63,7 +63,7 @@ struct Outline {
 };
 
 /// A location in source texels with their centres at whole numbers.
-inline Vec2<double> in_texels(const PaddedLevel& source, const Location<double>& at) {
+inline Point2 in_texels(const PaddedLevel& source, const Location<double>& at) {
   return {at.u * source.width() - 0.5, at.v * source.height() - 0.5};
 }
 

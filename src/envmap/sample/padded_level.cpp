@@ -23,7 +23,7 @@ bool in_face(const PaddedLevel& level, int i, int j) { return i >= 0 && j >= 0 &
 // Distance of a texel's centre from the middle of the disc, which has radius 1.
 double radius(const PaddedLevel& level, int i, int j) {
   const double n = level.height();
-  return glm::length(Vec2<double>((2 * i + 1) / n - 1, 1 - (2 * j + 1) / n));
+  return glm::length(Point2((2 * i + 1) / n - 1, 1 - (2 * j + 1) / n));
 }
 
 bool is_image(const PaddedLevel& level, int i, int j) {
@@ -73,7 +73,8 @@ class TangentFit {
 
   void add(const Direction& d, const Colour& c, double weight) {
     const double x = glm::dot(d - at_, e1_), y = glm::dot(d - at_, e2_);
-    const Direction p(1, x, y), value(c);
+    const Direction p(1, x, y);
+    const Rgb<double> value(c);
     for (int k = 0; k < 3; ++k) {
       normal_[k] += weight * p[k] * p;
       right_[k] += weight * p[k] * value;
@@ -98,7 +99,7 @@ class TangentFit {
  private:
   Direction at_, e1_, e2_;
   glm::dmat3 normal_{0};
-  Direction right_[3]{Direction(0), Direction(0), Direction(0)};
+  Rgb<double> right_[3]{Rgb<double>(0), Rgb<double>(0), Rgb<double>(0)};
   Colour low_{std::numeric_limits<float>::max()}, high_{0};
 };
 
@@ -107,13 +108,13 @@ void add_neighbours(TangentFit& fit, const PaddedLevel& level, int face, double 
   constexpr double reach = 2.6;
   constexpr std::size_t most = 36;  // Whole numbers in an interval 2 x 2.6 long: six at most, each way.
   const int n = level.height();
-  std::array<Vec2<double>, most> places;
+  std::array<Point2, most> places;
   std::array<const Colour*, most> colours;
   std::array<double, most> weights;
   std::size_t count = 0;
   for (int j = static_cast<int>(std::ceil(y - reach)); j <= y + reach; ++j)
     for (int i = static_cast<int>(std::ceil(x - reach)); i <= x + reach; ++i) {
-      const double distance = glm::length(Vec2<double>(i - x, j - y));
+      const double distance = glm::length(Point2(i - x, j - y));
       if (distance >= reach || !is_image(level, i, j)) continue;
       const double near = (reach - distance) / (distance + 1e-6);
       places[count] = {(i + 0.5) / n, (j + 0.5) / n};

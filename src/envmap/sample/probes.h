@@ -32,18 +32,18 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
   }
   const double h = target.size, w = h * aspect(target.to);
   std::vector<Direction> directions(out.size());
-  std::vector<decltype(plan(face, Vec2<double>()))> plans(out.size());
-  std::vector<Vec2<double>> points;
+  std::vector<decltype(plan(face, Point2()))> plans(out.size());
+  std::vector<Point2> points;
   texel_directions(target.to, target.size, face, row, first, directions);
   const auto centre = [&](std::size_t k) {
-    return Vec2<double>((first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h);
+    return Point2((first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h);
   };
   for (std::size_t k = 0; k < out.size(); ++k) {
     const auto& p = plans[k] = plan(face, centre(k));
     if (p.across * p.down == 1) continue;
     for (int b = 0; b < p.down; ++b)
       for (int a = 0; a < p.across; ++a)
-        points.push_back(centre(k) + Vec2<double>(((a + 0.5) / p.across - 0.5) / w, ((b + 0.5) / p.down - 0.5) / h));
+        points.push_back(centre(k) + Point2(((a + 0.5) / p.across - 0.5) / w, ((b + 0.5) / p.down - 0.5) / h));
   }
   // Behind the centres of all texels come the places of those that have more than one.
   std::vector<double> weights(points.size());
@@ -63,10 +63,10 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
       colours.resize(count);
       probe(std::span<const Location<double>>(locations).subspan(out.size() + next, count), plans[k], std::span(colours));
       next += count;
-      Direction sum(0);
+      Rgb<double> sum(0);
       double whole = 0;
       for (std::size_t n = 0; n < count; ++n) {
-        sum += weight[n] * Direction(colours[n]);
+        sum += weight[n] * Rgb<double>(colours[n]);
         whole += weight[n];
       }
       if (whole > 0) {

@@ -29,12 +29,12 @@ void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Locat
   for (std::size_t k = 0; k < at.size(); ++k) out[k] = (1 - f) * out[k] + f * coarse[k];
 }
 
-Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Vec2<double>& at) {
+Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at) {
   const Ellipse e = ellipse(jacobian(target, base.projection(), base.height(), face, at));
   return {.lod = std::log2(std::max(1.0, e.major))};
 }
 
-Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const Vec2<double>& at) {
+Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at) {
   const Jacobian j = jacobian(target, base.projection(), base.height(), face, at);
   const double across = glm::length(j.du), down = glm::length(j.dv);
   const double texel = std::max({1.0, ellipse(j).minor / finer, across / most_probes, down / most_probes});

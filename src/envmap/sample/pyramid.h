@@ -11,10 +11,10 @@ namespace envmap {
 void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out);
 
 /// One probe at the level where a texel is as wide as the footprint is long: never aliases, blurs what is oblique.
-Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Vec2<double>& at);
+Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at);
 
 /// As many probes as tile the footprint at a level chosen by its short axis: footprint assembly (Schilling, Knittel and
 /// Strasser 1996, "Texram"), with the axes that EWA takes from the Jacobian (Heckbert 1989).
-Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const Vec2<double>& at);
+Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at);
 
 }  // namespace envmap

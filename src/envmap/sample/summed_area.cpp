@@ -14,14 +14,14 @@ namespace envmap {
 namespace {
 
 struct Texel {
-  Direction light;
+  Rgb<double> light;
   double weight;
 };
 
 // One probe, of this size.
 struct Box {
   int across = 1, down = 1;
-  Vec2<double> half;
+  Point2 half;
 };
 
 // A texel of the face, or of the environment where the projection continues to beyond it; weighted by |dd/du x dd/dv|.
@@ -31,13 +31,13 @@ Texel texel_or_beyond(const PaddedLevel& level, int face, int i, int j) {
   const double weight = glm::length(glm::cross(d.du, d.dv));
   const bool in_face = i >= 0 && j >= 0 && i < level.width() && j < level.height();
   if (in_face && (!on_disc(level.projection()) || std::hypot(2 * u - 1, 2 * v - 1) <= 1))
-    return {weight * Direction(*level.texel(face, i, j)), weight};
-  const Vec2<double> point[1] = {{u, v}};
+    return {weight * Rgb<double>(*level.texel(face, i, j)), weight};
+  const Point2 point[1] = {{u, v}};
   Direction beyond[1];
   Location<double> place[1];
   directions(level.projection(), face, point, beyond);
   locate(level.projection(), beyond, place);
-  return {weight * Direction(bilinear(level, place[0])), weight};
+  return {weight * Rgb<double>(bilinear(level, place[0])), weight};
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ void SummedArea::fill_face(const PaddedLevel& level, int face) {
 }
 
 // The table is linear between its entries, as the sum over a texel of one colour is.
-void SummedArea::add_corner(int face, double x, double y, double sign, Direction& light, double& weight) const {
+void SummedArea::add_corner(int face, double x, double y, double sign, Rgb<double>& light, double& weight) const {
   const int i = std::clamp(static_cast<int>(x), 0, width_ - 1), j = std::clamp(static_cast<int>(y), 0, height_ - 1);
   const double fx = x - i, fy = y - j;
   const Entry* a = entry(face, i, j);
@@ -84,16 +84,16 @@ void SummedArea::add_corner(int face, double x, double y, double sign, Direction
   weight += w[0] * a[0].weight + w[1] * a[1].weight + w[2] * b[0].weight + w[3] * b[1].weight;
 }
 
-Colour SummedArea::mean(const Location<double>& at, Vec2<double> half) const {
-  half = glm::clamp(half, Vec2<double>(0.5), Vec2<double>(margin_));
+Colour SummedArea::mean(const Location<double>& at, Point2 half) const {
+  half = glm::clamp(half, Point2(0.5), Point2(margin_));
   const double x = at.u * (width_ - 2 * margin_) + margin_, y = at.v * (height_ - 2 * margin_) + margin_;
-  Direction light(0);
+  Rgb<double> light(0);
   double weight = 0;
   add_corner(at.face, x + half.x, y + half.y, 1, light, weight);
   add_corner(at.face, x - half.x, y + half.y, -1, light, weight);
   add_corner(at.face, x + half.x, y - half.y, -1, light, weight);
   add_corner(at.face, x - half.x, y - half.y, 1, light, weight);
-  return Colour(glm::max(light / weight, Direction(0)));  // Rounding may leave a black place below 0.
+  return Colour(glm::max(light / weight, Rgb<double>(0)));  // Rounding may leave a black place below 0.
 }
 
 Sampler summed_area_sampler(const PaddedLevel& source, const Target& target) {
@@ -101,7 +101,7 @@ Sampler summed_area_sampler(const PaddedLevel& source, const Target& target) {
   const int margin = std::clamp(static_cast<int>(2 * covers) + 2, 2, std::max(2, source.height() / 2));
   const auto table = std::make_shared<SummedArea>(source, margin);
   return [&source, target, table](int face, int row, int first, std::span<Colour> out) {
-    const auto plan = [&](int on, const Vec2<double>& at) {
+    const auto plan = [&](int on, const Point2& at) {
       const Jacobian j = jacobian(target, source.projection(), source.height(), on, at);
       return Box{.half = 0.5 * (glm::abs(j.du) + glm::abs(j.dv))};
     };

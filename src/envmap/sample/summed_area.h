@@ -19,16 +19,16 @@ class SummedArea {
   SummedArea(const PaddedLevel& level, int margin);
 
   /// Solid-angle weighted mean over a box about a place; `half` are half its sides in texels, cut to the margin.
-  [[nodiscard]] Colour mean(const Location<double>& at, Vec2<double> half) const;
+  [[nodiscard]] Colour mean(const Location<double>& at, Point2 half) const;
 
  private:
   struct Entry {
-    Vec3<double> light{0};
+    Rgb<double> light{0};
     double weight = 0;
   };
   void fill_face(const PaddedLevel& level, int face);
   [[nodiscard]] const Entry* entry(int face, int i, int j) const;
-  void add_corner(int face, double x, double y, double sign, Direction& light, double& weight) const;
+  void add_corner(int face, double x, double y, double sign, Rgb<double>& light, double& weight) const;
 
   int margin_, width_, height_;  // With the margin.
   std::vector<Entry> entries_;   // (width + 1) x (height + 1) a face, the first row and column 0.
