@@ -167,7 +167,7 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
 // By what odd factor the texels of a source must be divided for a tolerance: densities are taken as linear over a texel,
 // which leaves an eighth of their second derivative. 0 where the finer source would be too large.
 int division_for(const PaddedLevel& source, double tolerance) {
-  constexpr double most_texels = 3 * 8192.0 * 8192;
+  constexpr double most_texels = 4096.0 * 4096;
   const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
   int times = 1;
   while (0.2 * texel * texel > tolerance * times * times) times += 2;
