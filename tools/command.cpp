@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <mutex>
 
+#include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/path.h"
@@ -26,7 +27,7 @@ std::vector<Command> all_commands() {
 
 std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run) {
   auto app = std::make_unique<CLI::App>("Convert, measure and make environment maps.", "envmap");
-  app->set_version_flag("--version", ENVMAP_VERSION);
+  app->set_version_flag("--version", version_text());
   app->require_subcommand(1);
   app->footer(
       "'envmap COMMAND --help' shows the options of a command and examples; 'man envmap-COMMAND' the same and more.");
@@ -41,7 +42,7 @@ std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common&
                     "Threads to use; the result is the same for any number (default: all cores)")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
-    sub->add_flag("-q,--quiet", common.quiet, "No notes and no progress, only errors");
+    sub->add_flag("-q,--quiet", common.quiet, "No notes and no progress, only errors and what changes the result (--repair, --clamp)");
     sub->add_flag("-v,--verbose", common.verbose, "Say what is done and how long it takes");
     std::string footer = "Examples:\n";
     for (const Example& e : command.examples) footer += fmt::format("  {}\n      {}\n", e.command, e.what);
@@ -179,14 +180,16 @@ void add_repair(CLI::App& app, ReadOptions& options) {
 
 void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
 
+void warn(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+
 void note(const Common& common, const std::string& line) {
-  if (!common.quiet) std::fputs((line + "\n").c_str(), stderr);
+  if (!common.quiet) warn(line);
 }
 
 Source read_map(const std::string& path, const ReadOptions& options, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
   Source source = read(path, options);
-  if (source.repaired > 0) note(common, fmt::format("{}: repaired {} texels", path, source.repaired));
+  if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
   for (const std::string& what : source.notes) note(common, fmt::format("{}: {}", path, what));
   if (common.verbose) {
     for (const std::string& what : source.details) note(common, fmt::format("{}: {}", path, what));
@@ -199,43 +202,6 @@ Source read_map(const std::string& path, const ReadOptions& options, const Commo
   return source;
 }
 
-namespace {
-
-std::string escaped(const std::string& name) {
-  std::string out;
-  for (const char c : name) {
-    if (c == ' ' || c == '#' || c == '\\') out += '\\';
-    if (c == '$') out += '$';
-    out += c;
-  }
-  return out;
-}
-
-// The files that a name with {face} and {level} stands for.
-std::string make_names(const std::string& path, int levels) {
-  std::string all;
-  for (int level = 0; level < (has_level(path) ? levels : 1); ++level)
-    for (int face = 0; face < (has_face(path) ? 6 : 1); ++face) {
-      const std::string one = level_path(path, level);
-      all += (all.empty() ? "" : " ") + escaped(has_face(one) ? face_path(one, face) : one);
-    }
-  return all;
-}
-
-}  // namespace
-
-std::unique_ptr<OutputFile> open_depfile(const std::string& output, const std::vector<std::string>& inputs,
-                                         const Common& common, int levels) {
-  if (common.depfile.empty()) return nullptr;
-  std::string text = make_names(output, levels) + ":";
-  for (const std::string& input : inputs)
-    if (input != "-") text += " " + make_names(input, count_level_files(input));
-  text += "\n";
-  auto file = std::make_unique<OutputFile>(common.depfile);
-  file->write(text.data(), text.size());
-  return file;
-}
-
 void write_map(const std::string& path, const Rows& rows, const WriteOptions& options,
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
   write_map(path, std::span(&rows, 1), options, inputs, verb, common);
@@ -245,12 +211,12 @@ void write_map(const std::string& path, std::span<const Rows> levels, const Writ
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
   const Rows& rows = levels.front();
-  const auto depfile = open_depfile(path, inputs, common, static_cast<int>(levels.size()));
+  check_files({path}, inputs, common);
+  const auto depfile = open_depfile({path}, inputs, common, static_cast<int>(levels.size()));
   const Written written = write(path, levels, options, progress_line(common, verb));
   if (depfile) depfile->commit();
   if (written.clamped > 0)
-    note(common,
-         fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
+    warn(fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
   if (common.verbose)
     note(common, fmt::format("{}: {} {}x{}{}{}, {}, made and written in {:.2f} s", path, name(rows.projection),
                              rows.width(), rows.size,

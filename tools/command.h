@@ -53,8 +53,19 @@ Command completion_command();
 
 std::vector<Command> all_commands();
 
+/// What --version says: the version, the commit where it is known, the libraries.
+std::string version_text();
+
 /// The program with all options of all commands; `run` is set to the action of the command that parsing meets.
 std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run);
+
+/// The program as --help, man pages and completions read it.
+struct Program {
+  Common common;
+  std::function<int()> run;
+  std::vector<Command> commands = all_commands();
+  std::unique_ptr<CLI::App> app = make_app(commands, common, run);
+};
 
 // ---- options ---------------------------------------------------------------------------------------------------------
 
@@ -124,17 +135,14 @@ void write_map(const std::string& path, std::span<const envmap::Rows> levels, co
 void write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 
-/// The file that --depfile asks for, written but not yet shown, or null: `output: inputs` in Make syntax. To be opened
-/// before the output is written and committed after it: where there can be no depfile, there is no output.
-/// @param levels that the output has, where its name has {level}.
-std::unique_ptr<envmap::OutputFile> open_depfile(const std::string& output, const std::vector<std::string>& inputs,
-                                                 const Common& common, int levels = 1);
-
 /// A line on standard error where that is a terminal, for work that takes over a second.
 envmap::Progress progress_line(const Common& common, const std::string& what);
 
 /// Text on standard output. Whether all of it could be written is asked once, at the end (not fmt::print, which throws).
 void print(const std::string& text);
+
+/// One line on standard error, of what makes the result another than was asked for: --quiet does not hide it.
+void warn(const std::string& line);
 
 /// One line on standard error unless --quiet.
 void note(const Common& common, const std::string& line);

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "command.h"
+#include "depfile.h"
+#include "envmap/base/error.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 
@@ -18,7 +20,44 @@ struct Options {
   std::optional<Projection> from_b;
   std::optional<Filter> filter = Filter::area;
   std::optional<double> max_error, max_rms, max_flux;
+  bool one_level = false;  // --level was given, be it 0.
+  bool same_shape = false, same_levels = false, same_depth = false, golden = false;
+  [[nodiscard]] bool limited() const { return max_error || max_rms || max_flux; }
 };
+
+// A limit that was broken, of a level.
+struct Breach {
+  int level;
+  const char* metric;
+  double value, limit;
+  const char* option;
+};
+
+class Limits {
+ public:
+  explicit Limits(const Options& o) : options_(o) {}
+  void check(int level, const Difference& d, bool same_texels) {
+    check(level, "flux", d.largest_flux(), options_.max_flux, "--max-flux");
+    if (!same_texels) return;
+    check(level, "rms", d.rms, options_.max_rms, "--max-rms");
+    check(level, "max", d.maximum, options_.max_error, "--max-error");
+  }
+  [[nodiscard]] const std::vector<Breach>& broken() const { return broken_; }
+
+ private:
+  void check(int level, const char* metric, double value, const std::optional<double>& limit, const char* option) {
+    if (limit && !(value <= *limit)) broken_.push_back({level, metric, value, *limit, option});
+  }
+  const Options& options_;
+  std::vector<Breach> broken_;
+};
+
+std::string shape(const Source& s) {
+  const Level& base = s.map.base();
+  return fmt::format("{} {}x{}{}", name(base.projection()), base.width(), base.height(),
+                     has_forward(base.projection()) ? fmt::format(" forward {}", forward_names[static_cast<int>(s.map.forward)])
+                                                    : "");
+}
 
 bool same_frame(const EnvironmentMap& a, const EnvironmentMap& b) {
   return a.projection() == b.projection() && a.base().height() == b.base().height() && a.forward == b.forward;
@@ -44,14 +83,43 @@ std::vector<LevelDifference> compare_levels(const EnvironmentMap& a, const Envir
 // JSON has no infinity.
 ordered_json number(double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json("infinite"); }
 
-int run(const Options& o, const Common& common) {
+// Why the two are not the same kind of file, before any texel is looked at; empty where they are, as far as was asked.
+std::string unlike(const Options& o, const Source& a, const Source& b) {
+  if (o.same_shape && (!same_frame(a.map, b.map) || a.map.base().width() != b.map.base().width()))
+    return fmt::format("{} is {}, {} {} (--same-shape)", o.a, shape(a), o.b, shape(b));
+  const std::size_t levels = a.map.levels.size(), wanted = b.map.levels.size();
+  if (o.same_levels && levels != wanted)
+    return fmt::format("{} has {} level{}, {} {} (--same-levels)", o.a, levels, levels > 1 ? "s" : "", o.b, wanted);
+  // Levels of the reference that nothing was held against.
+  if (o.limited() && levels < wanted)
+    return fmt::format("{} has {} level{}, {} {}: say --level 0 to compare one", o.a, levels, levels > 1 ? "s" : "", o.b,
+                       wanted);
+  if (o.same_depth && a.depth != b.depth)
+    return fmt::format("{} holds {}, {} {} (--same-depth)", o.a, name(a.depth), o.b, name(b.depth));
+  return {};
+}
+
+ordered_json limits(const Options& o) {
+  const auto limit = [](const std::optional<double>& x) { return x ? ordered_json(*x) : ordered_json(nullptr); };
+  return {{"max-flux", limit(o.max_flux)},     {"max-rms", limit(o.max_rms)},       {"max-error", limit(o.max_error)},
+          {"same-shape", o.same_shape},        {"same-levels", o.same_levels},      {"same-depth", o.same_depth}};
+}
+
+int run(Options& o, const Common& common) {
   if (!o.difference.empty()) check_output(o.difference, {}, Projection::cube);
+  if (o.difference.empty() && !common.depfile.empty()) throw UsageError("--depfile is for the map of --difference");
+  check_files({o.difference}, {o.a, o.b}, common);
+  if (o.golden) {
+    o.same_shape = o.same_levels = true;
+    if (!o.limited()) o.max_error = 0;
+  }
   ReadOptions read_a = o.read;
-  read_a.all_levels = o.read.level == 0;
+  read_a.all_levels = !o.one_level;
   Source a = read_map(o.a, read_a, common);
   ReadOptions read_b = read_a;
   if (o.from_b) read_b.projection = o.from_b;
   const Source b = read_map(o.b, read_b, common);
+  const std::string unlikeness = unlike(o, a, b);
   const std::vector<LevelDifference> levels = compare_levels(a.map, b.map);
   const bool resampled = !same_frame(a.map, b.map);
   a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());  // Or a filter might read them as its own.
@@ -62,12 +130,11 @@ int run(const Options& o, const Common& common) {
   Level shown(b.map.projection(), b.map.base().height());
   const Difference d = compare(a.map.base(), b.map.base(), &shown);
 
-  const auto within = [](double value, const std::optional<double>& limit) { return !limit || value <= *limit; };
-  bool same = within(d.maximum, o.max_error) && within(d.rms, o.max_rms) && within(d.largest_flux(), o.max_flux);
-  for (const LevelDifference& level : levels) {
-    same = same && within(level.largest_flux(), o.max_flux);
-    if (level.same_texels) same = same && within(level.maximum, o.max_error) && within(level.rms, o.max_rms);
-  }
+  Limits limits_of_each(o);
+  limits_of_each.check(0, d, true);
+  for (const LevelDifference& level : levels) limits_of_each.check(level.number, level, level.same_texels);
+  const std::vector<Breach>& broken = limits_of_each.broken();
+  const bool same = unlikeness.empty() && broken.empty();
   if (common.json) {
     ordered_json j;
     j["a"] = o.a;
@@ -82,6 +149,11 @@ int run(const Options& o, const Common& common) {
                              {"flux", {number(level.flux.x), number(level.flux.y), number(level.flux.z)}},
                              {"rms", level.same_texels ? number(level.rms) : ordered_json(nullptr)},
                              {"max", level.same_texels ? number(level.maximum) : ordered_json(nullptr)}});
+    j["limits"] = limits(o);
+    j["unlike"] = unlikeness.empty() ? ordered_json(nullptr) : ordered_json(unlikeness);
+    j["broken"] = ordered_json::array();
+    for (const Breach& breach : broken)
+      j["broken"].push_back({{"level", breach.level}, {"metric", breach.metric}, {"value", number(breach.value)}, {"limit", breach.limit}});
     j["within"] = same;
     print(fmt::format("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace)));
   } else {
@@ -91,7 +163,7 @@ int run(const Options& o, const Common& common) {
       print(fmt::format("level {:2}  flux {:+.3e} {:+.3e} {:+.3e}{}\n", level.number, level.flux.x, level.flux.y,
                         level.flux.z,
                         level.same_texels ? fmt::format("  rms {:.3e}  max {:.3e}", level.rms, level.maximum) : ""));
-    if (resampled) note(common, fmt::format("{} was resampled to the texels of {}", o.a, o.b));
+    if (resampled) warn(fmt::format("{} was resampled to the texels of {}", o.a, o.b));
   }
   if (!o.difference.empty()) {
     EnvironmentMap out;
@@ -99,6 +171,10 @@ int run(const Options& o, const Common& common) {
     out.forward = b.map.forward;
     write_map(o.difference, rows_of(out), {}, {o.a, o.b}, "write", common);
   }
+  if (!unlikeness.empty()) warn("envmap compare: " + unlikeness);
+  for (const Breach& x : broken)
+    warn(fmt::format("envmap compare: {}{} {:.3g} > {:g} ({})", x.level > 0 ? fmt::format("level {}: ", x.level) : "", x.metric,
+                     x.value, x.limit, x.option));
   return same ? 0 : 1;
 }
 
@@ -120,8 +196,9 @@ Command compare_command() {
           "Of a map with mip levels each level is shown: against the same of B where B has it, else its flux against "
           "that of "
           "B. Limits hold for all of them; --level compares one.\n\n"
-          "Exit status 1 where a limit is given and exceeded.",
-      .examples = {{"envmap compare new.exr golden.exr --max-rms 1e-3", "a golden-file test: exit status 1 if beyond"},
+          "Exit status 1 where a limit is given and exceeded, or B has levels that A lacks; each limit that broke is named "
+          "on standard error. --golden is for tests against kept results.",
+      .examples = {{"envmap compare new.exr golden.exr --golden --max-rms 1e-3", "a golden-file test: exit status 1 if beyond"},
                    {"envmap compare cube.exr probe.hdr --json", "how much a conversion lost; A is resampled to B"},
                    {"envmap compare a.exr b.exr --difference d.exr", "where they differ"}},
       .reports = true,
@@ -133,12 +210,19 @@ Command compare_command() {
         add_limit(app, "--max-error", o->max_error, "Exit with 1 if max is larger");
         add_limit(app, "--max-rms", o->max_rms, "Exit with 1 if rms is larger");
         add_limit(app, "--max-flux", o->max_flux, "Exit with 1 if flux of any channel differs by more");
+        app.add_flag("--same-shape", o->same_shape, "Exit with 1 where projection, size or forward axis differ");
+        app.add_flag("--same-levels", o->same_levels, "Exit with 1 where one has more levels than the other");
+        app.add_flag("--same-depth", o->same_depth, "Exit with 1 where one holds half floats, say, and the other floats");
+        app.add_flag("--golden", o->golden, "--same-shape and --same-levels, and --max-error 0 where no limit is given");
         app.add_option("--difference", o->difference, "Write |A-B| as a map")->type_name("FILE");
         add_filter(app, o->filter, "How A is resampled if it must be (default: area)");
         add_read_options(app, o->read);
         add_repair(app, o->read);
         add_projection(app, "--from-b", o->from_b, "Projection of B, if not that of --from");
-        return [o, &common] { return run(*o, common); };
+        return [o, &app, &common] {
+          o->one_level = app.count("--level") > 0;
+          return run(*o, common);
+        };
       }};
 }
 

@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "command.h"
+#include "depfile.h"
 #include "envmap/base/error.h"
+#include "envmap/maths/portable.h"
 #include "envmap/operate/resampler.h"
 
 namespace tools {
@@ -16,6 +18,7 @@ struct Options {
   ReadOptions read;
   std::optional<Projection> to;
   std::optional<Forward> forward;
+  bool one_level = false;  // --level was given.
   std::optional<Direction> turn;  // Yaw, pitch, roll.
   double exposure = 0;
   ConvertOptions convert;
@@ -53,14 +56,18 @@ int run(Options& o, const Common& common) {
   o.read.assumed_forward = o.forward;
   // What can be known to fail is said before any work is done.
   if (o.to) check_output(o.output, o.write, *o.to);
+  check_files({o.output}, {o.input}, common);
   Source source = read_map(o.input, o.read, common);
+  if (source.levels > 1 && !o.one_level)
+    note(common, fmt::format("{}: of {} levels {} is converted; 'envmap mipmap' makes levels of the result", o.input,
+                             source.levels, o.read.level));
   const Frame from = source.map.frame();
   const Projection to = o.to.value_or(from.projection);
   o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
   if (o.forward && !has_forward(to) && !has_forward(from.projection))
     throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
   if (o.turn) o.convert.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
-  o.convert.gain = std::exp2(o.exposure);
+  o.convert.gain = portable::exp2(o.exposure);
   o.write.source_depth = source.depth;
   check_output(o.output, o.write, to);
 
@@ -142,7 +149,10 @@ Command convert_command() {
         add_read_options(app, o->read);
         add_max_memory(app, o->read);
         add_repair(app, o->read);
-        return [o, &common] { return run(*o, common); };
+        return [o, &app, &common] {
+          o->one_level = app.count("--level") > 0;
+          return run(*o, common);
+        };
       }};
 }
 

@@ -1,8 +1,12 @@
 // The program: parses, runs one command, turns what goes wrong into one line and an exit status.
 #include <fmt/format.h>
+#include <hwy/highway.h>
 #include <tbb/global_control.h>
 
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <iostream>
 #include <new>
 #include <optional>
 
@@ -13,6 +17,39 @@
 namespace {
 
 enum Status { done = 0, usage = 2, bad_input = 3, not_written = 4, no_renderer = 5 };
+
+Status status_of(envmap::ErrorCode code) {
+  switch (code) {
+    case envmap::ErrorCode::usage: return usage;
+    case envmap::ErrorCode::input: return bad_input;
+    case envmap::ErrorCode::output: return not_written;
+    case envmap::ErrorCode::renderer: break;
+  }
+  return no_renderer;
+}
+
+// What would help, in the program's options.
+const char* advice(envmap::Remedy remedy) {
+  using envmap::Remedy;
+  switch (remedy) {
+    case Remedy::choose_projection: return ": say --from sphere or --from angular";
+    case Remedy::leave_out_layout: return ": leave out --layout";
+    case Remedy::leave_out_from_layout: return ": leave out --from-layout";
+    case Remedy::leave_out_face: return ": leave out {face}";
+    case Remedy::drop_channels: return ": say --drop-channels to leave them behind";
+    case Remedy::repair: return ": say --repair to replace them";
+    case Remedy::limit_memory: return ": say --max-memory";
+    case Remedy::choose_format: return ", or say --format";
+    case Remedy::choose_plus_z: return ": say --forward +z";
+    case Remedy::clamp_or_deepen: return ": choose --depth float or say --clamp";
+    case Remedy::clamp_or_darken: return ": choose a floating-point format, lower --exposure or say --clamp";
+    case Remedy::clamp_or_brighten: return ": choose --depth float, raise --exposure or say --clamp";
+    case Remedy::choose_layer: return ": choose one with --layer";
+    case Remedy::make_levels: return ": make levels anew, without --keep";
+    case Remedy::none: break;
+  }
+  return "";
+}
 
 int complain(const std::string& who, std::string what, int status) {
   std::replace(what.begin(), what.end(), '\n', ' ');
@@ -29,6 +66,8 @@ int run_with_threads(const std::function<int()>& run, int threads) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // For tests that the bytes do not depend on the processor: the vector code that every x86-64 can run.
+  if (std::getenv("ENVMAP_BASELINE") != nullptr) hwy::DisableTargets(~std::int64_t{HWY_STATIC_TARGET});
   const std::vector<tools::Command> commands = tools::all_commands();
   tools::Common common;
   std::function<int()> run;
@@ -38,7 +77,9 @@ int main(int argc, char** argv) {
   try {
     app->parse(argc, argv);
   } catch (const CLI::Success& e) {  // --help, --version
-    return app->exit(e);
+    const int status = app->exit(e);
+    std::cout.flush();
+    return std::cout && std::fflush(stdout) == 0 ? status : complain(who, "standard output: not written", not_written);
   } catch (const CLI::ParseError& e) {
     return complain(who, tools::explain(e, *app, argc, argv), usage);
   }
@@ -49,14 +90,8 @@ int main(int argc, char** argv) {
     return status;
   } catch (const CLI::ParseError& e) {
     return complain(who, e.what(), usage);
-  } catch (const envmap::UsageError& e) {
-    return complain(who, e.what(), usage);
-  } catch (const envmap::InputError& e) {
-    return complain(who, e.what(), bad_input);
-  } catch (const envmap::OutputError& e) {
-    return complain(who, e.what(), not_written);
-  } catch (const envmap::RendererError& e) {
-    return complain(who, e.what(), no_renderer);
+  } catch (const envmap::Error& e) {
+    return complain(who, e.what() + std::string(advice(e.remedy())), status_of(e.code()));
   } catch (const std::bad_alloc&) {
     return complain(who, "not enough memory: choose a smaller --size", not_written);
   } catch (const std::exception& e) {

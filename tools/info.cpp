@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/sampling.h"
 
@@ -44,7 +45,7 @@ ordered_json facts(const Source& s, const std::string& file) {
   j["flux"] = to_json(m.flux);
   j["solid_angle"] = m.solid_angle;
   j["dynamic_range"] = range ? ordered_json(m.brightest / m.darkest) : ordered_json(nullptr);
-  j["stops"] = range ? ordered_json(std::log2(m.brightest / m.darkest)) : ordered_json(nullptr);
+  j["stops"] = range ? ordered_json(portable::log2(m.brightest / m.darkest)) : ordered_json(nullptr);
   j["brightest"] = {{"direction", to_json(m.brightest_direction)},
                     {"value", to_json(Direction(m.brightest_value))},
                     {"face", m.brightest_texel.face},

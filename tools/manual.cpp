@@ -1,4 +1,4 @@
-// Man pages and shell completions out of the same definitions as --help.
+// Man pages out of the same definitions as --help.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -73,7 +73,8 @@ std::string title(const std::string& name) {
 std::string statuses() {
   return ".SH EXIT STATUS\n"
          ".TP\n0\ndone\n.TP\n1\nthe answer is no: a limit that was given is exceeded\n.TP\n2\nusage\n"
-         ".TP\n3\nan input is unreadable or not what it claims to be\n.TP\n4\nan output was not written\n";
+         ".TP\n3\nan input is unreadable or not what it claims to be\n.TP\n4\nan output was not written\n"
+         ".TP\n5\nthere is nothing to draw with: no renderer\n";
 }
 
 std::string command_page(const Command& command, const CLI::App& app) {
@@ -104,72 +105,18 @@ std::string main_page(const std::vector<Command>& commands) {
              "standard input or "
              "output. Output files appear whole or not at all, and the same command gives the same bytes at any number "
              "of threads.") +
-         "\n.SH COMMANDS\n" + list + statuses() + ".SH SEE ALSO\n" + also + "\n";
+         "\n.SH COMMANDS\n" + list + statuses() +
+         ".SH ENVIRONMENT\n.TP\nTMPDIR\nwhere scratch files of \\-\\-max\\-memory lie, else /var/tmp\n"
+         ".TP\nENVMAP_BASELINE\nif set, only vector instructions that every x86\\-64 processor has are used: the same "
+         "bytes, slower\n" ".SH SEE ALSO\n" + also + "\n";
 }
 
-struct AppOfAll {
-  Common common;
-  std::function<int()> run;
-  std::vector<Command> commands = all_commands();
-  std::unique_ptr<CLI::App> app = make_app(commands, common, run);
-};
-
 int write_pages(const std::string& folder) {
-  const AppOfAll all;
+  const Program all;
   save(std::filesystem::path(folder) / "envmap.1", main_page(all.commands));
   for (const Command& c : all.commands)
     save(std::filesystem::path(folder) / ("envmap-" + c.name + ".1"), command_page(c, *all.app->get_subcommand(c.name)));
   return 0;
-}
-
-// ---- completions -----------------------------------------------------------------------------------------------------
-
-std::string words_of(const CLI::Option& o) {
-  std::string words = o.get_type_name();
-  if (words.find('|') == std::string::npos) return {};
-  std::replace(words.begin(), words.end(), '|', ' ');
-  return words;
-}
-
-std::string bash_completion() {
-  const AppOfAll all;
-  std::string commands, cases;
-  for (const Command& c : all.commands) {
-    commands += (commands.empty() ? "" : " ") + c.name;
-    std::string options, values, first;
-    for (const CLI::Option* o : all.app->get_subcommand(c.name)->get_options()) {
-      const std::string words = words_of(*o);
-      if (o->get_positional() && !words.empty() && first.empty()) first = words;
-      for (const std::string& l : o->get_lnames()) {
-        options += " --" + l;
-        if (!words.empty())
-          values += fmt::format("        --{}) words=\"{}\" ;;\n", l, words);
-        else if (o->get_items_expected_max() > 0)
-          values += fmt::format("        --{}) return ;;\n", l);
-      }
-    }
-    cases += fmt::format(
-        "    {})\n      case \"$previous\" in\n{}        {}) words=\"{}\" ;;\n        *) words=\"{}\" ;;\n      esac "
-        ";;\n",
-        c.name, values, c.name, first.empty() ? options.substr(1) : first, options.substr(1));
-  }
-  return fmt::format(
-      "# bash completion for envmap; zsh: autoload -U bashcompinit && bashcompinit first\n"
-      "_envmap() {{\n"
-      "  local word=\"${{COMP_WORDS[COMP_CWORD]}}\" previous=\"${{COMP_WORDS[COMP_CWORD-1]}}\" words=\"\"\n"
-      "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
-      "    COMPREPLY=($(compgen -W \"{}\" -- \"$word\"))\n"
-      "    return\n"
-      "  fi\n"
-      "  case \"${{COMP_WORDS[1]}}\" in\n{}  esac\n"
-      "  case \"$word\" in\n"
-      "    -*) ;;\n"
-      "    *) case \"$previous\" in --*) ;; *) case \"$words\" in -*) words=\"\" ;; esac ;; esac ;;\n"
-      "  esac\n"
-      "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
-      "}}\n"
-      "complete -o default -F _envmap envmap\n",
-      commands, cases);
 }
 
 }  // namespace
@@ -187,22 +134,6 @@ Command manual_command() {
             app.add_option("FOLDER", *folder, "Where to write them")->required();
             return [folder] { return write_pages(*folder); };
           }};
-}
-
-Command completion_command() {
-  return {
-      .name = "completion",
-      .summary = "Print the completions for bash or zsh",
-      .description =
-          "Prints a script for the shell to source; it completes commands, options and the words that options take.",
-      .examples = {{"eval \"$(envmap completion)\"", "in ~/.bashrc"},
-                   {"envmap completion > /etc/bash_completion.d/envmap", "for all users"}},
-      .define = [](CLI::App&, const Common&) -> std::function<int()> {
-        return [] {
-          print(bash_completion());
-          return 0;
-        };
-      }};
 }
 
 }  // namespace tools

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/levels.h"
 
@@ -22,6 +23,7 @@ struct Options {
 
 int run(Options& o, const Common& common) {
   if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: leave out --level");
+  check_files({o.output}, {o.input}, common);
   o.read.all_levels = o.keep;
   Source source = read_map(o.input, o.read, common);
   EnvironmentMap& map = source.map;

@@ -1,3 +1,4 @@
+#include "envmap/maths/portable.h"
 #include "envmap/prefilter/prefilter.h"
 
 #include <fmt/format.h>
@@ -44,7 +45,7 @@ std::vector<Prefilter> levels_of(const Options& o) {
   if (parameters.empty()) {
     for (int k = 0; k < o.levels; ++k) {
       if (o.map.shape == Shape::phong)
-        parameters.push_back(o.exponent.value_or(0) / std::exp2(2 * k));
+        parameters.push_back(o.exponent.value_or(0) / portable::exp2(2 * k));
       else if (o.roughness || o.levels == 1)
         parameters.push_back(o.roughness.value_or(0));
       else

@@ -6,11 +6,13 @@
 #include <filesystem>
 
 #include "command.h"
+#include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/page.h"
+#include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
 
 namespace tools {
@@ -83,6 +85,7 @@ int run(Options& o, const Common& common) {
   const std::string& output = o.names.back();
   if (std::filesystem::path(output).extension() != ".png") throw UsageError(output + ": the picture must be a .png");
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
+  check_files({output}, inputs, common);
   std::vector<Picture> pictures;
   std::vector<std::string> captions;
   double scale = 0;
@@ -91,7 +94,7 @@ int run(Options& o, const Common& common) {
     // One exposure for all, so that they can be compared: the mean of the first becomes middle grey.
     if (scale == 0) {
       const double mean = mean_radiance(source.map.base());
-      scale = o.exposure ? std::exp2(*o.exposure) : mean > 0 ? 0.4 / mean : 1;
+      scale = o.exposure ? portable::exp2(*o.exposure) : mean > 0 ? 0.4 / mean : 1;
     }
     for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
       pictures.push_back(picture(source.map.levels[k], scale, o.height));
@@ -99,7 +102,7 @@ int run(Options& o, const Common& common) {
     }
   }
 
-  const auto depfile = open_depfile(output, inputs, common);
+  const auto depfile = open_depfile({output}, inputs, common);
   const Picture sheet = sheet_of(pictures, captions, o.columns);
   write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8);
   if (depfile) depfile->commit();

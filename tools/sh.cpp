@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/prefilter/harmonics.h"
 
@@ -45,6 +46,8 @@ std::string json(const Harmonics& h, const Options& o) {
 int run(Options& o, const Common& common) {
   const Projection to = o.to.value_or(Projection::cube);
   if (!o.output.empty()) check_output(o.output, o.write, to);
+  else if (!common.depfile.empty()) throw UsageError("--depfile is for the map of --evaluate");
+  check_files({o.output}, {o.input}, common);
   o.read.assumed_forward = o.forward;
   const Source source = read_map(o.input, o.read, common);
   Harmonics h = project(source.map, o.order, progress_line(common, "sh"));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/picture.h"
 #include "envmap/render/context.h"
@@ -143,7 +144,7 @@ int run(Options& o, const Common& common) {
     std::vector<Colour> picture = o.anaglyph ? anaglyph(std::move(pictures[0]), pictures[1]) : std::move(pictures[0]);
     for (Colour& c : picture) c *= static_cast<float>(std::exp2(o.exposure));
     const std::string path = frames.path(o.output, frame);
-    const auto depfile = open_depfile(path, loaded.inputs, common);
+    const auto depfile = open_depfile({path}, loaded.inputs, common);
     write_picture(path, o.width, picture);
     if (depfile) depfile->commit();
   }

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "envmap/sample/point.h"
-
 namespace water {
 namespace {
 
@@ -26,7 +24,8 @@ Direction normal_at(const Basin& basin, const HeightField& field, double x, doub
 }
 
 Flux sky_at(const View& v, const Direction& d) {
-  return Flux(envmap::bilinear(v.sky, envmap::Paraboloid::locate(glm::transpose(sky_axes()) * d)));
+  const bool in_disc = envmap::angle_between(d, v.sun) < 2 * envmap::pi / 180;
+  return Flux(v.sky(glm::transpose(sky_axes()) * d)) + (in_disc ? v.disc : Flux(0));
 }
 
 // Tiles of 10 cm with joints, in the two coordinates of a side.

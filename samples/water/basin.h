@@ -1,9 +1,10 @@
 // A tiled basin of water under a sky, seen by rays.
 #pragma once
 
+#include <envmap/envmap.h>
+
 #include <vector>
 
-#include "envmap/sample/padded_level.h"
 #include "height_field.h"
 
 namespace water {
@@ -21,8 +22,9 @@ struct Basin {
 struct View {
   const Basin& basin;
   const HeightField& field;
-  const envmap::PaddedLevel& sky;  ///< In the frame of sky_axes().
-  Direction sun;                ///< Towards it.
+  const envmap::EnvironmentLookup& sky;  ///< In the frame of sky_axes().
+  Direction sun;                         ///< Towards it.
+  Flux disc;                             ///< Radiance of the sun's disc, 2 degrees in radius, on top of the sky.
   std::vector<float> caustics;  ///< Of the floor, a value a column: sunlight that waves gather, 1 under still water.
 };
 

@@ -8,11 +8,6 @@
 #include <iostream>
 
 #include "basin.h"
-#include "envmap/base/error.h"
-#include "envmap/io/picture.h"
-#include "envmap/io/read.h"
-#include "envmap/operate/convert.h"
-#include "envmap/operate/generate.h"
 
 namespace {
 
@@ -21,24 +16,15 @@ using namespace water;
 
 const Direction sun = glm::normalize(Direction(-0.45, 0.7, -0.55));
 
-// A blue sky with a sun, or what a file holds, as a dual-paraboloid map whose axis is up.
-PaddedLevel make_sky(const std::string& path, int size) {
-  EnvironmentMap map;
-  if (path.empty()) {
-    map = generate(Gradient{{0.55, 0.5, 0.4}, {0.12, 0.3, 0.75}}, Projection::cube, 256);
-    const EnvironmentMap disc = generate(Sun{sun, 2, {60, 52, 40}, 0, 0}, Projection::cube, 256);
-    for (int face = 0; face < 6; ++face)
-      for (int j = 0; j < 256; ++j)
-        for (int i = 0; i < 256; ++i) *map.base().texel(face, i, j) += *disc.base().texel(face, i, j);
-  } else {
-    map = std::move(read(path, {}).map);
-  }
-  return PaddedLevel(std::move(convert(map, {.to = Projection::paraboloid,
-                                            .size = size,
-                                            .filter = Filter::bilinear,
-                                            .samples = 4,
-                                            .rotation = glm::transpose(sky_axes())})  // From the world to the map.
-                                   .base()));
+// A blue sky, or what a file holds, as a dual-paraboloid map whose axis is up.
+EnvironmentLookup make_sky(const std::string& path, int size) {
+  const EnvironmentMap map = path.empty() ? generate(Gradient{{0.55, 0.5, 0.4}, {0.12, 0.3, 0.75}}, Projection::cube, 256)
+                                          : std::move(read(path).map);
+  return EnvironmentLookup(convert(map, {.to = Projection::paraboloid,
+                                         .size = size,
+                                         .filter = Filter::bilinear,
+                                         .samples = 4,
+                                         .rotation = glm::transpose(sky_axes())}));  // From the world to the map.
 }
 
 struct Settings {
@@ -68,7 +54,8 @@ std::vector<Colour> picture(const View& view, const Settings& s, int width) {
 
 void run(const Settings& s) {
   const int width = s.height * 16 / 9;
-  const PaddedLevel sky = make_sky(s.sky, 512);
+  const EnvironmentLookup sky = make_sky(s.sky, 512);
+  const Flux disc = s.sky.empty() ? Flux(60, 52, 40) : Flux(0);  // A file brings its own sun.
   const Basin basin;
   HeightField field(192, 120);
   constexpr double stiffness = 0.12, kept = 0.9985;
@@ -80,7 +67,7 @@ void run(const Settings& s) {
       field.drop(20 + x * 152, 20 + y * 80, 5, 0.07);
     }
     for (int k = 0; k < steps; ++k) field.step(stiffness, kept);
-    const View view{basin, field, sky, sun, caustics(basin, field, sun)};
+    const View view{basin, field, sky, sun, disc, caustics(basin, field, sun)};
     std::string path = s.output;
     path.replace(path.find("{frame}"), 7, fmt::format("{:04}", frame));
     write_picture(path, width, picture(view, s, width));
@@ -105,14 +92,8 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
-  } catch (const InputError& e) {
+  } catch (const envmap::Error& e) {
     std::cerr << "water: " << e.what() << '\n';
-    return 3;
-  } catch (const OutputError& e) {
-    std::cerr << "water: " << e.what() << '\n';
-    return 4;
-  } catch (const UsageError& e) {
-    std::cerr << "water: " << e.what() << '\n';
-    return 2;
+    return e.code() == ErrorCode::usage ? 2 : e.code() == ErrorCode::input ? 3 : 4;
   }
 }

@@ -116,7 +116,7 @@ TEST_F(Levels, AreReadFromEveryKindOfFile) {
   for (const std::string name :
        {"chain.exr", "chain.ktx2", "chain.dds", "chain_{level}.pfm", "chain_{level}_{face}.exr"}) {
     SCOPED_TRACE(name);
-    succeeds({"mipmap", "chain.exr", name, "--keep", "--levels", "3", "--depth", "float"});
+    if (name != "chain.exr") succeeds({"mipmap", "chain.exr", name, "--keep", "--levels", "3", "--depth", "float"});
     succeeds({"compare", name, "chain.exr", "--level", "2", "--max-error", "0"});
     fails(3, {"info", name, "--level", "3"}, {"0 to 2"});
     succeeds({"compare", name, "chain.exr", "--max-error", "0"});  // All levels.
@@ -133,7 +133,7 @@ TEST_F(Levels, AreReadFromEveryKindOfFile) {
 TEST_F(Levels, OfOneFileEachAreNamedInTheDepfile) {
   succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "4"});
   succeeds({"mipmap", "in.exr", "out_{level}.hdr", "--depfile", "out.d"});
-  EXPECT_EQ(read("out.d"), "out_0.hdr out_1.hdr out_2.hdr: in.exr\n");
+  EXPECT_EQ(read("out.d"), "out_0.hdr out_1.hdr out_2.hdr: in.exr\nin.exr:\n");
   EXPECT_EQ(names(), (std::vector<std::string>{"in.exr", "out.d", "out_0.hdr", "out_1.hdr", "out_2.hdr"}));
 }
 

@@ -126,11 +126,40 @@ TEST_F(Compare, AnswersByItsExitStatus) {
     EXPECT_EQ(envmap({"compare", "a.exr", "b.exr", option, std::to_string(1.01 * value)}).status, 0);
     const Result r = envmap({"compare", "a.exr", "b.exr", option, std::to_string(0.99 * value), "--json"});
     EXPECT_EQ(r.status, 1);
-    EXPECT_EQ(json::parse(r.out)["within"], false);
-    EXPECT_EQ(r.err, "");
+    const json j = json::parse(r.out);
+    EXPECT_EQ(j["within"], false);
+    ASSERT_EQ(j["broken"].size(), 1U);
+    EXPECT_EQ(std::string("--max-") + (j["broken"][0]["metric"] == "max" ? "error" : j["broken"][0]["metric"].get<std::string>()), option);
+    EXPECT_EQ(j["limits"][std::string(option).substr(2)], j["broken"][0]["limit"]);
+    EXPECT_TRUE(std::regex_match(r.err, std::regex(std::string("envmap compare: \\w+ [0-9.e-]+ > [0-9.e-]+ \\(") + option + "\\)\n"))) << r.err;
     EXPECT_EQ(envmap({"compare", "a.exr", "a.exr", option, "0"}).status, 0);
   }
   EXPECT_EQ(envmap({"compare", "a.exr", "b.exr"}).status, 0) << "without a limit there is no question";
+}
+
+TEST_F(Compare, SeesWhereTheTwoAreNotAlike) {
+  // Levels that the reference has and nobody looked at are no success.
+  succeeds({"mipmap", "b.exr", "chain.exr"});
+  succeeds({"convert", "b.exr", "cube.exr", "--to", "cube", "--size", "4", "--depth", "float"});
+  succeeds({"convert", "b.exr", "half.exr", "--depth", "half"});
+  const auto answer = [&](std::vector<std::string> arguments, int status, const std::string& reason) {
+    arguments.insert(arguments.begin(), "compare");
+    const Result r = envmap(arguments);
+    EXPECT_EQ(r.status, status) << r.out << r.err;
+    EXPECT_NE(r.err.find(reason), std::string::npos) << r.err;
+  };
+  answer({"b.exr", "chain.exr", "--max-error", "1"}, 1, "b.exr has 1 level, chain.exr 4");
+  answer({"b.exr", "chain.exr", "--max-error", "1", "--level", "0"}, 0, "");
+  answer({"chain.exr", "b.exr", "--max-flux", "1e-6"}, 0, "");
+  answer({"chain.exr", "b.exr", "--same-levels"}, 1, "chain.exr has 4 levels, b.exr 1 (--same-levels)");
+  answer({"cube.exr", "b.exr", "--same-shape", "-q"}, 1, "cube.exr is cube 4x4, b.exr latlong 8x4 forward +z (--same-shape)");
+  answer({"half.exr", "b.exr", "--same-depth"}, 1, "half.exr holds half, b.exr float (--same-depth)");
+  answer({"half.exr", "b.exr", "--golden"}, 0, "");
+  answer({"a.exr", "b.exr", "--golden"}, 1, "max 0.5 > 0 (--max-error)");
+  answer({"a.exr", "b.exr", "--golden", "--max-error", "0.6"}, 0, "");
+  answer({"b.exr", "chain.exr", "--golden"}, 1, "(--same-levels)");
+  EXPECT_EQ(report(envmap({"compare", "a.exr", "b.exr", "--golden", "--max-rms", "1", "--json"}))["limits"],
+            json::parse(R"({"max-flux":null,"max-rms":1.0,"max-error":null,"same-shape":true,"same-levels":true,"same-depth":false})"));
 }
 
 TEST_F(Compare, WritesTheDifference) {
@@ -186,6 +215,12 @@ class Help : public CommandTest {
     EXPECT_GE(all.size(), 5U);
     return all;
   }
+
+  void succeeds_and_prints(const std::vector<std::string>& arguments, const std::string& file) const {
+    const Result r = envmap(arguments);
+    EXPECT_EQ(r.status, 0) << r.err;
+    write(file, r.out);
+  }
 };
 
 TEST_F(Help, OfEachCommandHasTwoExamples) {
@@ -211,7 +246,7 @@ TEST_F(Help, OfEachCommandHasTwoExamples) {
 TEST_F(Help, KnowsTheVersion) {
   const Result r = envmap({"--version"});
   EXPECT_EQ(r.status, 0);
-  EXPECT_TRUE(std::regex_match(r.out, std::regex("\\d+\\.\\d+\\.\\d+\n"))) << r.out;
+  EXPECT_TRUE(std::regex_match(r.out, std::regex("envmap \\d+\\.\\d+\\.\\d+( \\([0-9a-f]{7,}\\+?\\))?\nwith OpenEXR \\d[^\n]*, zstd \\d\\S*\n"))) << r.out;
 }
 
 TEST_F(Help, IsWhatTheRepositorysPagesSay) {
@@ -245,6 +280,40 @@ TEST_F(Help, CompletesInBash) {
   EXPECT_EQ(completed("envmap convert --repa", 2), "--repair\n");
   EXPECT_EQ(completed("envmap generate di", 2), "directions\n");
   EXPECT_EQ(completed("envmap convert --size ''", 3), "\n") << "a number is expected, no option";
+}
+
+TEST_F(Help, CompletesInFish) {
+  if (shell("command -v fish").status != 0) GTEST_SKIP() << "fish is not installed";
+  succeeds_and_prints({"completion", "fish"}, "envmap.fish");
+  const auto completed = [&](const std::string& line) {
+    // One completion a line, with its description after a tab.
+    return shell("HOME=$PWD fish --no-config -c 'source envmap.fish; complete -C \"" + line + "\"' | cut -f 1").out;
+  };
+  EXPECT_EQ(completed("envmap conv"), "convert\n");
+  EXPECT_EQ(completed("envmap convert --to c"), "cube\n");
+  EXPECT_EQ(completed("envmap convert --repa"), "--repair\n");
+  EXPECT_EQ(completed("envmap generate directi"), "directions\n");
+}
+
+TEST_F(Help, CompletesInZsh) {
+  if (shell("command -v zsh").status != 0) GTEST_SKIP() << "zsh is not installed";
+  succeeds_and_prints({"completion", "zsh"}, "_envmap");
+  // zsh completes at a terminal alone: it is given one, a line and a tab, and what stands there then is echoed.
+  const auto completed = [&](const std::string& line) {
+    write("try.zsh", R"(zmodload zsh/zpty
+zpty shell zsh -f -i
+zpty -w shell 'PS1= fpath=($PWD $fpath); unsetopt zle_bracketed_paste; autoload -U compinit; compinit -u -D; stty -echo; show() { print -r - "<$BUFFER>"; BUFFER=; zle accept-line }; zle -N show; bindkey "^X" show; echo ready'
+zpty -r -m shell text $'*ready\r\n*'
+zpty -w -n shell $')" + line + R"(\t\C-x'
+zpty -r -m shell text '*<*>*'
+[[ $text =~ '<([^>]*)>' ]] && print -r - $match[1]
+)");
+    return shell("HOME=$PWD timeout 20 zsh -f try.zsh").out;
+  };
+  EXPECT_EQ(completed("envmap conv"), "envmap convert \n");
+  EXPECT_EQ(completed("envmap convert --to c"), "envmap convert --to cube \n");
+  EXPECT_EQ(completed("envmap convert --repa"), "envmap convert --repair \n");
+  EXPECT_EQ(completed("envmap generate directi"), "envmap generate directions \n");
 }
 
 }  // namespace

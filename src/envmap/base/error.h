@@ -1,29 +1,76 @@
 /// @file
-/// The four ways an operation fails. The program turns each into its exit status; nothing else is thrown on purpose.
+/// How operations fail: exceptions with a code, the file at fault, and what would help, in no words of any command line.
+/// Nothing else is thrown on purpose, but std::bad_alloc.
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
-namespace envmap {
+#include "envmap/base/export.h"
 
-/// What was asked makes no sense (exit status 2).
-struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+namespace ENVMAP_EXPORT envmap {
+
+enum class ErrorCode {
+  usage,     ///< What was asked makes no sense.
+  input,     ///< An input is unreadable or not what it claims to be.
+  output,    ///< An output could not be written; nothing was left behind.
+  renderer,  ///< There is nothing to draw with.
 };
 
-/// An input is unreadable or not what it claims to be (exit status 3).
-struct InputError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+/// What the caller may change so that the same request succeeds; a program words it in its own options.
+enum class Remedy {
+  none,
+  choose_projection,      ///< ReadOptions::projection: a square image may be sphere or angular.
+  leave_out_from_layout,  ///< ReadOptions::layout: the file itself says where faces lie.
+  leave_out_layout,       ///< WriteOptions::layout.
+  leave_out_face,         ///< `{face}` in the file name: the file holds all faces.
+  drop_channels,          ///< ReadOptions::drop_channels.
+  repair,                 ///< ReadOptions::flaws = FlawPolicy::repair.
+  limit_memory,           ///< ReadOptions::max_memory.
+  choose_format,          ///< WriteOptions::format, or a file name that ends in one.
+  choose_plus_z,          ///< Forward::plus_z.
+  clamp_or_deepen,        ///< WriteOptions::clamp, or depth = Depth::single.
+  clamp_or_darken,        ///< WriteOptions::clamp, less light, or a floating-point format.
+  clamp_or_brighten,      ///< WriteOptions::clamp, more light, or depth = Depth::single.
+  choose_layer,           ///< ReadOptions::choice.layer.
+  make_levels,            ///< Levels made by add_levels() instead of those of the source.
 };
 
-/// An output could not be written; nothing was left behind (exit status 4).
-struct OutputError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+class Error : public std::runtime_error {
+ public:
+  [[nodiscard]] ErrorCode code() const { return code_; }
+  /// As the caller named it; empty where no file is at fault. what() begins with it.
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] Remedy remedy() const { return remedy_; }
+
+ protected:
+  Error(ErrorCode code, const std::string& file, const std::string& message, Remedy remedy)
+      : std::runtime_error(file.empty() ? message : file + ": " + message), code_(code), remedy_(remedy), file_(file) {}
+
+ private:
+  ErrorCode code_;
+  Remedy remedy_;
+  std::string file_;
 };
 
-/// There is nothing to draw with (exit status 5).
-struct RendererError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+template <ErrorCode error_code>
+struct ErrorOf : Error {
+  explicit ErrorOf(const std::string& message, Remedy remedy = Remedy::none) : Error(error_code, {}, message, remedy) {}
+  ErrorOf(const std::string& file, const std::string& message, Remedy remedy = Remedy::none)
+      : Error(error_code, file, message, remedy) {}
+};
+
+struct UsageError : ErrorOf<ErrorCode::usage> {
+  using ErrorOf::ErrorOf;
+};
+struct InputError : ErrorOf<ErrorCode::input> {
+  using ErrorOf::ErrorOf;
+};
+struct OutputError : ErrorOf<ErrorCode::output> {
+  using ErrorOf::ErrorOf;
+};
+struct RendererError : ErrorOf<ErrorCode::renderer> {
+  using ErrorOf::ErrorOf;
 };
 
 }  // namespace envmap

@@ -10,6 +10,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/openexr.h"
+#include "envmap/maths/portable.h"
 
 namespace envmap {
 namespace {
@@ -101,7 +102,7 @@ double lines_of_chunk(unsigned char compression) {
 
 // Tiles along a side of a level; each is half the one before, rounded down or up.
 double tiles_along(double side, int level, bool up, double tile) {
-  const double halved = side / std::exp2(level);
+  const double halved = side / portable::exp2(level);
   return std::ceil(std::max(1.0, up ? std::ceil(halved) : std::floor(halved)) / tile);
 }
 
@@ -111,7 +112,7 @@ double chunks_of(const Part& p) {
   const int mode = p.mode & 15;
   const bool up = p.mode >> 4 != 0;
   const auto levels = [&](double side) {
-    return 1 + static_cast<int>(up ? std::ceil(std::log2(side)) : std::floor(std::log2(side)));
+    return 1 + static_cast<int>(up ? std::ceil(portable::log2(side)) : std::floor(portable::log2(side)));
   };
   const auto across = [&](int level) { return tiles_along(p.width(), level, up, p.tile_width); };
   const auto down = [&](int level) { return tiles_along(p.height(), level, up, p.tile_height); };

@@ -5,7 +5,9 @@
 #include <optional>
 #include <string_view>
 
-namespace envmap {
+#include "envmap/base/export.h"
+
+namespace ENVMAP_EXPORT envmap {
 
 /// In rising order of what they hold; rgb9e5 (three 9-bit values under one 5-bit exponent) is all in half.
 enum class Depth { uint8, uint16, rgb9e5, half, single };

@@ -17,10 +17,10 @@ namespace envmap {
 
 namespace fs = std::filesystem;
 
-void Image::fail(std::string why) const {
+void Image::fail(std::string why, Remedy remedy) const {
   std::ranges::replace_if(
       why, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');
-  throw InputError(name + ": " + why);
+  throw InputError(name, why, remedy);
 }
 
 namespace {
@@ -59,7 +59,7 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
     image.fail(unread +
                "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, PSD nor SGI");
   if (!choice.empty() && format != "openexr")
-    throw UsageError(image.name + ": --part, --layer and --channels are for EXR files");
+    throw UsageError(image.name, "parts, layers and channels are chosen of EXR files alone");
   try {
     file.read_all();
     image.size = file.size();
@@ -67,7 +67,7 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
     if (format == "ktx2") image.texture = open_ktx2(file);
     if (format == "dds") image.texture = open_dds(file);
   } catch (const InputError& e) {
-    image.fail(e.what());
+    image.fail(e.what(), e.remedy());
   }
   if (image.texture || image.reader) return;
   try {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "envmap/base/error.h"
 #include "envmap/io/image_reader.h"
 #include "envmap/io/input_file.h"
 #include "envmap/io/openexr.h"
@@ -24,7 +25,7 @@ struct Image {
 
   /// Throws InputError. Channel names and what a library quotes come from the file: no line breaks and no commands to the
   /// terminal remain.
-  [[noreturn]] void fail(std::string why) const;
+  [[noreturn]] void fail(std::string why, Remedy remedy = Remedy::none) const;
 };
 
 /// @param path `-` for standard input. @param choice of an EXR file. @throws InputError where there is no such file or no

@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/io/depth.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// Texts that a file carries, by name; its description under `description`.
 using Attributes = std::map<std::string, std::string>;
@@ -44,6 +45,15 @@ struct ImageFacts {
   int chosen = 0;  ///< So many channels, the first, were asked for: 3, or 1 that is grey. 0: their names tell.
   std::vector<std::string> notes = {};    ///< What of the file is not read, or was added, for people.
   std::vector<std::string> details = {};  ///< What reading did to the values.
+};
+
+/// What to read of a file that holds several images; where a text is empty nothing is said.
+struct ImageChoice {
+  std::string part;      ///< Its name, or its number from 0; else the first.
+  std::string layer;     ///< The channels LAYER.R, LAYER.G and LAYER.B.
+  std::string channels;  ///< Three names with commas between them, or one for grey.
+
+  [[nodiscard]] bool empty() const { return part.empty() && layer.empty() && channels.empty(); }
 };
 
 struct ImageReader {

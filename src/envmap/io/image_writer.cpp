@@ -1,7 +1,5 @@
 #include "envmap/io/image_writer.h"
 
-#include <fmt/format.h>
-
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/openexr.h"
@@ -15,7 +13,7 @@ auto naming(const std::string& path, F&& action) {
   try {
     return action();
   } catch (const OutputError& e) {
-    throw OutputError(fmt::format("{}: not written: {}", path, e.what()));
+    throw OutputError(path, std::string("not written: ") + e.what());
   }
 }
 

@@ -48,7 +48,7 @@ Misfits Limited::cut(int row, std::span<Colour> out) const {
     m.over += over.x > 0 || over.y > 0 || over.z > 0;
     out[i] = glm::min(c, Colour(largest));
     if (weigh_) m.cut += w[i] * sum(over), m.flux += w[i] * sum(c);
-    if (!(std::min({c.x, c.y, c.z}) < fine) || c == Colour(0)) continue;
+    if (step == 0 || !(std::min({c.x, c.y, c.z}) < fine) || c == Colour(0)) continue;
     double error = 0;
     for (int k = 0; k < 3; ++k)
       if (c[k] < fine) error += std::abs(c[k] - step * std::nearbyint(c[k] / step));

@@ -6,11 +6,12 @@
 #include <optional>
 #include <string>
 
+#include "envmap/base/export.h"
 #include "envmap/io/image_reader.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/layout.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// Further facts by name, such as the lobe of a prefiltered map: attributes envmap:NAME. One word each, no spaces.
 using Facts = std::map<std::string, std::string>;

@@ -11,15 +11,6 @@
 
 namespace envmap {
 
-/// What to read of a file that holds several images; where a text is empty nothing is said.
-struct ImageChoice {
-  std::string part;      ///< Its name, or its number from 0; else the first.
-  std::string layer;     ///< The channels LAYER.R, LAYER.G and LAYER.B.
-  std::string channels;  ///< Three names with commas between them, or one for grey.
-
-  [[nodiscard]] bool empty() const { return part.empty() && layer.empty() && channels.empty(); }
-};
-
 /// One part of a file: lines or tiles, with its levels if it has mip levels. Without a choice R, G and B are read, or those of
 /// the only layer; Y with RY and BY becomes RGB (to half). Where the data window is not the display window, texels are
 /// added (black) and left out to make it so.

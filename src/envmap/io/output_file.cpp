@@ -82,7 +82,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
   handle_signals();
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
-  if (path != "-" && fs::is_directory(status)) throw OutputError(path + ": is a folder; name a file");
+  if (path != "-" && fs::is_directory(status)) throw OutputError(path, "is a folder; name a file");
   stream_ = path == "-" || (fs::exists(status) && !fs::is_regular_file(status));
   // Through links to what they name, which need not exist: renaming over a link would cut it.
   for (int links = 0; !stream_ && links < 40 && fs::is_symlink(fs::symlink_status(target_, ignored)); ++links)

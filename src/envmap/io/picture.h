@@ -5,10 +5,11 @@
 #include <span>
 #include <string>
 
+#include "envmap/base/export.h"
 #include "envmap/io/depth.h"
 #include "envmap/maths/vector.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// Whether write_picture() knows the type.
 bool is_picture(const std::string& path);

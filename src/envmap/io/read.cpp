@@ -51,8 +51,7 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   if (first < 0 && names.size() == 1) first = 0, count = 1;
   if (first < 0) image.fail(fmt::format("no R, G and B among its {} channels ({})", names.size(), listed(names, 0, 0)));
   if (static_cast<int>(names.size()) > count && !options.drop_channels)
-    image.fail(fmt::format("has channels besides R, G and B ({}): say --drop-channels to leave them behind",
-                           listed(names, first, count)));
+    image.fail(fmt::format("has channels besides R, G and B ({})", listed(names, first, count)), Remedy::drop_channels);
   return {first, count};
 }
 
@@ -73,8 +72,9 @@ void check_size(const Image& image, const ReadOptions& options) {
   if (image.size > 0 && bytes > 0x1p28 && bytes > 2e4 * static_cast<double>(image.size))
     image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, facts.width, facts.height));
   if (bytes > memory && options.max_memory == 0)
-    image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}: say --max-memory", facts.width,
-                           facts.height, bytes / 0x1p30, memory / 0x1p30));
+    image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}", facts.width, facts.height,
+                           bytes / 0x1p30, memory / 0x1p30),
+               Remedy::limit_memory);
 }
 
 // Rows [begin, end) of a level as RGB.
@@ -139,7 +139,7 @@ void settle_flaws(const std::string& name, const ReadOptions& options, Level& le
     try {
       source.repaired += repair(level);
     } catch (const InputError& e) {
-      throw InputError(name + ": " + e.what());
+      throw InputError(name, e.what());
     }
     return;
   }
@@ -151,18 +151,19 @@ void settle_flaws(const std::string& name, const ReadOptions& options, Level& le
   add(flaws.infinite, "infinite");
   add(flaws.negative, "negative");
   const std::string face = level.faces() > 1 ? fmt::format(" of face {}", flaws.first->face) : "";
-  throw InputError(
-      fmt::format("{}: {} of {} texels{} are no radiance ({}), the first at ({},{}){}: say --repair to replace them",
-                  name, flaws.count(), static_cast<std::int64_t>(level.faces()) * level.width() * level.height(), shown,
-                  counts, flaws.first->i, flaws.first->j, face));
+  throw InputError(name,
+                   fmt::format("{} of {} texels{} are no radiance ({}), the first at ({},{}){}", flaws.count(),
+                               static_cast<std::int64_t>(level.faces()) * level.width() * level.height(), shown, counts,
+                               flaws.first->i, flaws.first->j, face),
+                   Remedy::repair);
 }
 
 // The numbers of the levels to read, of those there are.
 std::vector<int> wanted_levels(const std::string& name, const ReadOptions& options, int levels) {
   if (options.level >= levels)
-    throw InputError(levels == 1
-                         ? fmt::format("{}: has no level {}: there is but one, 0", name, options.level)
-                         : fmt::format("{}: has no level {}: its levels are 0 to {}", name, options.level, levels - 1));
+    throw InputError(name, levels == 1
+                               ? fmt::format("has no level {}: there is but one, 0", options.level)
+                               : fmt::format("has no level {}: its levels are 0 to {}", options.level, levels - 1));
   std::vector<int> wanted{options.level};
   for (int k = 1; options.all_levels && k < levels; ++k) wanted.push_back(k);
   return wanted;
@@ -173,12 +174,12 @@ Recognised recognise(const Image& image, const ReadOptions& options, const Metad
     if (!image.texture || !image.texture->cube)
       return recognise(width, height, {options.projection, options.layout}, recorded);
   } catch (const InputError& e) {
-    image.fail(e.what());
+    image.fail(e.what(), e.remedy());
   }
   if (options.projection && *options.projection != Projection::cube)
     image.fail(fmt::format("holds a cube map, not a {} map", name(*options.projection)));
   if (options.layout)
-    throw UsageError(image.name + ": holds cube faces as the APIs define them: leave out --from-layout");
+    throw UsageError(image.name, "holds cube faces as the APIs define them", Remedy::leave_out_from_layout);
   return {Projection::cube, Layout::api, height};
 }
 
@@ -189,7 +190,7 @@ Level read_level(Image& image, const ReadOptions& options, int stored, const Rec
   try {
     return read_texture(*image.file, *image.texture, stored, base, number, options.drop_channels);
   } catch (const InputError& e) {
-    image.fail(e.what());
+    image.fail(e.what(), e.remedy());
   }
 }
 
@@ -310,9 +311,9 @@ Source read(const std::string& path, const ReadOptions& options) {
     }
     return source;
   } catch (const std::bad_alloc&) {
-    throw InputError(name + ": not enough memory to read it");
+    throw InputError(name, "not enough memory to read it");
   } catch (const std::length_error&) {  // Out of OpenImageIO's BMP reader, for one.
-    throw InputError(name + ": damaged: its header promises more than any memory holds");
+    throw InputError(name, "damaged: its header promises more than any memory holds");
   }
 }
 

@@ -7,13 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/io/depth.h"
+#include "envmap/io/image_reader.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/openexr.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/layout.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// What to do with NaN, infinite and negative radiance.
 enum class FlawPolicy { refuse, repair, keep };
@@ -50,6 +51,6 @@ struct Source {
 /// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz) and `{level}` for
 /// those of all levels, numbered from 0.
 /// @throws InputError in one line, naming the file; UsageError where the options contradict each other.
-Source read(const std::string& path, const ReadOptions& options);
+Source read(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace envmap

@@ -160,7 +160,7 @@ void choose_part(File& file, const std::string& wanted, ImageFacts& facts) {
     names.push_back(file.parts.header(k).hasName() ? file.parts.header(k).name() : std::to_string(k));
   if (wanted.empty()) {
     if (count > 1)
-      facts.notes.push_back(fmt::format("of its {} parts ({}) the first is read: --part chooses", count, joined(names)));
+      facts.notes.push_back(fmt::format("of its {} parts ({}) the first is read", count, joined(names)));
     return;
   }
   for (int k = 0; k < count; ++k)
@@ -204,7 +204,7 @@ std::vector<std::string> choose_channels(const Imf::ChannelList& list, const Ima
   if (!choice.channels.empty()) {
     const std::vector<std::string> wanted = split(choice.channels);
     if (wanted.size() != 3 && wanted.size() != 1)
-      throw UsageError("--channels: three names with commas between them, or one");
+      throw UsageError("channels are three names with commas between them, or one");
     for (const std::string& name : wanted)
       if (!list.findChannel(name))
         throw InputError(fmt::format("has no channel '{}': its channels are {}", name, joined(channel_names(list))));
@@ -215,7 +215,7 @@ std::vector<std::string> choose_channels(const Imf::ChannelList& list, const Ima
   };
   if ((has("R", "r") && has("G", "g") && has("B", "b")) || there.empty()) return {};
   if (there.size() > 1)
-    throw InputError(fmt::format("holds no plain R, G and B but layers ({}): choose one with --layer", joined(there)));
+    throw InputError(fmt::format("holds no plain R, G and B but layers ({})", joined(there)), Remedy::choose_layer);
   facts.notes.push_back(fmt::format("the layer '{}' is read", there[0]));
   return of(there[0]);
 }

@@ -45,7 +45,7 @@ Recognised recognise(int width, int height, const Metadata& said, const Metadata
   if (!p && layout) p = Projection::cube;
   if (!p) {
     if (width == height)
-      throw InputError(fmt::format("a square image {} may be sphere or angular: say --from sphere or --from angular", found));
+      throw InputError(fmt::format("a square image {} may be sphere or angular", found), Remedy::choose_projection);
     if (fits(width, height, Projection::latlong, Layout::single))
       p = Projection::latlong;
     else if (cube_layout_of_shape(width, height))

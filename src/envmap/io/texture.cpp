@@ -98,7 +98,7 @@ Level read_texture(const InputFile& file, const TextureFile& t, int stored, cons
     return flat;
   }();
   if (!opaque && !any_alpha)
-    throw InputError("has an alpha that is not 1 everywhere: say --drop-channels to leave it behind");
+    throw InputError("has an alpha that is not 1 everywhere", Remedy::drop_channels);
   return level;
 }
 

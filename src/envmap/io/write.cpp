@@ -65,7 +65,7 @@ Depth choose_depth(const std::string& ext, const WriteOptions& options) {
     if (std::ranges::find(held, *options.depth) != held.end()) return *options.depth;
     std::string names;
     for (const Depth d : held) names += (names.empty() ? "" : " or ") + std::string(name(d));
-    throw UsageError(fmt::format("--depth {}: .{} files hold {}", name(*options.depth), ext, names));
+    throw UsageError(fmt::format("{} is no depth of .{} files: they hold {}", name(*options.depth), ext, names));
   }
   if (std::ranges::find(held, options.source_depth) != held.end()) return options.source_depth;
   for (const Depth d : held)
@@ -75,21 +75,21 @@ Depth choose_depth(const std::string& ext, const WriteOptions& options) {
 
 Layout choose_layout(const std::string& path, const std::string& ext, const WriteOptions& options, Projection p) {
   if (p != Projection::cube) {
-    if (options.layout) throw UsageError(fmt::format("--layout is for cube maps; this is a {} map", name(p)));
+    if (options.layout) throw UsageError(fmt::format("a layout is for cube maps; this is a {} map", name(p)), Remedy::leave_out_layout);
     if (has_face(path)) throw UsageError("{face} in a file name is for cube maps");
     return default_layout(p);
   }
   if (is_texture(ext)) {
     if (options.layout || has_face(path))
-      throw UsageError(fmt::format("{}: .{} files hold cube faces as the APIs define them: leave out {}", path, ext,
-                                   options.layout ? "--layout" : "{face}"));
+      throw UsageError(path, fmt::format(".{} files hold cube faces as the APIs define them", ext),
+                       options.layout ? Remedy::leave_out_layout : Remedy::leave_out_face);
     return Layout::api;
   }
   if (options.layout == Layout::files && !has_face(path))
-    throw UsageError("--layout files: put {face} where px, nx, py, ny, pz, nz shall stand in the file name");
+    throw UsageError("a file for each face: put {face} where px, nx, py, ny, pz, nz shall stand in the file name");
   if (has_face(path)) {
     if (options.layout && options.layout != Layout::files)
-      throw UsageError("{face} in a file name writes six files: leave out --layout");
+      throw UsageError("{face} in a file name writes six files", Remedy::leave_out_layout);
     return Layout::files;
   }
   return options.layout.value_or(Layout::column);
@@ -136,17 +136,15 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
 // Refuses a level of which the depth loses light, or notes how much.
 void check_fit(const std::string& path, const Misfits& level, const Range& range, const WriteOptions& options, Written& done) {
   if (level.over > 0 && !options.clamp)
-    throw OutputError(fmt::format("{}: {} texels over {:g} do not fit {}: choose {}or say --clamp", path, level.over,
-                                  range.largest, name(done.depth),
-                                  is_integer(done.depth) ? "a floating-point format, lower --exposure " : "--depth float "));
+    throw OutputError(path, fmt::format("{} texels over {:g} do not fit {}", level.over, range.largest, name(done.depth)),
+                      is_integer(done.depth) ? Remedy::clamp_or_darken : Remedy::clamp_or_deepen);
   // Less than what all values are rounded by anyway is no loss.
   const bool dark = level.rounded > range.precision * level.flux;
   if (dark && !options.clamp)
-    throw OutputError(
-        fmt::format("{}: {} texels below {:.2g} are too dark for {}, which changes {:.3g}% of the light: choose "
-                    "--depth float, raise "
-                    "--exposure or say --clamp",
-                    path, level.dark, range.fine, name(done.depth), 100 * level.rounded / level.flux));
+    throw OutputError(path,
+                      fmt::format("{} texels below {:.2g} are too dark for {}, which changes {:.3g}% of the light",
+                                  level.dark, range.fine, name(done.depth), 100 * level.rounded / level.flux),
+                      Remedy::clamp_or_brighten);
   done.clamped += level.over + (dark ? level.dark : 0);
   const double lost = level.cut + (dark ? level.rounded : 0);
   if (level.flux > 0) done.flux_lost = std::max(done.flux_lost, lost / level.flux);
@@ -204,7 +202,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
 
 void check_compression(const std::string& path, const std::string& ext, const std::string& wanted) {
   if (wanted.empty()) return;
-  if (ext != "exr") throw UsageError(path + ": --compression is for .exr files");
+  if (ext != "exr") throw UsageError(path, "a compression is chosen for .exr files alone");
   const auto colon = wanted.find(':');
   const std::string kind = wanted.substr(0, colon), level = colon == std::string::npos ? "" : wanted.substr(colon + 1);
   const bool zip = kind.starts_with("zip"), dwa = kind.starts_with("dwa");
@@ -212,7 +210,7 @@ void check_compression(const std::string& path, const std::string& ext, const st
   const int n = number ? std::stoi(level) : 0;
   if (!is_compression(kind) || (colon != std::string::npos && !(zip && n >= 1 && n <= 9) && !(dwa && n >= 1)))
     throw UsageError(
-        fmt::format("--compression {}: is none of none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, "
+        fmt::format("compression {}: is none of none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, "
                     "zip:1 to zip:9, dwaa:N and dwab:N",
                     wanted));
 }
@@ -222,8 +220,9 @@ void check_sizes(const std::string& path, std::span<const Rows> levels) {
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const int width = std::max(1, levels[0].width() >> k), height = std::max(1, levels[0].size >> k);
     if (levels[k].width() != width || levels[k].size != height)
-      throw UsageError(fmt::format("{}: level {} is {}x{}, not {}x{}: make levels anew, without --keep", path, k,
-                                   levels[k].width(), levels[k].size, width, height));
+      throw UsageError(path,
+                       fmt::format("level {} is {}x{}, not {}x{}", k, levels[k].width(), levels[k].size, width, height),
+                       Remedy::make_levels);
   }
 }
 
@@ -232,25 +231,24 @@ void check_sizes(const std::string& path, std::span<const Rows> levels) {
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
   const std::string ext = extension(path, options);
   if (ext.empty())
-    throw UsageError(path +
-                     ": no file type; end the name in .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png, or say --format");
+    throw UsageError(path, "no file type; end the name in .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png", Remedy::choose_format);
   if (depths(ext).empty())
-    throw UsageError(fmt::format("{}: no format writes .{}; try .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png", path, ext));
+    throw UsageError(path, fmt::format("no format writes .{}; try .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png", ext));
   choose_depth(ext, options);
   const Layout layout = choose_layout(path, ext, options, projection);
   if (options.openexr_envmap && (ext != "exr" || (layout != Layout::column && projection != Projection::latlong)))
-    throw UsageError(path + ": --openexr-envmap is for .exr files of latlong maps and of cubes in a column");
+    throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
   check_compression(path, ext, options.compression);
-  if (options.zstd && ext != "ktx2") throw UsageError(path + ": --zstd is for .ktx2 files");
+  if (options.zstd && ext != "ktx2") throw UsageError(path, "Zstandard is for .ktx2 files");
   if (levels && !has_level(path) && (!holds_levels(ext) || layout == Layout::files))
-    throw UsageError(fmt::format("{}: {} one level: put {{level}} where its number shall stand in the file name", path,
-                                 layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
+    throw UsageError(path, fmt::format("{} one level: put {{level}} where its number shall stand in the file name",
+                                       layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
   if (path == "-") return;
   const fs::path parent = fs::path(path).parent_path();
   const std::string folder = parent.empty() ? "." : parent.string();
   std::error_code error;
-  if (!fs::is_directory(folder, error)) throw OutputError(fmt::format("{}: no such folder: {}", path, folder));
-  if (fs::is_directory(path, error)) throw OutputError(path + ": is a folder; name a file");
+  if (!fs::is_directory(folder, error)) throw OutputError(path, "no such folder: " + folder);
+  if (fs::is_directory(path, error)) throw OutputError(path, "is a folder; name a file");
 }
 
 Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {
@@ -263,7 +261,7 @@ Written write(const std::string& path, std::span<const Rows> levels, const Write
   check_sizes(path, levels);
   if (!options.openexr_envmap) return write_files(path, levels, options, progress);
   if (base.forward != Forward::plus_z)
-    throw UsageError(path + ": OpenEXR's envmap files have +z at the centre: say --forward +z");
+    throw UsageError(path, "OpenEXR's envmap files have +z at the centre", Remedy::choose_plus_z);
   EnvironmentMap border;
   for (const Rows& rows : levels) border.levels.push_back(level_of(rows));
   if (levels.size() > 1) add_levels(border.levels);

@@ -5,13 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "envmap/base/export.h"
 #include "envmap/base/progress.h"
 #include "envmap/io/depth.h"
 #include "envmap/io/metadata.h"
 #include "envmap/map/layout.h"
 #include "envmap/map/rows.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct WriteOptions {
   std::optional<Layout> layout;  ///< Of a cube; column if nothing is said.

@@ -12,11 +12,11 @@ namespace envmap {
 void check_table(const std::string& path) {
   const std::string ext = std::filesystem::path(path).extension().string();
   if (ext != ".exr" && ext != ".hdr" && ext != ".tif" && ext != ".tiff")
-    throw UsageError(path + ": a table is an .exr, .hdr or .tif");
+    throw UsageError(path, "a table is an .exr, .hdr or .tif");
   const std::filesystem::path parent = std::filesystem::path(path).parent_path();
   std::error_code error;
   if (!parent.empty() && !std::filesystem::is_directory(parent, error))
-    throw OutputError(fmt::format("{}: no such folder: {}", path, parent.string()));
+    throw OutputError(path, "no such folder: " + parent.string());
 }
 
 void write_table(const std::string& path, std::span<const Colour> texels, int size) {

@@ -8,10 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/map/storage.h"
 #include "envmap/projection/projection.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// One mip level: the faces of a projection at one size.
 ///

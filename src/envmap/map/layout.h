@@ -6,9 +6,10 @@
 #include <span>
 #include <string_view>
 
+#include "envmap/base/export.h"
 #include "envmap/projection/projection.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// `single` for one face, `pair` for the two halves of a paraboloid map, the rest for cubes; `files` is one file a face,
 /// `api` a cube texture of KTX2 and DDS, whose faces are turned as the graphics APIs define them.

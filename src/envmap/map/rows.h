@@ -6,9 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct Rows {
   Projection projection;

@@ -4,9 +4,10 @@
 
 #include <cstddef>
 
+#include "envmap/base/export.h"
 #include "envmap/maths/vector.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// An array of colours, all 0 at first.
 ///

@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 
+#include "envmap/base/export.h"
+#include "envmap/maths/portable.h"
 #include "envmap/maths/vector.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// A rectangle; u runs right and v down, or s right and t up: whatever the caller integrates over.
 struct Rect {
@@ -27,7 +29,7 @@ template <int N>
 Rule<N> make_rule() {
   Rule<N> rule{};
   for (int k = 0; k < N; ++k) {
-    double x = std::cos(pi * (k + 0.75) / (N + 0.5)), slope = 1;
+    double x = portable::cos_pi((k + 0.75) / (N + 0.5)), slope = 1;
     for (int step = 0; step < 100; ++step) {
       double p0 = 1, p1 = x;
       for (int n = 2; n <= N; ++n) {
@@ -71,12 +73,12 @@ double rectangle(const Rect& r, F&& f) {
 /// vertical. The integral breaks where the circle crosses the rectangle's lower and upper edge.
 template <int N, class F>
 double cut_by_disc(const Rect& r, F&& f) {
-  const double a0 = std::asin(std::max(r.u0, -1.0)), a1 = std::asin(std::min(r.u1, 1.0));
+  const double a0 = portable::asin(std::max(r.u0, -1.0)), a1 = portable::asin(std::min(r.u1, 1.0));
   std::array<double, 6> breaks{a0, a1, a1, a1, a1, a1};
   int count = 1;
   for (const double t : {std::abs(r.v0), std::abs(r.v1)}) {
     if (t >= 1) continue;
-    for (const double a : {-std::acos(t), std::acos(t)})
+    for (const double a : {-portable::acos(t), portable::acos(t)})
       if (a > a0 && a < a1) breaks[count++] = a;
   }
   std::sort(breaks.begin(), breaks.end());
@@ -84,7 +86,7 @@ double cut_by_disc(const Rect& r, F&& f) {
   for (int k = 0; k + 1 < static_cast<int>(breaks.size()); ++k) {
     if (breaks[k] >= breaks[k + 1]) continue;
     sum += line<N>(breaks[k], breaks[k + 1], [&](double a) {
-      const double s = std::sin(a), edge = std::cos(a);
+      const double s = portable::sin(a), edge = portable::cos(a);
       const double lo = std::max(r.v0, -edge), hi = std::min(r.v1, edge);
       return lo < hi ? edge * line<N>(lo, hi, [&](double t) { return f(s, t); }) : 0.0;
     });

@@ -10,8 +10,8 @@ namespace {
 std::array<double, 2> cos_sin_degrees(double degrees) {
   const double turn = std::remainder(degrees, 360.0);
   const double quarter = std::nearbyint(turn / 90.0);
-  const double rest = (turn - 90.0 * quarter) * (pi / 180.0);
-  const double c = std::cos(rest), s = std::sin(rest);
+  const double rest = (turn - 90.0 * quarter) / 180.0;
+  const double c = portable::cos_pi(rest), s = portable::sin_pi(rest);
   switch (static_cast<int>(quarter) & 3) {
     case 0: return {c, s};
     case 1: return {-s, c};

@@ -6,7 +6,10 @@
 #include <numbers>
 #include <span>
 
-namespace envmap {
+#include "envmap/base/export.h"
+#include "envmap/maths/portable.h"
+
+namespace ENVMAP_EXPORT envmap {
 
 template <class T>
 using Vec2 = glm::vec<2, T, glm::highp>;
@@ -36,7 +39,7 @@ void rotate(const Rotation& turn, std::span<Direction> directions);
 /// Angle between two unit vectors in radians, accurate for tiny and for nearly opposite angles
 /// (Kahan 2006, "How futile are mindless assessments of roundoff", section 12).
 inline double angle_between(const Direction& a, const Direction& b) {
-  return 2 * std::atan2(glm::length(a - b), glm::length(a + b));
+  return 2 * portable::atan2(glm::length(a - b), glm::length(a + b));
 }
 
 }  // namespace envmap

@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/sample/filter.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare() has
 /// them, and the time it takes for each texel of the whole map, levels apart.

@@ -4,11 +4,12 @@
 
 #include <optional>
 
+#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
 #include "envmap/sample/filter.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct ConvertOptions {
   Frame to{Projection::cube};

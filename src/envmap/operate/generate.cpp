@@ -6,6 +6,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/portable.h"
 
 namespace envmap {
 namespace {
@@ -19,7 +20,7 @@ Rgb<double> radiance(const Gradient& p, const Direction& d) { return glm::mix(p.
 Rgb<double> radiance(const Directions&, const Direction& d) { return Rgb<double>(0.5 * (d + 1.0)); }
 
 Rgb<double> radiance(const Checker& p, const Direction& d) {
-  const double longitude = std::atan2(d.x, d.z), latitude = std::asin(std::clamp(d.y, -1.0, 1.0));
+  const double longitude = portable::atan2(d.x, d.z), latitude = portable::asin(std::clamp(d.y, -1.0, 1.0));
   const auto square = [&](double angle) { return static_cast<long>(std::floor(angle * p.squares / pi)); };
   return (square(longitude) + square(latitude)) % 2 == 0 ? p.even : p.odd;
 }
@@ -40,9 +41,9 @@ constexpr int samples<Checker> = 8;
 
 // How far the nearest edge of a square is, in radians.
 double to_edge(const Checker& p, const Direction& d) {
-  const double longitude = std::atan2(d.x, d.z), latitude = std::asin(std::clamp(d.y, -1.0, 1.0)), step = pi / p.squares;
+  const double longitude = portable::atan2(d.x, d.z), latitude = portable::asin(std::clamp(d.y, -1.0, 1.0)), step = pi / p.squares;
   const auto off = [&](double angle) { return std::abs(angle - step * std::round(angle / step)); };
-  return std::min(off(latitude), std::asin(std::sin(off(longitude)) * std::cos(latitude)));
+  return std::min(off(latitude), portable::asin(portable::sin(off(longitude)) * portable::cos(latitude)));
 }
 
 // No point of a texel is further from its centre, in radians: half its diagonal times the largest stretch of the projection.
@@ -136,8 +137,8 @@ void add_coverage(const Cone& cone, Level& coverage) {
     }
   });
   const double ring = *std::ranges::min_element(inner);
-  const double z0 = std::cos(ring), z1 = std::cos(cone.radius),
-               steradians = 4 * pi * std::sin(0.5 * (cone.radius - ring)) * std::sin(0.5 * (cone.radius + ring));
+  const double z0 = portable::cos(ring), z1 = portable::cos(cone.radius),
+               steradians = 4 * pi * portable::sin(0.5 * (cone.radius - ring)) * portable::sin(0.5 * (cone.radius + ring));
   if (steradians <= 0) return;
   const double texels = steradians * P::faces * w * h / (4 * pi);
   const auto points = static_cast<std::int64_t>(std::clamp(256 * texels, 0x1p20, 0x1p26));
@@ -147,9 +148,9 @@ void add_coverage(const Cone& cone, Level& coverage) {
   for (std::int64_t k = 0; k < points; ++k) {
     const double part = (static_cast<double>(k) + 0.5) / static_cast<double>(points), z = z0 + part * (z1 - z0);
     // 1 - z without cancellation, so that a sun of seconds of arc is round.
-    const double sine = std::sqrt(std::max(0.0, (2 * std::pow(std::sin(0.5 * ring), 2) + part * (z0 - z1)) * (1 + z)));
+    const double sine = std::sqrt(std::max(0.0, (2 * portable::pow(portable::sin(0.5 * ring), 2) + part * (z0 - z1)) * (1 + z)));
     const double turn = 2 * pi * std::fmod(static_cast<double>(k) * std::numbers::phi, 1.0);
-    const auto at = P::locate(z * cone.axis + sine * (std::cos(turn) * e1 + std::sin(turn) * e2));
+    const auto at = P::locate(z * cone.axis + sine * (portable::cos(turn) * e1 + portable::sin(turn) * e2));
     const int i = std::clamp(static_cast<int>(at.u * w), 0, w - 1), j = std::clamp(static_cast<int>(at.v * h), 0, h - 1);
     coverage.texel(at.face, i, j)->y += 1;
   }
@@ -186,11 +187,11 @@ void check(const Constant&) {}
 void check(const Gradient&) {}
 void check(const Directions&) {}
 void check(const Sky&) {}
-void check(const Checker& p) { require(p.squares >= 1, "--squares: at least 1"); }
-void check(const Sun& p) { require(p.radius > 0 && p.radius <= 180, "--radius: more than 0 and at most 180 degrees"); }
+void check(const Checker& p) { require(p.squares >= 1, "the squares of a checker: at least 1"); }
+void check(const Sun& p) { require(p.radius > 0 && p.radius <= 180, "the radius of a sun: more than 0 and at most 180 degrees"); }
 void check(const Harmonic& p) {
-  require(p.degree >= 0 && p.degree <= 100, "--degree: from 0 to 100");
-  require(std::abs(p.order) <= p.degree, "--order: from -degree to degree");
+  require(p.degree >= 0 && p.degree <= 100, "the degree of a harmonic: from 0 to 100");
+  require(std::abs(p.order) <= p.degree, "the order of a harmonic: from -degree to degree");
 }
 
 }  // namespace
@@ -198,7 +199,7 @@ void check(const Harmonic& p) {
 double real_harmonic(int degree, int order, const Direction& d) {
   // Associated Legendre functions with the normalisation folded in, upwards in degree (Press et al. 2007, 6.7): stable.
   const int m = std::abs(order);
-  const double y = d.y, sine = std::sqrt(d.x * d.x + d.z * d.z), longitude = std::atan2(d.x, d.z);
+  const double y = d.y, sine = std::sqrt(d.x * d.x + d.z * d.z), longitude = portable::atan2(d.x, d.z);
   double pmm = std::sqrt(1 / (4 * pi));
   for (int k = 1; k <= m; ++k) pmm *= std::sqrt((2.0 * k + 1) / (2.0 * k)) * sine;
   double previous = 0, current = pmm;
@@ -210,7 +211,7 @@ double real_harmonic(int degree, int order, const Direction& d) {
     current = next;
   }
   if (order == 0) return current;
-  return std::numbers::sqrt2 * current * (order > 0 ? std::cos(m * longitude) : std::sin(m * longitude));
+  return std::numbers::sqrt2 * current * (order > 0 ? portable::cos(m * longitude) : portable::sin(m * longitude));
 }
 
 EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Progress& progress) {
@@ -223,7 +224,7 @@ EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const
         if (!(glm::all(glm::greaterThanEqual(c, Colour(0))) &&
               glm::all(glm::lessThanEqual(c, Colour(std::numeric_limits<float>::max())))))
           throw UsageError(
-              "the pattern has negative or infinite radiance: change its values (for sh: a smaller --amplitude)");
+              "the pattern has negative or infinite radiance: change its values (for a harmonic: a smaller amplitude)");
   return map;
 }
 

@@ -4,10 +4,11 @@
 
 #include <variant>
 
+#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// The same radiance everywhere.
 struct Constant {

@@ -2,9 +2,10 @@
 /// Mip levels that keep the light: every texel is the solid-angle weighted mean of what it covers in the level before.
 #pragma once
 
+#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// What a texel counts for in a mean: the light it stands for, or what plain mipmaps of an image give it (as
 /// glGenerateMipmap does; kept to measure the difference).

@@ -6,9 +6,10 @@
 #include <optional>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// A texel by face and position.
 struct Texel {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "envmap/maths/portable.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 #include "envmap/base/parallel.h"
@@ -47,7 +48,7 @@ bool permutes_texels(const Target& target, const Level& source) {
     return true;
   }
   if (target.to != Projection::latlong || std::abs(r[1][1] - 1) > rounding) return false;
-  return near_whole(std::atan2(r[2][0], r[2][2]) / (2 * pi) * source.width(), rounding * source.width());
+  return near_whole(portable::atan2(r[2][0], r[2][2]) / (2 * pi) * source.width(), rounding * source.width());
 }
 
 FilterOptions make_filter(const Target& target, const Level& source, const ConvertOptions& o) {

@@ -5,11 +5,12 @@
 #include <optional>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/map/rows.h"
 #include "envmap/operate/choose_filter.h"
 #include "envmap/operate/convert.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// Resamples a map into another frame, size and density. Made from a source and options, const ever after; it holds what
 /// the filter reads, so the source need not outlive it.

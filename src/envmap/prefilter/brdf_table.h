@@ -4,10 +4,11 @@
 
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/maths/vector.h"
 #include "envmap/base/progress.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// Scale and bias: the part reflected is scale x F0 + bias, with Schlick's Fresnel term (1994).
 struct ScaleBias {

@@ -10,11 +10,12 @@
 #include <span>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
 #include "envmap/prefilter/lobe.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct Harmonics {
   int order = 0;                   ///< The largest degree l.

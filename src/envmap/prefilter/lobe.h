@@ -14,9 +14,10 @@
 #include <cmath>
 #include <variant>
 
+#include "envmap/base/export.h"
 #include "envmap/maths/vector.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// Lambert's cosine: value = cos / pi. A diffuse map is the irradiance over pi of a plane that faces the direction.
 struct Cosine {

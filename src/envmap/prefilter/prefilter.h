@@ -7,11 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
 #include "envmap/prefilter/lobe.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 enum class Shape { diffuse, phong, ggx };
 inline constexpr std::string_view shape_names[] = {"diffuse", "phong", "ggx"};

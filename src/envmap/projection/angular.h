@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/base/export.h"
+#include "envmap/maths/portable.h"
 #include "envmap/projection/location.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct Angular {
   static constexpr Projection id = Projection::angular;
@@ -20,23 +22,23 @@ struct Angular {
   /// sin(pi r) / r for r in [0,2], by the nearer zero of the sine so that the rim keeps its digits.
   static double sine_over_r(double r) {
     if (r < 1e-8) return pi;
-    return (r < 0.5 ? std::sin(pi * r) : std::sin(pi * (1 - r))) / r;
+    return portable::sin_pi(r < 0.5 ? r : 1 - r) / r;
   }
 
   template <class T>
   static Vec3<T> direction(int /*face*/, T u, T v) {
     const double s = 2.0 * u - 1, t = 1 - 2.0 * v;
     const double r = std::sqrt(s * s + t * t), k = sine_over_r(r);
-    return Vec3<T>(-s * k, t * k, std::cos(pi * r));
+    return Vec3<T>(-s * k, t * k, portable::cos_pi(r));
   }
 
   /// -Z itself: the right of the rim.
   template <class T>
   static Location<T> locate(const Vec3<T>& d) {
-    const double x = d.x, y = d.y, z = d.z, h = std::hypot(x, y);
+    const double x = d.x, y = d.y, z = d.z, h = portable::hypot(x, y);
     double s = z > 0 ? 0 : 1, t = 0;
     if (h > 0) {
-      const double scale = std::atan2(h, z) / (pi * h);
+      const double scale = portable::atan2(h, z) / (pi * h);
       s = -x * scale;
       t = y * scale;
     }

@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 
+#include "envmap/base/export.h"
+#include "envmap/maths/portable.h"
 #include "envmap/projection/location.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct Cube {
   static constexpr Projection id = Projection::cube;
@@ -70,7 +72,7 @@ struct Cube {
     const double area = 4 * (r.u1 - r.u0) * (r.v1 - r.v0), ac = glm::dot(a, c);
     const double abc = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + ac * lb;
     const double acd = la * lc * ld + ac * ld + glm::dot(c, d) * la + glm::dot(a, d) * lc;
-    return 2 * (std::atan2(area, abc) + std::atan2(area, acd));
+    return 2 * (portable::atan2(area, abc) + portable::atan2(area, acd));
   }
 };
 

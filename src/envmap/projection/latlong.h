@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/base/export.h"
+#include "envmap/maths/portable.h"
 #include "envmap/projection/location.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct Latlong {
   static constexpr Projection id = Projection::latlong;
@@ -19,24 +21,24 @@ struct Latlong {
 
   template <class T>
   static Vec3<T> direction(int /*face*/, T u, T v) {
-    const double longitude = 2 * pi * (0.5 - u), latitude = pi * (0.5 - v);
-    const double c = std::cos(latitude);
-    return Vec3<T>(c * std::sin(longitude), std::sin(latitude), c * std::cos(longitude));
+    const double longitude = 2 * (0.5 - u), latitude = 0.5 - v;  // Over pi.
+    const double c = portable::cos_pi(latitude);
+    return Vec3<T>(c * portable::sin_pi(longitude), portable::sin_pi(latitude), c * portable::cos_pi(longitude));
   }
 
   template <class T>
   static Location<T> locate(const Vec3<T>& d) {
     const double x = d.x, y = d.y, z = d.z;
-    return {0, static_cast<T>(0.5 - std::atan2(x, z) / (2 * pi)),
-            static_cast<T>(0.5 - std::atan2(y, std::sqrt(x * x + z * z)) / pi)};
+    return {0, static_cast<T>(0.5 - portable::atan2(x, z) / (2 * pi)),
+            static_cast<T>(0.5 - portable::atan2(y, std::sqrt(x * x + z * z)) / pi)};
   }
 
-  static double density(double /*u*/, double v) { return 2 * pi * pi * std::sin(pi * v); }
+  static double density(double /*u*/, double v) { return 2 * pi * pi * portable::sin_pi(v); }
 
   /// Difference of the sines of two latitudes, as a product: no cancellation in thin rows at the poles.
   static double solid_angle(const Rect& r) {
     const double middle = 0.5 * (r.v0 + r.v1);
-    return 4 * pi * (r.u1 - r.u0) * std::sin(pi * std::min(middle, 1 - middle)) * std::sin(0.5 * pi * (r.v1 - r.v0));
+    return 4 * pi * (r.u1 - r.u0) * portable::sin_pi(std::min(middle, 1 - middle)) * portable::sin_pi(0.5 * (r.v1 - r.v0));
   }
 };
 

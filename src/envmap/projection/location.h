@@ -2,10 +2,11 @@
 /// A place in an environment map.
 #pragma once
 
+#include "envmap/base/export.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/vector.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 enum class Projection { latlong, cube, sphere, paraboloid, angular };
 

@@ -6,9 +6,10 @@
 
 #include <cmath>
 
+#include "envmap/base/export.h"
 #include "envmap/projection/location.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct Paraboloid {
   static constexpr Projection id = Projection::paraboloid;

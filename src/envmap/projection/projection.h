@@ -9,13 +9,14 @@
 #include <string_view>
 #include <utility>
 
+#include "envmap/base/export.h"
 #include "envmap/projection/angular.h"
 #include "envmap/projection/cube.h"
 #include "envmap/projection/latlong.h"
 #include "envmap/projection/paraboloid.h"
 #include "envmap/projection/sphere.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// What a projection is: a type of pure functions and constants. `direction` and `locate` take and give float or double
 /// and are evaluated in double: a float result is off by its own rounding alone, 2^-23 rad for a direction and 2^-24 of the

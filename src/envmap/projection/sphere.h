@@ -5,9 +5,11 @@
 
 #include <cmath>
 
+#include "envmap/base/export.h"
+#include "envmap/maths/portable.h"
 #include "envmap/projection/location.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct Sphere {
   static constexpr Projection id = Projection::sphere;
@@ -43,7 +45,7 @@ struct Sphere {
       const double scale = 1 / std::sqrt(x * x + y * y + (z + 1) * (z + 1));
       s = x * scale;
       t = y * scale;
-    } else if (const double h = std::hypot(x, y); h > 0) {
+    } else if (const double h = portable::hypot(x, y); h > 0) {
       const double r = std::sqrt(0.5 * (1 - z));
       s = x / h * r;
       t = y / h * r;

@@ -8,6 +8,7 @@
 
 #include "envmap/base/parallel.h"
 #include "envmap/maths/polygon.h"
+#include "envmap/maths/portable.h"
 #include "envmap/sample/adaptive.h"
 #include "envmap/sample/coverage.h"
 #include "envmap/sample/outline.h"
@@ -117,8 +118,8 @@ Outcome texel_mean(const Task& task, std::size_t texel, Workspace& ws, Colour& o
 bool on_rim(const Target& target, int row, int i) {
   if (!on_disc(target.to)) return false;
   const double n = target.size, x0 = i / n - 0.5, y0 = row / n - 0.5, x1 = x0 + 1 / n, y1 = y0 + 1 / n;
-  return std::hypot(std::clamp(0.0, x0, x1), std::clamp(0.0, y0, y1)) < 0.5 &&
-         std::hypot(std::max(-x0, x1), std::max(-y0, y1)) > 0.5;
+  return portable::hypot(std::clamp(0.0, x0, x1), std::clamp(0.0, y0, y1)) < 0.5 &&
+         portable::hypot(std::max(-x0, x1), std::max(-y0, y1)) > 0.5;
 }
 
 constexpr int block = 32;  // Texels of a row that get as many pieces a side. Blocks begin at multiples of this, or the

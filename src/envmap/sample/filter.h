@@ -6,10 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 enum class Filter { nearest, bilinear, bicubic, trilinear, sat, ewa, area };
 

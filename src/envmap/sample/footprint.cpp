@@ -1,5 +1,7 @@
 #include "envmap/sample/footprint.h"
 
+#include "envmap/maths/portable.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -32,12 +34,12 @@ Jacobian jacobian(const Target& target, Projection source, int source_size, int 
 
 Ellipse ellipse(const Jacobian& j) {
   const double aa = glm::dot(j.du, j.du), ab = glm::dot(j.du, j.dv), bb = glm::dot(j.dv, j.dv);
-  const double middle = 0.5 * (aa + bb), swing = std::hypot(0.5 * (aa - bb), ab);
+  const double middle = 0.5 * (aa + bb), swing = portable::hypot(0.5 * (aa - bb), ab);
   const double major = std::sqrt(middle + swing);
   // The product of the singular values is the determinant: their difference would cancel where one is small.
   const double minor = std::abs(j.du.x * j.dv.y - j.du.y * j.dv.x) / std::max(major, 1e-300);
-  const double angle = 0.5 * std::atan2(2 * ab, aa - bb);
-  return {major, minor, {std::cos(angle), std::sin(angle)}};
+  const double angle = 0.5 * portable::atan2(2 * ab, aa - bb);
+  return {major, minor, {portable::cos(angle), portable::sin(angle)}};
 }
 
 }  // namespace envmap

@@ -1,5 +1,7 @@
 #include "envmap/sample/inverse_bilinear.h"
 
+#include "envmap/maths/portable.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -59,7 +61,7 @@ Location<double> settled(const Direction& wanted, const Location<double>& start,
   // The patches meet in kinks, on which Newton's method may bounce: a few texels at the rim start again around.
   for (int k = 0; k < 8 && best.miss > good; ++k) {
     const double angle = 0.25 * pi * k;
-    const Candidate c = newton(wanted, x + 0.6 * std::cos(angle), y + 0.6 * std::sin(angle), size, 8, good, corners);
+    const Candidate c = newton(wanted, x + 0.6 * portable::cos(angle), y + 0.6 * portable::sin(angle), size, 8, good, corners);
     if (c.miss < best.miss) best = c;
   }
   return {0, (best.x + 0.5) / size, (best.y + 0.5) / size};
@@ -70,7 +72,7 @@ Location<double> settled(const Direction& wanted, const Location<double>& start,
 double bilinear_bends_below(Projection p, int size) {
   // With q = sqrt((1 + z) / 2) the curvature of the map grows as q^-3: before this, interpolation is off by less than
   // 0.04 of the angle that a texel spans at the middle.
-  return p == Projection::sphere ? 2 * std::pow(4.0 / size, 2.0 / 3) - 1 : -2;
+  return p == Projection::sphere ? 2 * portable::pow(4.0 / size, 2.0 / 3) - 1 : -2;
 }
 
 void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions, std::span<Location<double>> out) {

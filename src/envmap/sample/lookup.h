@@ -2,9 +2,10 @@
 /// Radiance by world direction.
 #pragma once
 
+#include "envmap/base/export.h"
 #include "envmap/sample/padded_level.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// The continuous environment that a map stands for: the seamless bilinear reconstruction of its level 0.
 class EnvironmentLookup {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/maths/portable.h"
 #include "envmap/sample/inverse_bilinear.h"
 
 namespace envmap {
@@ -159,7 +160,7 @@ bool Outline::follow(const PaddedLevel& source, const Target& target, const Side
   bool whole = true;
   sides.around(texel, [&](std::size_t k) {
     const Location<double>& at = sides.places[k];
-    whole &= at.face == face && sides.directions[k].z >= behind && std::hypot(at.u - 0.5, at.v - 0.5) < rim;
+    whole &= at.face == face && sides.directions[k].z >= behind && portable::hypot(at.u - 0.5, at.v - 0.5) < rim;
     add(in_texels(source, at), n++ % sides.pieces == 0);
   });
   // Round -Z the outline would enclose all the rest of a disc.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "envmap/maths/portable.h"
 #include "envmap/sample/footprint.h"
 #include "envmap/sample/point.h"
 
@@ -31,7 +32,7 @@ void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Locat
 
 Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at) {
   const Ellipse e = ellipse(jacobian(target, base.projection(), base.height(), face, at));
-  return {.lod = std::log2(std::max(1.0, e.major))};
+  return {.lod = portable::log2(std::max(1.0, e.major))};
 }
 
 Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at) {
@@ -41,7 +42,7 @@ Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const P
   const auto count = [&](double length) {
     return std::clamp(static_cast<int>(std::ceil(length / texel)), 1, static_cast<int>(most_probes));
   };
-  return {count(across), count(down), std::log2(texel)};
+  return {count(across), count(down), portable::log2(texel)};
 }
 
 }  // namespace envmap

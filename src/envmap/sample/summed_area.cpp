@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "envmap/maths/portable.h"
 #include "envmap/sample/footprint.h"
 #include "envmap/sample/probes.h"
 #include "envmap/sample/point.h"
@@ -30,7 +31,7 @@ Texel texel_or_beyond(const PaddedLevel& level, int face, int i, int j) {
   const Derivative d = derivative(level.projection(), {face, u, v}, 0.25 / n);
   const double weight = glm::length(glm::cross(d.du, d.dv));
   const bool in_face = i >= 0 && j >= 0 && i < level.width() && j < level.height();
-  if (in_face && (!on_disc(level.projection()) || std::hypot(2 * u - 1, 2 * v - 1) <= 1))
+  if (in_face && (!on_disc(level.projection()) || portable::hypot(2 * u - 1, 2 * v - 1) <= 1))
     return {weight * Rgb<double>(*level.texel(face, i, j)), weight};
   const Point2 point[1] = {{u, v}};
   Direction beyond[1];

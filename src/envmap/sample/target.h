@@ -5,9 +5,10 @@
 #include <functional>
 #include <span>
 
+#include "envmap/base/export.h"
 #include "envmap/projection/projection.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct Target {
   Projection to;

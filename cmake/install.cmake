@@ -1,0 +1,41 @@
+# What 'cmake --install' puts where: the program with its pages and completions, and the library for others to build on.
+include(CMakePackageConfigHelpers)
+
+# The program.
+install(TARGETS envmap_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS envmap_formats LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/envmap)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+foreach(section 1 3)
+  file(GLOB pages CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/man/*.${section})
+  install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section})
+endforeach()
+# Completions, where each shell looks for them by itself; the program knows its options.
+set(bash_place bash-completion/completions/envmap)
+set(zsh_place zsh/site-functions/_envmap)
+set(fish_place fish/vendor_completions.d/envmap.fish)
+set(scripts)
+foreach(shell bash zsh fish)
+  set(script ${PROJECT_BINARY_DIR}/completions/${${shell}_place})
+  cmake_path(GET script PARENT_PATH folder)
+  file(MAKE_DIRECTORY ${folder})
+  add_custom_command(OUTPUT ${script} COMMAND envmap_program completion ${shell} > ${script} DEPENDS envmap_program VERBATIM)
+  list(APPEND scripts ${script})
+endforeach()
+add_custom_target(completions ALL DEPENDS ${scripts})
+install(DIRECTORY ${PROJECT_BINARY_DIR}/completions/ DESTINATION ${CMAKE_INSTALL_DATADIR})
+
+# The library: shared as envmap::envmap, static as envmap::static.
+install(TARGETS envmap_shared EXPORT shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS envmap EXPORT static ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/envmap)
+install(EXPORT shared NAMESPACE envmap:: FILE envmapTargets.cmake DESTINATION ${package})
+install(EXPORT static NAMESPACE envmap:: FILE envmapStaticTargets.cmake DESTINATION ${package})
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/envmapConfig.cmake.in ${PROJECT_BINARY_DIR}/envmapConfig.cmake
+  INSTALL_DESTINATION ${package} NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/envmapConfigVersion.cmake COMPATIBILITY SameMajorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/envmapConfig.cmake ${PROJECT_BINARY_DIR}/envmapConfigVersion.cmake DESTINATION ${package})
+# Relative to its own place, so that an installed tree can be moved.
+file(RELATIVE_PATH prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap.pc.in ${PROJECT_BINARY_DIR}/envmap.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/envmap.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -1,0 +1,24 @@
+/// @file
+/// The whole library, as it is installed. envmap(3) shows it at work.
+///
+/// Pixels are linear RGB radiance, float32. The frame is right-handed with +Y up; +Z lies at the centre of latlong and
+/// angular images. Sizes are heights of a face in texels, solid angles steradians. Functions never change what they read.
+/// Errors are exceptions, subclasses of envmap::Error.
+#pragma once
+
+#include "envmap/base/error.h"
+#include "envmap/base/progress.h"
+#include "envmap/io/picture.h"
+#include "envmap/io/read.h"
+#include "envmap/io/write.h"
+#include "envmap/map/environment_map.h"
+#include "envmap/map/rows.h"
+#include "envmap/operate/convert.h"
+#include "envmap/operate/generate.h"
+#include "envmap/operate/levels.h"
+#include "envmap/operate/measure.h"
+#include "envmap/operate/resampler.h"
+#include "envmap/prefilter/brdf_table.h"
+#include "envmap/prefilter/harmonics.h"
+#include "envmap/prefilter/prefilter.h"
+#include "envmap/sample/lookup.h"

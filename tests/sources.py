@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+"""Rules for src/ that no compiler knows. Usage: sources.py ROOT"""
+import pathlib
+import re
+import sys
+
+FUNCTIONS = ('sin cos tan asin acos atan atan2 sinh cosh tanh exp exp2 exp10 expm1 log log2 log10 log1p pow cbrt hypot erf tgamma '
+             'lgamma polar slerp radians degrees sinf cosf expf logf powf')
+LIBM = re.compile(r'(?:\b(?:std|glm)::|(?<![\w:.>]))(?:' + FUNCTIONS.replace(' ', '|') + r')\(')
+# prefilter/ is still to follow.
+DRAWING = ('src/envmap/render/', 'src/envmap/scene/', 'src/envmap/prefilter/')
+MAY_CALL_LIBM = {'src/envmap/maths/portable.h', 'src/envmap/maths/portable.cpp'}  # Their own names.
+
+root = pathlib.Path(sys.argv[1])
+broken = []
+
+
+def without_comments(text):
+    """Comments blank, lines kept."""
+    blank = lambda match: match[0] if match[0][0] == '"' else re.sub(r'[^\n]', ' ', match[0])
+    return re.sub(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', blank, text, flags=re.S)
+
+
+for path in sorted(p for p in (root / 'src').rglob('*') if p.suffix in ('.h', '.cpp')):
+    name = str(path.relative_to(root))
+    for number, line in enumerate(without_comments(path.read_text()).splitlines(), 1):
+        # The library knows no command line: errors carry a Remedy, which tools/ words.
+        if re.search(r'"[^"]*(?<![\w-])--[a-z][^"]*"', line):
+            broken.append(f'{name}:{number}: words of the command line in the library: {line.strip()}')
+        # The C library's last bits depend on the processor: results are made by maths/portable.h. Drawing is OSMesa's.
+        if LIBM.search(line) and not name.startswith(DRAWING) and name not in MAY_CALL_LIBM:
+            broken.append(f'{name}:{number}: {LIBM.search(line)[0]}...) differs between processors: see maths/portable.h')
+
+print('\n'.join(broken))
+sys.exit(1 if broken else 0)
