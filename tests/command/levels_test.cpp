@@ -229,7 +229,7 @@ TEST_F(Border, FilesOfOpenExrAndOpenImageIoAreReadRight) {
   EXPECT_LT(worst_direction(centres("again.exr"), false, 1), 0.05);
   run("maketx --envlatl latlong.exr -o made.exr");
   EXPECT_LT(worst_direction(centres("made.exr"), false), 0.05);
-  succeeds({"convert", "made.exr", "ignored.exr", "--filter", "nearest", "--ignore-envmap-attribute"});
+  succeeds({"convert", "made.exr", "ignored.exr", "--level", "0", "--filter", "nearest", "--ignore-envmap-attribute"});
   EXPECT_GT(worst_direction(load(path("ignored.exr")), false), 0.4);
 }
 

@@ -112,6 +112,15 @@ Result CommandTest::envmap(const std::vector<std::string>& arguments, const Sett
   return Background(*this, all, setting).wait();
 }
 
+bool Background::writes_in(const std::string& folder) const {
+  std::error_code gone;  // The process may end, or close a file, meanwhile.
+  for (const auto& open : std::filesystem::directory_iterator("/proc/" + std::to_string(process_) + "/fd", gone)) {
+    const std::string file = std::filesystem::read_symlink(open.path(), gone).string();
+    if (file.starts_with(folder) && file.ends_with("(deleted)")) return true;
+  }
+  return false;
+}
+
 Result CommandTest::shell(const std::string& line, const Setting& setting) const {
   return Background(*this, {"sh", "-c", line}, setting).wait();
 }

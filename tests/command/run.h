@@ -73,6 +73,8 @@ class Background {
   Background(const Background&) = delete;
 
   void send(int signal) const;
+  /// Whether it has a file without a name open in a folder: an output in the making.
+  [[nodiscard]] bool writes_in(const std::string& folder) const;
   Result wait();
 
  private:
