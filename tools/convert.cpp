@@ -69,6 +69,9 @@ int run(Options& o, const Common& common) {
   if (o.turn) o.convert.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
   o.convert.gain = portable::exp2(o.exposure);
   o.write.source_depth = source.depth;
+  o.write.provenance = source.provenance;
+  if (auto& luminance = o.write.provenance.white_luminance)
+    luminance = static_cast<float>(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
   check_output(o.output, o.write, to);
 
   if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
@@ -101,7 +104,9 @@ Command convert_command() {
           "right-handed: "
           "with --rotate 90,0,0 what was seen towards +Z is seen towards +X.\n\n"
           "--forward names the world axis at the centre of the latlong or angular images that are read without "
-          "metadata and that are written; --from-forward names the input's alone.",
+          "metadata and that are written; --from-forward names the input's alone.\n\n"
+          "An EXR file's comments, owner, chromaticities and whiteLuminance (divided by what --exposure multiplies) are "
+          "carried along as far as the output has a place for them.",
       .examples = {{"envmap convert probe.hdr probe.exr --to cube",
                     "a cube of the same density, faces in a column +X -X +Y -Y +Z -Z"},
                    {"envmap convert probe.exr 'face_{face}.exr' --to cube --size 512",

@@ -28,6 +28,7 @@ int run(Options& o, const Common& common) {
   Source source = read_map(o.input, o.read, common);
   EnvironmentMap& map = source.map;
   o.write.source_depth = source.depth;
+  o.write.provenance = source.provenance;
   if (o.keep) o.write.facts = source.facts;
   check_output(o.output, o.write, map.projection(), o.levels != 1 && has_next(map.base()));
   if (o.levels > 0 && map.levels.size() > static_cast<std::size_t>(o.levels))

@@ -137,6 +137,8 @@ int run(Options& o, const Common& common) {
   o.write.source_depth = source.depth;
   if (is_integer(o.write.source_depth)) o.write.source_depth = Depth::half;
   o.write.facts = record(wanted);
+  o.write.provenance = source.provenance;
+  if (o.scale) o.write.provenance.white_luminance.reset();
   write_map(o.output, all_rows_of(made), o.write, {o.input}, "write", common);
   if (!o.table.empty()) write_brdf_table(o, common);
   return 0;

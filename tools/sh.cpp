@@ -56,6 +56,8 @@ int run(Options& o, const Common& common) {
   if (!o.output.empty()) {
     const EnvironmentMap map = evaluate(h, to, o.size, o.forward.value_or(Forward::plus_z));
     o.write.source_depth = Depth::single;
+    o.write.provenance = source.provenance;
+    if (o.irradiance) o.write.provenance.white_luminance.reset();
     write_map(o.output, rows_of(map), o.write, {o.input}, "sh", common);
     if (o.output == "-") return 0;
   }

@@ -2,6 +2,7 @@
 /// An image opened for reading, whichever library reads it.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <optional>
@@ -17,6 +18,15 @@ namespace ENVMAP_EXPORT envmap {
 /// Texts that a file carries, by name; its description under `description`.
 using Attributes = std::map<std::string, std::string>;
 inline constexpr const char* description = "ImageDescription";
+inline constexpr const char* copyright = "Copyright";
+
+/// What a file says of its picture that stays true of any map made of it.
+struct Provenance {
+  std::string comments = {}, owner = {};
+  std::optional<float> white_luminance = {};  ///< Of radiance (1,1,1), in candelas a square metre.
+  /// CIE x and y of red, green, blue and white.
+  std::optional<std::array<float, 8>> chromaticities = {};
+};
 
 /// Which side of the picture the first row and the first column in the file are: numbered as EXIF and TIFF do (TIFF 6.0,
 /// "Orientation").
@@ -41,6 +51,7 @@ struct ImageFacts {
   Depth depth = Depth::single;
   std::vector<std::string> channels = {};  ///< R, G and B, where they are there, follow each other.
   Attributes attributes = {};
+  Provenance provenance = {};  ///< The colours alone: texts are attributes.
   Orientation orientation = Orientation::upright;
   int chosen = 0;  ///< So many channels, the first, were asked for: 3, or 1 that is grey. 0: their names tell.
   std::vector<std::string> notes = {};    ///< What of the file is not read, or was added, for people.

@@ -22,6 +22,7 @@ struct ImagePlan {
   std::vector<Size> levels;  ///< One; or several in an EXR file, each half the one before and rounded down to 1x1: then in tiles.
   Depth depth = Depth::single;  ///< One that the format holds.
   Attributes attributes = {};
+  Provenance provenance = {};  ///< The colours alone: texts are attributes.
   std::string compression = {};                      ///< Of EXR: zip, zip:1, piz, dwaa:45, ...; zip if empty.
   bool latlong_envmap = false, cube_envmap = false;  ///< OpenEXR's `envmap` attribute.
 };

@@ -27,6 +27,25 @@ Facts all_facts(const Attributes& texts) {
   return facts;
 }
 
+// What people wrote into the description, without the words envmap:NAME=TEXT that this program added, and the owner.
+Provenance provenance(const ImageFacts& image) {
+  constexpr std::size_t longest = 1 << 14;  // JPEG, for one, holds 64 kB.
+  Provenance p = image.provenance;
+  const auto text = [&](const char* name) {
+    const auto found = image.attributes.find(name);
+    return found != image.attributes.end() && found->second.size() <= longest ? found->second : std::string();
+  };
+  p.owner = text(copyright);
+  const std::string described = text(description);
+  for (std::size_t at = 0, next = 0; at < described.size(); at = next) {
+    next = std::min(described.find_first_of(" \n", at), described.size() - 1) + 1;
+    const std::string word = described.substr(at, next - at);
+    if (!word.starts_with(prefix) || word.find('=') == word.npos) p.comments += word;
+  }
+  while (p.comments.ends_with(' ') || p.comments.ends_with('\n')) p.comments.pop_back();
+  return p;
+}
+
 std::optional<int> number(const std::string& text) {
   int n = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
@@ -51,10 +70,13 @@ Metadata metadata(const ImageFacts& image) {
   // OpenEXR's own attribute comes first: its tools carry ours along from the file they converted, and OpenImageIO's name
   // for theirs, too. The shape tells what they made of it: they know 2:1 and 1:6.
   if (has_border_samples(image.attributes)) {
-    if (image.height == 6 * image.width) return {.projection = Projection::cube, .layout = Layout::column};
-    return {.projection = Projection::latlong, .forward = Forward::plus_z};
+    if (image.height == 6 * image.width)
+      return {.projection = Projection::cube, .layout = Layout::column, .provenance = provenance(image)};
+    return {.projection = Projection::latlong, .forward = Forward::plus_z, .provenance = provenance(image)};
   }
-  return metadata(all_facts(image.attributes));
+  Metadata data = metadata(all_facts(image.attributes));
+  data.provenance = provenance(image);
+  return data;
 }
 
 bool is_word(const std::string& text) {
@@ -89,7 +111,9 @@ Attributes attributes(const Metadata& data) {
     texts[std::string(prefix) + key] = text;
     words += fmt::format("{}{}{}={}", words.empty() ? "" : " ", prefix, key, text);
   }
-  texts[description] = words;
+  // First, as Targa's description is cut after 324 characters.
+  texts[description] = words + (words.empty() || data.provenance.comments.empty() ? "" : " ") + data.provenance.comments;
+  if (!data.provenance.owner.empty()) texts[copyright] = data.provenance.owner;
   return texts;
 }
 

@@ -25,6 +25,7 @@ struct Metadata {
   std::optional<Forward> forward = {};
   std::optional<int> levels = {};  ///< Of a chain that ends early in a file that must go on to one texel.
   Facts facts = {};
+  Provenance provenance = {};
 };
 
 /// Values that mean nothing to this version are passed over.

@@ -233,6 +233,7 @@ Source read_image(const std::string& path, const ReadOptions& options) {
   const Recognised found = recognise(image, options, recorded, source.image_width, source.image_height);
   source.layout = found.layout;
   source.facts = recorded.facts;
+  source.provenance = recorded.provenance;
   const int most = std::min(source.levels, complete_levels(found));
   source.levels = has_level(path) ? std::min(complete_levels(found), count_level_files(path))
                   : image.texture ? most
@@ -268,6 +269,7 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
       size = h;
       source.depth = head.depth;
       source.format = head.format;
+      source.provenance = recorded.provenance;
       source.image_width = source.image_height = size;
     }
     const int wanted = std::max(1, size >> number);

@@ -43,6 +43,7 @@ struct Source {
   bool border_samples = false;            ///< OpenEXR's `envmap` convention; resampled to cell centres here.
   int levels = 1;                         ///< That the file has; `map` holds those that were asked for.
   Facts facts = {};                       ///< Further metadata, such as the lobe.
+  Provenance provenance = {};
   std::int64_t repaired = 0;              ///< Texels that FlawPolicy::repair changed.
   std::vector<std::string> notes = {};    ///< What of the file is not read, or was added.
   std::vector<std::string> details = {};  ///< What reading did to the values, such as dividing an exposure out.

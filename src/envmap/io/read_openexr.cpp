@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <cmath>
 #include <memory>
 
 #include "envmap/base/error.h"
@@ -55,12 +56,25 @@ Attributes attributes_of(const Imf::Header& header) {
   Attributes texts;
   for (auto a = header.begin(); a != header.end(); ++a)
     if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
-      texts.emplace(std::string_view(a.name()) == "comments" ? description : a.name(), text->value());
+      texts.emplace(std::string_view(a.name()) == "comments" ? description
+                    : std::string_view(a.name()) == "owner"  ? copyright
+                                                             : a.name(),
+                    text->value());
   // Of our own making: a file that was converted may carry the word without the attribute.
   texts.erase("textureformat");
   if (Imf::hasEnvmap(header))
     texts["textureformat"] = Imf::envmap(header) == Imf::ENVMAP_CUBE ? "CubeFace Environment" : "LatLong Environment";
   return texts;
+}
+
+Provenance colours_of(const Imf::Header& header) {
+  Provenance p;
+  if (Imf::hasWhiteLuminance(header) && std::isfinite(Imf::whiteLuminance(header)))
+    p.white_luminance = Imf::whiteLuminance(header);
+  if (!Imf::hasChromaticities(header)) return p;
+  const Imf::Chromaticities& c = Imf::chromaticities(header);
+  p.chromaticities = {c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y};
+  return p;
 }
 
 // @param wanted channels that are to come first.
@@ -72,6 +86,7 @@ ImageFacts facts_of(const Imf::Header& header, const std::vector<std::string>& w
                .depth = Depth::half,
                .channels = wanted,
                .attributes = attributes_of(header),
+               .provenance = colours_of(header),
                .chosen = static_cast<int>(wanted.size())};
   for (const std::string& name : channel_names(header.channels()))
     if (std::ranges::find(wanted, name) == wanted.end()) f.channels.push_back(name);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
 #include <memory>
+#include <ranges>
 #include <string_view>
 
 #include "envmap/base/error.h"
@@ -23,7 +24,7 @@ using Rgbe = std::array<unsigned char, 4>;
 struct Header {
   int width = 0, height = 0;  // As stored: texels a scanline, scanlines.
   Orientation orientation = Orientation::upright;
-  bool xyz = false;
+  bool xyz = false, says_primaries = false;
   Flux applied{1};  // What the pixels have been multiplied by.
   std::array<double, 8> primaries{0.64, 0.33, 0.29,   0.6,
                                   0.15, 0.06, 1. / 3, 1. / 3};  // Of red, green, blue and white: x, y.
@@ -62,8 +63,11 @@ void read_variable(Header& h, std::string_view line) {
   }
   // Some writers leave zeros.
   const std::vector<double> said = name == "PRIMARIES" ? numbers(value) : std::vector<double>();
-  if (said.size() == 8 && std::ranges::all_of(said, [](double x) { return x > 0 && x < 1; }))
+  const auto plausible = [&](std::size_t k) { return std::abs(said[k]) < 2 && (k % 2 == 0 || said[k] != 0); };
+  if (said.size() == 8 && std::ranges::all_of(std::views::iota(std::size_t{0}, said.size()), plausible)) {
     std::ranges::copy(said, h.primaries.begin());
+    h.says_primaries = true;
+  }
 }
 
 // "-Y 512 +X 1024": scanlines from the top, texels from the left; X first: scanlines are columns.
@@ -250,6 +254,8 @@ ImageReader open_radiance(const InputFile& file) {
   if (header.applied != Flux(1))
     made.facts.details.push_back(fmt::format("EXPOSURE and COLORCORR are divided out: {:g} {:g} {:g}", header.applied.x,
                                              header.applied.y, header.applied.z));
+  if (header.says_primaries || header.xyz)
+    std::ranges::copy(header.primaries, made.facts.provenance.chromaticities.emplace().begin());
   if (header.xyz) made.facts.details.emplace_back("CIE XYZ became RGB; colours outside of that are cut at 0");
   made.facts.orientation = header.orientation;
   made.level = [facts = made.facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; };

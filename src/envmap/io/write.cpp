@@ -112,6 +112,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
   const bool cube = data.projection == Projection::cube;
   ImagePlan plan{.depth = depth,
                  .attributes = attributes(data),
+                 .provenance = data.provenance,
                  .compression = options.compression,
                  .latlong_envmap = options.openexr_envmap && !cube,
                  .cube_envmap = options.openexr_envmap && cube};
@@ -163,7 +164,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
     limited.push_back(std::make_unique<Limited>(level, range, options.clamp));
     rows.push_back(done.layout == Layout::api ? in_api_orientation(limited.back()->rows()) : limited.back()->rows());
   }
-  Metadata data{.projection = base.projection, .facts = options.facts};
+  Metadata data{.projection = base.projection, .facts = options.facts, .provenance = options.provenance};
   if (base.projection == Projection::cube && done.layout != Layout::api) data.layout = done.layout;
   if (has_forward(base.projection)) data.forward = base.forward;
 

@@ -24,6 +24,7 @@ struct WriteOptions {
   std::string compression = {};  ///< Of an EXR file, see ImagePlan: zip, zip:1, piz, dwaa:45, ...; zip if empty.
   bool zstd = false;             ///< Compress KTX2 files with Zstandard.
   Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
+  Provenance provenance = {};    ///< Of the map that this one was made of; formats hold what they can.
 };
 
 struct Written {

@@ -64,7 +64,10 @@ Imf::Header header_of(const ImagePlan& plan) {
     header.channels().insert(channel, Imf::Channel(plan.depth == Depth::half ? Imf::HALF : Imf::FLOAT));
   set_compression(header, plan.compression);
   for (const auto& [name, text] : plan.attributes)
-    header.insert(name == description ? "comments" : name, Imf::StringAttribute(text));
+    header.insert(name == description ? "comments" : name == copyright ? "owner" : name, Imf::StringAttribute(text));
+  if (const auto& luminance = plan.provenance.white_luminance) Imf::addWhiteLuminance(header, *luminance);
+  if (const auto& c = plan.provenance.chromaticities)
+    Imf::addChromaticities(header, {{(*c)[0], (*c)[1]}, {(*c)[2], (*c)[3]}, {(*c)[4], (*c)[5]}, {(*c)[6], (*c)[7]}});
   if (plan.latlong_envmap) Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
   if (plan.cube_envmap) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
   if (plan.levels.size() > 1)

@@ -62,7 +62,9 @@ void add_row(std::span<const Colour> from, std::string& out) {
 
 ImageWriter create_radiance(OutputFile& file, const ImagePlan& plan) {
   const Size size = plan.levels[0];
-  const std::string header = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", size.height, size.width);
+  std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
+  if (const auto& xy = plan.provenance.chromaticities) header += fmt::format("PRIMARIES={}\n", fmt::join(*xy, " "));
+  header += fmt::format("\n-Y {} +X {}\n", size.height, size.width);
   file.write(header.data(), header.size());
   return {.write =
               [&file, size](int, int begin, int end, std::span<const Colour> pixels) {
