@@ -6,7 +6,7 @@
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/maths/portable.h"
-#include "envmap/operate/resampler.h"
+#include "envmap/operate/convert.h"
 
 namespace tools {
 namespace {

@@ -17,7 +17,6 @@
 #include "envmap/operate/generate.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
-#include "envmap/operate/resampler.h"
 #include "envmap/prefilter/brdf_table.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"

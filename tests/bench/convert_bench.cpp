@@ -16,7 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "envmap/operate/resampler.h"
+#include "envmap/operate/convert.h"
+#include "envmap/sample/padded_level.h"
 
 namespace {
 

@@ -23,6 +23,7 @@
 #include "envmap/map/layout.h"
 #include "envmap/map/page.h"
 #include "envmap/base/parallel.h"
+#include "envmap/projection/visit.h"
 
 namespace {
 

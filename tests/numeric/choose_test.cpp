@@ -1,5 +1,5 @@
 // --max-error: what is promised of the sampled texels has to hold in all of them.
-#include "envmap/operate/resampler.h"
+#include "envmap/operate/convert.h"
 
 #include <gtest/gtest.h>
 

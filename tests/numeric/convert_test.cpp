@@ -9,7 +9,7 @@
 #include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
-#include "envmap/operate/resampler.h"
+#include "envmap/projection/visit.h"
 #include "formulae.h"
 
 namespace envmap {

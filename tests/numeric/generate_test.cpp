@@ -24,11 +24,11 @@ double irradiance_of_floor(const Level& level) {
     for (int j = 0; j < level.height(); ++j) {
       solid_angles(level.projection(), level.height(), j, w);
       const Columns in = columns(level.projection(), level.height(), j);
-      const auto inside = std::span(d).first(static_cast<std::size_t>(in.end - in.first));
+      const auto inside = std::span(d).first(in.count());
       texel_directions(level.projection(), level.height(), f, j, in.first, inside);
       for (int i = in.first; i < in.end; ++i)
-        sum.add(w[static_cast<std::size_t>(i)] * level.texel(f, i, j)->x *
-                std::max(0.0, inside[static_cast<std::size_t>(i - in.first)].y));
+        sum.add(w[i] * level.texel(f, i, j)->x *
+                std::max(0.0, inside[i - in.first].y));
     }
   return sum.value();
 }

@@ -19,7 +19,7 @@ TEST(Harmonics, AreTheBasisThatGenerateDraws) {
     harmonics_at(30, d, y);
     for (int l = 0; l <= 30; ++l)
       for (int m = -l; m <= l; ++m)
-        EXPECT_NEAR(y[static_cast<std::size_t>(l * (l + 1) + m)], real_harmonic(l, m, d), 1e-11) << l << " " << m;
+        EXPECT_NEAR(y[l * (l + 1) + m], real_harmonic(l, m, d), 1e-11) << l << " " << m;
   }
 }
 
@@ -51,7 +51,7 @@ TEST_P(EachHarmonics, ComeBackFromAMapOfOne) {
     for (int l = 0; l <= 4; ++l)
       for (int m = -l; m <= l; ++m) {
         const double truth = l == 0 ? std::sqrt(4 * pi) : l == degree && m == order ? 0.5 : 0;
-        EXPECT_NEAR(h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)].x, truth, 4e-3) << l << " " << m;
+        EXPECT_NEAR(h.coefficients[l * (l + 1) + m].x, truth, 4e-3) << l << " " << m;
       }
     const EnvironmentMap drawn = evaluate(h, GetParam(), 24, forward);
     EXPECT_LT(compare(drawn.base(), generate(Harmonic{degree, order, 1, 0.5}, {GetParam(), forward}, 24).base()).maximum, 2e-2);

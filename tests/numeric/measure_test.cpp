@@ -8,6 +8,7 @@
 #include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/sampling.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {

@@ -73,7 +73,7 @@ EnvironmentMap map_of(auto&& radiance) {
   std::vector<Direction> rays(256);
   for (int row = 0; row < 128; ++row) {
     texel_directions(Projection::latlong, 128, 0, row, 0, rays);
-    for (int i = 0; i < 256; ++i) *map.base().texel(0, i, row) = radiance(rays[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < 256; ++i) *map.base().texel(0, i, row) = radiance(rays[i]);
   }
   return map;
 }

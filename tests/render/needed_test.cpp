@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "envmap/projection/projection.h"
+#include "envmap/projection/visit.h"
 #include "rooms.h"
 
 namespace envmap {
@@ -61,7 +61,7 @@ int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, con
     for (const Cap& cap : caps) nearest = std::min(nearest, angle_between(ray, cap.axis) - cap.angle);
     EXPECT_LE(nearest, 1e-9);
     EXPECT_LE(angle_between(ray, all.axis), all.angle + 1e-9);
-    EXPECT_TRUE(reached[static_cast<std::size_t>(Cube::locate(glm::transpose(axes) * ray).face)]);
+    EXPECT_TRUE(reached[Cube::locate(glm::transpose(axes) * ray).face]);
   }
   return static_cast<int>(std::ranges::count(reached, true));
 }

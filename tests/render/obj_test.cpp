@@ -37,7 +37,7 @@ TEST_F(SceneTest, ObjWithMaterialsAndWindowsPaths) {
     EXPECT_EQ(mesh.coordinates[v], glm::vec2(mesh.positions[v].x / 2, 1 - mesh.positions[v].y / 2))
         << "0 is the upper edge";
   }
-  const Material& m = scene.materials[static_cast<std::size_t>(mesh.material)];
+  const Material& m = scene.materials[mesh.material];
   EXPECT_EQ(m.base_colour, glm::vec4(0.5F, 0.25F, 1, 1));
   EXPECT_EQ(m.emissive, Colour(3, 2, 1));
   EXPECT_FLOAT_EQ(m.roughness, std::sqrt(0.5F));  // alpha^2 = 2 / (6 + 2).
@@ -58,7 +58,7 @@ TEST_F(SceneTest, ObjAsTheManualHasIt) {
   ASSERT_EQ(scene.nodes[0].meshes.size(), 2U) << "two materials, of which the second came after another group";
   const Mesh& mesh = scene.meshes[0];
   EXPECT_EQ(mesh.positions[mesh.indices[2]], glm::vec3(0, 1, 0));
-  const Material& red = scene.materials[static_cast<std::size_t>(mesh.material)];
+  const Material& red = scene.materials[mesh.material];
   EXPECT_EQ(red.name, "red #1");
   EXPECT_EQ(red.base_colour, glm::vec4(1, 0, 0, 1));
   EXPECT_EQ(red.ior, 2);

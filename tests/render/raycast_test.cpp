@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
@@ -58,11 +59,11 @@ void each_texel(const Viewpoint& v, F&& f) {
   for (int face = 0; face < faces(v.to); ++face)
     for (int j = 0; j < v.size; ++j) {
       const Columns in = columns(v.to, v.size, j);
-      std::vector<Direction> rays(static_cast<std::size_t>(in.end - in.first));
+      std::vector<Direction> rays(in.count());
       texel_directions(v.to, v.size, face, j, in.first, rays);
       for (int i = in.first; i < in.end; ++i)
         f(face, i, j, static_cast<std::size_t>((face * v.size + j) * width + i),
-          v.axes * rays[static_cast<std::size_t>(i - in.first)]);
+          v.axes * rays[i - in.first]);
     }
 }
 

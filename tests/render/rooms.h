@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "envmap/render/draw.h"
+#include "envmap/projection/visit.h"
 
 namespace rooms {
 
@@ -18,7 +19,7 @@ using namespace envmap;
 inline Scene room(int edge) {
   Scene scene;
   for (int face = 0; face < 6; ++face) {
-    const Cube::Axes& axes = Cube::axes[static_cast<std::size_t>(face)];
+    const Cube::Axes& axes = Cube::axes[face];
     const auto corner = [&](double s, double t) { return axes.forward + s * axes.right + t * axes.up; };
     Texture texture{.width = 2, .height = 2, .srgb = false, .wrap_u = Texture::Wrap::clamp, .wrap_v = Texture::Wrap::clamp};
     for (const double t : {1.0, -1.0})
@@ -90,7 +91,7 @@ void for_each_texel(Projection p, int size, F f) {
   for (int face = 0; face < faces(p); ++face)
     for (int row = 0; row < size; ++row) {
       const Columns in = columns(p, size, row);
-      std::vector<Direction> rays(static_cast<std::size_t>(in.end - in.first));
+      std::vector<Direction> rays(in.count());
       texel_directions(p, size, face, row, in.first, rays);
       for (std::size_t k = 0; k < rays.size(); ++k)
         f(static_cast<std::size_t>(face * size + row) * static_cast<std::size_t>(width) +

@@ -38,7 +38,7 @@ TEST_F(SceneTest, TransformsGoDownTheTree) {
     EXPECT_TRUE(lies_under(scene, leaf, root));
     const Pose world = pose(scene, 0);
     // (1,0,0) of the mesh: moved to (2,0,0), doubled (4,0,0), turned to (0,0,-4), moved.
-    near(at(world[static_cast<std::size_t>(leaf)], {1, 0, 0}), {10, 20, 26});
+    near(at(world[leaf], {1, 0, 0}), {10, 20, 26});
     ASSERT_EQ(scene.meshes.size(), 1U);
     EXPECT_EQ(scene.meshes[0].normals[0], glm::vec3(0, 0, 1));
     EXPECT_TRUE(scene.unmodelled.empty());
@@ -73,7 +73,7 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   EXPECT_FLOAT_EQ(m.alpha_cutoff, 0.5F);
   EXPECT_TRUE(m.double_sided);
   // A primitive without one has glTF's own, which is a metal.
-  const Material& plain = scene.materials[static_cast<std::size_t>(scene.meshes[1].material)];
+  const Material& plain = scene.materials[scene.meshes[1].material];
   EXPECT_EQ(plain.metallic, 1);
   EXPECT_EQ(plain.roughness, 1);
   EXPECT_EQ(scene.unmodelled,
@@ -102,13 +102,13 @@ TEST_F(SceneTest, TexturesLieInFilesViewsAndTheDocument) {
   const Scene scene = read_scene(path("a.gltf"));
   EXPECT_EQ(scene.meshes[0].coordinates[2], glm::vec2(0, 1));
   ASSERT_EQ(scene.textures.size(), 3U);
-  const Texture& t = scene.textures[static_cast<std::size_t>(scene.materials[0].base_colour_texture)];
+  const Texture& t = scene.textures[scene.materials[0].base_colour_texture];
   EXPECT_EQ(t.width, 2);
   EXPECT_EQ(t.texels[1], glm::u8vec4(0, 255, 128, 255));
   EXPECT_TRUE(t.srgb);
   EXPECT_EQ(t.wrap_u, Texture::Wrap::clamp);
   EXPECT_EQ(t.wrap_v, Texture::Wrap::mirror);
-  EXPECT_FALSE(scene.textures[static_cast<std::size_t>(scene.materials[0].metallic_roughness_texture)].srgb);
+  EXPECT_FALSE(scene.textures[scene.materials[0].metallic_roughness_texture].srgb);
 
   file.document["images"] = {{{"uri", "data:image/png;base64," + png}}};
   file.write(folder / "b.gltf");
@@ -158,8 +158,8 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
   EXPECT_EQ(camera.vertical_field, 0.7);
   EXPECT_EQ(camera.aspect, 1.5);
   const Pose world = pose(scene, 0);
-  near(at(world[static_cast<std::size_t>(spot.node)], {0, 0, 0}), {1, 2, 3});
-  near(at(world[static_cast<std::size_t>(camera.node)], {0, 0, -1}), {-1, 0, 0});  // It looks along -X.
+  near(at(world[spot.node], {0, 0, 0}), {1, 2, 3});
+  near(at(world[camera.node], {0, 0, -1}), {-1, 0, 0});  // It looks along -X.
 }
 
 TEST_F(SceneTest, NodesMoveAsTheirKeysSay) {
@@ -210,7 +210,7 @@ TEST_F(SceneTest, StripsFansQuantisedAndSparseVertices) {
   EXPECT_EQ(scene.meshes[0].positions[4], glm::vec3(0, 1, 0));
 
   const int bytes = file.add<std::uint8_t>({0, 0, 0, 255, 0, 0, 0, 51, 0}, "VEC3", 3);
-  file.document["accessors"][static_cast<std::size_t>(bytes)]["normalized"] = true;
+  file.document["accessors"][bytes]["normalized"] = true;
   primitive = {{"attributes", {{"POSITION", bytes}}}};
   file.document["extensionsRequired"] = {"KHR_mesh_quantization"};
   file.write(folder / "a.gltf");
@@ -266,7 +266,7 @@ TEST_F(SceneTest, MeshesThatDracoCompressed) {
     damaged.write(folder / "b.glb");
     EXPECT_EQ(why(path("b.glb")).find('\n'), std::string::npos);
     damaged = file;
-    damaged.document["bufferViews"][static_cast<std::size_t>(view)]["byteLength"] = k;
+    damaged.document["bufferViews"][view]["byteLength"] = k;
     damaged.write(folder / "b.glb");
     EXPECT_NE(why(path("b.glb")), "") << k;
   }
@@ -292,8 +292,8 @@ TEST_F(SceneTest, TheSampleScenesAreRead) {
   for (const char* mirror : {"mirror ball", "mirror ring"}) {
     const auto node = find_node(cellar, mirror);
     ASSERT_TRUE(node);
-    const Mesh& mesh = cellar.meshes[static_cast<std::size_t>(cellar.nodes[static_cast<std::size_t>(*node)].meshes.at(0))];
-    const Material& material = cellar.materials[static_cast<std::size_t>(mesh.material)];
+    const Mesh& mesh = cellar.meshes[cellar.nodes[static_cast<std::size_t>(*node)].meshes.at(0)];
+    const Material& material = cellar.materials[mesh.material];
     EXPECT_EQ(material.metallic, 1);
     EXPECT_EQ(material.roughness, 0);
   }

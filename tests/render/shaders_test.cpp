@@ -1,5 +1,6 @@
 // The shaders' formulae against those in C++, and that nothing is left out of a program without a word.
 #include "envmap/render/shaders.h"
+#include "envmap/projection/visit.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -90,7 +90,7 @@ TEST_P(View, ABallShowsTheRoomFromItsCentre) {
     for (int i = 0; i < size; ++i) {
       const Direction ray = from.lens->ray((i + 0.5) / size, (j + 0.5) / size), to = from.at - centre;
       const double b = glm::dot(ray, to), root = b * b - glm::dot(to, to) + radius * radius;
-      const Colour& seen = picture[static_cast<std::size_t>(j * size + i)];
+      const Colour& seen = picture[j * size + i];
       if (root < 0.0) {
         const Direction place = from.at + rooms::hit(from.at, ray).distance * ray;
         EXPECT_TRUE(root >= -0.02 || glm::length(Direction(seen) - (place + 1.0) * 0.5) < 0.02) << i << " " << j;
@@ -191,8 +191,8 @@ TEST(Views, RoughMetalBlursItsMap) {
   const auto spread = [](const std::vector<Colour>& p) {
     float low = 1, high = 0;
     for (int i = 42; i < 54; ++i) {
-      low = std::min(low, p[static_cast<std::size_t>(54 * size + i)].x);
-      high = std::max(high, p[static_cast<std::size_t>(54 * size + i)].x);
+      low = std::min(low, p[54 * size + i].x);
+      high = std::max(high, p[54 * size + i].x);
     }
     return high - low;
   };

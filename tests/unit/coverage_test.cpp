@@ -43,7 +43,7 @@ double weighted(Coverage& c, const Points& points, F&& density, double (*f)(doub
   double sum = 0;
   for (int j = 0; j < c.rows(); ++j)
     for (int i = 0; i < c.columns(); ++i)
-      sum += w[static_cast<std::size_t>(j * c.columns() + i)] * f(c.left() + i, c.top() + j);
+      sum += w[j * c.columns() + i] * f(c.left() + i, c.top() + j);
   return sum;
 }
 

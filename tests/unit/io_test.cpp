@@ -23,6 +23,7 @@
 #include "envmap/io/srgb.h"
 #include "envmap/io/write.h"
 #include "envmap/operate/generate.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {
@@ -340,7 +341,7 @@ TEST_F(Io, ExrDataWindowsArePaddedAndCropped) {
       ASSERT_EQ(level.height(), 4);
       for (int y = 0; y < 4; ++y)
         for (int x = 0; x < 8; ++x)
-          EXPECT_EQ(level.row(0, y)[static_cast<std::size_t>(x)],
+          EXPECT_EQ(level.row(0, y)[x],
                     data.intersects(shown.min + Imath::V2i(x, y)) ? Colour(1, 2, 3) : Colour(0));
     }
 }

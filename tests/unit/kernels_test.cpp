@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "envmap/projection/projection.h"
+#include "envmap/projection/visit.h"
 #include "every_target.h"
 #include "formulae.h"
 
@@ -148,7 +148,7 @@ Vec2<Real> exact_place(Projection p, const Direction& d) {
       return {Real(0.5) - std::atan2(x, z) / (2 * formulae::pi), Real(0.5) - std::atan2(y, std::hypot(x, z)) / formulae::pi};
     case Projection::cube: {
       const auto at = Cube::locate(Vec3<double>(d));
-      const Cube::Axes& axes = Cube::axes[static_cast<std::size_t>(at.face)];
+      const Cube::Axes& axes = Cube::axes[at.face];
       const Vec3<Real> wide(d);
       const Real major = glm::dot(wide, Vec3<Real>(axes.forward));
       s = glm::dot(wide, Vec3<Real>(axes.right)) / major, t = glm::dot(wide, Vec3<Real>(axes.up)) / major;

@@ -8,6 +8,7 @@
 #include "envmap/sample/padded_level.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/generate.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {
@@ -142,8 +143,8 @@ TEST(Page, CrossesAreTheUnfoldedCube) {
     int edges = 0;
     const auto check = [&](int x, int y, int x2, int y2) {
       if (x2 >= page.width() || y2 >= page.height()) return;
-      const Colour a = image[static_cast<std::size_t>(y * page.width() + x)],
-                   b = image[static_cast<std::size_t>(y2 * page.width() + x2)];
+      const Colour a = image[y * page.width() + x],
+                   b = image[y2 * page.width() + x2];
       if (a == Colour(0) || b == Colour(0)) return;
       ++edges;
       const Direction da = glm::normalize(2.0 * Direction(a) - 1.0), db = glm::normalize(2.0 * Direction(b) - 1.0);

@@ -1,5 +1,5 @@
 // Directions and locations: against the plain formulae, in float and double, at poles, seams, rims and -Z.
-#include "envmap/projection/projection.h"
+#include "envmap/projection/visit.h"
 
 #include <gtest/gtest.h>
 

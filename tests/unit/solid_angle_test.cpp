@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "envmap/maths/sum.h"
-#include "envmap/projection/projection.h"
+#include "envmap/projection/visit.h"
 #include "formulae.h"
 
 namespace envmap {
@@ -47,7 +47,7 @@ TEST_P(EachSolidAngle, TexelsHaveTheAreaTheirDirectionsSpan) {
         const auto d = [&](double x, double y) { return formulae::rounded(formulae::direction(p, 0, x, y)); };
         area.add(glm::length(glm::cross(d(u + du / 2, v) - d(u - du / 2, v), d(u, v + dv / 2) - d(u, v - dv / 2))));
       }
-    EXPECT_NEAR(row[static_cast<std::size_t>(i)] / area.value(), 1, 1e-5) << i << "," << j;
+    EXPECT_NEAR(row[i] / area.value(), 1, 1e-5) << i << "," << j;
   }
 }
 
@@ -71,7 +71,7 @@ TEST_P(EachSolidAngle, ColumnsHoldAllTheWeight) {
       solid_angles(GetParam(), size, j, row);
       const Columns in = columns(GetParam(), size, j);
       for (int i = 0; i < static_cast<int>(row.size()); ++i) {
-        const double w = row[static_cast<std::size_t>(i)];
+        const double w = row[i];
         EXPECT_GE(w, 0);
         if (i < in.first || i >= in.end) {
           EXPECT_EQ(w, 0) << size << ": " << i << "," << j;

@@ -29,7 +29,7 @@ void for_each_row(int faces, int height, const Progress& progress, F&& f) {
 template <class Result, class F>
 std::vector<Result> map_rows(int height, F&& f) {
   std::vector<Result> results(static_cast<std::size_t>(height));
-  tbb::parallel_for(0, height, [&](int j) { results[static_cast<std::size_t>(j)] = f(j); });
+  tbb::parallel_for(0, height, [&](int j) { results[j] = f(j); });
   return results;
 }
 

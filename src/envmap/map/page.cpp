@@ -37,7 +37,7 @@ void Page::gather(int begin, int end, std::span<Colour> out) const {
 void scatter(std::span<const Colour> rows, int width, int begin, int end, const Grid& grid, Level& level) {
   const int h = level.height();
   for (int f = 0; f < level.faces(); ++f) {
-    const Slot& slot = grid.slots[static_cast<std::size_t>(f)];
+    const Slot& slot = grid.slots[f];
     for (int y = std::max(begin, slot.row * h); y < std::min(end, (slot.row + 1) * h); ++y) {
       const int j = y - slot.row * h;
       const auto to = level.row(f, slot.turned ? h - 1 - j : j);

@@ -6,9 +6,8 @@
 /// place of the result (ulp), measured against long double over the ranges in tests/unit/portable_test.cpp.
 #pragma once
 
-#include "envmap/base/export.h"
 
-namespace ENVMAP_EXPORT envmap {
+namespace envmap {
 namespace portable {
 
 /// sin(pi x) and cos(pi x), |x| < 2^30; exact at multiples of 1/2. Error below 2 ulp.

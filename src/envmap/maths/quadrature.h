@@ -6,11 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include "envmap/base/export.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/vector.h"
 
-namespace ENVMAP_EXPORT envmap {
+namespace envmap {
 
 /// A rectangle; u runs right and v down, or s right and t up: whatever the caller integrates over.
 struct Rect {

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "envmap/maths/portable.h"
+
 namespace envmap {
 namespace {
 
@@ -31,6 +33,10 @@ Rotation rotation(double yaw, double pitch, double roll) {
   const Rotation about_x(1, 0, 0, 0, cp, sp, 0, -sp, cp);
   const Rotation about_z(cr, sr, 0, -sr, cr, 0, 0, 0, 1);
   return about_y * about_x * about_z;
+}
+
+double angle_between(const Direction& a, const Direction& b) {
+  return 2 * portable::atan2(glm::length(a - b), glm::length(a + b));
 }
 
 }  // namespace envmap

@@ -7,7 +7,6 @@
 #include <span>
 
 #include "envmap/base/export.h"
-#include "envmap/maths/portable.h"
 
 namespace ENVMAP_EXPORT envmap {
 
@@ -38,8 +37,6 @@ void rotate(const Rotation& turn, std::span<Direction> directions);
 
 /// Angle between two unit vectors in radians, accurate for tiny and for nearly opposite angles
 /// (Kahan 2006, "How futile are mindless assessments of roundoff", section 12).
-inline double angle_between(const Direction& a, const Direction& b) {
-  return 2 * portable::atan2(glm::length(a - b), glm::length(a + b));
-}
+double angle_between(const Direction& a, const Direction& b);
 
 }  // namespace envmap

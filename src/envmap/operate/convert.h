@@ -2,11 +2,15 @@
 /// From any projection to any other.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "envmap/base/export.h"
-#include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
+#include "envmap/map/environment_map.h"
+#include "envmap/map/rows.h"
 #include "envmap/sample/filter.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -20,14 +24,53 @@ struct ConvertOptions {
   /// Of the area filter, relative to the texel (or 0.001 x the mean if larger). Absent: 1e-4 if it was asked for, 1e-3 if
   /// it was chosen.
   std::optional<double> area_error;
-  /// Take the cheapest filter that is found to err by no more (choose_filter.h); `filter` and `samples` are then ignored.
+  /// Take the cheapest filter that is found to err by no more (FilterChoice); `filter` and `samples` are then ignored.
   std::optional<double> max_error;
   Rotation rotation{1};               ///< Turns the environment: radiance from d comes out from rotation x d.
   double gain = 1;                    ///< Factor on radiance.
 };
 
-/// The result whole, with one level; the same at any number of threads. Resampler (resampler.h) makes it row by row and
-/// tells what filter it chose.
+/// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare() has
+/// them, and the time it takes for each texel of the whole map, levels apart.
+struct FilterTrial {
+  Filter filter;
+  int samples;
+  double rms, maximum, seconds_per_texel;
+};
+
+struct FilterChoice {
+  FilterOptions filter;             ///< The one chosen: the area filter where none reached the error.
+  std::vector<FilterTrial> trials;  ///< All that were tried, cheapest first; the last is the one chosen.
+  std::int64_t texels;              ///< In which they were measured.
+  bool reached;                     ///< Whether rms and max are at most the error there.
+};
+
+/// A conversion, prepared once: what it will do, and its rows. It holds what the filter reads, so the source need not outlive
+/// it, and never changes; copies share what they hold.
+class Resampler {
+ public:
+  /// Copies the source's texels.
+  Resampler(const EnvironmentMap& source, const ConvertOptions& options) : Resampler(source.clone(), options) {}
+  /// Takes the source's texels over: no more memory than the map itself.
+  Resampler(EnvironmentMap&& source, const ConvertOptions& options);
+
+  [[nodiscard]] const Frame& frame() const;
+  [[nodiscard]] int size() const;
+  /// As it was asked for or chosen.
+  [[nodiscard]] const FilterOptions& filter() const;
+  /// How the filter was chosen, where `max_error` was given.
+  [[nodiscard]] const std::optional<FilterChoice>& choice() const;
+
+  /// The result row by row, the same at any number of threads. The rows share what the resampler holds.
+  [[nodiscard]] Rows rows() const;
+
+ private:
+  struct Prepared;
+  std::shared_ptr<const Prepared> prepared_;
+};
+
+/// The result whole, with one level; the same at any number of threads. Resampler makes it row by row and tells
+/// what filter it chose.
 /// @param progress may be empty.
 EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Progress& progress = {});
 

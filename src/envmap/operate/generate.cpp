@@ -7,6 +7,7 @@
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {
@@ -73,7 +74,7 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
   const Rotation to_world = image_to_world(map.forward);
   for_each_row(level.faces(), level.height(), progress, [&](int face, int row) {
     const Columns in = columns(level.projection(), level.height(), row);
-    std::vector<Rgb<double>> sum(static_cast<std::size_t>(in.end - in.first));
+    std::vector<Rgb<double>> sum(in.count());
     std::vector<Direction> d(sum.size());
     texel_directions(level.projection(), level.height(), face, row, in.first, d);
     if constexpr (samples<P> == 1) {
@@ -88,7 +89,7 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
           supersample(pattern, level, to_world, face, row, in.first + static_cast<int>(k), std::span(sum).subspan(k, 1));
       }
     }
-    for (std::size_t k = 0; k < sum.size(); ++k) level.row(face, row)[static_cast<std::size_t>(in.first) + k] = sum[k];
+    std::ranges::transform(sum, in.of(level.row(face, row)).begin(), [](const Rgb<double>& c) { return Colour(c); });
   });
 }
 

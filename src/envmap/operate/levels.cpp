@@ -1,4 +1,5 @@
 #include "envmap/operate/levels.h"
+#include "envmap/projection/visit.h"
 
 #include <tbb/parallel_for.h>
 
@@ -41,7 +42,7 @@ struct RowWeights {
 
 void weigh(Projection p, Weights weights, const Cells& across, const Cells& down, int row, RowWeights& out) {
   const std::size_t count = across.source.size(), half = (count + 1) / 2;
-  const auto first = static_cast<std::size_t>(down.first[static_cast<std::size_t>(row)]),
+  const auto first = static_cast<std::size_t>(down.first[row]),
              end = static_cast<std::size_t>(down.first[static_cast<std::size_t>(row) + 1]);
   out.whole.assign(across.first.size() - 1, 0);
   for (std::size_t part = 0; part < end - first; ++part) {
@@ -55,7 +56,7 @@ void weigh(Projection p, Weights weights, const Cells& across, const Cells& down
       std::copy_n(w.begin(), count - half, w.rbegin());
     }
     for (std::size_t i = 0; i < out.whole.size(); ++i)
-      for (int c = across.first[i]; c < across.first[i + 1]; ++c) out.whole[i] += w[static_cast<std::size_t>(c)];
+      for (int c = across.first[i]; c < across.first[i + 1]; ++c) out.whole[i] += w[c];
   }
 }
 
@@ -65,8 +66,8 @@ void halve_row(const Cells& across, const RowWeights& weights, std::span<const C
     Rgb<double> sum(0);
     for (std::size_t part = 0; part < rows.size(); ++part)
       for (int c = across.first[i]; c < across.first[i + 1]; ++c)
-        sum += weights.parts[part][static_cast<std::size_t>(c)] *
-               Rgb<double>(rows[part][across.source[static_cast<std::size_t>(c)]]);
+        sum += weights.parts[part][c] *
+               Rgb<double>(rows[part][across.source[c]]);
     out[i] = weights.whole[i] > 0 ? Colour(sum / weights.whole[i]) : Colour(0);
   }
 }
@@ -103,9 +104,9 @@ Level half_level(const Level& fine, Weights weights) {
       weigh(fine.projection(), weights, across, down, row, shared);
       const std::span<const int> sources =
           std::span(down.source)
-              .subspan(static_cast<std::size_t>(down.first[static_cast<std::size_t>(row)]),
+              .subspan(static_cast<std::size_t>(down.first[row]),
                        static_cast<std::size_t>(down.first[static_cast<std::size_t>(row) + 1] -
-                                                down.first[static_cast<std::size_t>(row)]));
+                                                down.first[row]));
       const auto halve = [&](int face, bool mirrored) {
         std::array<const Colour*, 3> rows{};
         for (std::size_t part = 0; part < sources.size(); ++part)

@@ -215,9 +215,7 @@ std::vector<Texel> texels_of(const Level& level) {
 }
 
 std::size_t index_of(const Level& level, const Texel& texel) {
-  const auto w = static_cast<std::size_t>(level.width()), h = static_cast<std::size_t>(level.height());
-  return (static_cast<std::size_t>(texel.face) * h + static_cast<std::size_t>(texel.j)) * w +
-         static_cast<std::size_t>(texel.i);
+  return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(texel.face) * level.height() + texel.j) * level.width() + texel.i);
 }
 
 Flux flux(const Level& level) { return flux_sum(level).value(); }

@@ -36,7 +36,7 @@ std::vector<SamplingRow> sampling_table(Projection p, int size, int steps) {
     if (!rows.empty() && rows.back().i == i && rows.back().j == j) continue;
     solid_angles(p, size, j, weights);
     const double mean = 4 * pi / (faces(p) * (on_disc(p) ? 0.25 * pi : 1.0) * width * size);
-    const double w = weights[static_cast<std::size_t>(i)];
+    const double w = weights[i];
     rows.push_back({i, j, angle_between(direction(i, j), direction(ci, cj)) * 180 / pi, w, w / mean,
                     anisotropy(p, {0, (i + 0.5) / width, (j + 0.5) / size})});
   }

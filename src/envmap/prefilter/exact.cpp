@@ -10,6 +10,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/prefilter/exact_kernels.h"
 #include "envmap/prefilter/round_border.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {

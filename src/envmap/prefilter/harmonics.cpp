@@ -7,6 +7,7 @@
 #include "envmap/maths/sum.h"
 #include "envmap/base/parallel.h"
 #include "envmap/prefilter/cell.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {

@@ -8,6 +8,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/exact.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {

@@ -6,6 +6,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/base/parallel.h"
 #include "envmap/prefilter/cell.h"
+#include "envmap/projection/visit.h"
 #include "envmap/sample/target.h"
 
 namespace envmap {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "envmap/base/parallel.h"
+#include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/on_rings.h"
 

@@ -8,6 +8,7 @@
 
 #include "envmap/prefilter/patch.h"
 #include "envmap/projection/sphere.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 

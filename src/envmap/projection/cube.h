@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 
-#include "envmap/base/export.h"
 #include "envmap/maths/portable.h"
-#include "envmap/projection/location.h"
+#include "envmap/maths/quadrature.h"
+#include "envmap/projection/projection.h"
 
-namespace ENVMAP_EXPORT envmap {
+namespace envmap {
 
 struct Cube {
   static constexpr Projection id = Projection::cube;
@@ -32,7 +32,7 @@ struct Cube {
   template <class T>
   static Vec3<T> direction(int face, T u, T v) {
     const double s = 2.0 * u - 1, t = 1 - 2.0 * v;
-    const Axes& a = axes[static_cast<std::size_t>(face)];
+    const Axes& a = axes[face];
     return Vec3<T>((a.forward + s * a.right + t * a.up) / std::sqrt(1 + s * s + t * t));
   }
 
@@ -47,7 +47,7 @@ struct Cube {
   /// Where a direction in front of a face meets the plane of the face: u and v may lie beyond [0,1].
   template <class T>
   static Location<T> continued(int face, const Vec3<T>& d) {
-    const Axes& a = axes[static_cast<std::size_t>(face)];
+    const Axes& a = axes[face];
     const Direction wide(d);
     const double half = 0.5 / std::abs(wide[face / 2]);
     return {face, static_cast<T>(0.5 + half * glm::dot(wide, a.right)), static_cast<T>(0.5 - half * glm::dot(wide, a.up))};

@@ -12,7 +12,7 @@
 #include <bit>
 
 #include "envmap/maths/trigonometry-inl.h"
-#include "envmap/projection/projection.h"
+#include "envmap/projection/visit.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace envmap {
@@ -46,7 +46,7 @@ HWY_INLINE void direction(Latlong, D d, const Scale& scale, int /*face*/, V a, V
 
 template <class D, class V>
 HWY_INLINE void direction(Cube, D d, const Scale& scale, int face, V a, V b, V& x, V& y, V& z) {
-  const Cube::Axes& axes = Cube::axes[static_cast<std::size_t>(face)];
+  const Cube::Axes& axes = Cube::axes[face];
   const V square = hn::Add(hn::Add(hn::Set(d, scale.square), hn::Mul(a, a)), hn::Mul(b, b));
   const V unit = hn::Div(hn::Set(d, 1), hn::Sqrt(square));
   const auto component = [&](int k) HWY_ATTR {  // Two of the three terms are 0.

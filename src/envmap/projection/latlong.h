@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "envmap/base/export.h"
 #include "envmap/maths/portable.h"
-#include "envmap/projection/location.h"
+#include "envmap/maths/quadrature.h"
+#include "envmap/projection/projection.h"
 
-namespace ENVMAP_EXPORT envmap {
+namespace envmap {
 
 struct Latlong {
   static constexpr Projection id = Projection::latlong;

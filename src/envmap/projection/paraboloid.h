@@ -6,10 +6,10 @@
 
 #include <cmath>
 
-#include "envmap/base/export.h"
-#include "envmap/projection/location.h"
+#include "envmap/maths/quadrature.h"
+#include "envmap/projection/projection.h"
 
-namespace ENVMAP_EXPORT envmap {
+namespace envmap {
 
 struct Paraboloid {
   static constexpr Projection id = Projection::paraboloid;

@@ -3,7 +3,29 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/projection/visit.h"
+
 namespace envmap {
+
+const char* name(Projection p) {
+  return visit(p, [](auto q) { return decltype(q)::name; });
+}
+
+int faces(Projection p) {
+  return visit(p, [](auto q) { return decltype(q)::faces; });
+}
+
+int aspect(Projection p) {
+  return visit(p, [](auto q) { return decltype(q)::aspect; });
+}
+
+bool on_disc(Projection p) {
+  return visit(p, [](auto q) { return decltype(q)::on_disc; });
+}
+
+bool has_forward(Projection p) {
+  return visit(p, [](auto q) { return decltype(q)::has_forward; });
+}
 
 std::optional<Projection> projection_named(std::string_view wanted) {
   for (const Projection p : all_projections)

@@ -1,90 +1,35 @@
 /// @file
-/// The list of projections, the one dispatch, and what operations ask of a projection: rows and spans at a time.
+/// The projections: how an image, or several faces, shows all directions; and what operations ask of one, rows and spans at
+/// a time.
 #pragma once
 
-#include <array>
-#include <concepts>
 #include <optional>
 #include <span>
 #include <string_view>
-#include <utility>
 
 #include "envmap/base/export.h"
-#include "envmap/projection/angular.h"
-#include "envmap/projection/cube.h"
-#include "envmap/projection/latlong.h"
-#include "envmap/projection/paraboloid.h"
-#include "envmap/projection/sphere.h"
+#include "envmap/maths/vector.h"
 
 namespace ENVMAP_EXPORT envmap {
 
-/// What a projection is: a type of pure functions and constants. `direction` and `locate` take and give float or double
-/// and are evaluated in double: a float result is off by its own rounding alone, 2^-23 rad for a direction and 2^-24 of the
-/// face for a location (tested).
-template <class P>
-concept ProjectionType = requires(int face, double u, double v, const Direction& d, const Rect& rect) {
-  { P::id } -> std::convertible_to<Projection>;
-  { P::name } -> std::convertible_to<const char*>;      // As users type it.
-  { P::faces } -> std::convertible_to<int>;
-  { P::aspect } -> std::convertible_to<int>;            // Width over height of a face.
-  { P::span } -> std::convertible_to<double>;           // Degrees of arc along the height of a face.
-  { P::on_disc } -> std::convertible_to<bool>;          // Only the unit disc of a face carries weight.
-  { P::filled } -> std::convertible_to<bool>;           // Texels outside the disc are written all the same.
-  { P::has_forward } -> std::convertible_to<bool>;      // The image has a centre that --forward can choose.
-  { P::direction(face, u, v) } -> std::same_as<Direction>;  // Unit; beyond the face its smooth continuation.
-  { P::locate(d) } -> std::same_as<Location<double>>;       // Of any unit vector.
-  { P::density(u, v) } -> std::same_as<double>;             // Solid angle per du dv; 0 outside the disc.
-  { P::solid_angle(rect) } -> std::same_as<double>;         // Of a rectangle in u and v: its part inside the disc.
+enum class Projection { latlong, cube, sphere, paraboloid, angular };
+
+/// In the order of the enumerators.
+inline constexpr Projection all_projections[] = {Projection::latlong, Projection::cube, Projection::sphere,
+                                                 Projection::paraboloid, Projection::angular};
+
+/// A point of a face: u runs right and v down, both [0,1]; texel (i,j) of W x H has its centre at ((i+.5)/W, (j+.5)/H).
+template <class T>
+struct Location {
+  int face;
+  T u, v;
 };
 
-template <ProjectionType... P>
-struct ProjectionList {
-  static constexpr std::array<Projection, sizeof...(P)> ids{P::id...};
-
-  /// f of the projection's type.
-  template <class First, class... Rest, class F>
-  static constexpr decltype(auto) visit(Projection p, F&& f) {
-    if constexpr (sizeof...(Rest) > 0)
-      if (p != First::id) return visit<Rest...>(p, std::forward<F>(f));
-    return f(First{});
-  }
-  template <class F>
-  static constexpr decltype(auto) visit_all(Projection p, F&& f) {
-    return visit<P...>(p, std::forward<F>(f));
-  }
-};
-
-/// The one list of projections, in the order of their enumerators.
-using Projections = ProjectionList<Latlong, Cube, Sphere, Paraboloid, Angular>;
-
-inline constexpr auto all_projections = Projections::ids;
-static_assert([] {
-  for (std::size_t k = 0; k < all_projections.size(); ++k)
-    if (static_cast<std::size_t>(all_projections[k]) != k) return false;
-  return true;
-}());
-
-/// Calls f with the type of a projection: the only dispatch over projections there is.
-template <class F>
-constexpr decltype(auto) visit(Projection p, F&& f) {
-  return Projections::visit_all(p, std::forward<F>(f));
-}
-
-inline const char* name(Projection p) {
-  return visit(p, [](auto q) { return decltype(q)::name; });
-}
-inline int faces(Projection p) {
-  return visit(p, [](auto q) { return decltype(q)::faces; });
-}
-inline int aspect(Projection p) {
-  return visit(p, [](auto q) { return decltype(q)::aspect; });
-}
-inline bool on_disc(Projection p) {
-  return visit(p, [](auto q) { return decltype(q)::on_disc; });
-}
-inline bool has_forward(Projection p) {
-  return visit(p, [](auto q) { return decltype(q)::has_forward; });
-}
+const char* name(Projection p);  ///< As users type it.
+int faces(Projection p);
+int aspect(Projection p);        ///< Width over height of a face.
+bool on_disc(Projection p);      ///< Only the unit disc of a face carries weight.
+bool has_forward(Projection p);  ///< The image has a centre that can be chosen.
 /// @return the projection of that name, or nothing.
 std::optional<Projection> projection_named(std::string_view name);
 
@@ -95,6 +40,13 @@ int matching_size(Projection from, int size, Projection to);
 /// The columns of a row whose texels hold an image: all of them, or those that touch the disc.
 struct Columns {
   int first, end;
+
+  [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(end - first); }
+  /// Those of a row.
+  template <class T>
+  [[nodiscard]] std::span<T> of(std::span<T> row) const {
+    return row.subspan(static_cast<std::size_t>(first), count());
+  }
 };
 Columns columns(Projection p, int size, int row);
 

@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "envmap/base/export.h"
 #include "envmap/maths/portable.h"
-#include "envmap/projection/location.h"
+#include "envmap/maths/quadrature.h"
+#include "envmap/projection/projection.h"
 
-namespace ENVMAP_EXPORT envmap {
+namespace envmap {
 
 struct Sphere {
   static constexpr Projection id = Projection::sphere;

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include "envmap/base/error.h"
+#include "envmap/map/image_view.h"
 #include "envmap/render/draw.h"
 
 namespace envmap {
@@ -11,14 +12,13 @@ namespace {
 
 std::vector<glm::vec4> rays_of(Projection p, int size, int face, const Vec2<double>& offset) {
   const int width = size * aspect(p);
-  std::vector<glm::vec4> rays(static_cast<std::size_t>(width) * static_cast<std::size_t>(size), glm::vec4(0));
+  std::vector<glm::vec4> rays(ImageView<glm::vec4>::count(width, size), glm::vec4(0));
+  const ImageView<glm::vec4> image(rays, width, size);
   tbb::parallel_for(0, size, [&](int row) {
     const Columns in = columns(p, size, row);
-    std::vector<Direction> found(static_cast<std::size_t>(in.end - in.first));
+    std::vector<Direction> found(in.count());
     sample_directions(p, size, face, row, offset, found);
-    glm::vec4* to = &rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
-    for (std::size_t k = 0; k < found.size(); ++k)
-      to[static_cast<std::size_t>(in.first) + k] = {glm::vec3(found[k]), 0};
+    std::ranges::transform(found, in.of(image.row(0, row)).begin(), [](const Direction& d) { return glm::vec4(d, 0); });
   });
   return rays;
 }
@@ -66,11 +66,11 @@ gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offs
 }
 
 gl::Texture make_rays(const Lens& lens, int height, const Vec2<double>& offset) {
-  std::vector<glm::vec4> rays(static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(height));
+  std::vector<glm::vec4> rays(ImageView<glm::vec4>::count(lens.width, height));
+  const ImageView<glm::vec4> image(rays, lens.width, height);
   tbb::parallel_for(0, height, [&](int row) {
     for (int i = 0; i < lens.width; ++i)
-      rays[static_cast<std::size_t>(row) * static_cast<std::size_t>(lens.width) + static_cast<std::size_t>(i)] =
-          glm::vec4(glm::vec3(lens.ray((i + 0.5 + offset.x) / lens.width, (row + 0.5 + offset.y) / height)), 0);
+      image(i, row) = glm::vec4(glm::vec3(lens.ray((i + 0.5 + offset.x) / lens.width, (row + 0.5 + offset.y) / height)), 0);
   });
   return uploaded(rays, lens.width, height);
 }

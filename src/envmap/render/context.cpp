@@ -112,7 +112,7 @@ struct Egl {
     if (list == nullptr || ask == nullptr || list(found.size(), found.data(), &count) != EGL_TRUE) return {};
     std::vector<EGLDeviceEXT> cards, others;
     for (EGLint k = 0; k < count; ++k) {
-      const EGLDeviceEXT device = found[static_cast<std::size_t>(k)];
+      const EGLDeviceEXT device = found[k];
       const char* extensions = ask(device, EGL_EXTENSIONS);
       const bool software = extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software") != nullptr;
       (software ? others : cards).push_back(device);

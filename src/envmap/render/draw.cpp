@@ -1,4 +1,5 @@
 #include "envmap/render/draw.h"
+#include "envmap/projection/visit.h"
 
 #include <cmath>
 #include <limits>
@@ -15,7 +16,7 @@ std::vector<Instance> instances(const Scene& scene) {
 std::size_t triangles(const Scene& scene) {
   std::size_t count = 0;
   for (const Instance& i : instances(scene))
-    count += scene.meshes[static_cast<std::size_t>(i.mesh)].indices.size() / 3;
+    count += scene.meshes[i.mesh].indices.size() / 3;
   return count;
 }
 
@@ -43,14 +44,14 @@ Direction centre_of(const Scene& scene, const Pose& pose, int node) {
   Direction low(std::numeric_limits<double>::infinity()), high(-low);
   for (const Instance& instance : instances(scene)) {
     if (!lies_under(scene, instance.node, node)) continue;
-    const Matrix& world = pose[static_cast<std::size_t>(instance.node)];
-    for (const glm::vec3& p : scene.meshes[static_cast<std::size_t>(instance.mesh)].positions) {
+    const Matrix& world = pose[instance.node];
+    for (const glm::vec3& p : scene.meshes[instance.mesh].positions) {
       const Direction place(world * glm::vec<4, double, glm::highp>(p, 1));
       low = glm::min(low, place);
       high = glm::max(high, place);
     }
   }
-  if (low.x > high.x) return Direction(pose[static_cast<std::size_t>(node)][3]);
+  if (low.x > high.x) return Direction(pose[node][3]);
   return 0.5 * (low + high);
 }
 

@@ -36,7 +36,7 @@ LightTexture upload(const EnvironmentLight& light) {
   for (int level = 0; level < levels; ++level)
     for (int face = 0; face < 6; ++face)
       glTextureSubImage3D(out.glossy, 0, 0, 0, 6 * level + face, size, size, 1, GL_RGB, GL_FLOAT,
-                          as_gl_turns(light.glossy[static_cast<std::size_t>(level)], face).data());
+                          as_gl_turns(light.glossy[level], face).data());
   gl::interpolate(out.glossy);
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
   gl::check("upload of the environment's light");

@@ -33,7 +33,7 @@ struct GpuLight {
 
 template <class T>
 const T& at(const std::vector<T>& all, int index) {
-  return all[static_cast<std::size_t>(index)];
+  return all[index];
 }
 
 GLint wrap(Texture::Wrap w) {

@@ -1,4 +1,5 @@
 #include "envmap/render/image.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 

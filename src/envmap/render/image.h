@@ -3,7 +3,7 @@
 #pragma once
 
 #include "envmap/maths/vector.h"
-#include "envmap/projection/projection.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 

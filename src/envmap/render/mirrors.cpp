@@ -22,8 +22,8 @@ bool is_mirror(const Material& m) { return (m.metallic > 0.999F || m.transmissio
 constexpr int rough_size = 2 * glossy_size;
 
 const Material& material_of(const Scene& scene, const Instance& instance) {
-  const Mesh& mesh = scene.meshes[static_cast<std::size_t>(instance.mesh)];
-  return scene.materials[static_cast<std::size_t>(mesh.material)];
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  return scene.materials[mesh.material];
 }
 
 // What lies round a mirror stands still.
@@ -109,8 +109,8 @@ void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, 
   const Mirror& mirror = mirrors_[k];
   for (const Instance& instance : instances(scene_)) {
     if (!lies_under(scene_, instance.node, mirror.node)) continue;
-    const Mesh& mesh = scene_.meshes[static_cast<std::size_t>(instance.mesh)];
-    const Matrix& world = shot.pose[static_cast<std::size_t>(instance.node)];
+    const Mesh& mesh = scene_.meshes[instance.mesh];
+    const Matrix& world = shot.pose[instance.node];
     const auto add = [&](const Optics& optics) {
       const Shown shown = shown_directions(viewer, mesh, world, optics);
       want.caps.insert(want.caps.end(), shown.caps.begin(), shown.caps.end());

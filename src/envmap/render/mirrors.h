@@ -78,7 +78,7 @@ class Mirrors {
   };
 
   [[nodiscard]] const std::string& name_of(std::size_t k) const {
-    return scene_.nodes[static_cast<std::size_t>(mirrors_[k].node)].name;
+    return scene_.nodes[mirrors_[k].node].name;
   }
   void add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, Wanted& want) const;
   [[nodiscard]] std::vector<Wanted> wanted(const Shot& shot, const std::vector<Viewer>& viewers) const;

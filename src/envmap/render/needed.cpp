@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "envmap/projection/projection.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {
@@ -66,8 +66,8 @@ struct Search {
 
   void add(const Facet& f, int depth) {
     if (out_of_sight(f)) return;
-    const auto rays = [&](int i) { return unit(f[static_cast<std::size_t>(i)].position - viewer.at); };
-    const auto normals = [&](int i) { return unit(f[static_cast<std::size_t>(i)].normal); };
+    const auto rays = [&](int i) { return unit(f[i].position - viewer.at); };
+    const auto normals = [&](int i) { return unit(f[i].normal); };
     const Cap view = cap_of({rays(0), rays(1), rays(2)}), normal = cap_of({normals(0), normals(1), normals(2)});
     const double angle = view.angle + 2 * normal.angle;
     if (angle <= fineness || depth == deepest) {
@@ -135,7 +135,7 @@ std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axe
       const int along = face / 2;
       const double forward = face % 2 == 0 ? axis[along] : -axis[along];
       const double side = std::max(std::abs(axis[(along + 1) % 3]), std::abs(axis[(along + 2) % 3]));
-      if ((forward - side) / std::numbers::sqrt2 >= -reach) reached[static_cast<std::size_t>(face)] = true;
+      if ((forward - side) / std::numbers::sqrt2 >= -reach) reached[face] = true;
     }
   }
   return reached;

@@ -1,3 +1,4 @@
+#include "envmap/map/image_view.h"
 #include "envmap/render/renderer.h"
 
 namespace envmap {
@@ -5,7 +6,7 @@ namespace envmap {
 std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
   MapTexture picture(from.lens->width, from.size);
   renderer.draw(from, shot, DrawMethod::distort, picture);
-  std::vector<glm::vec4> texels(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.size));
+  std::vector<glm::vec4> texels(ImageView<glm::vec4>::count(picture.width, picture.size));
   glGetTextureImage(picture.texture, 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(texels.size() * sizeof(glm::vec4)),
                     texels.data());
   gl::check("reading the picture");

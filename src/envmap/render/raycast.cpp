@@ -9,6 +9,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/map/image_view.h"
 #include "envmap/render/shading.h"
 #include "envmap/render/texture_sample.h"
 
@@ -29,9 +30,9 @@ struct Placed {
 };
 
 Placed place(const Shot& shot, const Viewpoint& from, const Instance& instance) {
-  Placed p{.scene = &shot.scene, .mesh = &shot.scene.meshes[static_cast<std::size_t>(instance.mesh)]};
-  p.material = &shot.scene.materials[static_cast<std::size_t>(p.mesh->material)];
-  const Matrix& world = shot.pose[static_cast<std::size_t>(instance.node)];
+  Placed p{.scene = &shot.scene, .mesh = &shot.scene.meshes[instance.mesh]};
+  p.material = &shot.scene.materials[p.mesh->material];
+  const Matrix& world = shot.pose[instance.node];
   const Rotation linear(world);
   const Direction offset = Direction(world[3]) - from.at;
   p.positions.reserve(p.mesh->positions.size() + 1);
@@ -83,7 +84,7 @@ Meeting meet(const Placed& p, std::size_t triangle, const Direction& ray) {
 }
 
 glm::vec4 sample(const Placed& p, int texture, const glm::vec2& at) {
-  return texture < 0 ? glm::vec4(1) : texture_at(p.scene->textures[static_cast<std::size_t>(texture)], at);
+  return texture < 0 ? glm::vec4(1) : texture_at(p.scene->textures[texture], at);
 }
 
 // Called for each hit: a side that is not drawn and a hole let the ray through.
@@ -193,24 +194,26 @@ Drawn raycast(const Shot& shot, const Viewpoint& from, const Progress& progress)
   const Lighting light = lighting(shot);
   Drawn drawn{.radiance = blank_map(from.to, from.size)};
   Level& level = drawn.radiance.base();
-  const auto width = static_cast<std::size_t>(level.width()), height = static_cast<std::size_t>(level.height());
-  drawn.distances.assign(static_cast<std::size_t>(level.faces()) * width * height, std::numeric_limits<float>::infinity());
+  drawn.distances.assign(ImageView<float>::count(level.width(), level.height(), level.faces()),
+                         std::numeric_limits<float>::infinity());
   drawn.surfaces.assign(drawn.distances.size(), 0);
+  const ImageView<float> distances(drawn.distances, level.width(), level.height(), level.faces());
+  const ImageView<std::uint32_t> surfaces(drawn.surfaces, level.width(), level.height(), level.faces());
   for_each_row(level.faces(), level.height(), progress, [&](int face, int row) {
     if ((from.which >> face & 1) == 0) return;
     const Columns in = columns(from.to, from.size, row);
-    std::vector<Direction> rays(static_cast<std::size_t>(in.end - in.first));
+    std::vector<Direction> rays(in.count());
     std::vector<Flux> sums(rays.size(), Flux(0));
-    const std::size_t first = (static_cast<std::size_t>(face) * height + static_cast<std::size_t>(row)) * width +
-                              static_cast<std::size_t>(in.first);
+    const auto distance = in.of(distances.row(face, row));
+    const auto surface = in.of(surfaces.row(face, row));
     for (int k = 0; k < from.samples; ++k) {
       sample_directions(from.to, from.size, face, row, sample_offset(k, from.samples), rays);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const Seen seen = look(world, light, from, from.axes * rays[i]);
         sums[i] += Flux(seen.radiance);
         if (k > 0) continue;
-        drawn.distances[first + i] = seen.distance;
-        drawn.surfaces[first + i] = seen.surface;
+        distance[i] = seen.distance;
+        surface[i] = seen.surface;
       }
     }
     for (std::size_t i = 0; i < rays.size(); ++i)

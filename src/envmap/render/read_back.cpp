@@ -1,7 +1,9 @@
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <limits>
 
+#include "envmap/map/image_view.h"
 #include "envmap/operate/convert.h"
 #include "envmap/render/renderer.h"
 
@@ -17,23 +19,25 @@ Drawn resample(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
   all_round.to = Projection::cube;
   Drawn cube = draw(renderer, all_round, shot, DrawMethod::distort);
   Drawn out{convert(cube.radiance, {.to = from.to, .size = from.size, .filter = Filter::bilinear}), {}, {}};
-  const auto width = static_cast<std::size_t>(from.size * aspect(from.to)), size = static_cast<std::size_t>(from.size);
-  out.distances.assign(static_cast<std::size_t>(faces(from.to)) * width * size, nowhere);
+  const int width = from.size * aspect(from.to);
+  out.distances.assign(ImageView<float>::count(width, from.size, faces(from.to)), nowhere);
   out.surfaces.assign(out.distances.size(), 0);
+  const ImageView<const float> cube_distances(cube.distances, from.size, from.size, 6);
+  const ImageView<const std::uint32_t> cube_surfaces(cube.surfaces, from.size, from.size, 6);
+  const ImageView<float> distances(out.distances, width, from.size, faces(from.to));
+  const ImageView<std::uint32_t> surfaces(out.surfaces, width, from.size, faces(from.to));
   tbb::parallel_for(0, faces(from.to) * from.size, [&](int line) {
     const int face = line / from.size, row = line % from.size;
     const Columns in = columns(from.to, from.size, row);
-    std::vector<Direction> rays(static_cast<std::size_t>(in.end - in.first));
+    std::vector<Direction> rays(in.count());
     texel_directions(from.to, from.size, face, row, in.first, rays);
     std::vector<Location<double>> places(rays.size());
     locate(Projection::cube, rays, places);
     for (std::size_t k = 0; k < places.size(); ++k) {
-      const auto at = [&](double u) { return std::min(static_cast<std::size_t>(u * from.size), size - 1); };
-      const std::size_t texel =
-          (static_cast<std::size_t>(places[k].face) * size + at(places[k].v)) * size + at(places[k].u);
-      const std::size_t to = static_cast<std::size_t>(line) * width + static_cast<std::size_t>(in.first) + k;
-      out.distances[to] = cube.distances[texel];
-      out.surfaces[to] = cube.surfaces[texel];
+      const auto at = [&](double u) { return std::min(static_cast<int>(u * from.size), from.size - 1); };
+      const int i = at(places[k].u), j = at(places[k].v);
+      in.of(distances.row(face, row))[k] = cube_distances(places[k].face, i, j);
+      in.of(surfaces.row(face, row))[k] = cube_surfaces(places[k].face, i, j);
     }
   });
   return out;
@@ -44,18 +48,17 @@ Drawn resample(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
 EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances) {
   EnvironmentMap out;
   Level& level = out.levels.emplace_back(map.projection, map.size);
-  const auto width = static_cast<std::size_t>(level.width()), texels = width * static_cast<std::size_t>(level.height());
-  if (distances != nullptr) distances->resize(texels * static_cast<std::size_t>(level.faces()));
-  std::vector<glm::vec4> drawn(texels);
+  if (distances != nullptr) distances->resize(ImageView<float>::count(level.width(), level.height(), level.faces()));
+  std::vector<glm::vec4> drawn(ImageView<glm::vec4>::count(level.width(), level.height()));
+  const ImageView<const glm::vec4> image(drawn, level.width(), level.height());
   for (int face = 0; face < level.faces(); ++face) {
     glGetTextureSubImage(map.texture, 0, 0, 0, map.layer(face), level.width(), level.height(), 1, GL_RGBA, GL_FLOAT,
-                         static_cast<GLsizei>(texels * sizeof(glm::vec4)), drawn.data());
+                         static_cast<GLsizei>(drawn.size() * sizeof(glm::vec4)), drawn.data());
     tbb::parallel_for(0, level.height(), [&](int row) {
-      const std::size_t first = static_cast<std::size_t>(row) * width;
-      for (std::size_t k = 0; k < width; ++k) level.row(face, row)[k] = Colour(drawn[first + k]);
-      if (distances != nullptr)
-        for (std::size_t k = 0; k < width; ++k)
-          (*distances)[static_cast<std::size_t>(face) * texels + first + k] = drawn[first + k].w;
+      std::ranges::transform(image.row(0, row), level.row(face, row).begin(), [](const glm::vec4& t) { return Colour(t); });
+      if (distances == nullptr) return;
+      const ImageView<float> to(*distances, level.width(), level.height(), level.faces());
+      std::ranges::transform(image.row(0, row), to.row(face, row).begin(), &glm::vec4::w);
     });
   }
   gl::check("reading a map back");

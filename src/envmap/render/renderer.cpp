@@ -17,7 +17,7 @@ constexpr double tessellation_tolerance = 0.25;  // Pixels.
 template <class M>
 std::array<float, 9> floats(const M& m) {
   std::array<float, 9> out{};
-  for (int k = 0; k < 9; ++k) out[static_cast<std::size_t>(k)] = static_cast<float>(m[k / 3][k % 3]);
+  for (int k = 0; k < 9; ++k) out[k] = static_cast<float>(m[k / 3][k % 3]);
   return out;
 }
 
@@ -46,7 +46,7 @@ bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
 // What a group's mirror shows; null for what is none, or has no map yet.
 const MirrorMap* map_of(const Group& group, const Shot& shot) {
   if (group.mirror < 0 || shot.mirrors.empty()) return nullptr;
-  const MirrorMap& map = shot.mirrors[static_cast<std::size_t>(group.mirror)];
+  const MirrorMap& map = shot.mirrors[group.mirror];
   return map.texture ? &map : nullptr;
 }
 
@@ -191,7 +191,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
         glUseProgram(*program);
       }
       if (holes) {
-        const Group& group = gpu_.groups()[static_cast<std::size_t>(part.group)];
+        const Group& group = gpu_.groups()[part.group];
         gpu_.bind(group);
         gl::set(*program, "material", part.material);
         gl::set(*program, "textured", group.base_colour >= 0 ? 1 : 0);
@@ -248,7 +248,7 @@ void Renderer::shade_background(const Viewpoint& from, const Shot& shot) {
 void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t k) {
   const Group& group = gpu_.groups()[k];
   // What is left out is not shaded: its map may be what is being drawn.
-  if (group.mirror >= 0 && lies_under(shot.scene, mirrors_[static_cast<std::size_t>(group.mirror)], from.without))
+  if (group.mirror >= 0 && lies_under(shot.scene, mirrors_[group.mirror], from.without))
     return;
   gpu_.bind(group);
   const gl::Program& program = shading(group, shot);

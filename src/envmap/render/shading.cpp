@@ -6,6 +6,7 @@
 #include "envmap/prefilter/brdf_table.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
+#include "envmap/projection/visit.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
@@ -62,7 +63,7 @@ Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness)
   const int lower = std::min(static_cast<int>(level), glossy_levels - 1);
   const auto at = [&](int k) {
     if (k == 0) return Flux(background(l.environment, from));
-    return Flux(bilinear(l.environment->light.glossy[static_cast<std::size_t>(k - 1)], Cube::locate(from)));
+    return Flux(bilinear(l.environment->light.glossy[k - 1], Cube::locate(from)));
   };
   const double part = level - lower;
   return ambient + (part < 1 ? (1 - part) * at(lower) : Flux(0)) + (part > 0 ? part * at(lower + 1) : Flux(0));
@@ -74,7 +75,7 @@ ScaleBias split_sum(double cosine, double roughness) {
   const auto along = [](double x) { return std::clamp(x * split_sum_size - 0.5, 0.0, split_sum_size - 1.0); };
   const double x = along(cosine), y = along(roughness);
   const int i = std::min(static_cast<int>(x), split_sum_size - 2), j = std::min(static_cast<int>(y), split_sum_size - 2);
-  const Colour* a = &table[static_cast<std::size_t>(j * split_sum_size + i)];
+  const Colour* a = &table[j * split_sum_size + i];
   const Flux upper = glm::mix(Flux(a[0]), Flux(a[1]), x - i);
   const Flux lower = glm::mix(Flux(a[split_sum_size]), Flux(a[split_sum_size + 1]), x - i);
   const Flux found = glm::mix(upper, lower, y - j);
@@ -118,7 +119,7 @@ double specular(double alpha, const Direction& n, const Direction& h, double nv,
 std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
   std::vector<PlacedLight> placed;
   for (const PunctualLight& light : scene.lights) {
-    const Matrix& world = pose[static_cast<std::size_t>(light.node)];
+    const Matrix& world = pose[light.node];
     const Direction along(-world[2]);
     const double length = glm::length(along);
     placed.push_back({light.kind, Direction(world[3]), length > 0 ? along / length : Direction(0, 0, -1),

@@ -14,6 +14,7 @@
 #include "envmap/base/progress.h"
 #include "envmap/render/draw.h"
 #include "envmap/sample/lookup.h"
+#include "envmap/sample/padded_level.h"
 
 namespace envmap {
 

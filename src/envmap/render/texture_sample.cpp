@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "envmap/map/image_view.h"
+
 namespace envmap {
 namespace {
 
@@ -15,11 +17,10 @@ float linear(int code) {
 glm::vec4 decoded(const Texture& t, int i, int j) {
   static const auto curve = [] {
     std::array<float, 256> table;
-    for (int k = 0; k < 256; ++k) table[static_cast<std::size_t>(k)] = linear(k);
+    for (int k = 0; k < 256; ++k) table[k] = linear(k);
     return table;
   }();
-  const glm::u8vec4 code =
-      t.texels[static_cast<std::size_t>(j) * static_cast<std::size_t>(t.width) + static_cast<std::size_t>(i)];
+  const glm::u8vec4 code = ImageView<const glm::u8vec4>(t.texels, t.width, t.height)(i, j);
   if (!t.srgb) return glm::vec4(code) / 255.0F;
   return {curve[code.x], curve[code.y], curve[code.z], static_cast<float>(code.w) / 255.0F};
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "envmap/maths/quadrature.h"
 #include "envmap/sample/footprint.h"
 #include "envmap/sample/point.h"
 #include "envmap/sample/inverse_bilinear.h"

@@ -9,6 +9,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/maths/polygon.h"
 #include "envmap/maths/portable.h"
+#include "envmap/projection/visit.h"
 #include "envmap/sample/adaptive.h"
 #include "envmap/sample/coverage.h"
 #include "envmap/sample/outline.h"
@@ -84,7 +85,7 @@ bool integrate_over_edges(const PaddedLevel& source, std::size_t texel, Workspac
     ws.outline.points.clear();
     ws.sides.around(texel, [&](std::size_t k) {
       const Direction& d = ws.sides.directions[k];
-      before &= glm::dot(d, Cube::axes[static_cast<std::size_t>(face)].forward) > 0.1;
+      before &= glm::dot(d, Cube::axes[face].forward) > 0.1;
       if (before) ws.outline.points.push_back(in_texels(source, Cube::continued(face, d)));
     });
     if (!before) return false;

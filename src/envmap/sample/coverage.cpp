@@ -47,7 +47,7 @@ void Coverage::add_in_row(int row, const Point2& a, const Point2& b) {
   for (int column = static_cast<int>(a.x);; ++column) {
     const bool last = !(column + 1 < b.x);
     const Point2 to = last ? b : Point2(column + 1, a.y + (column + 1 - a.x) * slope);
-    add_piece(cells_[static_cast<std::size_t>(std::min(row, down_ - 1) * across_ + std::min(column, across_ - 1))],
+    add_piece(cells_[std::min(row, down_ - 1) * across_ + std::min(column, across_ - 1)],
               {from.x - column, from.y - row}, {to.x - column, to.y - row});
     if (last) return;
     from = to;

@@ -2,15 +2,18 @@
 /// The list of filters and the one dispatch.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "envmap/base/export.h"
-#include "envmap/sample/padded_level.h"
-#include "envmap/sample/target.h"
+#include "envmap/maths/vector.h"
 
 namespace ENVMAP_EXPORT envmap {
+
+class PaddedLevel;
+struct Target;
 
 enum class Filter { nearest, bilinear, bicubic, trilinear, sat, ewa, area };
 
@@ -20,6 +23,10 @@ struct FilterOptions {
   double area_error = 1e-4;  ///< Of the area filter: see area_sampler().
   double floor = 0;          ///< Of the area filter: radiance below which errors are absolute.
 };
+
+/// Fills texels [first, first + out.size()) of a row of a face of the result. Safe to call from many threads at once;
+/// always gives the same.
+using Sampler = std::function<void(int face, int row, int first, std::span<Colour> out)>;
 
 /// A row of the table of filters. A new filter is a row of it, an enumerator and a file.
 struct FilterInfo {

@@ -1,6 +1,7 @@
 #include "envmap/sample/inverse_bilinear.h"
 
 #include "envmap/maths/portable.h"
+#include "envmap/projection/visit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,15 +1,17 @@
 #include "envmap/sample/lookup.h"
 
+#include "envmap/projection/visit.h"
+#include "envmap/sample/padded_level.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
 
 EnvironmentLookup::EnvironmentLookup(Level&& level, Forward forward)
-    : level_(std::move(level)), world_to_image_(glm::transpose(image_to_world(forward))) {}
+    : level_(std::make_shared<const PaddedLevel>(std::move(level))), world_to_image_(glm::transpose(image_to_world(forward))) {}
 
 Colour EnvironmentLookup::operator()(const Direction& direction) const {
   const Direction d = world_to_image_ * direction;
-  return bilinear(level_, visit(level_.projection(), [&](auto p) { return decltype(p)::template locate<double>(d); }));
+  return bilinear(*level_, visit(level_->projection(), [&](auto p) { return decltype(p)::template locate<double>(d); }));
 }
 
 }  // namespace envmap

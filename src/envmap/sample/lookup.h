@@ -2,10 +2,14 @@
 /// Radiance by world direction.
 #pragma once
 
+#include <memory>
+
 #include "envmap/base/export.h"
-#include "envmap/sample/padded_level.h"
+#include "envmap/map/environment_map.h"
 
 namespace ENVMAP_EXPORT envmap {
+
+class PaddedLevel;
 
 /// The continuous environment that a map stands for: the seamless bilinear reconstruction of its level 0.
 class EnvironmentLookup {
@@ -17,13 +21,14 @@ class EnvironmentLookup {
   /// @param direction a unit vector of the world.
   [[nodiscard]] Colour operator()(const Direction& direction) const;
 
-  [[nodiscard]] const PaddedLevel& level() const { return level_; }
+  /// What is looked up: shared by copies, and never changed.
+  [[nodiscard]] const PaddedLevel& level() const { return *level_; }
   [[nodiscard]] const Rotation& world_to_image() const { return world_to_image_; }
 
  private:
   EnvironmentLookup(Level&& level, Forward forward);
 
-  PaddedLevel level_;
+  std::shared_ptr<const PaddedLevel> level_;
   Rotation world_to_image_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "envmap/maths/portable.h"
+#include "envmap/projection/visit.h"
 #include "envmap/sample/inverse_bilinear.h"
 
 namespace envmap {

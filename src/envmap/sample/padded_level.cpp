@@ -1,4 +1,5 @@
 #include "envmap/sample/padded_level.h"
+#include "envmap/projection/visit.h"
 
 #include <algorithm>
 #include <array>

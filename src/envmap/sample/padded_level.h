@@ -2,10 +2,9 @@
 /// A level with an apron: what filters read.
 #pragma once
 
-#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 
-namespace ENVMAP_EXPORT envmap {
+namespace envmap {
 
 /// A copy of a level whose faces go on beyond their edges: `Level::apron` more texels on every side and, where a disc
 /// carries the weight, as far outside the disc. Each holds the bilinear value of the map in the direction that the

@@ -39,12 +39,12 @@ Pose pose(const Scene& scene, double time) {
   Pose world(scene.nodes.size());
   for (std::size_t i = 0; i < world.size(); ++i) world[i] = scene.nodes[i].local;
   for (const Motion& motion : scene.motions) {
-    Matrix& local = world[static_cast<std::size_t>(motion.node)];
+    Matrix& local = world[motion.node];
     local = moved(local, motion, time);
   }
   for (std::size_t i = 0; i < world.size(); ++i)
     if (const int parent = scene.nodes[i].parent; parent >= 0)
-      world[i] = world[static_cast<std::size_t>(parent)] * world[i];
+      world[i] = world[parent] * world[i];
   return world;
 }
 
@@ -55,7 +55,7 @@ std::optional<int> find_node(const Scene& scene, const std::string& name) {
 }
 
 bool lies_under(const Scene& scene, int node, int ancestor) {
-  for (; node >= 0; node = scene.nodes[static_cast<std::size_t>(node)].parent)
+  for (; node >= 0; node = scene.nodes[node].parent)
     if (node == ancestor) return true;
   return false;
 }

@@ -24,8 +24,8 @@ std::vector<V> values(const draco::Mesh& mesh, unsigned id) {
     if (at.value() >= attribute->size() || !attribute->ConvertValue<float, V::length()>(at, value.data()))
       throw InputError("holds a damaged Draco mesh");
     for (int c = 0; c < V::length(); ++c) {
-      if (!std::isfinite(value[static_cast<std::size_t>(c)])) throw InputError("holds NaN or infinite numbers");
-      found[k][c] = value[static_cast<std::size_t>(c)];
+      if (!std::isfinite(value[c])) throw InputError("holds NaN or infinite numbers");
+      found[k][c] = value[c];
     }
   }
   return found;

@@ -230,7 +230,7 @@ Matrix local_matrix(const Field& node) {
   if (node["matrix"].there()) {
     const auto numbers = node["matrix"].numbers(std::vector<double>(16));
     Matrix m;
-    for (int k = 0; k < 16; ++k) m[k / 4][k % 4] = numbers[static_cast<std::size_t>(k)];
+    for (int k = 0; k < 16; ++k) m[k / 4][k % 4] = numbers[k];
     for (int k = 0; k < 4; ++k)
       if (m[k][3] != (k == 3 ? 1 : 0)) node["matrix"].fail("is not affine");
     return m;
@@ -269,7 +269,7 @@ void read_camera(Reader& r, const Field& node, int index) {
   camera.aspect = perspective["aspectRatio"].number(0, 0, 1e6);
   camera.near = perspective["znear"].number(0.01, 0, 1e30);
   camera.far = std::max(perspective["zfar"].number(1e9, 0, 1e30), camera.near);
-  if (camera.name.empty()) camera.name = r.scene.nodes[static_cast<std::size_t>(index)].name;
+  if (camera.name.empty()) camera.name = r.scene.nodes[index].name;
   r.scene.cameras.push_back(camera);
 }
 
@@ -286,8 +286,8 @@ std::vector<int> parents(const Field& nodes) {
   }
   std::vector<int> checked(nodes.size(), -1);  // By the walk that came through.
   for (std::size_t k = 0; k < nodes.size(); ++k)
-    for (int up = static_cast<int>(k); up >= 0; up = found[static_cast<std::size_t>(up)]) {
-      int& mark = checked[static_cast<std::size_t>(up)];
+    for (int up = static_cast<int>(k); up >= 0; up = found[up]) {
+      int& mark = checked[up];
       if (mark == static_cast<int>(k)) nodes[k].fail("lies below itself");
       if (mark >= 0) break;
       mark = static_cast<int>(k);
@@ -322,7 +322,7 @@ void read_nodes(Reader& r) {
     const int index = static_cast<int>(next), above = parent[order[next]];
     r.nodes[order[next]] = index;
     Node node{.name = field["name"].text(), .local = local_matrix(field)};
-    if (above >= 0) node.parent = r.nodes[static_cast<std::size_t>(above)];
+    if (above >= 0) node.parent = r.nodes[above];
     if (field["skin"].there()) r.lacks("skins");
     if (field["mesh"].there()) node.meshes = r.meshes[field["mesh"].index(r.meshes.size())];
     r.scene.nodes.push_back(std::move(node));

@@ -120,7 +120,7 @@ void read_materials(const ObjDocument& d, const SceneFolder& folder, Scene& scen
 std::vector<Direction> corners_of(const ObjDocument& d, const Face& face) {
   std::vector<Direction> made;
   for (const Corner& c : std::span(d.corners).subspan(face.first, static_cast<std::size_t>(face.count)))
-    made.push_back(d.positions[static_cast<std::size_t>(c.position)]);
+    made.push_back(d.positions[c.position]);
   return made;
 }
 
@@ -150,7 +150,7 @@ void add_normals(ObjDocument& d) {
       if (first) d.normals.emplace_back(0);
       const Direction before = unit(at[(k + at.size() - 1) % at.size()] - at[k]),
                       after = unit(at[(k + 1) % at.size()] - at[k]);
-      d.normals[static_cast<std::size_t>(found->second)] += normal * angle_between(before, after);
+      d.normals[found->second] += normal * angle_between(before, after);
       corners[k].normal = found->second;
     }
   }
@@ -175,9 +175,9 @@ std::uint32_t vertex(const ObjDocument& d, Part& part, const Corner& c) {
   const auto number = static_cast<std::uint32_t>(part.mesh.positions.size());
   const auto [found, first] = part.vertices.try_emplace(c, number);
   if (!first) return found->second;
-  part.mesh.positions.emplace_back(d.positions[static_cast<std::size_t>(c.position)]);
-  part.mesh.normals.emplace_back(d.normals[static_cast<std::size_t>(c.normal)]);
-  const Vec2<float> t = c.coordinate < 0 ? Vec2<float>(0, 1) : d.coordinates[static_cast<std::size_t>(c.coordinate)];
+  part.mesh.positions.emplace_back(d.positions[c.position]);
+  part.mesh.normals.emplace_back(d.normals[c.normal]);
+  const Vec2<float> t = c.coordinate < 0 ? Vec2<float>(0, 1) : d.coordinates[c.coordinate];
   part.mesh.coordinates.emplace_back(t.x, 1 - t.y);  // Down from the upper edge, as in glTF.
   return number;
 }
@@ -199,7 +199,7 @@ void read_faces(const ObjDocument& d, Scene& scene) {
   int last = -2;
   for (auto& [place, part] : parts) {
     const auto [group, material] = place;
-    if (group != last) scene.nodes.push_back({.name = group < 0 ? "" : d.groups[static_cast<std::size_t>(group)]});
+    if (group != last) scene.nodes.push_back({.name = group < 0 ? "" : d.groups[group]});
     last = group;
     part.mesh.material = material < 0 ? static_cast<int>(scene.materials.size()) - 1 : material;
     complete(part.mesh);

@@ -50,7 +50,7 @@ Scene read_any(const std::string& path) {
 void check(const Scene& scene) {
   std::size_t corners = 0;
   for (const Node& node : scene.nodes)
-    for (const int mesh : node.meshes) corners += scene.meshes[static_cast<std::size_t>(mesh)].indices.size();
+    for (const int mesh : node.meshes) corners += scene.meshes[mesh].indices.size();
   if (corners == 0) throw InputError("holds no triangles");
   for (const Matrix& world : pose(scene, 0))
     for (int k = 0; k < 16; ++k)

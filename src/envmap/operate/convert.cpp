@@ -1,14 +1,16 @@
-#include "envmap/operate/resampler.h"
+#include "envmap/operate/convert.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
+#include "envmap/operate/choose_filter.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
-#include "envmap/base/parallel.h"
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 namespace {
@@ -73,56 +75,77 @@ std::size_t between_trims(const Target& target, const Level& source) {
   return static_cast<std::size_t>(std::clamp(256 * 64 / (covers * covers), 1.0, 256.0));
 }
 
-// The texels of a row that carry the image, the others black.
-std::span<Colour> image_part(const Columns& in, std::span<Colour> row) {
-  std::ranges::fill(row, Colour(0));
-  return row.subspan(static_cast<std::size_t>(in.first), static_cast<std::size_t>(in.end - in.first));
-}
-
 }  // namespace
 
-Resampler::Resampler(EnvironmentMap&& source, const ConvertOptions& options)
-    : frame_(options.to),
-      target_(make_target(source, options)),
-      filter_(make_filter(target_, source.base(), options)),
-      gain_(options.gain),
-      texels_between_trims_(between_trims(target_, source.base())) {
-  if (!options.max_error && interpolates(filter_)) {
-    if (same_grid(target_, source.base()) && target_.to_source == Rotation(1)) {
-      unchanged_ = std::move(source.base());
+struct Resampler::Prepared {
+  Prepared(EnvironmentMap&& source, const ConvertOptions& options);
+  Prepared(const Prepared&) = delete;  // The sampler reads the levels where they lie.
+  Prepared& operator=(const Prepared&) = delete;
+
+  void fill(int face, int row, std::span<Colour> out) const;
+
+  Frame frame;
+  Target target;
+  FilterOptions filter;
+  double gain;
+  std::optional<FilterChoice> choice;
+  std::optional<Level> unchanged;   // The source, where its texels are the result's own and nothing is resampled.
+  std::vector<PaddedLevel> levels;  // Else what the filter reads.
+  Sampler sampler;
+  std::size_t texels_between_trims;
+};
+
+Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& options)
+    : frame(options.to),
+      target(make_target(source, options)),
+      filter(make_filter(target, source.base(), options)),
+      gain(options.gain),
+      texels_between_trims(between_trims(target, source.base())) {
+  if (!options.max_error && interpolates(filter)) {
+    if (same_grid(target, source.base()) && target.to_source == Rotation(1)) {
+      unchanged = std::move(source.base());
       return;
     }
-    if (permutes_texels(target_, source.base())) filter_.filter = Filter::nearest;
+    if (permutes_texels(target, source.base())) filter.filter = Filter::nearest;
   }
   // The mean costs more than many a conversion: exact solid angles of every texel.
-  if (options.max_error || filter_.filter == Filter::area) filter_.floor = 1e-3 * mean_radiance(source.base());
-  if (options.max_error || reads_levels(filter_.filter)) add_levels(source.levels);
-  for (Level& level : source.levels) levels_.emplace_back(std::move(level));
+  if (options.max_error || filter.filter == Filter::area) filter.floor = 1e-3 * mean_radiance(source.base());
+  if (options.max_error || reads_levels(filter.filter)) add_levels(source.levels);
+  for (Level& level : source.levels) levels.emplace_back(std::move(level));
   if (options.max_error) {
-    choice_ = choose_filter(levels_, target_, *options.max_error, filter_.floor);
-    filter_ = choice_->filter;
+    choice = choose_filter(levels, target, *options.max_error, filter.floor);
+    filter = choice->filter;
   }
-  sampler_ = make_sampler(levels_, target_, filter_);
+  sampler = make_sampler(levels, target, filter);
 }
 
+void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
+  const Columns in = columns(target.to, target.size, row);
+  std::ranges::fill(out, Colour(0));
+  const std::span<Colour> texels = in.of(out);
+  if (unchanged) {
+    unchanged->trim();
+    std::ranges::copy(in.of(unchanged->row(face, row)), texels.begin());
+  }
+  for (std::size_t k = 0; k < texels.size() && !unchanged; k += texels_between_trims) {
+    sampler(face, row, in.first + static_cast<int>(k), texels.subspan(k, std::min(texels_between_trims, texels.size() - k)));
+    for (const PaddedLevel& level : levels) level.trim();
+  }
+  if (gain != 1)
+    for (Colour& texel : texels) texel = Colour(Rgb<double>(texel) * gain);
+}
+
+Resampler::Resampler(EnvironmentMap&& source, const ConvertOptions& options)
+    : prepared_(std::make_shared<const Prepared>(std::move(source), options)) {}
+
+const Frame& Resampler::frame() const { return prepared_->frame; }
+int Resampler::size() const { return prepared_->target.size; }
+const FilterOptions& Resampler::filter() const { return prepared_->filter; }
+const std::optional<FilterChoice>& Resampler::choice() const { return prepared_->choice; }
+
 Rows Resampler::rows() const {
-  return {frame_.projection, target_.size, frame_.forward, [this](int face, int row, std::span<Colour> out) {
-            const Columns in = columns(target_.to, target_.size, row);
-            const std::span<Colour> texels = image_part(in, out);
-            if (unchanged_) {
-              unchanged_->trim();
-              std::ranges::copy(unchanged_->row(face, row).subspan(static_cast<std::size_t>(in.first), texels.size()),
-                                texels.begin());
-            } else {
-              for (std::size_t k = 0; k < texels.size(); k += texels_between_trims_) {
-                sampler_(face, row, in.first + static_cast<int>(k),
-                         texels.subspan(k, std::min(texels_between_trims_, texels.size() - k)));
-                for (const PaddedLevel& level : levels_) level.trim();
-              }
-            }
-            if (gain_ != 1)
-              for (Colour& texel : texels) texel = Colour(Rgb<double>(texel) * gain_);
-          }};
+  return {frame().projection, size(), frame().forward,
+          [prepared = prepared_](int face, int row, std::span<Colour> out) { prepared->fill(face, row, out); }};
 }
 
 EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Progress& progress) {
