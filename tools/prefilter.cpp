@@ -89,17 +89,13 @@ Facts record(const std::vector<Prefilter>& levels) {
   return facts;
 }
 
-bool report(const Prefilter& p, const Prefiltered& done, const Common& common) {
-  const std::string line =
-      done.method == Method::exact
-          ? fmt::format("{}, {}: exact, {:.3f} s", words(p), p.size, done.seconds)
-          : fmt::format("{}, {}: {}, {:.3f} s, max {:.1e} in {} texels", words(p), p.size,
-                        method_names[static_cast<std::size_t>(done.method)], done.seconds, done.error, done.directions);
-  if (done.reached)
-    note(common, line);
-  else
-    std::fputs(fmt::format("envmap prefilter: --max-error {:g} is not reached: {}\n", p.max_error, line).c_str(), stderr);
-  return done.reached;
+// Exit status 1 is for callers that count on the error; what is known of every texel is printed.
+void report(const Prefilter& p, const Prefiltered& done, const Common& common) {
+  std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size,
+                                 method_names[static_cast<std::size_t>(done.method)], done.seconds);
+  if (done.method != Method::exact) line += fmt::format(", every texel to {:.1e}", done.error);
+  if (done.method != Method::exact && done.exact > 0) line += fmt::format(", {} summed exactly", done.exact);
+  note(common, line);
 }
 
 void write_brdf_table(const Options& o, const Common& common) {
@@ -131,7 +127,7 @@ int run(Options& o, const Common& common) {
   EnvironmentMap made{.levels = {}, .forward = o.map.forward};
   for (const Prefilter& p : wanted) {
     Prefiltered done = prepared.make(p, progress_line(common, "prefilter " + words(p)));
-    if (!report(p, done, common)) return 1;
+    report(p, done, common);
     made.levels.push_back(std::move(done.map.base()));
   }
   o.write.source_depth = source.depth;
@@ -216,10 +212,6 @@ Command prefilter_command() {
                     "World axis at the centre of latlong and angular images (default: +z)");
         add_choice(app, "--method", o->map.method, joined(method_names), one_of<Method>(method_names),
                    "How it is worked out (default: auto)");
-        app.add_option("--order", o->map.order,
-                       "Of the harmonics of --method sh (default: what the lobe needs, 32 at most)")
-            ->type_name("N")
-            ->check(CLI::Range(1, 200));
         app.add_option("--max-error", o->map.max_error,
                        "Largest error of a texel, relative to it or to 0.001 x the mean (default: 1e-3)")
             ->type_name("E")

@@ -23,7 +23,7 @@ TEST_F(Prefilter, WritesADiffuseCubeOf64AndSaysHowItWent) {
   const Result r = envmap({"prefilter", "in.exr", "out.exr"});
   ASSERT_EQ(r.status, 0) << r.err;
   EXPECT_NE(r.err.find("diffuse, 64: hierarchical"), std::string::npos) << r.err;
-  EXPECT_NE(r.err.find("max "), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("every texel to "), std::string::npos) << r.err;
   const Picture p = load(path("out.exr"));
   EXPECT_EQ(p.width, 64);
   EXPECT_EQ(p.height, 384);
@@ -31,11 +31,10 @@ TEST_F(Prefilter, WritesADiffuseCubeOf64AndSaysHowItWent) {
 }
 
 TEST_F(Prefilter, MethodsAgree) {
-  for (const char* method : {"exact", "hierarchical", "sh"})
+  for (const char* method : {"exact", "hierarchical"})
     succeeds({"prefilter", "in.exr", std::string(method) + ".exr", "--lobe", "phong", "--exponent", "6", "--size", "4",
               "--depth", "float", "--method", method, "--max-error", "5e-2", "-q"});
   EXPECT_EQ(envmap({"compare", "hierarchical.exr", "exact.exr", "--max-error", "5e-2"}).status, 0);
-  EXPECT_EQ(envmap({"compare", "sh.exr", "exact.exr", "--max-error", "5e-2"}).status, 0);
 }
 
 TEST_F(Prefilter, AChainHoldsOneNumberALevel) {
@@ -63,11 +62,6 @@ TEST_F(Prefilter, ScaleIsTheFactor) {
   succeeds(
       {"prefilter", "white.exr", "out.exr", "--lobe", "phong", "--exponent", "3", "--scale", "1", "--size", "2", "-q"});
   EXPECT_NEAR(load(path("out.exr")).values[0], 2 * 3.14159265 / 4, 2e-3);
-}
-
-TEST_F(Prefilter, AnErrorThatIsNotReachedWritesNothing) {
-  fails(no, {"prefilter", "in.exr", "out.exr", "--method", "sh", "--order", "1", "--max-error", "1e-3", "--size", "8"},
-        {"--max-error", "not reached", "sh"});
 }
 
 TEST_F(Prefilter, RefusesWhatMakesNoSense) {

@@ -8,11 +8,11 @@
 
 #include "envmap/maths/sum.h"
 #include "envmap/base/parallel.h"
+#include "envmap/prefilter/border.h"
 #include "envmap/prefilter/exact_kernels.h"
-#include "envmap/prefilter/round_border.h"
 #include "envmap/projection/visit.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 namespace {
 
 constexpr double nothing = 1e-30;  // Of a lobe: no radiance makes it count.
@@ -21,24 +21,14 @@ constexpr double nothing = 1e-30;  // Of a lobe: no radiance makes it count.
 
 template <class P, class L>
 double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) {
-  if constexpr (has_wedges<P>) {
-    if (at_rim<P>(rect)) {
-      double sum = 0;
-      for_wedges(rect, [&](const Wedge& w) {
-        w.points([&](const Direction& l, double weight) { sum += weight * lobe.value(versine(r, l)); });
-      });
-      return sum;
-    }
-  }
-  const auto at = [&](double u, double v) { return P::density(u, v) * lobe.value(versine(r, P::direction(face, u, v))); };
-  if (coverage<P>(rect) == Coverage::inside) return quadrature::rectangle<4>(rect, at);
-  return quadrature::inside_disc({2 * rect.u0 - 1, 1 - 2 * rect.v1, 2 * rect.u1 - 1, 1 - 2 * rect.v0},
-                                 [&](double s, double t) { return 0.25 * at(0.5 + 0.5 * s, 0.5 - 0.5 * t); });
+  return quadrature::rectangle<4>(rect, [&](double u, double v) {
+    return P::density(u, v) * lobe.value(versine(r, P::direction(face, u, v)));
+  });
 }
 
 // How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it.
 template <class L>
-double unevenness(const L& lobe, const Direction& r, const Patch& p) {
+double unevenness(const L& lobe, const Direction& r, const Moments& p) {
   const double d = glm::length(r - p.centre), near = std::max(0.0, d - p.reach), far = d + p.reach;
   const double lo = 0.5 * near * near, hi = 0.5 * far * far;
   if (lo >= 1) return 0;
@@ -58,32 +48,30 @@ double most_uneven(const L& lobe) {
 
 // Over a rectangle with its moments.
 template <class P, class L>
-double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Patch& p,
-                 std::optional<Outline<P>>& outline) {
-  const double near = std::max(0.0, glm::length(r - p.centre) - p.reach);
-  if (p.solid_angle <= 0 || lobe.missing(0.5 * near * near) < nothing) return 0;
-  const bool rim = at_rim<P>(rect);
-  // All of an angular map's rim is one direction: rows of points would be slow there.
-  const bool smooth = P::filled || rim || coverage<P>(rect) == Coverage::inside;
-  const double uneven = unevenness(lobe, r, p), most = rim ? 0.03 : most_uneven(lobe);
-  if (smooth && p.reach < 0.2 && uneven <= most) return over_area<P>(lobe, r, face, rect);
+double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Moments& p,
+                 std::optional<Border<P>>& border) {
+  const double near = std::max(0.0, glm::length(r - p.centre) - p.reach), nearest = 0.5 * near * near;
+  if (p.solid_angle <= 0 || lobe.missing(nearest) < nothing) return 0;
+  const double uneven = unevenness(lobe, r, p), most = most_uneven(lobe);
+  if (p.reach < 0.2 && uneven <= most) return over_area<P>(lobe, r, face, rect);
   // A few quarters are quicker than the border.
-  const bool quartered = smooth && !rim && uneven <= 4 * most;
-  if (!quartered && p.reach < (rim ? 1 : 0.3))
-    return round_border<P>(lobe, r, face, rect, outline, 0.5 * near * near, p.reach);
+  if (uneven > 4 * most && p.reach < 0.3) {
+    if (!border) border.emplace(face, rect);
+    return RoundBorder<P, L>(lobe, r, face, nearest)(*border, p.reach, nearest);
+  }
   double sum = 0;
   for (const Rect& q : quarters(rect)) {
-    std::optional<Outline<P>> border;
-    sum += lobe_over<P>(lobe, r, face, q, patch<P>(face, q), border);
+    std::optional<Border<P>> none;
+    sum += lobe_over<P>(lobe, r, face, q, moments<P>(face, q), none);
   }
   return sum;
 }
 
 // A texel in one direction.
 template <class P, class L>
-double texel_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Patch& p, bool simple,
-                  std::optional<Outline<P>>& outline) {
-  if (!simple || unevenness(lobe, r, p) >= 0.05) return lobe_over<P>(lobe, r, face, rect, p, outline);
+double texel_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Moments& p, bool simple,
+                  std::optional<Border<P>>& border) {
+  if (!simple || unevenness(lobe, r, p) >= 0.05) return lobe_over<P>(lobe, r, face, rect, p, border);
   std::array<Direction, 4> points;
   std::array<double, 4> weights;
   gauss_points<P>(face, rect, points, weights);
@@ -94,12 +82,12 @@ double texel_over(const L& lobe, const Direction& r, int face, const Rect& rect,
 
 // ---- all texels -------------------------------------------------------------------------------------------------------
 
-// Gauss points of all texels of a row, for those that lie inside: four each, and sixteen.
+// Gauss points of all texels of a row: four each, and sixteen.
 class RowPoints {
  public:
-  RowPoints(const Level& source, int face, int row, const Columns& in) {
+  RowPoints(const Level& source, int face, int row) {
     std::vector<Vec2<double>> at;
-    for (int i = in.first; i < in.end; ++i) {
+    for (int i = 0; i < source.width(); ++i) {
       grid<2>(i, row, source, at);
       grid<4>(i, row, source, at);
     }
@@ -159,33 +147,29 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
   constexpr std::size_t few = 16;  // Directions for which points are not worth their making.
   const double w = source.width(), h = source.height();
   const Closeness close = closeness(lobe);
-  const Columns in = columns(source.projection(), source.height(), row);
   ExactSums sums(directions);
   std::vector<std::uint32_t> every(directions.size()), left;
   std::iota(every.begin(), every.end(), 0U);
   std::optional<RowPoints> points;
-  if (directions.size() >= few && in.end > in.first) points.emplace(source, face, row, in);
+  if (directions.size() >= few) points.emplace(source, face, row);
   ExactTexel texel;
-  for (int i = in.first; i < in.end; ++i) {
+  for (int i = 0; i < source.width(); ++i) {
     const Flux radiance(*source.texel(face, i, row));
     if (radiance == Flux(0)) continue;
-    const Rect rect{i / w, row / h, (i + 1) / w, (row + 1) / h};
-    const Coverage where = coverage<P>(rect);
-    if (where == Coverage::outside) continue;
-    const Patch p = patch<P>(face, rect);
-    const bool even = where == Coverage::inside && !at_rim<P>(rect), simple = even && p.reach < 0.02;
-    const bool together = points && even && p.reach < 0.2;
+    const Rect rect = texel_rect(i, row, w, h);
+    const Moments p = moments<P>(face, rect);
+    const bool simple = p.reach < 0.02, together = points && p.reach < 0.2;
     if (together) {
       texel.centre = p.centre, texel.reach = p.reach, texel.simple = simple;
       texel.radiance = {radiance.x, radiance.y, radiance.z};
-      points->set(static_cast<std::size_t>(i - in.first), 1 / w, 1 / h, texel);
+      points->set(static_cast<std::size_t>(i), 1 / w, 1 / h, texel);
       add_texel(lobe, close, texel, sums, left);
     }
-    std::optional<Outline<P>> outline;
+    std::optional<Border<P>> border;
     for (const std::uint32_t k : together ? left : every) {
       const double d = std::max(0.0, glm::length(directions[k] - p.centre) - p.reach);
       if (0.5 * d * d >= close.end) continue;
-      const double part = texel_over<P>(lobe, directions[k], face, rect, p, simple, outline);
+      const double part = texel_over<P>(lobe, directions[k], face, rect, p, simple, border);
       for (std::size_t c = 0; c < 3; ++c) sums.flux[c][k] += part * radiance[static_cast<int>(c)];
     }
   }
@@ -208,7 +192,7 @@ std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::sp
     for (int start = 0; start < rows; start += band) {
       const auto found = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
         const int face = (start + k) / source.height(), row = (start + k) % source.height();
-        return visit(source.projection(), [&](auto p) {
+        return visit_source(source.projection(), [&](auto p) {
           return std::visit([&](const auto& l) { return row_of<decltype(p)>(source, l, some, face, row); }, lobe);
         });
       });
@@ -240,4 +224,4 @@ void exact_texels(const Level& source, const Lobe& lobe, const Target& target, s
     *out.texel(texels[k].face, texels[k].i, texels[k].j) = Colour(found[k]);
 }
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering

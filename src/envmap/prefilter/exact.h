@@ -11,7 +11,7 @@
 #include "envmap/prefilter/lobe.h"
 #include "envmap/sample/target.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 
 /// The integral of radiance x lobe over the sphere, radiance constant over each texel, in the directions given (image
 /// frame of the source). To 1e-7 of the largest part of a result that one texel has, or 1e-13 of the source's mean.
@@ -30,4 +30,4 @@ std::vector<Direction> directions_of(const Target& target, std::span<const Texel
 void exact_texels(const Level& source, const Lobe& lobe, const Target& target, std::span<const Texel> texels,
                   Level& out, const Progress& progress = {});
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering

@@ -6,68 +6,23 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "envmap/maths/trigonometry-inl.h"
+#include "envmap/prefilter/lobe_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace envmap {
+namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
 using D = hn::CappedTag<double, ExactSums::lanes>;
 using V = hn::Vec<D>;
 
-// log2(1 - x) for x in [0,1): as in lanes-inl.h, to 3e-16 of it.
-HWY_INLINE V log2_one_minus(V x) {
-  const D d;
-  const hn::RebindToSigned<D> di;
-  const V one = hn::Set(d, 1);
-  const auto bits = hn::BitCast(di, hn::Max(hn::Sub(one, x), hn::Set(d, 1e-300)));
-  const auto exponent = hn::ShiftRight<52>(hn::Sub(bits, hn::Set(di, 0x3fe8000000000000)));
-  const V rest = hn::Sub(one, hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<52>(exponent))));
-  const V z = hn::IfThenElse(hn::RebindMask(d, hn::Eq(exponent, hn::Zero(di))), x, rest);
-  const V t = hn::Div(z, hn::Sub(hn::Set(d, 2), z));
-  const V sum = polynomial(d, hn::Mul(t, t), -2.8853900817779268, -0.96179669392597555, -0.57707801635558531,
-                           -0.41219858311113239, -0.32059889797532518, -0.26230818925253879, -0.22195308321368667,
-                           -0.1923593387851951, -0.16972882833987804, -0.15186263588304878, -0.13739952770371080,
-                           -0.12545174268599681, -0.11541560327111707);
-  return hn::Add(hn::ConvertTo(d, exponent), hn::Mul(t, sum));
-}
-
-// 2^y for y up to 0; below -1000 as that.
-HWY_INLINE V exp2_small(V y) {
-  const D d;
-  const hn::RebindToSigned<D> di;
-  y = hn::Max(y, hn::Set(d, -1000));
-  const V shift = hn::Set(d, 0x1.8p52), shifted = hn::Add(y, shift), f = hn::Sub(y, hn::Sub(shifted, shift));
-  const V power = polynomial(d, f, 1, 0.69314718055994529, 0.24022650695910072, 0.055504108664821583,
-                             0.0096181291076284769, 0.0013333558146428443, 0.00015403530393381609, 1.5252733804059841e-05,
-                             1.3215486790144309e-06, 1.0178086009239699e-07, 7.0549116208011234e-09, 4.4455382718708116e-10,
-                             2.5678435993488206e-11, 1.3691488853904128e-12, 6.7787263548225457e-14);
-  return hn::BitCast(d, hn::Add(hn::BitCast(di, power), hn::ShiftLeft<52>(hn::BitCast(di, shifted))));
-}
-
-// value() and rate() of lobe.h.
-HWY_INLINE V value(const Cosine&, V x) {
-  const D d;
-  return hn::Mul(hn::Set(d, 1 / pi), hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x)));
-}
+// rate() of lobe.h: slope over value, without the division.
 HWY_INLINE V rate(const Cosine&, V x) {
   const D d;
   return hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x));
 }
-HWY_INLINE V value(const Phong& l, V x) {
-  const D d;
-  const V power = exp2_small(hn::Mul(hn::Set(d, l.exponent), log2_one_minus(x)));
-  return hn::IfThenElseZero(hn::Lt(x, hn::Set(d, 1)), hn::Mul(hn::Set(d, l.scale()), power));
-}
 HWY_INLINE V rate(const Phong& l, V x) {
   const D d;
   return hn::Div(hn::Set(d, l.exponent), hn::Sub(hn::Set(d, 1), x));
-}
-HWY_INLINE V value(const Ggx& l, V x) {
-  const D d;
-  const V q = hn::Add(hn::Set(d, l.a), hn::Mul(hn::Set(d, l.b), x));
-  return hn::Div(hn::Mul(hn::Set(d, l.scale), hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x))), hn::Mul(q, q));
 }
 HWY_INLINE V rate(const Ggx& l, V x) {
   const D d;
@@ -90,7 +45,7 @@ HWY_INLINE V over_points(const L& lobe, const ExactSums& sums, std::size_t k, co
   V sum = hn::Zero(d);
   for (std::size_t n = 0; n < N; ++n) {
     const V x = hn::Mul(hn::Set(d, 0.5), square_of(sums, k, points[n]));
-    sum = hn::Add(sum, hn::Mul(hn::Set(d, weights[n]), value(lobe, x)));
+    sum = hn::Add(sum, hn::Mul(hn::Set(d, weights[n]), value(lobe, d, x)));
   }
   return sum;
 }
@@ -131,11 +86,11 @@ void AddTexel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel,
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace envmap
+}  // namespace envmap::prefiltering
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace envmap {
+namespace envmap::prefiltering {
 
 HWY_EXPORT(AddTexel);
 
@@ -153,5 +108,5 @@ void add_texel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel
   HWY_DYNAMIC_DISPATCH(AddTexel)(lobe, close, texel, sums, left);
 }
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering
 #endif  // HWY_ONCE

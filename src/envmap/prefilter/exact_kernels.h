@@ -10,7 +10,7 @@
 #include "envmap/maths/vector.h"
 #include "envmap/prefilter/lobe.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 
 /// Directions side by side, padded to whole vectors, and what each has got so far.
 struct ExactSums {
@@ -45,4 +45,4 @@ struct Closeness {
 void add_texel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel, ExactSums& sums,
                std::vector<std::uint32_t>& left);
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering

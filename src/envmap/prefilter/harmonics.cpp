@@ -7,6 +7,7 @@
 #include "envmap/maths/sum.h"
 #include "envmap/base/parallel.h"
 #include "envmap/prefilter/cell.h"
+#include "envmap/prefilter/source.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {
@@ -55,13 +56,11 @@ template <class P>
 std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const Rotation& to_world, int face, int row) {
   std::vector<Flux> sums(static_cast<std::size_t>((recursion.order + 1) * (recursion.order + 1)), Flux(0));
   const double w = level.width(), h = level.height();
-  const Columns in = columns(level.projection(), level.height(), row);
-  for (int i = in.first; i < in.end; ++i) {
+  for (int i = 0; i < level.width(); ++i) {
     const Flux radiance(*level.texel(face, i, row));
     if (radiance == Flux(0)) continue;
     // Four Gauss points integrate harmonics of degree l over a texel to (l x side)^4 / 4320.
-    const Rect rect{i / w, row / h, (i + 1) / w, (row + 1) / h};
-    for_points<P>(face, rect, 0.4 / (1 + recursion.order), [&](const Direction& d, double weight) {
+    prefiltering::for_points<P>(face, prefiltering::texel_rect(i, row, w, h), 0.4 / (1 + recursion.order), [&](const Direction& d, double weight) {
       const Flux part = weight * radiance;
       recursion.each(to_world * d, [&](int k, double y) { sums[static_cast<std::size_t>(k)] += y * part; });
     });
@@ -76,16 +75,17 @@ void harmonics_at(int order, const Direction& d, std::span<double> out) {
 }
 
 Harmonics project(const EnvironmentMap& map, int order, const Progress& progress) {
-  const Level& level = map.base();
+  const std::optional<EnvironmentMap> cube = prefiltering::source_cube(map);
+  const Level& level = cube ? cube->base() : map.base();
   const Recursion recursion(order);
-  const Rotation to_world = image_to_world(map.forward);
+  const Rotation to_world = image_to_world(cube ? cube->forward : map.forward);
   Harmonics found{order, std::vector<Flux>(static_cast<std::size_t>((order + 1) * (order + 1)), Flux(0))};
   std::vector<std::array<Sum, 3>> totals(found.coefficients.size());
   const int rows = level.faces() * level.height();
   constexpr int band = 64;  // Rows at once: their sums stay small however high the order.
   for (int start = 0; start < rows; start += band) {
     const auto parts = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
-      return visit(level.projection(), [&](auto p) {
+      return prefiltering::visit_source(level.projection(), [&](auto p) {
         return row_of<decltype(p)>(level, recursion, to_world, (start + k) / level.height(), (start + k) % level.height());
       });
     });

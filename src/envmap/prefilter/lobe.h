@@ -1,17 +1,14 @@
 /// @file
 /// Lobes: the kernels of a prefilter, radially symmetric about the direction asked for.
 ///
-/// A lobe is a small type over x = 1 - cos(angle to the middle), x in [0,2], so that narrow lobes keep their digits. All
-/// are 0 below the horizon (x >= 1) and integrate to 1 over the sphere: white stays white. Each has
-///   value(x)            per steradian, never rising with x
-///   share(x)            part of the lobe within x, in [0,1]; missing(x) = 1 - share(x) with its own digits
-///   rate(x)             -d ln(value) / dx: how fast it falls
-///   width()             x at which it has fallen to about 1/e
-/// and, for vectors of floats in lanes-inl.h, the same value and the size of its 2nd and 3rd derivative, which are monotonic.
+/// A lobe is a small type over x = 1 - cos(angle to the middle), x in [0,2], so that narrow lobes keep their digits.
+/// Its formula for vectors of lanes, with the sizes of its derivatives, stands in lobe_lanes-inl.h.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
+#include <string_view>
 #include <variant>
 
 #include "envmap/base/export.h"
@@ -19,17 +16,34 @@
 
 namespace ENVMAP_EXPORT envmap {
 
+/// What every lobe is, and what the methods take for granted of it: 0 below the horizon (x >= 1), never rising with x,
+/// and of integral 1 over the sphere, so that white stays white.
+template <class L>
+concept RadialLobe = requires(const L& l, double x) {
+  { L::name } -> std::convertible_to<std::string_view>;
+  { L::parameter_name } -> std::convertible_to<std::string_view>;  ///< Empty: it has none.
+  { l.value(x) } -> std::same_as<double>;    ///< Per steradian.
+  { l.share(x) } -> std::same_as<double>;    ///< Part of the lobe within x, in [0,1].
+  { l.missing(x) } -> std::same_as<double>;  ///< 1 - share(x) with its own digits.
+  { l.rate(x) } -> std::same_as<double>;     ///< -d ln(value) / dx: how fast it falls.
+  { l.width() } -> std::same_as<double>;     ///< x at which it has fallen to about 1/e.
+  { l.convex() } -> std::same_as<bool>;      ///< Of all x: steepest in the middle, not stepped or bent down at the horizon.
+};
+
 /// Lambert's cosine: value = cos / pi. A diffuse map is the irradiance over pi of a plane that faces the direction.
 struct Cosine {
+  static constexpr std::string_view name = "diffuse", parameter_name = "";
   [[nodiscard]] double value(double x) const { return std::max(0.0, 1 - x) / pi; }
   [[nodiscard]] double share(double x) const { return x >= 1 ? 1 : x * (2 - x); }
   [[nodiscard]] double missing(double x) const { return x >= 1 ? 0 : (1 - x) * (1 - x); }
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) : 0; }
   [[nodiscard]] double width() const { return 0.63; }
+  [[nodiscard]] bool convex() const { return true; }
 };
 
 /// Phong's lobe: value = (m+1) / (2 pi) cos^m, m >= 0 (Phong 1975; normalised as Lafortune and Willems 1994).
 struct Phong {
+  static constexpr std::string_view name = "phong", parameter_name = "exponent";
   double exponent;
 
   [[nodiscard]] double scale() const { return (exponent + 1) / (2 * pi); }
@@ -38,6 +52,7 @@ struct Phong {
   [[nodiscard]] double missing(double x) const { return x < 1 ? std::exp((exponent + 1) * std::log1p(-x)) : 0; }
   [[nodiscard]] double rate(double x) const { return x < 1 ? exponent / (1 - x) : 0; }
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 2 / (exponent + 1)); }
+  [[nodiscard]] bool convex() const { return exponent >= 1; }
 };
 
 /// Trowbridge and Reitz's distribution (1975; "GGX": Walter et al. 2007) as the split sum wants it (Karis 2013, "Real
@@ -45,6 +60,7 @@ struct Phong {
 /// cos(n,h)^2 = (2 - x) / 2 and the Jacobian 1 / (4 cos(v,h)), sampling D(h) cos(n,h) gives l the density D / 4:
 ///   value ~ cos / (A + B x)^2,  A = 2 a^2,  B = 1 - a^2,  a = roughness^2 (Burley 2012).
 struct Ggx {
+  static constexpr std::string_view name = "ggx", parameter_name = "roughness";
   double a, b, scale;  ///< A, B and what makes the integral 1.
 
   /// @param roughness perceptual, 0 to 1; below 1e-3 as 1e-3, which is narrower than a texel of any map.
@@ -66,6 +82,7 @@ struct Ggx {
   }
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) + 2 * b / (a + b * x) : 0; }
   [[nodiscard]] double width() const { return std::min(0.63, 0.65 * a); }
+  [[nodiscard]] bool convex() const { return true; }
 
  private:
   /// (t - ln(1+t)) / t^2 = integral of (1-w)/(1+tw)^2 over [0,1]; 1/2 at t = 0.
@@ -83,11 +100,6 @@ struct Ggx {
 };
 
 using Lobe = std::variant<Cosine, Phong, Ggx>;
-
-/// The lobe just above its horizon, over its peak: 1 where it is a step (an exponent of 0), 0.03 for an exponent of 0.5.
-inline double at_horizon(const Lobe& lobe) {
-  return std::visit([](const auto& l) { return l.value(0.999) / l.value(0); }, lobe);
-}
-inline constexpr double broken = 0.4, bent = 0.1, steep = 0.005;  ///< Above that: exponents below 0.13, 0.33 and 0.77.
+static_assert(RadialLobe<Cosine> && RadialLobe<Phong> && RadialLobe<Ggx>);
 
 }  // namespace envmap

@@ -13,18 +13,8 @@
 #include "envmap/projection/visit.h"
 #include "envmap/sample/target.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 namespace {
-
-// How far a texel may reach to be one point, or four: Gauss points are off by (l h)^2 / 24 and (l h)^4 / 4320, which the lobe
-// damps at high degrees l; in the tail of a bright texel's lobe nothing hides it.
-struct Reaches {
-  double one, four;
-};
-Reaches reaches(int order, double error, bool bright) {
-  if (bright) return {0, 1.4 * std::pow(650 * error, 0.25) / order};
-  return {std::sqrt(500 * error) / order, 3.2 * std::pow(6200 * error, 0.25) / order};
-}
 
 // Texels that are each other's images under quarter turns about the axis of the rings, and so share their points: of a cube
 // with an even number of columns four, the sides' or one face's own; else each is alone.
@@ -51,8 +41,7 @@ OrbitRow orbit_row(const Level& source, int k) {
     if (k < n) return {4, k, 0, n};
     return {2 + (k - n) / (n / 2), (k - n) % (n / 2), 0, n / 2};
   }
-  const Columns in = columns(source.projection(), n, k % n);
-  return {k / n, k % n, in.first, in.end};
+  return {k / n, k % n, 0, source.width()};
 }
 
 // Each turn adds a quarter to the longitude's u: x, z to -z, x.
@@ -146,7 +135,7 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
     const Rect rect{i / w, in.row / h, (i + 1) / w, (in.row + 1) / h};
     const double reach =
         1.1 * std::max(glm::length(d[k] - d[k > 0 ? k - 1 : std::min(count - 1, k + 1)]), glm::length(d[k] - beside[k]));
-    if (count > 1 && size > 1 && reach < most.one && coverage<P>(rect) == Coverage::inside) {
+    if (count > 1 && size > 1 && reach < most.one) {
       if (omega.empty()) {
         omega.resize(static_cast<std::size_t>(source.width()));
         solid_angles(source.projection(), size, in.row, omega);
@@ -171,6 +160,11 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
 
 }  // namespace
 
+Reaches reaches(int order, double error, bool bright) {
+  if (bright) return {0, 1.4 * std::pow(650 * error, 0.25) / order};
+  return {std::sqrt(16 * error) / order, 3.2 * std::pow(6200 * error, 0.25) / order};
+}
+
 // Stripes are filled every other at a time: no two at work share a ring.
 RingGrid on_rings(const Level& source, int order, int columns, double error, const Progress& progress) {
   RingGrid grid(columns);
@@ -179,7 +173,7 @@ RingGrid on_rings(const Level& source, int order, int columns, double error, con
   const int band = std::max(8, (1 << 15) / source.width());
   for (int start = 0; start < rows; start += band) {
     const auto found = map_rows<Row>(std::min(band, rows - start), [&](int k) {
-      return visit(source.projection(), [&](auto p) {
+      return visit_source(source.projection(), [&](auto p) {
         return spots_of<decltype(p)>(source, orbit_row(source, start + k), order, error, mean, grid);
       });
     });
@@ -199,4 +193,4 @@ RingGrid on_rings(const Level& source, int order, int columns, double error, con
   return grid;
 }
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering

@@ -15,10 +15,10 @@
 namespace ENVMAP_EXPORT envmap {
 
 enum class Shape { diffuse, phong, ggx };
-inline constexpr std::string_view shape_names[] = {"diffuse", "phong", "ggx"};
+inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name};
 
-enum class Method { automatic, exact, hierarchical, spectral, sh };
-inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral", "sh"};
+enum class Method { automatic, exact, hierarchical, spectral };
+inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral"};
 
 /// One map to make. With L the radiance of the source, constant over each of its texels, and every lobe 0 below the
 /// horizon:
@@ -34,18 +34,16 @@ struct Prefilter {
   int size = 64;  ///< Height of a face.
   Forward forward = Forward::plus_z;
   Method method = Method::automatic;
-  int order = 0;            ///< Of the method sh; 0: what the lobe needs, at most 32.
-  double max_error = 1e-3;  ///< Metric `max` of compare().
+  double max_error = 1e-3;  ///< Metric `max` of compare(): of every texel.
 };
 
-/// What was done, and what it was measured to do.
+/// What was done, and how far any texel is off.
 struct Prefiltered {
   EnvironmentMap map;
-  Method method;                ///< Never automatic.
-  double seconds = 0;           ///< To make it, without the check.
-  double error = 0;             ///< Largest of the directions checked; 0 for the exact method.
-  std::int64_t directions = 0;  ///< Checked.
-  bool reached = true;          ///< error <= max_error, or the exact method.
+  Method method;            ///< Never automatic: that of most texels.
+  double seconds = 0;
+  double error = 0;         ///< The largest figure of a texel, relative to it or to 0.001 x the mean; 0 for exact sums.
+  std::int64_t exact = 0;   ///< Texels that were summed exactly, since nothing faster was sure enough of them.
 };
 
 /// Whether the lobe is a mirror's, ggx of roughness 0: the result is then the texel of the source in its direction.
@@ -57,21 +55,22 @@ Lobe lobe_of(const Prefilter& wanted);
 /// A map prepared for prefiltering: many lobes share the work. Not for several threads at once.
 class PrefilterSource {
  public:
-  /// @param map must outlive it.
+  /// A map that is neither a cube nor latlong is prefiltered as the cube that convert() makes of it, by the area filter at
+  /// its own density: its texels are samples of an image on a disc, which no rim should cut. @param map must outlive it.
   explicit PrefilterSource(const EnvironmentMap& map);
   ~PrefilterSource();
   PrefilterSource(const PrefilterSource&) = delete;
 
-  /// Makes one map and checks it: `automatic` refines until the error is met, and turns to the exact method where
-  /// nothing faster does: spectral where the result has many texels for the lobe's width and no sun asks for more degrees
-  /// than there are, else hierarchical. `hierarchical` refines, too; the others do what they are told and say how it went.
-  ///
-  /// Results are checked by verify().
+  /// What is prefiltered, radiance constant over each texel, and what errors are counted from: the map or its cube.
+  [[nodiscard]] const EnvironmentMap& source() const;
+
+  /// Makes one map. Every texel has a figure of what it may be off, by the method that made it, and is made again by the
+  /// next where that is over the error wanted: `automatic` takes a spherical transform where the result has many texels for
+  /// the lobe's width, `spectral` takes it anyway; then a treecode (`hierarchical`: at once); then the exact sum.
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 
  private:
   struct Prepared;
-  const EnvironmentMap& map_;
   std::unique_ptr<Prepared> prepared_;
 };
 

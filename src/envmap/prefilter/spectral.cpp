@@ -5,12 +5,13 @@
 #include <cmath>
 #include <optional>
 
+#include "envmap/operate/measure.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/on_rings.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 namespace {
 
 // Samples on a ring. Interpolation by eight points is off by at most 1.07e-3 (2 pi l / columns)^8 of degree l, the product of
@@ -257,20 +258,24 @@ void for_blocks(int order, int m, int rings, F&& f) {
   }
 }
 
+// Size of degree l in what a lobe makes of the light of one steradian: (2 l + 1) / (4 pi) |factor|, |P_l| being 1 at most.
+double part(std::span<const double> factors, std::size_t l) {
+  return (2.0 * static_cast<double>(l) + 1) / (4 * pi) * std::abs(factors[l]);
+}
+
 }  // namespace
 
-std::vector<double> spectral_factors(std::vector<double> factors, double tail) {
+Cut spectral_cut(std::vector<double> factors, double tail) {
   const auto most = static_cast<double>(factors.size() - 1);
-  // What lies beyond is taken to fall as it does in the last ten.
-  double left = 0;
-  for (std::size_t l = factors.size() - 10; l < factors.size(); ++l) left = std::max(left, std::abs(factors[l]));
-  left *= 2 * most * most / (4 * pi);
-  if (left > tail) return {};
-  while (!factors.empty() && left <= tail) {
-    left += (2.0 * static_cast<double>(factors.size()) - 1) / (4 * pi) * std::abs(factors.back());
-    if (left <= tail) factors.pop_back();
+  // What lies beyond is taken to fall as it does in the last ten, and no slower than l^-3.
+  double last = 0;
+  for (std::size_t l = factors.size() - 10; l < factors.size(); ++l) last = std::max(last, std::abs(factors[l]));
+  Cut cut{std::move(factors), last * 2 * most * most / (4 * pi)};
+  while (cut.factors.size() > 10 && cut.tail + part(cut.factors, cut.factors.size() - 1) <= tail) {
+    cut.tail += part(cut.factors, cut.factors.size() - 1);
+    cut.factors.pop_back();
   }
-  return factors;
+  return cut;
 }
 
 Spectrum::Spectrum(const Level& source, std::span<const double> factors, double error, const Progress& progress)
@@ -323,4 +328,103 @@ void Spectrum::convolve(std::span<const double> factors, const Target& target, L
   });
 }
 
-}  // namespace envmap
+// ---- what is off -------------------------------------------------------------------------------------------------------
+
+namespace {
+
+// A lobe so much wider that what the transform makes wrong of the narrow one lies below a small part of it.
+Lobe widened(const Lobe& lobe) {
+  struct Wider {
+    Lobe operator()(const Cosine& l) const { return l; }
+    Lobe operator()(const Phong& l) const { return Phong{l.exponent / 4}; }
+    Lobe operator()(const Ggx& l) const { return Ggx(std::min(1.0, 1.5 * std::pow(0.5 * l.a, 0.25))); }
+  };
+  return std::visit(Wider{}, lobe);
+}
+
+// The n-th difference of a lobe at an angle, over steps h along a great circle that leaves the meridian by an azimuth.
+double difference(const Lobe& lobe, double angle, double azimuth, double h, int n) {
+  double sum = 0, binomial = 1;
+  for (int k = 0; k <= n; ++k) {
+    const double t = (k - 0.5 * n) * h;
+    const double x = 1 - std::cos(angle) * std::cos(t) - std::sin(angle) * std::sin(t) * std::cos(azimuth);
+    sum += (k % 2 == 0 ? binomial : -binomial) * std::visit([x](const auto& l) { return l.value(std::max(0.0, x)); }, lobe);
+    binomial *= static_cast<double>(n - k) / (k + 1);
+  }
+  return std::abs(sum);
+}
+
+// What light at some angle is off by, for a flux of 1: `envelope` x the wider lobe there, and no more than `rest` where that
+// is nothing.
+struct Leak {
+  double envelope = 0, rest = 0;
+};
+
+// Eight points interpolate to 1.07e-3 of the eighth difference, along and across the rings, there and back; texels taken as
+// one point are off by 1/24 of the second difference each way, as four by 1/4320 of the fourth. Differences are taken at all
+// angles and in all azimuths, from the lobe itself.
+Leak leak_of(const Lobe& lobe, const Lobe& wide, const Level& source, int order, int columns, double error) {
+  const double h = 2 * pi / columns, peak = std::visit([](const auto& l) { return l.value(0); }, wide);
+  const double pitch = source.projection() == Projection::cube ? 2.0 / source.height() : pi / source.height();
+  const Reaches most = reaches(order, error, false);
+  const double one = std::min(pitch, most.one / 1.1), four = std::min(pitch, most.four / 1.41);
+  const bool points = !is_on_rings(source, order), single = points && most.one > 0.3 * pitch;
+  Leak leak;
+  for (double angle = 0; angle < 0.6 * pi; angle += 0.5 * h) {
+    double off = 0;
+    for (const double azimuth : {0.0, 0.25 * pi, 0.4 * pi, 0.5 * pi}) {
+      double sum = 4 * 1.07e-3 * difference(lobe, angle, azimuth, h, 8);
+      if (points) sum += 2.0 / 4320 * difference(lobe, angle, azimuth, four, 4);
+      if (single) sum += 2.0 / 24 * difference(lobe, angle, azimuth, one, 2);
+      off = std::max(off, sum);
+    }
+    const double x = 1 - std::cos(angle), cover = std::visit([x](const auto& l) { return l.value(x); }, wide);
+    if (cover > 1e-6 * peak)
+      leak.envelope = std::max(leak.envelope, off / cover);
+    else
+      leak.rest = std::max(leak.rest, off);
+  }
+  return leak;
+}
+
+// The largest error of interpolation of a lobe's map anywhere, for a flux of 1 (columns_for() has the same sum).
+double interpolation_error(std::span<const double> factors, int columns) {
+  double sum = 0;
+  for (std::size_t l = 0; l < factors.size(); ++l)
+    sum += 4 * 1.07e-3 * std::pow(2 * pi * static_cast<double>(l) / columns, 8) * part(factors, l);
+  return sum;
+}
+
+}  // namespace
+
+void spectral_prefilter(const Level& source, const Lobe& lobe, const Target& target, double max_error,
+                        std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures, const Progress& progress) {
+  const Flux total = flux(source);
+  const double brightest = std::max({total.x, total.y, total.z}), mean = mean_radiance(source);
+  if (brightest <= 0) return;
+  const Cut cut = spectral_cut(zonal(lobe, most_spectral_order), 0.2 * max_error * 1e-3 * mean / brightest);
+  const int order = static_cast<int>(cut.factors.size()) - 1;
+  // Where most texels would be refused the transform is not worth its time.
+  if (cut.tail * brightest > 0.1 * max_error * mean) return;
+  if (!kept || kept->order() < order || kept->error() > max_error)
+    kept = std::make_unique<Spectrum>(source, cut.factors, max_error, progress);
+  kept->convolve(cut.factors, target, out, progress);
+
+  const Lobe wide = widened(lobe);
+  const double wide_peak = std::visit([](const auto& l) { return l.value(0); }, wide);
+  Cut cover = spectral_cut(zonal(wide, order), 1e-6 * wide_peak);
+  const int columns = columns_for(cut.factors, max_error);
+  const Leak leak = leak_of(lobe, wide, source, order, columns, max_error);
+  const double cover_off = cover.tail + interpolation_error(cover.factors, columns_for(cover.factors, max_error));
+  Level wider(out.projection(), out.height());
+  kept->convolve(cover.factors, target, wider);
+  const double floor = 1e-3 * mean;
+  const Flux everywhere = total * (leak.envelope * cover_off + leak.rest + cut.tail);
+  for (const Texel& t : texels_of(out)) {
+    const Flux value(*out.texel(t.face, t.i, t.j)), above(*wider.texel(t.face, t.i, t.j));
+    const Flux off = (leak.envelope * above + everywhere) / glm::max(value, Flux(floor));
+    figures[index_of(out, t)] = static_cast<float>(std::max({off.x, off.y, off.z}));
+  }
+}
+
+}  // namespace envmap::prefiltering

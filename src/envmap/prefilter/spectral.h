@@ -4,6 +4,7 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,14 +14,19 @@
 #include "envmap/prefilter/spectral_kernels.h"
 #include "envmap/sample/target.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 
 inline constexpr int most_spectral_order = 340;
 
-/// What a lobe makes of each degree, as far as they count: the light of one steradian and radiance 1, spread by the lobe and
-/// cut at that degree, is nowhere off by more than `tail`. Empty where that takes more degrees than are given.
-/// @param factors zonal() of the lobe, of ten degrees or more.
-std::vector<double> spectral_factors(std::vector<double> factors, double tail);
+/// What a lobe makes of each degree, as far as they count. All that is left out makes the light of one steradian and
+/// radiance 1, spread by the lobe, nowhere off by more than `tail`.
+struct Cut {
+  std::vector<double> factors;
+  double tail;
+};
+/// @param factors zonal() of the lobe, of ten degrees or more. @param tail as much as may be left out; that of the result
+/// is larger where it takes more degrees than are given.
+Cut spectral_cut(std::vector<double> factors, double tail);
 
 /// Complex coefficients of a map's radiance about the image's own pole, to some degree.
 ///
@@ -46,4 +52,16 @@ class Spectrum {
   std::vector<Parts> coefficients_;  ///< By m, then l.
 };
 
-}  // namespace envmap
+/// Sets all texels of a map, each with its figure, or none where the transform is not worth its time.
+///
+/// A texel's figure is what it may be off, over the texel or 0.001 x the mean. The degrees left out add at most their sum of
+/// (2 l + 1) / (4 pi) |factor| times the flux of the source. What gridding does to light at an angle is, by differences of
+/// the lobe there, below `envelope` x a wider lobe, so that what it does to a texel is below that part of the map of the
+/// wider lobe: little where light is even, too much in dark texels beside bright ones, which are refused. That is derived for
+/// great circles and measured, in every texel, by tests/bench/hostile.cpp. @param kept of the source; made anew where it
+/// does not do.
+void spectral_prefilter(const Level& source, const Lobe& lobe, const Target& target, double max_error,
+                        std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
+                        const Progress& progress = {});
+
+}  // namespace envmap::prefiltering

@@ -9,7 +9,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace envmap {
+namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -131,11 +131,11 @@ void EvaluateRings(std::span<const std::array<double, block>> p, std::span<const
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace envmap
+}  // namespace envmap::prefiltering
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace envmap {
+namespace envmap::prefiltering {
 HWY_EXPORT(Spread);
 HWY_EXPORT(Interpolate);
 HWY_EXPORT(Legendre);
@@ -168,5 +168,5 @@ void evaluate_rings(std::span<const std::array<double, block>> p, std::span<cons
   HWY_DYNAMIC_DISPATCH(EvaluateRings)(p, coefficients, even, odd);
 }
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering
 #endif  // HWY_ONCE

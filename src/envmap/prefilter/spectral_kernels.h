@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace envmap {
+namespace envmap::prefiltering {
 
 /// Points of an interpolation, each way.
 inline constexpr std::size_t taps = 8;
@@ -93,4 +93,4 @@ void project_rings(std::span<const std::array<double, block>> p, const std::arra
 void evaluate_rings(std::span<const std::array<double, block>> p, std::span<const Parts> coefficients,
                     std::array<Parts, block>& even, std::array<Parts, block>& odd);
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering

@@ -1,5 +1,5 @@
 /// @file
-/// The source as a quad-tree of lights: every block of 2^k x 2^k texels of a face with its moments.
+/// The source as a quad-tree of nodes: every block of 2^k x 2^k texels of a face with its moments.
 #pragma once
 
 #include <array>
@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
-#include "envmap/prefilter/quad.h"
+#include "envmap/prefilter/traverse.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 
-/// Texels of a block: columns from left to right - 1, rows from top to bottom - 1.
+/// TexelBatch of a block: columns from left to right - 1, rows from top to bottom - 1.
 struct Span {
   int left, top, right, bottom;
   [[nodiscard]] int width() const { return right - left; }
@@ -36,19 +36,19 @@ struct Span {
 
 /// Blocks above a size are stored; smaller ones are few where a lobe is wide and are made as they are wanted: the texels
 /// of a block, and below a texel its quarters.
-class LightTree {
+class Tree {
  public:
   struct Blocks {
     int faces, width, height;         ///< Blocks across and down a face.
-    std::unique_ptr<Light[]> lights;  ///< By face, row and column.
-    std::unique_ptr<Quad[]> quads;    ///< The same in fours, by where they lie in the level above.
+    std::unique_ptr<Node[]> nodes;  ///< By face, row and column.
+    std::unique_ptr<NodeQuad[]> quads;    ///< The same in fours, by where they lie in the level above.
 
     Blocks(int count, int across, int down);
-    [[nodiscard]] std::span<const Light> all() const { return {lights.get(), place(width, height, faces, 0)}; }
-    [[nodiscard]] Light* row(int face, int j) const { return &lights[place(width, height, face, j)]; }
-    [[nodiscard]] const Light& light(int face, int i, int j) const { return row(face, j)[i]; }
+    [[nodiscard]] std::span<const Node> all() const { return {nodes.get(), place(width, height, faces, 0)}; }
+    [[nodiscard]] Node* row(int face, int j) const { return &nodes[place(width, height, face, j)]; }
+    [[nodiscard]] const Node& node(int face, int i, int j) const { return row(face, j)[i]; }
     /// Blocks 2i, 2i + 1 of rows 2j, 2j + 1.
-    [[nodiscard]] const Quad& quad(int face, int i, int j) const {
+    [[nodiscard]] const NodeQuad& quad(int face, int i, int j) const {
       return quads[place((width + 1) / 2, (height + 1) / 2, face, j) + static_cast<std::size_t>(i)];
     }
     /// Sets the quads of rows 2j and 2j + 1.
@@ -61,7 +61,7 @@ class LightTree {
   };
 
   /// @param source must outlive the tree.
-  explicit LightTree(const Level& source);
+  explicit Tree(const Level& source);
 
   [[nodiscard]] const Level& source() const { return source_; }
   /// Least radiance of each channel, in units of the mean.
@@ -71,7 +71,7 @@ class LightTree {
   [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
   /// The quarters of a block of those that are stored, or smaller; nothing where a rim cuts or stretches one, or one has a
   /// single row or column.
-  [[nodiscard]] std::optional<std::array<Light, 4>> quarters(int face, const Span& in) const;
+  [[nodiscard]] std::optional<std::array<Node, 4>> quarters(int face, const Span& in) const;
   [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[static_cast<std::size_t>(k - first_)]; }
 
  private:
@@ -82,4 +82,4 @@ class LightTree {
   std::vector<Blocks> blocks_;
 };
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering

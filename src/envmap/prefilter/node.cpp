@@ -1,20 +1,20 @@
 // unite(), compiled once for every instruction set and chosen at run time.
-#include "envmap/prefilter/light.h"
+#include "envmap/prefilter/node.h"
 
 #include <type_traits>
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "envmap/prefilter/light.cpp"
+#define HWY_TARGET_INCLUDE "envmap/prefilter/node.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace envmap {
+namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::CappedTag<float, most_lanes>;
+using D = hn::CappedTag<float, batch_size>;
 using V = hn::Vec<D>;
 
 HWY_INLINE V load(const Lanes& from, std::size_t k) { return hn::Load(D(), &from[k]); }
@@ -38,14 +38,14 @@ HWY_INLINE V cube_root(V a) {
   return hn::IfThenElseZero(hn::Gt(a, hn::Set(d, 1e-36F)), hn::Mul(y, hn::Set(d, 1 + 1e-6F)));
 }
 
-HWY_INLINE const Shapes& shape_of(const Texels& t) { return *t.row; }
-HWY_INLINE const Shapes& shape_of(const Lights& l) { return l.shape; }
+HWY_INLINE const ShapeBatch& shape_of(const TexelBatch& t) { return *t.row; }
+HWY_INLINE const ShapeBatch& shape_of(const NodeBatch& l) { return l.shape; }
 
 struct Offset {
   V at[3], product[6];
 };
 template <class Part>
-HWY_INLINE Offset offset(const Part& part, const Lights& whole, std::size_t k) {
+HWY_INLINE Offset offset(const Part& part, const NodeBatch& whole, std::size_t k) {
   Offset o;
   for (std::size_t n = 0; n < 3; ++n) o.at[n] = hn::Sub(load(part.centre[n], k), load(whole.centre[n], k));
   std::size_t to = 0;
@@ -56,20 +56,20 @@ HWY_INLINE Offset offset(const Part& part, const Lights& whole, std::size_t k) {
 
 // Flux and mean place.
 template <class Part>
-HWY_INLINE V middle(std::span<const Part> parts, Lights& whole, std::size_t k) {
+HWY_INLINE V middle(std::span<const Part> parts, NodeBatch& whole, std::size_t k) {
   const D d;
   V weight = hn::Zero(d), x = weight, y = weight, z = weight;
-  V flux[light_channels] = {weight, weight, weight, weight};
+  V flux[node_channels] = {weight, weight, weight, weight};
   for (const Part& p : parts) {
-    V f[light_channels];
-    for (std::size_t c = 0; c < light_channels; ++c) f[c] = load(p.flux[c], k), flux[c] = hn::Add(flux[c], f[c]);
+    V f[node_channels];
+    for (std::size_t c = 0; c < node_channels; ++c) f[c] = load(p.flux[c], k), flux[c] = hn::Add(flux[c], f[c]);
     const V w = weighted(f[0], f[1], f[2], f[3]);
     weight = hn::Add(weight, w);
     x = hn::Add(x, hn::Mul(w, load(p.centre[0], k)));
     y = hn::Add(y, hn::Mul(w, load(p.centre[1], k)));
     z = hn::Add(z, hn::Mul(w, load(p.centre[2], k)));
   }
-  for (std::size_t c = 0; c < light_channels; ++c) hn::Store(flux[c], d, &whole.flux[c][k]);
+  for (std::size_t c = 0; c < node_channels; ++c) hn::Store(flux[c], d, &whole.flux[c][k]);
   hn::Store(over(x, weight), d, &whole.centre[0][k]);
   hn::Store(over(y, weight), d, &whole.centre[1][k]);
   hn::Store(over(z, weight), d, &whole.centre[2][k]);
@@ -79,7 +79,7 @@ HWY_INLINE V middle(std::span<const Part> parts, Lights& whole, std::size_t k) {
 // One channel's moments about the mean place of all. @param second set to its second moment.
 // @param uneven what the parts bring with them of that, with flux. @param cube flux x |offset|^3.
 template <class Part>
-HWY_INLINE void moments(std::span<const Part> parts, Lights& whole, std::size_t c, std::size_t k, V (&second)[6],
+HWY_INLINE void moments(std::span<const Part> parts, NodeBatch& whole, std::size_t c, std::size_t k, V (&second)[6],
                         V& uneven, V& cube) {
   const D d;
   V dipole[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
@@ -93,7 +93,7 @@ HWY_INLINE void moments(std::span<const Part> parts, Lights& whole, std::size_t 
     for (std::size_t n = 0; n < 3; ++n) dipole[n] = hn::Add(dipole[n], hn::Mul(f, o.at[n]));
     for (std::size_t n = 0; n < 6; ++n)
       second[n] = hn::Add(second[n], hn::Mul(f, hn::Add(o.product[n], load(shape_of(p).covariance[n], k))));
-    if constexpr (std::is_same_v<Part, Lights>) {
+    if constexpr (std::is_same_v<Part, NodeBatch>) {
       uneven = hn::Add(uneven, hn::Mul(f, load(p.uneven, k)));
       V own[3];
       for (std::size_t n = 0; n < 3; ++n) own[n] = load(p.dipole[c][n], k), dipole[n] = hn::Add(dipole[n], own[n]);
@@ -107,7 +107,7 @@ HWY_INLINE void moments(std::span<const Part> parts, Lights& whole, std::size_t 
 }
 
 template <class Part>
-HWY_INLINE V reach_of(std::span<const Part> parts, const Lights& whole, std::size_t k) {
+HWY_INLINE V reach_of(std::span<const Part> parts, const NodeBatch& whole, std::size_t k) {
   const D d;
   V reach = hn::Zero(d);
   for (const Part& p : parts) {
@@ -120,19 +120,19 @@ HWY_INLINE V reach_of(std::span<const Part> parts, const Lights& whole, std::siz
 }
 
 template <class Part>
-void unite_lanes(std::span<const Part> parts, Lights& whole) {
+void unite_lanes(std::span<const Part> parts, NodeBatch& whole) {
   const D d;
-  for (std::size_t k = 0; k < most_lanes; k += hn::Lanes(d)) {
+  for (std::size_t k = 0; k < batch_size; k += hn::Lanes(d)) {
     const V weight = middle(parts, whole, k);
-    V second[light_channels][6], uneven[light_channels], cube[light_channels];
-    for (std::size_t c = 0; c < light_channels; ++c) moments(parts, whole, c, k, second[c], uneven[c], cube[c]);
+    V second[node_channels][6], uneven[node_channels], cube[node_channels];
+    for (std::size_t c = 0; c < node_channels; ++c) moments(parts, whole, c, k, second[c], uneven[c], cube[c]);
     V covariance[6];
     for (std::size_t n = 0; n < 6; ++n) {
       covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n], second[3][n]), weight);
       hn::Store(covariance[n], d, &whole.shape.covariance[n][k]);
     }
     V most_uneven = hn::Zero(d), most_cube = hn::Zero(d);
-    for (std::size_t c = 0; c < light_channels; ++c) {
+    for (std::size_t c = 0; c < node_channels; ++c) {
       const V flux = load(whole.flux[c], k);
       V square = hn::Zero(d);
       for (std::size_t n = 0; n < 6; ++n) {
@@ -149,63 +149,63 @@ void unite_lanes(std::span<const Part> parts, Lights& whole) {
   }
 }
 
-void UniteTexels(std::span<const Texels> parts, Lights& whole) { unite_lanes(parts, whole); }
-void UniteLights(std::span<const Lights> parts, Lights& whole) { unite_lanes(parts, whole); }
+void UniteTexels(std::span<const TexelBatch> parts, NodeBatch& whole) { unite_lanes(parts, whole); }
+void UniteLights(std::span<const NodeBatch> parts, NodeBatch& whole) { unite_lanes(parts, whole); }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace envmap
+}  // namespace envmap::prefiltering
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace envmap {
+namespace envmap::prefiltering {
 
 HWY_EXPORT(UniteTexels);
 HWY_EXPORT(UniteLights);
 
-void unite(std::span<const Texels> parts, Lights& whole) { HWY_DYNAMIC_DISPATCH(UniteTexels)(parts, whole); }
-void unite(std::span<const Lights> parts, Lights& whole) { HWY_DYNAMIC_DISPATCH(UniteLights)(parts, whole); }
+void unite(std::span<const TexelBatch> parts, NodeBatch& whole) { HWY_DYNAMIC_DISPATCH(UniteTexels)(parts, whole); }
+void unite(std::span<const NodeBatch> parts, NodeBatch& whole) { HWY_DYNAMIC_DISPATCH(UniteLights)(parts, whole); }
 
-Light light_of(const Patch& patch, const Flux& radiance) {
+Node node_of(const Moments& patch, const Flux& radiance) {
   const double w = patch.solid_angle;
-  Light light{.centre = patch.centre,
+  Node node{.centre = patch.centre,
               .flux = {static_cast<float>(w * radiance.x), static_cast<float>(w * radiance.y),
                        static_cast<float>(w * radiance.z), static_cast<float>(w)},
               .spread = static_cast<float>(patch.spread),
               .reach = static_cast<float>(patch.reach)};
-  for (std::size_t n = 0; n < 6; ++n) light.covariance[n] = static_cast<float>(patch.covariance.m[n]);
-  return light;
+  for (std::size_t n = 0; n < 6; ++n) node.covariance[n] = static_cast<float>(patch.covariance.m[n]);
+  return node;
 }
 
 // Sixteen neighbours a lane, until one is left.
-Light united(std::span<const Light> parts) {
+Node united(std::span<const Node> parts) {
   if (parts.empty()) return {};
   constexpr std::size_t each = 16;
-  thread_local std::vector<Lights> lanes(each);
-  thread_local std::vector<Light> rest;
+  thread_local std::vector<NodeBatch> lanes(each);
+  thread_local std::vector<Node> rest;
   rest.assign(parts.begin(), parts.end());
   const Direction origin = parts[0].centre;
   while (rest.size() > 1) {
     const std::size_t count = (rest.size() + each - 1) / each;
-    for (std::size_t start = 0; start < count; start += most_lanes) {
-      std::ranges::fill(lanes, Lights{});
-      const std::size_t end = std::min(count, start + most_lanes);
+    for (std::size_t start = 0; start < count; start += batch_size) {
+      std::ranges::fill(lanes, NodeBatch{});
+      const std::size_t end = std::min(count, start + batch_size);
       for (std::size_t k = start * each; k < std::min(end * each, rest.size()); ++k)
         lanes[k % each].set(k / each - start, rest[k], origin);
-      Lights whole;
+      NodeBatch whole;
       unite(lanes, whole);
-      for (std::size_t k = start; k < end; ++k) rest[k] = whole.light(k - start, origin);
+      for (std::size_t k = start; k < end; ++k) rest[k] = whole.node(k - start, origin);
     }
     rest.resize(count);
   }
   return rest[0];
 }
 
-void Shapes::set(std::size_t lane, const Patch& patch) {
+void ShapeBatch::set(std::size_t lane, const Moments& patch) {
   for (std::size_t n = 0; n < 6; ++n) covariance[n][lane] = static_cast<float>(patch.covariance.m[n]);
   spread[lane] = static_cast<float>(patch.spread), reach[lane] = static_cast<float>(patch.reach);
 }
 
-void Texels::set(std::size_t lane, const Direction& offset, double solid_angle, const Flux& radiance) {
+void TexelBatch::set(std::size_t lane, const Direction& offset, double solid_angle, const Flux& radiance) {
   const auto white = static_cast<float>(solid_angle);
   for (std::size_t n = 0; n < 3; ++n) {
     centre[n][lane] = static_cast<float>(offset[static_cast<int>(n)]);
@@ -214,29 +214,29 @@ void Texels::set(std::size_t lane, const Direction& offset, double solid_angle, 
   flux[3][lane] = white;
 }
 
-void Lights::set(std::size_t lane, const Light& light, const Direction& origin) {
-  const Vec3<float> at(light.centre - origin);
+void NodeBatch::set(std::size_t lane, const Node& node, const Direction& origin) {
+  const Vec3<float> at(node.centre - origin);
   for (std::size_t n = 0; n < 3; ++n) centre[n][lane] = at[static_cast<int>(n)];
-  for (std::size_t n = 0; n < 6; ++n) shape.covariance[n][lane] = light.covariance[n];
-  for (std::size_t c = 0; c < light_channels; ++c) {
-    flux[c][lane] = light.flux[c];
-    for (std::size_t n = 0; n < 3; ++n) dipole[c][n][lane] = light.dipole[c][static_cast<int>(n)];
+  for (std::size_t n = 0; n < 6; ++n) shape.covariance[n][lane] = node.covariance[n];
+  for (std::size_t c = 0; c < node_channels; ++c) {
+    flux[c][lane] = node.flux[c];
+    for (std::size_t n = 0; n < 3; ++n) dipole[c][n][lane] = node.dipole[c][static_cast<int>(n)];
   }
-  uneven[lane] = light.uneven, shape.spread[lane] = light.spread, shape.reach[lane] = light.reach;
+  uneven[lane] = node.uneven, shape.spread[lane] = node.spread, shape.reach[lane] = node.reach;
 }
 
-Light Lights::light(std::size_t lane, const Direction& origin) const {
-  Light light{.centre = origin + Direction(centre[0][lane], centre[1][lane], centre[2][lane]),
+Node NodeBatch::node(std::size_t lane, const Direction& origin) const {
+  Node node{.centre = origin + Direction(centre[0][lane], centre[1][lane], centre[2][lane]),
               .uneven = uneven[lane],
               .spread = shape.spread[lane],
               .reach = shape.reach[lane]};
-  for (std::size_t n = 0; n < 6; ++n) light.covariance[n] = shape.covariance[n][lane];
-  for (std::size_t c = 0; c < light_channels; ++c) {
-    light.flux[c] = flux[c][lane];
-    light.dipole[c] = {dipole[c][0][lane], dipole[c][1][lane], dipole[c][2][lane]};
+  for (std::size_t n = 0; n < 6; ++n) node.covariance[n] = shape.covariance[n][lane];
+  for (std::size_t c = 0; c < node_channels; ++c) {
+    node.flux[c] = flux[c][lane];
+    node.dipole[c] = {dipole[c][0][lane], dipole[c][1][lane], dipole[c][2][lane]};
   }
-  return light;
+  return node;
 }
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering
 #endif  // HWY_ONCE

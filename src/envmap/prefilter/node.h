@@ -5,64 +5,64 @@
 #include <array>
 #include <span>
 
-#include "envmap/prefilter/patch.h"
+#include "envmap/prefilter/cell.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 
 /// Red, green and blue flux, in units of the source's mean radiance, and steradians: what a white map would give.
-inline constexpr std::size_t light_channels = 4;
-using LightFlux = std::array<float, light_channels>;
+inline constexpr std::size_t node_channels = 4;
+using NodeFlux = std::array<float, node_channels>;
 
 /// Moments of the flux over a block of texels. Place and spread are those of all channels together; what sets a channel
-/// apart is its dipole, and beyond that a bound. Light{} is none.
-struct Light {
+/// apart is its dipole, and beyond that a bound. Node{} is none.
+struct Node {
   Direction centre;  ///< Mean direction: inside the sphere, by half the variance.
   std::array<float, 6> covariance;
-  LightFlux flux;                                  ///< No steradians: no light.
-  std::array<Vec3<float>, light_channels> dipole;  ///< Of each channel about the centre: sum of flux x offset.
+  NodeFlux flux;                                  ///< No steradians: no node.
+  std::array<Vec3<float>, node_channels> dipole;  ///< Of each channel about the centre: sum of flux x offset.
   float uneven;  ///< No channel's second moment, over its flux, is farther than this from the covariance.
   float spread;  ///< Cube root of the mean |offset|^3, that of the channel where it is largest, or above.
   float reach;   ///< No direction is farther from the centre.
 };
 
 /// Even radiance over a patch. @param radiance in units of the mean.
-Light light_of(const Patch& patch, const Flux& radiance);
+Node node_of(const Moments& patch, const Flux& radiance);
 
 /// Several as one.
-Light united(std::span<const Light> parts);
+Node united(std::span<const Node> parts);
 
 /// Sixteen of something side by side, places counted from sixteen origins: what is put together is that at once.
-inline constexpr std::size_t most_lanes = 16;
-using Lanes = std::array<float, most_lanes>;
+inline constexpr std::size_t batch_size = 16;
+using Lanes = std::array<float, batch_size>;
 
 /// How far texels spread by themselves; those of a row of a block are taken to be alike.
-struct Shapes {
+struct ShapeBatch {
   alignas(64) std::array<Lanes, 6> covariance;
   alignas(64) Lanes spread, reach;
 
-  void set(std::size_t lane, const Patch& patch);
+  void set(std::size_t lane, const Moments& patch);
 };
-struct Texels {
+struct TexelBatch {
   alignas(64) std::array<Lanes, 3> centre;
-  alignas(64) std::array<Lanes, light_channels> flux;
-  const Shapes* row;
+  alignas(64) std::array<Lanes, node_channels> flux;
+  const ShapeBatch* row;
 
   /// @param offset from the origin, of the texel's mean direction. @param radiance in units of the mean.
   void set(std::size_t lane, const Direction& offset, double solid_angle, const Flux& radiance);
 };
-struct Lights {
+struct NodeBatch {
   alignas(64) std::array<Lanes, 3> centre;
-  alignas(64) std::array<Lanes, light_channels> flux;
-  Shapes shape;
-  alignas(64) std::array<std::array<Lanes, 3>, light_channels> dipole;
+  alignas(64) std::array<Lanes, node_channels> flux;
+  ShapeBatch shape;
+  alignas(64) std::array<std::array<Lanes, 3>, node_channels> dipole;
   alignas(64) Lanes uneven;
 
-  void set(std::size_t lane, const Light& light, const Direction& origin);
-  [[nodiscard]] Light light(std::size_t lane, const Direction& origin) const;
+  void set(std::size_t lane, const Node& node, const Direction& origin);
+  [[nodiscard]] Node node(std::size_t lane, const Direction& origin) const;
 };
 
 /// The first of all parts as one, the second of all, and so on. Parts without steradians count nothing.
-void unite(std::span<const Texels> parts, Lights& whole);
-void unite(std::span<const Lights> parts, Lights& whole);
+void unite(std::span<const TexelBatch> parts, NodeBatch& whole);
+void unite(std::span<const NodeBatch> parts, NodeBatch& whole);
 
-}  // namespace envmap
+}  // namespace envmap::prefiltering

@@ -1,5 +1,5 @@
-// Moments of many small lights put together, against sums in double over all of them.
-#include "envmap/prefilter/light.h"
+// Moments of many small nodes put together, against sums in double over all of them.
+#include "envmap/prefilter/node.h"
 
 #include <gtest/gtest.h>
 
@@ -10,23 +10,23 @@
 
 #include "every_target.h"
 
-namespace envmap {
+namespace envmap::prefiltering {
 namespace {
 
-// Point-like lights of any colour round a direction, some black, one of them a sun.
-std::vector<Light> some_lights(std::size_t count) {
+// Point-like nodes of any colour round a direction, some black, one of them a sun.
+std::vector<Node> some_nodes(std::size_t count) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> even;
-  std::vector<Light> all;
+  std::vector<Node> all;
   for (std::size_t k = 0; k < count; ++k) {
-    Patch patch;
+    Moments patch;
     patch.solid_angle = 1e-4 * (0.5 + even(random));
     patch.centre = 0.9999 * glm::normalize(Direction(0.1 * normal(random), 0.1 * normal(random), 1));
     patch.covariance.add_square(Direction(normal(random), normal(random), normal(random)), 1e-5);
     patch.spread = 1e-2, patch.reach = 2e-2;
     const Flux radiance = k % 7 == 0 ? Flux(0) : Flux(even(random), 2 * even(random), k % 5 == 0 ? 0 : even(random));
-    all.push_back(light_of(patch, k == 3 ? 1e4 * radiance : radiance));
+    all.push_back(node_of(patch, k == 3 ? 1e4 * radiance : radiance));
   }
   return all;
 }
@@ -40,20 +40,20 @@ struct Truth {
   double uneven = 0, reach = 0;
 };
 
-Truth truth_of(const std::vector<Light>& lights) {
+Truth truth_of(const std::vector<Node>& nodes) {
   Truth t;
   double whole = 0;
-  const auto weight = [](const Light& l) {
+  const auto weight = [](const Node& l) {
     return (static_cast<double>(l.flux[0]) + l.flux[1] + l.flux[2]) / 3 + 1e-3 * l.flux[3];
   };
-  const auto add = [](Symmetric& to, const Light& l, const Direction& off, double w) {
+  const auto add = [](Symmetric& to, const Node& l, const Direction& off, double w) {
     for (std::size_t n = 0; n < 6; ++n) to.m[n] += w * l.covariance[n];
     to.add_square(off, w);
   };
-  for (const Light& l : lights) whole += weight(l), t.centre += weight(l) * l.centre;
+  for (const Node& l : nodes) whole += weight(l), t.centre += weight(l) * l.centre;
   t.centre /= whole;
   std::array<Symmetric, 4> second;
-  for (const Light& l : lights) {
+  for (const Node& l : nodes) {
     const Direction off = l.centre - t.centre;
     add(t.covariance, l, off, weight(l) / whole);
     t.reach = std::max(t.reach, glm::length(off) + l.reach);
@@ -71,7 +71,7 @@ Truth truth_of(const std::vector<Light>& lights) {
   return t;
 }
 
-void expect_moments(const Light& found, const Truth& truth) {
+void expect_moments(const Node& found, const Truth& truth) {
   EXPECT_LT(glm::length(found.centre - truth.centre), 1e-7);
   const double reach = truth.reach;
   for (std::size_t n = 0; n < 6; ++n) EXPECT_NEAR(found.covariance[n], truth.covariance.m[n], 1e-5 * reach * reach);
@@ -84,12 +84,12 @@ void expect_moments(const Light& found, const Truth& truth) {
   EXPECT_GE(found.reach, truth.reach * (1 - 1e-6));
 }
 
-TEST(Light, ManyPutTogetherHaveTheMomentsOfAllInAnyGroups) {
+TEST(Node, ManyPutTogetherHaveTheMomentsOfAllInAnyGroups) {
   on_every_target([](const char* target) {
     SCOPED_TRACE(target);
     for (const std::size_t count : {1U, 2U, 15U, 16U, 17U, 300U, 5000U}) {
       SCOPED_TRACE(count);
-      const std::vector<Light> all = some_lights(count);
+      const std::vector<Node> all = some_nodes(count);
       if (count > 7) expect_moments(united(all), truth_of(all));
       const std::size_t half = count / 2;
       const std::array two{united(std::span(all).first(half)), united(std::span(all).subspan(half))};
@@ -101,14 +101,14 @@ TEST(Light, ManyPutTogetherHaveTheMomentsOfAllInAnyGroups) {
   });
 }
 
-TEST(Light, WithoutLightsThereIsNone) {
-  EXPECT_EQ(united(std::span<const Light>()).flux[3], 0);
-  const std::array none{Light{}, Light{}};
-  const Light found = united(none);
+TEST(Node, WithoutLightsThereIsNone) {
+  EXPECT_EQ(united(std::span<const Node>()).flux[3], 0);
+  const std::array none{Node{}, Node{}};
+  const Node found = united(none);
   EXPECT_EQ(found.flux[3], 0);
   EXPECT_EQ(found.reach, 0);
   EXPECT_EQ(found.spread, 0);
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::prefiltering

@@ -1,0 +1,185 @@
+/// @file
+/// The integral of a lobe over a rectangle of a cube or latlong map, round its border: with S the lobe's share within an
+/// angle, that of S / (2 pi) d(azimuth) (Green's theorem).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "envmap/prefilter/cell.h"
+
+namespace envmap::prefiltering {
+
+/// 1 - cos of the angle between unit vectors.
+inline double versine(const Direction& a, const Direction& b) {
+  const Direction d = a - b;
+  return 0.5 * glm::dot(d, d);
+}
+
+/// A side of a rectangle, or a part of one: along u or v, w running from `from` to `to`.
+struct Side {
+  bool along_u;
+  double fixed, from, to;
+
+  [[nodiscard]] double at(double part) const { return from + (to - from) * part; }
+  template <class P>
+  [[nodiscard]] Direction direction(int face, double w) const {
+    return along_u ? P::direction(face, w, fixed) : P::direction(face, fixed, w);
+  }
+};
+
+inline std::array<Side, 4> sides_of(const Rect& r) {
+  return {{{true, r.v0, r.u0, r.u1}, {false, r.u1, r.v0, r.v1}, {true, r.v1, r.u1, r.u0}, {false, r.u0, r.v1, r.v0}}};
+}
+
+/// A point of the border with l x dl/dw.
+struct BorderPoint {
+  Direction l, turn;
+};
+
+/// @param step what the derivative is taken over, to either side.
+template <class P>
+BorderPoint border_point(int face, const Side& side, double w, double step) {
+  const Direction l = side.direction<P>(face, w);
+  return {l, glm::cross(l, side.direction<P>(face, w + step) - side.direction<P>(face, w - step)) / (2 * step)};
+}
+inline double border_step(double from, double to) { return 5e-4 * std::abs(to - from); }
+
+/// What of a border no direction changes: points along each side, and those of three Gauss rules, of the whole and of halves.
+template <class P>
+struct Border {
+  static constexpr std::size_t steps = 8, nodes = 5;
+  using Rule = std::array<BorderPoint, nodes>;
+  struct Edge {
+    Side side;
+    std::array<Direction, steps + 1> along;
+    std::array<Rule, 3> rules;
+  };
+  std::array<Edge, 4> edges;
+  bool right_handed;  ///< Whether u, v and the outward direction are; else the border runs the other way round.
+
+  Border(int face, const Rect& rect) : right_handed(is_right_handed(face)) {
+    const std::array<Side, 4> sides = sides_of(rect);
+    for (std::size_t n = 0; n < sides.size(); ++n) {
+      const Side& s = edges[n].side = sides[n];
+      for (std::size_t k = 0; k <= steps; ++k)
+        edges[n].along[k] = s.template direction<P>(face, s.at(static_cast<double>(k) / steps));
+      edges[n].rules = {rule(face, s, s.from, s.to), rule(face, s, s.from, s.at(0.5)), rule(face, s, s.at(0.5), s.to)};
+    }
+  }
+
+ private:
+  static Rule rule(int face, const Side& side, double from, double to) {
+    Rule points;
+    for (std::size_t n = 0; n < nodes; ++n)
+      points[n] = border_point<P>(face, side, 0.5 * (from + to) + 0.5 * (to - from) * quadrature::rule<nodes>().node[n],
+                                  border_step(from, to));
+    return points;
+  }
+  static bool is_right_handed(int face) {
+    constexpr double h = 1e-3;
+    const Direction l = P::direction(face, 0.6, 0.6);
+    return glm::dot(l, glm::cross(P::direction(face, 0.6 + h, 0.6) - l, P::direction(face, 0.6, 0.6 + h) - l)) > 0;
+  }
+};
+
+/// One direction's integral round a border.
+template <class P, class L>
+class RoundBorder {
+ public:
+  /// @param nearest x of the nearest point, from below.
+  RoundBorder(const L& lobe, const Direction& r, int face, double nearest)
+      : lobe_(lobe), r_(r), face_(face), near_(nearest <= 0 || lobe.missing(nearest) > 0.5) {}
+
+  /// @param reach of the rectangle from its middle.
+  [[nodiscard]] double operator()(const Border<P>& border, double reach, double nearest) const {
+    thread_local std::vector<Part> parts;
+    parts.clear();
+    for (const auto& edge : border.edges) add(edge, parts);
+    // Where the horizon leaves but a corner the points may see nothing: what there is at most counts a little.
+    double scale = 1e-3 * reach * (near_ ? 1 : lobe_.missing(nearest));
+    for (const Part& part : parts) scale += std::abs(part.whole);
+    double sum = 0;
+    for (const Part& part : parts) sum += integral(part, 1e-8 * scale);
+    return std::max(0.0, border.right_handed ? sum : -sum);
+  }
+
+ private:
+  // A part of a side with its integral, and perhaps that of its halves.
+  struct Part {
+    Side side;
+    double whole, first = 0, second = 0;
+    bool halved = false;
+  };
+
+  // The integrand: S d(azimuth) = S / sin^2 x det(r, l, dl); S - 1 of rectangles far away, for which that is 0.
+  [[nodiscard]] double at(const BorderPoint& p) const {
+    const double x = versine(r_, p.l);
+    if (x < 1e-300) return 0;
+    return (near_ ? lobe_.share(x) : -lobe_.missing(x)) / (2 * pi * x * (2 - x)) * glm::dot(r_, p.turn);
+  }
+  [[nodiscard]] double gauss(const Side& side, double from, double to) const {
+    return quadrature::line<Border<P>::nodes>(
+        from, to, [&](double w) { return at(border_point<P>(face_, side, w, border_step(from, to))); });
+  }
+  [[nodiscard]] double gauss(const typename Border<P>::Rule& points, double length) const {
+    double sum = 0;
+    for (std::size_t n = 0; n < points.size(); ++n) sum += quadrature::rule<Border<P>::nodes>().weight[n] * at(points[n]);
+    return 0.5 * length * sum;
+  }
+
+  // Parts of a side. They end where it crosses the horizon, which may leave less of it than points would see.
+  void add(const typename Border<P>::Edge& edge, std::vector<Part>& parts) const {
+    const Side& side = edge.side;
+    const auto above = [&](const Direction& l) { return glm::dot(r_, l) > 0; };
+    const bool first = above(edge.along[0]);
+    if (std::ranges::all_of(edge.along, [&](const Direction& l) { return above(l) == first; })) {
+      const double length = side.to - side.from;
+      if (first || near_)
+        parts.push_back({side, gauss(edge.rules[0], length), gauss(edge.rules[1], 0.5 * length),
+                         gauss(edge.rules[2], 0.5 * length), true});
+      return;
+    }
+    Side rest = side;
+    constexpr auto steps = Border<P>::steps;
+    for (std::size_t k = 0; k < steps; ++k) {
+      const bool before = above(edge.along[k]);
+      if (above(edge.along[k + 1]) == before) continue;
+      const double w = crossing(side, side.at(static_cast<double>(k) / steps), side.at((k + 1.0) / steps), before);
+      // Not off a sliver: differences need a length.
+      const double least = 1e-6 * std::abs(side.to - side.from);
+      if (std::abs(w - rest.from) <= least || std::abs(w - side.to) <= least) continue;
+      parts.push_back({{side.along_u, side.fixed, rest.from, w}, gauss(side, rest.from, w)});
+      rest.from = w;
+    }
+    parts.push_back({rest, gauss(rest, rest.from, rest.to)});
+  }
+  [[nodiscard]] double crossing(const Side& side, double low, double high, bool above_low) const {
+    for (int step = 0; step < 45; ++step) {
+      const double middle = 0.5 * (low + high);
+      ((glm::dot(r_, side.template direction<P>(face_, middle)) > 0) == above_low ? low : high) = middle;
+    }
+    return low;
+  }
+  [[nodiscard]] double integral(const Part& p, double tolerance) const {
+    const Side& s = p.side;
+    if (!p.halved) return integral(s, s.from, s.to, p.whole, tolerance, 16);
+    if (std::abs(p.first + p.second - p.whole) <= tolerance) return p.first + p.second;
+    return integral(s, s.from, s.at(0.5), p.first, tolerance, 15) + integral(s, s.at(0.5), s.to, p.second, tolerance, 15);
+  }
+  [[nodiscard]] double integral(const Side& side, double from, double to, double whole, double tolerance, int depth) const {
+    const double middle = 0.5 * (from + to), a = gauss(side, from, middle), b = gauss(side, middle, to);
+    if (depth == 0 || std::abs(a + b - whole) <= tolerance) return a + b;
+    return integral(side, from, middle, a, tolerance, depth - 1) + integral(side, middle, to, b, tolerance, depth - 1);
+  }
+
+  const L& lobe_;
+  const Direction& r_;
+  int face_;
+  bool near_;
+};
+
+}  // namespace envmap::prefiltering

@@ -1,0 +1,171 @@
+// evaluate(), compiled once for every instruction set and chosen at run time.
+#include "envmap/prefilter/evaluate.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "envmap/prefilter/evaluate.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "envmap/prefilter/lobe_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace envmap::prefiltering {
+namespace HWY_NAMESPACE {
+
+// What a channel has of a node: the lobe at two points with weights that make its mean right. Those are kept between 0 and
+// 1 where the lobe is not convex: see judge().
+template <class L, class D, class V>
+HWY_INLINE V two_points(const L& lobe, D d, V flux, V lean, V sum, V difference, V deviation) {
+  if (!lobe.convex()) {
+    const V most = hn::Mul(flux, deviation);
+    lean = hn::Max(hn::Neg(most), hn::Min(lean, most));
+  }
+  return hn::Max(hn::Zero(d), hn::Add(hn::Mul(flux, sum), hn::Mul(lean, difference)));
+}
+
+template <class L>
+void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) {
+  const hn::CappedTag<float, Tile::most> d;
+  using V = hn::Vec<decltype(d)>;
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), tiny = hn::Set(d, 1e-30F);
+  for (std::size_t k = 0; k < tile.count; k += hn::Lanes(d)) {
+    const V x = hn::Load(d, &tile.x[k]), y = hn::Load(d, &tile.y[k]), z = hn::Load(d, &tile.z[k]);
+    const V xx = hn::Mul(x, x), xy = hn::Mul(x, y), xz = hn::Mul(x, z);
+    const V yy = hn::Mul(y, y), yz = hn::Mul(y, z), zz = hn::Mul(z, z);
+    const auto dot = [&](const std::array<float, 3>& a) HWY_ATTR {
+      return hn::Add(hn::Add(hn::Mul(hn::Set(d, a[0]), x), hn::Mul(hn::Set(d, a[1]), y)), hn::Mul(hn::Set(d, a[2]), z));
+    };
+    V red = zero, green = zero, blue = zero, white = zero;
+    for (const TileNode& node : nodes) {
+      const V ox = hn::Sub(x, hn::Set(d, node.centre[0])), oy = hn::Sub(y, hn::Set(d, node.centre[1])),
+              oz = hn::Sub(z, hn::Set(d, node.centre[2]));
+      const V square = hn::Add(hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy)), hn::Mul(oz, oz));
+      const V versine = hn::Mul(half, hn::Add(square, hn::Set(d, node.sag)));
+      const auto& m = node.covariance;
+      const V outer =
+          hn::Add(hn::Add(hn::Mul(hn::Set(d, m[0]), xx), hn::Mul(hn::Set(d, m[3]), yy)), hn::Mul(hn::Set(d, m[5]), zz));
+      const V mixed =
+          hn::Add(hn::Add(hn::Mul(hn::Set(d, m[1]), xy), hn::Mul(hn::Set(d, m[2]), xz)), hn::Mul(hn::Set(d, m[4]), yz));
+      const V variance = hn::Add(hn::Add(hn::Set(d, node.variance), dot(node.slope)), hn::Add(outer, mixed));
+      const V deviation = hn::Sqrt(hn::Max(variance, tiny));
+      const V near = value(lobe, d, hn::Sub(versine, deviation));
+      const V far = value(lobe, d, hn::Add(versine, deviation));
+      const V sum = hn::Mul(half, hn::Add(near, far));
+      const V difference = hn::Div(hn::Mul(half, hn::Sub(near, far)), deviation);
+      const auto add = [&](std::size_t c, V& total) HWY_ATTR {
+        const V lean = hn::Add(hn::Set(d, node.lean[c]), dot(node.dipole[c]));
+        total = hn::Add(total, two_points(lobe, d, hn::Set(d, node.flux[c]), lean, sum, difference, deviation));
+      };
+      add(0, red), add(1, green), add(2, blue), add(3, white);
+    }
+    hn::Store(red, d, &tile.sums[0][k]);
+    hn::Store(green, d, &tile.sums[1][k]);
+    hn::Store(blue, d, &tile.sums[2][k]);
+    hn::Store(white, d, &tile.sums[3][k]);
+  }
+}
+
+template <class L>
+std::array<double, node_channels> evaluate_seen(const L& lobe, std::span<const SeenNodes> seen) {
+  const hn::CappedTag<float, SeenNodes::most> d;
+  using V = hn::Vec<decltype(d)>;
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), tiny = hn::Set(d, 1e-30F);
+  alignas(64) std::array<std::array<float, SeenNodes::most>, node_channels> sums;
+  for (std::size_t k = 0; k < SeenNodes::most; k += hn::Lanes(d)) {
+    V red = zero, green = zero, blue = zero, white = zero;
+    for (const SeenNodes& s : seen) {
+      const V versine = hn::Load(d, &s.versine[k]), deviation = hn::Sqrt(hn::Max(hn::Load(d, &s.variance[k]), tiny));
+      const V near = value(lobe, d, hn::Sub(versine, deviation)), far = value(lobe, d, hn::Add(versine, deviation));
+      const V sum = hn::Mul(half, hn::Add(near, far));
+      const V difference = hn::Div(hn::Mul(half, hn::Sub(near, far)), deviation);
+      const auto add = [&](std::size_t c, V& total) HWY_ATTR {
+        total = hn::Add(total, two_points(lobe, d, hn::Load(d, &s.flux[c][k]), hn::Load(d, &s.lean[c][k]), sum, difference,
+                                          deviation));
+      };
+      add(0, red), add(1, green), add(2, blue), add(3, white);
+    }
+    hn::Store(red, d, &sums[0][k]);
+    hn::Store(green, d, &sums[1][k]);
+    hn::Store(blue, d, &sums[2][k]);
+    hn::Store(white, d, &sums[3][k]);
+  }
+  std::array<double, node_channels> totals{};
+  for (std::size_t c = 0; c < node_channels; ++c)
+    for (const float part : sums[c]) totals[c] += part;
+  return totals;
+}
+
+void EvaluateSeen(const Lobe& lobe, std::span<const SeenNodes> seen, std::array<double, node_channels>& out) {
+  std::visit([&](const auto& l) HWY_ATTR { out = evaluate_seen(l, seen); }, lobe);
+}
+
+void Evaluate(const Lobe& lobe, std::span<const TileNode> nodes, Tile& tile) {
+  std::visit([&](const auto& l) HWY_ATTR { evaluate_lanes(l, nodes, tile); }, lobe);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace envmap::prefiltering
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace envmap::prefiltering {
+
+HWY_EXPORT(Evaluate);
+HWY_EXPORT(EvaluateSeen);
+
+namespace {
+
+Direction times(const std::array<float, 6>& m, const Direction& v) {
+  return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z, m[2] * v.x + m[4] * v.y + m[5] * v.z};
+}
+
+}  // namespace
+
+std::array<double, node_channels> evaluate(const Lobe& lobe, std::span<const SeenNodes> seen) {
+  std::array<double, node_channels> found;
+  HWY_DYNAMIC_DISPATCH(EvaluateSeen)(lobe, seen, found);
+  return found;
+}
+
+void add_seen(const Node& node, const Direction& middle, std::size_t& count, std::vector<SeenNodes>& seen) {
+  const std::size_t k = count++ % SeenNodes::most;
+  if (k == 0) {
+    seen.emplace_back();
+    seen.back().versine.fill(3);  // Below any horizon.
+  }
+  SeenNodes& s = seen.back();
+  const Direction at = node.centre - middle, slope = times(node.covariance, middle);
+  s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + (1 - glm::dot(node.centre, node.centre))));
+  s.variance[k] = static_cast<float>(glm::dot(middle, slope));
+  for (std::size_t c = 0; c < node_channels; ++c) {
+    s.flux[c][k] = node.flux[c];
+    s.lean[c][k] = static_cast<float>(glm::dot(Direction(node.dipole[c]), middle));
+  }
+}
+
+void evaluate(const Lobe& lobe, std::span<const TileNode> nodes, Tile& tile) {
+  HWY_DYNAMIC_DISPATCH(Evaluate)(lobe, nodes, tile);
+}
+
+TileNode seen_from_tile(const Node& node, const Direction& middle) {
+  const Direction at = node.centre - middle, slope = times(node.covariance, middle);
+  TileNode seen{};
+  seen.sag = static_cast<float>(1 - glm::dot(node.centre, node.centre));
+  seen.variance = static_cast<float>(glm::dot(middle, slope));
+  for (std::size_t k = 0; k < 3; ++k) {
+    seen.centre[k] = static_cast<float>(at[static_cast<int>(k)]);
+    seen.slope[k] = static_cast<float>(2 * slope[static_cast<int>(k)]);
+  }
+  for (std::size_t k = 0; k < 6; ++k)
+    seen.covariance[k] = (k == 0 || k == 3 || k == 5 ? 1.0F : 2.0F) * node.covariance[k];
+  seen.flux = node.flux;
+  for (std::size_t c = 0; c < node_channels; ++c) {
+    const Vec3<float>& d = node.dipole[c];
+    seen.lean[c] = static_cast<float>(glm::dot(Direction(d), middle));
+    seen.dipole[c] = {d.x, d.y, d.z};
+  }
+  return seen;
+}
+
+}  // namespace envmap::prefiltering
+#endif  // HWY_ONCE

@@ -1,0 +1,137 @@
+/// @file
+/// Below the stored nodes: the texels of a block, and their parts, made and judged as a tile asks for them.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "envmap/prefilter/cell.h"
+#include "envmap/prefilter/tree.h"
+
+namespace envmap::prefiltering {
+
+/// @tparam P the projection of the source. @tparam Add is called with each node that is good enough.
+template <class P, class Add>
+class Subdivision {
+ public:
+  Subdivision(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found, Add& add)
+      : tree_(tree), lobe_(lobe), criterion_(criterion), found_(found), add_(add) {}
+
+  void open(const OpenBlock& block) {
+    const Level& source = tree_.source();
+    const int side = 1 << tree_.first(), left = block.i * side, top = block.j * side;
+    open(block.face, {left, top, std::min(source.width(), left + side), std::min(source.height(), top + side)});
+  }
+
+ private:
+  static constexpr int deepest = 24;  // Of halvings of a texel.
+
+  // Of one texel, evenly lit.
+  struct Texel {
+    int face;
+    Flux radiance;
+    double error = 0;  // Of all its parts: they are lit alike and lie in one place, and may all be wrong the same way.
+  };
+
+  bool enough() const { return found_.count > criterion_.most_nodes; }
+
+  // Four smaller blocks, or the texels.
+  void open(int face, const Span& in) {
+    const std::optional<std::array<Node, 4>> nodes = tree_.quarters(face, in);
+    if (!nodes) return texels(face, in);
+    judge_all(
+        *nodes, [&](std::size_t k) { open(face, in.quarters()[k]); return true; },
+        [&](float error) { found_.add_error(error); });
+  }
+  void texels(int face, const Span& in) {
+    const Level& source = tree_.source();
+    const double scale = tree_.mean() > 0 ? 1 / tree_.mean() : 0;
+    Cells cells;
+    for (int j = in.top; j < in.bottom; ++j)
+      for (int i = in.left; i < in.right; ++i) {
+        const Rect rect = texel_rect(i, j, source.width(), source.height());
+        const Flux radiance = scale * Flux(*source.texel(face, i, j));
+        if (const std::optional<Moments> area = small_cell<P>(face, rect))
+          cells.add(rect, node_of(*area, radiance), radiance);
+        else
+          texel({face, radiance}, rect);
+        if (cells.count == cells.nodes.size()) judge_texels(face, cells);
+      }
+    judge_texels(face, cells);
+  }
+
+  // Up to sixteen texels, judged at once.
+  struct Cells {
+    std::size_t count = 0;
+    std::array<Rect, 16> rects;
+    std::array<Node, 16> nodes;
+    std::array<Flux, 16> radiance;
+    void add(const Rect& rect, const Node& node, const Flux& light) {
+      rects[count] = rect, nodes[count] = node, radiance[count++] = light;
+    }
+  };
+  void judge_texels(int face, Cells& cells) {
+    if (cells.count == 0) return;
+    judge_all(
+        std::span(cells.nodes).first(cells.count),
+        [&](std::size_t k) {
+          texel({face, cells.radiance[k]}, cells.rects[k]);
+          return true;
+        },
+        [&](float error) { found_.add_error(error); });
+    cells.count = 0;
+  }
+  void texel(Texel part, const Rect& rect) {
+    cut(part, rect, 0);
+    found_.add_error(part.error);
+  }
+  // What is too large for simple moments is cut without a look at it.
+  void cut(Texel& texel, const Rect& rect, int depth) {
+    if (enough()) return;
+    const std::array<Rect, 4> parts = quarters(rect);
+    const bool last = depth + 1 >= deepest;
+    std::array<Node, 4> nodes;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const std::optional<Moments> area = small_cell<P>(texel.face, parts[k], last);
+      if (!area) {
+        for (const Rect& part : parts) cut(texel, part, depth + 1);
+        return;
+      }
+      nodes[k] = node_of(*area, texel.radiance);
+    }
+    judge_all(
+        nodes,
+        [&](std::size_t k) {
+          if (!last) cut(texel, parts[k], depth + 1);
+          return !last;
+        },
+        [&](float error) { texel.error += error; });
+  }
+
+  // Of nodes that are not good enough worse(k) says whether it did something about them.
+  template <class Worse, class AddError>
+  void judge_all(std::span<const Node> nodes, Worse&& worse, AddError&& add_error) {
+    NodeGroup group = NodeGroup::none();
+    for (std::size_t k = 0; k < nodes.size(); ++k) group.set(k, nodes[k], criterion_.middle);
+    const Judged v = judge(lobe_, criterion_, group, nodes.size());
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (!(v.visible >> k & 1) || (!(v.good >> k & 1) && worse(k))) continue;
+      if (criterion_.surveying) {
+        found_.add_least(criterion_, nodes[k].flux, v.least[k]);
+      } else {
+        ++found_.count;
+        add_error(v.error[k]);
+        add_(nodes[k]);
+      }
+    }
+  }
+
+  const Tree& tree_;
+  const Lobe& lobe_;
+  Criterion& criterion_;
+  Traversal& found_;
+  Add& add_;
+};
+
+}  // namespace envmap::prefiltering

@@ -1,0 +1,118 @@
+/// @file
+/// The opening criterion of the treecode, and the traversal of the stored nodes (Barnes and Hut 1986, "A hierarchical
+/// O(N log N) force-calculation algorithm"; Appel 1985, "An efficient program for many-body simulation"). As in lightcuts
+/// (Walter et al. 2005) a node is opened where what it may be off counts beside what a direction gets in all.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/node.h"
+
+namespace envmap::prefiltering {
+
+/// What the opening criterion asks of nodes, side by side.
+template <std::size_t N>
+struct alignas(4 * N) NodeHeads {
+  using Lanes = std::array<float, N>;
+  std::array<Lanes, 3> centre;
+  Lanes reach, spread, uneven;
+  std::array<Lanes, node_channels> flux;
+
+  /// Far below any horizon.
+  static NodeHeads none() {
+    NodeHeads h{};
+    for (Lanes& x : h.centre) x.fill(9);
+    return h;
+  }
+  /// @param from what the centre is counted from.
+  void set(std::size_t lane, const Node& node, const Direction& from = Direction(0)) {
+    for (std::size_t n = 0; n < 3; ++n)
+      centre[n][lane] = static_cast<float>(node.centre[static_cast<int>(n)] - from[static_cast<int>(n)]);
+    reach[lane] = node.reach, spread[lane] = node.spread, uneven[lane] = node.uneven;
+    for (std::size_t c = 0; c < node_channels; ++c) flux[c][lane] = node.flux[c];
+  }
+};
+using NodeQuad = NodeHeads<4>;
+using NodeGroup = NodeHeads<16>;  ///< What is judged at once.
+
+/// The directions of a tile, and what is good enough for them.
+struct Criterion {
+  Direction middle;   ///< A unit vector.
+  double radius = 0;  ///< No direction is farther from the middle.
+  NodeFlux most{};    ///< 1 over the least that any direction gets of a channel.
+  float limit = 0;    ///< What a node may be off, relative to that.
+  /// Looks for the least that directions get: a node is good where the lobe changes by less than the limit over it.
+  bool surveying = false;
+  std::size_t most_nodes = SIZE_MAX;  ///< There is no use for more.
+};
+
+/// What a criterion makes of a group of nodes; a bit each.
+struct Judged {
+  unsigned visible = 0;                ///< Above the horizon.
+  unsigned good = 0;                   ///< And good enough.
+  alignas(64) NodeGroup::Lanes error;  ///< Bounds of what good ones are off, relative to the result.
+  alignas(64) NodeGroup::Lanes least;  ///< The lobe, at least, while surveying.
+};
+
+/// The bound of what evaluate() makes of a node, for any direction of the tile. It is a theorem, which tests/unit holds
+/// against random nodes, lobes and directions.
+///
+/// A direction r sees the node as a distribution of X = 1 - r.l. evaluate() puts it at X0 - s and X0 + s, X0 = 1 - r.c
+/// its mean and s^2 = r^T S r its variance over all channels, with weights that give a channel its own mean. With rho =
+/// reach, h = spread and e = (rho + h) / 2, which bounds how far directions leave the tangent plane, |X - X0| is in the
+/// cubic mean at most a = h (sin + e), and a channel's variance is off by at most m = sin^2 uneven + (4 sin e + e^2) h^2 and
+/// by uneven. All X and X0 +- s lie in [lo, hi], a little more than what rho allows. For the lobe f, falling on [lo, hi]:
+///  - smooth, hi < 1: Taylor's series about X0 agrees to the second term, but for m; what the third may be is
+///    a^3 max|f'''| / 6 for the node, for the two points and for the channel's mean, which makes
+///    m max|f''| / 2 + a^3 max|f'''| / 2;
+///  - convex: with one mean, either lies between f(mean) and the chord of f over [lo, hi], which are apart by at most
+///    g (1 - g / (L (hi - lo))), g = f(lo) - f(hi), L = |f'(lo)|; where the mean lies beyond X0 +- s, which it does by at most
+///    sqrt(m), the line through the two points goes on, and may leave f by L sqrt(m) more. And neither is ever above f(lo);
+///  - else weights are kept between 0 and 1, and either lies in [f(hi), f(lo)].
+/// @param nodes their centres from the middle of the tile. @param count of them that are asked for.
+Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& nodes, std::size_t count);
+
+class Tree;
+
+/// A block of the lowest stored level that is not good enough.
+struct OpenBlock {
+  int face, i, j;
+};
+
+/// What a traversal found. Kept between traversals for its memory.
+struct Traversal {
+  std::vector<const Node*> nodes;
+  std::vector<OpenBlock> opened;
+  double sum, power, largest;  ///< Of the bounds of nodes, of their squares.
+  NodeFlux got;                ///< What directions get at least of the nodes.
+  std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
+
+  void clear() {
+    nodes.clear(), opened.clear();
+    sum = power = largest = 0;
+    count = 0;
+    got = {};
+  }
+  void add_error(double error) {
+    sum += error;
+    power += error * error;
+    largest = std::max(largest, error);
+  }
+  void add_least(Criterion& criterion, const NodeFlux& flux, float value) {
+    for (std::size_t c = 0; c < node_channels; ++c) {
+      got[c] += value * flux[c];
+      if (c < 3) criterion.most[c] = std::min(criterion.most[c], 1 / got[c]);
+    }
+  }
+};
+
+/// Goes down from the largest blocks until they are good, or the lowest. @param criterion while surveying `most` falls with
+/// what is found. Stops early where there are more nodes than of use.
+void traverse(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found);
+
+}  // namespace envmap::prefiltering

@@ -1,0 +1,211 @@
+#include "envmap/prefilter/treecode.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include "envmap/operate/measure.h"
+#include "envmap/base/parallel.h"
+#include "envmap/prefilter/subdivide.h"
+
+namespace envmap::prefiltering {
+namespace {
+
+constexpr double floor_of_error = 1e-3;  // Of the mean: smaller results are held to this.
+constexpr int tile_side = 8;
+
+// What the tiles of a map share.
+struct Job {
+  const Tree& tree;
+  const Lobe& lobe;
+  const Target& target;
+  double max_error;
+  double radius;
+  Level& out;
+  std::span<float> figures;
+
+  [[nodiscard]] float& figure(const Texel& t) const { return figures[index_of(out, t)]; }
+};
+
+// How far from their middle directions may be that share nodes: these are as many as the worst of the directions needs. What
+// was fastest.
+double tile_radius(const Lobe& lobe) {
+  return std::visit(
+      [](const auto& l) {
+        const double radius = 0.5 * std::sqrt(2 * l.width());
+        return l.value(0.9) > 1e-3 ? std::min(radius, 0.08) : radius;
+      },
+      lobe);
+}
+
+double radius_of(const Tile& tile) {
+  double square = 0;
+  for (std::size_t k = 0; k < tile.count; ++k)
+    square = std::max(square, static_cast<double>(tile.x[k] * tile.x[k] + tile.y[k] * tile.y[k] + tile.z[k] * tile.z[k]));
+  return std::sqrt(square);
+}
+
+// Directions -> tile.
+void set_tile(std::span<const Direction> directions, Tile& tile) {
+  Direction sum(0);
+  for (const Direction& d : directions) sum += d;
+  tile.middle = glm::length(sum) > 0.1 ? glm::normalize(sum) : directions[0];
+  tile.count = directions.size();
+  for (std::size_t k = 0; k < Tile::most; ++k) {
+    const Vec3<float> o(directions[std::min(k, tile.count - 1)] - tile.middle);
+    tile.x[k] = o.x, tile.y[k] = o.y, tile.z[k] = o.z;
+  }
+}
+
+// Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are.
+std::size_t most_nodes(const Tree& tree, std::size_t directions) {
+  const Level& s = tree.source();
+  if (directions > 1) return 1 << 14;
+  return std::max<std::size_t>(1 << 14, static_cast<std::size_t>(s.faces()) * static_cast<std::size_t>(s.width()) *
+                                            static_cast<std::size_t>(s.height()) / 8);
+}
+
+// The nodes of a tile, and what they are off.
+class TileNodes {
+ public:
+  TileNodes(const Job& job, const Tile& tile) : job_(job) {
+    constexpr auto least = static_cast<float>(1 / floor_of_error);
+    criterion_ = {.middle = tile.middle, .radius = radius_of(tile), .most = {least, least, least, 1}, .surveying = true};
+    // The least that any direction gets, from below: first from afar, then closer.
+    for (const float gap : {1.F, 0.05F}) {
+      criterion_.limit = gap;
+      go([](const Node&) {});
+    }
+    criterion_.surveying = false;
+    criterion_.most_nodes = most_nodes(job.tree, tile.count);
+    // White counts for as much as radiance() takes of it.
+    criterion_.most[3] = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      criterion_.most[3] = std::max(criterion_.most[3], criterion_.most[c] * job.tree.darkest()[static_cast<int>(c)]);
+  }
+
+  /// Opens nodes until their figure is below the error asked for. @param limit of the first try; set to that of the last.
+  /// @param add takes the nodes. @return the figure, or nothing where there would be too many.
+  template <class Clear, class Add>
+  std::optional<double> find(double& limit, Clear&& clear, Add&& add) {
+    for (;;) {
+      clear();
+      criterion_.limit = static_cast<float>(limit);
+      go(add);
+      if (found().count > criterion_.most_nodes) return std::nullopt;
+      const double figure = error_figure(found());
+      if (figure <= job_.max_error) {
+        for (const Node* node : found().nodes) add(*node);
+        return figure;
+      }
+      limit *= std::clamp(0.7 * job_.max_error / figure, 0.05, 0.7);
+    }
+  }
+
+ private:
+  static Traversal& found() {
+    thread_local Traversal kept;
+    return kept;
+  }
+  template <class Add>
+  void go(Add&& add) {
+    traverse(job_.tree, job_.lobe, criterion_, found());
+    visit_source(job_.tree.source().projection(), [&](auto p) {
+      Subdivision<decltype(p), std::remove_reference_t<Add>> below(job_.tree, job_.lobe, criterion_, found(), add);
+      for (const OpenBlock& block : found().opened) below.open(block);
+    });
+  }
+
+  const Job& job_;
+  Criterion criterion_;
+};
+
+// What nodes come to. The darkest radiance falls from everywhere, and its integral is known: what white misses of 1 it is
+// given back. So all of a white map comes out right.
+Colour radiance(const Tree& tree, const Flux& sums, double white) {
+  return Colour(tree.mean() * glm::max(Flux(0), sums + (1 - white) * Flux(tree.darkest())));
+}
+
+// Sets the colours of a tile. @return its figure, or nothing where it would take too many nodes.
+std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<Colour> out) {
+  TileNodes nodes(job, tile);
+  if (tile.count == 1) {
+    thread_local std::vector<SeenNodes> seen;
+    std::size_t count = 0;
+    const std::optional<double> figure = nodes.find(
+        limit, [&] { seen.clear(), count = 0; }, [&](const Node& node) { add_seen(node, tile.middle, count, seen); });
+    if (!figure) return figure;
+    const std::array<double, node_channels> sums = evaluate(job.lobe, seen);
+    out[0] = radiance(job.tree, {sums[0], sums[1], sums[2]}, sums[3]);
+    return figure;
+  }
+  thread_local std::vector<TileNode> seen;
+  const std::optional<double> figure = nodes.find(
+      limit, [&] { seen.clear(); }, [&](const Node& node) { seen.push_back(seen_from_tile(node, tile.middle)); });
+  if (!figure) return figure;
+  evaluate(job.lobe, seen, tile);
+  for (std::size_t k = 0; k < tile.count; ++k)
+    out[k] = radiance(job.tree, {tile.sums[0][k], tile.sums[1][k], tile.sums[2][k]}, tile.sums[3][k]);
+  return figure;
+}
+
+// A block of texels of the result, cut until its directions are near each other and few nodes do for them. Texels for which
+// there are none keep their figure. @param limit what nodes were allowed to be off in the tile before.
+void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& limit) {
+  std::array<Direction, Tile::most> directions;
+  std::array<Texel, Tile::most> texels;
+  std::size_t count = 0, unknown = 0;
+  for (int j = y; j < y + h; ++j) {
+    const Columns in = columns(job.target.to, job.target.size, j);
+    const int first = std::max(x, in.first), end = std::min(x + w, in.end);
+    if (first >= end) continue;
+    const std::span row = std::span(directions).subspan(count, static_cast<std::size_t>(end - first));
+    texel_directions(job.target.to, job.target.size, face, j, first, row);
+    for (int i = first; i < end; ++i) {
+      texels[count++] = {face, i, j};
+      unknown += job.figure(texels[count - 1]) <= static_cast<float>(job.max_error) ? 0 : 1;
+    }
+  }
+  if (unknown == 0) return;
+  const std::span all = std::span(directions).first(count);
+  rotate(job.target.to_source, all);
+  Tile tile;
+  set_tile(all, tile);
+  std::array<Colour, Tile::most> colours;
+  std::optional<double> figure;
+  if (count == 1 || radius_of(tile) <= job.radius) figure = fill(job, limit, tile, colours);
+  if (figure) {
+    // The next tile is much the same: what made this one good will do there.
+    limit *= std::clamp(0.8 * job.max_error / std::max(*figure, 1e-30), 0.5, 1.5);
+    for (std::size_t k = 0; k < count; ++k) {
+      *job.out.texel(texels[k].face, texels[k].i, texels[k].j) = colours[k];
+      job.figure(texels[k]) = static_cast<float>(*figure);
+    }
+  } else if (count > 1) {
+    const int left = w >= h ? w / 2 : w, top = w >= h ? h : h / 2;
+    fill_tile(job, face, x, y, left, top, limit);
+    if (w >= h)
+      fill_tile(job, face, x + left, y, w - left, h, limit);
+    else
+      fill_tile(job, face, x, y + top, w, h - top, limit);
+  }
+}
+
+}  // namespace
+
+double error_figure(const Traversal& found) {
+  const double others = std::max(0.0, found.power - found.largest * found.largest);
+  return std::min(found.sum, found.largest + either_way * std::sqrt(others));
+}
+
+void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error, Level& out,
+                        std::span<float> figures, const Progress& progress) {
+  const Job job{tree, lobe, target, max_error, tile_radius(lobe), out, figures};
+  for_each_row(out.faces(), (out.height() + tile_side - 1) / tile_side, progress, [&](int face, int row) {
+    const int y = row * tile_side, h = std::min(tile_side, out.height() - y);
+    double limit = 0.3 * max_error;  // Of the first tile of a row, as good as any.
+    for (int x = 0; x < out.width(); x += tile_side)
+      fill_tile(job, face, x, y, std::min(tile_side, out.width() - x), h, limit);
+  });
+}
+
+}  // namespace envmap::prefiltering
