@@ -89,7 +89,6 @@ Facts record(const std::vector<Prefilter>& levels) {
   return facts;
 }
 
-// Exit status 1 is for callers that count on the error; what is known of every texel is printed.
 void report(const Prefilter& p, const Prefiltered& done, const Common& common) {
   std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size,
                                  method_names[static_cast<std::size_t>(done.method)], done.seconds);
@@ -160,14 +159,14 @@ Command prefilter_command() {
           "--levels N makes a chain, level k of a face of --size / 2^k: phong takes M at level 0 and a quarter of it "
           "at "
           "each level more, ggx roughness 0 to 1 over the levels. --exponents and --roughnesses list them instead.\n\n"
-          "Methods: 'hierarchical' sums over a quad-tree of the input, coarse where the lobe is faint and smooth, fine "
-          "in its core and round bright texels. 'exact' sums over every texel in float64. 'sh' goes through spherical "
-          "harmonics of --order, 'spectral' through a spherical transform of as many degrees as the lobe needs. 'auto' "
-          "is "
-          "spectral for narrow lobes in large maps and else hierarchical, refined until --max-error holds in 256 "
-          "texels or more: some "
-          "spread evenly, and the darkest, brightest and steepest; where that does not help, exact. The other methods "
-          "are checked as well; beyond --max-error the exit status is 1 and nothing is written.\n\n"
+          "Maps other than cubes and latlong maps are prefiltered as the cube that 'convert --to cube --filter area' makes "
+          "of them: the two commands by hand give the same bytes, and errors count from that cube.\n\n"
+          "Methods: 'hierarchical' is a treecode, which sums over a quad-tree of the input, coarse where the lobe is faint and "
+          "smooth, fine in its core and round bright texels. 'spectral' goes through a spherical transform of as many degrees "
+          "as the lobe needs, which is quick for narrow lobes in large maps. 'exact' sums over every texel in float64. 'auto' "
+          "takes what is quickest. Every texel has its own error figure, and what one method is not sure of is made by the "
+          "next, exact at last, so that --max-error holds in every texel. A part of the figure is proved and a part measured: "
+          "see README.md, 'Accuracy'; -v prints the largest.\n\n"
           "--brdf-table: the second half of the split sum for GGX and Smith's height-correlated masking: row by "
           "row perceptual roughness, column by column cos(n,v), both at (i + 0.5) / N; red times F0 plus green is the "
           "part of white light reflected.",
@@ -176,7 +175,7 @@ Command prefilter_command() {
                    {"envmap prefilter probe.hdr gloss.exr --lobe phong --exponent 100 --to latlong --size 128",
                     "a Phong lobe, as a panorama"},
                    {"envmap prefilter probe.exr ggx.exr --lobe ggx --roughness 0.3 --size 128 --max-error 1e-4",
-                    "GGX of one roughness, right to 0.01% in every texel checked"},
+                    "GGX of one roughness, right to 0.01% in every texel"},
                    {"envmap prefilter probe.exr chain.ktx2 --lobe ggx --size 256 --levels 6 --brdf-table brdf.exr",
                     "what a renderer of glTF materials wants: roughness 0 to 1 over six levels, and the table"},
                    {"envmap prefilter probe.exr 'phong_{level}.hdr' --lobe phong --exponent 2048 --size 256 --levels 9",

@@ -73,9 +73,9 @@ EnvironmentMap landscape(Projection projection, int size, float sun = 2000) {
 }
 
 // What is prefiltered: the map, or the cube that stands for it.
-EnvironmentMap source_of(const EnvironmentMap& map) {
+EnvironmentMap source_of(EnvironmentMap map) {
   std::optional<EnvironmentMap> cube = prefiltering::source_cube(map);
-  return cube ? std::move(*cube) : map;
+  return cube ? std::move(*cube) : std::move(map);
 }
 
 Direction direction_of(const Prefilter& p, int face, int i, int j) {
@@ -108,8 +108,7 @@ INSTANTIATE_TEST_SUITE_P(, EachPrefilter, testing::ValuesIn(all_projections),
 // ---- right ------------------------------------------------------------------------------------------------------------
 
 TEST_P(EachPrefilter, AgreesWithTheDefinition) {
-  const EnvironmentMap map = landscape(GetParam(), 12);
-  const EnvironmentMap source = source_of(map);
+  const EnvironmentMap source = source_of(landscape(GetParam(), 12));
   const double floor = 1e-3 * mean_radiance(source.base());
   const PrefilterSource prepared(source);
   for (Prefilter p : lobes) {
@@ -260,7 +259,7 @@ TEST(Prefilter, PhongKeepsTheFlux) {
   const Flux before = measure(source).flux;
   const PrefilterSource prepared(source);
   for (const double exponent : {1.0, 50.0}) {
-    const Prefiltered done = prepared.make({.shape = Shape::phong, .parameter = exponent, .size = 96, .max_error = 1e-4});
+    const Prefiltered done = prepared.make({.shape = Shape::phong, .parameter = exponent, .size = 96, .method = Method::hierarchical, .max_error = 3e-4});
     const Flux after = measure(done.map).flux;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c] / before[c], 1, 1e-4) << exponent;
   }

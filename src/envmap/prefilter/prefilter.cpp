@@ -51,12 +51,12 @@ bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
   return texels_of(p) >= 2000 && std::visit([](const auto& l) { return l.value(0.9) <= 1e-2; }, lobe);
 }
 
-// A lobe that breaks off at the horizon, or bends there, cuts so many texels that for small errors in small maps all are
-// sooner summed up.
+// Whether all texels are sooner summed up: of small maps, the larger the smaller the error; of a lobe that breaks off at
+// the horizon, or bends there, and so cuts many texels, more of them.
 bool exact_is_cheaper(const Level& source, const Prefilter& p, const Lobe& lobe) {
   const double edge = std::visit([](const auto& l) { return l.value(0.999) / l.value(0); }, lobe);
-  const double least = edge > 0.4 ? 2e-3 : edge > 0.1 ? 5e-4 : 0;
-  return p.max_error < least && texels_of(p) * static_cast<double>(envmap::texels_of(source).size()) < 2e8;
+  const double hard = edge > 0.4 ? 2e-3 : 5e-4;
+  return texels_of(p) * static_cast<double>(envmap::texels_of(source).size()) < (p.max_error < hard ? 2e8 : 1e6);
 }
 
 }  // namespace

@@ -77,25 +77,28 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   const V sag = hn::Mul(half, hn::Mul(spread, spread)), off = hn::Mul(reach, hn::Min(one, hn::Add(sine, reach)));
   const V lo = hn::Max(hn::Sub(near, hn::Mul(reach, reach)), hn::Sub(square, hn::Add(turn, off)));
   const V hi = hn::Add(hn::Add(square, sag), hn::Add(turn, off));
-  const auto above = hn::Lt(hi, one), known = hn::Ge(lo, lowest(lobe));
+  const auto known = hn::Ge(lo, lowest(lobe));
   const V end = hn::Min(hi, one), at_lo = value(lobe, d, lo), at_hi = value(lobe, d, hi);
   const V a = hn::Mul(spread, hn::Min(one, hn::Add(sine, bend)));
   const V across = hn::Mul(bend, hn::Add(bend, hn::Mul(set(d, 4), sine)));
   const V m = hn::Min(uneven, hn::Add(hn::Mul(hn::Mul(sine, sine), uneven), hn::Mul(across, hn::Mul(spread, spread))));
   const V bent = hn::Max(second(lobe, d, lo, at_lo), second(lobe, d, end, at_hi));
-  const V twisted = hn::Min(set(d, 1e30), hn::Max(third(lobe, d, lo, at_lo), third(lobe, d, end, at_hi)));
+  const V twisted = hn::Max(third(lobe, d, lo, at_lo), third(lobe, d, end, at_hi));
   V smooth = hn::Mul(half, hn::Add(hn::Mul(bent, m), hn::Mul(twisted, hn::Mul(a, hn::Mul(a, a)))));
   const V excess = hn::Sqrt(m), steep = slope(lobe, d, lo, at_lo), flat = slope(lobe, d, end, at_hi);
   V any;
   if (lobe.convex()) {
-    const V turned = hn::Sub(steep, hn::IfThenElseZero(above, flat));
+    const V turned = hn::Sub(steep, hn::IfThenElseZero(hn::Lt(hi, one), flat));
     const V chord = hn::Add(hn::Mul(half, hn::Mul(off, turned)), hn::Mul(steep, excess));
     any = hn::IfThenElse(known, hn::Min(at_lo, chord), at_lo);
   } else {
     smooth = hn::Add(smooth, hn::Mul(hn::Max(steep, flat), excess));
     any = hn::Sub(at_lo, at_hi);
   }
-  const V series = hn::IfThenElse(hn::And(above, known), hn::Min(any, smooth), any);
+  // Not where a derivative is beyond what floats hold.
+  const auto finite = hn::And(hn::Lt(bent, set(d, 1e36)), hn::Lt(twisted, set(d, 1e36)));
+  const auto taylor = hn::And(hn::And(hn::Lt(hi, one), known), finite);
+  const V series = hn::IfThenElse(taylor, hn::Min(any, smooth), any);
   const V error = hn::Mul(hn::Mul(flux, set(d, rounding)), series);
   hn::Store(error, d, &found.error[n]);
   found.good |= bits_of(hn::And(visible, hn::Le(error, limit))) << n;
