@@ -59,9 +59,8 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
 // Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are.
 std::size_t most_nodes(const Tree& tree, std::size_t directions) {
   const Level& s = tree.source();
-  if (directions > 1) return 1 << 14;
-  return std::max<std::size_t>(1 << 14, static_cast<std::size_t>(s.faces()) * static_cast<std::size_t>(s.width()) *
-                                            static_cast<std::size_t>(s.height()) / 8);
+  const std::size_t sum = directions * index_of(s, {s.faces(), 0, 0}) / 8;
+  return std::clamp<std::size_t>(sum, 1 << 11, directions > 1 ? 1 << 14 : SIZE_MAX);
 }
 
 // The nodes of a tile, and what they are off.
@@ -87,7 +86,8 @@ class TileNodes {
   /// @param add takes the nodes. @return the figure, or nothing where there would be too many.
   template <class Clear, class Add>
   std::optional<double> find(double& limit, Clear&& clear, Add&& add) {
-    for (;;) {
+    constexpr int most_tries = 10;
+    for (int n = 0; n < most_tries; ++n) {
       clear();
       criterion_.limit = static_cast<float>(limit);
       go(add);
@@ -99,6 +99,7 @@ class TileNodes {
       }
       limit *= std::clamp(0.7 * job_.max_error / figure, 0.05, 0.7);
     }
+    return std::nullopt;
   }
 
  private:
