@@ -123,6 +123,9 @@ int run(Options& o, const Common& common) {
   check_output(o.output, o.write, o.map.to, wanted.size() > 1);
 
   const PrefilterSource prepared(source.map);
+  if (const EnvironmentMap& cube = prepared.source(); common.verbose && &cube != &source.map)
+    note(common, fmt::format("{}: prefiltered as the cube of {} that 'convert --filter area' makes of it; errors count from that",
+                             o.input, cube.base().height()));
   EnvironmentMap made{.levels = {}, .forward = o.map.forward};
   for (const Prefilter& p : wanted) {
     Prefiltered done = prepared.make(p, progress_line(common, "prefilter " + words(p)));

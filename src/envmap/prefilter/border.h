@@ -40,13 +40,20 @@ struct BorderPoint {
   Direction l, turn;
 };
 
-/// @param step what the derivative is taken over, to either side.
+/// dl/dw is that of the projection's formula; of a cube, where l = q / |q| with q on the face, l x dl = l x dq / |q|.
 template <class P>
-BorderPoint border_point(int face, const Side& side, double w, double step) {
+BorderPoint border_point(int face, const Side& side, double w) {
   const Direction l = side.direction<P>(face, w);
-  return {l, glm::cross(l, side.direction<P>(face, w + step) - side.direction<P>(face, w - step)) / (2 * step)};
+  if constexpr (std::is_same_v<P, Latlong>) {
+    if (side.along_u) return {l, 2 * pi * glm::cross(l, Direction(-l.z, 0, l.x))};
+    // Across parallels, to the south: the turn is level, at right angles to the meridian.
+    const double longitude = 2 * (0.5 - side.fixed);
+    return {l, pi * Direction(portable::cos_pi(longitude), 0, -portable::sin_pi(longitude))};
+  } else {
+    const Cube::Axes& a = Cube::axes[static_cast<std::size_t>(face)];
+    return {l, glm::dot(l, a.forward) * glm::cross(l, side.along_u ? 2.0 * a.right : -2.0 * a.up)};
+  }
 }
-inline double border_step(double from, double to) { return 5e-4 * std::abs(to - from); }
 
 /// What of a border no direction changes: points along each side, and those of three Gauss rules, of the whole and of halves.
 template <class P>
@@ -75,8 +82,7 @@ struct Border {
   static Rule rule(int face, const Side& side, double from, double to) {
     Rule points;
     for (std::size_t n = 0; n < nodes; ++n)
-      points[n] = border_point<P>(face, side, 0.5 * (from + to) + 0.5 * (to - from) * quadrature::rule<nodes>().node[n],
-                                  border_step(from, to));
+      points[n] = border_point<P>(face, side, 0.5 * (from + to) + 0.5 * (to - from) * quadrature::rule<nodes>().node[n]);
     return points;
   }
   static bool is_right_handed(int face) {
@@ -122,8 +128,7 @@ class RoundBorder {
     return (near_ ? lobe_.share(x) : -lobe_.missing(x)) / (2 * pi * x * (2 - x)) * glm::dot(r_, p.turn);
   }
   [[nodiscard]] double gauss(const Side& side, double from, double to) const {
-    return quadrature::line<Border<P>::nodes>(
-        from, to, [&](double w) { return at(border_point<P>(face_, side, w, border_step(from, to))); });
+    return quadrature::line<Border<P>::nodes>(from, to, [&](double w) { return at(border_point<P>(face_, side, w)); });
   }
   [[nodiscard]] double gauss(const typename Border<P>::Rule& points, double length) const {
     double sum = 0;
@@ -148,8 +153,8 @@ class RoundBorder {
     for (std::size_t k = 0; k < steps; ++k) {
       const bool before = above(edge.along[k]);
       if (above(edge.along[k + 1]) == before) continue;
-      const double w = crossing(side, side.at(static_cast<double>(k) / steps), side.at((k + 1.0) / steps), before);
-      // Not off a sliver: differences need a length.
+      const double w = crossing(side, side.at(static_cast<double>(k) / steps), side.at((k + 1.0) / steps));
+      // Not off a sliver.
       const double least = 1e-6 * std::abs(side.to - side.from);
       if (std::abs(w - rest.from) <= least || std::abs(w - side.to) <= least) continue;
       parts.push_back({{side.along_u, side.fixed, rest.from, w}, gauss(side, rest.from, w)});
@@ -157,12 +162,22 @@ class RoundBorder {
     }
     parts.push_back({rest, gauss(rest, rest.from, rest.to)});
   }
-  [[nodiscard]] double crossing(const Side& side, double low, double high, bool above_low) const {
-    for (int step = 0; step < 45; ++step) {
-      const double middle = 0.5 * (low + high);
-      ((glm::dot(r_, side.template direction<P>(face_, middle)) > 0) == above_low ? low : high) = middle;
+  // Where a side crosses the horizon: the rule of false position, the weight of an end that stays halved (Illinois method:
+  // Dowell and Jarratt 1971).
+  [[nodiscard]] double crossing(const Side& side, double low, double high) const {
+    const auto height = [&](double w) { return glm::dot(r_, side.template direction<P>(face_, w)); };
+    double at_low = height(low), at_high = height(high);
+    for (int step = 0; step < 45 && at_low != at_high; ++step) {
+      const double w = high - at_high * (high - low) / (at_high - at_low), at = height(w);
+      if (std::abs(at) < 1e-16) return w;
+      if ((at > 0) == (at_high > 0)) {
+        at_low *= 0.5;
+      } else {
+        low = high, at_low = at_high;
+      }
+      high = w, at_high = at;
     }
-    return low;
+    return high;
   }
   [[nodiscard]] double integral(const Part& p, double tolerance) const {
     const Side& s = p.side;

@@ -26,13 +26,15 @@ double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) 
   });
 }
 
-// How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it.
+// How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it. A cosine is a line in
+// the direction of light: as smooth as the map itself.
 template <class L>
 double unevenness(const L& lobe, const Direction& r, const Moments& p) {
   const double d = glm::length(r - p.centre), near = std::max(0.0, d - p.reach), far = d + p.reach;
   const double lo = 0.5 * near * near, hi = 0.5 * far * far;
   if (lo >= 1) return 0;
   if (hi >= 1) return 1e300;
+  if constexpr (std::is_same_v<L, Cosine>) return 0;
   return std::max(lobe.rate(lo), lobe.rate(hi)) * std::min(1.0, far) * p.reach;
 }
 
@@ -44,6 +46,18 @@ double most_uneven(const L& lobe) {
   if constexpr (std::is_same_v<L, Phong>)
     if (lobe.exponent >= 8) return 1.2;
   return 0.4;
+}
+
+// Where a piece lies: its moments, but for what only nodes need.
+template <class P>
+Moments place_of(int face, const Rect& rect) {
+  const Direction middle = P::direction(face, 0.5 * (rect.u0 + rect.u1), 0.5 * (rect.v0 + rect.v1));
+  Moments found{.solid_angle = P::solid_angle(rect), .centre = middle};
+  // The farthest point of a small piece is a corner, or little farther.
+  for (const double u : {rect.u0, rect.u1})
+    for (const double v : {rect.v0, rect.v1})
+      found.reach = std::max(found.reach, 1.02 * glm::length(P::direction(face, u, v) - middle));
+  return found.reach < 0.2 ? found : moments<P>(face, rect);
 }
 
 // Over a rectangle with its moments.
@@ -62,7 +76,7 @@ double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, 
   double sum = 0;
   for (const Rect& q : quarters(rect)) {
     std::optional<Border<P>> none;
-    sum += lobe_over<P>(lobe, r, face, q, moments<P>(face, q), none);
+    sum += lobe_over<P>(lobe, r, face, q, place_of<P>(face, q), none);
   }
   return sum;
 }

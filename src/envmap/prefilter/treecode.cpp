@@ -60,7 +60,7 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
 std::size_t most_nodes(const Tree& tree, std::size_t directions) {
   const Level& s = tree.source();
   const std::size_t sum = directions * index_of(s, {s.faces(), 0, 0}) / 8;
-  return std::clamp<std::size_t>(sum, 1 << 11, directions > 1 ? 1 << 14 : SIZE_MAX);
+  return std::clamp<std::size_t>(sum, 1 << 8, directions > 1 ? 1 << 14 : SIZE_MAX);
 }
 
 // The nodes of a tile, and what they are off.
