@@ -9,7 +9,7 @@
 ///
 /// What a texel is off: each node's bound is a theorem (traverse.h). Their plain sum is a bound, too, but it comes out 50
 /// to 100 times too large, since nodes are off either way. So the figure of a tile takes the largest for certain and the rest
-/// as errors of either sign: that is measured, by tests/bench/judge.cpp, over thousands of hostile maps and in every texel.
+/// as errors of either sign: that is measured, by tests/bench/hostile.cpp, over thousands of hostile maps and in every texel.
 #pragma once
 
 #include <optional>
