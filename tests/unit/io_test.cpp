@@ -17,6 +17,7 @@
 #include <map>
 
 #include "envmap/base/error.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/read.h"
@@ -99,6 +100,40 @@ TEST_F(Io, FloatExrIsExact) {
       for (int j = 0; j < 5; ++j)
         EXPECT_TRUE(std::ranges::equal(back.map.base().row(f, j), map.base().row(f, j))) << name(p);
   }
+}
+
+// The table of formats against what files do: every extension at every depth comes back as that format and depth, known by
+// its bytes, with values as near as the depth has them.
+TEST_F(Io, EveryFormatHoldsWhatItsRowSays) {
+  const EnvironmentMap map = generate(Directions{}, Projection::latlong, 24);  // 0 to 1, smooth.
+  const auto tolerance = [](const FileFormat& format, Depth depth) {
+    if (format.name == "jpeg" || format.name == "webp") return 0.1;           // Lossy.
+    if (format.name == "hdr") return 0x1p-8;                                  // 8 bits beside a shared exponent.
+    if (depth == Depth::uint8) return 0.5 / 255 * 2.3;                        // The steepest of the sRGB curve.
+    if (depth == Depth::uint16) return 0.5 / 65535 * 2.3 + 1e-6;
+    return depth == Depth::half ? 0x1p-12 : depth == Depth::rgb9e5 ? 0x1p-10 : 0.0;
+  };
+  int tried = 0;
+  for (const FileFormat& format : file_formats())
+    for (const std::string_view extension : format.extensions)
+      for (const Depth depth : format.depths) {
+        SCOPED_TRACE(testing::Message() << extension << " " << name(depth));
+        const std::string file = path("map." + std::string(extension));
+        EXPECT_EQ(write(file, rows_of(map), {.depth = depth}).depth, depth);
+        if (format.is_head) fs::rename(file, path("unnamed"));  // A name that says nothing.
+        const Source back = read(format.is_head ? path("unnamed") : file, {.projection = Projection::latlong});
+        EXPECT_EQ(back.depth, depth);
+        EXPECT_EQ(back.format, format.name);
+        double worst = 0;
+        for (int j = 0; j < 24; ++j)
+          for (int i = 0; i < 48; ++i) {
+            const Colour off = glm::abs(*back.map.base().texel(0, i, j) - *map.base().texel(0, i, j));
+            worst = std::max<double>(worst, std::max({off.x, off.y, off.z}));
+          }
+        EXPECT_LE(worst, tolerance(format, depth));
+        ++tried;
+      }
+  EXPECT_GT(tried, 20);
 }
 
 TEST_F(Io, ForwardIsRecorded) {

@@ -7,6 +7,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/dds.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/openexr.h"
@@ -25,39 +26,18 @@ void Image::fail(std::string why, Remedy remedy) const {
 
 namespace {
 
-constexpr std::size_t head_size = 16;
-
-// The format that the first bytes say; a Targa file has no such mark, only its name. OpenImageIO asked about a file it
-// does not know tries 30 readers in turn, and some write beyond their memory, even for sound files (2.4: ICO, IFF, DPX):
-// none is asked but the one that fits.
-std::string format_of(std::string_view head, const std::string& path) {
-  if (head.starts_with("\x76\x2f\x31\x01")) return "openexr";
-  if (head.starts_with("#?")) return "hdr";
-  if (head.starts_with("\x89PNG")) return "png";
-  if (head.starts_with("II") || head.starts_with("MM")) return "tiff";
-  if (head.starts_with("\xff\xd8")) return "jpeg";
-  if (head.starts_with("DDS ")) return "dds";
-  if (head.starts_with(ktx2_mark)) return "ktx2";
-  if (head.size() > 1 && head[0] == 'P' && std::string_view("123456Ff").find(head[1]) != head.npos) return "pnm";
-  if (head.starts_with("BM")) return "bmp";
-  if (head.starts_with("8BPS")) return "psd";
-  if (head.starts_with("\x01\xda")) return "sgi";
-  if (head.starts_with("GIF8")) return "gif";
-  if (head.find("jP  ") == 4 || head.starts_with("\xff\x4f\xff\x51")) return "jpeg2000";
-  if (head.starts_with("RIFF") && head.find("WEBP") == 8) return "webp";
-  return path.ends_with(".tga") || path.ends_with(".TGA") ? "targa" : "";
-}
-
+// OpenImageIO asked about a file it does not know tries 30 readers in turn, and some write beyond their memory, even for
+// sound files (2.4: ICO, IFF, DPX): none is asked but the one that fits.
 // Image::file -> its reader. @param path of a file on disk that OpenImageIO may open itself; of others it is a name.
 void open_as_its_bytes_say(Image& image, const std::string& path, const ImageChoice& choice, bool for_texture) {
   InputFile& file = *image.file;
   if (file.size() == 0) image.fail("is empty");
   char head[head_size] = {};
   const std::size_t size = file.pread(head, head_size, 0);
-  const std::string format = format_of({head, size}, path), unread = "not an image that can be read: ";
-  if (format.empty())
-    image.fail(unread +
-               "neither EXR, HDR, PFM, KTX2, DDS, PNM, TIFF, PNG, JPEG, JPEG 2000, WebP, BMP, TGA, GIF, PSD nor SGI");
+  const FileFormat* known = format_of({head, size}, path);
+  const std::string unread = "not an image that can be read: ";
+  if (!known) image.fail(unread + "none of " + readable_formats());
+  const std::string format(known->name);
   if (!choice.empty() && format != "openexr")
     throw UsageError(image.name, "parts, layers and channels are chosen of EXR files alone");
   try {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "envmap/io/bands.h"
 #include "envmap/io/chain.h"
 #include "envmap/io/dds.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/image_writer.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/limit.h"
@@ -22,7 +22,6 @@
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "envmap/io/pfm.h"
-#include "envmap/io/radiance.h"
 #include "envmap/io/srgb.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/map/page.h"
@@ -41,31 +40,14 @@ std::string extension(const std::string& path, const WriteOptions& options) {
   return e;
 }
 
-// What a format holds, least first; nothing for a format that is not written.
-std::vector<Depth> depths(const std::string& ext) {
-  if (ext == "exr") return {Depth::half, Depth::single};
-  if (ext == "hdr" || ext == "pfm") return {Depth::single};
-  if (ext == "tif" || ext == "tiff") return {Depth::uint8, Depth::uint16, Depth::single};
-  if (ext == "png" || ext == "ppm") return {Depth::uint8, Depth::uint16};
-  if (ext == "ktx2" || ext == "dds") return {Depth::half, Depth::single, Depth::rgb9e5};
-  if (ext == "jpg" || ext == "jpeg" || ext == "tga" || ext == "bmp" || ext == "webp") return {Depth::uint8};
-  return {};
-}
-
-// Whether all levels of a map go into one file.
-bool holds_levels(const std::string& ext) { return ext == "exr" || ext == "ktx2" || ext == "dds"; }
-
-// Textures hold the faces of a cube as such, not side by side in one image.
-bool is_texture(const std::string& ext) { return ext == "ktx2" || ext == "dds"; }
-
 // What was asked for, or the least depth that keeps what the source had, or the most there is.
-Depth choose_depth(const std::string& ext, const WriteOptions& options) {
-  const std::vector<Depth> held = depths(ext);
+Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
+  const std::span<const Depth> held = format.depths;
   if (options.depth) {
     if (std::ranges::find(held, *options.depth) != held.end()) return *options.depth;
     std::string names;
     for (const Depth d : held) names += (names.empty() ? "" : " or ") + std::string(name(d));
-    throw UsageError(fmt::format("{} is no depth of .{} files: they hold {}", name(*options.depth), ext, names));
+    throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title, names));
   }
   if (std::ranges::find(held, options.source_depth) != held.end()) return options.source_depth;
   for (const Depth d : held)
@@ -73,15 +55,15 @@ Depth choose_depth(const std::string& ext, const WriteOptions& options) {
   return held.back();
 }
 
-Layout choose_layout(const std::string& path, const std::string& ext, const WriteOptions& options, Projection p) {
+Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p) {
   if (p != Projection::cube) {
     if (options.layout) throw UsageError(fmt::format("a layout is for cube maps; this is a {} map", name(p)), Remedy::leave_out_layout);
     if (has_face(path)) throw UsageError("{face} in a file name is for cube maps");
     return default_layout(p);
   }
-  if (is_texture(ext)) {
+  if (format.texture) {
     if (options.layout || has_face(path))
-      throw UsageError(path, fmt::format(".{} files hold cube faces as the APIs define them", ext),
+      throw UsageError(path, fmt::format("{} files hold cube faces as the APIs define them", format.title),
                        options.layout ? Remedy::leave_out_layout : Remedy::leave_out_face);
     return Layout::api;
   }
@@ -95,13 +77,12 @@ Layout choose_layout(const std::string& path, const std::string& ext, const Writ
   return options.layout.value_or(Layout::column);
 }
 
-Range range_of(const std::string& ext, Depth depth) {
+Range range_of(const FileFormat& format, Depth depth) {
   if (is_integer(depth)) return {.largest = 1};
   // Half has 11 bits down to 2^-14; of a shared exponent 9 down to 2^-15 (a texel below that has no finer exponent).
   if (depth == Depth::half) return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11};
   if (depth == Depth::rgb9e5) return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9};
-  if (ext == "hdr") return {.largest = largest_radiance};
-  return {.largest = std::numeric_limits<float>::max()};
+  return {.largest = format.largest};
 }
 
 // ---- one file --------------------------------------------------------------------------------------------------------
@@ -156,8 +137,9 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
                     const Progress& progress) {
   const Rows& base = levels.front();
   const std::string ext = extension(path, options);
-  Written done{.depth = choose_depth(ext, options), .layout = choose_layout(path, ext, options, base.projection)};
-  const Range range = range_of(ext, done.depth);
+  const FileFormat& format = *format_with_extension(ext);
+  Written done{.depth = choose_depth(format, options), .layout = choose_layout(path, format, options, base.projection)};
+  const Range range = range_of(format, done.depth);
   std::vector<std::unique_ptr<Limited>> limited;
   std::vector<Rows> rows;
   for (const Rows& level : levels) {
@@ -183,8 +165,8 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
       write_image(*files.back(), name, ext, pages, done.depth, data, options, part);
   };
   if (levels.size() > 1 && !has_level(path)) {
-    if (!is_texture(ext)) data.levels = static_cast<int>(levels.size());
-    write_file(path, Chain(rows, done.layout, !is_texture(ext)).pages(), progress);
+    if (!format.texture) data.levels = static_cast<int>(levels.size());
+    write_file(path, Chain(rows, done.layout, !format.texture).pages(), progress);
   } else {
     const int count = done.layout == Layout::files ? faces(base.projection) : 1;
     for (std::size_t level = 0; level < levels.size(); ++level)
@@ -232,16 +214,16 @@ void check_sizes(const std::string& path, std::span<const Rows> levels) {
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
   const std::string ext = extension(path, options);
   if (ext.empty())
-    throw UsageError(path, "no file type; end the name in .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png", Remedy::choose_format);
-  if (depths(ext).empty())
-    throw UsageError(path, fmt::format("no format writes .{}; try .exr, .hdr, .pfm, .ktx2, .dds, .tif or .png", ext));
-  choose_depth(ext, options);
-  const Layout layout = choose_layout(path, ext, options, projection);
+    throw UsageError(path, fmt::format("no file type; end the name in {}", writable_extensions()), Remedy::choose_format);
+  const FileFormat* format = format_with_extension(ext);
+  if (!format) throw UsageError(path, fmt::format("no format writes .{}; try {}", ext, writable_extensions()));
+  choose_depth(*format, options);
+  const Layout layout = choose_layout(path, *format, options, projection);
   if (options.openexr_envmap && (ext != "exr" || (layout != Layout::column && projection != Projection::latlong)))
     throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
   check_compression(path, ext, options.compression);
   if (options.zstd && ext != "ktx2") throw UsageError(path, "Zstandard is for .ktx2 files");
-  if (levels && !has_level(path) && (!holds_levels(ext) || layout == Layout::files))
+  if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
     throw UsageError(path, fmt::format("{} one level: put {{level}} where its number shall stand in the file name",
                                        layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
   if (path == "-") return;

@@ -1,0 +1,91 @@
+#include "envmap/io/file_format.h"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+#include "envmap/io/ktx2.h"
+#include "envmap/io/radiance.h"
+
+namespace envmap {
+namespace {
+
+using Extension = std::string_view;
+constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = {"ktx2"}, dds[] = {"dds"},
+                    tiff[] = {"tif", "tiff"}, png[] = {"png"}, ppm[] = {"ppm"}, jpeg[] = {"jpg", "jpeg"}, targa[] = {"tga"},
+                    bmp[] = {"bmp"}, webp[] = {"webp"};
+constexpr Depth linear[] = {Depth::half, Depth::single}, floats[] = {Depth::single},
+                texture[] = {Depth::half, Depth::single, Depth::rgb9e5}, bytes[] = {Depth::uint8},
+                integers[] = {Depth::uint8, Depth::uint16}, all_of_tiff[] = {Depth::uint8, Depth::uint16, Depth::single};
+
+constexpr double any_float = std::numeric_limits<float>::max();
+
+using Head = std::string_view;
+bool is_pnm(Head h, std::string_view kinds) { return h.size() > 1 && h[0] == 'P' && kinds.find(h[1]) != kinds.npos; }
+
+// Columns: file_format.h. In the order in which people are told of them.
+constexpr FileFormat table[] = {
+    {"openexr", "EXR", exr, linear, [](Head h) { return h.starts_with("\x76\x2f\x31\x01"); }, any_float, true},
+    {"hdr", "HDR", hdr, floats, [](Head h) { return h.starts_with("#?"); }, largest_radiance},
+    {"pnm", "PFM", pfm, floats, [](Head h) { return is_pnm(h, "Ff"); }},
+    {"ktx2", "KTX2", ktx2, texture, [](Head h) { return h.starts_with(ktx2_mark); }, any_float, true, true},
+    {"dds", "DDS", dds, texture, [](Head h) { return h.starts_with("DDS "); }, any_float, true, true},
+    {"tiff", "TIFF", tiff, all_of_tiff, [](Head h) { return h.starts_with("II") || h.starts_with("MM"); }},
+    {"png", "PNG", png, integers, [](Head h) { return h.starts_with("\x89PNG"); }},
+    {"pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }},
+    {"jpeg", "JPEG", jpeg, bytes, [](Head h) { return h.starts_with("\xff\xd8"); }},
+    {"targa", "TGA", targa, bytes, nullptr},
+    {"bmp", "BMP", bmp, bytes, [](Head h) { return h.starts_with("BM"); }},
+    {"webp", "WebP", webp, bytes, [](Head h) { return h.starts_with("RIFF") && h.find("WEBP") == 8; }},
+    {"jpeg2000", "JPEG 2000", {}, {}, [](Head h) { return h.find("jP  ") == 4 || h.starts_with("\xff\x4f\xff\x51"); }},
+    {"gif", "GIF", {}, {}, [](Head h) { return h.starts_with("GIF8"); }},
+    {"psd", "PSD", {}, {}, [](Head h) { return h.starts_with("8BPS"); }},
+    {"sgi", "SGI", {}, {}, [](Head h) { return h.starts_with("\x01\xda"); }},
+};
+
+std::string lower_case_extension(std::string_view path) {
+  const auto dot = path.rfind('.');
+  std::string e(dot == path.npos ? "" : path.substr(dot + 1));
+  std::ranges::transform(e, e.begin(), [](unsigned char c) { return std::tolower(c); });
+  return e;
+}
+
+// "a, b LAST c".
+std::string listed(const std::vector<std::string>& words, std::string_view last) {
+  std::string text;
+  for (std::size_t k = 0; k < words.size(); ++k)
+    text += (k == 0 ? "" : k + 1 < words.size() ? ", " : " " + std::string(last) + " ") + words[k];
+  return text;
+}
+
+}  // namespace
+
+std::span<const FileFormat> file_formats() { return table; }
+
+const FileFormat* format_with_extension(std::string_view extension) {
+  const auto found = std::ranges::find_if(
+      table, [&](const FileFormat& f) { return std::ranges::find(f.extensions, extension) != f.extensions.end(); });
+  return found == std::end(table) ? nullptr : found;
+}
+
+const FileFormat* format_of(std::string_view head, std::string_view path) {
+  for (const FileFormat& f : table)
+    if (f.is_head && f.is_head(head)) return &f;
+  const FileFormat* named = format_with_extension(lower_case_extension(path));
+  return named && !named->is_head ? named : nullptr;
+}
+
+std::string readable_formats() {
+  std::vector<std::string> titles;
+  for (const FileFormat& f : table) titles.emplace_back(f.title);
+  return listed(titles, "or");
+}
+
+std::string writable_extensions() {
+  std::vector<std::string> names;
+  for (const FileFormat& f : table)
+    if (f.is_written()) names.push_back("." + std::string(f.extensions.front()));
+  return listed(names, "or");
+}
+
+}  // namespace envmap

@@ -1,0 +1,44 @@
+/// @file
+/// The list of file formats: what recognition, depths, error messages and tests go by.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "envmap/io/depth.h"
+
+namespace envmap {
+
+/// A row of the table. A new format is a row of it, a reader (image.cpp) and a writer (write.cpp, image_writer.cpp).
+struct FileFormat {
+  std::string_view name;                         ///< As OpenImageIO names it, and info does.
+  std::string_view title;                        ///< As people do.
+  std::span<const std::string_view> extensions;  ///< Lower case, no dots. Of a format that is only read it may have none.
+  std::span<const Depth> depths;                 ///< Written, least first; none where it is only read.
+  /// Whether a file begins so: it is known by its bytes, not by its name. Null where it has no mark, only a name.
+  bool (*is_head)(std::string_view head);
+  double largest = std::numeric_limits<float>::max();  ///< Of its floats.
+  bool levels = false;                                 ///< All levels of a map go into one file.
+  bool texture = false;  ///< Holds the faces of a cube as such, not side by side in one image.
+
+  [[nodiscard]] bool is_written() const { return !depths.empty(); }
+};
+
+/// Bytes at the beginning of a file that tell its format.
+inline constexpr std::size_t head_size = 16;
+
+std::span<const FileFormat> file_formats();
+
+/// The format that is written under an extension (lower case, no dot), or null.
+const FileFormat* format_with_extension(std::string_view extension);
+
+/// The format of a file, or null. @param head its first bytes. @param path where it has no mark its name decides.
+const FileFormat* format_of(std::string_view head, std::string_view path);
+
+/// "EXR, KTX2, ... and SGI": all that are read. And ".exr, ... or .webp": all that are written.
+std::string readable_formats();
+std::string writable_extensions();
+
+}  // namespace envmap
