@@ -2,13 +2,9 @@
 
 #include <fmt/format.h>
 #include <tbb/info.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <mutex>
 
 #include "depfile.h"
 #include "envmap/base/error.h"
@@ -35,14 +31,18 @@ std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common&
     CLI::App* sub = app->add_subcommand(command.name, command.summary);
     const std::function<int()> action = command.define(*sub, common);
     if (command.reports) sub->add_flag("--json", common.json, "Report as JSON on standard output");
-    if (command.writes)
+    if (command.writes) {
       sub->add_option("--depfile", common.depfile, "Write what the output depends on, in Make syntax")
           ->type_name("FILE");
+      sub->add_flag("--if-changed", common.commit.if_changed,
+                    "Leave an output with the same bytes as it is, and its time: for restat of Ninja");
+      sub->add_flag("--fsync", common.commit.sync, "End when the outputs are on the disk, safe from a power cut");
+    }
     sub->add_option("--threads", common.threads,
                     "Threads to use; the result is the same for any number (default: all cores)")
         ->type_name("N")
         ->check(CLI::Range(1, 1024));
-    sub->add_flag("-q,--quiet", common.quiet, "No notes and no progress, only errors and what changes the result (--repair, --clamp)");
+    sub->add_flag("-q,--quiet", common.quiet, "No notes and no progress, only errors and what changes the result");
     sub->add_flag("-v,--verbose", common.verbose, "Say what is done and how long it takes");
     std::string footer = "Examples:\n";
     for (const Example& e : command.examples) footer += fmt::format("  {}\n      {}\n", e.command, e.what);
@@ -149,6 +149,17 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
   app.add_option("--channels", options.choice.channels, "Of an EXR file: read these three as R, G and B, or one as grey")
       ->type_name("R,G,B")
       ->excludes(layer);
+  app.add_flag("--crop", options.choice.crop,
+               "Of an EXR file whose data window is not its display window: read the data window as the whole image");
+  add_max_pixels(app, options);
+}
+
+void add_max_pixels(CLI::App& app, ReadOptions& options) {
+  app.add_option("--max-pixels", options.max_pixels,
+                 "Refuse larger images, before memory is taken for them (default: 2147483648, as 65536x32768: 24 GiB)")
+      ->type_name("N")
+      ->transform(CLI::AsSizeValue(true))
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 50, "number of pixels, such as 100M"));
 }
 
 void add_max_memory(CLI::App& app, ReadOptions& options) {
@@ -178,19 +189,11 @@ void add_repair(CLI::App& app, ReadOptions& options) {
       "Replace NaN and infinite texels by their neighbours' mean and negative values by 0");
 }
 
-void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
-
-void warn(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
-
-void note(const Common& common, const std::string& line) {
-  if (!common.quiet) warn(line);
-}
-
 Source read_map(const std::string& path, const ReadOptions& options, const Common& common) {
   const auto start = std::chrono::steady_clock::now();
   Source source = read(path, options);
   if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
-  for (const std::string& what : source.notes) note(common, fmt::format("{}: {}", path, what));
+  for (const std::string& what : source.notes) warn(fmt::format("{}: {}", path, what));
   if (common.verbose) {
     for (const std::string& what : source.details) note(common, fmt::format("{}: {}", path, what));
     const Level& level = source.map.base();
@@ -202,19 +205,27 @@ Source read_map(const std::string& path, const ReadOptions& options, const Commo
   return source;
 }
 
-void write_map(const std::string& path, const Rows& rows, const WriteOptions& options,
-               const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
-  write_map(path, std::span(&rows, 1), options, inputs, verb, common);
+Written write_map(const std::string& path, const Rows& rows, const WriteOptions& options,
+                  const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
+  return write_map(path, std::span(&rows, 1), options, inputs, verb, common);
 }
 
-void write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
-               const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
-  const auto start = std::chrono::steady_clock::now();
-  const Rows& rows = levels.front();
+Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+                  const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
   check_files({path}, inputs, common);
   const auto depfile = open_depfile({path}, inputs, common, static_cast<int>(levels.size()));
-  const Written written = write(path, levels, options, progress_line(common, verb));
+  const Written written = write_one_map(path, levels, options, verb, common);
   if (depfile) depfile->commit();
+  return written;
+}
+
+Written write_one_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+                      const std::string& verb, const Common& common) {
+  const auto start = std::chrono::steady_clock::now();
+  const Rows& rows = levels.front();
+  WriteOptions how = options;
+  how.commit = common.commit;
+  const Written written = write(path, levels, how, progress_line(common, verb));
   if (written.clamped > 0)
     warn(fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
   if (common.verbose)
@@ -223,27 +234,7 @@ void write_map(const std::string& path, std::span<const Rows> levels, const Writ
                              rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
                              levels.size() > 1 ? fmt::format(", {} levels", levels.size()) : "", name(written.depth),
                              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+  return written;
 }
-
-Progress progress_line(const Common& common, const std::string& what) {
-  if (common.quiet || !::isatty(STDERR_FILENO)) return {};
-  struct State {
-    std::mutex mutex;
-    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    int shown = -1;
-    ~State() {
-      if (shown >= 0) std::fputs("\r\033[K", stderr);
-    }
-  };
-  return [state = std::make_shared<State>(), what](double part) {
-    const std::lock_guard lock(state->mutex);
-    const int percent = static_cast<int>(100 * part);
-    if (percent <= state->shown || std::chrono::steady_clock::now() - state->start < std::chrono::seconds(1)) return;
-    state->shown = percent;
-    std::fputs(fmt::format("\r{} {:3d}%", what, percent).c_str(), stderr);
-  };
-}
-
-nlohmann::ordered_json to_json(const Direction& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace tools

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -24,15 +25,22 @@ struct Common {
   bool quiet = false, verbose = false;
   bool json = false;
   std::string depfile;
+  envmap::CommitOptions commit;
 };
 
 struct Example {
   std::string command, what;
 };
 
+/// A key of what --json prints: `levels[].flux` is in each element of an array.
+struct Key {
+  std::string path, what;
+};
+
 struct Command {
   std::string name, summary, description;
   std::vector<Example> examples;
+  std::vector<Key> keys = {};
   bool reports = false, writes = false;  ///< Has --json; has --depfile.
   /// Adds the options to `app`; returns what the command does, which gives the exit status.
   std::function<std::function<int()>(CLI::App& app, const Common& common)> define;
@@ -120,6 +128,8 @@ void add_read_options(CLI::App& app, envmap::ReadOptions& options);
 void add_file_options(CLI::App& app, envmap::WriteOptions& options);
 /// --max-memory, for commands that need few texels at a time.
 void add_max_memory(CLI::App& app, envmap::ReadOptions& options);
+/// --max-pixels: part of add_read_options(), for commands that read images otherwise.
+void add_max_pixels(CLI::App& app, envmap::ReadOptions& options);
 /// --repair, for commands that want sound radiance.
 void add_repair(CLI::App& app, envmap::ReadOptions& options);
 
@@ -130,22 +140,54 @@ envmap::Source read_map(const std::string& path, const envmap::ReadOptions& opti
 
 /// Makes and writes a map with its levels, tells what was clamped, writes the depfile. @param verb what the progress line
 /// says.
-void write_map(const std::string& path, std::span<const envmap::Rows> levels, const envmap::WriteOptions& options,
+envmap::Written write_map(const std::string& path, std::span<const envmap::Rows> levels, const envmap::WriteOptions& options,
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
-void write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
+envmap::Written write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
                const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 
-/// A line on standard error where that is a terminal, for work that takes over a second.
+/// The same without a depfile, for commands that write several files.
+envmap::Written write_one_map(const std::string& path, std::span<const envmap::Rows> levels, const envmap::WriteOptions& options,
+                              const std::string& verb, const Common& common);
+
+// ---- saying ----------------------------------------------------------------------------------------------------------
+
+/// A line on standard error where that is a terminal, for work that takes over a second: how much is done, and the time left.
 envmap::Progress progress_line(const Common& common, const std::string& what);
 
-/// Text on standard output. Whether all of it could be written is asked once, at the end (not fmt::print, which throws).
-void print(const std::string& text);
+/// Tells the time since it was made.
+class Stopwatch {
+ public:
+  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// Names come from users and from files: without what a terminal would obey, and what is no UTF-8. Line breaks stay.
+std::string printable(std::string_view text);
+
+/// Text on standard output, printable. Whether all of it could be written is asked once, at the end (not fmt::print, which
+/// throws).
+void print(std::string_view text);
+
+/// A report as JSON on standard output, after `"version": 1`. Numbers that are not finite become null, and `not_finite` says
+/// for each, by its JSON pointer, which it is: infinite, -infinite or nan.
+void print_report(nlohmann::ordered_json report);
+
+/// @throws UsageError where a report and an output would both go to standard output.
+void check_report(const std::string& output, const Common& common);
+
+/// What every command that writes a map reports of it: output, depth, clamped, flux_lost.
+void add_written(nlohmann::ordered_json& report, const std::string& path, const envmap::Written& written);
+/// Its keys after those of the command.
+std::vector<Key> with_written(std::vector<Key> keys);
 
 /// One line on standard error, of what makes the result another than was asked for: --quiet does not hide it.
-void warn(const std::string& line);
+void warn(std::string_view line);
 
 /// One line on standard error unless --quiet.
-void note(const Common& common, const std::string& line);
+void note(const Common& common, std::string_view line);
 
 nlohmann::ordered_json to_json(const envmap::Direction& v);
 

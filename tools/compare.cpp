@@ -80,9 +80,6 @@ std::vector<LevelDifference> compare_levels(const EnvironmentMap& a, const Envir
   return all;
 }
 
-// JSON has no infinity.
-ordered_json number(double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json("infinite"); }
-
 // Why the two are not the same kind of file, before any texel is looked at; empty where they are, as far as was asked.
 std::string unlike(const Options& o, const Source& a, const Source& b) {
   if (o.same_shape && (!same_frame(a.map, b.map) || a.map.base().width() != b.map.base().width()))
@@ -140,22 +137,22 @@ int run(Options& o, const Common& common) {
     j["a"] = o.a;
     j["b"] = o.b;
     j["resampled"] = resampled;
-    j["flux"] = {number(d.flux.x), number(d.flux.y), number(d.flux.z)};
-    j["rms"] = number(d.rms);
-    j["max"] = number(d.maximum);
+    j["flux"] = to_json(d.flux);
+    j["rms"] = d.rms;
+    j["max"] = d.maximum;
     j["worst"] = {{"face", d.worst.face}, {"texel", {d.worst.i, d.worst.j}}};
     for (const LevelDifference& level : levels)
       j["levels"].push_back({{"level", level.number},
-                             {"flux", {number(level.flux.x), number(level.flux.y), number(level.flux.z)}},
-                             {"rms", level.same_texels ? number(level.rms) : ordered_json(nullptr)},
-                             {"max", level.same_texels ? number(level.maximum) : ordered_json(nullptr)}});
+                             {"flux", to_json(level.flux)},
+                             {"rms", level.same_texels ? ordered_json(level.rms) : ordered_json(nullptr)},
+                             {"max", level.same_texels ? ordered_json(level.maximum) : ordered_json(nullptr)}});
     j["limits"] = limits(o);
     j["unlike"] = unlikeness.empty() ? ordered_json(nullptr) : ordered_json(unlikeness);
     j["broken"] = ordered_json::array();
     for (const Breach& breach : broken)
-      j["broken"].push_back({{"level", breach.level}, {"metric", breach.metric}, {"value", number(breach.value)}, {"limit", breach.limit}});
+      j["broken"].push_back({{"level", breach.level}, {"metric", breach.metric}, {"value", breach.value}, {"limit", breach.limit}});
     j["within"] = same;
-    print(fmt::format("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace)));
+    print_report(j);
   } else {
     print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n", d.flux.x,
                       d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j));
@@ -201,6 +198,30 @@ Command compare_command() {
       .examples = {{"envmap compare new.exr golden.exr --golden --max-rms 1e-3", "a golden-file test: exit status 1 if beyond"},
                    {"envmap compare cube.exr probe.hdr --json", "how much a conversion lost; A is resampled to B"},
                    {"envmap compare a.exr b.exr --difference d.exr", "where they differ"}},
+      .keys = {{"a", "the map that is judged"},
+               {"b", "the reference"},
+               {"resampled", "whether A was resampled to the texels of B"},
+               {"flux", "relative difference of the total flux of each channel: red, green, blue"},
+               {"rms", "root of sum w |a-b|^2 / sum w |b|^2"},
+               {"max", "largest |a-b| / max(|b|, 0.001 x mean of b)"},
+               {"worst.face", "where max is"},
+               {"worst.texel", "column and row there"},
+               {"levels[].level", "of maps with mip levels: its number, from 1"},
+               {"levels[].flux", "as above"},
+               {"levels[].rms", "as above; null where B has no such level"},
+               {"levels[].max", "as above; null where B has no such level"},
+               {"limits.max-flux", "what --max-flux says; null where nothing is said, as of the next two"},
+               {"limits.max-rms", "what --max-rms says"},
+               {"limits.max-error", "what --max-error says"},
+               {"limits.same-shape", "whether it was asked for"},
+               {"limits.same-levels", "whether it was asked for"},
+               {"limits.same-depth", "whether it was asked for"},
+               {"unlike", "why the two are not the same kind of file; null where they are"},
+               {"broken[].level", "of each limit that is exceeded"},
+               {"broken[].metric", "flux, rms or max"},
+               {"broken[].value", "what it is"},
+               {"broken[].limit", "what it may be"},
+               {"within", "true where the exit status is 0"}},
       .reports = true,
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {

@@ -45,6 +45,30 @@ bool tell_choice(const FilterChoice& choice, double max_error, const Common& com
   return choice.reached;
 }
 
+nlohmann::ordered_json report_of(const Options& o, const Resampler& resampler) {
+  nlohmann::ordered_json report;
+  report["input"] = o.input;
+  report["filter"] = name(resampler.filter().filter);
+  report["samples"] = resampler.filter().samples;
+  report["error"] = nullptr;
+  if (const auto& choice = resampler.choice()) {
+    const FilterTrial& trial = choice->trials.back();
+    report["error"] = {{"max", trial.maximum}, {"rms", trial.rms}, {"texels", choice->texels}, {"within", choice->reached}};
+  }
+  report["output"] = nullptr;
+  return report;
+}
+
+const std::vector<Key> keys{{"input", "INPUT"},
+                            {"filter", "how it was sampled"},
+                            {"samples", "N x N in a texel"},
+                            {"error", "null without --max-error"},
+                            {"error.max", "against 'area': largest |a-b| / max(|b|, 0.001 x mean of b)"},
+                            {"error.rms", "against 'area': root of sum w |a-b|^2 / sum w |b|^2"},
+                            {"error.texels", "in how many texels that was measured"},
+                            {"error.within", "whether it is below --max-error; false: exit status 1, nothing is written"},
+                            {"seconds", "from start to end"}};
+
 // A sentence for each filter.
 std::string filter_words() {
   std::string text;
@@ -54,13 +78,16 @@ std::string filter_words() {
 
 int run(Options& o, const Common& common) {
   o.read.assumed_forward = o.forward;
+  const Stopwatch watch;
   // What can be known to fail is said before any work is done.
+  check_report(o.output, common);
   if (o.to) check_output(o.output, o.write, *o.to);
   check_files({o.output}, {o.input}, common);
   Source source = read_map(o.input, o.read, common);
   if (source.levels > 1 && !o.one_level)
-    note(common, fmt::format("{}: of {} levels {} is converted; 'envmap mipmap' makes levels of the result", o.input,
-                             source.levels, o.read.level));
+    warn(fmt::format("{}: of {} levels {} is converted; say --level 0 if that is meant, and make levels of the result with "
+                     "'envmap mipmap'",
+                     o.input, source.levels, o.read.level));
   const Frame from = source.map.frame();
   const Projection to = o.to.value_or(from.projection);
   o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
@@ -78,11 +105,18 @@ int run(Options& o, const Common& common) {
     throw UsageError(
         "--filter sat needs a table of all texels in memory: leave out --max-memory or choose another filter");
   const Resampler resampler(std::move(source.map), o.convert);
-  if (resampler.choice() && !tell_choice(*resampler.choice(), *o.convert.max_error, common)) return 1;
+  const auto& choice = resampler.choice();
+  nlohmann::ordered_json report = report_of(o, resampler);
+  if (choice && !tell_choice(*choice, *o.convert.max_error, common)) {
+    if (common.json) print_report(report);
+    return 1;
+  }
   if (common.verbose)
     note(common, fmt::format("{} to {}: {}", name(from.projection), name(to),
                              words(resampler.filter().filter, resampler.filter().samples)));
-  write_map(o.output, resampler.rows(), o.write, {o.input}, "convert", common);
+  add_written(report, o.output, write_map(o.output, resampler.rows(), o.write, {o.input}, "convert", common));
+  report["seconds"] = watch.seconds();
+  if (common.json) print_report(report);
   return 0;
 }
 
@@ -117,6 +151,8 @@ Command convert_command() {
                     "the cheapest filter that is right to 0.1% in every texel"},
                    {"envmap convert ball.hdr - --from sphere --to angular | envmap info -",
                     "a mirror ball as light probe, through a pipe"}},
+      .keys = with_written(keys),
+      .reports = true,
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();

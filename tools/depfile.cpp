@@ -1,9 +1,11 @@
 #include "depfile.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "envmap/base/error.h"
 #include "envmap/io/path.h"
@@ -51,11 +53,13 @@ std::vector<std::string> inputs_of(const std::vector<std::string>& paths) {
   return all;
 }
 
-// One file under two names? Devices and pipes may well be read and written.
-bool same_file(const std::string& a, const std::string& b) {
+// The same for all names of a file; empty for devices and pipes, which may well be read and written.
+std::string identity(const std::string& path) {
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) == 0)
+    return S_ISREG(status.st_mode) ? fmt::format("{} {}", status.st_dev, status.st_ino) : "";
   std::error_code error;
-  if (fs::exists(a, error) && fs::exists(b, error)) return fs::is_regular_file(a, error) && fs::equivalent(a, b, error);
-  return fs::weakly_canonical(fs::absolute(a, error), error) == fs::weakly_canonical(fs::absolute(b, error), error);
+  return fs::weakly_canonical(fs::absolute(path, error), error).string();
 }
 
 }  // namespace
@@ -73,26 +77,25 @@ std::unique_ptr<OutputFile> open_depfile(const std::vector<std::string>& outputs
     phony += escaped(input) + ":\n";
   }
   text += "\n" + phony;
-  auto file = std::make_unique<OutputFile>(common.depfile);
+  auto file = std::make_unique<OutputFile>(common.depfile, common.commit);
   file->write(text.data(), text.size());
   return file;
 }
 
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs, const Common& common) {
-  std::vector<std::string> written;
-  if (!common.depfile.empty()) written.push_back(common.depfile);
-  const std::vector<std::string> read = inputs_of(inputs);
-  for (const std::string& output : outputs)
+  if (std::ranges::count(inputs, "-") > 1) throw UsageError("-: standard input can be read once, and is named twice");
+  std::set<std::string> written, read;
+  for (const std::string& input : inputs_of(inputs)) read.insert(identity(input));
+  read.erase("");
+  std::vector<std::string> files{common.depfile};
+  files.insert(files.end(), outputs.begin(), outputs.end());
+  for (const std::string& output : files)
     for (const std::string& file : files_of(output, 1)) {
-      for (const std::string& other : written)
-        if (same_file(file, other))
-          throw UsageError(file, "would be written twice: give each output a name of its own");
-      written.push_back(file);
+      const std::string id = identity(file);
+      if (read.contains(id)) throw UsageError(file, "is read and would be overwritten: give the output another name");
+      if (!id.empty() && !written.insert(id).second)
+        throw UsageError(file, "would be written twice: give each output a name of its own");
     }
-  for (const std::string& file : written)
-    for (const std::string& input : read)
-      if (same_file(file, input))
-        throw UsageError(file, "is read and would be overwritten: give the output another name");
 }
 
 }  // namespace tools

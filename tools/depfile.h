@@ -19,7 +19,8 @@ std::unique_ptr<envmap::OutputFile> open_depfile(const std::vector<std::string>&
                                                  const std::vector<std::string>& inputs, const Common& common,
                                                  int levels = 1);
 
-/// @throws UsageError where an output or the depfile is one of the inputs or another output, whatever names the two have.
+/// @throws UsageError where an output or the depfile is one of the inputs or another output, whatever names the two have,
+/// or standard input is named twice.
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs, const Common& common);
 
 }  // namespace tools

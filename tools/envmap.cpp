@@ -39,6 +39,7 @@ const char* advice(envmap::Remedy remedy) {
     case Remedy::drop_channels: return ": say --drop-channels to leave them behind";
     case Remedy::repair: return ": say --repair to replace them";
     case Remedy::limit_memory: return ": say --max-memory";
+    case Remedy::allow_pixels: return ": say --max-pixels";
     case Remedy::choose_format: return ", or say --format";
     case Remedy::choose_plus_z: return ": say --forward +z";
     case Remedy::clamp_or_deepen: return ": choose --depth float or say --clamp";
@@ -53,7 +54,7 @@ const char* advice(envmap::Remedy remedy) {
 
 int complain(const std::string& who, std::string what, int status) {
   std::replace(what.begin(), what.end(), '\n', ' ');
-  std::fputs((who + ": " + what + "\n").c_str(), stderr);
+  tools::warn(who + ": " + what);
   return status;
 }
 

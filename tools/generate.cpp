@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "command.h"
 #include "envmap/base/error.h"
 
@@ -38,7 +40,11 @@ Pattern pattern(const Options& o) {
   }
   Sun sun = o.sun;
   if (o.towards == Direction(0)) throw UsageError("--direction: not 0,0,0");
-  if (o.towards) sun.towards = glm::normalize(*o.towards);
+  if (o.towards) {
+    // First by its largest part: squares of 1e-200 are 0, those of 1e200 infinite.
+    const Vec3<double> size = glm::abs(*o.towards);
+    sun.towards = glm::normalize(*o.towards / std::max({size.x, size.y, size.z}));
+  }
   if (o.value) sun.radiance = Rgb<double>(*o.value);
   return sun;
 }
@@ -101,6 +107,7 @@ Command generate_command() {
             ->type_name("A");
         add_depth(app, o->write.depth);
         add_format(app, o->write);
+        add_file_options(app, o->write);
         add_clamp(app, o->write);
         return [o, &common] { return run(*o, common); };
       }};

@@ -24,7 +24,7 @@ ordered_json facts(const Source& s, const std::string& file) {
   const Level& level = s.map.base();
   const Flaws flaws = find_flaws(level);
   const Measures m = measure(s.map);
-  const bool range = m.darkest > 0 && m.brightest > 0;
+  const double range = m.darkest > 0 && m.brightest > 0 ? m.brightest / m.darkest : std::nan("");
   ordered_json j;
   j["file"] = file;
   j["format"] = s.format;
@@ -44,8 +44,8 @@ ordered_json facts(const Source& s, const std::string& file) {
   j["mean"] = to_json(m.mean);
   j["flux"] = to_json(m.flux);
   j["solid_angle"] = m.solid_angle;
-  j["dynamic_range"] = range ? ordered_json(m.brightest / m.darkest) : ordered_json(nullptr);
-  j["stops"] = range ? ordered_json(portable::log2(m.brightest / m.darkest)) : ordered_json(nullptr);
+  j["dynamic_range"] = range;
+  j["stops"] = std::isfinite(range) ? portable::log2(range) : range;
   j["brightest"] = {{"direction", to_json(m.brightest_direction)},
                     {"value", to_json(Direction(m.brightest_value))},
                     {"face", m.brightest_texel.face},
@@ -76,7 +76,7 @@ void print_facts(const ordered_json& j) {
     for (const auto& [key, value] : j["metadata"].items()) line(key.c_str(), value.get<std::string>());
   line("", fmt::format("{:>12} {:>12} {:>12}", "R", "G", "B"));
   for (const char* key : {"minimum", "maximum", "mean", "flux"}) line(key, numbers(j[key]));
-  if (j["stops"].is_number())
+  if (std::isfinite(j["stops"].get<double>()))
     line("dynamic range",
          fmt::format("{:.6g} : 1 ({:.1f} stops)", j["dynamic_range"].get<double>(), j["stops"].get<double>()));
   else
@@ -90,9 +90,6 @@ void print_facts(const ordered_json& j) {
                             j["negative"].get<long>()));
 }
 
-// JSON has no infinity.
-ordered_json number(double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json("infinite"); }
-
 // Size and flux of each level, and how far the flux is off that of the first.
 ordered_json levels(const EnvironmentMap& map) {
   ordered_json table;
@@ -101,7 +98,7 @@ ordered_json levels(const EnvironmentMap& map) {
     table.push_back({{"face_width", level.width()},
                      {"face_height", level.height()},
                      {"flux", to_json(flux(level))},
-                     {"flux_difference", {number(off.x), number(off.y), number(off.z)}}});
+                     {"flux_difference", to_json(off)}});
   }
   return table;
 }
@@ -132,7 +129,7 @@ int run(Options& o, const Common& common) {
                                {"solid_angle", r.solid_angle},
                                {"relative", r.relative},
                                {"anisotropy", r.anisotropy}});
-    print(fmt::format("{}\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace)));
+    print_report(j);
     return 0;
   }
   print_facts(j);
@@ -164,6 +161,45 @@ Command info_command() {
                    {"envmap info probe.exr --json | jq .flux", "one fact for a script"},
                    {"envmap info chain.ktx2 --levels", "with the flux of every mip level"},
                    {"envmap info ball.exr --from sphere --sampling", "with the table of texel solid angles"}},
+      .keys = {{"file", "INPUT"},
+               {"format", "openexr, hdr, ktx2, dds or what OpenImageIO calls it"},
+               {"depth", "uint8, uint16, rgb9e5, half or float"},
+               {"width", "of the image in texels"},
+               {"height", "of the image in texels"},
+               {"projection", "latlong, cube, sphere, paraboloid or angular"},
+               {"layout", "where faces lie in the image"},
+               {"forward", "world axis at the centre of latlong and angular images, else absent"},
+               {"border_samples", "true where samples lie on the border (OpenEXR's envmap attribute), else absent"},
+               {"levels", "mip levels in the file"},
+               {"faces", "of the map"},
+               {"face_width", "in texels"},
+               {"face_height", "in texels"},
+               {"minimum", "of each channel: red, green, blue"},
+               {"maximum", "of each channel"},
+               {"mean", "radiance of each channel over the sphere"},
+               {"flux", "sum of radiance x solid angle, of each channel"},
+               {"solid_angle", "of all texels, in steradians"},
+               {"dynamic_range", "luminance of the brightest texel over that of the darkest above 0; null where there is none"},
+               {"stops", "its logarithm to base 2"},
+               {"brightest.direction", "of the brightest texel: x, y, z in the world frame"},
+               {"brightest.value", "its radiance"},
+               {"brightest.face", "where it is"},
+               {"brightest.texel", "column and row there"},
+               {"metadata", "further words that the file carries, such as the lobe; else absent"},
+               {"nan", "texels that hold NaN"},
+               {"infinite", "texels that hold infinities"},
+               {"negative", "texels that hold values below 0"},
+               {"first_flaw.face", "of the first texel of these, if any"},
+               {"first_flaw.texel", "column and row there"},
+               {"level_table[].face_width", "of each level, with --levels"},
+               {"level_table[].face_height", "in texels"},
+               {"level_table[].flux", "of each channel"},
+               {"level_table[].flux_difference", "relative to that of level 0"},
+               {"sampling[].texel", "column and row, with --sampling"},
+               {"sampling[].degrees", "from the centre of the face"},
+               {"sampling[].solid_angle", "in steradians"},
+               {"sampling[].relative", "that over the mean of all texels"},
+               {"sampling[].anisotropy", "longest over shortest side of the texel on the sphere"}},
       .reports = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();

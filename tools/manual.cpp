@@ -84,9 +84,19 @@ std::string command_page(const Command& command, const CLI::App& app) {
       synopsis += " \\fI" + roff(o->get_name(true)) + "\\fR" + (o->get_expected_max() > 1 ? "..." : "");
   std::string examples;
   for (const Example& e : command.examples) examples += ".TP\n\\fB" + roff(e.command) + "\\fR\n" + roff(e.what) + "\n";
+  std::string keys;
+  if (command.reports) {
+    keys = ".SH JSON\n" + roff("--json prints one object. A number that is not finite is null there. 'levels[].flux' below "
+                               "is the key flux of each object in the array levels.") + "\n";
+    const std::vector<Key> always{{"version", "1; another where a key changes its meaning or is gone"}},
+        at_end{{"not_finite", "absent, or for each number that is not finite its JSON pointer and what it is: infinite, "
+                              "-infinite or nan"}};
+    for (const auto* list : {&always, &command.keys, &at_end})
+      for (const Key& key : *list) keys += ".TP\n\\fB" + roff(key.path) + "\\fR\n" + roff(key.what) + "\n";
+  }
   return title("envmap-" + command.name) + ".SH NAME\nenvmap\\-" + command.name + " \\- " + roff(command.summary) +
          "\n.SH SYNOPSIS\n" + synopsis + "\n.SH DESCRIPTION\n" + paragraphs(command.description) + ".SH ARGUMENTS\n" +
-         option_lines(app, true) + ".SH OPTIONS\n" + option_lines(app, false) + ".SH EXAMPLES\n" + examples +
+         option_lines(app, true) + ".SH OPTIONS\n" + option_lines(app, false) + keys + ".SH EXAMPLES\n" + examples +
          statuses() + ".SH SEE ALSO\n.BR envmap (1)\n";
 }
 
@@ -103,10 +113,11 @@ std::string main_page(const std::vector<Command>& commands) {
              "frame is "
              "right-handed with +Y up; +Z lies at the centre of latlong and angular images. A file name '-' is "
              "standard input or "
-             "output. Output files appear whole or not at all, and the same command gives the same bytes at any number "
+             "output (EXR, of pictures PNG, unless --format says another). Output files appear whole or not at all, and the same command gives the same bytes at any number "
              "of threads.") +
          "\n.SH COMMANDS\n" + list + statuses() +
-         ".SH ENVIRONMENT\n.TP\nTMPDIR\nwhere scratch files of \\-\\-max\\-memory lie, else /var/tmp\n"
+         ".SH ENVIRONMENT\n.TP\nTMPDIR\nwhere scratch files of \\-\\-max\\-memory lie, else /var/tmp, and what goes to standard "
+         "output until it is whole, else /tmp\n"
          ".TP\nENVMAP_BASELINE\nif set, only vector instructions that every x86\\-64 processor has are used: the same "
          "bytes, slower\n" ".SH SEE ALSO\n" + also + "\n";
 }

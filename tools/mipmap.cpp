@@ -4,6 +4,7 @@
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/levels.h"
+#include "envmap/operate/measure.h"
 
 namespace tools {
 namespace {
@@ -23,6 +24,8 @@ struct Options {
 
 int run(Options& o, const Common& common) {
   if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: leave out --level");
+  const Stopwatch watch;
+  check_report(o.output, common);
   check_files({o.output}, {o.input}, common);
   o.read.all_levels = o.keep;
   Source source = read_map(o.input, o.read, common);
@@ -34,7 +37,18 @@ int run(Options& o, const Common& common) {
   if (o.levels > 0 && map.levels.size() > static_cast<std::size_t>(o.levels))
     map.levels.erase(map.levels.begin() + o.levels, map.levels.end());
   add_levels(map.levels, o.weights, o.levels);
-  write_map(o.output, all_rows_of(map), o.write, {o.input}, "write", common);
+  const Written written = write_map(o.output, all_rows_of(map), o.write, {o.input}, "write", common);
+  if (!common.json) return 0;
+  nlohmann::ordered_json report;
+  report["input"] = o.input;
+  report["weights"] = weight_names[static_cast<std::size_t>(o.weights)];
+  for (const Level& level : map.levels)
+    report["levels"].push_back({{"face_width", level.width()},
+                                {"face_height", level.height()},
+                                {"flux_difference", to_json(flux_difference(level, map.base()))}});
+  add_written(report, o.output, written);
+  report["seconds"] = watch.seconds();
+  print_report(report);
   return 0;
 }
 
@@ -57,6 +71,14 @@ Command mipmap_command() {
                        {"envmap mipmap cube.exr 'cube_{level}.hdr'", "cube_0.hdr, cube_1.hdr ..."},
                        {"envmap mipmap cube.exr plain.exr --weights uniform && envmap info plain.exr --levels",
                         "how far plain means are off"}},
+          .keys = with_written({{"input", "INPUT"},
+                                {"weights", "solid-angle or uniform"},
+                                {"levels[].face_width", "in texels"},
+                                {"levels[].face_height", "in texels"},
+                                {"levels[].flux_difference",
+                                 "of each channel, relative to level 0: how far the light is off"},
+                                {"seconds", "from start to end"}}),
+          .reports = true,
           .writes = true,
           .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
             auto o = std::make_shared<Options>();

@@ -83,7 +83,8 @@ int run(Options& o, const Common& common) {
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
   if (o.names.size() < 2) throw UsageError("name at least one map and the picture to write");
   const std::string& output = o.names.back();
-  if (std::filesystem::path(output).extension() != ".png") throw UsageError(output + ": the picture must be a .png");
+  if (output != "-" && std::filesystem::path(output).extension() != ".png")
+    throw UsageError(output, "the picture must be a .png");
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
   check_files({output}, inputs, common);
   std::vector<Picture> pictures;
@@ -104,7 +105,7 @@ int run(Options& o, const Common& common) {
 
   const auto depfile = open_depfile({output}, inputs, common);
   const Picture sheet = sheet_of(pictures, captions, o.columns);
-  write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8);
+  write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8, {.commit = common.commit});
   if (depfile) depfile->commit();
   return 0;
 }
@@ -125,7 +126,7 @@ Command preview_command() {
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
-        app.add_option("FILES", o->names, "Maps to draw, and last the PNG to write")->required()->type_name("");
+        app.add_option("FILES", o->names, "Maps to draw, and last the PNG to write; '-' is standard input or output")->required()->type_name("");
         app.add_option("--exposure", o->exposure,
                        "Multiply radiance by 2^STOPS before the tone curve (default: automatic)")
             ->type_name("STOPS")

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/render/choose.h"
 #include "envmap/render/raycast.h"
@@ -48,9 +49,13 @@ int run(Options& o, const Common& common) {
   o.from.to = o.to.value_or(Projection::cube);
   o.from.axes = image_to_world(o.forward.value_or(Forward::plus_z));
   check(o);
-  const Frames frames = frames_of(o.scene, common);
+  const Frames frames = frames_of(o.scene);
   check_output(frames.path(o.output, frames.first), o.write, o.from.to);
+  const std::vector<std::string> outputs = frames.paths(o.output);
+  check_files(outputs, {o.scene.path, o.scene.environment}, common);
   const LoadedScene loaded = load(o.scene, common);
+  check_files(outputs, loaded.inputs, common);
+  const auto depfile = open_depfile(outputs, loaded.inputs, common);
   o.from.without = node_of(loaded.scene, o);
   const DrawMethod method =
       o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene)) : o.method;
@@ -76,8 +81,9 @@ int run(Options& o, const Common& common) {
       note(common, fmt::format("{}: {} from {:.4g},{:.4g},{:.4g}, drawn in {:.1f} ms", path,
                                draw_method_names[static_cast<std::size_t>(method)], o.from.at.x, o.from.at.y,
                                o.from.at.z, 1e3 * took));
-    write_map(path, rows_of(drawn.radiance), o.write, loaded.inputs, "write", common);
+    write_one_map(path, all_rows_of(drawn.radiance), o.write, "write", common);
   }
+  if (depfile) depfile->commit();
   tell_rate(frames, seconds, common);
   return 0;
 }

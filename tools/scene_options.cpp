@@ -12,7 +12,7 @@ namespace tools {
 using namespace envmap;
 
 void add_scene(CLI::App& app, SceneOptions& o) {
-  app.add_option("SCENE", o.path, "File to read: .gltf, .glb or .obj")->required();
+  app.add_option("SCENE", o.path, "File to read: .gltf, .glb or .obj, '-' for standard input")->required();
   add_choice(app, "--context", o.context, joined(context_names), one_of<ContextKind>(context_names),
              "What it is drawn with (default: auto)");
   app.add_option("--environment", o.environment, "Map that is the background and a light")->type_name("FILE");
@@ -20,6 +20,7 @@ void add_scene(CLI::App& app, SceneOptions& o) {
   app.add_option("--time", o.time, "Of animations, in seconds (default: 0)")->type_name("T")->check(CLI::Range(-1e6, 1e6));
   app.add_option("--frames", o.frames, "Draw the frames A to B, a file each")->type_name("A:B");
   app.add_option("--fps", o.rate, "Frames a second (default: 24)")->type_name("F")->check(CLI::Range(1e-3, 1e6));
+  add_max_pixels(app, o.read);
   add_repair(app, o.read);
 }
 
@@ -33,13 +34,18 @@ std::string Frames::path(const std::string& output, int frame) const {
   return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
 }
 
-Frames frames_of(const SceneOptions& o, const Common& common) {
+std::vector<std::string> Frames::paths(const std::string& output) const {
+  std::vector<std::string> all;
+  for (int frame = first; frame <= last; ++frame) all.push_back(path(output, frame));
+  return all;
+}
+
+Frames frames_of(const SceneOptions& o) {
   if (o.frames.empty()) return {.start = o.time};
   static const std::regex form(R"((\d{1,9}):(\d{1,9}))");
   std::smatch parts;
   if (!std::regex_match(o.frames, parts, form) || std::stoi(parts[1]) > std::stoi(parts[2]))
     throw UsageError(fmt::format("--frames: '{}' is not A:B with A <= B", o.frames));
-  if (!common.depfile.empty()) throw UsageError("--depfile is for one file: leave out --frames");
   return {std::stoi(parts[1]), std::stoi(parts[2]), true, o.time, o.rate};
 }
 
@@ -51,11 +57,11 @@ Shot LoadedScene::shot(double time, const SceneOptions& options) const {
 }
 
 LoadedScene load(const SceneOptions& o, const Common& common) {
-  LoadedScene loaded{.scene = read_scene(o.path)};
+  LoadedScene loaded{.scene = read_scene(o.path, o.read.max_pixels)};
   const Scene& scene = loaded.scene;
   loaded.inputs = scene.files;
-  for (const std::string& what : scene.remarks) note(common, fmt::format("{}: {}", o.path, what));
-  for (const std::string& what : scene.unmodelled) note(common, fmt::format("{}: {} is not drawn", o.path, what));
+  for (const std::string& what : scene.remarks) warn(fmt::format("{}: {}", o.path, what));
+  for (const std::string& what : scene.unmodelled) warn(fmt::format("{}: {} is not drawn", o.path, what));
   if (common.verbose)
     note(common, fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
                              instances(scene).size(), scene.materials.size(), scene.lights.size()));

@@ -2,7 +2,6 @@
 /// What the commands that draw scenes have in common: the scene, its light, its moments.
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,9 +33,10 @@ struct Frames {
   [[nodiscard]] double time(int frame) const { return start + (sequence ? frame / rate : 0); }
   /// Of a frame's file: {frame}, four digits at least, or printf's %d and %04d. @throws UsageError
   [[nodiscard]] std::string path(const std::string& output, int frame) const;
+  [[nodiscard]] std::vector<std::string> paths(const std::string& output) const;
 };
 /// @throws UsageError
-Frames frames_of(const SceneOptions& options, const Common& common);
+Frames frames_of(const SceneOptions& options);
 
 /// A scene in memory with its environment. What it does not draw has been said.
 struct LoadedScene {
@@ -47,16 +47,6 @@ struct LoadedScene {
   [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;
 };
 LoadedScene load(const SceneOptions& options, const Common& common);
-
-/// Sums the time of many frames.
-class Stopwatch {
- public:
-  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
 
 /// With -v, how many frames a second that was.
 void tell_rate(const Frames& frames, double seconds, const Common& common);

@@ -31,7 +31,7 @@ std::string text(const Harmonics& h, const Options& o) {
   return lines;
 }
 
-std::string json(const Harmonics& h, const Options& o) {
+nlohmann::ordered_json report_of(const Harmonics& h, const Options& o) {
   nlohmann::ordered_json report;
   report["file"] = o.input;
   report["quantity"] = o.irradiance ? "irradiance" : "radiance";
@@ -40,7 +40,7 @@ std::string json(const Harmonics& h, const Options& o) {
   report["order"] = h.order;
   if (o.window) report["window"] = "hann";
   for (const Flux& c : h.coefficients) report["coefficients"].push_back(to_json(c));
-  return report.dump(2) + "\n";
+  return report;
 }
 
 int run(Options& o, const Common& common) {
@@ -48,6 +48,7 @@ int run(Options& o, const Common& common) {
   if (!o.output.empty()) check_output(o.output, o.write, to);
   else if (!common.depfile.empty()) throw UsageError("--depfile is for the map of --evaluate");
   check_files({o.output}, {o.input}, common);
+  check_report(o.output, common);
   o.read.assumed_forward = o.forward;
   const Source source = read_map(o.input, o.read, common);
   Harmonics h = project(source.map, o.order, progress_line(common, "sh"));
@@ -61,7 +62,10 @@ int run(Options& o, const Common& common) {
     write_map(o.output, rows_of(map), o.write, {o.input}, "sh", common);
     if (o.output == "-") return 0;
   }
-  print(common.json ? json(h, o) : text(h, o));
+  if (common.json)
+    print_report(report_of(h, o));
+  else
+    print(text(h, o));
   return 0;
 }
 
@@ -90,6 +94,12 @@ Command sh_command() {
                        {"envmap sh probe.hdr --order 4 --json", "25 colours of the radiance, as JSON"},
                        {"envmap sh probe.hdr --order 8 --window --evaluate soft.exr --to latlong --size 128 -q",
                         "what the series to order 8 shows, with less ringing"}},
+          .keys = {{"file", "INPUT"},
+                   {"quantity", "radiance or irradiance"},
+                   {"basis", "its conventions, in words"},
+                   {"order", "the largest degree l"},
+                   {"window", "hann with --window, else absent"},
+                   {"coefficients", "red, green and blue of each harmonic, in the order l (l + 1) + m"}},
           .reports = true,
           .writes = true,
           .define = [](CLI::App& app, const Common& common) -> std::function<int()> {

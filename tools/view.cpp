@@ -19,7 +19,7 @@ using namespace envmap;
 
 struct Options {
   SceneOptions scene;
-  std::string output, camera;
+  std::string output, camera, format;
   std::vector<std::string> mirrors;
   Projection maps = Projection::paraboloid;
   int width = 640, height = 480, samples = 4;
@@ -108,10 +108,15 @@ std::vector<Colour> anaglyph(std::vector<Colour> left, const std::vector<Colour>
 }
 
 int run(Options& o, const Common& common) {
-  const Frames frames = frames_of(o.scene, common);
-  if (!is_picture(frames.path(o.output, frames.first)))
-    throw UsageError(o.output + ": the picture must be a .png, .jpg, .exr or .hdr");
+  const Frames frames = frames_of(o.scene);
+  const PictureOptions how{o.format, common.commit};
+  if (!is_picture(frames.path(o.output, frames.first), how))
+    throw UsageError(o.output, "the picture must be a .png, .jpg, .exr or .hdr");
+  const std::vector<std::string> outputs = frames.paths(o.output);
+  check_files(outputs, {o.scene.path, o.scene.environment}, common);
   const LoadedScene loaded = load(o.scene, common);
+  check_files(outputs, loaded.inputs, common);
+  const auto depfile = open_depfile(outputs, loaded.inputs, common);
   const Scene& scene = loaded.scene;
   const Camera& camera = camera_of(o, scene);
   const std::vector<Mirror> mirrors = mirrors_of(o, scene);
@@ -144,10 +149,9 @@ int run(Options& o, const Common& common) {
     std::vector<Colour> picture = o.anaglyph ? anaglyph(std::move(pictures[0]), pictures[1]) : std::move(pictures[0]);
     for (Colour& c : picture) c *= static_cast<float>(std::exp2(o.exposure));
     const std::string path = frames.path(o.output, frame);
-    const auto depfile = open_depfile({path}, loaded.inputs, common);
-    write_picture(path, o.width, picture);
-    if (depfile) depfile->commit();
+    write_picture(path, o.width, picture, how);
   }
+  if (depfile) depfile->commit();
   tell_rate(frames, seconds, common);
   return 0;
 }
@@ -188,8 +192,10 @@ Command view_command() {
         auto o = std::make_shared<Options>();
         add_scene(app, o->scene);
         app.add_option("OUTPUT", o->output,
-                       "Picture to write: .png, .jpg, .exr or .hdr; {frame} or %04d in the name is the frame")
+                       "Picture to write: .png, .jpg, .exr or .hdr, '-' for standard output; {frame} or %04d in the name "
+                       "is the frame")
             ->required();
+        app.add_option("--format", o->format, "File type, for '-' and names without one (default: png)")->type_name("EXT");
         app.add_option("--camera", o->camera, "Camera of the scene, by its name or its node's (default: the first)")
             ->type_name("NAME");
         app.add_option("--width", o->width, "Of the picture (default: 640)")->type_name("N")->check(CLI::Range(1, 16384));

@@ -157,6 +157,44 @@ TEST_F(Input, SaysNamesOutOfFilesWithoutControlCharacters) {
   refuses("names.exr", {"Z??[2J", "--drop-channels"});
 }
 
+// A name is said as it is, but for what a terminal would obey: ESC, and CSI of ISO 8859 as UTF-8 and as a byte.
+TEST_F(Input, SaysNamesOfFilesWithoutControlCharacters) {
+  const std::string names[] = {"a\x1b[2J.exr", "\xc2\x9b" "2J.exr", "b\x9b" "2J.exr", "e\xcc\x81\x7f.exr"};
+  const char* said[] = {"a?[2J.exr", "?2J.exr", "b?2J.exr", "e\xcc\x81?.exr"};
+  for (int k = 0; k < 4; ++k) {
+    fails(3, {"info", names[k]}, {said[k]});
+    succeeds({"generate", "constant", names[k], "--size", "4"});
+    const Result r = envmap({"info", names[k]}), j = envmap({"info", names[k], "--json"});
+    EXPECT_NE(r.out.find(said[k]), std::string::npos) << r.out;
+    for (const char c : r.out + j.out) EXPECT_TRUE(c == '\n' || c < 0 || (c >= ' ' && c != 0x7f));
+  }
+}
+
+// Before memory is taken: by a map in any format, by six files, by an environment and by textures.
+TEST_F(Input, RefusesMorePixelsThanAreAllowed) {
+  for (const char* name : {"a.exr", "a.hdr", "a.png", "a.dds"}) {
+    succeeds({"generate", "constant", name, "--to", "latlong", "--size", "16"});
+    succeeds({"convert", name, "same.exr", "--max-pixels", "1k"});
+    fails(3, {"convert", name, "out.exr", "--max-pixels", "511"}, {name, "32x16", "--max-pixels"});
+  }
+  succeeds({"generate", "constant", "{face}.exr", "--to", "cube", "--size", "8"});
+  succeeds({"generate", "constant", "a.ktx2", "--to", "cube", "--size", "8"});
+  for (const char* name : {"{face}.exr", "a.ktx2"}) {
+    succeeds({"convert", name, "same.exr", "--max-pixels", "384"});
+    fails(3, {"convert", name, "out.exr", "--max-pixels", "383"}, {"--max-pixels"});
+  }
+  write("scene.obj", "mtllib m.mtl\nv 0 0 -1\nv 1 0 -1\nv 0 1 -1\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 3/1\n");
+  write("m.mtl", "newmtl a\nmap_Kd a.png\nnewmtl b\nmap_Kd a.png\nmap_Ke px.exr\n");
+  const std::vector<std::string> render{"render", "scene.obj", "out.exr", "--size", "2", "--method", "raycast", "--max-pixels"};
+  const auto with = [&](const char* most) {
+    std::vector<std::string> all = render;
+    all.emplace_back(most);
+    return all;
+  };
+  fails(3, with("575"), {"scene.obj", "px.exr", "8x8", "--max-pixels"});  // 32 x 16 and 8 x 8.
+  succeeds(with("576"));
+}
+
 TEST_F(Input, RefusesShapesThatNoProjectionHas) {
   save(path("wide.hdr"), Picture::filled(1000, 600, 1));
   refuses("wide.hdr", {"1000x600"});

@@ -29,6 +29,15 @@ TEST_F(Render, AFileAFrame) {
   EXPECT_EQ(names(), (std::vector<std::string>{"m_0009.exr", "m_0010.exr", "n_09.exr", "n_10.exr", "scene.obj"}));
 }
 
+TEST_F(Render, ScenesMayComeThroughAPipe) {
+  const std::string line = "\"$ENVMAP\" render -q --method raycast --ambient 1 --size 8 ";
+  ASSERT_EQ(shell(line + "scene.obj a.exr").status, 0);
+  ASSERT_EQ(shell("cat scene.obj | " + line + "- - >b.exr").status, 0);
+  EXPECT_EQ(read("a.exr"), read("b.exr"));
+  EXPECT_NE(shell("head -c 100 /dev/zero | " + line + "- c.exr").err.find("standard input: not a scene"), std::string::npos);
+  EXPECT_NE(shell(line + "- c.exr </dev/null").err.find("standard input: is empty"), std::string::npos);
+}
+
 TEST_F(Render, NoRenderer) {
   // What stands before the system's libraries and is none.
   write("libEGL.so.1", "");

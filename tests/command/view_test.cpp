@@ -42,6 +42,13 @@ TEST_F(View, AMirrorShowsWhatIsBehindTheCamera) {
   }
 }
 
+TEST_F(View, StreamsAreAsGoodAsFiles) {
+  ASSERT_EQ(envmap({"view", "scene.gltf", "a.png", "--width", "8", "--height", "8"}).status, 0);
+  ASSERT_EQ(shell("cat scene.gltf | \"$ENVMAP\" view - - --width 8 --height 8 >b.png").status, 0);
+  EXPECT_EQ(read("a.png"), read("b.png"));
+  ASSERT_EQ(shell("\"$ENVMAP\" view scene.gltf - --format hdr --width 8 --height 8 | \"$ENVMAP\" info - --from sphere").status, 0);
+}
+
 TEST_F(View, TheSameBytesAtAnyThreads) {
   const std::string line = "\"$ENVMAP\" view scene.gltf -q --context osmesa --width 64 --height 48 ";
   ASSERT_EQ(shell("LP_NUM_THREADS=1 " + line + "a.png").status, 0);

@@ -381,6 +381,16 @@ TEST_F(Io, ExrDataWindowsArePaddedAndCropped) {
     }
 }
 
+TEST_F(Io, ExrDataWindowsMayBeTheWholeImage) {
+  const Imf::Channel single(Imf::FLOAT);
+  write_exr(path("m.exr"), {{102, 51}, {109, 54}}, {{"R", single}, {"G", single}, {"B", single}},
+            {{"R", 1}, {"G", 2}, {"B", 3}}, {}, Imath::Box2i({0, 0}, {199, 99}));
+  const Source source = read(path("m.exr"), {.choice = {.crop = true}});
+  EXPECT_EQ(source.notes.size(), 1U);
+  ASSERT_EQ(source.map.base().height(), 4);
+  EXPECT_EQ(*source.map.base().texel(0, 7, 3), Colour(1, 2, 3));
+}
+
 // OpenEXR's own writer halves the chroma and rounds luminance to 7 bits, chroma to 6: steps of 1/64 of the largest.
 TEST_F(Io, ExrLuminanceAndChroma) {
   {

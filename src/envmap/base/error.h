@@ -27,6 +27,7 @@ enum class Remedy {
   drop_channels,          ///< ReadOptions::drop_channels.
   repair,                 ///< ReadOptions::flaws = FlawPolicy::repair.
   limit_memory,           ///< ReadOptions::max_memory.
+  allow_pixels,           ///< ReadOptions::max_pixels.
   choose_format,          ///< WriteOptions::format, or a file name that ends in one.
   choose_plus_z,          ///< Forward::plus_z.
   clamp_or_deepen,        ///< WriteOptions::clamp, or depth = Depth::single.

@@ -31,7 +31,7 @@ namespace {
 // Image::file -> its reader. @param path of a file on disk that OpenImageIO may open itself; of others it is a name.
 void open_as_its_bytes_say(Image& image, const std::string& path, const ImageChoice& choice, bool for_texture) {
   InputFile& file = *image.file;
-  if (file.size() == 0) image.fail("is empty");
+  if (file.size() == 0) image.fail(path.empty() ? "is empty: what should have written it may have failed" : "is empty");
   char head[head_size] = {};
   const std::size_t size = file.pread(head, head_size, 0);
   const FileFormat* known = format_of({head, size}, path);
@@ -39,7 +39,7 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
   if (!known) image.fail(unread + "none of " + readable_formats());
   const std::string format(known->name);
   if (!choice.empty() && format != "openexr")
-    throw UsageError(image.name, "parts, layers and channels are chosen of EXR files alone");
+    throw UsageError(image.name, "parts, layers, channels and windows are chosen of EXR files alone");
   try {
     file.read_all();
     image.size = file.size();

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <vector>
 
 #include "envmap/base/error.h"
 
@@ -70,6 +71,16 @@ int open_nameless(const std::string& folder) {
   return can_be_named ? ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666) : -1;
 }
 
+// @return errno, or 0.
+int synchronise(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Of what cannot be read nothing can be said here; file systems without fsync say EINVAL.
+  if (descriptor < 0) return errno == EACCES ? 0 : errno;
+  const int error = ::fsync(descriptor) == 0 || errno == EINVAL ? 0 : errno;
+  ::close(descriptor);
+  return error;
+}
+
 // The file is there without a name: gives it one that nothing has. @return whether it did.
 bool link_as(int descriptor, const std::string& name) {
   return ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", descriptor).c_str(), AT_FDCWD, name.c_str(),
@@ -78,7 +89,7 @@ bool link_as(int descriptor, const std::string& name) {
 
 }  // namespace
 
-OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
+OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path_(path), target_(path), how_(how) {
   handle_signals();
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
@@ -189,8 +200,32 @@ void OutputFile::take_name() {
   temporary_.clear();
 }
 
+// The same bytes under the name that this file is to have?
+bool OutputFile::is_there_already() const {
+  struct stat there = {};
+  const int other = ::open(target_.c_str(), O_RDONLY | O_CLOEXEC);
+  bool same = other >= 0 && ::fstat(other, &there) == 0 && there.st_size == end_;
+  std::vector<char> ours(1 << 18), theirs(ours.size());
+  for (std::int64_t at = 0; same && at < end_;) {
+    const std::size_t n = pread(ours.data(), ours.size(), at);
+    same = n > 0 && ::pread(other, theirs.data(), n, at) == static_cast<ssize_t>(n) &&
+           std::memcmp(ours.data(), theirs.data(), n) == 0;
+    at += static_cast<std::int64_t>(n);
+  }
+  if (other >= 0) ::close(other);
+  return same;
+}
+
 void OutputFile::commit() {
-  if (error_ == 0) stream_ ? copy_to_stream() : take_name();
+  if (error_ == 0 && stream_) {
+    copy_to_stream();
+  } else if (error_ == 0) {
+    if (how_.sync && ::fsync(descriptor_) != 0) error_ = errno;
+    if (error_ == 0 && !(how_.if_changed && is_there_already())) take_name();
+    // Of what was there already, too: another program may have left it in memory.
+    if (error_ == 0 && how_.sync) error_ = synchronise(target_);
+    if (error_ == 0 && how_.sync) error_ = synchronise(folder_of(target_));
+  }
   if (::close(descriptor_) != 0 && error_ == 0) error_ = errno;
   descriptor_ = -1;
   if (error_ != 0)

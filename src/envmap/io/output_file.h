@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "envmap/io/commit.h"
+
 namespace envmap {
 
 /// Bytes on their way to a file. They go to a file without a name in the same folder (O_TMPFILE), which commit() names;
@@ -15,7 +17,7 @@ namespace envmap {
 class OutputFile {
  public:
   /// @param path `-` for standard output. @throws OutputError where the folder cannot be written.
-  explicit OutputFile(const std::string& path);
+  explicit OutputFile(const std::string& path, const CommitOptions& how = {});
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -33,12 +35,14 @@ class OutputFile {
  private:
   void copy_to_stream();
   void take_name();
+  [[nodiscard]] bool is_there_already() const;
 
   std::string path_, target_, temporary_;
   int descriptor_ = -1;
   std::int64_t at_ = 0, end_ = 0;
   int error_ = 0;  // errno of the first write that failed.
   bool stream_ = false;
+  CommitOptions how_;
 };
 
 }  // namespace envmap

@@ -11,28 +11,36 @@
 namespace envmap {
 namespace {
 
-std::string extension(const std::string& path) { return std::filesystem::path(path).extension().string(); }
-bool holds_floats(const std::string& path) { return extension(path) == ".exr" || extension(path) == ".hdr"; }
+// Without the dot.
+std::string extension(const std::string& path, const PictureOptions& options) {
+  if (!options.format.empty()) return options.format;
+  const std::string of_name = std::filesystem::path(path).extension().string();
+  return path == "-" ? "png" : of_name.substr(std::min<std::size_t>(1, of_name.size()));
+}
+
+bool holds_floats(const std::string& extension) { return extension == "exr" || extension == "hdr"; }
 
 }  // namespace
 
-bool is_picture(const std::string& path) {
-  return holds_floats(path) || extension(path) == ".png" || extension(path) == ".jpg";
+bool is_picture(const std::string& path, const PictureOptions& options) {
+  const std::string kind = extension(path, options);
+  return holds_floats(kind) || kind == "png" || kind == "jpg";
 }
 
-void write_picture(const std::string& path, int width, std::span<const Colour> pixels) {
-  if (holds_floats(path)) return write_stored(path, width, pixels, Depth::single);
+void write_picture(const std::string& path, int width, std::span<const Colour> pixels, const PictureOptions& options) {
+  if (holds_floats(extension(path, options))) return write_stored(path, width, pixels, Depth::single, options);
   std::vector<Colour> encoded(pixels.begin(), pixels.end());
   for (Colour& c : encoded) c = glm::clamp(c, 0.0F, 1.0F);
   encode_srgb(encoded);
-  write_stored(path, width, encoded, Depth::uint8);
+  write_stored(path, width, encoded, Depth::uint8, options);
 }
 
-void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth) {
+void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth,
+                  const PictureOptions& options) {
   const int height = static_cast<int>(pixels.size()) / width;
-  OutputFile file(path);
+  OutputFile file(path, options.commit);
   const ImageWriter writer =
-      make_writer(file, path, extension(path).substr(1), {.levels = {{width, height}}, .depth = depth});
+      make_writer(file, path, extension(path, options), {.levels = {{width, height}}, .depth = depth});
   writer.write(0, 0, height, pixels);
   writer.close();
   file.commit();

@@ -6,19 +6,26 @@
 #include <string>
 
 #include "envmap/base/export.h"
+#include "envmap/io/commit.h"
 #include "envmap/io/depth.h"
 #include "envmap/maths/vector.h"
 
 namespace ENVMAP_EXPORT envmap {
 
-/// Whether write_picture() knows the type.
-bool is_picture(const std::string& path);
+struct PictureOptions {
+  std::string format = {};  ///< A file name extension for `-` (png if empty) and names without one; else the name's decides.
+  CommitOptions commit = {};
+};
 
-/// @param path .png and .jpg hold 8 bits, sRGB encoded; .exr and .hdr linear floats. @param pixels linear, rows from the top.
-/// @throws OutputError; then nothing is left behind.
-void write_picture(const std::string& path, int width, std::span<const Colour> pixels);
+/// Whether write_picture() knows the type.
+bool is_picture(const std::string& path, const PictureOptions& options = {});
+
+/// @param path `-` for standard output. .png and .jpg hold 8 bits, sRGB encoded; .exr and .hdr linear floats.
+/// @param pixels linear, rows from the top. @throws OutputError; then nothing is left behind.
+void write_picture(const std::string& path, int width, std::span<const Colour> pixels, const PictureOptions& options = {});
 
 /// Any image of pixels as they are to be stored: sRGB encoded for integers. @throws OutputError as write_picture().
-void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth);
+void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth,
+                  const PictureOptions& options = {});
 
 }  // namespace envmap

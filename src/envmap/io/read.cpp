@@ -55,10 +55,19 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   return {first, count};
 }
 
+void check_pixels(const Image& image, const ReadOptions& options, int width, int height, int faces) {
+  const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * static_cast<std::uint64_t>(faces);
+  if (pixels > options.max_pixels)
+    image.fail(fmt::format("{}x{}{} is over {} pixels", width, height, faces > 1 ? fmt::format(" x {} faces", faces) : "",
+                           options.max_pixels),
+               Remedy::allow_pixels);
+}
+
 void check_size(const Image& image, const ReadOptions& options) {
   const ImageFacts& facts = image.reader->facts;
   if (!facts.flat) image.fail("holds deep samples or a volume, not a flat image");
   if (facts.width < 1 || facts.height < 1) image.fail("not a flat image");
+  check_pixels(image, options, facts.width, facts.height, 1);
   // A tile may reach beyond the image, but the libraries take memory for all of it, and divide by its sides.
   constexpr int roomy = 4096;
   const bool tiled = facts.tile_width != 0 || facts.tile_height != 0;
@@ -198,6 +207,7 @@ Level read_level(Image& image, const ReadOptions& options, int stored, const Rec
 Source read_head(const Image& image, const ReadOptions& options, Metadata& recorded) {
   if (image.texture) {
     const TextureFile& t = *image.texture;
+    check_pixels(image, options, t.width, t.height, t.cube ? 6 : 1);
     recorded = t.recorded;
     return {.depth = format_of(t.texels).depth,
             .format = t.container,
@@ -264,6 +274,7 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
     const Source head = read_head(image, options, recorded);
     const int w = head.image_width, h = head.image_height;
     if (w != h) image.fail(fmt::format("a cube face must be square, not {}x{}", w, h));
+    check_pixels(image, options, w, h, 6);
     if (image.texture && image.texture->cube) image.fail("holds a whole cube map, not one face");
     if (size == 0) {
       size = h;

@@ -16,6 +16,9 @@
 
 namespace ENVMAP_EXPORT envmap {
 
+/// 24 GiB of float RGB, as 65536x32768.
+inline constexpr std::uint64_t default_max_pixels = std::uint64_t{1} << 31;
+
 /// What to do with NaN, infinite and negative radiance.
 enum class FlawPolicy { refuse, repair, keep };
 
@@ -27,6 +30,7 @@ struct ReadOptions {
   std::optional<Forward> assumed_forward;  ///< Where there is no metadata; otherwise +z.
   bool ignore_envmap_attribute = false;    ///< Take texels as cell-centred whatever OpenEXR's attribute says.
   std::size_t max_memory = 0;  ///< Bytes that the process may take; larger maps lie in a scratch file. 0: no limit.
+  std::uint64_t max_pixels = default_max_pixels;  ///< Of an image, all faces counted; larger ones are refused.
   bool drop_channels = false;  ///< Read RGB and leave alpha and other channels behind.
   ImageChoice choice = {};     ///< Which of the images of an EXR file.
   FlawPolicy flaws = FlawPolicy::refuse;

@@ -292,8 +292,10 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
   if (data == display) return reader;
   reader.facts.notes.push_back(fmt::format(
-      "its data window ({},{} to {},{}) is not its display window ({},{} to {},{}): what is missing is black",
-      data.min.x, data.min.y, data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y));
+      "its data window ({},{} to {},{}) is not its display window ({},{} to {},{}): {}", data.min.x, data.min.y,
+      data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y,
+      choice.crop ? "the data window is read as the whole image" : "what is missing is black"));
+  if (choice.crop) return reader;
   const auto length = [](std::int64_t from, std::int64_t to) {
     return static_cast<int>(std::min<std::int64_t>(1 + to - from, INT_MAX));
   };

@@ -153,7 +153,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   // All files are written before the first appears.
   std::vector<std::unique_ptr<OutputFile>> files;
   const auto write_file = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
-    files.push_back(std::make_unique<OutputFile>(name));
+    files.push_back(std::make_unique<OutputFile>(name, options.commit));
     const bool cube = done.layout == Layout::api;
     if (ext == "pfm")
       write_pfm(*files.back(), pages[0]);

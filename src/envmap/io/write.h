@@ -7,6 +7,7 @@
 
 #include "envmap/base/export.h"
 #include "envmap/base/progress.h"
+#include "envmap/io/commit.h"
 #include "envmap/io/depth.h"
 #include "envmap/io/metadata.h"
 #include "envmap/map/layout.h"
@@ -24,6 +25,7 @@ struct WriteOptions {
   std::string compression = {};  ///< Of an EXR file, see ImagePlan: zip, zip:1, piz, dwaa:45, ...; zip if empty.
   bool zstd = false;             ///< Compress KTX2 files with Zstandard.
   Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
+  CommitOptions commit = {};
   Provenance provenance = {};    ///< Of the map that this one was made of; formats hold what they can.
 };
 

@@ -19,9 +19,9 @@ void check_table(const std::string& path) {
     throw OutputError(path, "no such folder: " + parent.string());
 }
 
-void write_table(const std::string& path, std::span<const Colour> texels, int size) {
+void write_table(const std::string& path, std::span<const Colour> texels, int size, const CommitOptions& commit) {
   check_table(path);
-  write_stored(path, size, texels, Depth::single);
+  write_stored(path, size, texels, Depth::single, {.commit = commit});
 }
 
 }  // namespace envmap

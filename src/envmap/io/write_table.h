@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "envmap/io/commit.h"
 #include "envmap/maths/vector.h"
 
 namespace envmap {
@@ -14,6 +15,6 @@ void check_table(const std::string& path);
 
 /// Writes size x size texels as float EXR, HDR or TIFF, by the name's extension.
 /// @throws OutputError where the file cannot be written.
-void write_table(const std::string& path, std::span<const Colour> texels, int size);
+void write_table(const std::string& path, std::span<const Colour> texels, int size, const CommitOptions& commit = {});
 
 }  // namespace envmap

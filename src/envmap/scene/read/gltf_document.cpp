@@ -183,10 +183,9 @@ Resource bytes_at(const GltfDocument& document, const Field& uri) {
   }
 }
 
-GltfDocument open_gltf(const std::string& path) {
-  const std::vector<std::byte> file = file_bytes(path);
+GltfDocument open_gltf(std::span<const std::byte> file, const SceneFolder& folder) {
   const Chunks chunks = chunks_of(file);
-  GltfDocument document{SceneFolder(path)};
+  GltfDocument document{folder};
   try {
     document.json = nlohmann::json::parse(chunks.json);
   } catch (const nlohmann::json::parse_error& e) {

@@ -68,7 +68,7 @@ struct GltfDocument {
 };
 
 /// The file with all its buffers, of which each is as long as it says.
-GltfDocument open_gltf(const std::string& path);
+GltfDocument open_gltf(std::span<const std::byte> file, const SceneFolder& folder);
 
 struct Resource {
   std::vector<std::byte> bytes;

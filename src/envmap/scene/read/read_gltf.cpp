@@ -24,6 +24,7 @@ constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength", "KHR
 
 struct Reader {
   const GltfDocument& document;
+  std::uint64_t pixels_left;  // Of textures.
   Scene scene = {};
   std::vector<std::vector<int>> meshes = {};                  // Of scene.meshes, for each mesh of the document.
   std::vector<int> nodes = {};                                // In scene.nodes, for each node; -1: not in the scene.
@@ -55,7 +56,7 @@ Texture open_texture(Reader& r, const Field& field) {
   const auto* first = reinterpret_cast<const char*>(bytes.data());
   const std::string text = image["uri"].text();
   const std::string name = text.empty() || text.starts_with("data:") ? "an image in the file" : text;
-  return decode_texture(name, {first, first + bytes.size()});
+  return decode_texture(name, {first, first + bytes.size()}, r.pixels_left);
 }
 
 // @param info a textureInfo, may be absent. @return index into scene.textures or -1.
@@ -346,9 +347,9 @@ void check_extensions(Reader& r) {
 
 }  // namespace
 
-Scene read_gltf(const std::string& path) {
-  const GltfDocument document = open_gltf(path);
-  Reader r{document};
+Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels) {
+  const GltfDocument document = open_gltf(file, folder);
+  Reader r{document, max_pixels};
   r.scene.files = document.files;
   check_extensions(r);
   check_corners(document);

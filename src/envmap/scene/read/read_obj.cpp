@@ -38,6 +38,7 @@ struct Listed {
 struct Materials {
   const SceneFolder& folder;
   Scene& scene;
+  std::uint64_t pixels_left;
   std::map<std::string, Listed> listed = {};
   std::map<std::pair<fs::path, bool>, int> textures = {};  // By place and whether they are clamped.
 };
@@ -83,7 +84,7 @@ int texture(Materials& m, const MtlMap& map, const fs::path& below) {
   const auto [found, first] = m.textures.try_emplace({path, map.clamp}, static_cast<int>(m.scene.textures.size()));
   if (!first) return found->second;
   const std::vector<std::byte> bytes = read([&] { return file_bytes(path); });
-  Texture made = decode_texture(map.name, {text_of(bytes).begin(), text_of(bytes).end()});
+  Texture made = decode_texture(map.name, {text_of(bytes).begin(), text_of(bytes).end()}, m.pixels_left);
   if (map.clamp) made.wrap_u = made.wrap_v = Texture::Wrap::clamp;
   m.scene.textures.push_back(std::move(made));
   m.scene.files.push_back(path.string());
@@ -104,8 +105,8 @@ Material material(Materials& m, const std::string& name) {
 }
 
 // Those that faces use, in the order of their names in the document, then a white one where faces have none.
-void read_materials(const ObjDocument& d, const SceneFolder& folder, Scene& scene) {
-  Materials m{folder, scene};
+void read_materials(const ObjDocument& d, const SceneFolder& folder, std::uint64_t max_pixels, Scene& scene) {
+  Materials m{folder, scene, max_pixels};
   for (const std::string& line : d.libraries) read_libraries(m, line);
   for (const std::string& name : d.materials) {
     if (!m.listed.contains(name) && scene.remarks.empty())
@@ -210,11 +211,11 @@ void read_faces(const ObjDocument& d, Scene& scene) {
 
 }  // namespace
 
-Scene read_obj(const std::string& path) {
-  ObjDocument document = read_obj_text(text_of(file_bytes(path)));
+Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels) {
+  ObjDocument document = read_obj_text(text_of(file));
   Scene scene;
   for (const std::string& what : document.unmodelled) note_unmodelled(scene, what);
-  read_materials(document, SceneFolder(path), scene);
+  read_materials(document, folder, max_pixels, scene);
   add_normals(document);
   read_faces(document, scene);
   return scene;

@@ -2,8 +2,11 @@
 /// Wavefront OBJ with its MTL files. Source: Alias/Wavefront, "Advanced Visualizer Manual", appendix B1 (object files).
 #pragma once
 
-#include <string>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 
+#include "envmap/scene/read/scene_folder.h"
 #include "envmap/scene/scene.h"
 
 namespace envmap {
@@ -12,6 +15,6 @@ namespace envmap {
 /// smoothing group, weighted by the angles at a corner (Thuermer and Wuethrich 1998), else those of the face. Materials as
 /// read_mtl() says; white where a file has none, or its .mtl is missing, which Scene::remarks says.
 /// @throws InputError without the name of the file.
-Scene read_obj(const std::string& path);
+Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels);
 
 }  // namespace envmap

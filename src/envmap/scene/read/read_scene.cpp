@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "envmap/base/error.h"
 #include "envmap/scene/read/read_gltf.h"
@@ -28,22 +27,21 @@ bool is_obj(const std::string& path) {
 }
 
 // GLB by its mark, glTF by the brace that JSON begins with.
-bool is_gltf(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  char head[4] = {};
-  stream >> std::ws;
-  stream.read(head, sizeof head);
-  return head[0] == '{' || std::string_view(head, 4) == "glTF" || std::string_view(head, 3) == "\xef\xbb\xbf";
+bool is_gltf(std::string_view bytes) {
+  return bytes.starts_with("glTF") || bytes.starts_with("\xef\xbb\xbf") ||
+         bytes.substr(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size())).starts_with('{');
 }
 
-Scene read_any(const std::string& path) {
+Scene read_any(const std::string& path, std::uint64_t max_pixels) {
   std::error_code error;
-  if (!fs::exists(path, error)) throw InputError("no such file");
-  if (fs::is_directory(path, error)) throw InputError("is a folder; name a file");
-  if (!fs::is_regular_file(path, error)) throw InputError("is not a file");
-  if (fs::file_size(path, error) == 0) throw InputError("is empty");
-  if (is_obj(path)) return read_obj(path);
-  if (is_gltf(path)) return read_gltf(path);
+  if (path != "-" && fs::is_directory(path, error)) throw InputError("is a folder; name a file");
+  const std::vector<std::byte> bytes = path == "-" ? standard_input() : file_bytes(path);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const SceneFolder folder(path);
+  if (is_obj(path)) return read_obj(bytes, folder, max_pixels);
+  if (is_gltf(text)) return read_gltf(bytes, folder, max_pixels);
+  // A stream has no name to tell it by. No text has a byte 0.
+  if (path == "-" && text.find('\0') == text.npos) return read_obj(bytes, folder, max_pixels);
   throw InputError("not a scene that can be read: neither glTF 2.0 (.gltf, .glb) nor OBJ");
 }
 
@@ -59,16 +57,16 @@ void check(const Scene& scene) {
 
 }  // namespace
 
-Scene read_scene(const std::string& path) {
+Scene read_scene(const std::string& path, std::uint64_t max_pixels) {
   try {
-    Scene scene = read_any(path);
+    Scene scene = read_any(path, max_pixels);
     scene.files.insert(scene.files.begin(), path);
     check(scene);
     std::ranges::transform(scene.unmodelled, scene.unmodelled.begin(), harmless);
     std::ranges::transform(scene.remarks, scene.remarks.begin(), harmless);
     return scene;
   } catch (const InputError& e) {
-    throw InputError(harmless(path + ": " + e.what()));
+    throw InputError(harmless((path == "-" ? "standard input" : path) + ": " + e.what()), e.remedy());
   }
 }
 

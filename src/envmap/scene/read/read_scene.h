@@ -2,6 +2,7 @@
 /// Reading scenes: glTF 2.0 (.gltf, .glb) and Wavefront OBJ.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "envmap/scene/scene.h"
@@ -15,7 +16,8 @@ namespace envmap {
 /// Scene::unmodelled names what else they use; a file that *requires* an extension not named here is refused.
 ///
 /// Every index, count and number is checked before it is used.
-/// @throws InputError in one line, naming the file.
-Scene read_scene(const std::string& path);
+/// @param path `-` for standard input; then what the scene names lies in the current folder.
+/// @param max_pixels of all textures together. @throws InputError in one line, naming the file.
+Scene read_scene(const std::string& path, std::uint64_t max_pixels = std::uint64_t{1} << 31);
 
 }  // namespace envmap

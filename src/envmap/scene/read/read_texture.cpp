@@ -10,7 +10,7 @@
 
 namespace envmap {
 
-Texture decode_texture(const std::string& name, std::vector<char> bytes) {
+Texture decode_texture(const std::string& name, std::vector<char> bytes, std::uint64_t& pixels_left) {
   Image image;
   // Alpha is coverage, and colours are not multiplied by it (glTF 2.0, section 3.9.4).
   open_bytes(image, name, std::move(bytes), true);
@@ -25,6 +25,10 @@ Texture decode_texture(const std::string& name, std::vector<char> bytes) {
     image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, facts.width, facts.height));
   const int channels = std::min(static_cast<int>(facts.channels.size()), 4);
   const auto count = static_cast<std::size_t>(facts.width) * static_cast<std::size_t>(facts.height);
+  if (count > pixels_left)
+    image.fail(fmt::format("{}x{}: with it the scene's textures have too many pixels", facts.width, facts.height),
+               Remedy::allow_pixels);
+  pixels_left -= count;
   std::vector<float> values(count * static_cast<std::size_t>(channels));
   try {
     image.reader->read(0, 0, facts.height, 0, channels, values);

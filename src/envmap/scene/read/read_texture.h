@@ -2,6 +2,7 @@
 /// Images on surfaces, in any format that maps are read from but KTX2 and DDS.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@
 namespace envmap {
 
 /// @param name for messages; where the format has no mark in its bytes (Targa) it decides.
+/// @param pixels_left of all textures of the scene; those of this one are taken off it.
 /// @throws InputError, beginning with the name.
-Texture decode_texture(const std::string& name, std::vector<char> bytes);
+Texture decode_texture(const std::string& name, std::vector<char> bytes, std::uint64_t& pixels_left);
 
 }  // namespace envmap

@@ -1,6 +1,10 @@
 #include "envmap/scene/read/scene_folder.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <limits>
 
@@ -10,6 +14,8 @@ namespace envmap {
 
 namespace fs = std::filesystem;
 
+constexpr const char* too_large = "has over 4 GiB, more than is read of a scene";
+
 // A regular file: /dev/zero would go on for ever.
 std::vector<std::byte> file_bytes(const fs::path& path) {
   std::error_code error;
@@ -18,12 +24,28 @@ std::vector<std::byte> file_bytes(const fs::path& path) {
   const std::uintmax_t size = fs::file_size(path, error);
   if (error || size == 0) throw InputError("is empty");
   if (size > std::numeric_limits<std::uint32_t>::max())
-    throw InputError("has over 4 GiB, more than is read of a scene");
+    throw InputError(too_large);
   std::vector<std::byte> bytes(size);
   std::ifstream stream(path, std::ios::binary);
   if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
     throw InputError("cannot be read");
   return bytes;
+}
+
+std::vector<std::byte> standard_input() {
+  std::vector<std::byte> bytes;
+  for (std::size_t size = 0;;) {
+    bytes.resize(std::max<std::size_t>(1 << 16, size + size / 2));
+    const ssize_t n = ::read(STDIN_FILENO, bytes.data() + size, bytes.size() - size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw InputError(std::strerror(errno));
+    size += static_cast<std::size_t>(n);
+    if (size > std::numeric_limits<std::uint32_t>::max()) throw InputError(too_large);
+    if (n > 0) continue;
+    if (size == 0) throw InputError("is empty: what should have written it may have failed");
+    bytes.resize(size);
+    return bytes;
+  }
 }
 
 SceneFolder::SceneFolder(const std::string& scene) : folder_(fs::path(scene).parent_path()) {

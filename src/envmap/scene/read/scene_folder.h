@@ -12,6 +12,9 @@ namespace envmap {
 /// All bytes of a regular file of 1 byte to 4 GiB. @throws InputError without the name of the file.
 std::vector<std::byte> file_bytes(const std::filesystem::path& path);
 
+/// The same of what is left of standard input.
+std::vector<std::byte> standard_input();
+
 /// The folder that a scene's file lies in. A scene may come from anywhere: what it names is looked for in there and
 /// below, whatever `..`, absolute names and symbolic links say. Where the scene itself is a link (a build system's
 /// sandbox, for one) the folder of what it links to counts, too.

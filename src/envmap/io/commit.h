@@ -1,0 +1,14 @@
+/// @file
+/// How written files appear.
+#pragma once
+
+#include "envmap/base/export.h"
+
+namespace ENVMAP_EXPORT envmap {
+
+struct CommitOptions {
+  bool sync = false;        ///< Only once their bytes are on the disk, and their names before the call returns.
+  bool if_changed = false;  ///< Where the file that is there holds the same bytes it stays, with its time.
+};
+
+}  // namespace envmap
