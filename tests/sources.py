@@ -7,8 +7,7 @@ import sys
 FUNCTIONS = ('sin cos tan asin acos atan atan2 sinh cosh tanh exp exp2 exp10 expm1 log log2 log10 log1p pow cbrt hypot erf tgamma '
              'lgamma polar slerp radians degrees sinf cosf expf logf powf')
 LIBM = re.compile(r'(?:\b(?:std|glm)::|(?<![\w:.>]))(?:' + FUNCTIONS.replace(' ', '|') + r')\(')
-# prefilter/ is still to follow.
-DRAWING = ('src/envmap/render/', 'src/envmap/scene/', 'src/envmap/prefilter/')
+DRAWING = ('src/envmap/render/', 'src/envmap/scene/')
 MAY_CALL_LIBM = {'src/envmap/maths/portable.h', 'src/envmap/maths/portable.cpp'}  # Their own names.
 
 root = pathlib.Path(sys.argv[1])

@@ -46,7 +46,9 @@ INSTANTIATE_TEST_SUITE_P(, EachHarmonics, testing::ValuesIn(all_projections),
 TEST_P(EachHarmonics, ComeBackFromAMapOfOne) {
   for (const auto& [degree, order] : {std::pair{1, 0}, {2, -1}, {3, 3}}) {
     const Forward forward = has_forward(GetParam()) ? Forward::plus_x : Forward::plus_z;
-    const EnvironmentMap map = generate(Harmonic{degree, order, 1, 0.5}, {GetParam(), forward}, 96);
+    // The last texel before the rim of a sphere map reaches from 163 degrees to 180; of twice as many, from 168.
+    const int size = GetParam() == Projection::sphere ? 192 : 96;
+    const EnvironmentMap map = generate(Harmonic{degree, order, 1, 0.5}, {GetParam(), forward}, size);
     const Harmonics h = project(map, 4);
     for (int l = 0; l <= 4; ++l)
       for (int m = -l; m <= l; ++m) {

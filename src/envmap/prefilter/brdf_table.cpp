@@ -5,6 +5,7 @@
 
 #include "envmap/maths/quadrature.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/portable.h"
 
 namespace envmap {
 namespace {
@@ -25,11 +26,11 @@ ScaleBias brdf(double cosine, double roughness, int azimuths) {
   // density, 1 / (4 cos(v,h)) of it, is G cos(v,h) / (cos(n,v) cos(n,h)).
   const auto inner = [&](double u, double phi, double& fresnel) {
     const double h2 = (1 - u) / (1 + (a2 - 1) * u), hz = std::sqrt(h2), hx = std::sqrt(std::max(0.0, 1 - h2));
-    const Direction h(hx * std::cos(phi), hx * std::sin(phi), hz);
+    const Direction h(hx * portable::cos(phi), hx * portable::sin(phi), hz);
     const double vh = glm::dot(v, h), nl = 2 * vh * hz - cosine;
     fresnel = 0;
     if (nl <= 0 || vh <= 0) return 0.0;
-    fresnel = std::pow(1 - std::min(1.0, vh), 5);
+    fresnel = portable::pow(1 - std::min(1.0, vh), 5);
     return vh / (cosine * hz * (1 + masked + lambda(nl, alpha)));
   };
   // u near 1 is where the tail is: panels that halve towards it.

@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "envmap/maths/portable.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap::prefiltering {
@@ -74,7 +75,7 @@ inline Moments united(std::span<const Moments> parts) {
     cubes += share * far * far * far;
     whole.reach = std::max(whole.reach, p.reach + distance);
   }
-  whole.spread = std::cbrt(cubes);
+  whole.spread = portable::cbrt(cubes);
   return whole;
 }
 

@@ -6,6 +6,7 @@
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/sum.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/portable.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/source.h"
 #include "envmap/projection/visit.h"
@@ -147,7 +148,7 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
   for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
     // P_l turns over about every pi / l radians.
     const double lo = breaks[k], hi = breaks[k + 1];
-    const int parts = 1 + static_cast<int>((std::acos(1 - hi) - std::acos(1 - lo)) * order / 10);
+    const int parts = 1 + static_cast<int>((portable::acos(1 - hi) - portable::acos(1 - lo)) * order / 10);
     for (int n = 0; n < parts; ++n) add(lo + (hi - lo) * n / parts, lo + (hi - lo) * (n + 1) / parts);
   }
   // Degree by degree, all points at once.
@@ -184,7 +185,7 @@ std::vector<double> irradiance_factors(int order) {
 
 std::vector<double> hann_window(int order) {
   std::vector<double> factors;
-  for (int l = 0; l <= order; ++l) factors.push_back(0.5 + 0.5 * std::cos(pi * l / (order + 1)));
+  for (int l = 0; l <= order; ++l) factors.push_back(0.5 + 0.5 * portable::cos(pi * l / (order + 1)));
   return factors;
 }
 

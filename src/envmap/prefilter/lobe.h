@@ -47,9 +47,9 @@ struct Phong {
   double exponent;
 
   [[nodiscard]] double scale() const { return (exponent + 1) / (2 * pi); }
-  [[nodiscard]] double value(double x) const { return x < 1 ? scale() * std::exp(exponent * std::log1p(-x)) : 0; }
-  [[nodiscard]] double share(double x) const { return x < 1 ? -std::expm1((exponent + 1) * std::log1p(-x)) : 1; }
-  [[nodiscard]] double missing(double x) const { return x < 1 ? std::exp((exponent + 1) * std::log1p(-x)) : 0; }
+  [[nodiscard]] double value(double x) const;
+  [[nodiscard]] double share(double x) const;
+  [[nodiscard]] double missing(double x) const;
   [[nodiscard]] double rate(double x) const { return x < 1 ? exponent / (1 - x) : 0; }
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 2 / (exponent + 1)); }
   [[nodiscard]] bool convex() const { return exponent >= 1; }
@@ -86,12 +86,7 @@ struct Ggx {
 
  private:
   /// (t - ln(1+t)) / t^2 = integral of (1-w)/(1+tw)^2 over [0,1]; 1/2 at t = 0.
-  static double shape(double t) {
-    if (t > 0.05) return (t - std::log1p(t)) / (t * t);
-    double sum = 0;
-    for (int k = 12; k >= 2; --k) sum = 1.0 / k - t * sum;
-    return sum;
-  }
+  static double shape(double t);
   /// Integral of (1-w)/(A+Bw)^2 from 0 to x.
   [[nodiscard]] double whole(double x) const {
     // 1-w = (1-x) + (x-w): two terms above 0.

@@ -9,6 +9,7 @@
 
 #include "envmap/operate/measure.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/portable.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/target.h"
@@ -161,8 +162,8 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
 }  // namespace
 
 Reaches reaches(int order, double error, bool bright) {
-  if (bright) return {0, 1.4 * std::pow(650 * error, 0.25) / order};
-  return {std::sqrt(16 * error) / order, 3.2 * std::pow(6200 * error, 0.25) / order};
+  if (bright) return {0, 1.4 * portable::pow(650 * error, 0.25) / order};
+  return {std::sqrt(16 * error) / order, 3.2 * portable::pow(6200 * error, 0.25) / order};
 }
 
 // Stripes are filled every other at a time: no two at work share a ring.

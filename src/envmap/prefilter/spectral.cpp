@@ -7,6 +7,7 @@
 
 #include "envmap/operate/measure.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/on_rings.h"
@@ -22,7 +23,7 @@ int columns_for(std::span<const double> factors, double error) {
     for (std::size_t l = 0; l < factors.size(); ++l) {
       const double part = (2.0 * static_cast<double>(l) + 1) * std::abs(factors[l]);
       peak += part;
-      off += 4 * 1.07e-3 * std::pow(2 * pi * static_cast<double>(l) / columns, 8) * part;
+      off += 4 * 1.07e-3 * portable::pow(2 * pi * static_cast<double>(l) / columns, 8) * part;
     }
     if (columns > 2 * static_cast<int>(factors.size()) && off <= 0.1 * error * peak) return columns;
   }
@@ -36,7 +37,7 @@ class Fourier {
   explicit Fourier(int n) : n_(static_cast<std::size_t>(n)), cosine_(n_ / 2), sine_(n_ / 2), re_(n_), im_(n_) {
     for (std::size_t k = 0; k < n_ / 2; ++k) {
       const double angle = -2 * pi * static_cast<double>(k) / n;
-      cosine_[k] = std::cos(angle), sine_[k] = std::sin(angle);
+      cosine_[k] = portable::cos(angle), sine_[k] = portable::sin(angle);
     }
   }
   [[nodiscard]] int size() const { return static_cast<int>(n_); }
@@ -114,7 +115,8 @@ std::vector<std::complex<double>> first_texel(int n, int order) {
   std::vector<std::complex<double>> found;
   for (int m = 0; m <= order; ++m) {
     const double half = pi * m / n;
-    found.push_back(std::polar(2 * pi / n * (m > 0 ? std::sin(half) / half : 1), -half));
+    const double size = 2 * pi / n * (m > 0 ? portable::sin(half) / half : 1);
+    found.emplace_back(size * portable::cos(half), -size * portable::sin(half));
   }
   return found;
 }
@@ -147,7 +149,7 @@ std::array<std::pair<Stencil, double>, 3> row_points(int row, int height, const 
   std::array<std::pair<Stencil, double>, 3> points;
   for (std::size_t g = 0; g < points.size(); ++g) {
     const double v = (row + 0.5 + 0.5 * rule.node[g]) / height;
-    points[g] = {stencil_at(places, 0, v), 0.5 * rule.weight[g] * pi / height * std::sin(pi * v)};
+    points[g] = {stencil_at(places, 0, v), 0.5 * rule.weight[g] * pi / height * portable::sin(pi * v)};
   }
   return points;
 }
@@ -247,10 +249,10 @@ void for_blocks(int order, int m, int rings, F&& f) {
     std::array<double, block> y, first;
     for (std::size_t k = 0; k < block; ++k) {
       const double polar = pi * (n * static_cast<int>(block) + static_cast<int>(k) + 0.5) / rings;
-      y[k] = std::cos(polar);
+      y[k] = portable::cos(polar);
       // No P_l^m of a degree that we go to grows from here to where it matters.
-      const double power = m * std::log(std::sin(polar));
-      first[k] = power < -400 ? 0 : scale * std::exp(power);
+      const double power = m * portable::log(portable::sin(polar));
+      first[k] = power < -400 ? 0 : scale * portable::exp(power);
     }
     if (std::ranges::max(first) == 0) continue;
     legendre(a, b, y, first, p);
@@ -337,7 +339,7 @@ Lobe widened(const Lobe& lobe) {
   struct Wider {
     Lobe operator()(const Cosine& l) const { return l; }
     Lobe operator()(const Phong& l) const { return Phong{l.exponent / 4}; }
-    Lobe operator()(const Ggx& l) const { return Ggx(std::min(1.0, 1.5 * std::pow(0.5 * l.a, 0.25))); }
+    Lobe operator()(const Ggx& l) const { return Ggx(std::min(1.0, 1.5 * portable::pow(0.5 * l.a, 0.25))); }
   };
   return std::visit(Wider{}, lobe);
 }
@@ -347,7 +349,7 @@ double difference(const Lobe& lobe, double angle, double azimuth, double h, int 
   double sum = 0, binomial = 1;
   for (int k = 0; k <= n; ++k) {
     const double t = (k - 0.5 * n) * h;
-    const double x = 1 - std::cos(angle) * std::cos(t) - std::sin(angle) * std::sin(t) * std::cos(azimuth);
+    const double x = 1 - portable::cos(angle) * portable::cos(t) - portable::sin(angle) * portable::sin(t) * portable::cos(azimuth);
     sum += (k % 2 == 0 ? binomial : -binomial) * std::visit([x](const auto& l) { return l.value(std::max(0.0, x)); }, lobe);
     binomial *= static_cast<double>(n - k) / (k + 1);
   }
@@ -378,7 +380,7 @@ Leak leak_of(const Lobe& lobe, const Lobe& wide, const Level& source, int order,
       if (single) sum += 2.0 / 24 * difference(lobe, angle, azimuth, one, 2);
       off = std::max(off, sum);
     }
-    const double x = 1 - std::cos(angle), cover = std::visit([x](const auto& l) { return l.value(x); }, wide);
+    const double x = 1 - portable::cos(angle), cover = std::visit([x](const auto& l) { return l.value(x); }, wide);
     if (cover > 1e-6 * peak)
       leak.envelope = std::max(leak.envelope, off / cover);
     else
@@ -391,7 +393,7 @@ Leak leak_of(const Lobe& lobe, const Lobe& wide, const Level& source, int order,
 double interpolation_error(std::span<const double> factors, int columns) {
   double sum = 0;
   for (std::size_t l = 0; l < factors.size(); ++l)
-    sum += 4 * 1.07e-3 * std::pow(2 * pi * static_cast<double>(l) / columns, 8) * part(factors, l);
+    sum += 4 * 1.07e-3 * portable::pow(2 * pi * static_cast<double>(l) / columns, 8) * part(factors, l);
   return sum;
 }
 
