@@ -2,4 +2,5 @@
 /// What the shared library shows: public headers open the namespace as `namespace ENVMAP_EXPORT envmap`.
 #pragma once
 
-#define ENVMAP_EXPORT __attribute__((visibility("default")))
+// As clang reads it before the name, too.
+#define ENVMAP_EXPORT [[gnu::visibility("default")]]
