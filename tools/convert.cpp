@@ -5,6 +5,7 @@
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
+#include "envmap/io/rounding.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 
@@ -69,6 +70,24 @@ const std::vector<Key> keys{{"input", "INPUT"},
                             {"error.within", "whether it is below --max-error; false: exit status 1, nothing is written"},
                             {"seconds", "from start to end"}};
 
+// Leaves of the error asked for what the depth of the file rounds by. False where that is nothing.
+bool leave_to_filter(Options& o) {
+  const auto rounding = rounding_of(o.output, o.write);
+  if (rounding && rounding->largest < *o.convert.max_error) {
+    o.convert.max_error = *o.convert.max_error - rounding->largest;
+    return true;
+  }
+  const std::string what = !rounding ? "integers, or a compression that loses, have no bound"
+                                     : fmt::format("{} rounds by up to {:.1e}", rounding->depth == Depth::single
+                                                                                   ? "a shared exponent"
+                                                                                   : name(rounding->depth),
+                                                   rounding->largest);
+  std::fputs(fmt::format("envmap convert: {}: --max-error {:g} is not held by the file: {}; --depth float in .exr holds it\n",
+                         o.output, *o.convert.max_error, what).c_str(),
+             stderr);
+  return false;
+}
+
 // A sentence for each filter.
 std::string filter_words() {
   std::string text;
@@ -100,6 +119,8 @@ int run(Options& o, const Common& common) {
   if (auto& luminance = o.write.provenance.white_luminance)
     luminance = static_cast<float>(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
   check_output(o.output, o.write, to);
+  const std::optional<double> max_error = o.convert.max_error;
+  if (max_error && !leave_to_filter(o)) return 1;
 
   if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
     throw UsageError(
@@ -107,7 +128,7 @@ int run(Options& o, const Common& common) {
   const Resampler resampler(std::move(source.map), o.convert);
   const auto& choice = resampler.choice();
   nlohmann::ordered_json report = report_of(o, resampler);
-  if (choice && !tell_choice(*choice, *o.convert.max_error, common)) {
+  if (choice && !tell_choice(*choice, *max_error, common)) {
     if (common.json) print_report(report);
     return 1;
   }
@@ -148,7 +169,7 @@ Command convert_command() {
                    {"envmap convert cross.hdr pano.exr --to latlong --forward -z",
                     "from a cube cross to a panorama with -Z at its centre"},
                    {"envmap convert probe.exr small.exr --to cube --size 64 --max-error 1e-3",
-                    "the cheapest filter that is right to 0.1% in every texel"},
+                    "the cheapest filter that is found right to 0.1%, rounding to the depth of the file counted"},
                    {"envmap convert ball.hdr - --from sphere --to angular | envmap info -",
                     "a mirror ball as light probe, through a pipe"}},
       .keys = with_written(keys),
@@ -175,8 +196,8 @@ Command convert_command() {
             ->check(CLI::Range(1e-7, 1.0));
         app.add_option(
                "--max-error", o->convert.max_error,
-               "Take the cheapest filter whose max and rms errors against 'area', measured on this map, are below E; "
-               "exit status 1 where none is")
+               "Take the cheapest filter whose max and rms errors against 'area', measured in some texels of this map, and "
+               "what the file's depth rounds the largest channel by are together below E; exit status 1 where none is")
             ->type_name("E")
             ->check(CLI::Range(1e-6, 10.0));
         add_triple(app, "--rotate", o->turn, "Y,P,R", false, "Turn the environment by yaw, pitch, roll in degrees");

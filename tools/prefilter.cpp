@@ -8,6 +8,7 @@
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
+#include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
 #include "envmap/prefilter/brdf_table.h"
 
@@ -24,7 +25,7 @@ struct Options {
   int size = 0, levels = 1, table_size = 128;
   std::optional<Projection> to;
   std::optional<Forward> forward;
-  std::optional<double> exponent, roughness, scale;
+  std::optional<double> exponent, roughness, scale, max_error;
   std::vector<double> exponents, roughnesses;
 };
 
@@ -90,6 +91,53 @@ Facts record(const std::vector<Prefilter>& levels) {
   return facts;
 }
 
+// What a file's depth takes from a level's texels and channels, at most, over them or 0.001 x the mean.
+double lost(const Rounding& rounding, const Level& level, double floor) {
+  if (!rounding.round) return 0;
+  double most = 0;
+  std::vector<Colour> row;
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j) {
+      const std::span<const Colour> made = level.row(face, j);
+      row.assign(made.begin(), made.end());
+      rounding.round(row);
+      for (std::size_t k = 0; k < row.size(); ++k)
+        for (int c = 0; c < 3; ++c)
+          if (const double off = std::abs(double{row[k][c]} - made[k][c]); off > 0)
+            most = std::max(most, off / std::max<double>(made[k][c], floor));
+    }
+  return most;
+}
+
+// What readers find a level to be off: what it was made with, over the truth, and what was lost since, over what was made.
+double in_file(const Prefiltered& done, double rounded) { return done.error + rounded * (1 + done.error); }
+
+// The file does not hold what --max-error asks for: says which depth does.
+int refuse(const Options& o, const std::string& what) {
+  std::string others;
+  for (const Depth d : {Depth::half, Depth::single}) {
+    WriteOptions options = o.write;
+    options.depth = d, options.compression.clear();
+    try {
+      if (const auto rounding = rounding_of(o.output, options); rounding && rounding->largest < *o.max_error) {
+        others = fmt::format("--depth {}{}", name(d), o.write.compression.empty() ? "" : " and no --compression");
+        break;
+      }
+    } catch (const UsageError&) {  // Not of this format.
+    }
+  }
+  if (others.empty()) others = ".exr of --depth float";
+  std::fputs(fmt::format("envmap prefilter: {}: --max-error {:g} is not held by {}; by {} it is\n", o.output, *o.max_error,
+                         what, others).c_str(),
+             stderr);
+  return 1;
+}
+
+std::string words(const Rounding& r, double rounded) {
+  return fmt::format("{}, which rounds by up to {:.1e}", r.round && r.depth == Depth::single ? "a shared exponent" : name(r.depth),
+                     rounded);
+}
+
 void report(const Prefilter& p, const Prefiltered& done, const Common& common) {
   std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size,
                                  method_names[static_cast<std::size_t>(done.method)], done.seconds);
@@ -135,6 +183,13 @@ int run(Options& o, const Common& common) {
                    ? matching_size(Projection::cube, 64, o.map.to)
                    : matching_size(source.map.projection(), source.map.base().height(), o.map.to);
   o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
+  o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
+  const std::optional<Rounding> rounding = rounding_of(o.output, o.write);
+  if (o.max_error) {
+    if (!rounding) return refuse(o, "integers, or by a compression that loses");
+    if (*o.max_error <= rounding->largest) return refuse(o, words(*rounding, rounding->largest));
+    o.map.max_error = std::max(0.1 * *o.max_error, *o.max_error - rounding->largest);
+  }
   const std::vector<Prefilter> wanted = levels_of(o);
   check_output(o.output, o.write, o.map.to, wanted.size() > 1);
 
@@ -144,16 +199,25 @@ int run(Options& o, const Common& common) {
                              o.input, cube.base().height()));
   nlohmann::ordered_json told{{"input", o.input},
                               {"lobe", shape_names[static_cast<std::size_t>(o.map.shape)]},
-                              {"max_error", o.map.max_error}};
+                              {"max_error", o.max_error.value_or(o.map.max_error)}};
   EnvironmentMap made{.levels = {}, .forward = o.map.forward};
   for (const Prefilter& p : wanted) {
     Prefiltered done = prepared.make(p, progress_line(common, "prefilter " + words(p)));
+    double rounded = rounding ? lost(*rounding, done.map.base(), done.floor) : 0;
+    if (o.max_error && in_file(done, rounded) > *o.max_error && rounded < *o.max_error) {
+      // Dark channels under a shared exponent lose more than was left to it.
+      Prefilter closer = p;
+      closer.max_error = 0.9 * (*o.max_error - rounded);
+      done = prepared.make(closer, progress_line(common, "prefilter " + words(p)));
+      rounded = lost(*rounding, done.map.base(), done.floor);
+    }
     report(p, done, common);
     told["levels"].push_back(report_of(p, done));
+    if (rounded > 0 && common.verbose) note(common, fmt::format("{}: in the file as {}", words(p), words(*rounding, rounded)));
+    if (o.max_error && in_file(done, rounded) > *o.max_error)
+      return refuse(o, fmt::format("{} in {}", words(p), words(*rounding, rounded)));
     made.levels.push_back(std::move(done.map.base()));
   }
-  o.write.source_depth = source.depth;
-  if (is_integer(o.write.source_depth)) o.write.source_depth = Depth::half;
   o.write.facts = record(wanted);
   o.write.provenance = source.provenance;
   if (o.scale) o.write.provenance.white_luminance.reset();
@@ -192,7 +256,9 @@ Command prefilter_command() {
           "smooth, fine in its core and round bright texels. 'spectral' goes through a spherical transform of as many degrees "
           "as the lobe needs, which is quick for narrow lobes in large maps. 'exact' sums over every texel in float64. 'auto' "
           "takes what is quickest. Every texel has its own error figure, and what one method is not sure of is made by the "
-          "next, exact at last, so that --max-error holds in every texel. A part of the figure is proved and a part measured: "
+          "next, exact at last, so that --max-error holds in every texel, as it is read from the file: where the depth rounds by "
+          "more (half by 5e-4, rgb9e5 and Radiance by 2e-3 and 4e-3 of the largest channel), the exit status is 1 and the "
+          "message names a depth that does. The mean is the source's over the sphere. A part of the figure is proved and a part measured: "
           "see README.md, 'Accuracy'; -v prints the largest.\n\n"
           "--brdf-table: the second half of the split sum for GGX and Smith's height-correlated masking: row by "
           "row perceptual roughness, column by column cos(n,v), both at (i + 0.5) / N; red times F0 plus green is the "
@@ -249,8 +315,9 @@ Command prefilter_command() {
                     "World axis at the centre of latlong and angular images (default: +z)");
         add_choice(app, "--method", o->map.method, joined(method_names), one_of<Method>(method_names),
                    "How it is worked out (default: auto)");
-        app.add_option("--max-error", o->map.max_error,
-                       "Largest error of a texel, relative to it or to 0.001 x the mean (default: 1e-3)")
+        app.add_option("--max-error", o->max_error,
+                       "Largest error of a texel of the file, relative to it or to 0.001 x the mean (default: 1e-3, and what "
+                       "the file's depth rounds by)")
             ->type_name("E")
             ->check(CLI::Range(1e-7, 10.0));
         app.add_option("--brdf-table", o->table, "Write the split sum's table of scale and bias, too")

@@ -37,6 +37,31 @@ TEST_F(Prefilter, MethodsAgree) {
   EXPECT_EQ(envmap({"compare", "hierarchical.exr", "exact.exr", "--max-error", "5e-2"}).status, 0);
 }
 
+// The figure is that of the file. Colours whose channels are far apart lose most under a shared exponent.
+TEST_F(Prefilter, MaxErrorHoldsForWhatIsReadBack) {
+  succeeds({"generate", "gradient", "orange.exr", "--size", "8", "--value", "1,0.3,0.06", "--value2", "3,0.5,0.11"});
+  const auto made = [&](const std::string& file, const char* depth, const char* error) {
+    return envmap({"prefilter", "orange.exr", file, "--size", "8", "--depth", depth, "--max-error", error, "-q"});
+  };
+  succeeds({"prefilter", "orange.exr", "exact.exr", "--size", "8", "--depth", "float", "--method", "exact", "-q"});
+  for (const auto& [file, depth, error] : {std::tuple{"a.dds", "half", "6e-4"}, {"b.exr", "half", "1e-3"},
+                                           {"c.dds", "rgb9e5", "8e-2"}, {"d.dds", "float", "1e-5"}, {"e.hdr", "float", "1e-1"}}) {
+    const Result r = made(file, depth, error);
+    EXPECT_EQ(r.status, 0) << r.err;
+    EXPECT_EQ(envmap({"compare", file, "exact.exr", "--max-error", error}).status, 0) << file;
+  }
+  for (const auto& [file, depth, error, better] :
+       {std::tuple{"f.dds", "half", "4e-4", "--depth float"}, {"f.dds", "rgb9e5", "1e-3", "--depth half"},
+        {"f.dds", "rgb9e5", "5e-3", "--depth half"}, {"f.hdr", "float", "1e-3", ".exr"}}) {
+    const Result r = made(file, depth, error);
+    EXPECT_EQ(r.status, no) << file << " " << depth;
+    EXPECT_NE(r.err.find(better), std::string::npos) << r.err;
+    EXPECT_FALSE(std::filesystem::exists(path(file)));
+  }
+  // Without an error asked for, a depth is no reason to refuse.
+  succeeds({"prefilter", "orange.exr", "g.dds", "--size", "8", "--depth", "rgb9e5", "-q"});
+}
+
 TEST_F(Prefilter, AChainHoldsOneNumberALevel) {
   succeeds({"prefilter", "in.exr", "ggx.exr", "--lobe", "ggx", "--levels", "3", "--size", "8", "-q"});
   EXPECT_EQ(attribute("ggx.exr", "envmap:roughness"), "0,0.5,1");

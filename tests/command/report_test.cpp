@@ -200,6 +200,11 @@ TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
   succeeds({"convert", "sun.exr", "ball.exr", "--to", "sphere", "--size", "32"});
   fails(1, {"convert", "ball.exr", "none.exr", "--to", "cube", "--size", "8", "--max-error", "1e-6"},
         {"not reached", "area"});
+  // What the file rounds by counts.
+  fails(1, {"convert", "sun.exr", "none.exr", "--to", "cube", "--size", "8", "--depth", "half", "--max-error", "4e-4"},
+        {"half", "4.9e-04", "--depth float"});
+  succeeds({"convert", "sun.exr", "half.exr", "--to", "cube", "--size", "8", "--depth", "half", "--max-error", "2e-3", "-q"});
+  EXPECT_EQ(envmap({"compare", "half.exr", "truth.exr", "--max-error", "2.2e-3"}).status, 0);
 }
 
 // ---- help, pages, completions ---------------------------------------------------------------------------------------

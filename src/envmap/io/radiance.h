@@ -3,9 +3,12 @@
 /// RADIANCE 5.1 synthetic imaging system, file formats", section "Picture file format".
 #pragma once
 
+#include <span>
+
 #include "envmap/io/image_reader.h"
 #include "envmap/io/image_writer.h"
 #include "envmap/io/input_file.h"
+#include "envmap/maths/vector.h"
 
 namespace envmap {
 
@@ -21,5 +24,8 @@ ImageWriter create_radiance(OutputFile& file, const ImagePlan& plan);
 
 /// 255/256 x 2^127.
 inline constexpr double largest_radiance = 1.69e38;
+
+/// What is read back of texels.
+void round_to_radiance(std::span<Colour> texels);
 
 }  // namespace envmap

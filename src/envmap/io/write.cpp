@@ -22,7 +22,10 @@
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "envmap/io/pfm.h"
+#include "envmap/io/radiance.h"
+#include "envmap/io/rounding.h"
 #include "envmap/io/srgb.h"
+#include "envmap/io/texels.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/levels.h"
@@ -232,6 +235,22 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw OutputError(path, "no such folder: " + folder);
   if (fs::is_directory(path, error)) throw OutputError(path, "is a folder; name a file");
+}
+
+std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options) {
+  const std::string ext = extension(path, options);
+  const Depth depth = choose_depth(*format_with_extension(ext), options);
+  const std::string& c = options.compression;
+  const bool lossy = c.starts_with("b44") || c.starts_with("dwa") || (c == "pxr24" && depth == Depth::single);
+  if (is_integer(depth) || lossy) return std::nullopt;
+  if (ext == "hdr") return Rounding{depth, 0x1p-8, round_to_radiance};
+  if (depth == Depth::single) return Rounding{depth};
+  const auto stored = [depth](std::span<Colour> texels) {
+    std::vector<std::byte> bytes(texels.size() * static_cast<std::size_t>(format_of(texels_of(depth)).bytes));
+    encode(texels_of(depth), texels, bytes);
+    decode(texels_of(depth), bytes, texels);
+  };
+  return Rounding{depth, depth == Depth::half ? 0x1p-11 : 0x1p-9, stored};
 }
 
 Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {

@@ -77,4 +77,12 @@ ImageWriter create_radiance(OutputFile& file, const ImagePlan& plan) {
           .close = [] {}};
 }
 
+void round_to_radiance(std::span<Colour> texels) {
+  for (Colour& c : texels) {
+    const Rgbe stored = to_rgbe(c);
+    for (int k = 0; k < 3; ++k)
+      c[k] = stored[3] == 0 ? 0 : std::ldexp(static_cast<float>(stored[static_cast<std::size_t>(k)]), stored[3] - 136);
+  }
+}
+
 }  // namespace envmap

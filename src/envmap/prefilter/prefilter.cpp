@@ -56,7 +56,7 @@ bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
 bool exact_is_cheaper(const Level& source, const Prefilter& p, const Lobe& lobe) {
   const double edge = std::visit([](const auto& l) { return l.value(0.999) / l.value(0); }, lobe);
   const double hard = edge > 0.4 ? 2e-3 : 5e-4;
-  return texels_of(p) * static_cast<double>(envmap::texels_of(source).size()) < (p.max_error < hard ? 2e8 : 1e6);
+  return texels_of(p) * static_cast<double>(envmap::texels_of(source).size()) < (p.max_error < hard ? 1e7 : 1e6);
 }
 
 }  // namespace
@@ -155,6 +155,7 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
         .make(done);
   }
   done.seconds = seconds_since(start);
+  done.floor = 1e-3 * mean_radiance(from.base()) * factor(wanted);
   scale(done.map.base(), factor(wanted));
   return done;
 }

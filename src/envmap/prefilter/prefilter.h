@@ -42,7 +42,8 @@ struct Prefiltered {
   EnvironmentMap map;
   Method method;            ///< Never automatic: that of most texels.
   double seconds = 0;
-  double error = 0;         ///< The largest figure of a texel, relative to it or to 0.001 x the mean; 0 for exact sums.
+  double error = 0;         ///< The largest figure of a texel, relative to it or to `floor`; 0 for exact sums.
+  double floor = 0;         ///< 0.001 x the solid-angle mean of the source, times k: smaller results are held to it.
   std::int64_t exact = 0;   ///< Texels that were summed exactly, since nothing faster was sure enough of them.
 };
 

@@ -1,0 +1,27 @@
+/// @file
+/// What a file's depth makes of radiance: the part of an error that writing adds.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "envmap/io/write.h"
+
+namespace envmap {
+
+/// How a file rounds what is written to it.
+struct Rounding {
+  Depth depth;
+  /// Of a texel's largest channel, half a step at most: 2^-11 of half, 2^-9 of rgb9e5, 2^-8 of Radiance's shared exponent;
+  /// 0 of float. Darker channels under a shared exponent lose more of themselves, and so does what is below a depth's range.
+  double largest = 0;
+  std::function<void(std::span<Colour>)> round;  ///< What is read back of texels; empty where that is what was written.
+};
+
+/// @return nothing where what is lost has no bound: integers, which end at 1, and EXR compressions that lose.
+/// @param path, options of which check_output() says nothing. @throws UsageError where the format does not hold the depth.
+std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options);
+
+}  // namespace envmap
