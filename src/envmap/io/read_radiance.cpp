@@ -6,7 +6,6 @@
 #include <cmath>
 #include <glm/gtc/matrix_access.hpp>
 #include <memory>
-#include <ranges>
 #include <string_view>
 
 #include "envmap/base/error.h"
@@ -63,8 +62,9 @@ void read_variable(Header& h, std::string_view line) {
   }
   // Some writers leave zeros.
   const std::vector<double> said = name == "PRIMARIES" ? numbers(value) : std::vector<double>();
-  const auto plausible = [&](std::size_t k) { return std::abs(said[k]) < 2 && (k % 2 == 0 || said[k] != 0); };
-  if (said.size() == 8 && std::ranges::all_of(std::views::iota(std::size_t{0}, said.size()), plausible)) {
+  bool plausible = said.size() == 8;
+  for (std::size_t k = 0; k < said.size(); ++k) plausible &= std::abs(said[k]) < 2 && (k % 2 == 0 || said[k] != 0);
+  if (plausible) {
     std::ranges::copy(said, h.primaries.begin());
     h.says_primaries = true;
   }
