@@ -64,13 +64,15 @@ bool exact_is_cheaper(const Level& source, const Prefilter& p, const Lobe& lobe)
 struct PrefilterSource::Prepared {
   const std::optional<EnvironmentMap> cube;
   const EnvironmentMap& source;
+  const Level fine;  // What the tree is built over.
   const Tree tree;
   mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
 
   explicit Prepared(const EnvironmentMap& map)
       : cube(source_cube(map)),
         source(cube ? *cube : map),
-        tree(source.base()) {}
+        fine(refined(source.base())),
+        tree(fine) {}
 };
 
 namespace {
@@ -98,7 +100,7 @@ struct Making {
     const std::vector<Texel> all = envmap::texels_of(out);
     const bool any = wanted.method == Method::automatic;
     if (wanted.method == Method::exact || wanted.max_error < finest ||
-        (any && exact_is_cheaper(source, wanted, lobe))) {
+        (any && exact_is_cheaper(tree.source(), wanted, lobe))) {
       exact_texels(source, lobe, target, all, out, progress);
       done.method = Method::exact, done.exact = static_cast<std::int64_t>(all.size());
       return;
