@@ -109,7 +109,7 @@ struct Making {
     if (wanted.method == Method::spectral || (any && may_be_spectral(wanted, lobe)))
       spectral_prefilter(source, lobe, target, wanted.max_error, spectrum, out, figures, progress);
     done.method = 2 * known(out, figures) > all.size() ? Method::spectral : Method::hierarchical;
-    treecode_prefilter(tree, lobe, target, wanted.max_error, out, figures, progress);
+    treecode_prefilter(tree, tree.source().height() / source.height(), lobe, target, wanted.max_error, out, figures, progress);
     std::vector<Texel> left;
     for (const Texel& t : all)
       if (!(figures[index_of(out, t)] <= static_cast<float>(wanted.max_error)))
