@@ -262,7 +262,7 @@ Command prefilter_command() {
           "see README.md, 'Accuracy'; -v prints the largest.\n\n"
           "--brdf-table: the second half of the split sum for GGX and Smith's height-correlated masking: row by "
           "row perceptual roughness, column by column cos(n,v), both at (i + 0.5) / N; red times F0 plus green is the "
-          "part of white light reflected.",
+          "part of white light reflected, right to 1e-5.",
       .examples = {{"envmap prefilter probe.hdr diffuse.exr --lobe diffuse",
                     "a cube of 64 with the irradiance over pi"},
                    {"envmap prefilter probe.hdr gloss.exr --lobe phong --exponent 100 --to latlong --size 128",

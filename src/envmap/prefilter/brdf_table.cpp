@@ -1,70 +1,153 @@
+// The integral of brdf(), for as many angles at once as a vector has lanes; compiled once for every instruction set and
+// chosen at run time.
 #include "envmap/prefilter/brdf_table.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "envmap/prefilter/brdf_table.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
 #include <algorithm>
-#include <cmath>
+#include <array>
 
-#include "envmap/maths/quadrature.h"
 #include "envmap/base/parallel.h"
-#include "envmap/maths/portable.h"
+#include "envmap/maths/quadrature.h"
+#include "envmap/prefilter/lobe_lanes-inl.h"
 
-namespace envmap {
-namespace {
+HWY_BEFORE_NAMESPACE();
+namespace envmap::prefiltering {
+namespace HWY_NAMESPACE {
 
-// Of Smith's G: (-1 + sqrt(1 + alpha^2 tan^2)) / 2.
-double lambda(double cosine, double alpha) {
-  const double c2 = cosine * cosine;
-  return 0.5 * (std::sqrt(1 + alpha * alpha * (1 - c2) / c2) - 1);
-}
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
 
-}  // namespace
+HWY_INLINE V number(double x) { return hn::Set(D(), x); }
+HWY_INLINE V square(V x) { return hn::Mul(x, x); }
+HWY_INLINE V cube_of(V x) { return hn::Mul(x, square(x)); }
 
-ScaleBias brdf(double cosine, double roughness, int azimuths) {
-  const double alpha = std::max(1e-6, roughness * roughness), a2 = alpha * alpha;
-  const Direction v(std::sqrt(std::max(0.0, 1 - cosine * cosine)), 0, cosine);
-  const double masked = lambda(cosine, alpha);
-  // Half vectors by D(h) cos(n,h): u = share of them nearer to the normal. What D G F / (4 cos(n,v)) has more than that
-  // density, 1 / (4 cos(v,h)) of it, is G cos(v,h) / (cos(n,v) cos(n,h)).
-  const auto inner = [&](double u, double phi, double& fresnel) {
-    const double h2 = (1 - u) / (1 + (a2 - 1) * u), hz = std::sqrt(h2), hx = std::sqrt(std::max(0.0, 1 - h2));
-    const Direction h(hx * portable::cos(phi), hx * portable::sin(phi), hz);
-    const double vh = glm::dot(v, h), nl = 2 * vh * hz - cosine;
-    fresnel = 0;
-    if (nl <= 0 || vh <= 0) return 0.0;
-    fresnel = portable::pow(1 - std::min(1.0, vh), 5);
-    return vh / (cosine * hz * (1 + masked + lambda(nl, alpha)));
-  };
-  // u near 1 is where the tail is: panels that halve towards it.
-  const auto& rule = quadrature::rule<8>();
-  const int panels = azimuths * 3 / 8;
-  ScaleBias sum{0, 0};
-  double lo = 0;
-  for (int panel = 1; panel <= panels; ++panel) {
-    const double hi = panel == panels ? 1 : 1 - std::ldexp(1.0, -panel);
-    for (std::size_t n = 0; n < 8; ++n) {
-      const double u = 0.5 * (lo + hi) + 0.5 * (hi - lo) * rule.node[n];
-      for (int k = 0; k < azimuths; ++k) {
-        double fresnel = 0;
-        const double value = inner(u, pi * (k + 0.5) / azimuths, fresnel);
-        const double weight = 0.5 * (hi - lo) * rule.weight[n] / azimuths * value;
-        sum.scale += weight * (1 - fresnel);
-        sum.bias += weight * fresnel;
-      }
-    }
-    lo = hi;
+// end x sinh(range x) of x in [0,1] and its derivative, for range = asinh(end / scale): nodes that lie as densely at 0 as
+// `scale` asks for, and ever sparser beyond, which suits what falls by powers of distance / scale.
+struct Stretched {
+  V scale, range;  // The range over ln 2.
+
+  Stretched(V least, V end) : scale(least) {
+    const V y = hn::Div(end, scale), root = hn::Sqrt(hn::Add(square(y), number(1)));
+    range = hn::Neg(log2_one_minus(D(), hn::Sub(number(1), hn::Div(number(1), hn::Add(y, root)))));
   }
-  return sum;
+  HWY_INLINE void at(double x, V& value, V& slope) const {
+    const V falling = exp2_small(D(), hn::Neg(hn::Mul(range, number(x)))), rising = hn::Div(number(1), falling);
+    const V half = hn::Mul(scale, number(0.5));
+    value = hn::Mul(half, hn::Sub(rising, falling));
+    slope = hn::Mul(hn::Mul(half, number(std::numbers::ln2)), hn::Mul(range, hn::Add(rising, falling)));
+  }
+};
+
+// Directions of view with one roughness, and what is reflected.
+struct Views {
+  V cosine, sine, white, fresnel;
+  double a2;
+
+  // sqrt(a^2 + (1 - a^2) cos^2) of Smith's G: cos (1 + 2 lambda).
+  [[nodiscard]] HWY_INLINE V smith(V c) const {
+    return hn::Sqrt(hn::Add(number(a2), hn::Mul(number(1 - a2), square(c))));
+  }
+  // All azimuths of light whose polar angle is that of the view + 2 atan(tangent), with a weight.
+  HWY_INLINE void add_circle(V tangent, V weight) {
+    const V one = number(1), t2 = square(tangent), near = hn::Div(one, hn::Add(one, t2));  // cos^2 d
+    const V cos2d = hn::Mul(hn::Sub(one, t2), near), sin2d = hn::Mul(hn::Add(tangent, tangent), near);
+    const V light_cosine = hn::Max(hn::Zero(D()), hn::Sub(hn::Mul(cosine, cos2d), hn::Mul(sine, sin2d)));
+    const V light_sine = hn::Max(hn::Zero(D()), hn::Add(hn::Mul(sine, cos2d), hn::Mul(cosine, sin2d)));
+    const V far = hn::Mul(square(hn::Sub(cosine, hn::Mul(sine, tangent))), near);  // cos^2 s
+    const V least = hn::Mul(number(4), hn::Mul(hn::Mul(far, near), hn::Add(t2, number(a2))));  // A - B
+    const V most = hn::Mul(number(4), hn::Mul(near, hn::Add(hn::Sub(one, far), hn::Mul(number(a2), far))));  // A + B
+    const V both = hn::Mul(number(2), hn::Mul(sine, light_sine)), twice_far = hn::Add(far, far), two_both = hn::Add(both, both);
+    // t = tan(psi / 4), whose peak at 0 is half as wide as that of tan(psi / 2).
+    const Stretched azimuth(hn::Mul(number(0.5), hn::Sqrt(hn::Div(least, most))), one);
+    const auto& rule = quadrature::rule<24>();
+    V all = hn::Zero(D()), part = hn::Zero(D());
+    for (std::size_t n = 0; n < rule.node.size(); ++n) {
+      V t, slope;
+      azimuth.at(0.5 + 0.5 * rule.node[n], t, slope);
+      const V inverse = hn::Div(one, hn::Add(one, square(t)));
+      const V h2 = square(hn::Mul(hn::Add(t, t), inverse));  // sin^2(psi / 2)
+      const V vl = hn::Add(twice_far, hn::Mul(both, h2)), q = hn::Add(least, hn::Mul(two_both, h2));
+      const V value = hn::Mul(hn::Mul(number(rule.weight[n]), hn::Mul(slope, inverse)), square(hn::Div(vl, q)));
+      const V rest = hn::Max(hn::Zero(D()), hn::Sub(one, hn::Sqrt(hn::Mul(number(0.5), vl))));  // 1 - cos(v,h)
+      all = hn::Add(all, value);
+      part = hn::Add(part, hn::Mul(value, hn::Mul(square(rest), cube_of(rest))));
+    }
+    // G / (4 cos(n,v)), and 4 a^2 / pi of D; 4 x 2 x 1/2 of d psi, of both its signs and of the rule's [-1,1].
+    const V masked = hn::Div(light_cosine, hn::Add(hn::Mul(cosine, smith(light_cosine)), hn::Mul(light_cosine, smith(cosine))));
+    const V whole = hn::Mul(hn::Mul(weight, number(8 * a2 / pi)), hn::Mul(light_sine, masked));
+    white = hn::Add(white, hn::Mul(whole, all));
+    fresnel = hn::Add(fresnel, hn::Mul(whole, part));
+  }
+  // Light nearer to the normal (sign -1) or farther from it (1) than the view, to the tangent `end` of half its way.
+  HWY_INLINE void add_side(V scale, V end, double sign) {
+    const Stretched angle(scale, end);
+    const auto& rule = quadrature::rule<20>();
+    for (std::size_t n = 0; n < rule.node.size(); ++n) {
+      V t, slope;
+      angle.at(0.5 + 0.5 * rule.node[n], t, slope);
+      add_circle(hn::Mul(number(sign), t), hn::Div(hn::Mul(number(rule.weight[n]), slope), hn::Add(number(1), square(t))));
+    }
+  }
+};
+
+void BrdfRow(std::span<const double> cosines, double roughness, std::span<ScaleBias> out) {
+  const D d;
+  const double alpha = std::max(1e-6, roughness * roughness);
+  alignas(64) std::array<double, 8> from{}, white{}, fresnel{};
+  for (std::size_t first = 0; first < cosines.size(); first += hn::Lanes(d)) {
+    const std::size_t count = std::min(hn::Lanes(d), cosines.size() - first);
+    for (std::size_t k = 0; k < hn::Lanes(d); ++k) from[k] = cosines[first + std::min(k, count - 1)];
+    const V c = hn::Load(d, from.data()), one = number(1), s = hn::Sqrt(hn::Max(hn::Zero(d), hn::Sub(one, square(c))));
+    Views views{c, s, hn::Zero(d), hn::Zero(d), alpha * alpha};
+    // G bends where light is as low as the view is.
+    const V scale = hn::Div(one, hn::Add(number(1 / alpha), hn::Div(number(0.1), c)));
+    views.add_side(scale, hn::Div(c, hn::Add(one, s)), 1);
+    views.add_side(scale, hn::Div(s, hn::Add(one, c)), -1);
+    hn::Store(views.white, d, white.data());
+    hn::Store(views.fresnel, d, fresnel.data());
+    for (std::size_t k = 0; k < count; ++k) out[first + k] = {white[k] - fresnel[k], fresnel[k]};
+  }
 }
 
-std::vector<Colour> brdf_table(int size, const Progress& progress, int azimuths) {
-  std::vector<Colour> table(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+}  // namespace HWY_NAMESPACE
+}  // namespace envmap::prefiltering
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace envmap {
+namespace prefiltering {
+
+HWY_EXPORT(BrdfRow);
+
+}  // namespace prefiltering
+
+// With theta the polar angles of view and light, s and d half their sum and difference, psi the azimuth between light and
+// the mirror direction: 1 + v.l = 2 cos^2 s + sin(v) sin(l) (1 - cos psi), cos(n,h)^2 = (cos(v) + cos(l))^2 / (2 (1 + v.l)), so
+//   D(h) = 4 a^2 / pi x ((1 + v.l) / (A - B cos psi))^2,  A - B = 4 cos^2 s cos^2 d (tan^2 d + a^2),
+//   A + B = 4 cos^2 d (sin^2 s + a^2 cos^2 s):
+// a peak about d = 0 of the width a, and about psi = 0 of sqrt((A - B) / (A + B)). Light above the horizon is all that is
+// integrated over: nothing breaks off within the range of the rules.
+std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness) {
+  std::vector<ScaleBias> found(cosines.size());
+  HWY_DYNAMIC_DISPATCH(prefiltering::BrdfRow)(cosines, roughness, found);
+  return found;
+}
+
+std::vector<Colour> brdf_table(int size, const Progress& progress) {
+  const auto n = static_cast<std::size_t>(size);
+  std::vector<double> cosines;
+  for (int i = 0; i < size; ++i) cosines.push_back((i + 0.5) / size);
+  std::vector<Colour> table(n * n);
   for_each_row(1, size, progress, [&](int, int j) {
-    for (int i = 0; i < size; ++i) {
-      const ScaleBias found = brdf((i + 0.5) / size, (j + 0.5) / size, azimuths);
-      table[static_cast<std::size_t>(j) * static_cast<std::size_t>(size) + static_cast<std::size_t>(i)] =
-          Colour(found.scale, found.bias, 0);
-    }
+    const std::vector<ScaleBias> row = brdf(cosines, (j + 0.5) / size);
+    for (std::size_t i = 0; i < n; ++i) table[static_cast<std::size_t>(j) * n + i] = Colour(row[i].scale, row[i].bias, 0);
   });
   return table;
 }
 
 }  // namespace envmap
+#endif  // HWY_ONCE

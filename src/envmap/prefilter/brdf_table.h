@@ -2,6 +2,7 @@
 /// The second half of the split sum: what GGX reflects of white light, for any reflectance at normal incidence.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "envmap/base/export.h"
@@ -17,12 +18,11 @@ struct ScaleBias {
 
 /// Integral of D G F / (4 cos(n,v)) over the hemisphere (Karis 2013, "Real shading in Unreal Engine 4"), with Smith's
 /// height-correlated masking and shadowing G (Heitz 2014, "Understanding the masking-shadowing function", equation 99),
-/// alpha = roughness^2. To about 1e-5.
-/// @param cosine of the angle between normal and view, above 0. @param roughness perceptual, 0 to 1.
-/// @param azimuths of half vectors; with 24 it takes a seventh of the time and is right to 2e-3.
-ScaleBias brdf(double cosine, double roughness, int azimuths = 64);
+/// alpha = roughness^2, no less than 1e-6. By Gauss's rules in variables that follow the peak: right to 1e-5.
+/// @param cosines of the angles between normal and view, 1/2048 to 1. @param roughness perceptual, 0 to 1.
+std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness);
 
 /// size x size texels, columns cosine (i + 0.5) / size, rows roughness (j + 0.5) / size: red scale, green bias, blue 0.
-std::vector<Colour> brdf_table(int size, const Progress& progress = {}, int azimuths = 64);
+std::vector<Colour> brdf_table(int size, const Progress& progress = {});
 
 }  // namespace envmap

@@ -37,7 +37,7 @@ EnvironmentLight environment_light(const EnvironmentMap& map, int size, const Pr
 }
 
 const std::vector<Colour>& split_sum_table() {
-  static const std::vector<Colour> table = brdf_table(split_sum_size, {}, 24);
+  static const std::vector<Colour> table = brdf_table(split_sum_size);
   return table;
 }
 
