@@ -1,4 +1,3 @@
-// Any image description, attribute values and shape: what the metadata says and what is recognised in it.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -6,14 +5,15 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/recognise.h"
+#include "targets.h"
 
 using namespace envmap;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+void fuzz_words(Bytes data) {
   std::int32_t shape[2] = {1, 1};
-  if (size >= sizeof shape) std::memcpy(shape, data, sizeof shape), data += sizeof shape, size -= sizeof shape;
+  if (data.size() >= sizeof shape) std::memcpy(shape, data.data(), sizeof shape), data = data.subspan(sizeof shape);
   for (std::int32_t& length : shape) length = std::max(1, length & 0x7fffffff);
-  const std::string text(reinterpret_cast<const char*>(data), size);
+  const std::string text(reinterpret_cast<const char*>(data.data()), data.size());
 
   ImageFacts words, named, again, only_words;
   words.attributes[description] = text;
@@ -37,5 +37,4 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const InputError&) {
   } catch (const UsageError&) {
   }
-  return 0;
 }

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "envmap/base/error.h"
 #include "envmap/io/openexr.h"
@@ -67,6 +69,42 @@ struct Part {
   [[nodiscard]] double height() const { return 1.0 + window[3] - window[1]; }
 };
 
+// OpenEXR reads as many bytes as a type has, whatever the attribute says of its size, and what is next begins after them.
+constexpr std::pair<std::string_view, int> sizes_of_types[] = {{"box2f", 16},
+                                                               {"box2i", 16},
+                                                               {"chromaticities", 32},
+                                                               {"compression", 1},
+                                                               {"deepImageState", 1},
+                                                               {"double", 8},
+                                                               {"envmap", 1},
+                                                               {"float", 4},
+                                                               {"int", 4},
+                                                               {"keycode", 28},
+                                                               {"lineOrder", 1},
+                                                               {"m33d", 72},
+                                                               {"m33f", 36},
+                                                               {"m44d", 128},
+                                                               {"m44f", 64},
+                                                               {"rational", 8},
+                                                               {"tiledesc", 9},
+                                                               {"timecode", 8},
+                                                               {"v2d", 16},
+                                                               {"v2f", 8},
+                                                               {"v2i", 8},
+                                                               {"v3d", 24},
+                                                               {"v3f", 12},
+                                                               {"v3i", 12}};
+
+bool size_fits(Cursor& in, std::string_view type, std::uint64_t size) {
+  const auto* const known = std::ranges::find(sizes_of_types, type, &std::pair<std::string_view, int>::first);
+  if (known != std::end(sizes_of_types)) return size == static_cast<std::uint64_t>(known->second);
+  if (type != "chlist") return true;
+  // Names, each with its type, flags and sampling; an empty one is the last.
+  const std::uint64_t begin = in.at();
+  while (!in.text().empty()) in.skip_to(in.at() + 16);
+  return in.at() == begin + size;
+}
+
 // Attributes as far as they are wanted. @return whether there was a header: an empty one ends a list of parts.
 bool read_header(Cursor& in, Part& part) {
   bool any = false;
@@ -76,7 +114,10 @@ bool read_header(Cursor& in, Part& part) {
     // OpenEXR takes the memory before it looks.
     if (size < 0 || static_cast<std::uint64_t>(size) > in.left())
       throw InputError(fmt::format("damaged: an attribute of {} bytes in a file of fewer", size));
-    const std::uint64_t end = in.at() + static_cast<std::uint64_t>(size);
+    const std::uint64_t begin = in.at(), end = begin + static_cast<std::uint64_t>(size);
+    if (!size_fits(in, type, end - begin))
+      throw InputError(fmt::format("damaged: an attribute of type {} has {} bytes", type, size));
+    in.skip_to(begin);
     if (name == "dataWindow" && size == 16) part.window = in.get<std::array<std::int32_t, 4>>();
     if (name == "compression" && size == 1) part.compression = in.get<unsigned char>();
     if (name == "tiles" && size == 9) {

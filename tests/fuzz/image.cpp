@@ -1,0 +1,75 @@
+// The readers of images that are ours, each alone; fuzz_read goes through all of them, and through files and pipes.
+#include "envmap/io/image.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "envmap/base/error.h"
+#include "envmap/io/ktx2.h"
+#include "targets.h"
+
+using namespace envmap;
+
+namespace {
+
+std::string_view mark_of(std::string_view format) {
+  if (format == "hdr") return "#?";
+  if (format == "exr") return "\x76\x2f\x31\x01";
+  return format == "ktx2" ? ktx2_mark : "DDS ";
+}
+
+constexpr std::int64_t most = 1 << 20;  // Texels that are looked at.
+
+void read_texture_levels(const Image& image) {
+  const TextureFile& t = *image.texture;
+  for (int k = 0; k < t.levels; ++k) {
+    const std::uint64_t texels =
+        t.image_bytes(k) / static_cast<std::uint64_t>(format_of(t.texels).bytes) * (t.cube ? 6 : 1);
+    if (texels > most) continue;
+    const std::vector<std::byte> stored = t.bytes(*image.file, k);
+    std::vector<Colour> out(texels);
+    if (stored.size() != texels * static_cast<std::uint64_t>(format_of(t.texels).bytes)) std::abort();
+    (void)decode(t.texels, stored, out);
+  }
+}
+
+void read_image_levels(const Image& image) {
+  for (int k = 0; k < 32; ++k) {
+    const auto facts = image.reader->level(k);
+    if (!facts) break;
+    const int channels = std::min<int>(3, static_cast<int>(facts->channels.size()));
+    const int unit = facts->tile_height > 0 ? facts->tile_height : 16;
+    if (facts->width < 1 || facts->height < 1 || channels < 1 || !facts->flat || unit > 4096 ||
+        facts->tile_width > 4096 || std::int64_t{facts->width} * std::max(facts->height, unit) > most)
+      continue;
+    std::vector<float> rows(static_cast<std::size_t>(facts->width) * static_cast<std::size_t>(unit * channels));
+    for (int begin = 0; begin < facts->height; begin += unit) {
+      const int end = std::min(begin + unit, facts->height);
+      image.reader->read(k, begin, end, 0, channels,
+                         std::span(rows).first(static_cast<std::size_t>(facts->width) *
+                                               static_cast<std::size_t>((end - begin) * channels)));
+    }
+  }
+}
+
+}  // namespace
+
+void fuzz_image(std::string_view format, Bytes bytes) {
+  const std::string_view mark = mark_of(format);
+  const auto* const data = reinterpret_cast<const char*>(bytes.data());
+  std::vector<char> file(data, data + bytes.size());
+  file.resize(std::max(file.size(), mark.size()));
+  std::ranges::copy(mark, file.begin());
+  Image image;
+  try {
+    open_bytes(image, "image", std::move(file));
+  } catch (const InputError& e) {
+    return expect_harmless(e.what());
+  }
+  try {
+    image.texture ? read_texture_levels(image) : read_image_levels(image);
+  } catch (const InputError&) {  // Its words become harmless in read().
+  }
+}

@@ -1,0 +1,38 @@
+/// @file
+/// What libFuzzer runs (fuzz.cpp) and what the tests run over the corpus of the repository (corpus_test.cpp): any bytes are
+/// what the target reads, or an InputError or UsageError comes out inside, in one line. Anything else ends the process.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <span>
+#include <string_view>
+
+using Bytes = std::span<const std::byte>;
+
+/// Behind the mark of one format, in memory: hdr, exr, ktx2, dds; the other targets go through files.
+void fuzz_image(std::string_view format, Bytes bytes);
+/// The text or document of a scene, in memory: obj, mtl, gltf (GLB by its mark).
+void fuzz_text(std::string_view format, Bytes bytes);
+/// An image of any format as a file or from standard input. The last byte chooses the options; every format can do without
+/// it, so seeds and finds are plain image files.
+void fuzz_read(Bytes bytes);
+/// A scene of any format as a file. The first byte tells GLB and glTF from OBJ; with 'n', as in newmtl, they are the
+/// materials of an OBJ file.
+void fuzz_scene(Bytes bytes);
+/// An image description, attribute values and a shape: what the metadata says and what is recognised in it.
+void fuzz_words(Bytes bytes);
+
+inline void fuzz(std::string_view target, Bytes bytes) {
+  if (target == "read") return fuzz_read(bytes);
+  if (target == "scene") return fuzz_scene(bytes);
+  if (target == "words") return fuzz_words(bytes);
+  if (target == "obj" || target == "mtl" || target == "gltf") return fuzz_text(target, bytes);
+  fuzz_image(target, bytes);
+}
+
+/// Ends the process where a message is more than one line, or could speak to a terminal.
+inline void expect_harmless(std::string_view message) {
+  if (std::ranges::any_of(message, [](unsigned char c) { return c < ' ' || c == 0x7f; })) std::abort();
+}

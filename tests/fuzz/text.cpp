@@ -1,0 +1,34 @@
+// The readers of scenes, each alone and without other files; fuzz_scene goes on to what files name, and to the scene as a whole.
+#include <cstdlib>
+#include <span>
+#include <string>
+
+#include "envmap/base/error.h"
+#include "envmap/scene/read/obj_document.h"
+#include "envmap/scene/read/read_gltf.h"
+#include "envmap/scene/read/read_mtl.h"
+#include "envmap/scene/read/read_obj.h"
+#include "targets.h"
+
+using namespace envmap;
+
+void fuzz_text(std::string_view format, Bytes bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  static const SceneFolder nowhere("no such folder/scene");
+  constexpr std::uint64_t pixels = 1 << 20;
+  try {
+    if (format == "mtl") {
+      for (const auto& [name, m] : read_mtl(text))
+        if (!(m.material.roughness >= 0 && m.material.roughness <= 1)) std::abort();
+      return;
+    }
+    const Scene scene = format == "obj" ? read_obj(bytes, nowhere, pixels) : read_gltf(bytes, nowhere, pixels);
+    for (const Node& node : scene.nodes)
+      for (const int mesh : node.meshes)
+        if (mesh < 0 || mesh >= static_cast<int>(scene.meshes.size())) std::abort();
+    for (const Mesh& mesh : scene.meshes)
+      for (const std::uint32_t corner : mesh.indices)
+        if (corner >= mesh.positions.size()) std::abort();
+  } catch (const InputError&) {  // Its words become harmless in read_scene().
+  }
+}
