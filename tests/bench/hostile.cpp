@@ -221,7 +221,7 @@ Case make_case(int number) {
   const double errors[] = {1e-2, 3e-3, 1e-3, 1e-3, 3e-4, 1e-4};
   Prefilter& p = c.wanted;
   p.shape = static_cast<Shape>(any(3));
-  if (p.shape == Shape::phong) p.parameter = 0.5 * std::pow(10, 4 * even());
+  if (p.shape == Shape::phong) p.parameter = any(6) == 0 ? 0.5 * any(3) * even() : 0.5 * std::pow(10, 4 * even());
   if (p.shape == Shape::ggx) p.parameter = 0.1 + 0.9 * even();
   p.max_error = errors[any(6)];
   p.to = all_projections[any(2)];

@@ -323,6 +323,25 @@ TEST(Prefilter, ExponentNoughtSeesThePartOfASunAboveTheHorizon) {
   }
 }
 
+// The sides of a wedge at a pole all but cancel where a steep lobe has only its tail there, and a sun shows what is left.
+TEST(Prefilter, TheTailOfASteepLobeOverAPoleIsNoDifferenceOfLargeNumbers) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::latlong, 18);
+  *map.base().texel(0, 0, 17) = Colour(4e7F);
+  const Direction r = direction_of({.to = Projection::latlong, .size = 24}, 0, 6, 22);
+  constexpr int n = 600;
+  constexpr double exponent = 2240;
+  double truth = 0;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const double u = (i + 0.5) / (36 * n), v = (17 + (j + 0.5) / n) / 18;
+      const Direction l = formulae::rounded(formulae::direction(Projection::latlong, 0, u, v));
+      const double solid_angle = 2 * pi * pi * std::sin(pi * v) / (36 * 18 * double(n) * n);
+      truth += 4e7 * solid_angle * (exponent + 1) / (2 * pi) * std::pow(std::max(0.0, glm::dot(r, l)), exponent);
+    }
+  EXPECT_NEAR(exact_prefilter(map.base(), Phong{exponent}, std::span(&r, 1))[0].x, truth, 1e-4 * truth);
+}
+
 // Many directions take points by SIMD; one takes each texel by itself; texels cut in four by four see a lobe that is four
 // times as even. All but one texel are dark, so that what the tail of a lobe makes of a sun shows.
 TEST(Prefilter, TheExactSumIsTheSameInAnyNumberOfDirectionsAndOfAnyCutTexels) {

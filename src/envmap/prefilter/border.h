@@ -101,15 +101,18 @@ class RoundBorder {
       : lobe_(lobe), r_(r), face_(face), near_(nearest <= 0 || lobe.missing(nearest) > 0.5) {}
 
   /// @param reach of the rectangle from its middle.
-  [[nodiscard]] double operator()(const Border<P>& border, double reach, double nearest) const {
+  [[nodiscard]] double operator()(const Border<P>& border, double solid_angle, double reach, double nearest) const {
     thread_local std::vector<Part> parts;
     parts.clear();
     for (const auto& edge : border.edges) add(edge, parts);
     // Where the horizon leaves but a corner the points may see nothing: what there is at most counts a little.
     double scale = 1e-3 * reach * (near_ ? 1 : lobe_.missing(nearest));
     for (const Part& part : parts) scale += std::abs(part.whole);
+    // The sides may cancel: what is left counts beside the mean of the source, of which no texel holds more than 4 pi
+    // steradians, and errors are counted from a thousandth of that. Below 1e-14 rounding takes over.
+    const double tolerance = std::clamp(5e-11 * solid_angle, 1e-14 * scale, 1e-8 * scale);
     double sum = 0;
-    for (const Part& part : parts) sum += integral(part, 1e-8 * scale);
+    for (const Part& part : parts) sum += integral(part, tolerance);
     return std::max(0.0, border.right_handed ? sum : -sum);
   }
 

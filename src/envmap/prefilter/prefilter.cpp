@@ -64,7 +64,7 @@ bool exact_is_cheaper(const Level& source, const Prefilter& p, const Lobe& lobe)
 struct PrefilterSource::Prepared {
   const std::optional<EnvironmentMap> cube;
   const EnvironmentMap& source;
-  const Level fine;  // What the tree is built over.
+  const std::optional<Level> fine;
   const Tree tree;
   mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
 
@@ -72,7 +72,7 @@ struct PrefilterSource::Prepared {
       : cube(source_cube(map)),
         source(cube ? *cube : map),
         fine(refined(source.base())),
-        tree(fine) {}
+        tree(fine ? *fine : source.base()) {}
 };
 
 namespace {
@@ -89,10 +89,9 @@ struct Making {
   const Progress& progress;
 
   // Texels that are below the error wanted.
-  [[nodiscard]] std::size_t known(const Level& out, std::span<const float> figures) const {
-    const std::vector<Texel> all = envmap::texels_of(out);
-    return static_cast<std::size_t>(std::ranges::count_if(
-        all, [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); }));
+  [[nodiscard]] std::size_t known(std::span<const float> figures) const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(figures, [&](float f) { return f <= static_cast<float>(wanted.max_error); }));
   }
 
   void make(Prefiltered& done) const {
@@ -108,8 +107,8 @@ struct Making {
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
     if (wanted.method == Method::spectral || (any && may_be_spectral(wanted, lobe)))
       spectral_prefilter(source, lobe, target, wanted.max_error, spectrum, out, figures, progress);
-    done.method = 2 * known(out, figures) > all.size() ? Method::spectral : Method::hierarchical;
-    treecode_prefilter(tree, tree.source().height() / source.height(), lobe, target, wanted.max_error, out, figures, progress);
+    done.method = 2 * known(figures) > all.size() ? Method::spectral : Method::hierarchical;
+    treecode_prefilter(tree, lobe, target, wanted.max_error, out, figures, progress);
     std::vector<Texel> left;
     for (const Texel& t : all)
       if (!(figures[index_of(out, t)] <= static_cast<float>(wanted.max_error)))

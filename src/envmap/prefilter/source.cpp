@@ -1,7 +1,5 @@
 #include "envmap/prefilter/source.h"
 
-#include <algorithm>
-
 #include "envmap/base/parallel.h"
 #include "envmap/operate/convert.h"
 
@@ -12,10 +10,10 @@ std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map) {
   return convert(map, {.to = {Projection::cube}, .filter = Filter::area});
 }
 
-Level refined(const Level& level) {
-  constexpr int least = 128;  // Rows of a latlong map: texels below 1.5 degrees.
-  const int wanted = level.projection() == Projection::latlong ? least : least / 2;
-  const int parts = std::max(1, (wanted + level.height() - 1) / level.height());
+std::optional<Level> refined(const Level& level) {
+  const int rows = level.projection() == Projection::latlong ? 128 : 64;  // Texels of 1.4 degrees.
+  const int parts = (rows + level.height() - 1) / level.height();
+  if (parts == 1) return std::nullopt;
   Level out(level.projection(), parts * level.height(), parts * level.width());
   for_each_row(out.faces(), out.height(), {}, [&](int face, int row) {
     const std::span<Colour> to = out.row(face, row);

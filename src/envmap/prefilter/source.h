@@ -13,7 +13,7 @@ namespace envmap::prefiltering {
 std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map);
 
 /// The same radiance in texels of 1.5 degrees or less: those of a coarser cube or latlong map cut into equal parts. A treecode
-/// is no quicker than the sum over few large texels, which a lobe is seldom smooth over.
-Level refined(const Level& level);
+/// is no quicker than the sum over few large texels, which a lobe is seldom smooth over. Nothing where they are small already.
+std::optional<Level> refined(const Level& level);
 
 }  // namespace envmap::prefiltering

@@ -32,6 +32,7 @@ class Subdivision {
     int face;
     Flux radiance;
     double error = 0;  // Of all its parts: they are lit alike and lie in one place, and may all be wrong the same way.
+    bool stepped = false;  // See Judged.
   };
 
   bool enough() const { return found_.count > criterion_.most_nodes; }
@@ -42,7 +43,7 @@ class Subdivision {
     if (!nodes) return texels(face, in);
     judge_all(
         *nodes, [&](std::size_t k) { open(face, in.quarters()[k]); return true; },
-        [&](float error) { found_.add_error(error); });
+        [&](float error, bool stepped) { found_.add_error(error, stepped); });
   }
   void texels(int face, const Span& in) {
     const Level& source = tree_.source();
@@ -79,12 +80,12 @@ class Subdivision {
           texel({face, cells.radiance[k]}, cells.rects[k]);
           return true;
         },
-        [&](float error) { found_.add_error(error); });
+        [&](float error, bool stepped) { found_.add_error(error, stepped); });
     cells.count = 0;
   }
   void texel(Texel part, const Rect& rect) {
     cut(part, rect, 0);
-    found_.add_error(part.error);
+    found_.add_error(part.error, part.stepped);
   }
   // What is too large for simple moments is cut without a look at it.
   void cut(Texel& texel, const Rect& rect, int depth) {
@@ -106,7 +107,7 @@ class Subdivision {
           if (!last) cut(texel, parts[k], depth + 1);
           return !last;
         },
-        [&](float error) { texel.error += error; });
+        [&](float error, bool stepped) { texel.error += error, texel.stepped |= stepped; });
   }
 
   // Of nodes that are not good enough worse(k) says whether it did something about them.
@@ -121,7 +122,7 @@ class Subdivision {
         found_.add_least(criterion_, nodes[k].flux, v.least[k]);
       } else {
         ++found_.count;
-        add_error(v.error[k]);
+        add_error(v.error[k], v.stepped >> k & 1);
         add_(nodes[k]);
       }
     }

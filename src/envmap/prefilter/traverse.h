@@ -55,6 +55,7 @@ struct Criterion {
 struct Judged {
   unsigned visible = 0;                ///< Above the horizon.
   unsigned good = 0;                   ///< And good enough.
+  unsigned stepped = 0;                ///< All that is known of the error is what the lobe falls by.
   alignas(64) NodeGroup::Lanes error;  ///< Bounds of what good ones are off, relative to the result.
   alignas(64) NodeGroup::Lanes least;  ///< The lobe, at least, while surveying.
 };
@@ -88,17 +89,22 @@ struct OpenBlock {
 struct Traversal {
   std::vector<const Node*> nodes;
   std::vector<OpenBlock> opened;
-  double sum, power, largest;  ///< Of the bounds of nodes, of their squares.
+  double stepped;             ///< Sum of the bounds of nodes that a step of the lobe may cut, all off the same way.
+  double sum, power, largest;  ///< Of the bounds of others, of their squares.
   NodeFlux got;                ///< What directions get at least of the nodes.
   std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
 
   void clear() {
     nodes.clear(), opened.clear();
-    sum = power = largest = 0;
+    stepped = sum = power = largest = 0;
     count = 0;
     got = {};
   }
-  void add_error(double error) {
+  void add_error(double error, bool is_stepped) {
+    if (is_stepped) {
+      stepped += error;
+      return;
+    }
     sum += error;
     power += error * error;
     largest = std::max(largest, error);

@@ -18,7 +18,6 @@ struct Job {
   const Tree& tree;
   const Lobe& lobe;
   const Target& target;
-  int parts;  // Of a texel along a side: see refined().
   double max_error;
   double radius;
   Level& out;
@@ -93,7 +92,7 @@ class TileNodes {
       criterion_.limit = static_cast<float>(limit);
       go(add);
       if (found().count > criterion_.most_nodes) return std::nullopt;
-      const double figure = error_figure(found(), job_.parts);
+      const double figure = error_figure(found());
       if (figure <= job_.max_error) {
         for (const Node* node : found().nodes) add(*node);
         return figure;
@@ -194,14 +193,13 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
 
 }  // namespace
 
-double error_figure(const Traversal& found, int parts) {
-  const double n = parts, one = n > 1 ? 0 : found.largest * found.largest;
-  return std::min(found.sum, n * n * found.largest + either_way * n * std::sqrt(std::max(0.0, found.power - one)));
+double error_figure(const Traversal& found) {
+  return found.stepped + std::min(found.sum, found.largest + either_way * std::sqrt(found.power));
 }
 
-void treecode_prefilter(const Tree& tree, int parts, const Lobe& lobe, const Target& target, double max_error, Level& out,
+void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error, Level& out,
                         std::span<float> figures, const Progress& progress) {
-  const Job job{tree, lobe, target, parts, max_error, tile_radius(lobe), out, figures};
+  const Job job{tree, lobe, target, max_error, tile_radius(lobe), out, figures};
   for_each_row(out.faces(), (out.height() + tile_side - 1) / tile_side, progress, [&](int face, int row) {
     const int y = row * tile_side, h = std::min(tile_side, out.height() - y);
     double limit = 0.3 * max_error;  // Of the first tile of a row, as good as any.

@@ -23,19 +23,17 @@
 
 namespace envmap::prefiltering {
 
-/// What nodes together are off, by their bounds b: the sum of b or, where that is less, the largest b and `either_way` x the
-/// root of the sum of squares of the others.
-/// @param parts along each side of a texel whose radiance is one (refined()): those of a texel may all be off the same way, so
-/// that a texel's bound is parts^2 x the largest at most, and the sum of squares parts^2 x that of the nodes (Cauchy and
-/// Schwarz).
-double error_figure(const Traversal& found, int parts);
+/// What nodes together are off, by their bounds: the sum of them or, where that is less, those that a step of the lobe cuts,
+/// the largest of the others, and `either_way` x the root of the sum of squares of those. A step that runs along texels is off
+/// the same way in all of them.
+double error_figure(const Traversal& found);
 inline constexpr double either_way = 0.05;
 
 /// Sets texels whose figure is not below max_error yet: a tile's nodes are opened until its own figure is. Texels that would
-/// take so many nodes that the exact sum is quicker are left as they are. @param parts see error_figure(). @param out of the projection and size of the target.
+/// take so many nodes that the exact sum is quicker are left as they are. @param out of the projection and size of the target.
 /// @param figures by face, row and column, infinite where a texel is not known: relative to the texel, or to 0.001 x the
 /// mean of the source if larger; set to what they are.
-void treecode_prefilter(const Tree& tree, int parts, const Lobe& lobe, const Target& target, double max_error, Level& out,
+void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error, Level& out,
                         std::span<float> figures, const Progress& progress = {});
 
 }  // namespace envmap::prefiltering
