@@ -190,7 +190,7 @@ void add_repair(CLI::App& app, ReadOptions& options) {
 }
 
 Source read_map(const std::string& path, const ReadOptions& options, const Common& common) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Source source = read(path, options);
   if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
   for (const std::string& what : source.notes) warn(fmt::format("{}: {}", path, what));
@@ -199,8 +199,7 @@ Source read_map(const std::string& path, const ReadOptions& options, const Commo
     const Level& level = source.map.base();
     note(common, fmt::format("{}: {} {}x{}{}, {} {}, read in {:.2f} s", path, name(level.projection()), level.width(),
                              level.height(), level.faces() > 1 ? fmt::format(" x {} faces", level.faces()) : "",
-                             source.format, name(source.depth),
-                             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+                             source.format, name(source.depth), watch.seconds()));
   }
   return source;
 }
@@ -221,7 +220,7 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
 
 Written write_one_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
                       const std::string& verb, const Common& common) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Rows& rows = levels.front();
   WriteOptions how = options;
   how.commit = common.commit;
@@ -233,7 +232,7 @@ Written write_one_map(const std::string& path, std::span<const Rows> levels, con
                              rows.width(), rows.size,
                              rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
                              levels.size() > 1 ? fmt::format(", {} levels", levels.size()) : "", name(written.depth),
-                             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+                             watch.seconds()));
   return written;
 }
 

@@ -141,9 +141,9 @@ envmap::Source read_map(const std::string& path, const envmap::ReadOptions& opti
 /// Makes and writes a map with its levels, tells what was clamped, writes the depfile. @param verb what the progress line
 /// says.
 envmap::Written write_map(const std::string& path, std::span<const envmap::Rows> levels, const envmap::WriteOptions& options,
-               const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
+                          const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 envmap::Written write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
-               const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
+                          const std::vector<std::string>& inputs, const std::string& verb, const Common& common);
 
 /// The same without a depfile, for commands that write several files.
 envmap::Written write_one_map(const std::string& path, std::span<const envmap::Rows> levels, const envmap::WriteOptions& options,

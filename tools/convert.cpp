@@ -42,7 +42,7 @@ bool tell_choice(const FilterChoice& choice, double max_error, const Common& com
   if (choice.reached)
     note(common, chosen);
   else
-    std::fputs(fmt::format("envmap convert: --max-error {:g} is not reached: {}\n", max_error, chosen).c_str(), stderr);
+    warn(fmt::format("envmap convert: --max-error {:g} is not reached: {}", max_error, chosen));
   return choice.reached;
 }
 
@@ -78,13 +78,9 @@ bool leave_to_filter(Options& o) {
     return true;
   }
   const std::string what = !rounding ? "integers, or a compression that loses, have no bound"
-                                     : fmt::format("{} rounds by up to {:.1e}", rounding->depth == Depth::single
-                                                                                   ? "a shared exponent"
-                                                                                   : name(rounding->depth),
-                                                   rounding->largest);
-  std::fputs(fmt::format("envmap convert: {}: --max-error {:g} is not held by the file: {}; --depth float in .exr holds it\n",
-                         o.output, *o.convert.max_error, what).c_str(),
-             stderr);
+                                     : fmt::format("{} rounds by up to {:.1e}", name(*rounding), rounding->largest);
+  warn(fmt::format("envmap convert: {}: --max-error {:g} is not held by the file: {}; --depth float in .exr holds it", o.output,
+                   *o.convert.max_error, what));
   return false;
 }
 

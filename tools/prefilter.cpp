@@ -1,4 +1,3 @@
-#include "envmap/maths/portable.h"
 #include "envmap/prefilter/prefilter.h"
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
+#include "envmap/maths/portable.h"
 #include "envmap/prefilter/brdf_table.h"
 
 namespace tools {
@@ -91,29 +91,11 @@ Facts record(const std::vector<Prefilter>& levels) {
   return facts;
 }
 
-// What a file's depth takes from a level's texels and channels, at most, over them or 0.001 x the mean.
-double lost(const Rounding& rounding, const Level& level, double floor) {
-  if (!rounding.round) return 0;
-  double most = 0;
-  std::vector<Colour> row;
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < level.height(); ++j) {
-      const std::span<const Colour> made = level.row(face, j);
-      row.assign(made.begin(), made.end());
-      rounding.round(row);
-      for (std::size_t k = 0; k < row.size(); ++k)
-        for (int c = 0; c < 3; ++c)
-          if (const double off = std::abs(double{row[k][c]} - made[k][c]); off > 0)
-            most = std::max(most, off / std::max<double>(made[k][c], floor));
-    }
-  return most;
-}
-
 // What readers find a level to be off: what it was made with, over the truth, and what was lost since, over what was made.
 double in_file(const Prefiltered& done, double rounded) { return done.error + rounded * (1 + done.error); }
 
 // The file does not hold what --max-error asks for: says which depth does.
-int refuse(const Options& o, const std::string& what) {
+void refuse(const Options& o, const std::string& what) {
   std::string others;
   for (const Depth d : {Depth::half, Depth::single}) {
     WriteOptions options = o.write;
@@ -127,15 +109,12 @@ int refuse(const Options& o, const std::string& what) {
     }
   }
   if (others.empty()) others = ".exr of --depth float";
-  std::fputs(fmt::format("envmap prefilter: {}: --max-error {:g} is not held by {}; by {} it is\n", o.output, *o.max_error,
-                         what, others).c_str(),
-             stderr);
-  return 1;
+  warn(fmt::format("envmap prefilter: {}: --max-error {:g} is not held by {}; by {} it is", o.output, *o.max_error, what,
+                   others));
 }
 
 std::string words(const Rounding& r, double rounded) {
-  return fmt::format("{}, which rounds by up to {:.1e}", r.round && r.depth == Depth::single ? "a shared exponent" : name(r.depth),
-                     rounded);
+  return fmt::format("{}, which rounds by up to {:.1e}", name(r), rounded);
 }
 
 void report(const Prefilter& p, const Prefiltered& done, const Common& common) {
@@ -158,6 +137,47 @@ void write_brdf_table(const Options& o, const Common& common) {
   write_table(o.table, brdf_table(o.table_size, progress_line(common, "brdf table")), o.table_size, common.commit);
 }
 
+int table_alone(const Options& o, const Common& common) {
+  check_files({o.table}, {}, common);
+  const auto depfile = open_depfile({o.table}, {}, common);
+  write_brdf_table(o, common);
+  if (depfile) depfile->commit();
+  return 0;
+}
+
+struct MadeLevel {
+  Prefiltered done;
+  double rounded;  // What the file's depth takes from it.
+};
+
+// A level, again where the file's depth takes more of it than was left to it: dark channels under a shared exponent.
+MadeLevel make_level(const PrefilterSource& source, const Prefilter& wanted, const std::optional<Rounding>& rounding,
+                     std::optional<double> max_error, const Common& common) {
+  const Progress progress = progress_line(common, "prefilter " + words(wanted));
+  MadeLevel made{source.make(wanted, progress), 0};
+  if (!rounding || !(max_error || common.verbose)) return made;
+  const auto rounded = [&] { return rounding_error(*rounding, made.done.map.base(), made.done.floor); };
+  made.rounded = rounded();
+  if (max_error && in_file(made.done, made.rounded) > *max_error && made.rounded < *max_error) {
+    Prefilter closer = wanted;
+    closer.max_error = 0.9 * (*max_error - made.rounded);
+    made.done = source.make(closer, progress);
+    made.rounded = rounded();
+  }
+  return made;
+}
+
+// What the file is asked to hold, less what its depth rounds by. False, with a message, where that is more.
+bool leave_to_prefilter(Options& o, const std::optional<Rounding>& rounding) {
+  if (!o.max_error) return true;
+  if (rounding && rounding->largest < *o.max_error) {
+    o.map.max_error = std::max(0.1 * *o.max_error, *o.max_error - rounding->largest);
+    return true;
+  }
+  refuse(o, rounding ? words(*rounding, rounding->largest) : "integers, or by a compression that loses");
+  return false;
+}
+
 int run(Options& o, const Common& common) {
   if (o.input.empty() != o.output.empty() || (o.input.empty() && o.table.empty()))
     throw UsageError("name an INPUT and an OUTPUT, or --brdf-table FILE alone");
@@ -165,13 +185,7 @@ int run(Options& o, const Common& common) {
   check_report(o.output, common);
   if (common.json && o.input.empty()) throw UsageError("--json reports of a map: name an INPUT and an OUTPUT");
   if (!o.table.empty()) check_table(o.table);
-  if (o.input.empty()) {
-    check_files({o.table}, {}, common);
-    const auto depfile = open_depfile({o.table}, {}, common);
-    write_brdf_table(o, common);
-    if (depfile) depfile->commit();
-    return 0;
-  }
+  if (o.input.empty()) return table_alone(o, common);
   check_files({o.output, o.table}, {o.input}, common);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
@@ -185,11 +199,7 @@ int run(Options& o, const Common& common) {
   o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   const std::optional<Rounding> rounding = rounding_of(o.output, o.write);
-  if (o.max_error) {
-    if (!rounding) return refuse(o, "integers, or by a compression that loses");
-    if (*o.max_error <= rounding->largest) return refuse(o, words(*rounding, rounding->largest));
-    o.map.max_error = std::max(0.1 * *o.max_error, *o.max_error - rounding->largest);
-  }
+  if (!leave_to_prefilter(o, rounding)) return 1;
   const std::vector<Prefilter> wanted = levels_of(o);
   check_output(o.output, o.write, o.map.to, wanted.size() > 1);
 
@@ -202,20 +212,14 @@ int run(Options& o, const Common& common) {
                               {"max_error", o.max_error.value_or(o.map.max_error)}};
   EnvironmentMap made{.levels = {}, .forward = o.map.forward};
   for (const Prefilter& p : wanted) {
-    Prefiltered done = prepared.make(p, progress_line(common, "prefilter " + words(p)));
-    double rounded = rounding ? lost(*rounding, done.map.base(), done.floor) : 0;
-    if (o.max_error && in_file(done, rounded) > *o.max_error && rounded < *o.max_error) {
-      // Dark channels under a shared exponent lose more than was left to it.
-      Prefilter closer = p;
-      closer.max_error = 0.9 * (*o.max_error - rounded);
-      done = prepared.make(closer, progress_line(common, "prefilter " + words(p)));
-      rounded = lost(*rounding, done.map.base(), done.floor);
-    }
+    auto [done, rounded] = make_level(prepared, p, rounding, o.max_error, common);
     report(p, done, common);
     told["levels"].push_back(report_of(p, done));
     if (rounded > 0 && common.verbose) note(common, fmt::format("{}: in the file as {}", words(p), words(*rounding, rounded)));
-    if (o.max_error && in_file(done, rounded) > *o.max_error)
-      return refuse(o, fmt::format("{} in {}", words(p), words(*rounding, rounded)));
+    if (o.max_error && in_file(done, rounded) > *o.max_error) {
+      refuse(o, fmt::format("{} in {}", words(p), words(*rounding, rounded)));
+      return 1;
+    }
     made.levels.push_back(std::move(done.map.base()));
   }
   o.write.facts = record(wanted);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <vector>
 
 #include "envmap/io/ktx2.h"
@@ -43,18 +44,11 @@ constexpr FileFormat table[] = {
     {"sgi", "SGI", {}, {}, [](Head h) { return h.starts_with("\x01\xda"); }},
 };
 
-std::string lower_case_extension(std::string_view path) {
-  const auto dot = path.rfind('.');
-  std::string e(dot == path.npos ? "" : path.substr(dot + 1));
-  std::ranges::transform(e, e.begin(), [](unsigned char c) { return std::tolower(c); });
-  return e;
-}
-
-// "a, b LAST c".
-std::string listed(const std::vector<std::string>& words, std::string_view last) {
+// "a, b or c".
+std::string listed(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t k = 0; k < words.size(); ++k)
-    text += (k == 0 ? "" : k + 1 < words.size() ? ", " : " " + std::string(last) + " ") + words[k];
+    text += (k == 0 ? "" : k + 1 < words.size() ? ", " : " or ") + words[k];
   return text;
 }
 
@@ -71,21 +65,28 @@ const FileFormat* format_with_extension(std::string_view extension) {
 const FileFormat* format_of(std::string_view head, std::string_view path) {
   for (const FileFormat& f : table)
     if (f.is_head && f.is_head(head)) return &f;
-  const FileFormat* named = format_with_extension(lower_case_extension(path));
+  const FileFormat* named = format_with_extension(extension_of(path));
   return named && !named->is_head ? named : nullptr;
+}
+
+std::string extension_of(std::string_view path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension;
 }
 
 std::string readable_formats() {
   std::vector<std::string> titles;
   for (const FileFormat& f : table) titles.emplace_back(f.title);
-  return listed(titles, "or");
+  return listed(titles);
 }
 
 std::string writable_extensions() {
   std::vector<std::string> names;
   for (const FileFormat& f : table)
     if (f.is_written()) names.push_back("." + std::string(f.extensions.front()));
-  return listed(names, "or");
+  return listed(names);
 }
 
 }  // namespace envmap

@@ -37,7 +37,10 @@ const FileFormat* format_with_extension(std::string_view extension);
 /// The format of a file, or null. @param head its first bytes. @param path where it has no mark its name decides.
 const FileFormat* format_of(std::string_view head, std::string_view path);
 
-/// "EXR, KTX2, ... and SGI": all that are read. And ".exr, ... or .webp": all that are written.
+/// Of a path: lower case, no dot; empty where it has none.
+std::string extension_of(std::string_view path);
+
+/// "EXR, KTX2, ... or SGI": all that are read. And ".exr, ... or .webp": all that are written.
 std::string readable_formats();
 std::string writable_extensions();
 

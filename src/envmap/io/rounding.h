@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "envmap/io/write.h"
 
@@ -23,5 +24,11 @@ struct Rounding {
 /// @return nothing where what is lost has no bound: integers, which end at 1, and EXR compressions that lose.
 /// @param path, options of which check_output() says nothing. @throws UsageError where the format does not hold the depth.
 std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options);
+
+/// What rounds: "half", "rgb9e5", "float" or "a shared exponent".
+std::string_view name(const Rounding& rounding);
+
+/// What it takes from texels and channels, at most, over them or over `floor` where they are smaller.
+double rounding_error(const Rounding& rounding, const Level& level, double floor);
 
 }  // namespace envmap

@@ -1,12 +1,13 @@
 #include "envmap/io/write.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <ranges>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -26,8 +27,8 @@
 #include "envmap/io/rounding.h"
 #include "envmap/io/srgb.h"
 #include "envmap/io/texels.h"
-#include "envmap/operate/border_samples.h"
 #include "envmap/map/page.h"
+#include "envmap/operate/border_samples.h"
 #include "envmap/operate/levels.h"
 
 namespace envmap {
@@ -36,11 +37,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string extension(const std::string& path, const WriteOptions& options) {
-  std::string e = options.format;
-  if (e.empty()) e = path == "-" ? "exr" : fs::path(path).extension().string();
-  if (e.starts_with('.')) e.erase(0, 1);
-  std::ranges::transform(e, e.begin(), [](unsigned char c) { return std::tolower(c); });
-  return e;
+  if (!options.format.empty()) return extension_of("*." + options.format);
+  return path == "-" ? "exr" : extension_of(path);
 }
 
 // What was asked for, or the least depth that keeps what the source had, or the most there is.
@@ -48,9 +46,9 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
   const std::span<const Depth> held = format.depths;
   if (options.depth) {
     if (std::ranges::find(held, *options.depth) != held.end()) return *options.depth;
-    std::string names;
-    for (const Depth d : held) names += (names.empty() ? "" : " or ") + std::string(name(d));
-    throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title, names));
+    const auto names = held | std::views::transform([](Depth d) { return name(d); });
+    throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title,
+                                 fmt::join(names, " or ")));
   }
   if (std::ranges::find(held, options.source_depth) != held.end()) return options.source_depth;
   for (const Depth d : held)
@@ -239,7 +237,8 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 
 std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options) {
   const std::string ext = extension(path, options);
-  const Depth depth = choose_depth(*format_with_extension(ext), options);
+  const FileFormat& format = *format_with_extension(ext);
+  const Depth depth = choose_depth(format, options);
   const std::string& c = options.compression;
   const bool lossy = c.starts_with("b44") || c.starts_with("dwa") || (c == "pxr24" && depth == Depth::single);
   if (is_integer(depth) || lossy) return std::nullopt;
@@ -250,7 +249,28 @@ std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions&
     encode(texels_of(depth), texels, bytes);
     decode(texels_of(depth), bytes, texels);
   };
-  return Rounding{depth, depth == Depth::half ? 0x1p-11 : 0x1p-9, stored};
+  return Rounding{depth, range_of(format, depth).precision, stored};
+}
+
+std::string_view name(const Rounding& rounding) {
+  return rounding.round && rounding.depth == Depth::single ? "a shared exponent" : name(rounding.depth);
+}
+
+double rounding_error(const Rounding& rounding, const Level& level, double floor) {
+  if (!rounding.round) return 0;
+  double most = 0;
+  std::vector<Colour> row;
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j) {
+      const std::span<const Colour> made = level.row(face, j);
+      row.assign(made.begin(), made.end());
+      rounding.round(row);
+      for (std::size_t k = 0; k < row.size(); ++k)
+        for (int c = 0; c < 3; ++c)
+          if (const double off = std::abs(double{row[k][c]} - made[k][c]); off > 0)
+            most = std::max(most, off / std::max<double>(made[k][c], floor));
+    }
+  return most;
 }
 
 Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {

@@ -1,11 +1,11 @@
 #include "envmap/operate/levels.h"
-#include "envmap/projection/visit.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 
+#include "envmap/projection/visit.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
@@ -66,8 +66,7 @@ void halve_row(const Cells& across, const RowWeights& weights, std::span<const C
     Rgb<double> sum(0);
     for (std::size_t part = 0; part < rows.size(); ++part)
       for (int c = across.first[i]; c < across.first[i + 1]; ++c)
-        sum += weights.parts[part][c] *
-               Rgb<double>(rows[part][across.source[c]]);
+        sum += weights.parts[part][c] * Rgb<double>(rows[part][across.source[c]]);
     out[i] = weights.whole[i] > 0 ? Colour(sum / weights.whole[i]) : Colour(0);
   }
 }
@@ -102,11 +101,8 @@ Level half_level(const Level& fine, Weights weights) {
     RowWeights shared;
     for (int row = range.begin(); row < range.end(); ++row) {
       weigh(fine.projection(), weights, across, down, row, shared);
-      const std::span<const int> sources =
-          std::span(down.source)
-              .subspan(static_cast<std::size_t>(down.first[row]),
-                       static_cast<std::size_t>(down.first[static_cast<std::size_t>(row) + 1] -
-                                                down.first[row]));
+      const auto first = static_cast<std::size_t>(down.first[row]), end = static_cast<std::size_t>(down.first[row + 1]);
+      const std::span<const int> sources = std::span(down.source).subspan(first, end - first);
       const auto halve = [&](int face, bool mirrored) {
         std::array<const Colour*, 3> rows{};
         for (std::size_t part = 0; part < sources.size(); ++part)

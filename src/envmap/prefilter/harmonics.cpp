@@ -115,7 +115,7 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
   const Rotation to_world = image_to_world(map.forward);
   for_each_row(level.faces(), size, {}, [&](int face, int row) {
     const Columns in = columns(to, size, row);
-    std::vector<Direction> d(static_cast<std::size_t>(in.end - in.first));
+    std::vector<Direction> d(in.count());
     texel_directions(to, size, face, row, in.first, d);
     for (std::size_t k = 0; k < d.size(); ++k) {
       Flux sum(0);
