@@ -411,7 +411,7 @@ TEST_F(Io, ExrsThatPromiseMoreThanTheyHold) {
   write_exr(path("m.exr"), {{0, 0}, {7, 3}}, {{"R", single}, {"G", single}, {"B", single}},
             {{"R", 1}, {"G", 1}, {"B", 1}}, Imf::MIPMAP_LEVELS);
   std::ifstream stream(path("m.exr"), std::ios::binary);
-  const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+  std::string whole{std::istreambuf_iterator<char>(stream), {}};
   const auto why = [&](const std::string& attribute, std::size_t from, std::vector<std::int32_t> values) -> std::string {
     std::string bytes = whole;
     bytes.replace(bytes.find(attribute) + from, 4 * values.size(), reinterpret_cast<const char*>(values.data()),
@@ -428,6 +428,7 @@ TEST_F(Io, ExrsThatPromiseMoreThanTheyHold) {
   const std::size_t window = std::string("dataWindow").size() + 1 + std::string("box2i").size() + 1,
                     tiles = std::string("tiles").size() + 1 + std::string("tiledesc").size() + 1;
   EXPECT_NE(why("dataWindow", window + 4, {0, 0, 99999, 49999}).find("cannot hold 100000x50000"), std::string::npos);
+  EXPECT_NE(why("dataWindow", window + 4, {0, 0, 4999999, 0}).find("cannot hold 5000000x1"), std::string::npos);
   EXPECT_NE(why("dataWindow", window + 4, {0, 0, 4095, 2047}).find("chunks"), std::string::npos);
   EXPECT_NE(why("dataWindow", window + 4, {0, 0, -4, 2047}).find("empty"), std::string::npos);
   EXPECT_NE(why("dataWindow", window, {2000000000}).find("attribute of 2000000000 bytes"), std::string::npos);
@@ -438,6 +439,11 @@ TEST_F(Io, ExrsThatPromiseMoreThanTheyHold) {
   for (const int size : {54, 56})  // Of 55: three names of a letter, their ends, 16 bytes for each, and the last end.
     EXPECT_NE(why("channels", channels, {size}).find("of type chlist has"), std::string::npos) << size;
   EXPECT_NE(why("dataWindow", window, {17}).find("of type box2i has 17 bytes"), std::string::npos);
+  // Beyond the image, whether that is all of the display window or a part.
+  EXPECT_NE(why("tiles", tiles + 4, {64, 1 << 22}).find("tiles of 64x4194304"), std::string::npos);
+  whole[whole.find("displayWindow") + std::string("displayWindow").size() + window - std::string("dataWindow").size() + 12] =
+      15;
+  EXPECT_NE(why("tiles", tiles + 4, {64, 1 << 22}).find("tiles of 64x4194304"), std::string::npos);
 }
 
 // Half rounds by 2^-11 of a value; below 2^-14 it has only multiples of 2^-24. What loses more light than that is refused.

@@ -60,7 +60,7 @@ class Cursor {
 // What says how many chunks a part has.
 struct Part {
   std::array<std::int32_t, 4> window{};  // Of data: least x and y, largest.
-  unsigned char compression = 0;
+  unsigned char compression = 3;         // Zip, where nothing is said.
   bool tiled = false;
   std::uint32_t tile_width = 0, tile_height = 0;
   unsigned char mode = 0;
@@ -184,8 +184,9 @@ void check_openexr(const InputFile& file) {
     more = any && (version & flag_parts) != 0;
     if (!any) break;
     if (part.width() < 1 || part.height() < 1) throw InputError("damaged: its data window is empty");
-    // No compression in use makes a map 20,000 times smaller.
-    const double bytes = part.width() * part.height() * 12;
+    // No compression in use makes a map 20,000 times smaller. OpenEXR takes memory for all lines of a chunk, if there are
+    // fewer in the image, too.
+    const double bytes = part.width() * std::max(part.height(), lines_of_chunk(part.compression)) * 12;
     if (bytes > 0x1p28 && bytes > 2e4 * static_cast<double>(file.size()))
       throw InputError(fmt::format("truncated or damaged: {} bytes cannot hold {:.0f}x{:.0f}", file.size(),
                                    part.width(), part.height()));

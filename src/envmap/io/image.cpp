@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
+#include "envmap/io/check_tiles.h"
 #include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
@@ -57,6 +58,7 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
       if (path.empty()) file.hold();
       image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture);
     }
+    check_tiles(image.reader->facts);
     // The coordinates of a texture count from its first texel, whatever way a camera was held.
     if (!for_texture && image.reader->facts.orientation != Orientation::upright)
       image.reader = turned_upright(std::move(*image.reader));

@@ -68,13 +68,6 @@ void check_size(const Image& image, const ReadOptions& options) {
   if (!facts.flat) image.fail("holds deep samples or a volume, not a flat image");
   if (facts.width < 1 || facts.height < 1) image.fail("not a flat image");
   check_pixels(image, options, facts.width, facts.height, 1);
-  // A tile may reach beyond the image, but the libraries take memory for all of it, and divide by its sides.
-  constexpr int roomy = 4096;
-  const bool tiled = facts.tile_width != 0 || facts.tile_height != 0;
-  if (tiled && (facts.tile_width < 1 || facts.tile_width > std::max(facts.width, roomy) || facts.tile_height < 1 ||
-                facts.tile_height > std::max(facts.height, roomy)))
-    image.fail(fmt::format("damaged: tiles of {}x{} in an image of {}x{}", facts.tile_width, facts.tile_height,
-                           facts.width, facts.height));
   const double bytes = static_cast<double>(facts.width) * facts.height * sizeof(Colour);
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
   // A header can promise anything. No compression in use makes a map 20,000 times smaller.

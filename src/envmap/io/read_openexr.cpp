@@ -16,6 +16,7 @@
 #include <memory>
 
 #include "envmap/base/error.h"
+#include "envmap/io/check_tiles.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/openexr_stream.h"
 #include "envmap/io/window.h"
@@ -274,6 +275,7 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   std::vector<std::string> notes = std::move(facts.notes);
   facts = facts_of(header, wanted);
   facts.notes = std::move(notes);
+  check_tiles(facts);
   const bool luminance = wanted.empty() && file->part == 0 && is_luminance_and_chroma(header.channels());
   if (luminance) {
     facts.channels = {"R", "G", "B"};
