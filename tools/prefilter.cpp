@@ -29,6 +29,14 @@ struct Options {
   std::vector<double> exponents, roughnesses;
 };
 
+// Of level k of a chain of Phong lobes: a quarter of that before, as texels have four times the area, or more of it, so that
+// the last is no less than 1, Lambert's cosine: below, lobes break off at the horizon, and see no more of the map.
+double exponent_of(double first, int k, int levels) {
+  const double left = first / portable::exp2(2 * (levels - 1));
+  if (left >= 1 || k == 0) return first / portable::exp2(2 * k);
+  return first <= 1 ? first : portable::pow(first, 1 - static_cast<double>(k) / (levels - 1));
+}
+
 // What to make for each level: as many as were asked for, or as parameters were given.
 std::vector<Prefilter> levels_of(const Options& o) {
   std::vector<double> parameters = o.map.shape == Shape::phong ? o.exponents : o.roughnesses;
@@ -47,7 +55,7 @@ std::vector<Prefilter> levels_of(const Options& o) {
   if (parameters.empty()) {
     for (int k = 0; k < o.levels; ++k) {
       if (o.map.shape == Shape::phong)
-        parameters.push_back(o.exponent.value_or(0) / portable::exp2(2 * k));
+        parameters.push_back(exponent_of(o.exponent.value_or(0), k, o.levels));
       else if (o.roughness || o.levels == 1)
         parameters.push_back(o.roughness.value_or(0));
       else
@@ -251,9 +259,10 @@ Command prefilter_command() {
           "writes the other half. With k = 1 (and phong's own) a white map stays white. Roughness 0 is a mirror: each "
           "texel is that of the input in its direction. A lobe narrower than a texel of the output leaves gaps between "
           "the texels, as point samples do: choose a larger --size.\n\n"
-          "--levels N makes a chain, level k of a face of --size / 2^k: phong takes M at level 0 and a quarter of it "
-          "at "
-          "each level more, ggx roughness 0 to 1 over the levels. --exponents and --roughnesses list them instead.\n\n"
+          "--levels N makes a chain, level k of a face of --size / 2^k: phong takes M at level 0 and a quarter of it at each "
+          "level more, as its texels have four times the area. A chain that would fall below 1, Lambert's cosine, takes equal "
+          "ratios that end there: 2048, 790, 304, 117, 45, 17, 6.7, 2.6 and 1 for 9 levels. An M below 1 is that of all levels. "
+          "ggx takes roughness 0 to 1 over the levels. --exponents and --roughnesses list them instead.\n\n"
           "Maps other than cubes and latlong maps are prefiltered as the cube that 'convert --to cube --filter area' makes "
           "of them: the two commands by hand give the same bytes, and errors count from that cube.\n\n"
           "Methods: 'hierarchical' is a treecode, which sums over a quad-tree of the input, coarse where the lobe is faint and "
@@ -276,7 +285,7 @@ Command prefilter_command() {
                    {"envmap prefilter probe.exr chain.ktx2 --lobe ggx --size 256 --levels 6 --brdf-table brdf.exr",
                     "what a renderer of glTF materials wants: roughness 0 to 1 over six levels, and the table"},
                    {"envmap prefilter probe.exr 'phong_{level}.hdr' --lobe phong --exponent 2048 --size 256 --levels 9",
-                    "a file for each level: exponents 2048, 512, 128 ..."},
+                    "a file for each level: exponents 2048, 790, 304 ... 1"},
                    {"envmap prefilter --brdf-table brdf.exr", "the table that goes with every GGX map"}},
       .keys = with_written({{"input", "INPUT"},
                             {"lobe", "diffuse, phong or ggx"},

@@ -73,6 +73,18 @@ TEST_F(Prefilter, AChainHoldsOneNumberALevel) {
   EXPECT_EQ(difference(load(path("phong_1.hdr")), load(path("one.hdr"))), 0);
 }
 
+TEST_F(Prefilter, APhongChainFallsByQuartersOrToLambertsCosine) {
+  const auto exponents = [&](const char* first, const char* levels) {
+    succeeds({"prefilter", "in.exr", "chain.exr", "--lobe", "phong", "--exponent", first, "--levels", levels, "--size", "16",
+              "--max-error", "1e-2", "-q"});
+    return attribute("chain.exr", "envmap:exponent");
+  };
+  EXPECT_EQ(exponents("64", "3"), "64,16,4");
+  EXPECT_EQ(exponents("64", "4"), "64,16,4,1");
+  EXPECT_EQ(exponents("64", "5"), "64,22.6274,8,2.82843,1");  // A root of 64 each.
+  EXPECT_EQ(exponents("0.5", "2"), "0.5,0.5");
+}
+
 TEST_F(Prefilter, AnyNumberOfThreadsGivesTheSameBytes) {
   for (const char* threads : {"1", "3"})
     succeeds({"prefilter", "in.exr", std::string("t") + threads + ".exr", "--lobe", "ggx", "--roughness", "0.3",

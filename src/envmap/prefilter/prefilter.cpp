@@ -51,14 +51,6 @@ bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
   return texels_of(p) >= 2000 && std::visit([](const auto& l) { return l.value(0.9) <= 1e-2; }, lobe);
 }
 
-// Whether all texels are sooner summed up: of small maps, the larger the smaller the error; of a lobe that breaks off at
-// the horizon, or bends there, and so cuts many texels, more of them.
-bool exact_is_cheaper(const Level& source, const Prefilter& p, const Lobe& lobe) {
-  const double edge = std::visit([](const auto& l) { return l.value(0.999) / l.value(0); }, lobe);
-  const double hard = edge > 0.4 ? 2e-3 : 5e-4;
-  return texels_of(p) * static_cast<double>(envmap::texels_of(source).size()) < (p.max_error < hard ? 1e7 : 1e6);
-}
-
 }  // namespace
 
 struct PrefilterSource::Prepared {
@@ -98,8 +90,7 @@ struct Making {
     Level& out = done.map.base();
     const std::vector<Texel> all = envmap::texels_of(out);
     const bool any = wanted.method == Method::automatic;
-    if (wanted.method == Method::exact || wanted.max_error < finest ||
-        (any && exact_is_cheaper(tree.source(), wanted, lobe))) {
+    if (wanted.method == Method::exact || wanted.max_error < finest) {
       exact_texels(source, lobe, target, all, out, progress);
       done.method = Method::exact, done.exact = static_cast<std::int64_t>(all.size());
       return;

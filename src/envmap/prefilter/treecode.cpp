@@ -56,11 +56,13 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
   }
 }
 
-// Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are.
-std::size_t most_nodes(const Tree& tree, std::size_t directions) {
+// Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are: sooner where a lobe
+// breaks off at the horizon, and directions that share nodes cut the more of them.
+std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
   const Level& s = tree.source();
   const std::size_t sum = directions * index_of(s, {s.faces(), 0, 0}) / 8;
-  return std::clamp<std::size_t>(sum, 1 << 8, directions > 1 ? 1 << 14 : SIZE_MAX);
+  const std::size_t shared = std::visit([](const auto& l) { return l.convex(); }, lobe) ? 1 << 14 : 1 << 10;
+  return std::clamp<std::size_t>(sum, 1 << 8, directions > 1 ? shared : SIZE_MAX);
 }
 
 // The nodes of a tile, and what they are off.
@@ -75,7 +77,7 @@ class TileNodes {
       go([](const Node&) {});
     }
     criterion_.surveying = false;
-    criterion_.most_nodes = most_nodes(job.tree, tile.count);
+    criterion_.most_nodes = most_nodes(job.tree, job.lobe, tile.count);
     // White counts for as much as radiance() takes of it.
     criterion_.most[3] = 0;
     for (std::size_t c = 0; c < 3; ++c)
