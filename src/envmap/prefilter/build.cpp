@@ -12,7 +12,8 @@
 namespace envmap::prefiltering {
 namespace {
 
-constexpr std::int64_t most_stored = 1 << 17;  // Blocks of the lowest level: 25 MB with all above.
+// Blocks of the lowest level, 220 bytes each with all above: 30 MB, or a little more than a large source itself takes.
+std::int64_t most_stored(std::int64_t texels) { return std::clamp<std::int64_t>(texels / 16, 1 << 17, 1 << 19); }
 
 int halves(int n) { return (n + 1) / 2; }
 
@@ -229,7 +230,8 @@ void Tree::Blocks::set_quads(int face, int j) {
 Tree::Tree(const Level& source) : source_(source), mean_(mean_radiance(source)), darkest_(0) {
   if (mean_ > 0) darkest_ = Colour(Flux(darkest_of(source)) / mean_);
   const int width = source.width(), height = source.height(), faces = source.faces();
-  while (static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_) > most_stored) ++first_;
+  const auto blocks = [&] { return static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_); };
+  for (const std::int64_t most = most_stored(blocks()); blocks() > most;) ++first_;
   const int side = 1 << first_, at_once = static_cast<int>(batch_size) * side;
   const double scale = mean_ > 0 ? 1 / mean_ : 0;
   Blocks lowest(faces, (width + side - 1) / side, (height + side - 1) / side);

@@ -84,7 +84,7 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   const V m = hn::Min(uneven, hn::Add(hn::Mul(hn::Mul(sine, sine), uneven), hn::Mul(across, hn::Mul(spread, spread))));
   const V bent = hn::Max(second(lobe, d, lo, at_lo), second(lobe, d, end, at_hi));
   const V twisted = hn::Max(third(lobe, d, lo, at_lo), third(lobe, d, end, at_hi));
-  V smooth = hn::Mul(half, hn::Add(hn::Mul(bent, m), hn::Mul(twisted, hn::Mul(a, hn::Mul(a, a)))));
+  V smooth = hn::Add(hn::Mul(half, hn::Mul(bent, m)), hn::Mul(set(d, 1.0 / 3), hn::Mul(twisted, hn::Mul(a, hn::Mul(a, a)))));
   const V excess = hn::Sqrt(m), steep = slope(lobe, d, lo, at_lo), flat = slope(lobe, d, end, at_hi);
   V any;
   if (lobe.convex()) {

@@ -68,9 +68,9 @@ struct Judged {
 /// reach, h = spread and e = (rho + h) / 2, which bounds how far directions leave the tangent plane, |X - X0| is in the
 /// cubic mean at most a = h (sin + e), and a channel's variance is off by at most m = sin^2 uneven + (4 sin e + e^2) h^2 and
 /// by uneven. All X and X0 +- s lie in [lo, hi], a little more than what rho allows. For the lobe f, falling on [lo, hi]:
-///  - smooth, hi < 1: Taylor's series about X0 agrees to the second term, but for m; what the third may be is
-///    a^3 max|f'''| / 6 for the node, for the two points and for the channel's mean, which makes
-///    m max|f''| / 2 + a^3 max|f'''| / 2;
+///  - smooth, hi < 1: Taylor's series about X0 agrees to the second term, but for m; the rest is at most max|f'''| / 6 x the
+///    mean |X - X0|^3, which is at most a^3 of the node and, as s and the channel's mean are at most a, of the two points,
+///    too, even where one has a weight below 0. That makes m max|f''| / 2 + a^3 max|f'''| / 3;
 ///  - convex: with one mean, either lies between f(mean) and the chord of f over [lo, hi], which are apart by at most
 ///    g (1 - g / (L (hi - lo))), g = f(lo) - f(hi), L = |f'(lo)|; where the mean lies beyond X0 +- s, which it does by at most
 ///    sqrt(m), the line through the two points goes on, and may leave f by L sqrt(m) more. And neither is ever above f(lo);
