@@ -6,6 +6,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
 #include "envmap/projection/visit.h"
 
@@ -198,15 +199,12 @@ void check(const Harmonic& p) {
 }  // namespace
 
 double real_harmonic(int degree, int order, const Direction& d) {
-  // Associated Legendre functions with the normalisation folded in, upwards in degree (Press et al. 2007, 6.7): stable.
   const int m = std::abs(order);
   const double y = d.y, sine = std::sqrt(d.x * d.x + d.z * d.z), longitude = portable::atan2(d.x, d.z);
-  double pmm = std::sqrt(1 / (4 * pi));
-  for (int k = 1; k <= m; ++k) pmm *= std::sqrt((2.0 * k + 1) / (2.0 * k)) * sine;
-  double previous = 0, current = pmm;
+  double previous = 0, current = legendre::first();
+  for (int k = 0; k < m; ++k) current *= legendre::diagonal(k) * sine;
   for (int l = m + 1; l <= degree; ++l) {
-    const double a = std::sqrt((4.0 * l * l - 1) / (1.0 * l * l - 1.0 * m * m));
-    const double b = std::sqrt(((l - 1.0) * (l - 1) - 1.0 * m * m) / (4.0 * (l - 1) * (l - 1) - 1));
+    const auto [a, b] = legendre::step(l, m);
     const double next = a * (y * current - b * previous);
     previous = current;
     current = next;

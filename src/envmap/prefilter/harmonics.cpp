@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/base/parallel.h"
+#include "envmap/maths/legendre.h"
+#include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/sum.h"
-#include "envmap/base/parallel.h"
-#include "envmap/maths/portable.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/source.h"
 #include "envmap/projection/visit.h"
@@ -14,31 +15,26 @@
 namespace envmap {
 namespace {
 
-// Recursion factors of normalised associated Legendre functions: P_l^m = a (y P_{l-1}^m - b P_{l-2}^m).
 struct Recursion {
   int order;
-  std::vector<double> a, b;  // At l (l + 1) / 2 + m.
+  std::vector<legendre::Step> steps;  // At l (l + 1) / 2 + m.
 
   explicit Recursion(int n) : order(n) {
     for (int l = 0; l <= n; ++l)
-      for (int m = 0; m <= l; ++m) {
-        const double ll = 1.0 * l * l, mm = 1.0 * m * m, k = 1.0 * (l - 1) * (l - 1);
-        a.push_back(l > m ? std::sqrt((4 * ll - 1) / (ll - mm)) : 0);
-        b.push_back(l > m + 1 ? std::sqrt((k - mm) / (4 * k - 1)) : 0);
-      }
+      for (int m = 0; m <= l; ++m) steps.push_back(l > m ? legendre::step(l, m) : legendre::Step{});
   }
 
   // f(index, value) for every harmonic. The sectoral functions carry sin^m with cos and sin of m times the longitude as
   // powers of (z + i x): nothing is divided by, at the poles neither.
   template <class F>
   void each(const Direction& d, F&& f) const {
-    double cosine = 1, sine = 0, sectoral = std::sqrt(0.25 / pi);
+    double cosine = 1, sine = 0, sectoral = legendre::first();
     for (int m = 0; m <= order; ++m) {
       double before = 0, now = sectoral;
       for (int l = m; l <= order; ++l) {
         if (l > m) {
-          const auto k = static_cast<std::size_t>(l * (l + 1) / 2 + m);
-          const double next = a[k] * (d.y * now - b[k] * before);
+          const auto [a, b] = steps[static_cast<std::size_t>(l * (l + 1) / 2 + m)];
+          const double next = a * (d.y * now - b * before);
           before = now;
           now = next;
         }
@@ -48,7 +44,7 @@ struct Recursion {
       const double c = cosine * d.z - sine * d.x;
       sine = cosine * d.x + sine * d.z;
       cosine = c;
-      sectoral *= std::sqrt((2 * m + 3) / (2.0 * m + 2)) * (m == 0 ? std::sqrt(2.0) : 1);
+      sectoral *= legendre::diagonal(m) * (m == 0 ? std::sqrt(2.0) : 1);
     }
   }
 };

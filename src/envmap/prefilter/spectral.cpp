@@ -5,10 +5,11 @@
 #include <cmath>
 #include <optional>
 
-#include "envmap/operate/measure.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
+#include "envmap/operate/measure.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/on_rings.h"
 
@@ -238,12 +239,11 @@ void for_blocks(int order, int m, int rings, F&& f) {
   const auto count = static_cast<std::size_t>(order - m + 1);
   std::vector<double> a(count), b(count);
   for (int l = m + 1; l <= order; ++l) {
-    const double ll = 1.0 * l * l, mm = 1.0 * m * m, k = 1.0 * (l - 1) * (l - 1);
-    a[static_cast<std::size_t>(l - m)] = std::sqrt((4 * ll - 1) / (ll - mm));
-    b[static_cast<std::size_t>(l - m)] = l > m + 1 ? std::sqrt((k - mm) / (4 * k - 1)) : 0;
+    const legendre::Step step = legendre::step(l, m);
+    a[static_cast<std::size_t>(l - m)] = step.a, b[static_cast<std::size_t>(l - m)] = step.b;
   }
-  double scale = std::sqrt(0.25 / pi);
-  for (int k = 0; k < m; ++k) scale *= std::sqrt((2 * k + 3) / (2.0 * k + 2));
+  double scale = legendre::first();
+  for (int k = 0; k < m; ++k) scale *= legendre::diagonal(k);
   std::vector<std::array<double, block>> p(count);
   for (int n = 0; n < rings / 2 / static_cast<int>(block); ++n) {
     std::array<double, block> y, first;

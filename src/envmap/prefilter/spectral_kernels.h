@@ -80,7 +80,7 @@ std::array<double, 3> interpolate(RingGrid& grid, const Stencil& at);
 using Parts = std::array<double, 8>;
 inline constexpr std::size_t block = 8;  ///< Rings at once.
 
-/// Normalised associated Legendre functions of one m on a block of rings, by P_l = a_l (y P_{l-1} - b_l P_{l-2}).
+/// Associated Legendre functions of one m on a block of rings: see maths/legendre.h.
 /// @param first P_m. @param a,b at l - m. @param out l - m = 0, 1, ... a.size() - 1.
 void legendre(std::span<const double> a, std::span<const double> b, const std::array<double, block>& y,
               const std::array<double, block>& first, std::span<std::array<double, block>> out);
