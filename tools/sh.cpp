@@ -4,25 +4,37 @@
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/prefilter/harmonics.h"
+#include "envmap/prefilter/window.h"
 
 namespace tools {
 namespace {
 
 using namespace envmap;
 
+enum class Window { none, hann, automatic };
+constexpr std::string_view window_names[] = {"none", "hann", "auto"};
+
 struct Options {
   std::string input, output;
   ReadOptions read;
   WriteOptions write;
   int order = 2, size = 64;
-  bool irradiance = false, window = false;
+  bool irradiance = false;
+  Window window = Window::none;
+  Deringing deringing;  // Of Window::automatic.
   std::optional<Projection> to;
   std::optional<Forward> forward;
 };
 
 std::string text(const Harmonics& h, const Options& o) {
-  std::string lines =
-      fmt::format("# {} to order {}: l m red green blue\n", o.irradiance ? "irradiance" : "radiance", h.order);
+  std::string lines;
+  if (o.window == Window::automatic)
+    lines += o.deringing.lambda > 0
+                 ? fmt::format("# degree l times 1 / (1 + {:.6g} l^2 (l + 1)^2), the weakest of no negative irradiance; it changes "
+                               "the irradiance by {:.1e} (rms), {:.1e} of its mean at most\n",
+                               o.deringing.lambda, o.deringing.rms, o.deringing.maximum)
+                 : "# no window: the irradiance is not negative without one\n";
+  lines += fmt::format("# {} to order {}: l m red green blue\n", o.irradiance ? "irradiance" : "radiance", h.order);
   for (int l = 0; l <= h.order; ++l)
     for (int m = -l; m <= l; ++m) {
       const Flux& c = h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)];
@@ -38,7 +50,9 @@ nlohmann::ordered_json report_of(const Harmonics& h, const Options& o) {
   report["basis"] =
       "real, orthonormal, polar axis +Y, longitude from +Z to +X, m > 0 cosines, m < 0 sines, no Condon-Shortley phase";
   report["order"] = h.order;
-  if (o.window) report["window"] = "hann";
+  if (o.window != Window::none) report["window"] = window_names[static_cast<std::size_t>(o.window)];
+  if (o.window == Window::automatic)
+    report["deringing"] = {{"lambda", o.deringing.lambda}, {"rms", o.deringing.rms}, {"max", o.deringing.maximum}};
   for (const Flux& c : h.coefficients) report["coefficients"].push_back(to_json(c));
   return report;
 }
@@ -49,11 +63,17 @@ int run(Options& o, const Common& common) {
   else if (!common.depfile.empty()) throw UsageError("--depfile is for the map of --evaluate");
   check_files({o.output}, {o.input}, common);
   check_report(o.output, common);
+  if (o.window == Window::automatic && o.order > most_deringed_order)
+    throw UsageError(fmt::format("--window auto is for --order up to {}", most_deringed_order));
   o.read.assumed_forward = o.forward;
   const Source source = read_map(o.input, o.read, common);
   Harmonics h = project(source.map, o.order, progress_line(common, "sh"));
+  if (o.window == Window::automatic) {
+    o.deringing = weakest_window(h);
+    scale_degrees(h, laplacian_window(o.order, o.deringing.lambda));
+  }
+  if (o.window == Window::hann) scale_degrees(h, hann_window(o.order));
   if (o.irradiance) scale_degrees(h, irradiance_factors(o.order));
-  if (o.window) scale_degrees(h, hann_window(o.order));
   if (!o.output.empty()) {
     const EnvironmentMap map = evaluate(h, to, o.size, o.forward.value_or(Forward::plus_z));
     o.write.source_depth = Depth::single;
@@ -89,16 +109,25 @@ Command sh_command() {
               "2001): the "
               "series then is the irradiance E(n) of a plane with normal n, pi times what 'prefilter --lobe diffuse' "
               "gives. To "
-              "order 2 it is right to some percent; round a sun it is not.",
+              "order 2 it is right to some percent; round a sun it is not, and falls below 0 on the far side.\n\n"
+              "--window multiplies each degree, for less ringing and less detail: 'hann' by (1 + cos(pi l / (N + 1))) / 2, 'auto' "
+              "by 1 / (1 + lambda l^2 (l + 1)^2) with the least lambda of which the irradiance is nowhere negative (Sloan 2008, "
+              "\"Stupid spherical harmonics tricks\"), whether --irradiance is asked for or not; it says lambda and what the "
+              "irradiance changes by.",
           .examples = {{"envmap sh probe.hdr --irradiance", "nine colours that light diffuse surfaces"},
+                       {"envmap sh sunny.hdr --irradiance --window auto", "the same, nowhere negative"},
                        {"envmap sh probe.hdr --order 4 --json", "25 colours of the radiance, as JSON"},
-                       {"envmap sh probe.hdr --order 8 --window --evaluate soft.exr --to latlong --size 128 -q",
+                       {"envmap sh probe.hdr --order 8 --window hann --evaluate soft.exr --to latlong --size 128 -q",
                         "what the series to order 8 shows, with less ringing"}},
           .keys = {{"file", "INPUT"},
                    {"quantity", "radiance or irradiance"},
                    {"basis", "its conventions, in words"},
                    {"order", "the largest degree l"},
-                   {"window", "hann with --window, else absent"},
+                   {"window", "hann or auto; absent without --window"},
+                   {"deringing", "absent but with --window auto"},
+                   {"deringing.lambda", "of the window; 0: none was needed"},
+                   {"deringing.rms", "of the change of the irradiance, relative to its rms"},
+                   {"deringing.max", "its largest change, relative to its mean"},
                    {"coefficients", "red, green and blue of each harmonic, in the order l (l + 1) + m"}},
           .reports = true,
           .writes = true,
@@ -108,7 +137,8 @@ Command sh_command() {
                 ->required();
             app.add_option("--order", o->order, "The largest degree l (default: 2)")->type_name("N")->check(CLI::Range(0, 200));
             app.add_flag("--irradiance", o->irradiance, "Coefficients of the irradiance, not of the radiance");
-            app.add_flag("--window", o->window, "Hann's window: less ringing round bright lights for less detail");
+            add_choice(app, "--window", o->window, joined(window_names), one_of<Window>(window_names),
+                       "Less ringing round bright lights for less detail (default: none)");
             app.add_option("--evaluate", o->output, "Write the series as a map, too; below 0 it is cut to 0")
                 ->type_name("OUT");
             add_projection(app, "--to", o->to, "Projection of that map (default: cube)");

@@ -20,4 +20,5 @@
 #include "envmap/prefilter/brdf_table.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
+#include "envmap/prefilter/window.h"
 #include "envmap/sample/lookup.h"

@@ -54,7 +54,7 @@ TEST_F(Json, KeysAreThoseOfTheManPages) {
       {"info", "black.exr"},
       {"compare", "levels.exr", "levels.exr"},
       {"compare", "a.exr", "black.exr", "--max-rms", "0"},
-      {"sh", "a.exr", "--window"},
+      {"sh", "a.exr", "--window", "auto"},
       {"convert", "a.exr", "out.exr", "--to", "cube", "--max-error", "1"},
       {"convert", "a.exr", "out.exr"},
       {"mipmap", "a.exr", "out.exr"},

@@ -142,6 +142,20 @@ TEST_F(Prefilter, CoefficientsAsTextAndJson) {
   fails(usage, {"sh", "white.exr", "--order", "-1"}, {"--order"});
 }
 
+TEST_F(Prefilter, TheWindowThatWasChosenIsStated) {
+  succeeds({"generate", "sun", "dark.exr", "--size", "16", "--radius", "8", "--value", "300", "--ground", "0"});
+  const Result text = envmap({"sh", "dark.exr", "--irradiance", "--window", "auto"});
+  ASSERT_EQ(text.status, 0) << text.err;
+  EXPECT_NE(text.out.find("the weakest of no negative irradiance"), std::string::npos) << text.out;
+  const Result json = envmap({"sh", "dark.exr", "--window", "auto", "--json"});
+  ASSERT_EQ(json.status, 0) << json.err;
+  const auto report = nlohmann::json::parse(json.out);
+  EXPECT_GT(report["deringing"]["lambda"].get<double>(), 0);
+  EXPECT_GT(report["deringing"]["rms"].get<double>(), 0);
+  fails(usage, {"sh", "dark.exr", "--window", "auto", "--order", "21"}, {"--window auto", "20"});
+  fails(usage, {"sh", "dark.exr", "--window", "blur"}, {"blur", "hann", "auto"});
+}
+
 TEST_F(Prefilter, SeriesComeBackAsMaps) {
   succeeds({"generate", "sh", "y.exr", "--size", "64", "--degree", "2", "--order", "1"});
   EXPECT_EQ(envmap({"sh", "y.exr", "--evaluate", "back.exr", "--to", "latlong", "--size", "64", "-q"}).status, 0);

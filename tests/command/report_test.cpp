@@ -209,6 +209,15 @@ TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
 
 // ---- help, pages, completions ---------------------------------------------------------------------------------------
 
+TEST_F(Compare, AnAreaErrorThatTakesLongIsSaidBeforehand) {
+  succeeds({"generate", "sun", "sun.exr", "--size", "16", "--direction", "1,1,2"});
+  const auto made = [&](const char* error) {
+    return envmap({"convert", "sun.exr", "out.exr", "--to", "cube", "--size", "4", "--filter", "area", "--area-error", error});
+  };
+  EXPECT_NE(made("1e-6").err.find("10 times as long as 1e-4"), std::string::npos);
+  EXPECT_EQ(made("1e-5").err, "");
+}
+
 class Help : public CommandTest {
  protected:
   /// Every command there is, as the pages have them.

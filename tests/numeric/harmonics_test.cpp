@@ -8,6 +8,7 @@
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/prefilter.h"
+#include "envmap/prefilter/window.h"
 
 namespace envmap {
 namespace {
@@ -91,6 +92,59 @@ TEST(Harmonics, WindowsLeaveTheMean) {
   const std::vector<double> w = hann_window(4);
   EXPECT_EQ(w[0], 1);
   for (std::size_t k = 1; k < 5; ++k) EXPECT_LT(w[k], w[k - 1]);
+}
+
+// The lowest irradiance of 50,000 evenly spread directions (a Fibonacci lattice), of any channel.
+double lowest_irradiance(Harmonics h, const std::vector<double>& window) {
+  scale_degrees(h, window);
+  scale_degrees(h, irradiance_factors(h.order));
+  constexpr int count = 50000;
+  double least = 1e300;
+  for (int k = 0; k < count; ++k) {
+    const double y = 1 - (2 * k + 1.0) / count, s = std::sqrt(1 - y * y), turn = 2 * pi * std::fmod(k * 0.6180339887498949, 1);
+    const Flux e = evaluate(h, Direction(s * std::sin(turn), y, s * std::cos(turn)));
+    least = std::min({least, e.x, e.y, e.z});
+  }
+  return least;
+}
+
+TEST(Harmonics, TheWeakestWindowLeavesNoNegativeIrradianceAndIsNoStronger) {
+  EnvironmentMap map = generate(Constant{Direction(0.02)}, Projection::latlong, 32);
+  *map.base().texel(0, 13, 7) = Colour(5000, 4000, 3000);
+  *map.base().texel(0, 40, 20) = Colour(0, 0, 700);
+  for (const int order : {2, 4, 9}) {
+    const Harmonics h = project(map, order);
+    EXPECT_LT(lowest_irradiance(h, laplacian_window(order, 0)), 0) << order;
+    const Deringing found = weakest_window(h);
+    const double mean = h.coefficients[0].z * std::sqrt(pi) / 2;
+    EXPECT_GE(lowest_irradiance(h, laplacian_window(order, found.lambda)), -1e-12 * mean) << order;
+    EXPECT_LT(lowest_irradiance(h, laplacian_window(order, 0.99 * found.lambda)), 0) << order;
+    EXPECT_GT(found.rms, 0);
+    EXPECT_LT(found.rms, 0.5);
+    EXPECT_GT(found.maximum, found.rms);
+  }
+}
+
+// Of light from one direction, at the cosine x: 1/4 + w1 x / 2 + 5/32 w2 (3 x^2 - 1), least at x = -8 w1 / (15 w2) or -1.
+TEST(Harmonics, TheWeakestWindowOfOneLightIsThatOfTheClosedForm) {
+  Harmonics h{2, std::vector<Flux>(9)};
+  std::vector<double> y(9);
+  harmonics_at(2, glm::normalize(Direction(1, 2, -3)), y);
+  for (std::size_t k = 0; k < 9; ++k) h.coefficients[k] = Flux(y[k]);
+  const Deringing found = weakest_window(h);
+  const double w1 = 1 / (1 + 4 * found.lambda), w2 = 1 / (1 + 36 * found.lambda);
+  const double x = std::max(-1.0, -8 * w1 / (15 * w2));
+  EXPECT_GT(found.lambda, 0.01);
+  EXPECT_NEAR(0.25 + w1 * x / 2 + 5 * w2 / 32 * (3 * x * x - 1), 0, 1e-6);
+  // Parseval by hand: the norms of the degrees are 1/4, 1/2 and 5/16 over sqrt(2l + 1).
+  const double lost = (1 - w1) * (1 - w1) / 12 + (1 - w2) * (1 - w2) * 5 / 256, whole = 1.0 / 16 + 1.0 / 12 + 5.0 / 256;
+  EXPECT_NEAR(found.rms, std::sqrt(lost / whole), 1e-9);
+}
+
+TEST(Harmonics, ASoftEnvironmentNeedsNoWindow) {
+  const Deringing found = weakest_window(project(generate(Harmonic{1, 0, 1, 0.5}, Projection::cube, 16), 3));
+  EXPECT_EQ(found.lambda, 0);
+  EXPECT_EQ(found.rms, 0);
 }
 
 TEST(Harmonics, IsTheDiffuseMapOfASoftEnvironment) {

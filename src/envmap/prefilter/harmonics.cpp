@@ -179,12 +179,6 @@ std::vector<double> irradiance_factors(int order) {
   return factors;
 }
 
-std::vector<double> hann_window(int order) {
-  std::vector<double> factors;
-  for (int l = 0; l <= order; ++l) factors.push_back(0.5 + 0.5 * portable::cos(pi * l / (order + 1)));
-  return factors;
-}
-
 void scale_degrees(Harmonics& h, std::span<const double> factors) {
   for (int l = 0; l <= h.order; ++l)
     for (int m = -l; m <= l; ++m)

@@ -42,9 +42,6 @@ std::vector<double> zonal(const Lobe& lobe, int order);
 /// (Ramamoorthi and Hanrahan 2001, "An efficient representation for irradiance environment maps", equation 8).
 std::vector<double> irradiance_factors(int order);
 
-/// Hann's window, (1 + cos(pi l / (order + 1))) / 2: less ringing round bright lights for less detail.
-std::vector<double> hann_window(int order);
-
 /// Multiplies every degree by its factor.
 void scale_degrees(Harmonics& h, std::span<const double> factors);
 
