@@ -112,19 +112,23 @@ CLI::Option* add_size(CLI::App& app, std::optional<int>& size, const std::string
   return app.add_option("--size", size, help)->type_name("N")->check(CLI::Range(1, 65536));
 }
 
+std::optional<Direction> triple_of(const std::string& text, bool one_for_all) {
+  std::vector<double> numbers;
+  for (const std::string& part : CLI::detail::split(text, ',')) {
+    double number = 0;
+    if (!CLI::detail::lexical_cast(part, number) || !std::isfinite(number)) return std::nullopt;
+    numbers.push_back(number);
+  }
+  if (one_for_all && numbers.size() == 1) numbers.assign(3, numbers[0]);
+  if (numbers.size() != 3) return std::nullopt;
+  return Direction(numbers[0], numbers[1], numbers[2]);
+}
+
 CLI::Option* add_triple(CLI::App& app, const std::string& flag, std::optional<Direction>& value,
                         const std::string& type, bool one_for_all, const std::string& help) {
   const auto parse = [&value, flag, type, one_for_all](const std::string& text) {
-    std::vector<double> numbers;
-    for (const std::string& part : CLI::detail::split(text, ',')) {
-      double number = 0;
-      if (!CLI::detail::lexical_cast(part, number) || !std::isfinite(number))
-        throw CLI::ValidationError(flag, fmt::format("'{}' is not {}", text, type));
-      numbers.push_back(number);
-    }
-    if (one_for_all && numbers.size() == 1) numbers.assign(3, numbers[0]);
-    if (numbers.size() != 3) throw CLI::ValidationError(flag, fmt::format("'{}' is not {}", text, type));
-    value = Direction(numbers[0], numbers[1], numbers[2]);
+    value = triple_of(text, one_for_all);
+    if (!value) throw CLI::ValidationError(flag, fmt::format("'{}' is not {}", text, type));
   };
   return app.add_option_function<std::string>(flag, parse, help)->type_name(type);
 }

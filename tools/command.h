@@ -118,7 +118,8 @@ CLI::Option* add_size(CLI::App& app, std::optional<int>& size, const std::string
 void add_format(CLI::App& app, envmap::WriteOptions& options);
 void add_clamp(CLI::App& app, envmap::WriteOptions& options);
 
-/// Three numbers with commas between them; with `one_for_all`, one number may stand for the three.
+/// Three numbers with commas between them, or nothing; with `one_for_all`, one number may stand for the three.
+std::optional<envmap::Direction> triple_of(const std::string& text, bool one_for_all = false);
 CLI::Option* add_triple(CLI::App& app, const std::string& flag, std::optional<envmap::Direction>& value,
                         const std::string& type, bool one_for_all, const std::string& help);
 

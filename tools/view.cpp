@@ -1,7 +1,8 @@
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "command.h"
 #include "depfile.h"
@@ -9,6 +10,7 @@
 #include "envmap/io/picture.h"
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
+#include "envmap/scene/camera.h"
 #include "envmap/scene/read/read_scene.h"
 #include "scene_options.h"
 
@@ -24,7 +26,9 @@ struct Options {
   Projection maps = Projection::paraboloid;
   int width = 640, height = 480, samples = 4;
   double exposure = 0;
-  std::optional<double> anaglyph;
+  std::optional<Direction> look_at;
+  std::optional<double> fov, anaglyph;
+  double orbit = 0;
   MirrorLook look;
   MirrorOptions drawing;
 };
@@ -58,33 +62,62 @@ struct Eye {
   Viewer viewer;
 };
 
-const Camera& camera_of(const Options& o, const Scene& scene) {
-  if (scene.cameras.empty()) throw InputError(o.scene.path + ": has no camera to view it from");
-  if (o.camera.empty()) return scene.cameras.front();
+const Camera& camera_named(const std::string& name, const Options& o, const Scene& scene) {
   for (const Camera& camera : scene.cameras)
-    if (camera.name == o.camera || scene.nodes[static_cast<std::size_t>(camera.node)].name == o.camera) return camera;
-  throw UsageError(fmt::format("--camera: '{}' is no camera of {}: it has {}", o.camera, o.scene.path,
-                               fmt::join(
-                                   [&] {
-                                     std::vector<std::string> names;
-                                     for (const Camera& camera : scene.cameras) names.push_back(camera.name);
-                                     return names;
-                                   }(),
-                                   ", ")));
+    if (camera.name == name || scene.nodes[static_cast<std::size_t>(camera.node)].name == name) return camera;
+  const auto names = scene.cameras | std::views::transform(&Camera::name);
+  throw UsageError(fmt::format("--camera: '{}' is neither X,Y,Z nor a camera of {}: it has {}", name, o.scene.path,
+                               scene.cameras.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
-// What the camera sees, from beside it by `aside` metres; at `still` metres both eyes see the same.
-Eye eye_of(const Options& o, const Camera& camera, const Pose& pose, double aside, double still) {
-  const Matrix& world = pose[static_cast<std::size_t>(camera.node)];
-  Rotation axes(world);
-  for (int k = 0; k < 3; ++k) axes[k] = glm::normalize(axes[k]);
-  const double up = std::tan(0.5 * camera.vertical_field), across = up * o.width / o.height;
+// Where pictures are taken from: a point, a camera of the scene, or, where there is none, all of it in sight.
+class Position {
+ public:
+  Position(const Options& o, const Scene& scene, const Pose& first)
+      : look_at_(o.look_at), orbit_(o.orbit), ball_(bounds(scene, first)) {
+    const double aspect = static_cast<double>(o.width) / o.height;
+    const auto radians = [](double degrees) { return degrees * pi / 180; };
+    if (const auto point = triple_of(o.camera)) {
+      still_ = framing(ball_, radians(o.fov.value_or(default_field)), aspect);
+      still_->at = *point;
+      if (!look_at_) look_at_ = ball_.centre;
+    } else if (!o.camera.empty() || !scene.cameras.empty()) {
+      camera_ = o.camera.empty() ? scene.cameras.front() : camera_named(o.camera, o, scene);
+      if (o.fov) camera_.vertical_field = radians(*o.fov);
+    } else {
+      still_ = framing(ball_, radians(o.fov.value_or(default_field)), aspect);
+    }
+  }
+
+  /// Whether the scene has no camera, and none was given.
+  [[nodiscard]] bool is_framed() const { return still_ && !look_at_; }
+
+  /// @param part of the orbit, from 0 to 1.
+  [[nodiscard]] View view(const Pose& pose, double part) const {
+    View view = still_ ? *still_ : view_of(camera_, pose);
+    if (look_at_) view = looking_at(view, *look_at_);
+    return carried_round(view, look_at_.value_or(ball_.centre), part * orbit_);
+  }
+
+ private:
+  static constexpr double default_field = 40;  // Degrees.
+  std::optional<Direction> look_at_;
+  double orbit_;
+  Ball ball_;
+  std::optional<View> still_;  // Or the scene's camera, which may move.
+  Camera camera_;
+};
+
+// What is seen from beside a view by `aside` metres; at `still` metres both eyes see the same.
+Eye eye_of(const Options& o, const View& view, double aside, double still) {
+  const Rotation& axes = view.axes;
+  const double up = std::tan(0.5 * view.vertical_field), across = up * o.width / o.height;
   Eye eye;
   eye.from = {.size = o.height,
-              .at = Direction(world[3]) + aside * axes[0],
+              .at = view.at + aside * axes[0],
               .axes = axes,
-              .near = std::max(camera.near, 1e-6),
-              .far = camera.far,
+              .near = std::max(view.near, 1e-6),
+              .far = view.far,
               .samples = o.samples,
               .cull = !o.drawing.all,
               .lens = Lens{o.width, {across, up}, aside == 0 ? 0 : aside / (still * across)}};
@@ -118,21 +151,23 @@ int run(Options& o, const Common& common) {
   check_files(outputs, loaded.inputs, common);
   const auto depfile = open_depfile(outputs, loaded.inputs, common);
   const Scene& scene = loaded.scene;
-  const Camera& camera = camera_of(o, scene);
+  const Position position(o, scene, pose(scene, frames.time(frames.first)));
   const std::vector<Mirror> mirrors = mirrors_of(o, scene);
   std::vector<int> nodes;
   for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
   const Context context(o.scene.context);
   if (common.verbose) note(common, context.renderer());
+  if (position.is_framed()) note(common, fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
   Renderer renderer(scene, loaded.environment.get(), nodes);
   Mirrors maps(scene, mirrors);
   const double separation = o.anaglyph.value_or(0);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     Shot shot = loaded.shot(frames.time(frame), o.scene);
+    const View view = position.view(shot.pose, static_cast<double>(frame - frames.first) / frames.count());
     std::vector<Eye> eyes;
     for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
-      eyes.push_back(eye_of(o, camera, shot.pose, aside, 30 * separation));
+      eyes.push_back(eye_of(o, view, aside, 30 * separation));
     std::vector<Viewer> viewers;
     for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
     const Stopwatch watch;
@@ -157,7 +192,8 @@ int run(Options& o, const Common& common) {
 }
 
 constexpr std::string_view description =
-    "Draws a scene as one of its cameras sees it. What reflects sharply (metallic 1, roughness 0) or transmits light "
+    "Draws a scene as one of its cameras sees it, or a camera at any point; a scene without cameras is seen whole, from its "
+    "front (+Z), a little to the right and from above. What reflects sharply (metallic 1, roughness 0) or transmits light "
     "is "
     "drawn through an environment map of its own, which is drawn from the middle of the node with the other mirrors' "
     "latest maps in it. A still is drawn in rounds until no map changes by more than 1/255; of --frames only the first "
@@ -184,6 +220,8 @@ Command view_command() {
       .description = std::string(description),
       .examples = {{"envmap view cellar.glb cellar.png --camera entrance -v", "one picture, and what it took"},
                    {"envmap view cellar.glb 'frames/{frame}.png' --frames 0:95 --maps cube", "four seconds"},
+                   {"envmap view model.glb 'turn/{frame}.png' --frames 0:71 --orbit 360 --environment probe.hdr",
+                    "any model, turned round once"},
                    {"envmap view cellar.glb halves.png --show-maps --mirror 'mirror ball:sphere'",
                     "which half of a map shows what; one mirror by a sphere map"},
                    {"envmap view cellar.glb 3d.png --anaglyph 0.065", "for red and cyan glasses"}},
@@ -196,8 +234,19 @@ Command view_command() {
                        "is the frame")
             ->required();
         app.add_option("--format", o->format, "File type, for '-' and names without one (default: png)")->type_name("EXT");
-        app.add_option("--camera", o->camera, "Camera of the scene, by its name or its node's (default: the first)")
-            ->type_name("NAME");
+        app.add_option("--camera", o->camera,
+                       "Camera of the scene, by its name or its node's, or a point in the world (default: the first, or one that "
+                       "sees all)")
+            ->type_name("NAME|X,Y,Z");
+        add_triple(app, "--look-at", o->look_at, "X,Y,Z", false,
+                   "Point in the middle of the picture (default: where the camera looks; of a point, the middle of the scene)");
+        app.add_option("--fov", o->fov, "Angle from the bottom to the top of the picture (default: the camera's, or 40)")
+            ->type_name("DEGREES")
+            ->check(CLI::Range(0.01, 179.0));
+        app.add_option("--orbit", o->orbit,
+                       "Over all --frames, carry the camera round what it looks at, or the middle of the scene (default: 0)")
+            ->type_name("DEGREES")
+            ->check(CLI::Range(-36000.0, 36000.0));
         app.add_option("--width", o->width, "Of the picture (default: 640)")->type_name("N")->check(CLI::Range(1, 16384));
         app.add_option("--height", o->height, "Of the picture (default: 480)")->type_name("N")->check(CLI::Range(1, 16384));
         app.add_option("--samples", o->samples, "Rays a pixel (default: 4)")->type_name("N")->check(CLI::Range(1, 1024));

@@ -42,6 +42,54 @@ TEST_F(View, AMirrorShowsWhatIsBehindTheCamera) {
   }
 }
 
+// The scene's camera stands at (0,0,3) and looks at the origin.
+TEST_F(View, APointIsAsGoodAsACamera) {
+  const auto view = [&](const std::string& to, std::vector<std::string> words) {
+    words.insert(words.begin(), {"view", "scene.gltf", to, "-q", "--width", "48", "--height", "48", "--samples", "1"});
+    succeeds(words);
+  };
+  view("a.exr", {"--camera", "front"});
+  view("b.exr", {"--camera", "0,0,3", "--look-at", "0,0,0", "--fov", "34.37746770784939"});
+  EXPECT_EQ(envmap({"compare", "a.exr", "b.exr", "--from", "sphere", "--max-error", "1e-3"}).status, 0);
+  // Half an orbit ends where a camera on the other side would stand; its second frame is a quarter on, towards +X.
+  view("o{frame}.exr", {"--frames", "0:1", "--orbit", "180", "--look-at", "0,0,1"});
+  view("c.exr", {"--camera", "2,0,1", "--look-at", "0,0,1", "--fov", "34.37746770784939"});
+  EXPECT_EQ(envmap({"compare", "o0001.exr", "c.exr", "--from", "sphere", "--max-error", "1e-3"}).status, 0);
+  EXPECT_NE(envmap({"compare", "o0000.exr", "c.exr", "--from", "sphere", "--max-error", "1e-3"}).status, 0);
+  fails(2, {"view", "scene.gltf", "d.png", "--camera", "1,2,3", "--look-at", "1,2,3"}, {"look at"});
+}
+
+// A bright square of 2 x 2 in the plane z = 0: all of it lies within the picture, and it fills a good part of it.
+TEST_F(View, ASceneWithoutACameraIsSeenWhole) {
+  std::string scene = read("scene.gltf");
+  const auto replace = [&](const std::string& what, const std::string& by) {
+    const auto at = scene.find(what);
+    ASSERT_NE(at, std::string::npos) << what;
+    scene.replace(at, what.size(), by);
+  };
+  replace(R"("nodes":[0,1,2])", R"("nodes":[2])");
+  replace(R"("camera":0,)", "");
+  replace(R"("translation":[0,0,6],"rotation":[0,1,0,0])", R"("translation":[5,0,6])");
+  write("whole.gltf", scene);
+  for (const auto& [width, height] : {std::pair{64, 64}, {96, 32}, {32, 96}}) {
+    const Result r = envmap({"view", "whole.gltf", "w.exr", "--width", std::to_string(width), "--height", std::to_string(height)});
+    ASSERT_EQ(r.status, 0) << r.err;
+    EXPECT_NE(r.err.find("no camera"), std::string::npos) << r.err;
+    const Picture picture = load(path("w.exr"));
+    int lit = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const bool bright = picture.at(x, y)[0] > 0.01;
+        lit += bright;
+        const bool rim = x == 0 || y == 0 || x == width - 1 || y == height - 1;
+        EXPECT_FALSE(rim && bright) << x << ", " << y;
+      }
+    const double least = std::min(width, height);
+    EXPECT_GT(lit, 0.25 * least * least);
+    EXPECT_GT(picture.at(width / 2, height / 2)[0], 0.9);
+  }
+}
+
 TEST_F(View, StreamsAreAsGoodAsFiles) {
   ASSERT_EQ(envmap({"view", "scene.gltf", "a.png", "--width", "8", "--height", "8"}).status, 0);
   ASSERT_EQ(shell("cat scene.gltf | \"$ENVMAP\" view - - --width 8 --height 8 >b.png").status, 0);
@@ -71,15 +119,13 @@ TEST_F(View, FramesAndEyes) {
 }
 
 TEST_F(View, WhatMakesNoSense) {
-  fails(2, {"view", "scene.gltf", "a.png", "--camera", "Nobody"}, {"Nobody", "front"});
+  fails(2, {"view", "scene.gltf", "a.png", "--camera", "Nobody"}, {"Nobody", "front", "X,Y,Z"});
   fails(2, {"view", "scene.gltf", "a.png", "--mirror", "Nobody"}, {"Nobody"});
   fails(2, {"view", "scene.gltf", "a.png", "--mirror", "lamp:latlong"}, {"lamp:latlong"});
   fails(2, {"view", "scene.gltf", "a.txt"}, {"a.txt"});
   fails(2, {"view", "scene.gltf", "a.png", "--frames", "1:2"}, {"{frame}"});
   fails(2, {"view", "scene.gltf", "a.png", "--maps", "latlong"}, {"latlong"});
   fails(4, {"view", "scene.gltf", "nowhere/a.png", "--width", "8", "--height", "8"}, {"nowhere"});
-  write("scene.obj", "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nf 1 2 3\n");
-  fails(3, {"view", "scene.obj", "a.png"}, {"scene.obj", "camera"});
 }
 
 }  // namespace

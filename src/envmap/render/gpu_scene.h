@@ -6,6 +6,7 @@
 
 #include "envmap/render/draw.h"
 #include "envmap/render/gl.h"
+#include "envmap/scene/camera.h"
 
 namespace envmap {
 
@@ -20,11 +21,6 @@ struct Part {
   int material, group;   ///< Group of the material.
   bool holes;            ///< The material has an alpha_cutoff.
   bool double_sided;
-};
-
-struct Ball {
-  Direction centre;
-  double radius;
 };
 
 /// Materials with the same textures on the same mirror, which are shaded together.
