@@ -29,6 +29,9 @@ struct Options {
   std::vector<double> exponents, roughnesses;
 };
 
+std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
+bool has_exponent(Shape shape) { return shape == Shape::phong || shape == Shape::blinn_phong; }
+
 // Of level k of a chain of Phong lobes: a quarter of that before, as texels have four times the area, or more of it, so that
 // the last is no less than 1, Lambert's cosine: below, lobes break off at the horizon, and see no more of the map.
 double exponent_of(double first, int k, int levels) {
@@ -39,13 +42,13 @@ double exponent_of(double first, int k, int levels) {
 
 // What to make for each level: as many as were asked for, or as parameters were given.
 std::vector<Prefilter> levels_of(const Options& o) {
-  std::vector<double> parameters = o.map.shape == Shape::phong ? o.exponents : o.roughnesses;
-  const auto only = [&](bool given, const char* option, Shape shape) {
-    if (given && o.map.shape != shape)
-      throw UsageError(fmt::format("{} is for --lobe {}", option, shape_names[static_cast<std::size_t>(shape)]));
+  std::vector<double> parameters = has_exponent(o.map.shape) ? o.exponents : o.roughnesses;
+  const auto only = [&](bool given, const char* option, bool has, const char* lobes) {
+    if (given && !has) throw UsageError(fmt::format("{} is for --lobe {}", option, lobes));
   };
-  only(o.exponent || !o.exponents.empty(), o.exponent ? "--exponent" : "--exponents", Shape::phong);
-  only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", Shape::ggx);
+  only(o.exponent || !o.exponents.empty(), o.exponent ? "--exponent" : "--exponents", has_exponent(o.map.shape),
+       "phong and blinn-phong");
+  only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", o.map.shape == Shape::ggx, "ggx");
   if (!parameters.empty() && (o.exponent || o.roughness))
     throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
                                 : "--roughness and --roughnesses: give one of them");
@@ -54,15 +57,15 @@ std::vector<Prefilter> levels_of(const Options& o) {
     throw UsageError(fmt::format("--levels {}: {} parameters are given", o.levels, parameters.size()));
   if (parameters.empty()) {
     for (int k = 0; k < o.levels; ++k) {
-      if (o.map.shape == Shape::phong)
+      if (has_exponent(o.map.shape))
         parameters.push_back(exponent_of(o.exponent.value_or(0), k, o.levels));
       else if (o.roughness || o.levels == 1)
         parameters.push_back(o.roughness.value_or(0));
       else
         parameters.push_back(static_cast<double>(k) / (o.levels - 1));
     }
-    if (o.map.shape == Shape::phong && !o.exponent)
-      throw UsageError("--lobe phong: say --exponent M or --exponents A,B,...");
+    if (has_exponent(o.map.shape) && !o.exponent)
+      throw UsageError(fmt::format("--lobe {}: say --exponent M or --exponents A,B,...", name_of(o.map.shape)));
     if (o.map.shape == Shape::ggx && !o.roughness && o.levels == 1)
       throw UsageError("--lobe ggx: say --roughness R, --roughnesses A,B,... or --levels N");
     if (o.roughness && o.levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
@@ -79,21 +82,16 @@ std::vector<Prefilter> levels_of(const Options& o) {
 }
 
 std::string words(const Prefilter& p) {
-  switch (p.shape) {
-    case Shape::diffuse: return "diffuse";
-    case Shape::phong: return fmt::format("phong {:g}", p.parameter);
-    case Shape::ggx: break;
-  }
-  return fmt::format("ggx {:g}", p.parameter);
+  return p.shape == Shape::diffuse ? std::string(name_of(p.shape)) : fmt::format("{} {:g}", name_of(p.shape), p.parameter);
 }
 
 // What the file says of its lobes: one number for each level.
 Facts record(const std::vector<Prefilter>& levels) {
   const Prefilter& first = levels.front();
-  Facts facts{{"lobe", std::string(shape_names[static_cast<std::size_t>(first.shape)])}};
+  Facts facts{{"lobe", std::string(name_of(first.shape))}};
   std::string numbers;
   for (const Prefilter& p : levels) numbers += (numbers.empty() ? "" : ",") + fmt::format("{:g}", p.parameter);
-  if (first.shape == Shape::phong) facts["exponent"] = numbers;
+  if (has_exponent(first.shape)) facts["exponent"] = numbers;
   if (first.shape == Shape::ggx) facts["roughness"] = numbers;
   if (first.scale) facts["scale"] = fmt::format("{:g}", *first.scale);
   return facts;
@@ -216,7 +214,7 @@ int run(Options& o, const Common& common) {
     note(common, fmt::format("{}: prefiltered as the cube of {} that 'convert --filter area' makes of it; errors count from that",
                              o.input, cube.base().height()));
   nlohmann::ordered_json told{{"input", o.input},
-                              {"lobe", shape_names[static_cast<std::size_t>(o.map.shape)]},
+                              {"lobe", name_of(o.map.shape)},
                               {"max_error", o.max_error.value_or(o.map.max_error)}};
   EnvironmentMap made{.levels = {}, .forward = o.map.forward};
   for (const Prefilter& p : wanted) {
@@ -247,7 +245,7 @@ int run(Options& o, const Common& common) {
 Command prefilter_command() {
   return {
       .name = "prefilter",
-      .summary = "Blur a map by a lobe: diffuse, Phong and GGX maps for renderers",
+      .summary = "Blur a map by a lobe: diffuse, Phong, Blinn-Phong and GGX maps for renderers",
       .description =
           "Makes the map of what a surface reflects: for each direction, the environment weighted by the lobe of a "
           "material round it. Radiance is taken as constant over each texel of the input.\n\n"
@@ -256,10 +254,10 @@ Command prefilter_command() {
           "radiance a E. phong: R(r) = k integral L(l) cos(r,l)^M dl with k = (M+1)/(2 pi), or what --scale says. ggx: "
           "the first half of the split sum, R(r) = k integral L(l) D(h) cos(n,l) dl over the same of a white map, with "
           "n = v = r, h half way between r and l, and Trowbridge and Reitz's D of alpha = roughness^2; --brdf-table "
-          "writes the other half. With k = 1 (and phong's own) a white map stays white. Roughness 0 is a mirror: each "
+          "writes the other half. blinn-phong: the same with Blinn's D(h) = cos(n,h)^M, without a table. With k = 1 (and phong's own) a white map stays white. Roughness 0 is a mirror: each "
           "texel is that of the input in its direction. A lobe narrower than a texel of the output leaves gaps between "
           "the texels, as point samples do: choose a larger --size.\n\n"
-          "--levels N makes a chain, level k of a face of --size / 2^k: phong takes M at level 0 and a quarter of it at each "
+          "--levels N makes a chain, level k of a face of --size / 2^k: phong and blinn-phong take M at level 0 and a quarter of it at each "
           "level more, as its texels have four times the area. A chain that would fall below 1, Lambert's cosine, takes equal "
           "ratios that end there: 2048, 790, 304, 117, 45, 17, 6.7, 2.6 and 1 for 9 levels. An M below 1 is that of all levels. "
           "ggx takes roughness 0 to 1 over the levels. --exponents and --roughnesses list them instead.\n\n"
@@ -288,9 +286,9 @@ Command prefilter_command() {
                     "a file for each level: exponents 2048, 790, 304 ... 1"},
                    {"envmap prefilter --brdf-table brdf.exr", "the table that goes with every GGX map"}},
       .keys = with_written({{"input", "INPUT"},
-                            {"lobe", "diffuse, phong or ggx"},
+                            {"lobe", "diffuse, phong, ggx or blinn-phong"},
                             {"max_error", "what --max-error says"},
-                            {"levels[].parameter", "exponent of phong, roughness of ggx, null of diffuse"},
+                            {"levels[].parameter", "exponent of phong and blinn-phong, roughness of ggx, null of diffuse"},
                             {"levels[].size", "height of a face"},
                             {"levels[].method", "how it was worked out"},
                             {"levels[].seconds", "that this took"},
@@ -308,7 +306,7 @@ Command prefilter_command() {
             "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level");
         add_choice(app, "--lobe", o->map.shape, joined(shape_names), one_of<Shape>(shape_names),
                    "The material's lobe (default: diffuse)");
-        app.add_option("--exponent", o->exponent, "Phong's M, 0 to 1e9")->type_name("M")->check(CLI::Range(0.0, 1e9));
+        app.add_option("--exponent", o->exponent, "M of phong and blinn-phong, 0 to 1e9")->type_name("M")->check(CLI::Range(0.0, 1e9));
         app.add_option("--exponents", o->exponents, "One for each level")
             ->type_name("M,...")
             ->delimiter(',')

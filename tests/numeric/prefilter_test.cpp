@@ -29,6 +29,7 @@ double kernel(const Prefilter& p, double cosine) {
   switch (p.shape) {
     case Shape::diffuse: return cosine;
     case Shape::phong: return std::pow(cosine, p.parameter);
+    case Shape::blinn_phong: return std::pow(std::sqrt(0.5 * (1 + cosine)), p.parameter) * cosine;  // n.h of half the angle.
     case Shape::ggx: break;
   }
   const double alpha = p.parameter * p.parameter, nh2 = 0.5 * (1 + cosine);  // The half vector leans half as far.
@@ -95,7 +96,9 @@ const Prefilter lobes[] = {{.shape = Shape::diffuse},
                            {.shape = Shape::phong, .parameter = 3.7},
                            {.shape = Shape::phong, .parameter = 60},
                            {.shape = Shape::ggx, .parameter = 0.35},
-                           {.shape = Shape::ggx, .parameter = 1}};
+                           {.shape = Shape::ggx, .parameter = 1},
+                           {.shape = Shape::blinn_phong, .parameter = 0.8},
+                           {.shape = Shape::blinn_phong, .parameter = 90}};
 
 std::string words(const Prefilter& p) {
   return std::string(shape_names[static_cast<std::size_t>(p.shape)]) + " " + std::to_string(p.parameter);
@@ -134,7 +137,7 @@ TEST_P(EachPrefilter, WhiteStaysWhite) {
   const PrefilterSource prepared(white);
   std::vector<Direction> some;
   for (int face = 0; face < 6; ++face) some.push_back(direction_of({.size = 5}, face, face % 3, 4 - face % 2));
-  for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx})
+  for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx, Shape::blinn_phong})
     for (const double parameter : {0.0, 0.5, 1.0, 1e3, 1e6, 1e8}) {
       const Prefilter p{.shape = shape, .parameter = parameter, .size = 2, .max_error = 1e-2};
       if ((shape == Shape::diffuse && parameter > 0) || (shape == Shape::ggx && parameter > 1)) continue;
@@ -185,6 +188,22 @@ TEST(Prefilter, OneTexelGivesTheLobe) {
   }
 }
 
+// M = 2: cos (1 + cos) / 2 over its integral, 5 pi / 6.
+TEST(Prefilter, BlinnPhongIsItsClosedForm) {
+  const BlinnPhong two(2);
+  for (const double x : {0.0, 1e-6, 0.3, 0.9, 0.9999999, 1.0, 1.5}) {
+    const double c = std::max(0.0, 1 - x);
+    EXPECT_NEAR(two.value(x), 3 * c * (1 + c) / (5 * pi), 1e-15) << x;
+    EXPECT_NEAR(two.missing(x), (3 * c * c + 2 * c * c * c) / 5, 1e-13 * c * c) << x;
+    EXPECT_NEAR(two.share(x), 1 - (3 * c * c + 2 * c * c * c) / 5, 1e-15) << x;
+  }
+  for (const double m : {1e-3, 0.5, 7.0, 300.0, 1e5, 1e9}) {
+    const BlinnPhong lobe(m);
+    EXPECT_NEAR(lobe.missing(0), 1, 1e-12) << m;
+    for (const double x : {1e-10, 1e-4, 0.2, 0.99}) EXPECT_NEAR(lobe.share(x) + lobe.missing(x), 1, 1e-12) << m << " " << x;
+  }
+}
+
 TEST(Prefilter, AGradientKeepsItsMeanAndLosesSlope) {
   // L = a + b y: convolution keeps a and multiplies b with the lobe's first moment, (m+1)/(m+2) for Phong, 2/3 diffuse.
   const EnvironmentMap map = generate(Gradient{Direction(0.5), Direction(1.5)}, Projection::latlong, 128);
@@ -227,6 +246,7 @@ TEST_P(EachPrefilter, SpectralAgreesWithTheExactSum) {
   const PrefilterSource prepared(source);
   for (Prefilter p : {Prefilter{.shape = Shape::phong, .parameter = 500},
                       {.shape = Shape::phong, .parameter = 60},
+                      {.shape = Shape::blinn_phong, .parameter = 800},
                       {.shape = Shape::ggx, .parameter = 0.35, .max_error = 1e-2}}) {
     p.size = 6;
     p.method = Method::spectral;
@@ -356,7 +376,7 @@ TEST(Prefilter, TheExactSumIsTheSameInAnyNumberOfDirectionsAndOfAnyCutTexels) {
     all.push_back(glm::normalize(Direction(std::sin(k), std::cos(3 * k), std::sin(2 * k + 1))));
   for (const Lobe& lobe :
        {Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.2}), Lobe(Phong{7.9}), Lobe(Phong{8}), Lobe(Phong{45}),
-        Lobe(Phong{700}), Lobe(Phong{1e5}), Lobe(Ggx(0.1)), Lobe(Ggx(0.4)), Lobe(Ggx(1))}) {
+        Lobe(Phong{700}), Lobe(Phong{1e5}), Lobe(Ggx(0.1)), Lobe(Ggx(0.4)), Lobe(Ggx(1)), Lobe(BlinnPhong(30))}) {
     const std::vector<Flux> together = exact_prefilter(source, lobe, all), finer = exact_prefilter(cut, lobe, all);
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Flux alone = exact_prefilter(source, lobe, std::span(all).subspan(k, 1))[0];

@@ -26,6 +26,10 @@ HWY_INLINE V rate(const Ggx& l, V x) {
   const V q = hn::Add(hn::Set(d, l.a), hn::Mul(hn::Set(d, l.b), x));
   return hn::Add(hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)), hn::Div(hn::Set(d, 2 * l.b), q));
 }
+HWY_INLINE V rate(const BlinnPhong& l, V x) {
+  const D d;
+  return hn::Add(hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)), hn::Div(hn::Set(d, l.power), hn::Sub(hn::Set(d, 2), x)));
+}
 
 HWY_INLINE V square_of(const ExactSums& sums, std::size_t k, const Direction& p) {
   const D d;

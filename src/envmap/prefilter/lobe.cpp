@@ -1,5 +1,7 @@
 #include "envmap/prefilter/lobe.h"
 
+#include <numbers>
+
 #include "envmap/maths/portable.h"
 
 namespace envmap {
@@ -7,6 +9,26 @@ namespace envmap {
 double Phong::value(double x) const { return x < 1 ? scale() * portable::exp(exponent * portable::log1p(-x)) : 0; }
 double Phong::share(double x) const { return x < 1 ? -portable::expm1((exponent + 1) * portable::log1p(-x)) : 1; }
 double Phong::missing(double x) const { return x < 1 ? portable::exp((exponent + 1) * portable::log1p(-x)) : 0; }
+
+double BlinnPhong::value(double x) const {
+  return x < 1 ? scale * (1 - x) * portable::exp(power * portable::log1p(-0.5 * x)) : 0;
+}
+// With q = 1 - x/2: the integral of (2q - 1) q^p 2 dq.
+double BlinnPhong::share(double x) const {
+  if (x >= 1) return 1;
+  const double log = portable::log1p(-0.5 * x);
+  return 4 * pi * scale *
+         (portable::expm1((power + 1) * log) / (power + 1) - 2 * portable::expm1((power + 2) * log) / (power + 2));
+}
+// With w = 1 - x: the integral of w ((1+w)/2)^p dw.
+double BlinnPhong::rest(double x) const {
+  const double w = 1 - x, log = portable::log1p(w), half = portable::exp(-power * std::numbers::ln2);
+  // The closed form loses what w^2 is below 1, and beyond floats is no more than its largest terms.
+  if ((power + 2) * w < 1e-4) return half * w * w * (0.5 + power * w * (1.0 / 3 + (power - 1) * w / 8));
+  if (power * log > 40)
+    return portable::exp(power * portable::log1p(-0.5 * x)) * (1 + w) * ((1 + w) / (power + 2) - 1 / (power + 1));
+  return half * (portable::expm1((power + 2) * log) / (power + 2) - portable::expm1((power + 1) * log) / (power + 1));
+}
 
 double Ggx::shape(double t) {
   if (t > 0.05) return (t - portable::log1p(t)) / (t * t);

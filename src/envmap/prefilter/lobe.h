@@ -94,7 +94,27 @@ struct Ggx {
   }
 };
 
-using Lobe = std::variant<Cosine, Phong, Ggx>;
-static_assert(RadialLobe<Cosine> && RadialLobe<Phong> && RadialLobe<Ggx>);
+/// Blinn's distribution (1977, "Models of light reflection for computer synthesized pictures"), D(h) ~ cos(n,h)^m, m >= 0, in
+/// the place of Trowbridge and Reitz's: value ~ cos (1 - x/2)^(m/2). About as wide as Phong's of m / 4, and without its step
+/// at the horizon.
+struct BlinnPhong {
+  static constexpr std::string_view name = "blinn-phong", parameter_name = "exponent";
+  double power, scale;  ///< m / 2, and what makes the integral 1.
+
+  explicit BlinnPhong(double exponent) : power(0.5 * exponent), scale(1 / (2 * pi * rest(0))) {}
+  [[nodiscard]] double value(double x) const;
+  [[nodiscard]] double share(double x) const;
+  [[nodiscard]] double missing(double x) const { return x < 1 ? 2 * pi * scale * rest(std::max(0.0, x)) : 0; }
+  [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) + power / (2 - x) : 0; }
+  [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 4 / (power + 2)); }
+  [[nodiscard]] bool convex() const { return true; }
+
+ private:
+  /// Integral of (1-x) (1-x/2)^power from x to 1.
+  [[nodiscard]] double rest(double x) const;
+};
+
+using Lobe = std::variant<Cosine, Phong, Ggx, BlinnPhong>;
+static_assert(RadialLobe<Cosine> && RadialLobe<Phong> && RadialLobe<Ggx> && RadialLobe<BlinnPhong>);
 
 }  // namespace envmap

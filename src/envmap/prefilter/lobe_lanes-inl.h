@@ -174,6 +174,37 @@ HWY_INLINE V third(const Ggx& l, D d, V x, V /*value*/) {
   return ggx_derivative(l, d, x, 18, 24, 3);
 }
 
+// With q = 1 - x/2, c = 1 - x and p the power: value = k c q^p, and by Leibniz's rule, each derivative of q^p brings p / (2q).
+// All keep their sign and rise or fall throughout [0,1].
+template <class D, class V>
+HWY_INLINE V blinn_power(const BlinnPhong& l, D d, V x, double less) {
+  const V log = log2_one_minus(d, hn::Mul(set(d, 0.5), x));
+  return hn::Mul(set(d, l.scale), exp2_small(d, hn::Mul(set(d, l.power - less), log)));
+}
+template <class D, class V>
+HWY_INLINE V value(const BlinnPhong& l, D d, V x) {
+  return hn::Mul(blinn_power(l, d, hn::Min(x, set(d, 1)), 0), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
+}
+// k q^(p - order) x (of_q q + of_cosine c).
+template <class D, class V>
+HWY_INLINE V blinn_derivative(const BlinnPhong& l, D d, V x, double of_q, double of_cosine, int order) {
+  const V q = hn::Sub(set(d, 1), hn::Mul(set(d, 0.5), x)), c = hn::Sub(set(d, 1), x);
+  return hn::Mul(blinn_power(l, d, x, order), hn::Add(hn::Mul(set(d, of_q), q), hn::Mul(set(d, of_cosine), c)));
+}
+template <class D, class V>
+HWY_INLINE V slope(const BlinnPhong& l, D d, V x, V /*value*/) {
+  return blinn_derivative(l, d, x, 1, l.power / 2, 1);
+}
+template <class D, class V>
+HWY_INLINE V second(const BlinnPhong& l, D d, V x, V /*value*/) {
+  return blinn_derivative(l, d, x, l.power, l.power * (l.power - 1) / 4, 2);
+}
+template <class D, class V>
+HWY_INLINE V third(const BlinnPhong& l, D d, V x, V /*value*/) {
+  const double p = l.power, k = p * std::abs(p - 1) / 4;
+  return blinn_derivative(l, d, x, 3 * k, k * (p - 2) / 2, 3);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace envmap::prefiltering
 HWY_AFTER_NAMESPACE();

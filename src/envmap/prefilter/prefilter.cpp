@@ -115,11 +115,12 @@ struct Making {
 }  // namespace
 
 Lobe lobe_of(const Prefilter& p) {
+  if ((p.shape == Shape::phong || p.shape == Shape::blinn_phong) && !(p.parameter >= 0 && p.parameter <= 1e9))
+    throw UsageError("an exponent is from 0 to 1e9");
   switch (p.shape) {
     case Shape::diffuse: return Cosine{};
-    case Shape::phong:
-      if (!(p.parameter >= 0 && p.parameter <= 1e9)) throw UsageError("a Phong exponent is from 0 to 1e9");
-      return p.parameter == 1 ? Lobe(Cosine{}) : Lobe(Phong{p.parameter});
+    case Shape::phong: return p.parameter == 1 ? Lobe(Cosine{}) : Lobe(Phong{p.parameter});
+    case Shape::blinn_phong: return p.parameter == 0 ? Lobe(Cosine{}) : Lobe(BlinnPhong(p.parameter));
     case Shape::ggx: break;
   }
   if (!(p.parameter >= 0 && p.parameter <= 1)) throw UsageError("a roughness is from 0 to 1");

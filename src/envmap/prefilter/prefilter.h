@@ -14,8 +14,8 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-enum class Shape { diffuse, phong, ggx };
-inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name};
+enum class Shape { diffuse, phong, ggx, blinn_phong };
+inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name};
 
 enum class Method { automatic, exact, hierarchical, spectral };
 inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral"};
@@ -26,9 +26,10 @@ inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchic
 ///   phong    R(r) = k integral of L(l) cos(r,l)^m dl; k = (m + 1) / (2 pi) if nothing is said
 ///   ggx      R(r) = k integral of L(l) D(h) cos(n,l) dl / integral of D(h) cos(n,l) dl, with n = v = r, h half way
 ///            between r and l, D Trowbridge and Reitz's, a = roughness^2
+///   blinn-phong  the same with D(h) = cos(n,h)^m
 struct Prefilter {
   Shape shape = Shape::diffuse;
-  double parameter = 0;         ///< Exponent m, or perceptual roughness from 0 to 1.
+  double parameter = 0;         ///< Exponent m of phong and blinn-phong, or perceptual roughness from 0 to 1.
   std::optional<double> scale;  ///< k; otherwise white stays 1.
   Projection to = Projection::cube;
   int size = 64;  ///< Height of a face.

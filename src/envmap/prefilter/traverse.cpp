@@ -39,6 +39,7 @@ constexpr double rounding = 1 + 1e-5;
 // x from which evaluate() has the lobe itself: below, value() is held down.
 HWY_INLINE V lowest(const Cosine&) { return set(D(), -1e30); }
 HWY_INLINE V lowest(const Phong& l) { return set(D(), -0.69 / std::max(1e-30, l.exponent)); }
+HWY_INLINE V lowest(const BlinnPhong& l) { return set(D(), -1.38 / std::max(1e-30, l.power)); }
 HWY_INLINE V lowest(const Ggx& l) { return set(D(), -0.5 * l.a / l.b); }
 
 // As many as a vector has, from lane n on. @param middle what centres are counted from. @param slack what they may be off.
