@@ -111,7 +111,8 @@ std::string main_page(const std::vector<Command>& commands) {
          roff(
              "Environment maps are HDR images of all directions around a point. Pixels are linear RGB radiance. The "
              "frame is "
-             "right-handed with +Y up; +Z lies at the centre of latlong and angular images. A file name '-' is "
+             "right-handed with +Y up; +Z lies at the centre of latlong and angular images. Projections may be called equirect or "
+            "equirectangular (latlong), cubemap (cube), mirrorball (sphere) and lightprobe (angular), too. A file name '-' is "
              "standard input or "
              "output (EXR, of pictures PNG, unless --format says another). Output files appear whole or not at all, and the same command gives the same bytes at any number "
              "of threads.") +

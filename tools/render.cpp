@@ -84,6 +84,7 @@ int run(Options& o, const Common& common) {
     write_one_map(path, all_rows_of(drawn.radiance), o.write, "write", common);
   }
   if (depfile) depfile->commit();
+  tell_darkness(loaded, o.scene);
   tell_rate(frames, seconds, common);
   return 0;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <regex>
 
 #include "envmap/base/error.h"
@@ -70,6 +71,12 @@ LoadedScene load(const SceneOptions& o, const Common& common) {
   loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read, common).map, glossy_size,
                                                      progress_line(common, "light of the environment"));
   return loaded;
+}
+
+void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
+  const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
+  if (!loaded.environment && !o.ambient && loaded.scene.lights.empty() && std::ranges::none_of(loaded.scene.materials, glows))
+    warn(fmt::format("{}: no light in it and none given, so it is black: say --environment MAP or --ambient 1", o.path));
 }
 
 void tell_rate(const Frames& frames, double seconds, const Common& common) {

@@ -48,6 +48,9 @@ struct LoadedScene {
 };
 LoadedScene load(const SceneOptions& options, const Common& common);
 
+/// A line where nothing lights the scene.
+void tell_darkness(const LoadedScene& loaded, const SceneOptions& options);
+
 /// With -v, how many frames a second that was.
 void tell_rate(const Frames& frames, double seconds, const Common& common);
 

@@ -187,6 +187,7 @@ int run(Options& o, const Common& common) {
     write_picture(path, o.width, picture, how);
   }
   if (depfile) depfile->commit();
+  tell_darkness(loaded, o.scene);
   tell_rate(frames, seconds, common);
   return 0;
 }

@@ -39,6 +39,16 @@ TEST_F(Layouts, HaveEachFaceInItsPlaceAndTurn) {
   EXPECT_LT(difference(load(path("default.exr")), cube_directions("column", size)), 1e-6);
 }
 
+TEST_F(Layouts, OfProjectionsHaveTheNamesOfOtherProgramsToo) {
+  generate("a.exr");
+  for (const auto& [alias, ours] : {std::pair{"equirect", "latlong"}, {"equirectangular", "latlong"}, {"cubemap", "cube"},
+                                    {"mirrorball", "sphere"}, {"lightprobe", "angular"}}) {
+    succeeds({"convert", "a.exr", "b.exr", "--to", alias, "-q"});
+    succeeds({"convert", "a.exr", "c.exr", "--to", ours, "-q"});
+    EXPECT_EQ(read("b.exr"), read("c.exr")) << alias;
+  }
+}
+
 TEST_F(Layouts, OfSixFilesAreNamedByFace) {
   generate("face_{face}.exr");
   for (int face = 0; face < 6; ++face) {

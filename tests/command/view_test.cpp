@@ -90,6 +90,15 @@ TEST_F(View, ASceneWithoutACameraIsSeenWhole) {
   }
 }
 
+TEST_F(View, OfASceneWithoutLightSaysSo) {
+  write("dark.obj", "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nf 1 2 3\n");
+  const std::vector<std::string> words{"view", "dark.obj", "d.png", "--width", "8", "--height", "8"};
+  EXPECT_NE(envmap(words).err.find("--environment"), std::string::npos);
+  std::vector<std::string> lit = words;
+  lit.insert(lit.end(), {"--ambient", "1"});
+  EXPECT_EQ(envmap(lit).err.find("--environment"), std::string::npos);
+}
+
 TEST_F(View, StreamsAreAsGoodAsFiles) {
   ASSERT_EQ(envmap({"view", "scene.gltf", "a.png", "--width", "8", "--height", "8"}).status, 0);
   ASSERT_EQ(shell("cat scene.gltf | \"$ENVMAP\" view - - --width 8 --height 8 >b.png").status, 0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "envmap/projection/visit.h"
 
@@ -28,8 +29,16 @@ bool has_forward(Projection p) {
 }
 
 std::optional<Projection> projection_named(std::string_view wanted) {
+  // What other programs call them.
+  static constexpr std::pair<std::string_view, Projection> aliases[] = {{"equirect", Projection::latlong},
+                                                                        {"equirectangular", Projection::latlong},
+                                                                        {"cubemap", Projection::cube},
+                                                                        {"mirrorball", Projection::sphere},
+                                                                        {"lightprobe", Projection::angular}};
   for (const Projection p : all_projections)
     if (wanted == name(p)) return p;
+  for (const auto& [alias, p] : aliases)
+    if (wanted == alias) return p;
   return std::nullopt;
 }
 
