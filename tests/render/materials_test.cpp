@@ -233,6 +233,18 @@ TEST(ClosedForms, AMirrorShowsTheSkyInTheReflectedDirection) {
   });
 }
 
+// What KHR_materials_unlit is read as.
+TEST(ClosedForms, WhatIsUnlitShowsItsColourUnderAnyLight) {
+  const Colour seen(0.25F, 0.5F, 0.75F);
+  const Scene scene = scene_of({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = seen, .ior = 1});
+  const Viewpoint from = camera();
+  const Drawn map = drawn(scene, half(), from);
+  for_each_pixel(from, [&](std::size_t k, const Direction&) {
+    if (map.surfaces[k] == 0) return;
+    EXPECT_LT(difference(rooms::colour_at(map, k), seen), 1e-5);
+  });
+}
+
 TEST(ClosedForms, WhatShinesInTheDarkShowsItsEmission) {
   static const Environment black(map_of([](const Direction&) { return Colour(0); }));
   const Scene scene = scene_of({.roughness = 1, .emissive = Colour(3, 2, 1)});

@@ -85,6 +85,38 @@ const std::string png =
     "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAFUlEQVR4nGP4z8DwHwhB4H/DfyAAAD1XCHmTHjG4AA"
     "AAAElFTkSuQmCC";
 
+// What is not lit shines by itself, and its textures lie as they are scaled, turned a quarter to the left, and moved:
+// (0.25, 0.5) -> (0.5, 1.5) -> (1.5, -0.5) -> (1.6, -0.3).
+TEST_F(SceneTest, UnlitMaterialsAndTransformsOfTextures) {
+  GltfFile file = triangle();
+  file.add<float>({0.25F, 0.5F, 0, 0, 1, 0}, "VEC2", 2);
+  json& primitive = file.document["meshes"][0]["primitives"][0];
+  primitive["attributes"]["TEXCOORD_0"] = file.document["accessors"].size() - 1;
+  primitive["material"] = 0;
+  const json transform = {{"KHR_texture_transform",
+                           {{"offset", {0.1, 0.2}}, {"rotation", 0.5 * pi}, {"scale", {2, 3}}}}};
+  file.document["textures"] = {{{"source", 0}}};
+  file.document["images"] = {{{"uri", "data:image/png;base64," + png}}};
+  file.document["materials"] = {
+      {{"pbrMetallicRoughness",
+        {{"baseColorFactor", {0.1, 0.2, 0.3, 1}}, {"baseColorTexture", {{"index", 0}, {"extensions", transform}}}}},
+       {"emissiveFactor", {1, 1, 1}},
+       {"extensions", {{"KHR_materials_unlit", json::object()}}}}};
+  file.document["extensionsUsed"] = {"KHR_materials_unlit", "KHR_texture_transform"};
+  file.write(folder / "a.gltf");
+  const Scene scene = read_scene(path("a.gltf"));
+  EXPECT_TRUE(scene.unmodelled.empty());
+  const Material& m = scene.materials[0];
+  EXPECT_EQ(m.emissive, Colour(0.1F, 0.2F, 0.3F));
+  EXPECT_EQ(m.emissive_texture, m.base_colour_texture);
+  EXPECT_EQ(glm::vec3(m.base_colour), glm::vec3(0));
+  const std::vector<glm::vec2>& at = scene.meshes[0].coordinates;
+  EXPECT_NEAR(at[0].x, 1.6, 1e-6);
+  EXPECT_NEAR(at[0].y, -0.3, 1e-6);
+  EXPECT_NEAR(at[2].x, 0.1, 1e-6);
+  EXPECT_NEAR(at[2].y, -1.8, 1e-6);
+}
+
 TEST_F(SceneTest, TexturesLieInFilesViewsAndTheDocument) {
   GltfFile file = triangle();
   file.add<float>({0, 0, 1, 0, 0, 1}, "VEC2", 2);

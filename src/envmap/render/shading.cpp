@@ -135,20 +135,22 @@ Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
   const double nv = std::clamp(glm::dot(n, v), 1e-3, 1.0), metallic = s.metallic;
   const Flux base(s.base_colour.x, s.base_colour.y, s.base_colour.z);
   const double smooth = std::pow((s.ior - 1.0) / (s.ior + 1.0), 2), transmitted = s.transmission;
+  const double edge = s.ior > 1 ? 1 : 0;  // Reflected at grazing angles: where nothing is refracted nothing is.
   const Flux dielectric = base * (1 - metallic);
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
   const ScaleBias table = split_sum(nv, s.roughness);
   const double more = 1 - table.scale - table.bias;
-  const auto once = [&](const Flux& f0) { return f0 * table.scale + table.bias; };
-  const auto later = [&](const Flux& f0) {
-    const Flux mean = f0 + (1.0 - f0) / 21.0;
-    return once(f0) * mean / (1.0 - more * mean) * more;
+  const auto once = [&](const Flux& f0, double f90) { return f0 * table.scale + f90 * table.bias; };
+  const auto later = [&](const Flux& f0, double f90) {
+    const Flux mean = f0 + (f90 - f0) / 21.0;
+    return once(f0, f90) * mean / (1.0 - more * mean) * more;
   };
-  const Flux plain(smooth), irradiance = irradiance_over_pi(l, n), rest = 1.0 - once(plain) - later(plain);
+  const Flux plain(smooth), irradiance = irradiance_over_pi(l, n), rest = 1.0 - once(plain, edge) - later(plain, edge);
   Flux sum = Flux(s.emissive) + rest * dielectric * (1 - transmitted) * irradiance +
-             glm::mix(later(plain), later(base), metallic) * irradiance +
-             glm::mix(once(plain), once(base), metallic) * glossy_radiance(l, 2 * glm::dot(n, v) * n - v, s.roughness);
+             glm::mix(later(plain, edge), later(base, 1), metallic) * irradiance +
+             glm::mix(once(plain, edge), once(base, 1), metallic) *
+                 glossy_radiance(l, 2 * glm::dot(n, v) * n - v, s.roughness);
   if (transmitted > 0)
     sum += rest * dielectric * transmitted *
            glossy_radiance(l, glm::refract(-v, n, 1.0 / std::max(1.0F, s.ior)), s.roughness);
@@ -162,8 +164,9 @@ Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
     if (nl <= 0) continue;
     const Direction h = glm::normalize(from + v);
     const double grazing = std::pow(1 - std::clamp(glm::dot(v, h), 0.0, 1.0), 5);
-    const Flux f0 = glm::mix(plain, base, metallic), fresnel = f0 + (1.0 - f0) * grazing;
-    const double diffuse = (1 - smooth - (1 - smooth) * grazing) * (1 - transmitted) / pi;
+    const Flux of_plain = plain + (edge - plain) * grazing;
+    const Flux fresnel = glm::mix(of_plain, base + (1.0 - base) * grazing, metallic);
+    const Flux diffuse = (1.0 - of_plain) * (1 - transmitted) / pi;
     sum += there * nl * (diffuse * dielectric + fresnel * specular(alpha, n, h, nv, nl));
   }
   return Colour(sum);

@@ -69,12 +69,12 @@ float specular(float alpha, vec3 n, vec3 h, float nv, float nl) {
   return a2 / (PI * q * q) * 0.5 / masking;
 }
 
-// By scale and bias of the split sum, for a reflectance at normal incidence.
-vec3 once(vec3 f0, vec2 table) { return f0 * table.x + table.y; }
-vec3 later(vec3 f0, vec2 table) {
+// By scale and bias of the split sum, for a reflectance at normal incidence and at grazing angles.
+vec3 once(vec3 f0, float f90, vec2 table) { return f0 * table.x + f90 * table.y; }
+vec3 later(vec3 f0, float f90, vec2 table) {
   float more = 1 - table.x - table.y;
-  vec3 mean = f0 + (1 - f0) / 21;
-  return once(f0, table) * mean / (1 - more * mean) * more;
+  vec3 mean = f0 + (f90 - f0) / 21;
+  return once(f0, f90, table) * mean / (1 - more * mean) * more;
 }
 
 vec3 shade(Surface s, vec3 v) {
@@ -82,13 +82,14 @@ vec3 shade(Surface s, vec3 v) {
   float nv = clamp(dot(n, v), 1e-3, 1);
   float smooth_part = (s.ior - 1) / (s.ior + 1);
   vec3 plain = vec3(smooth_part * smooth_part), base = s.base_colour.rgb, dielectric = base * (1 - s.metallic);
+  float edge = s.ior > 1 ? 1 : 0;  // Reflected at grazing angles: where nothing is refracted nothing is.
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
   vec2 table = textureLod(split_sum, vec2(nv, s.roughness), 0).rg;
-  vec3 even = irradiance_over_pi(n), rest = 1 - once(plain, table) - later(plain, table);
+  vec3 even = irradiance_over_pi(n), rest = 1 - once(plain, edge, table) - later(plain, edge, table);
   vec3 sum = s.emissive + rest * dielectric * (1 - s.transmission) * even +
-             mix(later(plain, table), later(base, table), s.metallic) * even +
-             mix(once(plain, table), once(base, table), s.metallic) *
+             mix(later(plain, edge, table), later(base, 1, table), s.metallic) * even +
+             mix(once(plain, edge, table), once(base, 1, table), s.metallic) *
                  glossy_radiance(2 * dot(n, v) * n - v, s.roughness);
   if (s.transmission > 0)
     sum += rest * dielectric * s.transmission * glossy_radiance(refract(-v, n, 1 / max(1, s.ior)), s.roughness);
@@ -100,8 +101,8 @@ vec3 shade(Surface s, vec3 v) {
     if (nl <= 0) continue;
     vec3 h = normalize(from + v);
     float grazing = pow(1 - clamp(dot(v, h), 0, 1), 5);
-    vec3 f0 = mix(plain, base, s.metallic), fresnel = f0 + (1 - f0) * grazing;
-    vec3 diffuse = (1 - plain - (1 - plain) * grazing) * (1 - s.transmission) / PI;
+    vec3 of_plain = plain + (edge - plain) * grazing, fresnel = mix(of_plain, base + (1 - base) * grazing, s.metallic);
+    vec3 diffuse = (1 - of_plain) * (1 - s.transmission) / PI;
     sum += there * nl * (diffuse * dielectric + fresnel * specular(alpha, n, h, nv, nl));
   }
   return sum;

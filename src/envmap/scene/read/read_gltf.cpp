@@ -20,13 +20,27 @@ namespace {
 
 constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength", "KHR_lights_punctual",
                                          "KHR_materials_transmission",      "KHR_materials_ior",
-                                         "KHR_mesh_quantization",           "KHR_draco_mesh_compression"};
+                                         "KHR_mesh_quantization",           "KHR_draco_mesh_compression",
+                                         "KHR_materials_unlit",             "KHR_texture_transform"};
+
+// KHR_texture_transform: coordinates are scaled, turned counter-clockwise as seen on the image, and moved.
+struct TextureTransform {
+  glm::dvec2 offset{0}, scale{1};
+  double rotation = 0;
+
+  bool operator==(const TextureTransform&) const = default;
+  [[nodiscard]] glm::vec2 operator()(const glm::vec2& at) const {
+    const double c = std::cos(rotation), s = std::sin(rotation), u = scale.x * at.x, v = scale.y * at.y;
+    return {offset.x + c * u + s * v, offset.y - s * u + c * v};
+  }
+};
 
 struct Reader {
   const GltfDocument& document;
   std::uint64_t pixels_left;  // Of textures.
   Scene scene = {};
   std::vector<std::vector<int>> meshes = {};                  // Of scene.meshes, for each mesh of the document.
+  std::vector<TextureTransform> transforms = {};              // Of each material's textures.
   std::vector<int> nodes = {};                                // In scene.nodes, for each node; -1: not in the scene.
   std::map<std::pair<std::size_t, bool>, int> textures = {};  // By index and whether they are colours.
   int plain_material = -1;                                    // Of primitives that name none.
@@ -82,6 +96,34 @@ int texture(Reader& r, const Field& info, bool colour) {
   return r.textures[key] = static_cast<int>(r.scene.textures.size()) - 1;
 }
 
+TextureTransform transform_of(Reader& r, const Field& info) {
+  const Field extension = info["extensions"]["KHR_texture_transform"];
+  if (extension["texCoord"].index(64, 0) > 0) r.lacks("a second set of texture coordinates");
+  const auto offset = extension["offset"].numbers({0, 0}), scale = extension["scale"].numbers({1, 1});
+  return {{offset[0], offset[1]}, {scale[0], scale[1]}, extension["rotation"].number(0, -1e6, 1e6)};
+}
+
+// What all textures of a material share: coordinates are those of the mesh.
+TextureTransform transform_of(Reader& r, std::initializer_list<Field> infos) {
+  std::optional<TextureTransform> first;
+  for (const Field& info : infos)
+    if (info.there()) {
+      const TextureTransform found = transform_of(r, info);
+      if (first && *first != found) r.lacks("a transform of each texture of a material");
+      if (!first) first = found;
+    }
+  return first.value_or(TextureTransform{});
+}
+
+// KHR_materials_unlit: the base colour is what is seen. It becomes emission, and nothing is reflected.
+void make_unlit(Material& m) {
+  m.emissive = Colour(m.base_colour);
+  m.emissive_texture = m.base_colour_texture;
+  m.base_colour = {0, 0, 0, m.base_colour.w};
+  m.metallic_roughness_texture = -1;
+  m.metallic = 0, m.roughness = 1, m.transmission = 0, m.ior = 1;
+}
+
 Material material(Reader& r, const Field& field) {
   const Field metallic = field["pbrMetallicRoughness"], extensions = field["extensions"];
   Material m{.name = field["name"].text()};
@@ -107,6 +149,9 @@ Material material(Reader& r, const Field& field) {
   if (mode == "BLEND") r.lacks("alpha blending");
   if (field["normalTexture"].there()) r.lacks("normal maps");
   if (field["occlusionTexture"].there()) r.lacks("occlusion maps");
+  r.transforms.push_back(
+      transform_of(r, {metallic["baseColorTexture"], metallic["metallicRoughnessTexture"], field["emissiveTexture"]}));
+  if (extensions["KHR_materials_unlit"].there()) make_unlit(m);
   return m;
 }
 
@@ -205,6 +250,9 @@ void read_mesh(Reader& r, const Field& field) {
                                                                               : plain(r.document, primitive);
     if (mesh.indices.empty()) continue;
     mesh.material = material_of(r, primitive["material"]);
+    if (primitive["material"].there())
+      std::ranges::transform(mesh.coordinates, mesh.coordinates.begin(),
+                             r.transforms[static_cast<std::size_t>(mesh.material)]);
     complete(mesh);
     made.push_back(static_cast<int>(r.scene.meshes.size()));
     r.scene.meshes.push_back(std::move(mesh));
