@@ -1,8 +1,8 @@
 #!/bin/sh
-# A tour of envmap: makes or takes an HDR environment, converts it to every projection, measures what that cost and
-# draws it all as one picture, whose path is the last line printed.
+# A tour of envmap: draws or takes an HDR environment, converts it to every projection, prefilters it, measures what a
+# conversion is off and shows it all as one picture, whose path is the last line printed.
 #
-#   sh samples/tour.sh                          with a generated environment
+#   sh samples/tour.sh                          with the panorama of a scene of our own
 #   sh samples/tour.sh probe.hdr [OPTIONS]      with a map of yours; OPTIONS say how to read it, such as --from angular
 #
 # Installs the Debian packages that are missing and builds first. Writes to out/tour/ only.
@@ -20,12 +20,13 @@ fi
 
 sh "$root/packages.sh"
 cd "$root"
-# As tests/run.sh does, so that one build serves both.
+# As tests/run.sh does, so that one build serves both; of the program alone.
 preset=release
 [ "${CI:-}" != true ] || preset=ci
 log=build/$preset.log
 mkdir -p build
-if ! { cmake --preset "$preset" && cmake --build --preset "$preset"; } >"$log" 2>&1; then
+[ -x "build/$preset/envmap" ] || echo "Building the program: some minutes, the first time; $log tells how far it is."
+if ! { cmake --preset "$preset" && cmake --build --preset "$preset" --target envmap_program; } >"$log" 2>&1; then
   cat "$log" >&2
   exit 1
 fi
@@ -48,8 +49,9 @@ if [ -n "$map" ]; then
   say 'Your map as latlong, 1024x512.'
   show envmap convert "$map" $out/latlong.exr --to latlong --size 512 "$@"
 else
-  say 'A sun, 8 degrees wide, in an overcast sky.'
-  show envmap generate sun $out/latlong.exr --size 512 --direction 2,2,3 --radius 4 --value 100,80,50
+  say 'A scene of our own, the cellar, drawn as a panorama without a display.'
+  show python3 samples/scenes/make.py $out/scenes
+  show envmap render $out/scenes/cellar.glb $out/latlong.exr --to latlong --size 512 --at 0,1.5,0.5 --ambient 0.05
 fi
 show envmap info $out/latlong.exr
 
@@ -58,21 +60,25 @@ for projection in cube sphere paraboloid angular; do
   show envmap convert $out/latlong.exr $out/$projection.exr --to $projection
 done
 
-say 'What each of them lost, read back in the texels of the latlong map.'
-for projection in cube sphere paraboloid angular; do
-  show envmap compare -q $out/$projection.exr $out/latlong.exr --filter bilinear
+say 'What lights rough things: a cube of GGX maps, right to a thousandth in every texel, as an engine loads it.'
+show envmap prefilter $out/latlong.exr $out/ggx.ktx2 --lobe ggx --levels 6 --size 128 -v
+
+say 'Colours that tell the direction, RGB = (direction + 1) / 2: nothing may be mirrored or turned.'
+set --
+show envmap generate directions $out/directions-latlong.exr --to latlong --size 512
+for projection in latlong cube sphere paraboloid angular; do
+  [ $projection = latlong ] ||
+    show envmap convert $out/directions-latlong.exr $out/directions-$projection.exr --to $projection
+  set -- "$@" $out/directions-$projection.exr
 done
+
+say 'How far the converted cube is from one that is worked out from the formula: rms is the error of the whole.'
+show envmap generate directions $out/formula.exr --to cube --size 256
+show envmap compare $out/directions-cube.exr $out/formula.exr
 
 say 'A cube as the tools around it like it: one cross, or six files.'
 show envmap convert $out/cube.exr $out/cross.hdr --layout cross
 show envmap convert $out/cube.exr "$out/face_{face}.exr" --depth half
-
-say 'Colours that tell the direction (RGB = (direction + 1) / 2): nothing may be mirrored or turned.'
-set --
-for projection in latlong cube sphere paraboloid angular; do
-  show envmap generate directions $out/directions-$projection.exr --to $projection --size 128
-  set -- "$@" $out/directions-$projection.exr
-done
 
 say 'All of it as one picture.'
 show envmap preview $out/latlong.exr $out/cube.exr $out/sphere.exr $out/paraboloid.exr $out/angular.exr "$@" \
