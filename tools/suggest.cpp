@@ -66,7 +66,7 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, int argc,
     const std::vector<std::string> left = app.remaining(true);
     for (std::string word : left)
       if (word.size() > 1 && word[0] == '-') {
-        word = word.substr(0, word.find('='));
+        word.resize(std::min(word.find('='), word.size()));
         return fmt::format("unknown option '{}'{}{}", word, closest(word, option_names(*command)), help);
       }
     if (!left.empty()) return fmt::format("'{}': one name too many{}", left.front(), help);

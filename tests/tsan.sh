@@ -1,0 +1,95 @@
+#!/bin/sh
+# Runs the program's commands on small inputs and several threads under the thread sanitizer; the exit status is 0 where it saw
+# no race.
+#
+#   sh tests/tsan.sh
+#
+# The sanitizer must see how oneTBB hands work from thread to thread, so that library is built with it, too: from Debian's
+# source package, which is fetched once, of the version that is installed (apt, without root, into build/tsan). Other
+# libraries are used as they are installed and not looked into; tests/tsan.supp is for what is seen of them all the same.
+set -eu
+
+cd "$(dirname "$0")/.."
+root=$PWD
+mkdir -p build/tsan/onetbb/lists/partial
+cd build/tsan/onetbb
+
+if ! [ -e tbb/libtbb.so.12 ]; then
+  version=$(dpkg-query -W -f '${source:Version}' libtbb12)
+  key=/usr/share/keyrings/debian-archive-keyring.gpg
+  codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
+  for suite in "debian $codename" "debian-security $codename-security"; do
+    echo "deb-src [signed-by=$key] http://deb.debian.org/$suite main"
+  done >sources.list
+  apt="-qq -o Dir::Etc::SourceList=$PWD/sources.list -o Dir::Etc::SourceParts=- -o Dir::State::Lists=$PWD/lists
+       -o Dir::Cache::PkgCache= -o Dir::Cache::SrcPkgCache= -o APT::Sandbox::User=$(id -un)"
+  # shellcheck disable=SC2086  # Words.
+  apt-get $apt update && apt-get $apt source "onetbb=$version"
+  cmake -G Ninja -S onetbb-*/ -B build -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTBB_SANITIZE=thread -DTBB_TEST=OFF -DTBB_STRICT=OFF \
+    -DTBBMALLOC_BUILD=OFF
+  cmake --build build --target tbb
+  ln -sfn build/*_relwithdebinfo tbb
+fi
+export LD_LIBRARY_PATH="$PWD/tbb"
+
+cd "$root"
+cmake --preset tsan
+cmake --build --preset tsan --target envmap_program
+envmap=$root/build/tsan/envmap
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+python3 "$root/samples/scenes/make.py" scenes >/dev/null
+export TSAN_OPTIONS="suppressions=$root/tests/tsan.supp halt_on_error=0 exitcode=66 second_deadlock_stack=1 ${TSAN_OPTIONS:-}"
+
+status=0
+run() {
+  echo "envmap $*"
+  # Randomised addresses can lie where the sanitizer keeps its own memory.
+  setarch -R "$envmap" "$@" --threads 8 || { echo "tests/tsan.sh: exit status $?" >&2; status=1; }
+}
+
+for kind in constant gradient checker directions sun sky sh; do
+  run generate $kind $kind.exr --to latlong --size 64
+done
+run generate checker big.exr --to latlong --size 512
+run generate sky sky.hdr --to latlong --size 64
+for projection in latlong cube sphere paraboloid angular; do
+  for filter in nearest bilinear bicubic trilinear sat ewa area; do
+    run convert sky.exr $projection.exr --to $projection --size 32 --filter $filter
+  done
+  run convert $projection.exr back.exr --to latlong --size 32 --max-error 0.1
+  run mipmap $projection.exr levels.exr
+done
+for format in ktx2 dds hdr pfm tif; do
+  run convert sky.exr sky.$format --to cube --size 32 --clamp
+  run convert sky.$format again.exr --to latlong --size 32
+done
+run convert big.exr big-cube.exr --to cube --size 256 --openexr-envmap --compression zip
+run convert big-cube.exr turned.exr --rotate 10,20,30
+run mipmap big-cube.exr big.ktx2 --zstd --depth half --clamp
+run generate sky small.exr --to cube --size 4
+run prefilter small.exr exact.exr --lobe diffuse --size 4 --method exact
+run prefilter small.exr exact.exr --lobe phong --exponent 50 --size 4 --method exact
+run prefilter small.exr exact.exr --lobe ggx --roughness 0.5 --size 4 --method exact
+for method in auto hierarchical spectral; do
+  run prefilter sky.exr diffuse.exr --lobe diffuse --size 16 --method $method --max-error 0.05
+  run prefilter sky.exr phong.exr --lobe phong --exponent 50 --size 16 --method $method --max-error 0.05
+done
+run prefilter sky.exr ggx.exr --lobe ggx --roughness 0.5 --size 16 --method hierarchical --max-error 0.05
+run prefilter sky.exr chain.ktx2 --lobe ggx --levels 4 --size 32 --max-error 0.05 --brdf-table table.exr --table-size 16 --clamp
+run prefilter sun.exr sun-phong.exr --lobe phong --exponent 1000 --size 32 --max-error 0.05
+run sh sky.exr --order 8 --evaluate sh-back.exr --size 16
+run sh sky.exr --irradiance --window
+run compare sky.exr cube.exr --difference difference.exr --max-rms 100
+run info big.ktx2 --json
+run preview sky.exr sky.png --levels
+for scene in scenes/room-2.glb scenes/cellar.glb; do
+  for projection in latlong cube sphere paraboloid angular; do
+    run render "$scene" scene.exr --at 0.3,1.1,0.2 --to $projection --size 32 --samples 2 --method raycast
+  done
+done
+
+[ $status -ne 0 ] || echo 'no race'
+exit $status
