@@ -138,7 +138,9 @@ Command sh_command() {
             app.add_option("--order", o->order, "The largest degree l (default: 2)")->type_name("N")->check(CLI::Range(0, 200));
             app.add_flag("--irradiance", o->irradiance, "Coefficients of the irradiance, not of the radiance");
             add_choice(app, "--window", o->window, joined(window_names), one_of<Window>(window_names),
-                       "Less ringing round bright lights for less detail (default: none)");
+                       "Less ringing round bright lights for less detail (default: none; --window alone: hann)")
+                ->expected(0, 1)
+                ->default_str("hann");
             app.add_option("--evaluate", o->output, "Write the series as a map, too; below 0 it is cut to 0")
                 ->type_name("OUT");
             add_projection(app, "--to", o->to, "Projection of that map (default: cube)");

@@ -154,6 +154,7 @@ TEST_F(Prefilter, TheWindowThatWasChosenIsStated) {
   EXPECT_GT(report["deringing"]["rms"].get<double>(), 0);
   fails(usage, {"sh", "dark.exr", "--window", "auto", "--order", "21"}, {"--window auto", "20"});
   fails(usage, {"sh", "dark.exr", "--window", "blur"}, {"blur", "hann", "auto"});
+  EXPECT_EQ(envmap({"sh", "dark.exr", "--window"}).out, envmap({"sh", "dark.exr", "--window", "hann"}).out);
 }
 
 TEST_F(Prefilter, SeriesComeBackAsMaps) {
