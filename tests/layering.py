@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Who may include whom: reads the order of the folders from README.md and every #include of src/ and tools/, and fails
+"""Who may include whom: reads the order of the folders from CONTRIBUTING.md and every #include of src/ and tools/, and fails
 on each one that points up, or from a folder to another of the same level.
 
   layering.py ROOT                the check
@@ -18,10 +18,10 @@ KNOWN = set()
 
 def levels(root):
     """Folder -> its level, 0 at the bottom. README draws them: Includes point one way: tools -> (io, render) -> ..."""
-    text = (root / 'README.md').read_text()
+    text = (root / 'CONTRIBUTING.md').read_text()
     drawing = re.search(r'Includes point one way:\s+((?:\(.*?\)|[\w/]+)(?:\s*->\s*(?:\(.*?\)|[\w/]+))+)', text)
     if not drawing:
-        sys.exit('layering: README.md: no line "Includes point one way: tools -> ..."')
+        sys.exit('layering: CONTRIBUTING.md: no line "Includes point one way: tools -> ..."')
     top_down = drawing[1].split('->')
     return {folder: level for level, folders in enumerate(reversed(top_down)) for folder in re.findall(r'[\w/]+', folders)}
 
@@ -32,7 +32,7 @@ def room(path, level):
         return 'tools'
     inside = path.removeprefix('src/envmap/')
     return max((folder for folder in level if inside.startswith(folder + '/')), key=len, default=None) or sys.exit(
-        f'layering: {path}: lies in no folder of the drawing in README.md')
+        f'layering: {path}: lies in no folder of the drawing in CONTRIBUTING.md')
 
 
 def includes(root):
@@ -74,7 +74,7 @@ def turn_round(root, level):
 def check(root, level):
     found = set(pointing_up(root, level))
     for a, b in sorted(found - KNOWN):
-        print(f'layering: {a} includes {b}: that points up (README.md, "Includes point one way")')
+        print(f'layering: {a} includes {b}: that points up (CONTRIBUTING.md, "Includes point one way")')
     for a, b in sorted(KNOWN - found):
         print(f'layering: {a} no longer includes {b}: take it from KNOWN in {sys.argv[0]}')
     return 0 if found == KNOWN else 1

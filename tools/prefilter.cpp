@@ -269,8 +269,8 @@ Command prefilter_command() {
           "takes what is quickest. Every texel has its own error figure, and what one method is not sure of is made by the "
           "next, exact at last, so that --max-error holds in every texel, as it is read from the file: where the depth rounds by "
           "more (half by 5e-4, rgb9e5 and Radiance by 2e-3 and 4e-3 of the largest channel), the exit status is 1 and the "
-          "message names a depth that does. The mean is the source's over the sphere. A part of the figure is proved and a part measured: "
-          "see README.md, 'Accuracy'; -v prints the largest.\n\n"
+          "message names a depth that does. The mean is the source's over the sphere. A part of the estimate is proved and a part measured: "
+          "see envmap-prefilter(7); -v prints the largest.\n\n"
           "--brdf-table: the second half of the split sum for GGX and Smith's height-correlated masking: row by "
           "row perceptual roughness, column by column cos(n,v), both at (i + 0.5) / N; red times F0 plus green is the "
           "part of white light reflected, right to 1e-5.",

@@ -68,7 +68,7 @@ def jobs(n, latlong, cube, angular, envmaps):
                    '-c:v exr -format half -compression zip16 {out}', None)
 
     def levels(name, source, projection, others):
-        # All levels, and beside it what only reads and writes as many: not judged here, see README.md under 'Accuracy'.
+        # All levels, and beside it what only reads and writes as many: not judged here, see envmap-accuracy(7).
         chain = source.with_name(f'{projection}-levels.exr')
         rows = [Row('copy', f'oiiotool -a {chain} -o {{out}}', None)]
         for label, envmap in envmaps:

@@ -5,7 +5,7 @@
 //
 // Map number N has a random projection, size, content (suns of 1e4 to 1e9 at poles, corners, seams and rims, noise,
 // checkers, one lit texel), lobe, error and target. The truth is summed here in float64, by adaptive Gauss panels over every
-// texel of the source, from the definitions in README.md: nothing of the library has a part in it. `quick` takes the
+// texel of the source, from the definitions in envmap-prefilter(7): nothing of the library has a part in it. `quick` takes the
 // library's own exact sum instead, which the slow way is there to check. A line is printed for each map above half its
 // error, and at the end the worst.
 #include <fmt/format.h>

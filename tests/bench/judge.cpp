@@ -119,7 +119,7 @@ int steps_for(const Picture& source, const Picture& result) {
   return std::max(8, static_cast<int>(std::ceil(8 * pitch(result.level) / pitch(source.level))));
 }
 
-// The measures of README.md, 'Accuracy'; rows are summed in order, so that threads change nothing.
+// The measures of envmap-accuracy(7); rows are summed in order, so that threads change nothing.
 void judge(const Picture& source, const Picture& result) {
   struct Sums {
     double weight = 0, error = 0, truth = 0;
