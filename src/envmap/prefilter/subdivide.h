@@ -16,7 +16,12 @@ template <class P, class Add>
 class Subdivision {
  public:
   Subdivision(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found, Add& add)
-      : tree_(tree), lobe_(lobe), criterion_(criterion), found_(found), add_(add) {}
+      : tree_(tree),
+        lobe_(lobe),
+        convex_(std::visit([](const auto& l) { return l.convex(); }, lobe)),
+        criterion_(criterion),
+        found_(found),
+        add_(add) {}
 
   void open(const OpenBlock& block) {
     const Level& source = tree_.source();
@@ -32,9 +37,10 @@ class Subdivision {
     int face;
     Flux radiance;
     double error = 0;  // Of all its parts: they are lit alike and lie in one place, and may all be wrong the same way.
-    bool stepped = false;  // See Judged.
+    bool bent = false;  // See Judged.
   };
 
+  void add_error(double error, bool bent) { found_.add_error(error, bent, convex_, tree_.is_cut()); }
   bool enough() const { return found_.count > criterion_.most_nodes; }
 
   // Four smaller blocks, or the texels.
@@ -43,7 +49,7 @@ class Subdivision {
     if (!nodes) return texels(face, in);
     judge_all(
         *nodes, [&](std::size_t k) { open(face, in.quarters()[k]); return true; },
-        [&](float error, bool stepped) { found_.add_error(error, stepped); });
+        [&](float error, bool bent) { add_error(error, bent); });
   }
   void texels(int face, const Span& in) {
     const Level& source = tree_.source();
@@ -80,12 +86,12 @@ class Subdivision {
           texel({face, cells.radiance[k]}, cells.rects[k]);
           return true;
         },
-        [&](float error, bool stepped) { found_.add_error(error, stepped); });
+        [&](float error, bool bent) { add_error(error, bent); });
     cells.count = 0;
   }
   void texel(Texel part, const Rect& rect) {
     cut(part, rect, 0);
-    found_.add_error(part.error, part.stepped);
+    add_error(part.error, part.bent);
   }
   // What is too large for simple moments is cut without a look at it.
   void cut(Texel& texel, const Rect& rect, int depth) {
@@ -107,7 +113,7 @@ class Subdivision {
           if (!last) cut(texel, parts[k], depth + 1);
           return !last;
         },
-        [&](float error, bool stepped) { texel.error += error, texel.stepped |= stepped; });
+        [&](float error, bool bent) { texel.error += error, texel.bent |= bent; });
   }
 
   // Of nodes that are not good enough worse(k) says whether it did something about them.
@@ -122,7 +128,7 @@ class Subdivision {
         found_.add_least(criterion_, nodes[k].flux, v.least[k]);
       } else {
         ++found_.count;
-        add_error(v.error[k], v.stepped >> k & 1);
+        add_error(v.error[k], v.bent >> k & 1);
         add_(nodes[k]);
       }
     }
@@ -130,6 +136,7 @@ class Subdivision {
 
   const Tree& tree_;
   const Lobe& lobe_;
+  const bool convex_;
   Criterion& criterion_;
   Traversal& found_;
   Add& add_;

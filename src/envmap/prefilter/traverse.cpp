@@ -100,7 +100,7 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   const auto finite = hn::And(hn::Lt(bent, set(d, 1e36)), hn::Lt(twisted, set(d, 1e36)));
   const auto taylor = hn::And(hn::And(hn::Lt(hi, one), known), finite);
   const V series = hn::IfThenElse(taylor, hn::Min(any, smooth), any);
-  if (!lobe.convex()) found.stepped |= bits_of(hn::Ge(series, any)) << n;
+  found.bent |= bits_of(hn::Ge(series, any)) << n;
   const V error = hn::Mul(hn::Mul(flux, set(d, rounding)), series);
   hn::Store(error, d, &found.error[n]);
   found.good |= bits_of(hn::And(visible, hn::Le(error, limit))) << n;
@@ -152,7 +152,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
           found.add_least(criterion, {group.flux[0][n], group.flux[1][n], group.flux[2][n], group.flux[3][n]}, v.least[n]);
         } else {
           ++found.count;
-          found.add_error(v.error[n], v.stepped >> n & 1);
+          found.add_error(v.error[n], v.bent >> n & 1, lobe.convex(), tree.is_cut());
           found.nodes.push_back(&tree.blocks(e.k).node(e.face, i, j));
           fetch(found.nodes.back());
         }

@@ -55,7 +55,7 @@ struct Criterion {
 struct Judged {
   unsigned visible = 0;                ///< Above the horizon.
   unsigned good = 0;                   ///< And good enough.
-  unsigned stepped = 0;                ///< All that is known of the error is what the lobe falls by.
+  unsigned bent = 0;                   ///< The lobe is no smooth function over the node: the horizon crosses it, or it is wide.
   alignas(64) NodeGroup::Lanes error;  ///< Bounds of what good ones are off, relative to the result.
   alignas(64) NodeGroup::Lanes least;  ///< The lobe, at least, while surveying.
 };
@@ -85,12 +85,19 @@ struct OpenBlock {
   int face, i, j;
 };
 
+/// What many nodes are off together, as a part of the root of the sum of squares of their bounds: where the lobe is smooth over
+/// them, where it is not, and of parts of one texel, which are lit alike and may be off the same way. Measured: see treecode.h.
+struct EitherWay {
+  static constexpr double smooth = 0.05, bent = 0.1, alike = 0.2;
+};
+
 /// What a traversal found. Kept between traversals for its memory.
 struct Traversal {
   std::vector<const Node*> nodes;
   std::vector<OpenBlock> opened;
-  double stepped;             ///< Sum of the bounds of nodes that a step of the lobe may cut, all off the same way.
-  double sum, power, largest;  ///< Of the bounds of others, of their squares.
+  double stepped;       ///< Sum of the bounds of nodes that a step of the lobe may cut, all off the same way.
+  double sum, largest;  ///< Of the bounds of others.
+  double power;         ///< Sum of the squares of what they are off either way.
   NodeFlux got;                ///< What directions get at least of the nodes.
   std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
 
@@ -100,13 +107,14 @@ struct Traversal {
     count = 0;
     got = {};
   }
-  void add_error(double error, bool is_stepped) {
-    if (is_stepped) {
+  void add_error(double error, bool bent, bool convex, bool alike) {
+    if (bent && !convex) {
       stepped += error;
       return;
     }
+    const double either = (alike ? EitherWay::alike : bent ? EitherWay::bent : EitherWay::smooth) * error;
     sum += error;
-    power += error * error;
+    power += either * either;
     largest = std::max(largest, error);
   }
   void add_least(Criterion& criterion, const NodeFlux& flux, float value) {

@@ -24,10 +24,9 @@
 namespace envmap::prefiltering {
 
 /// What nodes together are off, by their bounds: the sum of them or, where that is less, those that a step of the lobe cuts,
-/// the largest of the others, and `either_way` x the root of the sum of squares of those. A step that runs along texels is off
-/// the same way in all of them.
+/// the largest of the others for certain, and all of those as errors of either sign (EitherWay). A step that runs along texels
+/// is off the same way in all of them.
 double error_figure(const Traversal& found);
-inline constexpr double either_way = 0.05;
 
 /// Sets texels whose figure is not below max_error yet: a tile's nodes are opened until its own figure is. Texels that would
 /// take so many nodes that the exact sum is quicker are left as they are. @param out of the projection and size of the target.
