@@ -69,8 +69,8 @@ TEST(SceneSizes, FarFromTheOrigin) {
 TEST(SceneSuns, OfTheLargestFloat) {
   constexpr float sun = 3e38F;
   EnvironmentMap map;
-  map.levels.emplace_back(Projection::latlong, 32);
-  for (int j = 0; j < 32; ++j)
+  map.levels.emplace_back(Projection::latlong, 128);
+  for (int j = 0; j < 128; ++j)
     for (Colour& c : map.base().row(0, j)) c = Colour(1);
   *map.base().texel(0, 40, 9) = Colour(sun);
   const Environment sky(std::move(map));

@@ -433,6 +433,8 @@ TEST(Prefilter, SunsAtPolesCornersSeamsAndRimsAreRightInEveryTexel) {
         Case{Projection::cube, 24, {{0, 0, 1e9F}}, {.shape = Shape::phong, .parameter = 10, .size = 6}},
         Case{Projection::cube, 24, {{23, 11, 1e9F}}, {.size = 6, .max_error = 1e-4}},
         Case{Projection::cube, 16, {{11, 9, 1e9F}}, {.shape = Shape::ggx, .parameter = 0.001, .size = 16}},
+        // A black texel: what is even is known no more, and a lobe of 1e-6 radians looks along all nodes.
+        Case{Projection::cube, 16, {{11, 9, 1e9F}, {2, 3, 0}}, {.shape = Shape::ggx, .parameter = 0.001, .size = 16}},
         Case{Projection::sphere, 64, {{3, 35, 159}, {63, 26, 2.26e6F}, {62, 24, 1.16e6F}}, rim}}) {
     EnvironmentMap map = generate(Constant{Direction(0.5)}, c.projection, c.size);
     for (const Sun& sun : c.suns) *map.base().texel(0, sun.i, sun.j) = Colour(sun.radiance);

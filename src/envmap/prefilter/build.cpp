@@ -66,7 +66,7 @@ Moments parallelogram(const Direction& a, const Direction& b) {
   Moments p;
   p.covariance.add_square(a, 1.0 / 12);
   p.covariance.add_square(b, 1.0 / 12);
-  p.spread = 0.31 * std::sqrt(glm::dot(a, a) + glm::dot(b, b));
+  p.spread = 0.32 * std::sqrt(glm::dot(a, a) + glm::dot(b, b));
   p.reach = 0.51 * std::max(glm::length(a + b), glm::length(a - b));
   return p;
 }

@@ -47,7 +47,7 @@ void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) 
       const V mixed =
           hn::Add(hn::Add(hn::Mul(hn::Set(d, m[1]), xy), hn::Mul(hn::Set(d, m[2]), xz)), hn::Mul(hn::Set(d, m[4]), yz));
       const V variance = hn::Add(hn::Add(hn::Set(d, node.variance), dot(node.slope)), hn::Add(outer, mixed));
-      const V deviation = hn::Sqrt(hn::Max(variance, tiny));
+      const V deviation = hn::Sqrt(hn::Max(hn::Min(variance, hn::Set(d, node.most_variance)), tiny));
       const V near = value(lobe, d, hn::Sub(versine, deviation));
       const V far = value(lobe, d, hn::Add(versine, deviation));
       const V sum = hn::Mul(half, hn::Add(near, far));
@@ -119,6 +119,13 @@ Direction times(const std::array<float, 6>& m, const Direction& v) {
   return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z, m[2] * v.x + m[4] * v.y + m[5] * v.z};
 }
 
+// What the variance may be at most: the a^2 of judge(). Covariances are of float32, whose rounding is more than that where a
+// narrow lobe looks along the node, and would put a point into its peak.
+float most_variance(const Node& node, double distance) {
+  const double a = node.spread * std::min(1.0, distance + 0.5 * (node.reach + node.spread));
+  return static_cast<float>(a * a);
+}
+
 }  // namespace
 
 std::array<double, node_channels> evaluate(const Lobe& lobe, std::span<const SeenNodes> seen) {
@@ -136,7 +143,7 @@ void add_seen(const Node& node, const Direction& middle, std::size_t& count, std
   SeenNodes& s = seen.back();
   const Direction at = node.centre - middle, slope = times(node.covariance, middle);
   s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + (1 - glm::dot(node.centre, node.centre))));
-  s.variance[k] = static_cast<float>(glm::dot(middle, slope));
+  s.variance[k] = std::min(static_cast<float>(glm::dot(middle, slope)), most_variance(node, glm::length(at)));
   for (std::size_t c = 0; c < node_channels; ++c) {
     s.flux[c][k] = node.flux[c];
     s.lean[c][k] = static_cast<float>(glm::dot(Direction(node.dipole[c]), middle));
@@ -147,11 +154,12 @@ void evaluate(const Lobe& lobe, std::span<const TileNode> nodes, Tile& tile) {
   HWY_DYNAMIC_DISPATCH(Evaluate)(lobe, nodes, tile);
 }
 
-TileNode seen_from_tile(const Node& node, const Direction& middle) {
+TileNode seen_from_tile(const Node& node, const Direction& middle, double radius) {
   const Direction at = node.centre - middle, slope = times(node.covariance, middle);
   TileNode seen{};
   seen.sag = static_cast<float>(1 - glm::dot(node.centre, node.centre));
   seen.variance = static_cast<float>(glm::dot(middle, slope));
+  seen.most_variance = most_variance(node, glm::length(at) + radius);
   for (std::size_t k = 0; k < 3; ++k) {
     seen.centre[k] = static_cast<float>(at[static_cast<int>(k)]);
     seen.slope[k] = static_cast<float>(2 * slope[static_cast<int>(k)]);

@@ -14,11 +14,11 @@ namespace envmap::prefiltering {
 /// A node as seen from a tile: everything relative to the tile's middle, worked out in double, so that float32 holds it
 /// for lobes of any width. With offset o from the middle, x = 1 - cos is (|o - centre|^2 + sag) / 2, the variance of the
 /// cosine over the node variance + slope . o + o^T covariance o, the mean cosine of a channel above that of all
-/// (lean + dipole . o) / flux.
+/// (lean + dipole . o) / flux. `most_variance` is what judge() takes for granted of it.
 struct TileNode {
   std::array<float, 3> centre;
   float sag;
-  float variance;
+  float variance, most_variance;
   std::array<float, 3> slope;
   std::array<float, 6> covariance;
   NodeFlux flux;
@@ -26,7 +26,7 @@ struct TileNode {
   std::array<std::array<float, 3>, node_channels> dipole;
 };
 
-TileNode seen_from_tile(const Node& node, const Direction& middle);
+TileNode seen_from_tile(const Node& node, const Direction& middle, double radius);
 
 /// Directions near each other. Offsets from the middle, padded to whole vectors by the caller with what it likes.
 struct Tile {

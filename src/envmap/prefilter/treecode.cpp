@@ -142,8 +142,9 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
     return figure;
   }
   thread_local std::vector<TileNode> seen;
+  const double radius = radius_of(tile);
   const std::optional<double> figure = nodes.find(
-      limit, [&] { seen.clear(); }, [&](const Node& node) { seen.push_back(seen_from_tile(node, tile.middle)); });
+      limit, [&] { seen.clear(); }, [&](const Node& node) { seen.push_back(seen_from_tile(node, tile.middle, radius)); });
   if (!figure) return figure;
   evaluate(job.lobe, seen, tile);
   for (std::size_t k = 0; k < tile.count; ++k)
