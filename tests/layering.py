@@ -17,7 +17,7 @@ KNOWN = set()
 
 
 def levels(root):
-    """Folder -> its level, 0 at the bottom. README draws them: Includes point one way: tools -> (io, render) -> ..."""
+    """Folder -> its level, 0 at the bottom. CONTRIBUTING.md draws them: Includes point one way: tools -> (io, render) -> ..."""
     text = (root / 'CONTRIBUTING.md').read_text()
     drawing = re.search(r'Includes point one way:\s+((?:\(.*?\)|[\w/]+)(?:\s*->\s*(?:\(.*?\)|[\w/]+))+)', text)
     if not drawing:

@@ -1,9 +1,7 @@
 // Outputs where the file system has no files without a name: a temporary file lies beside the output until that is whole.
 #include <sys/stat.h>
 
-#include <chrono>
 #include <csignal>
-#include <thread>
 
 #include "picture.h"
 #include "run.h"
@@ -50,11 +48,7 @@ TEST_F(NoTmpfile, NothingIsLeftByASignal) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGQUIT}) {
     SCOPED_TRACE(signal);
     Background run(*this, {"sh", "-c", "exec env " + envmap_there + "convert in.exr out.exr --to cube --size 2048 --filter area"});
-    const auto writes = [&] { return names().size() > before.size(); };
-    for (int k = 0; k < 500 && !writes(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    EXPECT_TRUE(writes()) << "the run never began to write";
-    run.send(signal);
-    EXPECT_EQ(run.wait().signal, signal);
+    interrupt(run, signal, [&] { return names().size() > before.size(); });
     EXPECT_EQ(files(), before);
   }
 }

@@ -5,11 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <thread>
 
 namespace command_tests {
 namespace {
@@ -172,6 +174,13 @@ std::vector<std::string> CommandTest::names() const {
   std::vector<std::string> all;
   for (const auto& [name, bytes] : files()) all.push_back(name);
   return all;
+}
+
+void interrupt(Background& run, int signal, const std::function<bool()>& writes) {
+  for (int k = 0; k < 500 && !writes(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(writes()) << "the run never began to write";
+  run.send(signal);
+  EXPECT_EQ(run.wait().signal, signal);
 }
 
 }  // namespace command_tests

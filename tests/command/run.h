@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -82,5 +83,8 @@ class Background {
   File in_, out_, err_;
   pid_t process_ = -1;
 };
+
+/// Sends a signal as soon as a run writes, and expects that it ends by it.
+void interrupt(Background& run, int signal, const std::function<bool()>& writes);
 
 }  // namespace command_tests

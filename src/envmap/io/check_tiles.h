@@ -1,4 +1,5 @@
 /// @file
+/// Tiles that a header promises, against the image that they are of.
 #pragma once
 
 #include <fmt/format.h>

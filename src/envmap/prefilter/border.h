@@ -100,7 +100,7 @@ class RoundBorder {
   RoundBorder(const L& lobe, const Direction& r, int face, double nearest)
       : lobe_(lobe), r_(r), face_(face), near_(nearest <= 0 || lobe.missing(nearest) > 0.5) {}
 
-  /// @param reach of the rectangle from its middle.
+  /// @param solid_angle of the rectangle. @param reach of it from its middle.
   [[nodiscard]] double operator()(const Border<P>& border, double solid_angle, double reach, double nearest) const {
     thread_local std::vector<Part> parts;
     parts.clear();

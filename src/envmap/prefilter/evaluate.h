@@ -26,12 +26,14 @@ struct TileNode {
   std::array<std::array<float, 3>, node_channels> dipole;
 };
 
+/// @param radius no direction of the tile is farther from its middle.
 TileNode seen_from_tile(const Node& node, const Direction& middle, double radius);
 
 /// Directions near each other. Offsets from the middle, padded to whole vectors by the caller with what it likes.
 struct Tile {
   static constexpr std::size_t most = 64;
-  Direction middle;  ///< A unit vector.
+  Direction middle;   ///< A unit vector.
+  double radius = 0;  ///< No direction is farther from it.
   std::size_t count = 0;
   alignas(64) std::array<float, most> x, y, z;
   alignas(64) std::array<std::array<float, most>, node_channels> sums;

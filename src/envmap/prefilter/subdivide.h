@@ -16,12 +16,7 @@ template <class P, class Add>
 class Subdivision {
  public:
   Subdivision(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found, Add& add)
-      : tree_(tree),
-        lobe_(lobe),
-        convex_(std::visit([](const auto& l) { return l.convex(); }, lobe)),
-        criterion_(criterion),
-        found_(found),
-        add_(add) {}
+      : tree_(tree), lobe_(lobe), criterion_(criterion), found_(found), add_(add) {}
 
   void open(const OpenBlock& block) {
     const Level& source = tree_.source();
@@ -40,7 +35,6 @@ class Subdivision {
     bool bent = false;  // See Judged.
   };
 
-  void add_error(double error, bool bent) { found_.add_error(error, bent, convex_, tree_.is_cut()); }
   bool enough() const { return found_.count > criterion_.most_nodes; }
 
   // Four smaller blocks, or the texels.
@@ -49,7 +43,7 @@ class Subdivision {
     if (!nodes) return texels(face, in);
     judge_all(
         *nodes, [&](std::size_t k) { open(face, in.quarters()[k]); return true; },
-        [&](float error, bool bent) { add_error(error, bent); });
+        [&](float error, bool bent) { found_.add_error(error, bent); });
   }
   void texels(int face, const Span& in) {
     const Level& source = tree_.source();
@@ -86,12 +80,12 @@ class Subdivision {
           texel({face, cells.radiance[k]}, cells.rects[k]);
           return true;
         },
-        [&](float error, bool bent) { add_error(error, bent); });
+        [&](float error, bool bent) { found_.add_error(error, bent); });
     cells.count = 0;
   }
   void texel(Texel part, const Rect& rect) {
     cut(part, rect, 0);
-    add_error(part.error, part.bent);
+    found_.add_error(part.error, part.bent);
   }
   // What is too large for simple moments is cut without a look at it.
   void cut(Texel& texel, const Rect& rect, int depth) {
@@ -136,7 +130,6 @@ class Subdivision {
 
   const Tree& tree_;
   const Lobe& lobe_;
-  const bool convex_;
   Criterion& criterion_;
   Traversal& found_;
   Add& add_;

@@ -152,7 +152,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
           found.add_least(criterion, {group.flux[0][n], group.flux[1][n], group.flux[2][n], group.flux[3][n]}, v.least[n]);
         } else {
           ++found.count;
-          found.add_error(v.error[n], v.bent >> n & 1, lobe.convex(), tree.is_cut());
+          found.add_error(v.error[n], v.bent >> n & 1);
           found.nodes.push_back(&tree.blocks(e.k).node(e.face, i, j));
           fetch(found.nodes.back());
         }
@@ -192,7 +192,7 @@ Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& node
 }
 
 void traverse(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found) {
-  found.clear();
+  found.clear(std::visit([](const auto& l) { return l.convex(); }, lobe), tree.is_cut());
   HWY_DYNAMIC_DISPATCH(Traverse)(lobe, tree, criterion, found);
 }
 

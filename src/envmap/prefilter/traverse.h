@@ -101,18 +101,20 @@ struct Traversal {
   NodeFlux got;                ///< What directions get at least of the nodes.
   std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
 
-  void clear() {
+  /// @param convex whether the lobe is. @param alike whether texels are parts of larger ones: see Tree::is_cut().
+  void clear(bool convex, bool alike) {
     nodes.clear(), opened.clear();
+    convex_ = convex, alike_ = alike;
     stepped = sum = power = largest = 0;
     count = 0;
     got = {};
   }
-  void add_error(double error, bool bent, bool convex, bool alike) {
-    if (bent && !convex) {
+  void add_error(double error, bool bent) {
+    if (bent && !convex_) {
       stepped += error;
       return;
     }
-    const double either = (alike ? EitherWay::alike : bent ? EitherWay::bent : EitherWay::smooth) * error;
+    const double either = (alike_ ? EitherWay::alike : bent ? EitherWay::bent : EitherWay::smooth) * error;
     sum += error;
     power += either * either;
     largest = std::max(largest, error);
@@ -123,6 +125,9 @@ struct Traversal {
       if (c < 3) criterion.most[c] = std::min(criterion.most[c], 1 / got[c]);
     }
   }
+
+ private:
+  bool convex_ = true, alike_ = false;
 };
 
 /// Goes down from the largest blocks until they are good, or the lowest. @param criterion while surveying `most` falls with

@@ -37,23 +37,19 @@ double tile_radius(const Lobe& lobe) {
       lobe);
 }
 
-double radius_of(const Tile& tile) {
-  double square = 0;
-  for (std::size_t k = 0; k < tile.count; ++k)
-    square = std::max(square, static_cast<double>(tile.x[k] * tile.x[k] + tile.y[k] * tile.y[k] + tile.z[k] * tile.z[k]));
-  return std::sqrt(square);
-}
-
 // Directions -> tile.
 void set_tile(std::span<const Direction> directions, Tile& tile) {
   Direction sum(0);
   for (const Direction& d : directions) sum += d;
   tile.middle = glm::length(sum) > 0.1 ? glm::normalize(sum) : directions[0];
   tile.count = directions.size();
+  double square = 0;
   for (std::size_t k = 0; k < Tile::most; ++k) {
     const Vec3<float> o(directions[std::min(k, tile.count - 1)] - tile.middle);
     tile.x[k] = o.x, tile.y[k] = o.y, tile.z[k] = o.z;
+    square = std::max(square, static_cast<double>(o.x * o.x + o.y * o.y + o.z * o.z));
   }
+  tile.radius = std::sqrt(square);
 }
 
 // Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are: sooner where a lobe
@@ -70,7 +66,7 @@ class TileNodes {
  public:
   TileNodes(const Job& job, const Tile& tile) : job_(job) {
     constexpr auto least = static_cast<float>(1 / floor_of_error);
-    criterion_ = {.middle = tile.middle, .radius = radius_of(tile), .most = {least, least, least, 1}, .surveying = true};
+    criterion_ = {.middle = tile.middle, .radius = tile.radius, .most = {least, least, least, 1}, .surveying = true};
     // The least that any direction gets, from below: first from afar, then closer.
     for (const float gap : {1.F, 0.05F}) {
       criterion_.limit = gap;
@@ -142,9 +138,8 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
     return figure;
   }
   thread_local std::vector<TileNode> seen;
-  const double radius = radius_of(tile);
   const std::optional<double> figure = nodes.find(
-      limit, [&] { seen.clear(); }, [&](const Node& node) { seen.push_back(seen_from_tile(node, tile.middle, radius)); });
+      limit, [&] { seen.clear(); }, [&](const Node& node) { seen.push_back(seen_from_tile(node, tile.middle, tile.radius)); });
   if (!figure) return figure;
   evaluate(job.lobe, seen, tile);
   for (std::size_t k = 0; k < tile.count; ++k)
@@ -176,7 +171,7 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
   set_tile(all, tile);
   std::array<Colour, Tile::most> colours;
   std::optional<double> figure;
-  if (count == 1 || radius_of(tile) <= job.radius) figure = fill(job, limit, tile, colours);
+  if (count == 1 || tile.radius <= job.radius) figure = fill(job, limit, tile, colours);
   if (figure) {
     // The next tile is much the same: what made this one good will do there.
     limit *= std::clamp(0.8 * job.max_error / std::max(*figure, 1e-30), 0.5, 1.5);
