@@ -10,6 +10,7 @@
 #include "envmap/io/picture.h"
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
+#include "envmap/render/raycast.h"
 #include "envmap/scene/camera.h"
 #include "envmap/scene/read/read_scene.h"
 #include "scene_options.h"
@@ -19,11 +20,15 @@ namespace {
 
 using namespace envmap;
 
+// Of drawing what mirrors show.
+enum class Through { maps, rays };
+
 struct Options {
   SceneOptions scene;
   std::string output, camera, format;
   std::vector<std::string> mirrors;
-  Projection maps = Projection::paraboloid;
+  Through method = Through::maps;
+  std::optional<Projection> maps;
   int width = 640, height = 480, samples = 4;
   double exposure = 0;
   std::optional<Direction> look_at;
@@ -34,6 +39,7 @@ struct Options {
 };
 
 constexpr std::string_view lookup_names[] = {"pixel", "vertex"};
+constexpr std::string_view method_names[] = {"maps", "raycast"};
 constexpr std::string_view map_names[] = {"sphere", "paraboloid", "cube"};
 
 // NODE, or NODE:PROJECTION.
@@ -48,9 +54,10 @@ Mirror mirror_named(const Scene& scene, const std::string& text, Projection maps
 }
 
 std::vector<Mirror> mirrors_of(const Options& o, const Scene& scene) {
+  const Projection maps = o.maps.value_or(Projection::paraboloid);
   std::vector<Mirror> all;
-  for (const std::string& text : o.mirrors) all.push_back(mirror_named(scene, text, o.maps));
-  for (const Mirror& found : find_mirrors(scene, o.maps)) {
+  for (const std::string& text : o.mirrors) all.push_back(mirror_named(scene, text, maps));
+  for (const Mirror& found : find_mirrors(scene, maps)) {
     const bool named = std::ranges::any_of(all, [&](const Mirror& m) { return lies_under(scene, found.node, m.node); });
     if (!named) all.push_back(found);
   }
@@ -140,7 +147,65 @@ std::vector<Colour> anaglyph(std::vector<Colour> left, const std::vector<Colour>
   return left;
 }
 
+// Pictures of a moment, one for each eye.
+using Pictures = std::vector<std::vector<Colour>>;
+
+// Through dynamic maps, which stay from frame to frame.
+class MapPainter {
+ public:
+  MapPainter(const Options& o, const Common& common, const LoadedScene& loaded, const std::vector<Mirror>& mirrors,
+             const std::vector<int>& nodes)
+      : options_(o),
+        common_(common),
+        context_(o.scene.context),
+        renderer_(loaded.scene, loaded.environment.get(), nodes),
+        maps_(loaded.scene, mirrors) {
+    if (common.verbose) note(common, context_.renderer());
+  }
+
+  [[nodiscard]] Pictures paint(Shot shot, const std::vector<Eye>& eyes) {
+    std::vector<Viewer> viewers;
+    for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
+    MirrorOptions drawing = options_.drawing;
+    if (!drawing.bounces && !first_) drawing.bounces = 1;
+    first_ = false;
+    maps_.update(renderer_, shot, viewers, drawing, [&](const std::string& line) {
+      if (common_.verbose) note(common_, line);
+    });
+    shot.mirrors = maps_.maps();
+    shot.look = options_.look;
+    Pictures pictures;
+    for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer_, eye.from, shot));
+    return pictures;
+  }
+
+ private:
+  const Options& options_;
+  const Common& common_;
+  Context context_;
+  Renderer renderer_;
+  Mirrors maps_;
+  bool first_ = true;
+};
+
+Pictures cast(const Options& o, const Common& common, const std::vector<int>& mirrors, const Shot& shot,
+              const std::vector<Eye>& eyes) {
+  Pictures pictures;
+  for (const Eye& eye : eyes)
+    pictures.push_back(raycast_picture(
+        shot, eye.from, {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far}, progress_line(common, "cast")));
+  return pictures;
+}
+
+void check(const Options& o) {
+  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.all || o.look.by_vertex || o.look.tinted ||
+                       std::ranges::any_of(o.mirrors, [](const std::string& m) { return m.find(':') != m.npos; });
+  if (o.method == Through::rays && of_maps)
+    throw UsageError("--method raycast draws no maps: leave out --maps, --size, --lookup, --show-maps, --all and NODE:MAP");
+}
+
 int run(Options& o, const Common& common) {
+  check(o);
   const Frames frames = frames_of(o.scene);
   const PictureOptions how{o.format, common.commit};
   if (!is_picture(frames.path(o.output, frames.first), how))
@@ -155,36 +220,23 @@ int run(Options& o, const Common& common) {
   const std::vector<Mirror> mirrors = mirrors_of(o, scene);
   std::vector<int> nodes;
   for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
-  const Context context(o.scene.context);
-  if (common.verbose) note(common, context.renderer());
+  std::optional<MapPainter> painter;
+  if (o.method == Through::maps) painter.emplace(o, common, loaded, mirrors, nodes);
   if (position.is_framed()) note(common, fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
-  Renderer renderer(scene, loaded.environment.get(), nodes);
-  Mirrors maps(scene, mirrors);
   const double separation = o.anaglyph.value_or(0);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
-    Shot shot = loaded.shot(frames.time(frame), o.scene);
+    const Shot shot = loaded.shot(frames.time(frame), o.scene);
     const View view = position.view(shot.pose, static_cast<double>(frame - frames.first) / frames.count());
     std::vector<Eye> eyes;
     for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
       eyes.push_back(eye_of(o, view, aside, 30 * separation));
-    std::vector<Viewer> viewers;
-    for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
     const Stopwatch watch;
-    MirrorOptions drawing = o.drawing;
-    if (!drawing.bounces && frame > frames.first) drawing.bounces = 1;
-    maps.update(renderer, shot, viewers, drawing, [&](const std::string& line) {
-      if (common.verbose) note(common, line);
-    });
-    shot.mirrors = maps.maps();
-    shot.look = o.look;
-    std::vector<std::vector<Colour>> pictures;
-    for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer, eye.from, shot));
+    Pictures pictures = painter ? painter->paint(shot, eyes) : cast(o, common, nodes, shot, eyes);
     seconds += watch.seconds();
     std::vector<Colour> picture = o.anaglyph ? anaglyph(std::move(pictures[0]), pictures[1]) : std::move(pictures[0]);
     for (Colour& c : picture) c *= static_cast<float>(std::exp2(o.exposure));
-    const std::string path = frames.path(o.output, frame);
-    write_picture(path, o.width, picture, how);
+    write_picture(frames.path(o.output, frame), o.width, picture, how);
   }
   if (depfile) depfile->commit();
   tell_darkness(loaded, o.scene);
@@ -202,10 +254,9 @@ constexpr std::string_view description =
     "takes. --mirror adds nodes of any "
     "material, and says how one is mapped: rough metals then use levels prefiltered by GGX.\n\n"
     "Maps are looked up by direction alone, as if all they show were far away: what is near a mirror is out of place "
-    "in "
-    "it. Lenses are thin: light is refracted once, where it enters, and shows the map in that direction; nothing casts "
-    "a "
-    "shadow.\n\n"
+    "in it. Thin walls let light straight through; solids (KHR_materials_volume) bend it once, where it enters. "
+    "--method raycast is the reference: Embree follows rays from mirror to mirror, through walls and through both sides "
+    "of solids, and all is lit by the same formulae. Nothing casts a shadow.\n\n"
     "Only what the picture needs is drawn: the faces or halves that reflected rays can reach, things that they can "
     "see, "
     "at the size that the mirror's pixels can show (unless --size says it); a paraboloid's axis points where the rays "
@@ -251,6 +302,14 @@ Command view_command() {
         app.add_option("--width", o->width, "Of the picture (default: 640)")->type_name("N")->check(CLI::Range(1, 16384));
         app.add_option("--height", o->height, "Of the picture (default: 480)")->type_name("N")->check(CLI::Range(1, 16384));
         app.add_option("--samples", o->samples, "Rays a pixel (default: 4)")->type_name("N")->check(CLI::Range(1, 1024));
+        add_choice(
+            app, "--method", o->method, joined(method_names),
+            [](const std::string& word) -> std::optional<Through> {
+              if (word == "maps") return Through::maps;
+              if (word == "raycast") return Through::rays;
+              return std::nullopt;
+            },
+            "How mirrors find what they show: in dynamic maps, or by rays, the reference (default: maps)");
         app.add_option("--exposure", o->exposure, "Stops (default: 0)")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
         add_choice(
             app, "--maps", o->maps, joined(map_names),
@@ -268,8 +327,7 @@ Command view_command() {
             ->allow_extra_args(false);
         app.add_option("--bounces", o->drawing.bounces,
                        "Rounds in which mirrors draw each other, a frame (default: in the first one until nothing "
-                       "changes by more "
-                       "than 1/255, then 1)")
+                       "changes by more than 1/255, then 1); how often a ray is followed (default: 32)")
             ->type_name("N")
             ->check(CLI::Range(1, 64));
         app.add_option("--near", o->drawing.near, "Nothing nearer to a mirror's middle is in its map (default: 0.01)")

@@ -47,7 +47,7 @@ class Scene:
         return self._add("textures", {"source": source})
 
     def material(self, name, colour=(1, 1, 1), metallic=0.0, roughness=0.8, texture=None, emissive=None, strength=1.0,
-                 transmission=0.0, ior=1.5):
+                 transmission=0.0, ior=1.5, thickness=0.0):
         base = {"baseColorFactor": [*colour, 1], "metallicFactor": metallic, "roughnessFactor": roughness}
         if texture is not None:
             base["baseColorTexture"] = {"index": texture}
@@ -59,6 +59,8 @@ class Scene:
         if transmission:
             extensions["KHR_materials_transmission"] = {"transmissionFactor": transmission}
             extensions["KHR_materials_ior"] = {"ior": ior}
+            if thickness:  # A solid, not a thin wall.
+                extensions["KHR_materials_volume"] = {"thicknessFactor": thickness}
         if extensions:
             made["extensions"] = extensions
             self.json["extensionsUsed"] = sorted({*self.json.get("extensionsUsed", []), *extensions})

@@ -3,6 +3,8 @@
 
 room-2, room-4, room-21   a coloured room whose walls have that many vertices an edge, with a box, a ball and a ring in it
 wire-cube                 the edges of a cube
+ball                      a mirror ball ("ball") on a table
+facing                    a candle between two mirrors that face each other
 cellar                    a furnished cellar with two mirrors ("mirror ball", "mirror ring"), glass, lamps and cameras;
                           the lamp swings, the ring turns and the ball rises (6 s)
 """
@@ -109,8 +111,8 @@ def cellar():
     copper = scene.material("copper", (0.95, 0.64, 0.54), metallic=1.0, roughness=0.2)
     dark = scene.material("door", (0.16, 0.09, 0.05), roughness=0.7)
     mirror = scene.material("mirror", (0.95, 0.95, 0.95), metallic=1.0, roughness=0.0)
-    glass = scene.material("glass", (0.75, 0.95, 0.8), roughness=0.0, transmission=0.9, ior=1.45)
-    wine = scene.material("wine", (0.25, 0.45, 0.2), roughness=0.1, transmission=0.5, ior=1.5)
+    glass = scene.material("glass", (0.75, 0.95, 0.8), roughness=0.0, transmission=0.9, ior=1.45, thickness=0.2)
+    wine = scene.material("wine", (0.25, 0.45, 0.2), roughness=0.1, transmission=0.5, ior=1.5, thickness=0.08)
     wax = scene.material("wax", (0.9, 0.85, 0.7), roughness=0.5)
     flame = scene.material("flame", (0, 0, 0), emissive=(1, 0.55, 0.2), strength=60)
     bulb = scene.material("bulb", (0, 0, 0), emissive=(1, 0.85, 0.6), strength=40)
@@ -183,6 +185,41 @@ def cellar():
     return scene
 
 
+def ball_on_a_table():
+    scene = Scene()
+    wood = scene.material("planks", texture=scene.texture(png(128, 128, planks)), roughness=0.6)
+    wall_colour, floor = scene.material("wall", (0.5, 0.55, 0.6), roughness=0.9), scene.material("floor", (0.3, 0.28, 0.26), roughness=0.9)
+    mirror = scene.material("mirror", (0.95, 0.95, 0.95), metallic=1.0, roughness=0.0)
+    red, green = scene.material("red", (0.8, 0.1, 0.08), roughness=0.4), scene.material("green", (0.1, 0.5, 0.15), roughness=0.4)
+    scene.node("floor", scene.mesh(wall((-2, 0, -2), (4, 0, 0), (0, 0, 4)), floor))
+    for angle in (0, 90, 180, 270):
+        scene.node(f"wall {angle}", scene.mesh(wall((-2, 2.5, -2), (4, 0, 0), (0, -2.5, 0)), wall_colour), rotation=turn((0, 1, 0), angle))
+    scene.node("table", table(scene, wood))
+    scene.node("ball", scene.mesh(ball(0.2, 48), mirror), translation=[0, 1.015, 0])
+    scene.node("box", scene.mesh(moved(box(0.15, 0.15, 0.15), 0.38, 0.89, 0.1), red), rotation=turn((0, 1, 0), 10))
+    scene.node("pole", scene.mesh(moved(box(0.05, 0.4, 0.05), -0.35, 1.015, 0.12), green))
+    scene.light("lamp", "point", 20, (1, 0.95, 0.85), translation=[0.5, 2.2, 1])
+    scene.camera("front", (0.1, 1.3, 1.1), (0, 0.98, 0), 0.8)
+    return scene
+
+
+def facing():
+    """Two mirrors of 2 x 2 m, 2 m apart along X, in a lit room of 6 m."""
+    scene = Scene()
+    mirror = scene.material("mirror", (0.95, 0.95, 0.95), metallic=1.0, roughness=0.0)
+    wax = scene.material("wax", (0.9, 0.3, 0.2), roughness=0.5)
+    wall_colour = scene.material("wall", (0.3, 0.4, 0.5), roughness=0.9)
+    scene.node("floor", scene.mesh(wall((-3, -1, -3), (6, 0, 0), (0, 0, 6), 8), scene.material("floor", (0.4, 0.35, 0.3), roughness=0.9)))
+    for angle in (0, 90, 180, 270):
+        scene.node(f"wall {angle}", scene.mesh(wall((-3, 2, -3), (6, 0, 0), (0, -3, 0)), wall_colour), rotation=turn((0, 1, 0), angle))
+    scene.node("left", scene.mesh(wall((-1, 1, 1), (0, 0, -2), (0, -2, 0)), mirror))
+    scene.node("right", scene.mesh(wall((1, 1, -1), (0, 0, 2), (0, -2, 0)), mirror))
+    scene.node("candle", scene.mesh(moved(box(0.2, 0.8, 0.2), 0.2, -0.4, -0.2), wax))
+    scene.light("lamp", "point", 25, translation=[0, 1.5, 0])
+    scene.camera("between", (0.85, 0.3, 0.8), (-1, -0.1, -0.2), 0.9)
+    return scene
+
+
 def multiplied(a, b):
     """Quaternions: b first."""
     (ax, ay, az, aw), (bx, by, bz, bw) = a, b
@@ -196,6 +233,7 @@ def main():
     folder = sys.argv[1]
     os.makedirs(folder, exist_ok=True)
     for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)), ("wire-cube", wire_cube()),
+                        ("ball", ball_on_a_table()), ("facing", facing()),
                         ("cellar", cellar())):
         scene.save(os.path.join(folder, name + ".glb"))
 

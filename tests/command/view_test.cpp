@@ -2,6 +2,8 @@
 #include "picture.h"
 #include "run.h"
 
+#include <cmath>
+
 namespace command_tests {
 namespace {
 
@@ -40,6 +42,25 @@ TEST_F(View, AMirrorShowsWhatIsBehindTheCamera) {
     EXPECT_NEAR(at[2], 0.25, 0.02);
     EXPECT_NEAR(picture.at(1, 1)[0], 0, 0.02);  // Beside the lamp.
   }
+}
+
+// The lamp of 2 x 2 m at z = 6 is seen in the mirror as if it hung at -6, 9 m from the camera.
+TEST_F(View, RaysShowTheMirroredLampInItsPlace) {
+  succeeds({"view", "scene.gltf", "a.exr", "--method", "raycast", "--width", "64", "--height", "64", "--samples", "1"});
+  const Picture picture = load(path("a.exr"));
+  const double half = 32 * (1.0 / 9) / std::tan(0.3);  // In pixels.
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const double reach = std::max(std::abs(x + 0.5 - 32), std::abs(y + 0.5 - 32));
+      if (std::abs(reach - half) > 0.1) {
+        EXPECT_NEAR(picture.at(x, y)[1], reach < half ? 0.5 : 0, 1e-3) << x << " " << y;
+      }
+    }
+  const std::string line = "\"$ENVMAP\" view scene.gltf -q --method raycast --width 64 --height 48 ";
+  ASSERT_EQ(shell(line + "b.png --threads 1 && " + line + "c.png --threads 3 --bounces 5").status, 0);
+  EXPECT_EQ(read("b.png"), read("c.png"));
+  for (const std::string option : {"--maps=cube", "--size=64", "--show-maps", "--lookup=vertex", "--all", "--mirror=lamp:sphere"})
+    fails(2, {"view", "scene.gltf", "d.png", "--method", "raycast", option}, {"--method raycast", "--lookup"});
 }
 
 // The scene's camera stands at (0,0,3) and looks at the origin.

@@ -39,6 +39,7 @@ const Lit materials[] = {
     {"TexturedMetal", {.metallic = 1, .roughness = 1, .metallic_roughness_texture = 1}, true},
     {"TexturedGlow", {.roughness = 1, .emissive = Colour(2), .emissive_texture = 0}, false},
     {"Glass", {.roughness = 0, .transmission = 1}, true},
+    {"SolidGlass", {.roughness = 0, .transmission = 1, .solid = true}, true},
     {"FrostedGlass", {.roughness = 0.5F, .transmission = 0.8F, .ior = 1.3F}, true},
     {"Masked", {.base_colour_texture = 2, .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, true},
 };

@@ -56,7 +56,8 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
                                  {"extensions",
                                   {{"KHR_materials_emissive_strength", {{"emissiveStrength", 100}}},
                                    {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}},
-                                   {"KHR_materials_ior", {{"ior", 1.33}}}}}},
+                                   {"KHR_materials_ior", {{"ior", 1.33}}},
+                                   {"KHR_materials_volume", {{"thicknessFactor", 0.1}}}}}},
                                 {{"alphaMode", "BLEND"}, {"normalTexture", {{"index", 0}}}}};
   file.document["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_sheen"};
   file.document["meshes"][0]["primitives"].push_back(file.document["meshes"][0]["primitives"][0]);
@@ -69,6 +70,7 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   EXPECT_EQ(m.emissive, Colour(100, 50, 0));
   EXPECT_FLOAT_EQ(m.metallic, 0.25F);
   EXPECT_FLOAT_EQ(m.transmission, 0.75F);
+  EXPECT_TRUE(m.solid);
   EXPECT_FLOAT_EQ(m.ior, 1.33F);
   EXPECT_FLOAT_EQ(m.alpha_cutoff, 0.5F);
   EXPECT_TRUE(m.double_sided);

@@ -20,6 +20,12 @@ std::size_t triangles(const Scene& scene) {
   return count;
 }
 
+bool is_smooth(const Material& m) {
+  // Glass is seldom given a roughness of 0, and shows little of a small one.
+  constexpr float metal = 0.001F, glass = 0.2F;
+  return m.roughness < (m.transmission > 0 ? glass : metal);
+}
+
 Vec2<double> sample_offset(int sample, int samples) {
   // Korobov's lattice with the golden ratio; its first point moved to the middle of its cell.
   const double along = (sample + 0.5) / samples, across = (sample + 0.5) * 0.6180339887498949;

@@ -68,6 +68,9 @@ std::vector<Instance> instances(const Scene& scene);
 /// Of all instances.
 std::size_t triangles(const Scene& scene);
 
+/// Whether a mirror or a lens of this material shows things sharply: metal without roughness, glass of less than 0.2.
+bool is_smooth(const Material& material);
+
 /// Where the map of a node is drawn from: the centre of the box that holds its meshes and those below it; where it has
 /// none, its origin. World.
 Direction centre_of(const Scene& scene, const Pose& pose, int node);

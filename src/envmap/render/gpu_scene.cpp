@@ -26,6 +26,7 @@ struct GpuInstance {
 struct GpuMaterial {
   glm::vec4 base_colour, emissive;
   float metallic, roughness, transmission, ior;
+  glm::vec4 bend;  // x; see shading.glsl.
 };
 struct GpuLight {
   glm::vec4 position, direction, intensity, cone;
@@ -77,7 +78,8 @@ void set_bounds(const Mesh& mesh, Part& part) {
 std::vector<GpuMaterial> materials_of(const Scene& scene) {
   std::vector<GpuMaterial> all;
   for (const Material& m : scene.materials)
-    all.push_back({m.base_colour, {m.emissive, m.alpha_cutoff}, m.metallic, m.roughness, m.transmission, m.ior});
+    all.push_back({m.base_colour, {m.emissive, m.alpha_cutoff}, m.metallic, m.roughness, m.transmission, m.ior,
+                   glm::vec4(m.solid ? 1 / std::max(1.0F, m.ior) : 1, 0, 0, 0)});
   return all;
 }
 

@@ -12,10 +12,6 @@
 namespace envmap {
 namespace {
 
-// Glass is seldom given a roughness of 0, and shows little of a small one.
-constexpr float smooth_metal = 0.001F, smooth_glass = 0.2F;
-
-bool is_smooth(const Material& m) { return m.roughness < (m.transmission > 0 ? smooth_glass : smooth_metal); }
 bool is_mirror(const Material& m) { return (m.metallic > 0.999F || m.transmission > 0) && is_smooth(m); }
 
 // Texels of a rough mirror's map: half of those of its prefiltered levels have no detail to lose.
@@ -82,7 +78,7 @@ Mirror make_mirror(const Scene& scene, int node, Projection to) {
   for (const Instance& instance : instances(scene)) {
     if (!lies_under(scene, instance.node, node)) continue;
     const Material& m = material_of(scene, instance);
-    if (m.transmission > 0) mirror.optics.ior = std::max(1.0F, m.ior);
+    if (m.transmission > 0) mirror.optics.ior = m.solid ? std::max(1.0F, m.ior) : 1;
     if (m.double_sided) mirror.optics.double_sided = true;
     if (!is_smooth(m)) mirror.rough = true;
   }

@@ -1,5 +1,5 @@
 /// @file
-/// The reference among the ways of drawing: a ray for each sample of each texel, through Embree's tree of boxes.
+/// The reference among the ways of drawing: a ray for each sample of each texel.
 #pragma once
 
 #include "envmap/base/progress.h"
@@ -7,14 +7,22 @@
 
 namespace envmap {
 
-/// Each texel shows what its own ray meets first between the spheres `near` and `far`, lit by shade(). Sides that a
-/// material does not show let the ray through (glTF's doubleSided), as do holes of its alpha_cutoff.
-///
-/// Triangles are moved to the viewpoint in double and rounded to float32 there, and so are rays; what a ray meets in a
-/// triangle is found in double. The tree is built anew for each map. The same bytes at any number of threads.
-/// Source: Wald et al. 2014, "Embree: a kernel framework for efficient CPU ray tracing".
-/// @param progress may be empty.
-/// @throws UsageError where Embree runs out of memory.
+/// Each texel shows what its own ray meets first between the spheres `near` and `far`, lit by shade(). The same bytes at any
+/// number of threads. @param progress may be empty. @throws UsageError where there is no memory for the scene's tree.
 Drawn raycast(const Shot& shot, const Viewpoint& from, const Progress& progress = {});
+
+/// How far rays are followed in a picture.
+struct RayPaths {
+  std::vector<int> mirrors;  ///< Nodes whose smooth surfaces (is_smooth()) reflect and let through what is there.
+  int bounces = 32;          ///< So often a ray leaves a mirror or a lens; after that these show the environment.
+  double far = 1000;         ///< Nothing further from the last surface.
+};
+
+/// The picture through from.lens, rows from the top: rays go on from smooth mirrors, through thin walls, and through solids,
+/// which they leave by refraction and by reflection inside. All that Embree meets is lit as scatter() says; what counts for
+/// less than a ten-thousandth of a pixel is taken from the environment, as what rough surfaces reflect.
+/// Source: Whitted 1980, "An improved illumination model for shaded display".
+std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, const RayPaths& paths,
+                                    const Progress& progress = {});
 
 }  // namespace envmap

@@ -56,19 +56,6 @@ Flux irradiance_over_pi(const Lighting& l, const Direction& n) {
   return ambient + glm::max(sum, 0.0);
 }
 
-Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness) {
-  const Flux ambient(l.ambient);
-  if (l.environment == nullptr) return ambient;
-  const double level = std::clamp(roughness, 0.0, 1.0) * glossy_levels;
-  const int lower = std::min(static_cast<int>(level), glossy_levels - 1);
-  const auto at = [&](int k) {
-    if (k == 0) return Flux(background(l.environment, from));
-    return Flux(bilinear(l.environment->light.glossy[k - 1], Cube::locate(from)));
-  };
-  const double part = level - lower;
-  return ambient + (part < 1 ? (1 - part) * at(lower) : Flux(0)) + (part > 0 ? part * at(lower + 1) : Flux(0));
-}
-
 // Bilinear between the centres of the table's texels.
 ScaleBias split_sum(double cosine, double roughness) {
   const std::vector<Colour>& table = split_sum_table();
@@ -116,6 +103,19 @@ double specular(double alpha, const Direction& n, const Direction& h, double nv,
 
 }  // namespace
 
+Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness) {
+  const Flux ambient(l.ambient);
+  if (l.environment == nullptr) return ambient;
+  const double level = std::clamp(roughness, 0.0, 1.0) * glossy_levels;
+  const int lower = std::min(static_cast<int>(level), glossy_levels - 1);
+  const auto at = [&](int k) {
+    if (k == 0) return Flux(background(l.environment, from));
+    return Flux(bilinear(l.environment->light.glossy[k - 1], Cube::locate(from)));
+  };
+  const double part = level - lower;
+  return ambient + (part < 1 ? (1 - part) * at(lower) : Flux(0)) + (part > 0 ? part * at(lower + 1) : Flux(0));
+}
+
 std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
   std::vector<PlacedLight> placed;
   for (const PunctualLight& light : scene.lights) {
@@ -130,7 +130,7 @@ std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
 
 Lighting lighting(const Shot& shot) { return {placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient}; }
 
-Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
+Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Direction& n = s.normal;
   const double nv = std::clamp(glm::dot(n, v), 1e-3, 1.0), metallic = s.metallic;
   const Flux base(s.base_colour.x, s.base_colour.y, s.base_colour.z);
@@ -147,13 +147,12 @@ Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
     return once(f0, f90) * mean / (1.0 - more * mean) * more;
   };
   const Flux plain(smooth), irradiance = irradiance_over_pi(l, n), rest = 1.0 - once(plain, edge) - later(plain, edge);
-  Flux sum = Flux(s.emissive) + rest * dielectric * (1 - transmitted) * irradiance +
-             glm::mix(later(plain, edge), later(base, 1), metallic) * irradiance +
-             glm::mix(once(plain, edge), once(base, 1), metallic) *
-                 glossy_radiance(l, 2 * glm::dot(n, v) * n - v, s.roughness);
-  if (transmitted > 0)
-    sum += rest * dielectric * transmitted *
-           glossy_radiance(l, glm::refract(-v, n, 1.0 / std::max(1.0F, s.ior)), s.roughness);
+  Scattered out{.radiance = Flux(s.emissive) + rest * dielectric * (1 - transmitted) * irradiance +
+                            glm::mix(later(plain, edge), later(base, 1), metallic) * irradiance,
+                .reflected = glm::mix(once(plain, edge), once(base, 1), metallic),
+                .transmitted = rest * dielectric * transmitted,
+                .mirrored = 2 * glm::dot(n, v) * n - v,
+                .refracted = s.solid ? glm::refract(-v, n, 1.0 / std::max(1.0F, s.ior)) : -v};
 
   // A smooth surface shows a punctual light as a spot of finite size.
   const double alpha = std::max(1e-3, static_cast<double>(s.roughness) * s.roughness);
@@ -167,8 +166,15 @@ Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
     const Flux of_plain = plain + (edge - plain) * grazing;
     const Flux fresnel = glm::mix(of_plain, base + (1.0 - base) * grazing, metallic);
     const Flux diffuse = (1.0 - of_plain) * (1 - transmitted) / pi;
-    sum += there * nl * (diffuse * dielectric + fresnel * specular(alpha, n, h, nv, nl));
+    out.radiance += there * nl * (diffuse * dielectric + fresnel * specular(alpha, n, h, nv, nl));
   }
+  return out;
+}
+
+Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
+  const Scattered out = scatter(s, v, l);
+  Flux sum = out.radiance + out.reflected * glossy_radiance(l, out.mirrored, s.roughness);
+  if (s.transmission > 0) sum += out.transmitted * glossy_radiance(l, out.refracted, s.roughness);
   return Colour(sum);
 }
 

@@ -3,7 +3,7 @@
 /// ambient light and an environment. shaders/shading.glsl is the same for the graphics card.
 ///
 /// Nothing casts a shadow, and surfaces light each other only through maps. Sources: "glTF 2.0 Specification", appendix B;
-/// KHR_lights_punctual; KHR_materials_transmission and _ior (thin walls); Karis 2013 (the split sum); Fdez-Aguera 2019, "A
+/// KHR_lights_punctual; KHR_materials_transmission, _ior and _volume; Karis 2013 (the split sum); Fdez-Aguera 2019, "A
 /// multiple-scattering microfacet model for real-time image-based lighting", so that white surfaces of any roughness in a
 /// white environment stay white.
 #pragma once
@@ -25,6 +25,7 @@ struct Surface {
   float metallic = 0, roughness = 1;
   Colour emissive{0};
   float transmission = 0, ior = 1.5F;
+  bool solid = false;  ///< Material::solid.
 };
 
 /// What an environment gives surfaces, made once for it.
@@ -76,7 +77,20 @@ Lighting lighting(const Shot& shot);
 /// Radiance of the environment, without ambient light, from a world direction: black where there is none.
 Colour background(const Environment* environment, const Direction& from);
 
-/// @param towards_viewer unit vector. @return radiance.
+/// What leaves a surface towards the viewer: light of its own and of lights, and parts of what comes from two directions.
+struct Scattered {
+  Flux radiance{0};
+  Flux reflected{0}, transmitted{0};
+  Direction mirrored{0}, refracted{0};  ///< Where that comes from, away from the surface. A thin wall does not bend it.
+};
+
+/// @param towards_viewer unit vector.
+Scattered scatter(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting);
+
+/// Radiance of the environment and of ambient light from a world direction, blurred by roughness.
+Flux glossy_radiance(const Lighting& lighting, const Direction& from, double roughness);
+
+/// scatter() where the environment is all round. @param towards_viewer unit vector. @return radiance.
 Colour shade(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting);
 
 }  // namespace envmap

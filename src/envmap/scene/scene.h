@@ -35,6 +35,7 @@ struct Material {
   Colour emissive{0};                   ///< KHR_materials_emissive_strength is multiplied in.
   int emissive_texture = -1;
   float transmission = 0, ior = 1.5F;  ///< KHR_materials_transmission, KHR_materials_ior.
+  bool solid = false;                   ///< Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
   float alpha_cutoff = 0;              ///< Above 0: what is below it in alpha is a hole.
   bool double_sided = false;
 };

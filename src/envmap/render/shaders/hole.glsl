@@ -5,7 +5,7 @@ uniform bool textured;
 
 bool is_hole(uint triangle, vec3 ray) {
   Triangle t = triangle_of(instance, triangle);
-  float alpha = texelFetch(materials, 3 * material).a;
+  float alpha = texelFetch(materials, 4 * material).a;
   if (textured) alpha *= textureLod(base_colours, t.places * inside(weights_of(t, ray)), 0).a;
-  return alpha < texelFetch(materials, 3 * material + 1).a;
+  return alpha < texelFetch(materials, 4 * material + 1).a;
 }

@@ -37,7 +37,7 @@ void main() {
   // Of surfaces with two sides, the one that is seen.
   if (t.height * y.w > 0) normal = -normal;
 
-  int material = 3 * int(x.w);
+  int material = 4 * int(x.w);
   vec4 glow = texelFetch(materials, material + 1), rest = texelFetch(materials, material + 2);
   Surface surface;
   surface.position = to_world * (far_off * ray);
@@ -48,6 +48,7 @@ void main() {
   surface.emissive = glow.rgb;
   surface.transmission = rest.z;
   surface.ior = rest.w;
+  surface.bend = texelFetch(materials, material + 3).x;
 #if TEXTURES != 0
   vec2 place = t.places * weights;
   vec2 along = change(t, at, ivec2(1, 0), place), down = change(t, at, ivec2(0, 1), place);

@@ -26,6 +26,7 @@ struct Surface {
   float metallic, roughness;
   vec3 emissive;
   float transmission, ior;
+  float bend;  // Of what is let through: 1 / ior of solids, 1 of thin walls.
 };
 
 vec3 irradiance_over_pi(vec3 n) {
@@ -92,7 +93,7 @@ vec3 shade(Surface s, vec3 v) {
              mix(once(plain, edge, table), once(base, 1, table), s.metallic) *
                  glossy_radiance(2 * dot(n, v) * n - v, s.roughness);
   if (s.transmission > 0)
-    sum += rest * dielectric * s.transmission * glossy_radiance(refract(-v, n, 1 / max(1, s.ior)), s.roughness);
+    sum += rest * dielectric * s.transmission * glossy_radiance(refract(-v, n, s.bend), s.roughness);
 
   float alpha = max(1e-3, s.roughness * s.roughness);
   for (int k = 0; k < light_count; ++k) {

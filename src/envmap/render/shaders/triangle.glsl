@@ -2,7 +2,7 @@
 // fast as one, and storage buffers one by one.
 layout(binding = UNIT_CORNERS) uniform samplerBuffer corners;    // Position and u, normal and v; three corners a triangle.
 layout(binding = UNIT_INSTANCES) uniform samplerBuffer instances;  // Three rows to the frame of the map, three to the world's normals.
-layout(binding = UNIT_MATERIALS) uniform samplerBuffer materials;  // Base colour; emissive and alpha_cutoff; metallic, roughness, ...
+layout(binding = UNIT_MATERIALS) uniform samplerBuffer materials;  // Base colour; emissive and alpha_cutoff; metallic, roughness, ...; bend.
 layout(binding = UNIT_BASE_COLOUR) uniform sampler2D base_colours;
 layout(binding = UNIT_METALLIC_ROUGHNESS) uniform sampler2D metallic_roughnesses;
 layout(binding = UNIT_EMISSIVE) uniform sampler2D emissives;

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength", "KHR_lights_punctual",
                                          "KHR_materials_transmission",      "KHR_materials_ior",
+                                         "KHR_materials_volume",
                                          "KHR_mesh_quantization",           "KHR_draco_mesh_compression",
                                          "KHR_materials_unlit",             "KHR_texture_transform"};
 
@@ -143,6 +144,9 @@ Material material(Reader& r, const Field& field) {
   // 0 stands for infinity there, the old metal-like workflow; it reflects everything.
   m.ior = static_cast<float>(extensions["KHR_materials_ior"]["ior"].number(1.5, 0, 1e6));
   if (m.ior < 1) m.ior = m.ior == 0 ? 1e6F : 1;
+  const Field volume = extensions["KHR_materials_volume"];
+  m.solid = volume["thicknessFactor"].number(0, 0, 1e30) > 0;
+  if (m.solid && volume["attenuationDistance"].there()) r.lacks("absorption inside glass");
   m.double_sided = field["doubleSided"].truth(false);
   const std::string mode = field["alphaMode"].text("OPAQUE");
   if (mode == "MASK") m.alpha_cutoff = static_cast<float>(field["alphaCutoff"].number(0.5, 0, 1e6));

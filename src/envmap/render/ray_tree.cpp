@@ -1,0 +1,198 @@
+#include "envmap/render/ray_tree.h"
+
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "envmap/base/error.h"
+#include "envmap/render/texture_sample.h"
+
+namespace envmap {
+namespace {
+
+using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
+using Tree = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
+
+// A mesh in its place, the tree's centre at the origin, axes the world's; counter-clockwise from the front.
+struct Placed {
+  const Scene* scene = nullptr;
+  const Mesh* mesh = nullptr;
+  const Material* material = nullptr;
+  std::vector<glm::vec3> positions;
+  std::vector<std::uint32_t> indices;
+  Rotation normals{1};
+};
+
+Placed place(const Shot& shot, const Direction& centre, const Instance& instance) {
+  Placed p{.scene = &shot.scene, .mesh = &shot.scene.meshes[instance.mesh]};
+  p.material = &shot.scene.materials[p.mesh->material];
+  const Matrix& world = shot.pose[instance.node];
+  const Rotation linear(world);
+  const Direction offset = Direction(world[3]) - centre;
+  p.positions.reserve(p.mesh->positions.size() + 1);
+  for (const glm::vec3& v : p.mesh->positions) p.positions.emplace_back(linear * Direction(v) + offset);
+  p.indices = p.mesh->indices;
+  // The cofactors are the inverse transposed but for its scale, and also there where a node is squashed flat.
+  p.normals =
+      Rotation(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1]));
+  if (glm::determinant(linear) < 0) {
+    // The front of a mirrored triangle is where its corners run clockwise (glTF 2.0, 3.7.4).
+    for (std::size_t k = 0; k + 2 < p.indices.size(); k += 3) std::swap(p.indices[k + 1], p.indices[k + 2]);
+    p.normals *= -1;
+  }
+  return p;
+}
+
+// Where a ray meets the plane of a triangle: what each corner counts for, and whether from the back.
+struct Meeting {
+  std::uint32_t corners[3];
+  Direction weights;
+  double distance;
+  bool back;
+
+  template <class T>
+  [[nodiscard]] T of(const std::vector<T>& values) const {
+    T sum(0);
+    for (int k = 0; k < 3; ++k) sum += static_cast<float>(weights[k]) * values[corners[k]];
+    return sum;
+  }
+};
+
+// Volumes of the ray with the sides (Moeller and Trumbore 1997, symmetric); Embree's own are float32.
+Meeting meet(const Placed& p, std::size_t triangle, const Direction& origin, const Direction& ray) {
+  Meeting m{};
+  Direction corner[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    m.corners[k] = p.indices[3 * triangle + k];
+    corner[k] = Direction(p.positions[m.corners[k]]) - origin;
+  }
+  const Direction normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+  const double slope = glm::dot(normal, ray);
+  m.back = slope > 0;
+  m.distance = glm::dot(normal, corner[0]) / slope;
+  for (int k = 0; k < 3; ++k)
+    m.weights[k] = std::abs(glm::dot(ray, glm::cross(corner[(k + 1) % 3], corner[(k + 2) % 3])));
+  const double sum = m.weights.x + m.weights.y + m.weights.z;
+  m.weights = sum > 0 ? m.weights / sum : Direction(1.0 / 3);
+  return m;
+}
+
+glm::vec4 sample(const Placed& p, int texture, const glm::vec2& at) {
+  return texture < 0 ? glm::vec4(1) : texture_at(p.scene->textures[texture], at);
+}
+
+// What filter() is told of the ray beside what Embree knows.
+struct Query : RTCIntersectContext {
+  Direction origin, ray;
+  Medium medium;
+};
+
+// Called for each hit: a side that is not drawn and a hole let the ray through.
+void filter(const RTCFilterFunctionNArguments* call) {
+  const Placed& p = *static_cast<const Placed*>(call->geometryUserPtr);
+  if (call->N != 1) return;
+  const Query& query = *static_cast<const Query*>(call->context);
+  const Meeting m = meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray);
+  const bool ends_solid = query.medium == Medium::solid && p.material->solid;
+  bool shown = !m.back || p.material->double_sided || ends_solid;
+  if (shown && p.material->alpha_cutoff > 0)
+    shown = p.material->base_colour.w * sample(p, p.material->base_colour_texture, m.of(p.mesh->coordinates)).w >=
+            p.material->alpha_cutoff;
+  if (!shown) call->valid[0] = 0;
+}
+
+Surface surface_at(const Placed& p, const Meeting& m, const Direction& position, const Direction& ray) {
+  const Material& material = *p.material;
+  const glm::vec2 at = m.of(p.mesh->coordinates);
+  const glm::vec4 rough = sample(p, material.metallic_roughness_texture, at);
+  const Flux emissive = Flux(material.emissive) * Flux(Colour(sample(p, material.emissive_texture, at)));
+  Direction normal = p.normals * Direction(m.of(p.mesh->normals)) * (m.back ? -1.0 : 1.0);
+  if (const double length = glm::length(normal); length > 0)
+    normal /= length;
+  else
+    normal = -ray;
+  return {.position = position,
+          .normal = normal,
+          .base_colour = material.base_colour * sample(p, material.base_colour_texture, at),
+          .metallic = material.metallic * rough.z,
+          .roughness = material.roughness * rough.y,
+          .emissive = Colour(emissive),
+          .transmission = material.transmission,
+          .ior = material.ior,
+          .solid = material.solid};
+}
+
+}  // namespace
+
+struct RayTree::World {
+  Direction centre{0};
+  Device device{nullptr, &rtcReleaseDevice};
+  Tree tree{nullptr, &rtcReleaseScene};
+  std::vector<Placed> placed;  // By number of instance; empty where it is left out.
+
+  void add(unsigned number) {
+    Placed& p = placed[number];
+    RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, p.positions.data(), 0,
+                               sizeof(glm::vec3), p.positions.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, p.indices.data(), 0,
+                               3 * sizeof(std::uint32_t), p.indices.size() / 3);
+    rtcSetGeometryUserData(geometry, &p);
+    if (!p.material->double_sided || p.material->alpha_cutoff > 0)
+      rtcSetGeometryIntersectFilterFunction(geometry, filter);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(tree.get(), geometry, number);
+    rtcReleaseGeometry(geometry);
+  }
+};
+
+RayTree::RayTree(const Shot& shot, const Direction& centre, int without) : world_(std::make_unique<World>()) {
+  World& w = *world_;
+  w.centre = centre;
+  w.device.reset(rtcNewDevice(nullptr));
+  if (!w.device) throw UsageError("Embree does not start");
+  w.tree.reset(rtcNewScene(w.device.get()));
+  rtcSetSceneFlags(w.tree.get(), RTC_SCENE_FLAG_ROBUST);
+  const std::vector<Instance> all = instances(shot.scene);
+  w.placed.resize(all.size());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (without >= 0 && lies_under(shot.scene, all[k].node, without)) continue;
+    w.placed[k] = place(shot, centre, all[k]);
+    w.add(static_cast<unsigned>(k));
+  }
+  rtcCommitScene(w.tree.get());
+  if (const RTCError error = rtcGetDeviceError(w.device.get()); error != RTC_ERROR_NONE)
+    throw UsageError(fmt::format("Embree cannot hold the scene (error {})", static_cast<int>(error)));
+}
+
+RayTree::RayTree(RayTree&&) noexcept = default;
+RayTree::~RayTree() = default;
+
+double RayTree::clearance(const Direction& place) { return glm::length(place) / 32768; }
+
+std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ray, double near, double far,
+                                    Medium medium) const {
+  Query query{};
+  rtcInitIntersectContext(&query);
+  query.origin = origin;
+  query.ray = ray;
+  query.medium = medium;
+  RTCRayHit hit{};
+  const glm::vec3 from(origin), along(ray);
+  hit.ray = {.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = static_cast<float>(near),
+             .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = static_cast<float>(far), .mask = ~0U};
+  hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(world_->tree.get(), &query, &hit);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const Placed& p = world_->placed[hit.hit.geomID];
+  const Meeting m = meet(p, hit.hit.primID, origin, ray);
+  // A ray along the triangle's plane meets it where Embree says.
+  const double distance = m.distance > 0 && std::isfinite(m.distance) ? m.distance : static_cast<double>(hit.ray.tfar);
+  return RayHit{.surface = surface_at(p, m, world_->centre + origin + distance * ray, ray),
+                .distance = distance,
+                .instance = static_cast<int>(hit.hit.geomID),
+                .back = m.back};
+}
+
+}  // namespace envmap

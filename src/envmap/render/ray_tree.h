@@ -1,0 +1,48 @@
+/// @file
+/// A scene as rays meet it, in Embree's tree of boxes.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "envmap/render/draw.h"
+#include "envmap/render/shading.h"
+
+namespace envmap {
+
+struct RayHit {
+  Surface surface;
+  double distance;  ///< From the origin of the ray.
+  int instance;     ///< Index into instances().
+  bool back;        ///< Met from the back; the surface's normal faces the ray all the same.
+};
+
+/// What a ray passes through.
+enum class Medium { air, solid };
+
+/// Triangles are moved to a centre in double and rounded to float32 there, and so are rays; what a ray meets in a triangle is
+/// found in double. Source: Wald et al. 2014, "Embree: a kernel framework for efficient CPU ray tracing".
+class RayTree {
+ public:
+  /// @param centre world. @param without the node that is left out with all below it; -1: none.
+  /// @throws UsageError where Embree runs out of memory.
+  RayTree(const Shot& shot, const Direction& centre, int without);
+  RayTree(RayTree&&) noexcept;
+  ~RayTree();
+
+  /// The first that a ray meets. In air sides that a material does not show let it through (glTF's doubleSided); inside a
+  /// solid all sides of solids are there, since that is where it ends. Holes of alpha_cutoff let it through.
+  /// @param origin from the centre. @param ray unit, world.
+  [[nodiscard]] std::optional<RayHit> find(const Direction& origin, const Direction& ray, double near, double far,
+                                           Medium medium = Medium::air) const;
+
+  /// From where rays may start at a place on a surface, so that they do not meet it again: 2^-15 of the place's distance
+  /// from the centre, some hundred times what it was rounded by.
+  [[nodiscard]] static double clearance(const Direction& place);
+
+ private:
+  struct World;
+  std::unique_ptr<World> world_;
+};
+
+}  // namespace envmap
