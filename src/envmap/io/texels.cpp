@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "envmap/io/bc6h.h"
 #include "envmap/io/half.h"
 
 namespace envmap {
@@ -72,6 +73,10 @@ void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to
 
 bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to) {
   const TexelFormat& format = format_of(texels);
+  if (format.depth == Depth::bc6h) {
+    decode_bc6h(from, texels == Texels::bc6h_sfloat, to.size() / static_cast<std::size_t>(format.side), to);
+    return true;
+  }
   if (texels == Texels::rgb9e5 || texels == Texels::rg11b10f) {
     for (std::size_t i = 0; i < to.size(); ++i) {
       std::uint32_t word = 0;

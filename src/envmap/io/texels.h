@@ -11,18 +11,27 @@
 
 namespace envmap {
 
-/// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits.
-enum class Texels { rgba16f, rgba32f, rgb9e5, rgb16f, rgb32f, rg11b10f };
+/// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits; BC6H are blocks.
+enum class Texels { rgba16f, rgba32f, rgb9e5, rgb16f, rgb32f, rg11b10f, bc6h_ufloat, bc6h_sfloat };
 
 struct TexelFormat {
   Texels texels;
   const char* name;
-  int bytes;  ///< Of a texel.
+  int bytes;  ///< Of a texel, or of a block.
   int channels;
   Depth depth;              ///< That holds its values.
   std::uint32_t vulkan;     ///< VkFormat (Vulkan 1.3, "Formats").
   std::uint32_t dxgi;       ///< DXGI_FORMAT; 0 where there is none.
   std::uint32_t type_size;  ///< Bytes of what an API swaps on a big-endian machine: KTX2's typeSize.
+  int side = 1;             ///< Of a block, in texels.
+
+  /// Bytes of a row of texels, or of blocks, and of an image: blocks reach over its right and lower side.
+  [[nodiscard]] std::uint64_t row_bytes(int width) const { return blocks(width) * static_cast<std::uint64_t>(bytes); }
+  [[nodiscard]] std::uint64_t image_bytes(int width, int height) const { return row_bytes(width) * blocks(height); }
+  /// Rows of texels or blocks that so many texels take.
+  [[nodiscard]] std::uint64_t blocks(int length) const {
+    return (static_cast<std::uint64_t>(length) + static_cast<std::uint64_t>(side) - 1) / static_cast<std::uint64_t>(side);
+  }
 };
 
 inline constexpr TexelFormat texel_formats[] = {
@@ -32,6 +41,8 @@ inline constexpr TexelFormat texel_formats[] = {
     {Texels::rgb16f, "half RGB", 6, 3, Depth::half, 90, 0, 2},
     {Texels::rgb32f, "float RGB", 12, 3, Depth::single, 106, 6, 4},
     {Texels::rg11b10f, "B10G11R11", 4, 3, Depth::half, 122, 26, 4},
+    {Texels::bc6h_ufloat, "BC6H UF16", 16, 3, Depth::bc6h, 131, 95, 1, 4},
+    {Texels::bc6h_sfloat, "BC6H SF16", 16, 3, Depth::bc6h, 132, 96, 1, 4},
 };
 
 inline const TexelFormat& format_of(Texels t) { return texel_formats[static_cast<int>(t)]; }
@@ -48,7 +59,8 @@ inline constexpr double largest_rgb9e5 = 65408;
 /// nearest (OpenGL 4.6, 8.5.2). @param texels one of texels_of().
 void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to);
 
-/// @return whether every alpha is 1.
+/// A row of texels, or one of blocks.
+/// @param to as many rows as a block has, next to each other. @return whether every alpha is 1.
 bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to);
 
 }  // namespace envmap

@@ -62,32 +62,50 @@ Rows in_api_orientation(const Rows& rows) {
   return turned;
 }
 
+namespace {
+
+using PutRow = std::function<void(int face, int row, std::span<const Colour> texels)>;
+
+// All rows of the images of a level, from many threads at once. @return whether every alpha is 1.
+bool decode_images(const TexelFormat& format, std::span<const std::byte> bytes, int faces, int width, int height,
+                   const PutRow& put) {
+  const std::size_t row_bytes = format.row_bytes(width), columns = static_cast<std::size_t>(width);
+  const int strips = static_cast<int>(format.blocks(height));
+  std::atomic<bool> opaque{true};
+  tbb::parallel_for(0, faces * strips, [&](int k) {
+    std::vector<Colour> rows(static_cast<std::size_t>(format.side) * columns);
+    if (!decode(format.texels, bytes.subspan(static_cast<std::size_t>(k) * row_bytes, row_bytes), rows)) opaque = false;
+    const int top = k % strips * format.side;
+    for (int j = 0; j < std::min(format.side, height - top); ++j)
+      put(k / strips, top + j, std::span(rows).subspan(static_cast<std::size_t>(j) * columns, columns));
+  });
+  return opaque;
+}
+
+}  // namespace
+
 Level read_texture(const InputFile& file, const TextureFile& t, int stored, const Recognised& base, int number,
                    bool any_alpha) {
   const std::vector<std::byte> bytes = t.bytes(file, stored);
+  const TexelFormat& format = format_of(t.texels);
   const int w = t.level_width(stored), h = t.level_height(stored);
-  const std::size_t row_bytes = static_cast<std::size_t>(w) * static_cast<std::size_t>(format_of(t.texels).bytes);
-  std::atomic<bool> opaque{true};
-  const auto decode_row = [&](std::size_t row, std::span<Colour> out) {
-    if (!decode(t.texels, std::span(bytes).subspan(row * row_bytes, row_bytes), out)) opaque = false;
-  };
+  bool opaque = true;
   Level level = [&] {
     if (t.cube) {
       if (h != face_size(base, number).height)
         throw InputError(fmt::format("is {0}x{0}, not level {1} of {2}x{2}", h, number, base.size));
       Level cube(Projection::cube, h);
-      tbb::parallel_for(0, 6 * h, [&](int k) {
-        const int face = k / h, row = k % h;
+      opaque = decode_images(format, bytes, 6, w, h, [&](int face, int row, std::span<const Colour> texels) {
         const auto out = cube.row(face, is_y_face(face) ? h - 1 - row : row);
-        decode_row(static_cast<std::size_t>(k), out);
+        std::ranges::copy(texels, out.begin());
         if (!is_y_face(face)) std::ranges::reverse(out);
       });
       return cube;
     }
     std::vector<Colour> image(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-    tbb::parallel_for(0, h, [&](int row) {
-      const auto to = static_cast<std::size_t>(t.bottom_up ? h - 1 - row : row) * static_cast<std::size_t>(w);
-      decode_row(static_cast<std::size_t>(row), std::span(image).subspan(to, static_cast<std::size_t>(w)));
+    opaque = decode_images(format, bytes, 1, w, h, [&](int, int row, std::span<const Colour> texels) {
+      const auto to = static_cast<std::ptrdiff_t>(t.bottom_up ? h - 1 - row : row) * w;
+      std::ranges::copy(texels, image.begin() + to);
     });
     const FaceSize face = face_size(base, number);
     const Grid places = grid(base.layout);

@@ -24,15 +24,14 @@ struct TextureFile {
   bool cube = false;
   bool bottom_up = false;  ///< The first row of an image is its lowest.
   Metadata recorded = {};
-  /// Bytes of a level: its rows without padding, face after face +X -X +Y -Y +Z -Z. @throws InputError without file name.
+  /// Bytes of a level: its rows (of texels or blocks) without padding, face after face +X -X +Y -Y +Z -Z. @throws InputError without file name.
   std::function<std::vector<std::byte>(const InputFile& file, int level)> bytes;
 
   [[nodiscard]] int level_width(int level) const { return std::max(1, width >> level); }
   [[nodiscard]] int level_height(int level) const { return std::max(1, height >> level); }
   /// Bytes of one image of a level.
   [[nodiscard]] std::uint64_t image_bytes(int level) const {
-    return static_cast<std::uint64_t>(level_width(level)) * static_cast<std::uint64_t>(level_height(level)) *
-           static_cast<std::uint64_t>(format_of(texels).bytes);
+    return format_of(texels).image_bytes(level_width(level), level_height(level));
   }
 };
 

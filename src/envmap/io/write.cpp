@@ -50,9 +50,11 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
     throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title,
                                  fmt::join(names, " or ")));
   }
-  if (std::ranges::find(held, options.source_depth) != held.end()) return options.source_depth;
+  // What came out of blocks are halves; blocks are written where they are asked for.
+  const Depth source = options.source_depth == Depth::bc6h ? Depth::half : options.source_depth;
+  if (std::ranges::find(held, source) != held.end()) return source;
   for (const Depth d : held)
-    if (d >= options.source_depth) return d;
+    if (d >= source) return d;
   return held.back();
 }
 
