@@ -1,6 +1,10 @@
 // evaluate(), compiled once for every instruction set and chosen at run time.
 #include "envmap/prefilter/evaluate.h"
 
+#include <algorithm>
+
+#include "envmap/prefilter/traverse.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/evaluate.cpp"
 #include <hwy/foreach_target.h>
@@ -27,7 +31,7 @@ template <class L>
 void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) {
   const hn::CappedTag<float, Tile::most> d;
   using V = hn::Vec<decltype(d)>;
-  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), tiny = hn::Set(d, 1e-30F);
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d);
   for (std::size_t k = 0; k < tile.count; k += hn::Lanes(d)) {
     const V x = hn::Load(d, &tile.x[k]), y = hn::Load(d, &tile.y[k]), z = hn::Load(d, &tile.z[k]);
     const V xx = hn::Mul(x, x), xy = hn::Mul(x, y), xz = hn::Mul(x, z);
@@ -47,7 +51,8 @@ void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) 
       const V mixed =
           hn::Add(hn::Add(hn::Mul(hn::Set(d, m[1]), xy), hn::Mul(hn::Set(d, m[2]), xz)), hn::Mul(hn::Set(d, m[4]), yz));
       const V variance = hn::Add(hn::Add(hn::Set(d, node.variance), dot(node.slope)), hn::Add(outer, mixed));
-      const V deviation = hn::Sqrt(hn::Max(hn::Min(variance, hn::Set(d, node.most_variance)), tiny));
+      const V most = hn::Set(d, node.most_variance), least = hn::Set(d, least_variance(node.most_variance));
+      const V deviation = hn::Sqrt(hn::Max(hn::Min(variance, most), least));
       const V near = value(lobe, d, hn::Sub(versine, deviation));
       const V far = value(lobe, d, hn::Add(versine, deviation));
       const V sum = hn::Mul(half, hn::Add(near, far));
@@ -69,12 +74,12 @@ template <class L>
 std::array<double, node_channels> evaluate_seen(const L& lobe, std::span<const SeenNodes> seen) {
   const hn::CappedTag<float, SeenNodes::most> d;
   using V = hn::Vec<decltype(d)>;
-  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), tiny = hn::Set(d, 1e-30F);
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d);
   alignas(64) std::array<std::array<float, SeenNodes::most>, node_channels> sums;
   for (std::size_t k = 0; k < SeenNodes::most; k += hn::Lanes(d)) {
     V red = zero, green = zero, blue = zero, white = zero;
     for (const SeenNodes& s : seen) {
-      const V versine = hn::Load(d, &s.versine[k]), deviation = hn::Sqrt(hn::Max(hn::Load(d, &s.variance[k]), tiny));
+      const V versine = hn::Load(d, &s.versine[k]), deviation = hn::Sqrt(hn::Load(d, &s.variance[k]));
       const V near = value(lobe, d, hn::Sub(versine, deviation)), far = value(lobe, d, hn::Add(versine, deviation));
       const V sum = hn::Mul(half, hn::Add(near, far));
       const V difference = hn::Div(hn::Mul(half, hn::Sub(near, far)), deviation);
@@ -139,11 +144,13 @@ void add_seen(const Node& node, const Direction& middle, std::size_t& count, std
   if (k == 0) {
     seen.emplace_back();
     seen.back().versine.fill(3);  // Below any horizon.
+    seen.back().variance.fill(least_variance(0));
   }
   SeenNodes& s = seen.back();
   const Direction at = node.centre - middle, slope = times(node.covariance, middle);
   s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + (1 - glm::dot(node.centre, node.centre))));
-  s.variance[k] = std::min(static_cast<float>(glm::dot(middle, slope)), most_variance(node, glm::length(at)));
+  const float most = most_variance(node, glm::length(at));
+  s.variance[k] = std::max(std::min(static_cast<float>(glm::dot(middle, slope)), most), least_variance(most));
   for (std::size_t c = 0; c < node_channels; ++c) {
     s.flux[c][k] = node.flux[c];
     s.lean[c][k] = static_cast<float>(glm::dot(Direction(node.dipole[c]), middle));

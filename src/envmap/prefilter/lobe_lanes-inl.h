@@ -177,19 +177,21 @@ HWY_INLINE V third(const Ggx& l, D d, V x, V /*value*/) {
 // With q = 1 - x/2, c = 1 - x and p the power: value = k c q^p, and by Leibniz's rule, each derivative of q^p brings p / (2q).
 // All keep their sign and rise or fall throughout [0,1].
 template <class D, class V>
-HWY_INLINE V blinn_power(const BlinnPhong& l, D d, V x, double less) {
+HWY_INLINE V blinn_power(const BlinnPhong& l, D d, V x) {
   const V log = log2_one_minus(d, hn::Mul(set(d, 0.5), x));
-  return hn::Mul(set(d, l.scale), exp2_small(d, hn::Mul(set(d, l.power - less), log)));
+  return hn::Mul(set(d, l.scale), exp2_small(d, hn::Mul(set(d, l.power), log)));
 }
 template <class D, class V>
 HWY_INLINE V value(const BlinnPhong& l, D d, V x) {
-  return hn::Mul(blinn_power(l, d, hn::Min(x, set(d, 1)), 0), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
+  return hn::Mul(blinn_power(l, d, hn::Min(x, set(d, 1))), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
 }
 // k q^(p - order) x (of_q q + of_cosine c).
 template <class D, class V>
 HWY_INLINE V blinn_derivative(const BlinnPhong& l, D d, V x, double of_q, double of_cosine, int order) {
   const V q = hn::Sub(set(d, 1), hn::Mul(set(d, 0.5), x)), c = hn::Sub(set(d, 1), x);
-  return hn::Mul(blinn_power(l, d, x, order), hn::Add(hn::Mul(set(d, of_q), q), hn::Mul(set(d, of_cosine), c)));
+  V found = hn::Mul(blinn_power(l, d, x), hn::Add(hn::Mul(set(d, of_q), q), hn::Mul(set(d, of_cosine), c)));
+  for (int k = 0; k < order; ++k) found = hn::Div(found, q);
+  return found;
 }
 template <class D, class V>
 HWY_INLINE V slope(const BlinnPhong& l, D d, V x, V /*value*/) {

@@ -76,13 +76,14 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   // Where X0 lies over the tile, and how far X and X0 -+ s may be from it.
   const V square = hn::Mul(half, hn::Mul(distance, distance)), turn = hn::Mul(radius, hn::Add(sine, hn::Mul(half, radius)));
   const V sag = hn::Mul(half, hn::Mul(spread, spread)), off = hn::Mul(reach, hn::Min(one, hn::Add(sine, reach)));
-  const V lo = hn::Max(hn::Sub(near, hn::Mul(reach, reach)), hn::Sub(square, hn::Add(turn, off)));
+  const V lo = hn::Min(one, hn::Max(hn::Sub(near, hn::Mul(reach, reach)), hn::Sub(square, hn::Add(turn, off))));
   const V hi = hn::Add(hn::Add(square, sag), hn::Add(turn, off));
   const auto known = hn::Ge(lo, lowest(lobe));
   const V end = hn::Min(hi, one), at_lo = value(lobe, d, lo), at_hi = value(lobe, d, hi);
   const V a = hn::Mul(spread, hn::Min(one, hn::Add(sine, bend)));
   const V across = hn::Mul(bend, hn::Add(bend, hn::Mul(set(d, 4), sine)));
-  const V m = hn::Min(uneven, hn::Add(hn::Mul(hn::Mul(sine, sine), uneven), hn::Mul(across, hn::Mul(spread, spread))));
+  const V m = hn::Add(hn::Min(uneven, hn::Add(hn::Mul(hn::Mul(sine, sine), uneven), hn::Mul(across, hn::Mul(spread, spread)))),
+                      hn::Mul(set(d, least_part), hn::Mul(a, a)));
   const V bent = hn::Max(second(lobe, d, lo, at_lo), second(lobe, d, end, at_hi));
   const V twisted = hn::Max(third(lobe, d, lo, at_lo), third(lobe, d, end, at_hi));
   V smooth = hn::Add(hn::Mul(half, hn::Mul(bent, m)), hn::Mul(set(d, 1.0 / 3), hn::Mul(twisted, hn::Mul(a, hn::Mul(a, a)))));
@@ -99,7 +100,7 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   // Not where a derivative is beyond what floats hold.
   const auto finite = hn::And(hn::Lt(bent, set(d, 1e36)), hn::Lt(twisted, set(d, 1e36)));
   const auto taylor = hn::And(hn::And(hn::Lt(hi, one), known), finite);
-  const V series = hn::IfThenElse(taylor, hn::Min(any, smooth), any);
+  const V series = hn::Max(zero, hn::IfThenElse(taylor, hn::Min(any, smooth), any));
   found.bent |= bits_of(hn::Ge(series, any)) << n;
   const V error = hn::Mul(hn::Mul(flux, set(d, rounding)), series);
   hn::Store(error, d, &found.error[n]);

@@ -78,6 +78,9 @@ struct Judged {
 /// @param nodes their centres from the middle of the tile. @param count of them that are asked for.
 Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& nodes, std::size_t count);
 
+inline constexpr double least_part = 1e-3;
+inline float least_variance(float most) { return std::max(1e-30F, static_cast<float>(least_part) * most); }
+
 class Tree;
 
 /// A block of the lowest stored level that is not good enough.

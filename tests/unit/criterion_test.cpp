@@ -1,0 +1,176 @@
+// The bound by which the treecode opens nodes, against what is off: random nodes, lobes and directions.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "envmap/prefilter/evaluate.h"
+#include "envmap/prefilter/prefilter.h"
+#include "envmap/prefilter/traverse.h"
+#include "every_target.h"
+
+namespace envmap::prefiltering {
+namespace {
+
+class Draw {
+ public:
+  explicit Draw(unsigned seed) : random_(seed) {}
+  double even() { return even_(random_); }
+  double between(double least, double most) { return least * std::pow(most / least, even()); }  // Evenly by its logarithm.
+  bool one_of(int n) { return std::uniform_int_distribution<int>(1, n)(random_) == 1; }
+  Direction offset() { return {normal_(random_), normal_(random_), normal_(random_)}; }
+  Direction direction() { return glm::normalize(offset()); }
+  // At an angle from another one.
+  Direction beside(const Direction& d, double angle) {
+    const Direction across = glm::normalize(glm::cross(d, direction()));
+    return glm::normalize(std::cos(angle) * d + std::sin(angle) * across);
+  }
+
+ private:
+  std::mt19937 random_;
+  std::uniform_real_distribution<double> even_;
+  std::normal_distribution<double> normal_;
+};
+
+Node point(const Direction& d, const NodeFlux& flux) {
+  Moments patch;
+  patch.solid_angle = flux[3], patch.centre = d;
+  const Flux radiance = flux[3] > 0 ? Flux(flux[0], flux[1], flux[2]) / static_cast<double>(flux[3]) : Flux(0);
+  return node_of(patch, radiance);
+}
+
+// Points in a disc, on a line, or in two heaps; of one colour or of several; at times one of them a sun.
+std::vector<Node> some_points(Draw& draw, const Direction& middle, double radius) {
+  const int count = 2 + static_cast<int>(20 * draw.even());
+  const bool line = draw.one_of(3), heaps = draw.one_of(3), grey = draw.one_of(2), sun = draw.one_of(3);
+  const Direction along = draw.beside(middle, radius) - middle;
+  std::vector<Node> all;
+  for (int k = 0; k < count; ++k) {
+    Direction d = line ? middle + (2 * draw.even() - 1) * along : draw.beside(middle, radius * std::sqrt(draw.even()));
+    if (heaps) d = middle + (draw.one_of(3) ? 1.0 : -0.4) * along + 0.05 * radius * draw.offset();
+    NodeFlux flux{};
+    flux[3] = static_cast<float>(0.5 + draw.even());
+    for (std::size_t c = 0; c < 3; ++c) flux[c] = static_cast<float>(c > 0 && grey ? flux[0] : draw.between(1e-3, 1));
+    if (sun && k == 0)
+      for (std::size_t c = 0; c < 3; ++c) flux[c] *= draw.one_of(3) ? 1.F : 1e4F;
+    all.push_back(point(glm::normalize(d), flux));
+  }
+  return all;
+}
+
+double versine(const Direction& a, const Direction& b) {
+  const Direction d = a - b;
+  return 0.5 * glm::dot(d, d);
+}
+
+// What float32 makes of a lobe: its own digits, those of x = 1 - cos, and those of places within a node; and a power is no
+// less than 2^-100.
+double rounding_of(const Lobe& lobe, double x, double reach) {
+  return std::visit(
+      [&](const auto& l) {
+        const double f = l.value(x), off = 1.5e-6 * x + 1e-6 * reach * std::sqrt(2 * x);
+        return 1e-5 * f + std::abs(l.value(std::max(0.0, x - off)) - f) + 1e-29 * l.value(0);
+      },
+      lobe);
+}
+
+// A tile that sees a node in the lobe's middle or tail, over its horizon, or anywhere.
+Tile some_tile(Draw& draw, const Lobe& lobe, const Node& node) {
+  const double width = std::visit([](const auto& l) { return std::sqrt(2 * l.width()); }, lobe);
+  const Direction centre = glm::normalize(node.centre);
+  const double angle = draw.one_of(3)   ? draw.between(1e-2, 10) * width
+                       : draw.one_of(2) ? 0.5 * pi + 1.5 * node.reach * (2 * draw.even() - 1)
+                                        : pi * draw.even();
+  Tile tile{.middle = draw.beside(centre, std::min(angle, pi)), .count = 8};
+  const double radius = draw.one_of(2) ? 0 : std::min(0.1, draw.between(0.03, 1) * width);
+  for (std::size_t k = 0; k < Tile::most; ++k) {
+    const Direction o = draw.beside(tile.middle, radius * draw.even()) - tile.middle;
+    tile.x[k] = static_cast<float>(o.x), tile.y[k] = static_cast<float>(o.y), tile.z[k] = static_cast<float>(o.z);
+    tile.radius = std::max(tile.radius, glm::length(o) + 1e-7);
+  }
+  return tile;
+}
+
+// Sums over the points of a node, and what float32 may make of them, for each unit of flux.
+struct Truth {
+  std::array<double, node_channels> sums{};
+  double rounding = 0;
+};
+Truth truth_of(const Lobe& lobe, const std::vector<Node>& points, const Direction& r, double reach) {
+  Truth truth;
+  for (const Node& p : points) {
+    const double x = versine(r, p.centre), f = std::visit([x](const auto& l) { return l.value(x); }, lobe);
+    truth.rounding = std::max(truth.rounding, rounding_of(lobe, x, reach));
+    for (std::size_t c = 0; c < node_channels; ++c) truth.sums[c] += p.flux[c] * f;
+  }
+  return truth;
+}
+
+// What a node is off over its bound, at most, where that is more than rounding.
+class Worst {
+ public:
+  void expect_within(double bound, const std::array<double, node_channels>& found, const Truth& truth, const Node& node) {
+    for (std::size_t c = 0; c < node_channels; ++c) {
+      const double off = std::abs(found[c] - truth.sums[c]), allowed = node.flux[c] * (bound + truth.rounding);
+      ASSERT_LE(off, allowed + 1e-37) << "flux " << node.flux[c] << ", reach " << node.reach;
+      if (bound > 10 * truth.rounding) ratio_ = std::max(ratio_, off / allowed);
+    }
+  }
+  [[nodiscard]] double ratio() const { return ratio_; }
+
+ private:
+  double ratio_ = 0;
+};
+
+// What either evaluate() makes of a node in every direction of a tile, over what judge() says of it.
+void compare(const Lobe& lobe, const std::vector<Node>& points, const Node& node, Tile& tile, Worst& worst) {
+  NodeGroup group = NodeGroup::none();
+  group.set(0, node, tile.middle);
+  const Criterion criterion{.middle = tile.middle, .radius = tile.radius, .most = {1, 1, 1, 1}, .limit = 1e30F};
+  const Judged judged = judge(lobe, criterion, group, 1);
+  const bool visible = (judged.visible & 1) != 0;
+  const double bound = visible ? judged.error[0] / *std::ranges::max_element(node.flux) : 0;
+  if (visible) {
+    std::vector<SeenNodes> seen;
+    std::size_t count = 0;
+    add_seen(node, tile.middle, count, seen);
+    worst.expect_within(bound, evaluate(lobe, seen), truth_of(lobe, points, tile.middle, node.reach), node);
+    evaluate(lobe, std::vector<TileNode>{seen_from_tile(node, tile.middle, tile.radius)}, tile);
+  }
+  for (std::size_t k = 0; k < tile.count; ++k) {
+    const Direction r = glm::normalize(tile.middle + Direction(tile.x[k], tile.y[k], tile.z[k]));
+    std::array<double, node_channels> found{};
+    for (std::size_t c = 0; c < node_channels && visible; ++c) found[c] = tile.sums[c][k];
+    worst.expect_within(bound, found, truth_of(lobe, points, r, node.reach), node);
+  }
+}
+
+class EachLobe : public testing::TestWithParam<Lobe> {};
+INSTANTIATE_TEST_SUITE_P(, EachLobe,
+                         testing::Values(Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.03}), Lobe(Phong{0.5}), Lobe(Phong{1.5}),
+                                         Lobe(Phong{2.5}), Lobe(Phong{12}), Lobe(Phong{300}), Lobe(Phong{1e5}), Lobe(Ggx(0.03)),
+                                         Lobe(Ggx(0.2)), Lobe(Ggx(0.5)), Lobe(Ggx(1)), Lobe(BlinnPhong(0.7)),
+                                         Lobe(BlinnPhong(40)), Lobe(BlinnPhong(3000))));
+
+TEST_P(EachLobe, NoNodeIsFartherOffThanItsBound) {
+  on_every_target([&](const char* target) {
+    SCOPED_TRACE(target);
+    Draw draw(17);
+    Worst worst;
+    for (int n = 0; n < 4000; ++n) {
+      const double width = std::visit([](const auto& l) { return std::sqrt(2 * l.width()); }, GetParam());
+      const double radius = std::min(0.5, draw.between(1e-3, 3) * width);
+      const std::vector<Node> points = some_points(draw, draw.direction(), radius);
+      const Node node = united(points);
+      Tile tile = some_tile(draw, GetParam(), node);
+      compare(GetParam(), points, node, tile, worst);
+      ASSERT_FALSE(testing::Test::HasFatalFailure()) << "node " << n;
+    }
+    EXPECT_GT(worst.ratio(), 0.3) << "an idle bound";
+  });
+}
+
+}  // namespace
+}  // namespace envmap::prefiltering
