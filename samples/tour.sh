@@ -55,8 +55,8 @@ else
 fi
 show envmap info $out/latlong.exr
 
-say 'The other four projections; the size follows from the degrees per texel.'
-for projection in cube sphere paraboloid angular; do
+say 'The other projections; the size follows from the degrees per texel.'
+for projection in cube sphere paraboloid angular octahedral equal-area; do
   show envmap convert $out/latlong.exr $out/$projection.exr --to $projection
 done
 
@@ -66,7 +66,7 @@ show envmap prefilter $out/latlong.exr $out/ggx.ktx2 --lobe ggx --levels 6 --siz
 say 'Colours that tell the direction, RGB = (direction + 1) / 2: nothing may be mirrored or turned.'
 set --
 show envmap generate directions $out/directions-latlong.exr --to latlong --size 512
-for projection in latlong cube sphere paraboloid angular; do
+for projection in latlong cube sphere paraboloid angular octahedral equal-area; do
   [ $projection = latlong ] ||
     show envmap convert $out/directions-latlong.exr $out/directions-$projection.exr --to $projection
   set -- "$@" $out/directions-$projection.exr
@@ -81,6 +81,6 @@ show envmap convert $out/cube.exr $out/cross.hdr --layout cross
 show envmap convert $out/cube.exr "$out/face_{face}.exr" --depth half
 
 say 'All of it as one picture.'
-show envmap preview $out/latlong.exr $out/cube.exr $out/sphere.exr $out/paraboloid.exr $out/angular.exr "$@" \
-  $out/tour.png --columns 5 --height 192
+show envmap preview $out/latlong.exr $out/cube.exr $out/sphere.exr $out/paraboloid.exr $out/angular.exr \
+  $out/octahedral.exr $out/equal-area.exr "$@" $out/tour.png --columns 7 --height 192
 echo "$root/$out/tour.png"

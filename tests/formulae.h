@@ -44,6 +44,19 @@ inline Vector direction(envmap::Projection p, int face, Real u, Real v) {
     }
     case envmap::Projection::paraboloid:
       return {2 * s / (1 + rr), 2 * t / (1 + rr), (face == 0 ? 1 : -1) * (1 - rr) / (1 + rr)};
+    case envmap::Projection::octahedral: {
+      // A point of the octahedron |x| + |y| + |z| = 1 above the diamond; what lies beyond is mirrored at its sides.
+      const Real y = 1 - std::abs(s) - std::abs(t);
+      if (y >= 0) return unit({s, y, t});
+      return unit({std::copysign(1 - std::abs(t), s), y, std::copysign(1 - std::abs(s), t)});
+    }
+    case envmap::Projection::equal_area: {
+      // Clarberg's equations 1 to 3, with the signed distance d from the diamond, and Y up where he has Z.
+      const Real d = 1 - (std::abs(s) + std::abs(t)), r = 1 - std::abs(d);
+      const Real angle = (r == 0 ? 1 : (std::abs(t) - std::abs(s)) / r + 1) * pi / 4;
+      const Real level = r * std::sqrt(2 - r * r);
+      return {std::copysign(level * std::cos(angle), s), std::copysign(1 - r * r, d), std::copysign(level * std::sin(angle), t)};
+    }
     case envmap::Projection::angular: break;
   }
   const Real r = std::sqrt(rr), k = r > 0 ? std::sin(pi * r) / r : pi;

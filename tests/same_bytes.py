@@ -22,7 +22,7 @@ SETTINGS = {
     'both': HIDE_FROM_LIBC | {'ENVMAP_BASELINE': '1'},
 }
 
-PROJECTIONS = 'latlong cube sphere paraboloid angular'.split()
+PROJECTIONS = 'latlong cube sphere paraboloid angular octahedral equal-area'.split()
 COMMANDS = [
     'generate sun sun.exr --to latlong --size 64 --direction 2,2,3 --radius 4',
     'generate sh sh.exr --to sphere --size 40',

@@ -138,6 +138,10 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
   add_layout(app, "--from-layout", options.layout, "Where the input's cube faces lie (default: metadata, then shape)");
   add_forward(app, "--from-forward", options.forward,
               "World axis at the centre of a latlong or angular input (default: metadata, then --forward, then +z)");
+  app.add_option("--from-border", options.border,
+                 "Texels on each side of an octahedral or equal-area input that repeat others (default: metadata, then 0)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024));
   app.add_flag("--ignore-envmap-attribute", options.ignore_envmap_attribute,
                "Read files with OpenEXR's envmap attribute as cell-centred, not as border samples");
   app.add_option("--level", options.level, "Mip level to read, of files that have some; 0 is the finest (default: 0)")
@@ -185,6 +189,20 @@ void add_file_options(CLI::App& app, WriteOptions& options) {
                  "dwaa:45 set how hard (default: zip)")
       ->type_name("KIND");
   app.add_flag("--zstd", options.zstd, "Compress a KTX2 file with Zstandard");
+}
+
+int size_inside_border(int size, const WriteOptions& options) {
+  if (size <= 2 * options.border)
+    throw UsageError(fmt::format("--border {}: nothing is left of a size of {}", options.border, size));
+  return size - 2 * options.border;
+}
+
+void add_border(CLI::App& app, WriteOptions& options, const std::string& size) {
+  app.add_option("--border", options.border,
+                 "Of octahedral and equal-area maps: write every level with N texels on each side that repeat what the square "
+                 "goes on with, for textures; " + size + "; envmap:border records it, and reading leaves it out (default: 0)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024));
 }
 
 void add_repair(CLI::App& app, ReadOptions& options) {

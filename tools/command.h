@@ -131,6 +131,10 @@ void add_file_options(CLI::App& app, envmap::WriteOptions& options);
 void add_max_memory(CLI::App& app, envmap::ReadOptions& options);
 /// --max-pixels: part of add_read_options(), for commands that read images otherwise.
 void add_max_pixels(CLI::App& app, envmap::ReadOptions& options);
+/// Of a map that is `size` high with the border on both sides. @throws UsageError where nothing is left.
+int size_inside_border(int size, const envmap::WriteOptions& options);
+/// --border. @param size what it says of --size.
+void add_border(CLI::App& app, envmap::WriteOptions& options, const std::string& size);
 /// --repair, for commands that want sound radiance.
 void add_repair(CLI::App& app, envmap::ReadOptions& options);
 

@@ -110,6 +110,7 @@ int run(Options& o, const Common& common) {
     throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
   if (o.turn) o.convert.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
   o.convert.gain = portable::exp2(o.exposure);
+  o.convert.size = size_inside_border(o.convert.size.value_or(matching_size(from.projection, source.map.base().height(), to)), o.write);
   o.write.source_depth = source.depth;
   o.write.provenance = source.provenance;
   if (auto& luminance = o.write.provenance.white_luminance)
@@ -204,6 +205,7 @@ Command convert_command() {
         add_forward(app, "--forward", o->forward,
                     "World axis at the centre of latlong and angular images (default: +z)");
         app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        add_border(app, o->write, "--size counts them");
         add_depth(app, o->write.depth);
         add_format(app, o->write);
         add_file_options(app, o->write);

@@ -32,7 +32,7 @@ Status status_of(envmap::ErrorCode code) {
 const char* advice(envmap::Remedy remedy) {
   using envmap::Remedy;
   switch (remedy) {
-    case Remedy::choose_projection: return ": say --from sphere or --from angular";
+    case Remedy::choose_projection: return ": say which with --from";
     case Remedy::leave_out_layout: return ": leave out --layout";
     case Remedy::leave_out_from_layout: return ": leave out --from-layout";
     case Remedy::leave_out_face: return ": leave out {face}";

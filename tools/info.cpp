@@ -35,6 +35,7 @@ ordered_json facts(const Source& s, const std::string& file) {
   j["layout"] = name(s.layout);
   if (has_forward(s.map.projection())) j["forward"] = forward_names[static_cast<std::size_t>(s.map.forward)];
   if (s.border_samples) j["border_samples"] = true;
+  if (s.border > 0) j["border"] = s.border;
   j["levels"] = s.levels;
   j["faces"] = level.faces();
   j["face_width"] = level.width();
@@ -70,6 +71,7 @@ void print_facts(const ordered_json& j) {
   line("projection", fmt::format("{}{}{}", text("projection"), j["faces"] == 6 ? " (" + text("layout") + ")" : "",
                                  j.contains("forward") ? ", " + text("forward") + " at the centre" : ""));
   if (j.contains("border_samples")) line("", "OpenEXR envmap attribute: samples on the border, read as cell centres");
+  if (j.contains("border")) line("border", fmt::format("{} texels on each side, left out", j["border"].get<int>()));
   line("faces", fmt::format("{} of {}x{}", j["faces"].get<int>(), j["face_width"].get<int>(), j["face_height"].get<int>()));
   if (const int count = j["levels"].get<int>(); count > 1) line("levels", std::to_string(count));
   if (j.contains("metadata"))
@@ -169,6 +171,7 @@ Command info_command() {
                {"projection", "latlong, cube, sphere, paraboloid or angular"},
                {"layout", "where faces lie in the image"},
                {"forward", "world axis at the centre of latlong and angular images, else absent"},
+               {"border", "texels on each side of an octahedral map that repeat others, left out here; else absent"},
                {"border_samples", "true where samples lie on the border (OpenEXR's envmap attribute), else absent"},
                {"levels", "mip levels in the file"},
                {"faces", "of the map"},

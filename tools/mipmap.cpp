@@ -36,7 +36,10 @@ int run(Options& o, const Common& common) {
   check_output(o.output, o.write, map.projection(), o.levels != 1 && has_next(map.base()));
   if (o.levels > 0 && map.levels.size() > static_cast<std::size_t>(o.levels))
     map.levels.erase(map.levels.begin() + o.levels, map.levels.end());
-  add_levels(map.levels, o.weights, o.levels);
+  if (o.write.border > 0)
+    add_levels_with_border(map.levels, o.write.border, o.weights, o.levels);
+  else
+    add_levels(map.levels, o.weights, o.levels);
   const Written written = write_map(o.output, all_rows_of(map), o.write, {o.input}, "write", common);
   if (!common.json) return 0;
   nlohmann::ordered_json report;
@@ -97,6 +100,7 @@ Command mipmap_command() {
                        "What texels count for in a mean (default: solid-angle)");
             app.add_flag("--keep", o->keep, "Keep the levels that the input has, and make those that it lacks");
             add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
+            add_border(app, o->write, "they come round the map as it is, and each level halves with them");
             add_depth(app, o->write.depth);
             add_format(app, o->write);
             add_file_options(app, o->write);

@@ -74,7 +74,7 @@ std::vector<Prefilter> levels_of(const Options& o) {
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     Prefilter p = o.map;
     p.parameter = parameters[k];
-    p.size = std::max(1, o.map.size >> k);
+    p.size = size_inside_border(std::max(1, o.map.size >> k), o.write);
     lobe_of(p);
     all.push_back(p);
   }
@@ -336,6 +336,7 @@ Command prefilter_command() {
         app.add_option("--table-size", o->table_size, "Texels a side of that table (default: 128)")
             ->type_name("N")
             ->check(CLI::Range(1, 1024));
+        add_border(app, o->write, "--size counts them, in each level");
         add_depth(app, o->write.depth);
         add_format(app, o->write);
         add_clamp(app, o->write);

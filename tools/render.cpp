@@ -41,8 +41,9 @@ void check(const Options& o) {
   if (o.from.near >= o.from.far) throw UsageError("--near: not below --far");
   if (o.forward && !has_forward(o.from.to)) throw UsageError("--forward is for latlong and angular maps");
   if (!can_draw(o.method, o.from.to))
-    throw UsageError(fmt::format("--method {} cannot draw {} maps: exact, resample or raycast",
-                                 draw_method_names[static_cast<std::size_t>(o.method)], name(o.from.to)));
+    throw UsageError(fmt::format("--method {} cannot draw {} maps: {}resample or raycast",
+                                 draw_method_names[static_cast<std::size_t>(o.method)], name(o.from.to),
+                                 can_draw(DrawMethod::exact, o.from.to) ? "exact, " : ""));
 }
 
 int run(Options& o, const Common& common) {

@@ -48,7 +48,7 @@ Mirror mirror_named(const Scene& scene, const std::string& text, Projection maps
   if (const auto colon = text.rfind(':'); colon != std::string::npos) {
     const auto node = find_node(scene, text.substr(0, colon));
     const auto to = projection_named(text.substr(colon + 1));
-    if (node && to && *to != Projection::latlong && *to != Projection::angular) return make_mirror(scene, *node, *to);
+    if (node && to && std::ranges::find(map_names, name(*to)) != std::end(map_names)) return make_mirror(scene, *node, *to);
   }
   throw UsageError(fmt::format("--mirror: '{}' is no node, nor a node with :sphere, :paraboloid or :cube behind it", text));
 }

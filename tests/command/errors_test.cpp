@@ -199,9 +199,9 @@ TEST_F(Input, RefusesShapesThatNoProjectionHas) {
   refuses("wide.hdr", {"1000x600", "2:1"}, {"--from", "latlong"});
   refuses("wide.hdr", {"1000x600", "cube"}, {"--from", "cube"});
   save(path("square.pfm"), Picture::filled(8, 8, 1));
-  refuses("square.pfm", {"8x8", "sphere", "angular", "--from"});
+  refuses("square.pfm", {"8x8", "sphere", "angular", "octahedral", "equal-area", "--from"});
   refuses("square.pfm", {"8x8", "2:1"}, {"--from", "latlong"});
-  succeeds({"convert", "square.pfm", "out.exr", "--from", "angular"});
+  for (const char* from : {"angular", "octahedral", "equal-area"}) succeeds({"convert", "square.pfm", "out.exr", "--from", from});
 }
 
 TEST_F(Input, TakesOnePixelAsASphere) {

@@ -61,7 +61,7 @@ double brute_force(const Lookup& look, Projection p, int size, int face, int i, 
 
 class EachArea : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachArea, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 TEST_P(EachArea, AgreesWithBruteForce) {
   const Projection p = GetParam();

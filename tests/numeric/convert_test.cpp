@@ -47,7 +47,7 @@ void for_texels(const Level& level, F&& f) {
 Direction decoded(const Colour& c) { return glm::normalize(2.0 * Direction(c) - 1.0); }
 
 std::string pair_name(const testing::TestParamInfo<std::tuple<Projection, Projection>>& p) {
-  return std::string(name(std::get<0>(p.param))) + "_to_" + name(std::get<1>(p.param));
+  return identifier(std::get<0>(p.param)) + "_to_" + identifier(std::get<1>(p.param));
 }
 
 class EachPair : public testing::TestWithParam<std::tuple<Projection, Projection>> {
@@ -68,14 +68,22 @@ double worst_angle_in_texels(Projection from, Projection to, int height, Filter 
   return worst / (pi / height);
 }
 
+// Interpolation cuts the corner at a crease, by a quarter of a texel times the jump of the slope there: of equal-area maps up to
+// 4 rad per unit of t where the diamond meets an axis, so 2 / pi of a texel, and half of that of octahedral maps.
+double cut_at_creases(Projection from) {
+  return from == Projection::equal_area ? 2 / pi : from == Projection::octahedral ? 1 / pi : 0;
+}
+
 TEST_P(EachPair, BilinearKeepsEveryDirectionWithinATenthOfATexel) {
-  EXPECT_LT(worst_angle_in_texels(from_, to_, 128, Filter::bilinear), 0.1);
+  EXPECT_LT(worst_angle_in_texels(from_, to_, 128, Filter::bilinear), 0.1 + cut_at_creases(from_));
 }
 
 TEST_P(EachPair, NearestKeepsDirectionsWithinItsTexel) {
   if (from_ == Projection::sphere) GTEST_SKIP() << "texels at the rim of a sphere map span tens of degrees";
-  // Half the diagonal of a texel; those of a paraboloid's or cube's middle are 4 / pi wider than the mean.
-  EXPECT_LT(worst_angle_in_texels(from_, to_, 64, Filter::nearest), 0.5 * std::numbers::sqrt2 * 4 / pi + 0.05);
+  // Half the diagonal of a texel; those of a paraboloid's or cube's middle are 4 / pi wider than the mean, and the widest of an
+  // octahedral map 2 x 3.07 / pi.
+  const double wider = is_octahedral(from_) ? 6.14 / pi : 4 / pi;
+  EXPECT_LT(worst_angle_in_texels(from_, to_, 64, Filter::nearest), 0.5 * std::numbers::sqrt2 * wider + 0.05);
 }
 
 TEST_P(EachPair, ConstantStaysConstant) {
@@ -132,7 +140,7 @@ TEST_P(EachPair, RotationMovesRadianceFromDToRotationTimesD) {
   for_texels(result.base(), [&](int f, int i, int j, const Direction& d) {
     worst = std::max(worst, angle_between(turn * decoded(*result.base().texel(f, i, j)), d));
   });
-  EXPECT_LT(worst / (pi / height), 0.15);
+  EXPECT_LT(worst / (pi / height), 0.15 + cut_at_creases(from_));
 }
 
 // The largest step between neighbours across a seam is no larger than inside.

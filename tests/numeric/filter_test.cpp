@@ -44,8 +44,7 @@ class EachFilter : public testing::TestWithParam<std::tuple<Filter, Projection>>
 };
 INSTANTIATE_TEST_SUITE_P(, EachFilter, testing::Combine(testing::ValuesIn(every_filter()), testing::ValuesIn(all_projections)),
                          [](const auto& p) {
-                           return std::string(name(std::get<0>(p.param))) + "_from_" +
-                                  name(std::get<1>(p.param));
+                           return std::string(name(std::get<0>(p.param))) + "_from_" + identifier(std::get<1>(p.param));
                          });
 
 TEST_P(EachFilter, ConstantStaysConstantAtAnySize) {

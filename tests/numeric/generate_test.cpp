@@ -14,7 +14,7 @@ namespace {
 
 class EachGenerated : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachGenerated, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 double irradiance_of_floor(const Level& level) {
   Sum sum;
@@ -117,8 +117,9 @@ TEST_P(EachGenerated, AnalyticHarmonicSurvivesConversion) {
             const auto d = formulae::rounded(
                 formulae::direction(GetParam(), f, (i + 0.5L) / level.width(), (j + 0.5L) / level.height()));
             const double truth = 1 + 0.5 * real_harmonic(3, 1, d);
-            // The rim texels of a sphere map span 15 degrees: a cubic is not straight over those.
-            ASSERT_NEAR(level.texel(f, i, j)->x, truth, from == Projection::sphere ? 8e-2 : 1e-3) << name(from);
+            // The rim texels of a sphere map span 15 degrees: a cubic is not straight over those. Nor is it over creases.
+            const double bound = from == Projection::sphere ? 8e-2 : is_octahedral(from) ? 1.5e-2 : 1e-3;
+            ASSERT_NEAR(level.texel(f, i, j)->x, truth, bound) << name(from);
           }
   }
 }

@@ -42,7 +42,7 @@ TEST(Harmonics, FirstNineAreThePolynomialsStated) {
 
 class EachHarmonics : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachHarmonics, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 TEST_P(EachHarmonics, ComeBackFromAMapOfOne) {
   for (const auto& [degree, order] : {std::pair{1, 0}, {2, -1}, {3, 3}}) {

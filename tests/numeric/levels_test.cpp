@@ -16,7 +16,7 @@ namespace {
 
 class EachLevels : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachLevels, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 TEST_P(EachLevels, KeepTheFluxOfASunAnywhere) {
   for (const int size : {1, 2, 3, 7, 30, 64}) {

@@ -106,7 +106,7 @@ std::string words(const Prefilter& p) {
 
 class EachPrefilter : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachPrefilter, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 // ---- right ------------------------------------------------------------------------------------------------------------
 

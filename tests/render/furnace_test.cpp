@@ -79,7 +79,7 @@ const Material mirror{.metallic = 1, .roughness = 0}, glass{.roughness = 0, .tra
 
 class Furnace : public ::testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(Maps, Furnace, ::testing::Values(Projection::sphere, Projection::paraboloid, Projection::cube),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 TEST_P(Furnace, ACameraMovesPastTwoMirrors) {
   const Scene scene = scene_of({{{-0.8, 0, 0}, mirror}, {{0.8, 0.1, 0.3}, mirror}});

@@ -36,7 +36,7 @@ std::vector<Direction> directions_to_try() {
 std::vector<glm::vec4> evaluated(Projection p, const std::string& expression, const std::vector<Direction>& vectors) {
   drawing::context();
   const std::string text =
-      fmt::format("#version 450 core\n#define PI 3.14159274\n{}", shader_source(std::string(name(p)) + ".glsl")) +
+      fmt::format("#version 450 core\n#define PI 3.14159274\n{}", shader_source(identifier(p) + ".glsl")) +
       "layout(local_size_x = 1) in;\n"
       "layout(std430, binding = 0) buffer In { vec4 vectors[]; };\n"
       "layout(std430, binding = 1) buffer Out { vec4 found[]; };\n"
@@ -66,7 +66,7 @@ std::vector<glm::vec4> evaluated(Projection p, const std::string& expression, co
 
 class Shaders : public ::testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(All, Shaders, ::testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 // There and back: where the shader finds a direction, C++ has that direction; and to find it there is what C++ says, but
 // for directions that lie in two places.
@@ -74,7 +74,7 @@ TEST_P(Shaders, LocateAsProjectionsDo) {
   const Projection p = GetParam();
   ASSERT_TRUE(has_shader(p));
   const std::vector<Direction> directions = directions_to_try();
-  const std::vector<glm::vec4> places = evaluated(p, fmt::format("{}_located(d), 0", name(p)), directions);
+  const std::vector<glm::vec4> places = evaluated(p, fmt::format("{}_located(d), 0", identifier(p)), directions);
   std::vector<Location<double>> known(directions.size());
   locate(p, directions, known);
   double there = 0, back = 0;
@@ -104,7 +104,7 @@ TEST_P(Shaders, RadiiAreThoseOfTheDisc) {
   if (image_shape(p) != ImageShape::disc) GTEST_SKIP() << "no disc";
   std::vector<Direction> angles;
   for (int k = 0; k <= 180; ++k) angles.emplace_back(k * pi / 180 * (filled_disc(p) ? 0.5 : 1), 0, 0);
-  const std::vector<glm::vec4> radii = evaluated(p, fmt::format("{}_radius(d.x)", name(p)), angles);
+  const std::vector<glm::vec4> radii = evaluated(p, fmt::format("{}_radius(d.x)", identifier(p)), angles);
   for (std::size_t k = 0; k < angles.size(); ++k) {
     const Direction d(std::sin(angles[k].x), 0, std::cos(angles[k].x));
     const Location<double> at = visit(p, [&](auto q) { return decltype(q)::template locate<double>(d); });
@@ -136,6 +136,8 @@ TEST(Programs, MethodsSayWhatTheyCannotDraw) {
   }
   EXPECT_FALSE(can_draw(DrawMethod::distort, Projection::latlong));
   EXPECT_FALSE(can_draw(DrawMethod::tessellate, Projection::latlong));
+  for (const Projection p : {Projection::octahedral, Projection::equal_area})
+    for (const DrawMethod m : {DrawMethod::exact, DrawMethod::distort, DrawMethod::tessellate}) EXPECT_FALSE(can_draw(m, p));
 }
 
 }  // namespace

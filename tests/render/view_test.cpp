@@ -75,7 +75,7 @@ float furthest(const std::vector<Colour>& a, const std::vector<Colour>& b) {
 
 class View : public ::testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(Maps, View, ::testing::Values(Projection::sphere, Projection::paraboloid, Projection::cube),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 TEST_P(View, ABallShowsTheRoomFromItsCentre) {
   const Direction centre(0.1, -0.2, -0.3);

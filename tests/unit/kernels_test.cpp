@@ -17,7 +17,7 @@ using formulae::Real;
 
 class EachKernel : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachKernel, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 // The direction at a = n s, b = n t. On a sphere map 1 - s^2 - t^2 would cancel even in long double.
 formulae::Vector exact_direction(Projection p, int face, Real n, Real a, Real b) {
@@ -163,6 +163,16 @@ Vec2<Real> exact_place(Projection p, const Direction& d) {
     case Projection::angular:
       s = h > 0 ? -x / h * std::atan2(h, z) / formulae::pi : z > 0 ? 0 : 1;
       t = h > 0 ? y / h * std::atan2(h, z) / formulae::pi : 0;
+      break;
+    case Projection::octahedral:
+    case Projection::equal_area: {
+      Real a = std::abs(x) / (std::abs(x) + std::abs(y) + std::abs(z)), b = std::abs(z) / (std::abs(x) + std::abs(y) + std::abs(z));
+      if (p == Projection::equal_area) {
+        const Real r = std::hypot(x, z) / std::sqrt(1 + std::abs(y));
+        b = r * std::atan2(std::abs(z), std::abs(x)) / (formulae::pi / 2), a = r - b;
+      }
+      s = std::copysign(y < 0 ? 1 - b : a, x), t = std::copysign(y < 0 ? 1 - a : b, z);
+    }
   }
   return {(1 + s) / 2, (1 - t) / 2};
 }
@@ -206,6 +216,27 @@ TEST(Kernels, RotatesLikeTheMatrix) {
       std::vector<Direction> d(all.begin() + 900, all.begin() + 900 + static_cast<std::ptrdiff_t>(n));
       rotate(turn, d);
       for (std::size_t k = 0; k < n; ++k) ASSERT_EQ(d[k], turn * all[900 + k]) << target << n;
+    }
+  });
+}
+
+// Beyond its sides an octahedral map goes on with itself, however far: half turns about the middles of the sides.
+TEST_P(EachKernel, OctahedralMapsRepeatThemselves) {
+  if (!is_octahedral(GetParam())) GTEST_SKIP() << "no net of an octahedron";
+  std::vector<Point2> inside, beyond;
+  for (const double u : {0.1, 0.25, 0.6, 0.99})
+    for (const double v : {0.02, 0.3, 0.75})
+      for (const Point2 over : {Point2(-u, 1 - v), Point2(2 - u, 1 - v), Point2(1 - u, -v), Point2(1 - u, 2 - v), Point2(u - 1, v - 1),
+                                Point2(u + 1, v + 1), Point2(u + 2, v), Point2(u - 1, v + 3), Point2(2 - u, -1 - v)})
+        inside.emplace_back(u, v), beyond.push_back(over);
+  std::vector<Direction> wanted(inside.size()), found(inside.size());
+  on_every_target([&](const char* target) {
+    directions(GetParam(), 0, inside, wanted);
+    directions(GetParam(), 0, beyond, found);
+    for (std::size_t k = 0; k < inside.size(); ++k) {
+      ASSERT_LT(glm::length(wanted[k] - found[k]), 3e-15) << target << " " << beyond[k].x << " " << beyond[k].y;
+      const Direction plain = visit(GetParam(), [&](auto q) { return decltype(q)::direction(0, beyond[k].x, beyond[k].y); });
+      ASSERT_LT(glm::length(wanted[k] - plain), 3e-15);
     }
   });
 }

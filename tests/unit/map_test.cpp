@@ -15,7 +15,7 @@ namespace {
 
 class EachApron : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachApron, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 TEST_P(EachApron, TexelsDoNotOverlap) {
   Level level(GetParam(), 3);
@@ -35,6 +35,43 @@ TEST_P(EachApron, PaddingLeavesTheSourceAsItWas) {
   const PaddedLevel padded(map.base());
   for (int f = 0; f < map.base().faces(); ++f)
     for (int j = 0; j < 9; ++j) EXPECT_TRUE(std::ranges::equal(map.base().row(f, j), before.base().row(f, j)));
+}
+
+// An octahedral map goes on with the texel that lies mirrored along the side about its middle, and beyond a corner with the
+// corner opposite; however small it is.
+TEST(OctahedralApron, IsTheMapItself) {
+  constexpr int g = Level::apron;
+  for (const Projection p : {Projection::octahedral, Projection::equal_area})
+    for (const int n : {1, 2, 3, 8}) {
+      Level level(p, n);
+      float next = 0;
+      for (int j = 0; j < n; ++j)
+        for (Colour& c : level.row(0, j)) c = Colour(++next);
+      const PaddedLevel padded(level);
+      for (int k = 0; k < n; ++k) {
+        EXPECT_EQ(padded.texel(0, -1, k)->x, level.texel(0, 0, n - 1 - k)->x);
+        EXPECT_EQ(padded.texel(0, n, k)->x, level.texel(0, n - 1, n - 1 - k)->x);
+        EXPECT_EQ(padded.texel(0, k, -1)->x, level.texel(0, n - 1 - k, 0)->x);
+        EXPECT_EQ(padded.texel(0, k, n)->x, level.texel(0, n - 1 - k, n - 1)->x);
+      }
+      EXPECT_EQ(padded.texel(0, -1, -1)->x, level.texel(0, n - 1, n - 1)->x);
+      EXPECT_EQ(padded.texel(0, n, -1)->x, level.texel(0, 0, n - 1)->x);
+      // All of it through the projection: what lies beyond is the texel that shows that direction.
+      visit(p, [&](auto q) {
+        using P = decltype(q);
+        for (int j = -g; j < n + g; ++j)
+          for (int i = -g; i < n + g; ++i) {
+            const auto at = P::locate(P::direction(0, (i + 0.5) / n, (j + 0.5) / n));
+            const int near_i = static_cast<int>(at.u * n), near_j = static_cast<int>(at.v * n);
+            const Direction there = P::direction(0, (near_i + 0.5) / n, (near_j + 0.5) / n);
+            if (glm::length(there - P::direction(0, (i + 0.5) / n, (j + 0.5) / n)) < 1e-6) {
+              EXPECT_EQ(padded.texel(0, i, j)->x, level.texel(0, near_i, near_j)->x) << n << ": " << i << "," << j;
+            } else {
+              EXPECT_EQ(n % 2, 1) << "a middle of -Y or of a side lies in a texel's middle, found on either side of it";
+            }
+          }
+      });
+    }
 }
 
 // The apron of a map of directions must hold the directions that the projection continues to.

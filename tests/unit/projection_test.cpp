@@ -12,7 +12,7 @@ namespace {
 
 class EachProjection : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachProjection, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 template <class F>
 void for_points(Projection p, int size, F&& f) {
@@ -133,7 +133,7 @@ TEST_P(EachProjection, LocatesEveryDirectionInsideItsFace) {
   });
 }
 
-// Beyond an edge the direction goes on as it came: no step, no turn.
+// Beyond an edge the direction goes on as it came: no step, no turn; on octahedral maps, no step.
 TEST_P(EachProjection, ContinuesSmoothlyOverItsEdges) {
   visit(GetParam(), [&](auto q) {
     using P = decltype(q);
@@ -143,7 +143,12 @@ TEST_P(EachProjection, ContinuesSmoothlyOverItsEdges) {
       const auto over = [&](double t) {  // Across the rim of a disc, or across the left edge of a square.
         return P::on_disc ? P::direction(0, 0.5 + (0.5 + t) * c, 0.5 + (0.5 + t) * s) : P::direction(0, -t, along);
       };
-      if (GetParam() == Projection::sphere) {
+      if (is_octahedral(GetParam())) {
+        // A crease: a step beyond the side is as long as one before it. In the middle of the side it goes back.
+        const Direction before = over(0) - over(-h), after = over(h) - over(0);
+        EXPECT_GT(glm::length(before), 1e-4);
+        EXPECT_NEAR(glm::length(after) / glm::length(before), 1, 1e-3);
+      } else if (GetParam() == Projection::sphere) {
         // The radius goes with a square root there: equal steps either side are opposite about -Z.
         EXPECT_LT(glm::length(over(h) + over(-h) - 2.0 * glm::dot(over(h), {0, 0, -1}) * Direction(0, 0, -1)), 1e-12);
       } else {
@@ -172,6 +177,33 @@ TEST(Projection, KnownPlaces) {
   expect(at(Projection::paraboloid, {0, 1, 0}), 0, 0.5, 0);
   expect(at(Projection::paraboloid, {0, 0, -1}), 1, 0.5, 0.5);
   expect(at(Projection::angular, {1, 0, 0}), 0, 0.25, 0.5);
+  for (const Projection p : {Projection::octahedral, Projection::equal_area}) {
+    expect(at(p, {0, 1, 0}), 0, 0.5, 0.5);
+    expect(at(p, {1, 0, 0}), 0, 1, 0.5);
+    expect(at(p, {0, 0, 1}), 0, 0.5, 0);
+    expect(at(p, {0, 0, -1}), 0, 0.5, 1);
+    expect(at(p, {0, -1, 0}), 0, 1, 0);
+    expect(at(p, glm::normalize(Direction(1, 0, 1))), 0, 0.75, 0.25);
+  }
+  expect(at(Projection::octahedral, glm::normalize(Direction(-1, -1, 1))), 0, 1.0 / 6, 1.0 / 6);
+  // 30 degrees up: r^2 = 1/2. A third of the way from +X to +Z.
+  const double r = std::sqrt(0.5), level = std::sqrt(0.75);
+  expect(at(Projection::equal_area, {level * std::cos(pi / 6), 0.5, level * std::sin(pi / 6)}), 0, 0.5 + r / 3, 0.5 - r / 6);
+}
+
+// pbrt-v4's EqualAreaSquareToSphere (util/math.cpp) as one looks it up in its ImageInfiniteLight: x right and y down in the
+// image, +Z in the middle. Without --rotate our +Y is its +Z, our +X its +X and our -Z its +Y.
+TEST(Projection, EqualAreaIsWhatPbrtReads) {
+  for (int j = 0; j < 40; ++j)
+    for (int i = 0; i < 40; ++i) {
+      const double px = (i + 0.5) / 40, py = (j + 0.5) / 40, u = 2 * px - 1, v = 2 * py - 1;
+      const double d = 1 - (std::abs(u) + std::abs(v)), r = 1 - std::abs(d);
+      const double phi = (r == 0 ? 1 : (std::abs(v) - std::abs(u)) / r + 1) * pi / 4, level = r * std::sqrt(2 - r * r);
+      const Direction pbrt(std::copysign(std::cos(phi), u) * level, std::copysign(std::sin(phi), v) * level,
+                           std::copysign(1 - r * r, d));
+      const Direction ours = EqualArea::direction(0, px, py);
+      EXPECT_LT(glm::length(pbrt - Direction(ours.x, -ours.z, ours.y)), 1e-14) << i << "," << j;
+    }
 }
 
 TEST(Projection, MatchingSizesKeepDegreesPerTexel) {
@@ -182,7 +214,7 @@ TEST(Projection, MatchingSizesKeepDegreesPerTexel) {
 
 TEST(Projection, NamesAreUnderstood) {
   for (const Projection p : all_projections) EXPECT_EQ(projection_named(name(p)), p);
-  EXPECT_FALSE(projection_named("octahedral"));
+  EXPECT_FALSE(projection_named("octagonal"));
 }
 
 }  // namespace

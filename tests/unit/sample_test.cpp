@@ -15,7 +15,7 @@ namespace {
 
 class EachSampled : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachSampled, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 // Suns beside subnormal numbers.
 PaddedLevel rough(Projection p, int size) {

@@ -22,14 +22,14 @@ class EachSize : public testing::TestWithParam<std::tuple<Projection, int>> {};
 INSTANTIATE_TEST_SUITE_P(, EachSize,
                          testing::Combine(testing::ValuesIn(all_projections), testing::Values(1, 2, 3, 7, 64, 1024)),
                          [](const auto& p) {
-                           return std::string(name(std::get<0>(p.param))) + "_" + std::to_string(std::get<1>(p.param));
+                           return identifier(std::get<0>(p.param)) + "_" + std::to_string(std::get<1>(p.param));
                          });
 
 TEST_P(EachSize, SumsToFourPi) { EXPECT_NEAR(total(std::get<0>(GetParam()), std::get<1>(GetParam())), 4 * pi, 1e-12); }
 
 class EachSolidAngle : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachSolidAngle, testing::ValuesIn(all_projections),
-                         [](const auto& p) { return std::string(name(p.param)); });
+                         [](const auto& p) { return identifier(p.param); });
 
 // The area that the directions themselves span, by differences of the plain formula: nothing in common with the
 // library's closed forms and densities.
@@ -79,6 +79,31 @@ TEST_P(EachSolidAngle, ColumnsHoldAllTheWeight) {
       }
     }
   }
+}
+
+TEST(SolidAngle, OfEqualAreaTexelsIsOne) {
+  std::vector<double> row(100);
+  for (const int j : {0, 13, 50, 99}) {
+    solid_angles(Projection::equal_area, 100, j, row);
+    for (const double w : row) EXPECT_EQ(w, 4 * pi / 10000);
+  }
+}
+
+// A facet is an eighth of the sphere; a strip along an axis is a lune's part, whose closed form is Girard's: the triangle
+// with corners +Y, +X and the direction at (s, t) = (0, c) has a right angle at +Y, and the others by its sides.
+TEST(SolidAngle, OfOctahedralMapsIsThatOfSphericalTriangles) {
+  EXPECT_NEAR(Octahedral::solid_angle({0.5, 0, 1, 0.5}), pi, 1e-14);
+  const double c = 0.3, y = 0.7, side = std::atan2(c, y);  // From +Y towards +Z.
+  // Legs of `side` and a quarter turn: the angle at +X is `side`, that at the other end a right angle.
+  const double triangle = side + pi / 2 + pi / 2 - pi;
+  // The same from texels: columns under the line from (1,0) to (0,c).
+  double sum = 0;
+  const int n = 4000;
+  for (int k = 0; k < n; ++k) {
+    const double s = (k + 0.5) / n, t = c * (1 - s);
+    sum += Octahedral::solid_angle({0.5 + 0.5 * k / n, 0.5 - 0.5 * t, 0.5 + 0.5 * (k + 1) / n, 0.5});
+  }
+  EXPECT_NEAR(sum, triangle, 1e-6);
 }
 
 TEST(SolidAngle, OfTinyTexelsKeepsItsDigits) {

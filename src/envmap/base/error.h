@@ -20,7 +20,7 @@ enum class ErrorCode {
 /// What the caller may change so that the same request succeeds; a program words it in its own options.
 enum class Remedy {
   none,
-  choose_projection,      ///< ReadOptions::projection: a square image may be sphere or angular.
+  choose_projection,      ///< ReadOptions::projection: a square image may be one of several.
   leave_out_from_layout,  ///< ReadOptions::layout: the file itself says where faces lie.
   leave_out_layout,       ///< WriteOptions::layout.
   leave_out_face,         ///< `{face}` in the file name: the file holds all faces.

@@ -90,7 +90,7 @@ Metadata metadata(Facts facts) {
     return node ? node.mapped() : std::string();
   };
   Metadata data{projection_named(take("projection")), layout_named(take("layout")), forward_named(take("forward")),
-                number(take("levels"))};
+                number(take("levels")), number(take("border"))};
   data.facts = std::move(facts);
   return data;
 }
@@ -101,6 +101,7 @@ Facts facts(const Metadata& data) {
   if (data.layout) all["layout"] = name(*data.layout);
   if (data.forward) all["forward"] = forward_names[static_cast<std::size_t>(*data.forward)];
   if (data.levels) all["levels"] = std::to_string(*data.levels);
+  if (data.border) all["border"] = std::to_string(*data.border);
   return all;
 }
 

@@ -15,6 +15,7 @@
 #include "envmap/io/recognise.h"
 #include "envmap/io/srgb.h"
 #include "envmap/operate/border_samples.h"
+#include "envmap/map/border.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/measure.h"
 
@@ -228,6 +229,18 @@ int count_levels(const Image& image, int most) {
   return levels;
 }
 
+// Of an octahedral map; 0 of others. Levels that it would fill are no part of the map.
+int border_of(const Image& image, const ReadOptions& options, const Metadata& recorded, const Recognised& found) {
+  if (!is_octahedral(found.projection)) {
+    if (options.border.value_or(0) > 0)
+      image.fail(fmt::format("a border is that of octahedral and equal-area maps, not of a {} map", name(found.projection)));
+    return 0;
+  }
+  const int border = options.border.value_or(recorded.border.value_or(0));
+  if (found.size <= 2 * border) image.fail(fmt::format("a border of {} leaves nothing of {}x{}", border, found.size, found.size));
+  return border;
+}
+
 Source read_image(const std::string& path, const ReadOptions& options) {
   Image image;
   open(image, level_path(path, 0), options.choice);
@@ -237,8 +250,10 @@ Source read_image(const std::string& path, const ReadOptions& options) {
   source.layout = found.layout;
   source.facts = recorded.facts;
   source.provenance = recorded.provenance;
-  const int most = std::min(source.levels, complete_levels(found));
-  source.levels = has_level(path) ? std::min(complete_levels(found), count_level_files(path))
+  source.border = border_of(image, options, recorded, found);
+  int most = std::min(source.levels, complete_levels(found));
+  while (source.border > 0 && face_size(found, most - 1).height <= 2 * source.border) --most;
+  source.levels = has_level(path) ? std::min(most, count_level_files(path))
                   : image.texture ? most
                                   : count_levels(image, most);
   for (const int k : wanted_levels(image.name, options, source.levels)) {
@@ -251,6 +266,8 @@ Source read_image(const std::string& path, const ReadOptions& options) {
       source.map.levels.push_back(read_level(image, options, k, found, k));
     }
   }
+  if (source.border > 0)
+    for (Level& level : source.map.levels) level = without_border(level, source.border);
   if (has_forward(found.projection))
     source.map.forward =
         options.forward.value_or(recorded.forward.value_or(options.assumed_forward.value_or(Forward::plus_z)));

@@ -28,6 +28,7 @@ struct ReadOptions {
   std::optional<Layout> layout;
   std::optional<Forward> forward;          ///< Overrides the metadata.
   std::optional<Forward> assumed_forward;  ///< Where there is no metadata; otherwise +z.
+  std::optional<int> border;  ///< Texels round an octahedral map, to be left out; overrides the metadata.
   bool ignore_envmap_attribute = false;    ///< Take texels as cell-centred whatever OpenEXR's attribute says.
   std::size_t max_memory = 0;  ///< Bytes that the process may take; larger maps lie in a scratch file. 0: no limit.
   std::uint64_t max_pixels = default_max_pixels;  ///< Of an image, all faces counted; larger ones are refused.
@@ -45,6 +46,7 @@ struct Source {
   std::string format;  ///< openexr, hdr, ktx2, dds, ...; else OpenImageIO's name for it.
   int image_width, image_height;
   bool border_samples = false;            ///< OpenEXR's `envmap` convention; resampled to cell centres here.
+  int border = 0;                         ///< Texels round every level of an octahedral map, left out here.
   int levels = 1;                         ///< That the file has; `map` holds those that were asked for.
   Facts facts = {};                       ///< Further metadata, such as the lobe.
   Provenance provenance = {};

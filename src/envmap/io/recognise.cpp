@@ -1,8 +1,10 @@
 #include "envmap/io/recognise.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <span>
+#include <vector>
 
 #include "envmap/base/error.h"
 
@@ -14,6 +16,14 @@ std::string shape(const Grid& g, Projection p) { return fmt::format("{}:{}", g.c
 bool fits(int width, int height, Projection p, Layout layout) {
   const Grid g = grid(layout);
   return height % g.rows == 0 && static_cast<long>(height / g.rows) * aspect(p) * g.columns == width;
+}
+
+// Those of one square face, the last two with "or" between them.
+std::string square_projections() {
+  std::vector<std::string_view> names;
+  for (const Projection p : all_projections)
+    if (aspect(p) == 1 && faces(p) == 1) names.emplace_back(name(p));
+  return fmt::format("{} or {}", fmt::join(std::span(names).first(names.size() - 1), ", "), names.back());
 }
 
 std::optional<Layout> cube_layout_of_shape(int width, int height) {
@@ -45,7 +55,7 @@ Recognised recognise(int width, int height, const Metadata& said, const Metadata
   if (!p && layout) p = Projection::cube;
   if (!p) {
     if (width == height)
-      throw InputError(fmt::format("a square image {} may be sphere or angular", found), Remedy::choose_projection);
+      throw InputError(fmt::format("a square image {} may be {}", found, square_projections()), Remedy::choose_projection);
     if (fits(width, height, Projection::latlong, Layout::single))
       p = Projection::latlong;
     else if (cube_layout_of_shape(width, height))
@@ -53,7 +63,7 @@ Recognised recognise(int width, int height, const Metadata& said, const Metadata
     else
       throw InputError(fmt::format(
           "no environment map has this shape {}: latlong and paraboloid are 2:1, cubes 1:6, 6:1, 4:3, 3:4 or 3:2, "
-          "sphere and angular 1:1",
+          "the others square",
           found));
   }
   if (layout && *p != Projection::cube)

@@ -27,6 +27,7 @@
 #include "envmap/io/rounding.h"
 #include "envmap/io/srgb.h"
 #include "envmap/io/texels.h"
+#include "envmap/map/border.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/operate/levels.h"
@@ -152,6 +153,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   Metadata data{.projection = base.projection, .facts = options.facts, .provenance = options.provenance};
   if (base.projection == Projection::cube && done.layout != Layout::api) data.layout = done.layout;
   if (has_forward(base.projection)) data.forward = base.forward;
+  if (options.border > 0) data.border = options.border;
 
   // All files are written before the first appears.
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -224,6 +226,8 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   const Layout layout = choose_layout(path, *format, options, projection);
   if (options.openexr_envmap && (ext != "exr" || (layout != Layout::column && projection != Projection::latlong)))
     throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
+  if (options.border > 0 && !is_octahedral(projection))
+    throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
   check_compression(path, ext, options.compression);
   if (options.zstd && ext != "ktx2") throw UsageError(path, "Zstandard is for .ktx2 files");
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
@@ -282,6 +286,12 @@ Written write(const std::string& path, const Rows& rows, const WriteOptions& opt
 Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
   const Rows& base = levels.front();
   check_output(path, options, base.projection, levels.size() > 1);
+  if (options.border > 0) {
+    EnvironmentMap textures;
+    for (const Rows& rows : levels) textures.levels.push_back(with_border(level_of(rows), options.border));
+    check_sizes(path, all_rows_of(textures));
+    return write_files(path, all_rows_of(textures), options, progress);
+  }
   check_sizes(path, levels);
   if (!options.openexr_envmap) return write_files(path, levels, options, progress);
   if (base.forward != Forward::plus_z)

@@ -23,6 +23,7 @@ struct WriteOptions {
   bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
   bool openexr_envmap = false;   ///< OpenEXR's envmap attribute, samples on the border: EXR, latlong or cube column.
   std::string compression = {};  ///< Of an EXR file, see ImagePlan: zip, zip:1, piz, dwaa:45, ...; zip if empty.
+  int border = 0;                ///< Texels written round every level of an octahedral map, as map/border.h says.
   bool zstd = false;             ///< Compress KTX2 files with Zstandard.
   Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
   CommitOptions commit = {};
@@ -44,7 +45,8 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 /// or user. EXR holds levels, in tiles (down to one texel: a chain that ends early is gone on with, and envmap:levels
 /// says where it ended), as do KTX2 and DDS; for other formats and for files of one face the name must have `{level}`.
 /// @param path a file, `-` for standard output, or a name with `{face}` for six files and `{level}` for one a level.
-/// @param levels the base first; each half the one before, rounded down (see half_level()). @param progress may be empty.
+/// @param levels the base first; each half the one before, rounded down (see half_level()); with their border, where there
+/// shall be one. @param progress may be empty.
 /// @throws OutputError where it cannot be written, or values do not fit and `clamp` is not set.
 Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
               const Progress& progress = {});

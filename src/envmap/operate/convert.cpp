@@ -37,13 +37,13 @@ bool same_grid(const Target& target, const Level& source) {
 
 bool near_whole(double x, double tolerance) { return std::abs(x - std::round(x)) <= tolerance; }
 
-// Whether a turn takes texel centres to texel centres: quarter turns of a cube, and whole columns of a latlong map. The
-// angles of a turn are rounded, and so are its sines.
+// Whether a turn takes texel centres to texel centres: quarter turns of a cube, those of an octahedral map that leave Y where
+// it is, and whole columns of a latlong map. The angles of a turn are rounded, and so are its sines.
 bool permutes_texels(const Target& target, const Level& source) {
   constexpr double rounding = 1e-12;
   if (!same_grid(target, source)) return false;
   const Rotation& r = target.to_source;
-  if (target.to == Projection::cube) {
+  if (target.to == Projection::cube || (is_octahedral(target.to) && std::abs(r[1][1] - 1) <= rounding)) {
     for (int column = 0; column < 3; ++column)
       for (int row = 0; row < 3; ++row)
         if (!near_whole(r[column][row], rounding)) return false;

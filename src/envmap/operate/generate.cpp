@@ -51,10 +51,7 @@ double to_edge(const Checker& p, const Direction& d) {
 // No point of a texel is further from its centre, in radians: half its diagonal times the largest stretch of the projection.
 double texel_reach(Projection p, int size) {
   const double half_diagonal = std::numbers::sqrt2 / size;  // In s and t, which are 2 a side.
-  if (p == Projection::latlong) return half_diagonal * pi / 2;
-  if (p == Projection::cube) return half_diagonal;
-  if (p == Projection::paraboloid) return half_diagonal * 2;
-  return pi;  // Maps on a disc stretch without bound towards the rim.
+  return std::min(pi, half_diagonal * visit(p, [](auto q) { return decltype(q)::stretch; }));
 }
 
 // The mean over the texels of an n times finer map, n x n to each of these; those outside the disc are sampled at the rim.

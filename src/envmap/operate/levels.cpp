@@ -3,7 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
+#include <vector>
 
 #include "envmap/projection/visit.h"
 #include "envmap/sample/point.h"
@@ -12,7 +12,7 @@ namespace envmap {
 namespace {
 
 // Along one axis: the edges of the texels of both levels cut the face into cells. Those of texel k of the coarse level
-// are [first[k], first[k + 1]): two, or three where a size is odd, or one where nothing is halved.
+// are [first[k], first[k + 1]): where a side is halved two, or three where its size is odd, or one where nothing is.
 struct Cells {
   std::vector<double> edges;  // In units of the face, from 0 to 1.
   std::vector<int> source;    // The fine texel that each lies in.
@@ -36,8 +36,8 @@ Cells cells(int fine, int coarse) {
 // What the cells of one row of the coarse level count for, and the sum for each of its texels. Everything here is the
 // same from the left and from the right, so half of it is computed.
 struct RowWeights {
-  std::array<std::vector<double>, 3> parts;  // By fine row, then by cell.
-  std::vector<double> whole;                 // By coarse texel.
+  std::vector<std::vector<double>> parts;  // By fine row, then by cell.
+  std::vector<double> whole;               // By coarse texel.
 };
 
 void weigh(Projection p, Weights weights, const Cells& across, const Cells& down, int row, RowWeights& out) {
@@ -45,6 +45,7 @@ void weigh(Projection p, Weights weights, const Cells& across, const Cells& down
   const auto first = static_cast<std::size_t>(down.first[row]),
              end = static_cast<std::size_t>(down.first[static_cast<std::size_t>(row) + 1]);
   out.whole.assign(across.first.size() - 1, 0);
+  out.parts.resize(std::max(out.parts.size(), end - first));
   for (std::size_t part = 0; part < end - first; ++part) {
     std::vector<double>& w = out.parts[part];
     w.resize(count);
@@ -61,7 +62,7 @@ void weigh(Projection p, Weights weights, const Cells& across, const Cells& down
 }
 
 // One row of one face. @param rows of the fine level, one for each part. Where nothing counts, 0.
-void halve_row(const Cells& across, const RowWeights& weights, std::span<const Colour* const> rows, std::span<Colour> out) {
+void mean_row(const Cells& across, const RowWeights& weights, std::span<const Colour* const> rows, std::span<Colour> out) {
   for (std::size_t i = 0; i < out.size(); ++i) {
     Rgb<double> sum(0);
     for (std::size_t part = 0; part < rows.size(); ++part)
@@ -93,8 +94,11 @@ void fill_beyond_disc(Level& level) {
 bool has_next(const Level& level) { return level.width() > 1 || level.height() > 1; }
 
 Level half_level(const Level& fine, Weights weights) {
-  Level coarse(fine.projection(), std::max(1, fine.height() / 2), std::max(1, fine.width() / 2),
-               fine.max_memory());
+  return coarser_level(fine, std::max(1, fine.width() / 2), std::max(1, fine.height() / 2), weights);
+}
+
+Level coarser_level(const Level& fine, int width, int height, Weights weights) {
+  Level coarse(fine.projection(), height, width, fine.max_memory());
   const Cells across = cells(fine.width(), coarse.width()), down = cells(fine.height(), coarse.height());
   // Rows as far from the top as from the bottom share their weights, as do all faces.
   tbb::parallel_for(tbb::blocked_range<int>(0, (coarse.height() + 1) / 2), [&](const tbb::blocked_range<int>& range) {
@@ -104,11 +108,10 @@ Level half_level(const Level& fine, Weights weights) {
       const auto first = static_cast<std::size_t>(down.first[row]), end = static_cast<std::size_t>(down.first[row + 1]);
       const std::span<const int> sources = std::span(down.source).subspan(first, end - first);
       const auto halve = [&](int face, bool mirrored) {
-        std::array<const Colour*, 3> rows{};
-        for (std::size_t part = 0; part < sources.size(); ++part)
-          rows[part] = fine.texel(face, 0, mirrored ? fine.height() - 1 - sources[part] : sources[part]);
-        halve_row(across, shared, std::span(rows).first(sources.size()),
-                  coarse.row(face, mirrored ? coarse.height() - 1 - row : row));
+        std::vector<const Colour*> rows;
+        for (const int source : sources) rows.push_back(fine.texel(face, 0, mirrored ? fine.height() - 1 - source : source));
+        mean_row(across, shared, rows,
+                 coarse.row(face, mirrored ? coarse.height() - 1 - row : row));
       };
       for (int face = 0; face < fine.faces(); ++face) {
         halve(face, false);
@@ -120,6 +123,14 @@ Level half_level(const Level& fine, Weights weights) {
   });
   if (fine.projection() == Projection::paraboloid && weights == Weights::solid_angle) fill_beyond_disc(coarse);
   return coarse;
+}
+
+void add_levels_with_border(std::vector<Level>& levels, int border, Weights weights, int count) {
+  const int whole = levels.front().height() + 2 * border;
+  for (int k = static_cast<int>(levels.size()); (whole >> k) > 2 * border && (count == 0 || k < count); ++k) {
+    const int size = (whole >> k) - 2 * border;
+    levels.push_back(coarser_level(levels.back(), size, size, weights));
+  }
 }
 
 void add_levels(std::vector<Level>& levels, Weights weights, int count) {

@@ -20,6 +20,13 @@ bool has_next(const Level& level);
 /// weights: plain means).
 Level half_level(const Level& fine, Weights weights = Weights::solid_angle);
 
+/// The same of any smaller size: texels count for each texel of the result by the part that lies in it.
+Level coarser_level(const Level& fine, int width, int height, Weights weights = Weights::solid_angle);
+
+/// Of an octahedral map that lies inside a border as wide in all levels (map/border.h): levels whose textures halve, and which
+/// are by themselves smaller by twice the border; as long as a texel is left.
+void add_levels_with_border(std::vector<Level>& levels, int border, Weights weights = Weights::solid_angle, int count = 0);
+
 /// Adds the levels after the last one, down to one texel a face, or until there are `count`.
 /// @param count 0: no limit.
 void add_levels(std::vector<Level>& levels, Weights weights = Weights::solid_angle, int count = 0);

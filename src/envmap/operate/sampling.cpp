@@ -32,7 +32,7 @@ std::vector<SamplingRow> sampling_table(Projection p, int size, int steps) {
       return from + static_cast<int>(std::lround((to - from) * double(k) / steps));
     };
     const int i = p == Projection::latlong ? ci : along(ci, columns(p, size, cj).end - 1);
-    const int j = p == Projection::latlong || p == Projection::cube ? along(cj, 0) : cj;
+    const int j = on_disc(p) ? cj : along(cj, 0);
     if (!rows.empty() && rows.back().i == i && rows.back().j == j) continue;
     solid_angles(p, size, j, weights);
     const double mean = 4 * pi / (faces(p) * (on_disc(p) ? 0.25 * pi : 1.0) * width * size);

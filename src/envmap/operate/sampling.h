@@ -17,8 +17,8 @@ struct SamplingRow {
   double anisotropy;   ///< Longest over shortest direction change for one texel step, at its centre.
 };
 
-/// `steps` + 1 texels, evenly spaced, from the centre: latlong up to the pole, cube to the corner, the others to the
-/// right rim.
+/// `steps` + 1 texels, evenly spaced, from the centre: latlong up to the pole, squares to the corner,
+/// discs to the right rim.
 std::vector<SamplingRow> sampling_table(Projection p, int size, int steps = 8);
 
 }  // namespace envmap

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
@@ -16,7 +17,7 @@ struct Angular {
   static constexpr Projection id = Projection::angular;
   static constexpr const char* name = "angular";
   static constexpr int faces = 1, aspect = 1;
-  static constexpr double span = 360;
+  static constexpr double span = 360, stretch = std::numeric_limits<double>::infinity();
   static constexpr bool on_disc = true, filled = false, has_forward = true;
 
   /// sin(pi r) / r for r in [0,2], by the nearer zero of the sine so that the rim keeps its digits.

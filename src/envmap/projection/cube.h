@@ -16,7 +16,7 @@ struct Cube {
   static constexpr Projection id = Projection::cube;
   static constexpr const char* name = "cube";
   static constexpr int faces = 6, aspect = 1;
-  static constexpr double span = 90;
+  static constexpr double span = 90, stretch = 1;
   static constexpr bool on_disc = false, filled = true, has_forward = false;
 
   struct Axes {
@@ -52,6 +52,15 @@ struct Cube {
     const double half = 0.5 / std::abs(wide[face / 2]);
     return {face, static_cast<T>(0.5 + half * glm::dot(wide, a.right)), static_cast<T>(0.5 - half * glm::dot(wide, a.up))};
   }
+
+  static constexpr int facets = faces;
+  static int facet(const Location<double>& at) { return at.face; }
+  static int facet(const Direction& d) { return locate(d).face; }
+  static std::array<Direction, 4> sides(int facet) {
+    const Axes& a = axes[facet];
+    return {a.forward + a.right, a.forward - a.right, a.forward + a.up, a.forward - a.up};
+  }
+  static double continued_density(int /*facet*/, double u, double v) { return density(u, v); }
 
   static double density(double u, double v) {
     const double s = 2 * u - 1, t = 1 - 2 * v, m = 1 + s * s + t * t;

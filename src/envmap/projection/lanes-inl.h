@@ -1,5 +1,5 @@
 /// @file
-/// The five projections once more, a vector of places at a time. The types in their own headers are the reference: the
+/// The projections once more, a vector of places at a time. The types in their own headers are the reference: the
 /// formulae, their sources and the reasons are there. Branch-free, and the same bits on every target: see
 /// trigonometry-inl.h.
 #if defined(ENVMAP_PROJECTION_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -102,6 +102,58 @@ HWY_INLINE void direction(Angular, D d, const Scale& scale, int /*face*/, V a, V
   y = hn::Mul(k, b);
 }
 
+/// octahedron::folded() of a place in the square, or beyond its sides; a and b change as octahedron::wrapped() says. All of
+/// the net is exact where a, b and n are whole.
+template <class V, class M>
+struct Folded {
+  V a, b;
+  M below;
+};
+
+template <class D, class V>
+HWY_INLINE auto folded(D d, const Scale& scale, V& a, V& b) {
+  const V n = hn::Set(d, scale.n), twice = hn::Add(n, n);
+  if (const auto beyond = hn::Gt(hn::Max(hn::Abs(a), hn::Abs(b)), n); !hn::AllFalse(d, beyond)) {
+    const V period = hn::Set(d, 4 * scale.n), turns = hn::Set(d, 0.25 * scale.inverse);
+    a = hn::Sub(a, hn::Mul(period, nearest_whole(d, hn::Mul(a, turns))));
+    b = hn::Sub(b, hn::Mul(period, nearest_whole(d, hn::Mul(b, turns))));
+    const auto over_side = hn::Gt(hn::Abs(a), n);
+    a = hn::IfThenElse(over_side, hn::Sub(hn::CopySign(twice, a), a), a);
+    b = hn::IfThenElse(over_side, hn::Neg(b), b);
+    const auto over_top = hn::Gt(hn::Abs(b), n);
+    b = hn::IfThenElse(over_top, hn::Sub(hn::CopySign(twice, b), b), b);
+    a = hn::IfThenElse(over_top, hn::Neg(a), a);
+  }
+  const V x = hn::Abs(a), z = hn::Abs(b);
+  const auto below = hn::Gt(hn::Add(x, z), n);
+  return Folded<V, decltype(below)>{hn::IfThenElse(below, hn::Sub(n, z), x), hn::IfThenElse(below, hn::Sub(n, x), z), below};
+}
+
+template <class D, class V>
+HWY_INLINE void direction(Octahedral, D d, const Scale& scale, int /*face*/, V a, V b, V& x, V& y, V& z) {
+  const auto f = folded(d, scale, a, b);
+  const V up = hn::Sub(hn::Sub(hn::Set(d, scale.n), f.a), f.b);
+  const V square = hn::Add(hn::Add(hn::Mul(f.a, f.a), hn::Mul(up, up)), hn::Mul(f.b, f.b));
+  const V unit = hn::Div(hn::Set(d, 1), hn::Sqrt(square)), height = hn::Mul(up, unit);
+  x = hn::CopySign(hn::Mul(f.a, unit), a);
+  y = hn::IfThenElse(f.below, hn::Neg(height), height);
+  z = hn::CopySign(hn::Mul(f.b, unit), b);
+}
+
+template <class D, class V>
+HWY_INLINE void direction(EqualArea, D d, const Scale& scale, int /*face*/, V a, V b, V& x, V& y, V& z) {
+  const auto f = folded(d, scale, a, b);
+  const V n = hn::Set(d, scale.n), r = hn::Add(f.a, f.b), unit = hn::Set(d, scale.inverse_square);
+  const V divisor = hn::Max(r, hn::Set(d, 1e-300));  // In the middle b is 0 itself.
+  V sine, cosine;
+  sin_cos_pi_ratio(d, hn::Mul(f.b, hn::Set(d, 0.5)), divisor, hn::Div(hn::Set(d, 1), divisor), sine, cosine);
+  const V level = hn::Mul(hn::Mul(r, hn::Sqrt(hn::Sub(hn::Set(d, 2 * scale.square), hn::Mul(r, r)))), unit);
+  const V height = hn::Mul(hn::Mul(hn::Sub(n, r), hn::Add(n, r)), unit);
+  x = hn::CopySign(hn::Mul(level, cosine), a);
+  y = hn::IfThenElse(f.below, hn::Neg(height), height);
+  z = hn::CopySign(hn::Mul(level, sine), b);
+}
+
 // ---- direction -> place --------------------------------------------------------------------------------------------
 
 /// Multiplies x and y by 2^600 where their squares would underflow. @return what brings them back.
@@ -180,6 +232,32 @@ HWY_INLINE void locate(Angular, D d, V x, V y, V z, V& face, V& u, V& v) {
   face = zero;
   u = hn::Add(half, hn::Mul(half, s));
   v = hn::Sub(half, hn::Mul(half, hn::Mul(y, k)));
+}
+
+/// octahedron::unfolded().
+template <class D, class V>
+HWY_INLINE void unfold(D d, V a, V b, V x, V y, V z, V& face, V& u, V& v) {
+  const V one = hn::Set(d, 1), half = hn::Set(d, 0.5);
+  const auto below = hn::Lt(y, hn::Zero(d));
+  const V s = hn::CopySign(hn::IfThenElse(below, hn::Sub(one, b), a), x);
+  const V t = hn::CopySign(hn::IfThenElse(below, hn::Sub(one, a), b), z);
+  face = hn::Zero(d);
+  u = hn::Add(half, hn::Mul(half, s));
+  v = hn::Sub(half, hn::Mul(half, t));
+}
+
+template <class D, class V>
+HWY_INLINE void locate(Octahedral, D d, V x, V y, V z, V& face, V& u, V& v) {
+  const V ax = hn::Abs(x), az = hn::Abs(z), k = hn::Div(hn::Set(d, 1), hn::Add(hn::Add(ax, hn::Abs(y)), az));
+  unfold(d, hn::Mul(ax, k), hn::Mul(az, k), x, y, z, face, u, v);
+}
+
+template <class D, class V>
+HWY_INLINE void locate(EqualArea, D d, V x, V y, V z, V& face, V& u, V& v) {
+  const V level = hn::Add(hn::Mul(x, x), hn::Mul(z, z));
+  const V r = hn::Sqrt(hn::Div(level, hn::Add(hn::Set(d, 1), hn::Abs(y))));
+  const V b = hn::Mul(r, hn::Mul(hn::Set(d, 2), atan2_pi(d, hn::Abs(z), hn::Abs(x))));
+  unfold(d, hn::Sub(r, b), b, x, y, z, face, u, v);
 }
 
 }  // namespace HWY_NAMESPACE

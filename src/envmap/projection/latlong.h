@@ -16,7 +16,7 @@ struct Latlong {
   static constexpr Projection id = Projection::latlong;
   static constexpr const char* name = "latlong";
   static constexpr int faces = 1, aspect = 2;
-  static constexpr double span = 180;
+  static constexpr double span = 180, stretch = pi / 2;  // Across it is pi, on faces twice as wide.
   static constexpr bool on_disc = false, filled = true, has_forward = true;
 
   template <class T>

@@ -15,7 +15,7 @@ struct Paraboloid {
   static constexpr Projection id = Projection::paraboloid;
   static constexpr const char* name = "paraboloid";
   static constexpr int faces = 2, aspect = 1;
-  static constexpr double span = 180;
+  static constexpr double span = 180, stretch = 2;
   static constexpr bool on_disc = true, filled = true, has_forward = false;
 
   template <class T>

@@ -12,6 +12,12 @@ const char* name(Projection p) {
   return visit(p, [](auto q) { return decltype(q)::name; });
 }
 
+std::string identifier(Projection p) {
+  std::string word = name(p);
+  std::ranges::replace(word, '-', '_');
+  return word;
+}
+
 int faces(Projection p) {
   return visit(p, [](auto q) { return decltype(q)::faces; });
 }
@@ -22,6 +28,10 @@ int aspect(Projection p) {
 
 bool on_disc(Projection p) {
   return visit(p, [](auto q) { return decltype(q)::on_disc; });
+}
+
+bool is_octahedral(Projection p) {
+  return visit(p, [](auto q) { return Faceted<decltype(q)> && decltype(q)::faces == 1; });
 }
 
 bool has_forward(Projection p) {
@@ -61,6 +71,26 @@ Columns columns(Projection p, int size, int row) {
   });
 }
 
+int facet(Projection p, const Location<double>& at) {
+  return visit(p, [&](auto q) {
+    using P = decltype(q);
+    if constexpr (Faceted<P>)
+      return P::facet(at);
+    else
+      return at.face;
+  });
+}
+
+void facet_densities(Projection p, int facet, std::span<const Point2> points, std::span<double> out) {
+  visit(p, [&](auto q) {
+    using P = decltype(q);
+    if constexpr (Faceted<P>)
+      std::ranges::transform(points, out.begin(), [facet](const Point2& at) { return P::continued_density(facet, at.x, at.y); });
+    else
+      densities(p, points, out);
+  });
+}
+
 void densities(Projection p, std::span<const Point2> points, std::span<double> out) {
   visit(p, [&](auto q) {
     using P = decltype(q);
@@ -78,6 +108,8 @@ void solid_angles(Projection p, int size, int row, std::span<double> out) {
     const double width = static_cast<double>(out.size()), v0 = static_cast<double>(row) / size, v1 = (row + 1.0) / size;
     if constexpr (std::is_same_v<P, Latlong>) {
       std::fill(out.begin(), out.end(), P::solid_angle({0, v0, 1, v1}) / width);
+    } else if constexpr (std::is_same_v<P, EqualArea>) {
+      std::fill(out.begin(), out.end(), 4 * pi / (width * size));
     } else {
       for (std::size_t i = 0; i < out.size(); ++i)
         out[i] = P::solid_angle({static_cast<double>(i) / width, v0, (static_cast<double>(i) + 1) / width, v1});
@@ -99,7 +131,14 @@ void solid_angles(Projection p, std::span<const double> edges, double v0, double
 
 Derivative derivative(Projection p, const Location<double>& at, double step) {
   return visit(p, [&](auto q) -> Derivative {
-    const auto d = [&](double du, double dv) { return decltype(q)::direction(at.face, at.u + du, at.v + dv); };
+    using P = decltype(q);
+    const Location<double> in = [&] {
+      if constexpr (requires { P::inset(at, step); })
+        return P::inset(at, 2.01 * step);
+      else
+        return at;
+    }();
+    const auto d = [&](double du, double dv) { return P::direction(in.face, in.u + du, in.v + dv); };
     return {(d(step, 0) - d(-step, 0)) / (2 * step), (d(0, step) - d(0, -step)) / (2 * step)};
   });
 }

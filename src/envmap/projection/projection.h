@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "envmap/base/export.h"
@@ -12,11 +13,12 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-enum class Projection { latlong, cube, sphere, paraboloid, angular };
+enum class Projection { latlong, cube, sphere, paraboloid, angular, octahedral, equal_area };
 
 /// In the order of the enumerators.
 inline constexpr Projection all_projections[] = {Projection::latlong, Projection::cube, Projection::sphere,
-                                                 Projection::paraboloid, Projection::angular};
+                                                 Projection::paraboloid, Projection::angular,
+                                                 Projection::octahedral, Projection::equal_area};
 
 /// A point of a face: u runs right and v down, both [0,1]; texel (i,j) of W x H has its centre at ((i+.5)/W, (j+.5)/H).
 template <class T>
@@ -25,16 +27,18 @@ struct Location {
   T u, v;
 };
 
-const char* name(Projection p);  ///< As users type it.
+const char* name(Projection p);        ///< As users type it.
+std::string identifier(Projection p);  ///< The same as a name in GLSL or C: equal_area.
 int faces(Projection p);
 int aspect(Projection p);        ///< Width over height of a face.
 bool on_disc(Projection p);      ///< Only the unit disc of a face carries weight.
+bool is_octahedral(Projection p);  ///< A square folded onto itself: octahedron.h.
 bool has_forward(Projection p);  ///< The image has a centre that can be chosen.
 /// @return the projection of that name, or nothing.
 std::optional<Projection> projection_named(std::string_view name);
 
 /// Height of a face of `to` with the degrees per texel of a `from` face `size` high, along the height of each
-/// (latlong 2N high, cube N, paraboloid 2N, sphere and angular 4N); at least 1.
+/// (latlong 2N high, cube N, paraboloid and octahedral maps 2N, sphere and angular 4N); at least 1.
 int matching_size(Projection from, int size, Projection to);
 
 /// The columns of a row whose texels hold an image: all of them, or those that touch the disc.
@@ -61,7 +65,14 @@ void directions(Projection p, int face, std::span<const Point2> points, std::spa
 /// Where each direction lies. Sizes must agree.
 void locate(Projection p, std::span<const Direction> directions, std::span<Location<double>> out);
 
-/// Solid angle per du dv at points of a face; 0 outside the disc.
+/// The part of a face that holds a place and within which a map is smooth: the face itself, or of octahedral maps an eighth
+/// of the sphere. The facets of a face are face, face + faces(p), face + 2 faces(p) ...
+int facet(Projection p, const Location<double>& at);
+
+/// Solid angle per du dv at points of a facet, beyond its sides what it goes on with; 0 outside the disc.
+void facet_densities(Projection p, int facet, std::span<const Point2> points, std::span<double> out);
+
+/// The same in whatever facet they lie.
 void densities(Projection p, std::span<const Point2> points, std::span<double> out);
 
 /// Steradians of each texel of a row of `out.size()` texels; every face has the same. Outside the disc 0, on the rim the
@@ -72,7 +83,8 @@ void solid_angles(Projection p, int size, int row, std::span<double> out);
 /// edges.size().
 void solid_angles(Projection p, std::span<const double> edges, double v0, double v1, std::span<double> out);
 
-/// How the direction moves with u and v; infinite nowhere: differences over `step` (in units of the face) either way.
+/// How the direction moves with u and v; infinite nowhere: differences over `step` (in units of the face) either way, which
+/// never reach over a crease.
 struct Derivative {
   Direction du, dv;
 };

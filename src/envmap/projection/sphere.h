@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
@@ -15,7 +16,7 @@ struct Sphere {
   static constexpr Projection id = Projection::sphere;
   static constexpr const char* name = "sphere";
   static constexpr int faces = 1, aspect = 1;
-  static constexpr double span = 360;
+  static constexpr double span = 360, stretch = std::numeric_limits<double>::infinity();
   static constexpr bool on_disc = true, filled = false, has_forward = false;
 
   /// With r = sin(a/2), a the angle from +Z. Beyond the rim the angle goes on past -Z: the point at radius r holds the

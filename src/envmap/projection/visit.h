@@ -8,7 +8,9 @@
 
 #include "envmap/projection/angular.h"
 #include "envmap/projection/cube.h"
+#include "envmap/projection/equal_area.h"
 #include "envmap/projection/latlong.h"
+#include "envmap/projection/octahedral.h"
 #include "envmap/projection/paraboloid.h"
 #include "envmap/projection/sphere.h"
 
@@ -24,13 +26,26 @@ concept ProjectionType = requires(int face, double u, double v, const Direction&
   { P::faces } -> std::convertible_to<int>;
   { P::aspect } -> std::convertible_to<int>;            // Width over height of a face.
   { P::span } -> std::convertible_to<double>;           // Degrees of arc along the height of a face.
+  { P::stretch } -> std::convertible_to<double>;        // No direction moves faster for a step in s, t; infinite of a disc.
   { P::on_disc } -> std::convertible_to<bool>;          // Only the unit disc of a face carries weight.
   { P::filled } -> std::convertible_to<bool>;           // Texels outside the disc are written all the same.
   { P::has_forward } -> std::convertible_to<bool>;      // The image has a centre that --forward can choose.
-  { P::direction(face, u, v) } -> std::same_as<Direction>;  // Unit; beyond the face its smooth continuation.
+  { P::direction(face, u, v) } -> std::same_as<Direction>;  // Unit; beyond the face its continuation.
   { P::locate(d) } -> std::same_as<Location<double>>;       // Of any unit vector.
   { P::density(u, v) } -> std::same_as<double>;             // Solid angle per du dv; 0 outside the disc.
   { P::solid_angle(rect) } -> std::same_as<double>;         // Of a rectangle in u and v: its part inside the disc.
+};
+
+/// What those have whose faces fall into facets with creases between them: parts of the sphere cut out by planes, on
+/// which the map is smooth, and the projection of each goes on a little beyond its sides.
+template <class P>
+concept Faceted = ProjectionType<P> && requires(int facet, const Direction& d, double u, double v) {
+  { P::facets } -> std::convertible_to<int>;
+  { P::facet(d) } -> std::same_as<int>;
+  { P::facet(P::locate(d)) } -> std::same_as<int>;
+  { P::sides(facet).front() } -> std::convertible_to<Direction>;  // It lies where dot(side, d) >= 0 for all of these.
+  { P::continued(facet, d) } -> std::same_as<Location<double>>;
+  { P::continued_density(facet, u, v) } -> std::same_as<double>;
 };
 
 template <ProjectionType... P>
@@ -56,7 +71,7 @@ struct ProjectionList {
   }
 };
 
-using Projections = ProjectionList<Latlong, Cube, Sphere, Paraboloid, Angular>;
+using Projections = ProjectionList<Latlong, Cube, Sphere, Paraboloid, Angular, Octahedral, EqualArea>;
 static_assert(Projections::is_complete());
 
 /// Calls f with the type of a projection: the only dispatch over projections there is.

@@ -37,7 +37,7 @@ gl::Definitions constants() {
           {"BUFFER_LIGHTS", number(buffer_lights)}};
 }
 
-std::string file_of(Projection p) { return fmt::format("{}.glsl", name(p)); }
+std::string file_of(Projection p) { return fmt::format("{}.glsl", identifier(p)); }
 
 // Those of several projections, each once.
 std::vector<std::string> files_of(std::initializer_list<std::optional<Projection>> projections) {
@@ -48,7 +48,7 @@ std::vector<std::string> files_of(std::initializer_list<std::optional<Projection
 }
 
 gl::Program lighting(const std::vector<std::string>& files, gl::Definitions definitions, Projection environment) {
-  definitions["ENVIRONMENT_LOCATED"] = fmt::format("{}_located", name(environment));
+  definitions["ENVIRONMENT_LOCATED"] = fmt::format("{}_located", identifier(environment));
   return gl::make_program({{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}}, {GL_FRAGMENT_SHADER, files}}, definitions);
 }
 
@@ -59,7 +59,7 @@ bool has_shader(Projection p) { return !shader_source(file_of(p)).empty(); }
 gl::Program visibility_program(DrawMethod method, Projection image, bool holes) {
   gl::Definitions definitions = constants();
   definitions["SHAPE"] = number(image_shape(image));
-  definitions["RADIUS"] = fmt::format("{}_radius", name(image));
+  definitions["RADIUS"] = fmt::format("{}_radius", identifier(image));
   definitions["REACH"] = fmt::format("{:.7}", reach(image) + 1e-3);
   definitions["FILLED"] = number(filled_disc(image));
   definitions["HOLES"] = number(holes);
@@ -100,7 +100,7 @@ gl::Program shading_program(const Shading& s) {
   const auto add = [&](std::initializer_list<std::string> more) { files.insert(files.end(), more); };
   add({"triangle.glsl", "environment.glsl"});
   if (s.mirror)
-    add({"tint.glsl", fmt::format("mirror_{}.glsl", name(*s.mirror)), "reflect_mirror.glsl"});
+    add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), "reflect_mirror.glsl"});
   else
     add({"reflect_environment.glsl"});
   add({"shading.glsl", "shade.frag.glsl"});

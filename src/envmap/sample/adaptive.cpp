@@ -99,7 +99,7 @@ struct Workspace {
       box = {std::min(box.u0, x), std::min(box.v0, y), std::max(box.u1, x), std::max(box.v1, y)};
       const double round = at[k].u < 0.5 ? x + source.width() : x;
       round0 = std::min(round0, round), round1 = std::max(round1, round);
-      one_face &= at[k].face == at[0].face;
+      one_face &= facet(source.projection(), at[k]) == facet(source.projection(), at[0]);
       const double w = 0.25 * measure * density[k];
       cell.weight += w;
       cell.sum += w * Rgb<double>(colour[k]);

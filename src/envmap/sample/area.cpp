@@ -1,13 +1,13 @@
 #include "envmap/sample/area.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "envmap/base/parallel.h"
-#include "envmap/maths/polygon.h"
 #include "envmap/maths/portable.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/adaptive.h"
@@ -37,11 +37,32 @@ struct Task {
   }
 };
 
+// A corner of a texel's outline cut by planes: a direction, and whether the outline may turn there.
+struct Corner {
+  Direction direction;
+  bool turns;
+};
+
+// The part where dot(side, d) >= 0 (Sutherland and Hodgman 1974, as in polygon.h).
+void cut(const std::vector<Corner>& corners, const Direction& side, std::vector<Corner>& out) {
+  out.clear();
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Corner&p = corners[k], &q = corners[k + 1 < corners.size() ? k + 1 : 0];
+    const double dp = glm::dot(side, p.direction), dq = glm::dot(side, q.direction);
+    if (dp >= 0) out.push_back(p);
+    if ((dp >= 0) != (dq >= 0)) out.push_back({glm::normalize(glm::mix(p.direction, q.direction, dp / (dp - dq))), true});
+  }
+}
+
+enum class Outcome { done, bent, unsuitable };
+
 // What one thread works with; kept, so that nothing is allocated for a texel.
 struct Workspace {
   Sides sides;
   Outline outline;
-  std::vector<Point2> centres, cut;
+  std::vector<Corner> around, piece, cut;
+  std::array<Outline, 8> parts;  // By facet.
+  std::vector<Point2> centres;
   std::vector<double> densities;
   Coverage coverage;
   std::vector<std::size_t> open, again;
@@ -52,7 +73,7 @@ struct Mean {
   double weight = 0;
 };
 
-void integrate(const PaddedLevel& source, int face, std::span<const Point2> polygon, Workspace& ws, Mean& mean) {
+void integrate(const PaddedLevel& source, int facet, std::span<const Point2> polygon, Workspace& ws, Mean& mean) {
   Coverage& c = ws.coverage;
   c.cover(polygon);
   ws.centres.clear();
@@ -60,7 +81,8 @@ void integrate(const PaddedLevel& source, int face, std::span<const Point2> poly
     for (int i = c.left(); i < c.left() + c.columns(); ++i)
       ws.centres.emplace_back((i + 0.5) / source.width(), (j + 0.5) / source.height());
   ws.densities.resize(ws.centres.size());
-  densities(source.projection(), ws.centres, ws.densities);
+  facet_densities(source.projection(), facet, ws.centres, ws.densities);
+  const int face = facet % source.faces();
   const double* weight = c.weights(ws.densities).data();
   const int w = source.width();
   const bool over_seam = source.projection() == Projection::latlong && (c.left() < 0 || c.left() + c.columns() > w);
@@ -73,42 +95,68 @@ void integrate(const PaddedLevel& source, int face, std::span<const Point2> poly
   }
 }
 
-// Over the edges of a cube, face by face: great circles are straight on all of them. False where the outline passes behind
-// the plane of a face.
-bool integrate_over_edges(const PaddedLevel& source, std::size_t texel, Workspace& ws, Mean& mean) {
-  const double size = source.height();
-  unsigned faces = 0;
-  ws.sides.around(texel, [&](std::size_t k) { faces |= 1U << ws.sides.places[k].face; });
-  for (int face = 0; face < Cube::faces; ++face) {
-    if ((faces >> face & 1) == 0) continue;
-    bool before = true;
-    ws.outline.points.clear();
-    ws.sides.around(texel, [&](std::size_t k) {
-      const Direction& d = ws.sides.directions[k];
-      before &= glm::dot(d, Cube::axes[face].forward) > 0.1;
-      if (before) ws.outline.points.push_back(in_texels(source, Cube::continued(face, d)));
-    });
-    if (!before) return false;
-    const Direction edges[] = {{1, 0, 0.5}, {-1, 0, size - 0.5}, {0, 1, 0.5}, {0, -1, size - 0.5}};
-    for (const Direction& edge : edges) {
-      cut(ws.outline.points, edge.x, edge.y, edge.z, ws.cut);
-      std::swap(ws.cut, ws.outline.points);
-    }
-    if (ws.outline.points.size() > 2) integrate(source, face, ws.outline.points, ws, mean);
+// The part of a texel's outline on each facet, cut out by the facet's planes. Great circles through the middle of the sphere are
+// straight on all facets' sides.
+template <Faceted P>
+void cut_by_facet(const PaddedLevel& source, int facet, std::span<const Corner> around, Workspace& ws, Outline& out) {
+  ws.piece.assign(around.begin(), around.end());
+  for (const Direction& side : P::sides(facet)) {
+    cut(ws.piece, side, ws.cut);
+    std::swap(ws.piece, ws.cut);
   }
-  return true;
+  out.points.clear();
+  out.corners.clear();
+  out.latlong_rows = 0;
+  out.facet = facet;
+  for (const Corner& c : ws.piece) out.add(in_texels(source, P::continued(facet, c.direction)), c.turns);
+  if (!ws.piece.empty()) out.add(out.points.front(), true);
 }
 
-enum class Outcome { done, bent, unsuitable };
+// Over the edges of a cube or the creases of an octahedral map, facet by facet. A texel that spans 160 degrees is not cut: what
+// is inside of it and what outside is then no longer plain.
+template <Faceted P>
+Outcome integrate_by_facets(const Task& task, std::size_t texel, Workspace& ws, Mean& mean) {
+  constexpr double cosine_of_most = 0.17;
+  if (ws.sides.pieces < 8) return Outcome::bent;
+  Direction middle(0);
+  std::size_t n = 0;
+  ws.around.clear();
+  ws.sides.around(texel, [&](std::size_t k) {
+    ws.around.push_back({ws.sides.directions[k], ws.sides.is_corner(k, n++)});
+    middle += ws.around.back().direction;
+  });
+  ws.around.pop_back();  // The first again.
+  middle = glm::normalize(middle);
+  for (const Corner& c : ws.around)
+    if (!(glm::dot(c.direction, middle) > cosine_of_most)) return Outcome::unsuitable;
+
+  Outline::Shape shape{0, 0};
+  for (int facet = 0; facet < P::facets; ++facet) {
+    Outline& part = ws.parts[static_cast<std::size_t>(facet)];
+    cut_by_facet<P>(task.source, facet, ws.around, ws, part);
+    if (part.points.size() < 4) continue;
+    const Outline::Shape s = part.shape();
+    shape = {std::max(shape.bend, s.bend), std::max(shape.thickness, s.thickness)};
+  }
+  if (shape.relative(task.tolerance, task.division) > 1) return Outcome::bent;
+  for (const Outline& part : std::span(ws.parts).first(P::facets))
+    if (part.points.size() >= 4) integrate(task.source, part.facet, part.points, ws, mean);
+  return Outcome::done;
+}
 
 Outcome texel_mean(const Task& task, std::size_t texel, Workspace& ws, Colour& out) {
   Mean mean;
   if (ws.outline.follow(task.source, task.target, ws.sides, texel)) {
-    if (ws.outline.bend(task.tolerance, task.division) > 1) return Outcome::bent;
-    integrate(task.source, ws.outline.face, ws.outline.points, ws, mean);
-  } else if (task.source.projection() == Projection::cube) {
-    if (ws.sides.pieces < 8) return Outcome::bent;
-    if (!integrate_over_edges(task.source, texel, ws, mean)) return Outcome::unsuitable;
+    if (ws.outline.shape().relative(task.tolerance, task.division) > 1) return Outcome::bent;
+    integrate(task.source, ws.outline.facet, ws.outline.points, ws, mean);
+  } else {
+    const Outcome outcome = visit(task.source.projection(), [&](auto q) {
+      if constexpr (Faceted<decltype(q)>)
+        return integrate_by_facets<decltype(q)>(task, texel, ws, mean);
+      else
+        return Outcome::unsuitable;
+    });
+    if (outcome != Outcome::done) return outcome;
   }
   if (!(mean.weight > 0)) return Outcome::unsuitable;
   out = Colour(mean.light / mean.weight);
@@ -136,10 +184,12 @@ std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Wo
   for (const int column : {first, (first + last) / 2, last}) {
     task.find(ws.sides, face, row, column, 1, 4, false);
     const bool outline = ws.outline.follow(task.source, task.target, ws.sides, 0);
-    most = std::max(most, outline ? ws.outline.bend(task.tolerance, task.division) : 1);
+    most = std::max(most, outline ? ws.outline.shape().relative(task.tolerance, task.division) : 1);
   }
   const double pieces = 4 * std::sqrt(1.2 * most);
-  return pieces < 0.5 ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(pieces)), 2, 16);
+  const auto whole = pieces < 0.5 ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(pieces)), 2, 16);
+  // An octahedral map of odd size has creases in the middles of sides.
+  return is_octahedral(task.target.to) ? whole + whole % 2 : whole;
 }
 
 // Texels of one block; those that need more pieces one by one, with four times as many each time.
@@ -170,9 +220,11 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
 // which leaves an eighth of their second derivative. 0 where the finer source would be too large.
 int division_for(const PaddedLevel& source, double tolerance) {
   constexpr double most_texels = 4096.0 * 4096;
+  if (source.projection() == Projection::equal_area) return 1;
+  const double curvature = is_octahedral(source.projection()) ? 0.5 : 0.2;
   const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
   int times = 1;
-  while (0.2 * texel * texel > tolerance * times * times) times += 2;
+  while (curvature * texel * texel > tolerance * times * times) times += 2;
   return times == 1 || static_cast<double>(source.faces()) * source.width() * source.height() * times * times < most_texels ? times : 0;
 }
 

@@ -13,8 +13,8 @@ namespace envmap {
 /// gains, and the light of the source is kept. What is left is the bend of the outline between its points, which are set
 /// as densely as the tolerance asks for.
 ///
-/// Over the seam and the poles of a latlong map and the edges of a cube the outline goes on. Texels whose outline meets
-/// the rim of a disc in the source, or that look towards -Z of a sphere map, are left to adaptive_sampler(). Where the solid
+/// Over the seam and the poles of a latlong map the outline goes on; at the edges of a cube and the creases of an octahedral
+/// map it is cut. Texels whose outline meets the rim of a disc in the source, or that look towards -Z of a sphere map, are left to adaptive_sampler(). Where the solid
 /// angle is not linear over a texel to the tolerance (at 1e-4 in latlong maps of less than 140 rows), the texels are
 /// divided first, which changes nothing of the reconstruction; where that would make a source of over 4096 x 4096 texels,
 /// adaptive_sampler() takes them all.

@@ -35,8 +35,17 @@ bool shows(const Target& target, const Sides& sides, std::size_t texel, const Di
 
 }  // namespace
 
+bool Sides::is_corner(std::size_t point, std::size_t n) const {
+  constexpr double rounding = 1e-12;
+  if (n % pieces == 0) return true;
+  if (!folded) return false;
+  const Point2 in = glm::abs(2.0 * points[point] - 1.0);
+  return std::min({in.x, in.y, std::abs(in.x + in.y - 1)}) < rounding;
+}
+
 void Sides::find(const Target& target, Projection source, bool inside) {
   const double h = target.size, w = h * aspect(target.to), n = static_cast<double>(pieces);
+  folded = is_octahedral(target.to);
   points.clear();
   for (std::size_t r = 0; r <= pieces; ++r)
     for (std::size_t k = 0; k <= pieces * texels; k += r == 0 || r == pieces ? 1 : pieces) {
@@ -50,7 +59,7 @@ void Sides::find(const Target& target, Projection source, bool inside) {
   locate(source, directions, places);
 }
 
-double Outline::bend(double tolerance, double unit) const {
+Outline::Shape Outline::shape() const {
   Point2 low = points[0], high = points[0];
   double most = 0, area = 0;
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
@@ -64,8 +73,7 @@ double Outline::bend(double tolerance, double unit) const {
     if (length > 0) most = std::max(most, std::abs(chord.x * step.y - chord.y * step.x) / length);
   }
   const double across = (high.x - low.x) * narrowing(0.5 * (low.y + high.y));
-  const double thickness = 0.5 * std::abs(area) / std::max({across, high.y - low.y, 1e-300});
-  return 0.25 * most / (tolerance * std::min(unit, thickness));
+  return {0.25 * most, 0.5 * std::abs(area) / std::max({across, high.y - low.y, 1e-300})};
 }
 
 double Outline::narrowing(double y) const {
@@ -144,6 +152,30 @@ struct LatlongPath {
 
 }  // namespace
 
+// On the facet of the texel's middle; places on its sides may have been found beyond them.
+bool Outline::follow_on_octahedron(const PaddedLevel& source, const Sides& sides, std::size_t texel) {
+  constexpr double rounding = 1e-14;
+  return visit(source.projection(), [&](auto q) {
+    using P = decltype(q);
+    if constexpr (Faceted<P>) {
+      Direction middle(0);
+      sides.around(texel, [&](std::size_t k) { middle += sides.directions[k]; });
+      facet = P::facet(middle);
+      const auto planes = P::sides(facet);
+      bool whole = true;
+      std::size_t n = 0;
+      sides.around(texel, [&](std::size_t k) {
+        const Direction& d = sides.directions[k];
+        for (const Direction& plane : planes) whole &= glm::dot(plane, d) >= -rounding;
+        if (whole) add(in_texels(source, P::continued(facet, d)), sides.is_corner(k, n++));
+      });
+      return whole;
+    } else {
+      return false;
+    }
+  });
+}
+
 bool Outline::follow(const PaddedLevel& source, const Target& target, const Sides& sides, std::size_t texel) {
   const Projection p = source.projection();
   const bool disc = on_disc(p);
@@ -151,18 +183,19 @@ bool Outline::follow(const PaddedLevel& source, const Target& target, const Side
   points.clear();
   corners.clear();
   latlong_rows = p == Projection::latlong ? source.height() : 0;
-  face = sides.places[texel * sides.pieces].face;
+  facet = sides.places[texel * sides.pieces].face;
   std::size_t n = 0;
   if (p == Projection::latlong) {
     LatlongPath path{*this, source, target, sides, texel};
-    sides.around(texel, [&](std::size_t k) { path.go_to(sides.directions[k], sides.places[k], n++ % sides.pieces == 0); });
+    sides.around(texel, [&](std::size_t k) { path.go_to(sides.directions[k], sides.places[k], sides.is_corner(k, n++)); });
     return path.close();
   }
+  if (is_octahedral(p)) return follow_on_octahedron(source, sides, texel);
   bool whole = true;
   sides.around(texel, [&](std::size_t k) {
     const Location<double>& at = sides.places[k];
-    whole &= at.face == face && sides.directions[k].z >= behind && portable::hypot(at.u - 0.5, at.v - 0.5) < rim;
-    add(in_texels(source, at), n++ % sides.pieces == 0);
+    whole &= at.face == facet && sides.directions[k].z >= behind && portable::hypot(at.u - 0.5, at.v - 0.5) < rim;
+    add(in_texels(source, at), sides.is_corner(k, n++));
   });
   // Round -Z the outline would enclose all the rest of a disc.
   return whole && !(disc && shows(target, sides, texel, {0, 0, -1}));

@@ -2,6 +2,7 @@
 /// The outline of a texel of a result as the source sees it.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "envmap/sample/padded_level.h"
@@ -14,6 +15,7 @@ namespace envmap {
 struct Sides {
   int face = 0, row = 0, first = 0;  ///< The texels' place in the result.
   std::size_t pieces = 0, texels = 0;
+  bool folded = false;  ///< The result is an octahedral map.
   std::vector<Point2> points;
   std::vector<Direction> directions;     ///< In the frame of the source.
   std::vector<Location<double>> places;  ///< In the source.
@@ -22,8 +24,11 @@ struct Sides {
   /// @param inside points beyond a disc's rim move onto it.
   void find(const Target& target, Projection source, bool inside);
 
-  /// Calls f with the indices of the points round a texel, from its upper left corner and back to it; every `pieces`-th is
-  /// a corner.
+  /// Whether the outline may turn at a point, the `n`th round its texel: at a texel's corner, or on a crease of the result,
+  /// which meets sides in texels' corners or (where the size is odd) in their middles.
+  [[nodiscard]] bool is_corner(std::size_t point, std::size_t n) const;
+
+  /// Calls f with the indices of the points round a texel, from its upper left corner and back to it.
   template <class F>
   void around(std::size_t texel, F&& f) const {
     const std::size_t across = pieces * texels + 1, between = texels + 1, below = across + (pieces - 1) * between;
@@ -36,10 +41,10 @@ struct Sides {
   }
 };
 
-/// A texel's outline on one face of the source, in source texels with their centres at whole numbers. Beyond the sides of
+/// A texel's outline on one facet of the source, in source texels with their centres at whole numbers. Beyond the sides of
 /// a latlong map its x goes on.
 struct Outline {
-  int face = -1;
+  int facet = -1;
   std::vector<Point2> points;  ///< The last is the first again.
   std::vector<bool> corners;         ///< Where the outline may turn.
   int latlong_rows = 0;              ///< Of a source that is a latlong map.
@@ -49,15 +54,23 @@ struct Outline {
     corners.push_back(corner);
   }
 
-  /// Follows the outline of texel `first` + k. False where it is none on one face, or where bilinear interpolation would
+  /// Follows the outline of texel `first` + k. False where it is none on one facet, or where bilinear interpolation would
   /// not show the directions themselves.
   bool follow(const PaddedLevel& source, const Target& target, const Sides& sides, std::size_t k);
 
-  /// How far a side bends away from its pieces: the largest distance over `tolerance` times `unit`, or times the outline's
-  /// own thickness where that is less. @param unit in texels.
-  [[nodiscard]] double bend(double tolerance, double unit) const;
+  /// How far the sides bend away from their pieces, and how thick the outline is, both in texels.
+  struct Shape {
+    double bend, thickness;
+
+    /// The bend over `tolerance` times `unit`, or times the thickness where that is less. @param unit in texels.
+    [[nodiscard]] double relative(double tolerance, double unit) const {
+      return bend / (tolerance * std::min(unit, thickness));
+    }
+  };
+  [[nodiscard]] Shape shape() const;
 
  private:
+  bool follow_on_octahedron(const PaddedLevel& source, const Sides& sides, std::size_t texel);
   // How long a step along a row of the source is, over one at the equator of a latlong map.
   [[nodiscard]] double narrowing(double y) const;
 };

@@ -132,7 +132,10 @@ void add_neighbours(TangentFit& fit, const PaddedLevel& level, int face, double 
 PaddedLevel::PaddedLevel(const Level& level) : PaddedLevel(level.clone()) {}
 
 PaddedLevel::PaddedLevel(Level&& level) : level_(std::move(level)) {
-  on_disc(projection()) ? fill_by_fit() : fill_by_bilinear();
+  if (is_octahedral(projection()))
+    fill_by_folding();
+  else
+    on_disc(projection()) ? fill_by_fit() : fill_by_bilinear();
 }
 
 // Of faces whose edges follow their texels: cube, latlong. Some taps are apron themselves, with a weight of about half a
@@ -149,6 +152,20 @@ void PaddedLevel::fill_by_bilinear() {
       if (k % between_trims == 0) trim();
       *level_.stored(texels[k].face, texels[k].i, texels[k].j) = values[k];
     }
+  }
+}
+
+// A square folded onto itself: what lies beyond its sides are texels of the image.
+void PaddedLevel::fill_by_folding() {
+  constexpr int g = Level::apron;
+  const int n = height();
+  for (int j = -g; j < n + g; ++j) {
+    for (int i = -g; i < n + g; ++i) {
+      if (i == 0 && j >= 0 && j < n) i = n;  // All of an inner row is image.
+      const auto [from_i, from_j] = octahedron::wrapped_texel(i, j, n);
+      *level_.stored(0, i, j) = *texel(0, from_i, from_j);
+    }
+    if (j % 16 == 0) trim();
   }
 }
 

@@ -12,7 +12,8 @@ namespace envmap {
 ///
 /// An apron texel beside an edge is interpolated between texels some of which are apron themselves (with a weight of
 /// about half a texel / size on a cube): the values are found by iteration, which contracts. Beyond a rim they come from
-/// a moving least-squares fit to the texels of both sides.
+/// a moving least-squares fit to the texels of both sides. Octahedral maps are folded onto themselves: texels of the apron are
+/// texels of the image.
 class PaddedLevel {
  public:
   /// Copies the texels.
@@ -34,6 +35,7 @@ class PaddedLevel {
  private:
   void fill_by_bilinear();
   void fill_by_fit();
+  void fill_by_folding();
 
   Level level_;
 };
