@@ -34,11 +34,11 @@ struct Options {
   std::optional<Direction> look_at;
   std::optional<double> fov, anaglyph;
   double orbit = 0;
+  std::optional<MirrorLookup> lookup;
   MirrorLook look;
   MirrorOptions drawing;
 };
 
-constexpr std::string_view lookup_names[] = {"pixel", "vertex"};
 constexpr std::string_view method_names[] = {"maps", "raycast"};
 constexpr std::string_view map_names[] = {"sphere", "paraboloid", "cube"};
 
@@ -169,11 +169,12 @@ class MapPainter {
     MirrorOptions drawing = options_.drawing;
     if (!drawing.bounces && !first_) drawing.bounces = 1;
     first_ = false;
+    shot.look = options_.look;
+    shot.look.lookup = options_.lookup.value_or(shot.look.lookup);
     maps_.update(renderer_, shot, viewers, drawing, [&](const std::string& line) {
       if (common_.verbose) note(common_, line);
     });
     shot.mirrors = maps_.maps();
-    shot.look = options_.look;
     Pictures pictures;
     for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer_, eye.from, shot));
     return pictures;
@@ -198,7 +199,7 @@ Pictures cast(const Options& o, const Common& common, const std::vector<int>& mi
 }
 
 void check(const Options& o) {
-  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.all || o.look.by_vertex || o.look.tinted ||
+  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.all || o.lookup || o.look.tinted ||
                        std::ranges::any_of(o.mirrors, [](const std::string& m) { return m.find(':') != m.npos; });
   if (o.method == Through::rays && of_maps)
     throw UsageError("--method raycast draws no maps: leave out --maps, --size, --lookup, --show-maps, --all and NODE:MAP");
@@ -253,8 +254,8 @@ constexpr std::string_view description =
     "one is, and reflections in reflections are a frame old after that, unless --bounces says how many rounds a frame "
     "takes. --mirror adds nodes of any "
     "material, and says how one is mapped: rough metals then use levels prefiltered by GGX.\n\n"
-    "Maps are looked up by direction alone, as if all they show were far away: what is near a mirror is out of place "
-    "in it. Thin walls let light straight through; solids (KHR_materials_volume) bend it once, where it enters. "
+    "Maps hold distances too, and are looked up where the reflected ray meets what they show (--lookup). What their "
+    "middle does not see a mirror cannot show, and a mirror in a mirror shows what it shows to that middle. Thin walls let light straight through; solids (KHR_materials_volume) bend it once, where it enters. "
     "--method raycast is the reference: Embree follows rays from mirror to mirror, through walls and through both sides "
     "of solids, and all is lit by the same formulae. Nothing casts a shadow.\n\n"
     "Only what the picture needs is drawn: the faces or halves that reflected rays can reach, things that they can "
@@ -336,14 +337,9 @@ Command view_command() {
         app.add_option("--far", o->drawing.far, "Nothing further is (default: 1000)")
             ->type_name("METRES")
             ->check(CLI::Range(1e-9, 1e12));
-        add_choice(
-            app, "--lookup", o->look.by_vertex, joined(lookup_names),
-            [](const std::string& word) -> std::optional<bool> {
-              if (word == "pixel") return false;
-              if (word == "vertex") return true;
-              return std::nullopt;
-            },
-            "Where maps are looked up; 'vertex' shows what that used to cost (default: pixel)");
+        add_choice(app, "--lookup", o->lookup, joined(mirror_lookup_names), one_of<MirrorLookup>(mirror_lookup_names),
+                   "How maps are looked up: by direction, as if all were far away; where rays meet what is at a distance; "
+                   "by direction at vertices, as it used to be done (default: distance)");
         app.add_flag("--show-maps", o->look.tinted, "Tint what mirrors show by the face of the map");
         app.add_option("--anaglyph", o->anaglyph, "Two eyes so far apart; both see the same at 30 times the distance")
             ->type_name("METRES")

@@ -24,11 +24,15 @@ Mesh plate(double half, double bulge) {
   return mesh;
 }
 
+struct Ray {
+  Direction from, along;
+};
+
 // Rays from the viewer to random places of a mesh, turned there; those that the viewer's planes hide left out.
-std::vector<Direction> rays(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
+std::vector<Ray> rays(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform;
-  std::vector<Direction> shown;
+  std::vector<Ray> shown;
   const Rotation normals = glm::transpose(glm::inverse(Rotation(world)));
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
     for (int n = 0; n < 30; ++n) {
@@ -44,22 +48,30 @@ std::vector<Direction> rays(const Viewer& viewer, const Mesh& mesh, const Matrix
       bool seen = true;
       for (const Vector4& plane : viewer.planes) seen = seen && glm::dot(Direction(plane), at) + plane.w >= 0;
       if (seen)
-        shown.push_back(
-            optics.turned(glm::normalize(at - viewer.at), glm::normalize(v[0] * (1 - a - b) + v[1] * a + v[2] * b)));
+        shown.push_back({at, optics.turned(glm::normalize(at - viewer.at),
+                                           glm::normalize(v[0] * (1 - a - b) + v[1] * a + v[2] * b))});
     }
   return shown;
 }
 
-// Every ray lies in a cap, and in a face that is said to be reached. @return how many faces are.
+double beyond(const Direction& ray, const std::vector<Cap>& caps) {
+  double nearest = 10;
+  for (const Cap& cap : caps) nearest = std::min(nearest, angle_between(ray, cap.axis) - cap.angle);
+  return nearest;
+}
+
+// Every ray lies in a cap, all its points seen from a middle do, and it lies in a face that is said to be reached. @return how many faces are.
 int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
   const std::vector<Cap> caps = shown_directions(viewer, mesh, world, optics).caps;
   const Rotation axes = rotation(20, 30, 40);
   const auto reached = reached_faces(caps, axes, 0);
   const Cap all = caps.empty() ? Cap{{0, 0, 1}, 0} : enclosing(caps);
-  for (const Direction& ray : rays(viewer, mesh, world, optics)) {
-    double nearest = 10;
-    for (const Cap& cap : caps) nearest = std::min(nearest, angle_between(ray, cap.axis) - cap.angle);
-    EXPECT_LE(nearest, 1e-9);
+  const Direction middle = Direction(world[3]) + Direction(0.1, 0.05, 0);
+  const std::vector<Cap> swept = shown_directions(viewer, mesh, world, optics, middle).caps;
+  for (const auto& [from, ray] : rays(viewer, mesh, world, optics)) {
+    EXPECT_LE(beyond(ray, caps), 1e-9);
+    for (const double distance : {0.0, 0.1, 0.5, 2.0, 10.0})
+      EXPECT_LE(beyond(glm::normalize(from + distance * ray - middle), swept), 1e-6) << distance;
     EXPECT_LE(angle_between(ray, all.axis), all.angle + 1e-9);
     EXPECT_TRUE(reached[Cube::locate(glm::transpose(axes) * ray).face]);
   }

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "drawing.h"
+#include "envmap/operate/generate.h"
 #include "envmap/render/mirrors.h"
+#include "envmap/render/raycast.h"
+#include "envmap/render/shading.h"
 #include "rooms.h"
 
 namespace {
@@ -54,9 +57,9 @@ struct Stage {
     told.clear();
     const Viewpoint from = camera();
     Shot shot{.scene = scene, .pose = pose(scene, 0)};
+    shot.look = look;
     mirrors->update(*renderer, shot, {viewer(from)}, options, [this](const std::string& line) { told += line + "\n"; });
     shot.mirrors = mirrors->maps();
-    shot.look = look;
     return draw_picture(*renderer, from, shot);
   }
 
@@ -77,19 +80,19 @@ class View : public ::testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(Maps, View, ::testing::Values(Projection::sphere, Projection::paraboloid, Projection::cube),
                          [](const auto& p) { return identifier(p.param); });
 
-TEST_P(View, ABallShowsTheRoomFromItsCentre) {
-  const Direction centre(0.1, -0.2, -0.3);
-  Stage stage(hall({centre}), GetParam());
-  const std::vector<Colour> picture = stage.picture();
+// @return the largest error on the ball; the others are expected not to be wrong.
+double wrong_on_ball(Projection to, MirrorLookup lookup, const Direction& centre) {
+  Stage stage(hall({centre}), to);
+  const std::vector<Colour> picture = stage.picture({}, {.lookup = lookup});
   const Viewpoint from = camera();
   // A sphere map shows little of what is behind it, which the outline shows.
-  const double margin = GetParam() == Projection::sphere ? 0.015 : 0.004;
+  const double margin = to == Projection::sphere ? 0.015 : 0.004;
   int on_ball = 0;
   double wrong = 0;
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
-      const Direction ray = from.lens->ray((i + 0.5) / size, (j + 0.5) / size), to = from.at - centre;
-      const double b = glm::dot(ray, to), root = b * b - glm::dot(to, to) + radius * radius;
+      const Direction ray = from.lens->ray((i + 0.5) / size, (j + 0.5) / size), off = from.at - centre;
+      const double b = glm::dot(ray, off), root = b * b - glm::dot(off, off) + radius * radius;
       const Colour& seen = picture[j * size + i];
       if (root < 0.0) {
         const Direction place = from.at + rooms::hit(from.at, ray).distance * ray;
@@ -97,19 +100,75 @@ TEST_P(View, ABallShowsTheRoomFromItsCentre) {
       } else if (root > margin) {  // Where the outline of the ball's triangles is not met.
         const Direction normal = (from.at + (-b - std::sqrt(root)) * ray - centre) / radius;
         const Direction mirrored = glm::reflect(ray, normal);
-        const Direction place = centre + rooms::hit(centre, mirrored).distance * mirrored;
+        const Direction start = lookup == MirrorLookup::direction ? centre : centre + radius * normal;
+        const Direction place = start + rooms::hit(start, mirrored).distance * mirrored;
         wrong = std::max(wrong, glm::length(Direction(seen) - (place + 1.0) * 0.5));
         ++on_ball;
       }
     }
   EXPECT_GT(on_ball, 100);
-  EXPECT_LT(wrong, 0.06);  // A texel of the map on the least of walls.
+  return wrong;
+}
+
+// Within a texel of the map on the least of walls.
+TEST_P(View, ABallShowsTheRoomFromItsCentre) {
+  EXPECT_LT(wrong_on_ball(GetParam(), MirrorLookup::direction, {0.1, -0.2, -0.3}), 0.06);
+}
+
+TEST_P(View, ABallShowsWhatItsRaysMeet) {
+  EXPECT_LT(wrong_on_ball(GetParam(), MirrorLookup::distance, {0.1, -0.2, -0.3}), 0.04);
+  EXPECT_LT(wrong_on_ball(GetParam(), MirrorLookup::distance, {-0.5, -0.78, -0.6}), 0.06) << "close to the floor";
+}
+
+// What is infinitely far is where the ray goes, wherever that starts.
+TEST_P(View, TheSkyIsLookedUpByDirection) {
+  context();
+  static const Environment sky(generate(Directions{}, Projection::cube, 64), 8);
+  Scene scene = hall({{0.1, -0.2, -0.3}});
+  for (Node& node : scene.nodes)
+    if (node.name.starts_with("wall")) node.meshes.clear();
+  Renderer renderer(scene, &sky, {6});
+  std::vector<std::vector<Colour>> pictures;
+  for (const MirrorLookup lookup : {MirrorLookup::direction, MirrorLookup::distance}) {
+    Mirrors mirrors(scene, find_mirrors(scene, GetParam()));
+    Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &sky, .look = {.lookup = lookup}};
+    mirrors.update(renderer, shot, {viewer(camera())}, {}, [](const std::string&) {});
+    shot.mirrors = mirrors.maps();
+    pictures.push_back(draw_picture(renderer, camera(), shot));
+  }
+  EXPECT_LT(furthest(pictures[0], pictures[1]), 1e-5);
+}
+
+// Against rays: balls near each other and the walls, a box beside one, which rays pass behind.
+TEST_P(View, DistanceIsNearerToTheTruth) {
+  Scene scene = hall({{0.35, -0.2, -0.3}, {-0.3, -0.6, -0.1}});
+  scene.materials.push_back({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = Colour(0.9F, 0.1F, 0.1F)});
+  scene.meshes.push_back(rooms::ball(16, 0.12));
+  scene.meshes.back().material = static_cast<int>(scene.materials.size()) - 1;
+  scene.nodes.push_back({.name = "red", .local = glm::translate(Matrix(1), Direction(0.05, -0.35, 0)),
+                         .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+  Stage stage(scene, GetParam());
+  const std::vector<Colour> truth =
+      raycast_picture({.scene = scene, .pose = pose(scene, 0)}, camera(), {.mirrors = {6, 7}});
+  const auto rms = [&](MirrorLookup lookup) {
+    const std::vector<Colour> picture = stage.picture({}, {.lookup = lookup});
+    double sum = 0;
+    for (std::size_t k = 0; k < truth.size(); ++k) sum += glm::dot(Flux(picture[k] - truth[k]), Flux(picture[k] - truth[k]));
+    return std::sqrt(sum / (3 * static_cast<double>(truth.size())));
+  };
+  const double direction = rms(MirrorLookup::direction), distance = rms(MirrorLookup::distance);
+  EXPECT_GT(direction, 0.03);
+  EXPECT_LT(distance, 0.5 * direction);
 }
 
 TEST_P(View, LeavingOutChangesNothing) {
   Stage needed(hall({{0.3, -0.2, -0.3}, {-0.4, 0.1, -0.5}, {0, 0, 3}}), GetParam()), all(needed.scene, GetParam());
   for (int frame = 0; frame < 3; ++frame)
-    EXPECT_LE(furthest(needed.picture({.bounces = 2}), all.picture({.bounces = 2, .all = true})), 1.0F / 255) << frame;
+    for (const MirrorLookup lookup : {MirrorLookup::distance, MirrorLookup::direction})
+      EXPECT_LE(furthest(needed.picture({.bounces = 2}, {.lookup = lookup}),
+                         all.picture({.bounces = 2, .all = true}, {.lookup = lookup})),
+                1.0F / 255)
+          << frame;
 }
 
 TEST_P(View, MirrorsSeeEachOther) {
@@ -165,11 +224,26 @@ TEST(Views, AFlatMirrorTakesOneHalfAndNothingFromBehind) {
   EXPECT_NE(back.told.find("plate: not seen"), std::string::npos) << back.told;
 }
 
+// In every pixel of the plate, beside its outline, where the flat mirror's rays meet the room.
+TEST_P(View, AFlatMirrorShowsTheMirroredRoom) {
+  Stage stage(plate(1), GetParam());
+  const std::vector<Colour> picture = stage.picture();
+  const Viewpoint from = camera();
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      const Direction ray = from.lens->ray((i + 0.5) / size, (j + 0.5) / size);
+      const Direction place = from.at + (-0.5 - from.at.z) / ray.z * ray, mirrored(ray.x, ray.y, -ray.z);
+      if (std::max(std::abs(place.x), std::abs(place.y)) > 0.29) continue;
+      const Direction met = place + rooms::hit(place, mirrored).distance * mirrored;
+      EXPECT_LT(glm::length(Direction(picture[static_cast<std::size_t>(j * size + i)]) - 0.5 * (met + 1.0)), 0.02);
+    }
+}
+
 TEST(Views, LooksOfMaps) {
   Stage stage(hall({{0.1, -0.2, -0.3}}), Projection::paraboloid);
   const std::vector<Colour> plain = stage.picture();
   EXPECT_GT(furthest(plain, stage.picture({}, {.tinted = true})), 0.05);
-  const std::vector<Colour> by_vertex = stage.picture({}, {.by_vertex = true});
+  const std::vector<Colour> by_vertex = stage.picture({}, {.lookup = MirrorLookup::vertex});
   EXPECT_GT(furthest(plain, by_vertex), 0.02);
 }
 

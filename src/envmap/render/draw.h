@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "envmap/map/environment_map.h"
@@ -43,9 +44,13 @@ struct Viewpoint {
 struct Environment;
 struct MirrorMap;
 
-/// How mirrors look their maps up.
+/// How mirrors look their maps up. direction: as if all in them were far away. distance: where the ray meets what the map
+/// shows. vertex: by direction, at vertices, places in the map interpolated between them, as was done before 2000.
+enum class MirrorLookup { direction, distance, vertex };
+inline constexpr std::string_view mirror_lookup_names[] = {"direction", "distance", "vertex"};
+
 struct MirrorLook {
-  bool by_vertex = false;  ///< Places in the map found at vertices and interpolated, as was done before 2000.
+  MirrorLookup lookup = MirrorLookup::distance;
   bool tinted = false;     ///< Each face of a map in a colour of its own.
 };
 

@@ -103,12 +103,14 @@ Mirrors::Mirrors(const Scene& scene, std::vector<Mirror> mirrors)
 
 void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, Wanted& want) const {
   const Mirror& mirror = mirrors_[k];
+  std::optional<Direction> middle;
+  if (shot.look.lookup == MirrorLookup::distance && !want.front) middle = want.at;
   for (const Instance& instance : instances(scene_)) {
     if (!lies_under(scene_, instance.node, mirror.node)) continue;
     const Mesh& mesh = scene_.meshes[instance.mesh];
     const Matrix& world = shot.pose[instance.node];
     const auto add = [&](const Optics& optics) {
-      const Shown shown = shown_directions(viewer, mesh, world, optics);
+      const Shown shown = shown_directions(viewer, mesh, world, optics, middle);
       want.caps.insert(want.caps.end(), shown.caps.begin(), shown.caps.end());
       return shown;
     };
@@ -117,8 +119,20 @@ void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, 
       want.spacing = std::min(want.spacing, viewer.pixel * shown.widening);
       want.pixels += shown.solid_angle / (viewer.pixel * viewer.pixel);
     }
-    if (mirror.optics.refracts()) add({0, mirror.optics.double_sided});  // A lens reflects, too.
+    if (mirror.optics.refracts() && !middle) add({0, mirror.optics.double_sided});  // A lens reflects, too.
   }
+}
+
+std::optional<Direction> Mirrors::front_of(const Mirror& mirror, const Shot& shot) const {
+  std::optional<Direction> normal;
+  if (mirror.optics.refracts() || mirror.optics.double_sided) return {};
+  for (const Instance& instance : instances(scene_)) {
+    if (!lies_under(scene_, instance.node, mirror.node)) continue;
+    if (normal) return {};
+    normal = flat_normal(scene_.meshes[instance.mesh], shot.pose[instance.node]);
+    if (!normal) return {};
+  }
+  return normal;
 }
 
 // First what the viewers see, then what is seen in mirrors that are seen, and so on. Pictures say how large maps are;
@@ -127,6 +141,7 @@ std::vector<Mirrors::Wanted> Mirrors::wanted(const Shot& shot, const std::vector
   std::vector<Wanted> want(mirrors_.size());
   for (std::size_t k = 0; k < want.size(); ++k) {
     want[k].at = centre_of(scene_, shot.pose, mirrors_[k].node);
+    if (shot.look.lookup == MirrorLookup::distance) want[k].front = front_of(mirrors_[k], shot);
     for (const Viewer& viewer : viewers) add_wanted(k, shot, viewer, want[k]);
   }
   std::vector<bool> looked_from(want.size());
@@ -156,12 +171,15 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   const int size = options.size > 0 ? options.size : std::min(fitting_size(mirror, want.spacing, want.pixels), largest);
   const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
                                                      : map.texture->size >= size && map.texture->size <= 2 * size);
-  const bool moved = !fits || want.at != drawn.at || !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
+  const bool moved = !fits || want.at != drawn.at || shot.look.lookup != drawn.lookup ||
+                     !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
   Plan plan{.size = fits ? map.texture->size : size, .axes = map.axes, .anew = moved};
   if (mirror.rough || mirror.to == Projection::cube) return plan;
   if (mirror.to == Projection::sphere) {
     // Its singularity lies behind a mirror, where only the outline shows it; of a lens, before it.
     plan.axes = looking_along(glm::normalize(viewer.at - want.at) * (mirror.optics.refracts() ? -1.0 : 1.0));
+  } else if (want.front) {
+    plan.axes = looking_along(*want.front);
   } else {
     const Cap all = enclosing(want.caps);
     const double room = pi / 2 - margin(plan.size) - all.angle;
@@ -172,9 +190,13 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   return plan;
 }
 
-unsigned Mirrors::needed_faces(std::size_t k, const std::vector<Cap>& caps, const Plan& plan) const {
+unsigned Mirrors::needed_faces(std::size_t k, const Wanted& want, const Plan& plan) const {
   const Mirror& mirror = mirrors_[k];
   if (mirror.rough || mirror.to == Projection::sphere) return all_faces(mirror.to);
+  if (want.front && mirror.to == Projection::paraboloid) return 1;
+  // Rays from a flat mirror may meet anything before it.
+  const std::vector<Cap> before(1, {want.front.value_or(Direction(0)), pi / 2 - margin(plan.size)});
+  const std::vector<Cap>& caps = want.front ? before : want.caps;
   unsigned needed = 0;
   if (mirror.to == Projection::cube) {
     const auto reached = reached_faces(caps, plan.axes, margin(plan.size));
@@ -207,7 +229,7 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                  .show_ambient = true};
   Shot with_maps = shot;
   with_maps.mirrors = maps_;
-  with_maps.look = {};
+  with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup};
   if (map.texture && map.texture->size == plan.size && map.axes == plan.axes) {
     renderer.draw(from, with_maps, options.method, *map.texture);
   } else {
@@ -218,6 +240,7 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
     map.texture = std::move(other);
     map.axes = plan.axes;
   }
+  map.at = at;
   EnvironmentMap seen = read_back(*map.texture);
   Drawn& drawn = drawn_[k];
   if (!drawn.seen || drawn.seen->base().height() != plan.size || plan.anew || differs(seen, *drawn.seen))
@@ -238,7 +261,7 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
       continue;
     }
     plans[k] = plan(k, shot, want[k], viewers.front(), options);
-    needed[k] = options.all ? all_faces(mirrors_[k].to) : needed_faces(k, want[k].caps, plans[k]);
+    needed[k] = options.all ? all_faces(mirrors_[k].to) : needed_faces(k, want[k], plans[k]);
   }
   bool changing = true;
   for (int round = 0; changing && round < options.bounces.value_or(most_rounds); ++round) {
@@ -257,6 +280,7 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
       draw(k, renderer, shot, want[k].at, plans[k], needed[k], options);
       drawn.pose = shot.pose;
       drawn.at = want[k].at;
+      drawn.lookup = shot.look.lookup;
       drawn.faces = plans[k].anew ? needed[k] : drawn.faces | needed[k];
       drawn.versions = versions;
       plans[k].anew = false;

@@ -60,6 +60,7 @@ class Mirrors {
   struct Drawn {
     Pose pose;
     Direction at{0};
+    MirrorLookup lookup = MirrorLookup::direction;
     unsigned faces = 0;
     std::vector<int> versions;  // Of all maps.
     int version = 0;            // Counts changes that can be seen.
@@ -70,6 +71,7 @@ class Mirrors {
     std::vector<Cap> caps;
     double spacing = pi;  // Radians between texels.
     double pixels = 0;    // That look it up.
+    std::optional<Direction> front;  // Of a flat mirror: nothing behind it is looked up.
   };
   struct Plan {
     int size = 0;
@@ -80,11 +82,13 @@ class Mirrors {
   [[nodiscard]] const std::string& name_of(std::size_t k) const {
     return scene_.nodes[mirrors_[k].node].name;
   }
+  // The normal of a mirror that is flat; none of others, and of those that show both sides.
+  [[nodiscard]] std::optional<Direction> front_of(const Mirror& mirror, const Shot& shot) const;
   void add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, Wanted& want) const;
   [[nodiscard]] std::vector<Wanted> wanted(const Shot& shot, const std::vector<Viewer>& viewers) const;
   [[nodiscard]] Plan plan(std::size_t k, const Shot& shot, const Wanted& want, const Viewer& viewer,
                           const MirrorOptions& options) const;
-  [[nodiscard]] unsigned needed_faces(std::size_t k, const std::vector<Cap>& caps, const Plan& plan) const;
+  [[nodiscard]] unsigned needed_faces(std::size_t k, const Wanted& want, const Plan& plan) const;
   void draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at, const Plan& plan, unsigned needed,
             const MirrorOptions& options);
 

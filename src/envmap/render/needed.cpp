@@ -54,6 +54,7 @@ double usual(std::vector<Widening> all) {
 struct Search {
   const Viewer& viewer;
   const Optics& optics;
+  const std::optional<Direction>& middle;
   double fineness;
   std::vector<Cap>& caps;
   std::vector<Widening>& widenings;
@@ -62,6 +63,27 @@ struct Search {
     return std::ranges::any_of(viewer.planes, [&](const auto& plane) {
       return std::ranges::all_of(f, [&](const Corner& c) { return glm::dot(Direction(plane), c.position) + plane.w < 0; });
     });
+  }
+
+  // Where rays of these directions go that start at a part of the mesh.
+  void add_rays(const Facet& f, const Cap& along) {
+    if (!middle) return caps.push_back(along);
+    if (optics.refracts()) {  // From one side of a lens to the other: all round.
+      if (caps.empty()) caps.push_back({along.axis, pi});
+      return;
+    }
+    const auto from = [&](int i) { return unit(f[i].position - *middle); };
+    const Cap start = cap_of({from(0), from(1), from(2)});
+    const double arc = angle_between(start.axis, along.axis), widest = std::max(start.angle, along.angle);
+    if (arc + widest > 3) return caps.push_back({along.axis, pi});
+    // Between caps of this size two arcs part by no more than 1 / cos(arc / 2) times as much as at their ends.
+    const double radius = widest / std::cos(0.5 * arc);
+    const int pieces = 1 + static_cast<int>(arc / (2 * fineness));
+    for (int k = 0; k < pieces; ++k) {
+      const double part = (k + 0.5) / pieces;
+      const Direction axis = std::sin((1 - part) * arc) * start.axis + std::sin(part * arc) * along.axis;
+      caps.push_back({arc > 1e-6 ? unit(axis) : along.axis, std::min(radius + 0.5 * arc / pieces, pi)});
+    }
   }
 
   void add(const Facet& f, int depth) {
@@ -80,11 +102,11 @@ struct Search {
           w.least = std::min(w.least, angle_between(from, to) / turn);
       }
       widenings.push_back(w);
-      caps.push_back({optics.turned(view.axis, normal.axis), std::min(angle, pi)});
+      add_rays(f, {optics.turned(view.axis, normal.axis), std::min(angle, pi)});
       // Where some of the rays graze the surface, a normal may turn either way to face the viewer.
       if (optics.refracts() && std::abs(glm::dot(view.axis, normal.axis)) < std::sin(std::min(angle, pi / 2))) {
         const double facing = glm::dot(view.axis, normal.axis) > 0 ? -1 : 1;
-        caps.push_back({unit(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
+        add_rays(f, {unit(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
       }
       return;
     }
@@ -101,7 +123,8 @@ Direction Optics::turned(const Direction& view, const Direction& normal) const {
   return unit(glm::refract(view, glm::faceforward(normal, view, normal), 1 / ior));
 }
 
-Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics, double fineness) {
+Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
+                       const std::optional<Direction>& middle, double fineness) {
   const Rotation turn(world), normals = glm::determinant(turn) != 0 ? glm::transpose(glm::inverse(turn)) : turn;
   const double handed = glm::determinant(turn) < 0 ? -1 : 1;  // A mirrored node's triangles are wound the other way.
   const auto corner = [&](std::uint32_t index) {
@@ -110,7 +133,7 @@ Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& wor
   };
   Shown shown;
   std::vector<Widening> widenings;
-  Search search{viewer, optics, fineness, shown.caps, widenings};
+  Search search{viewer, optics, middle, fineness, shown.caps, widenings};
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const Facet f{corner(mesh.indices[i]), corner(mesh.indices[i + 1]), corner(mesh.indices[i + 2])};
     const Direction facing = glm::cross(f[1].position - f[0].position, f[2].position - f[0].position) * handed;
@@ -120,6 +143,22 @@ Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& wor
   for (const Widening& w : widenings) shown.solid_angle += w.solid_angle;
   shown.widening = usual(std::move(widenings));
   return shown;
+}
+
+std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world) {
+  if (mesh.indices.empty()) return {};
+  const Direction normal(mesh.normals[mesh.indices.front()]), place(mesh.positions[mesh.indices.front()]);
+  double size = 0, off = 0;
+  for (const std::uint32_t k : mesh.indices) {
+    const Direction way = Direction(mesh.positions[k]) - place;
+    size = std::max(size, glm::length(way));
+    off = std::max(off, std::abs(glm::dot(way, normal)));
+    if (glm::dot(Direction(mesh.normals[k]), normal) < 1 - 1e-9) return {};
+  }
+  if (off > 1e-5 * size) return {};
+  const Rotation turn(world);
+  return unit(Rotation(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1])) * normal *
+              (glm::determinant(turn) < 0 ? -1.0 : 1.0));
 }
 
 std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axes, double margin) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,9 +52,15 @@ struct Shown {
 /// A triangle whose view rays lie within `a` of their mean and whose normals within `b` shows directions within a + 2b
 /// of the mean ray's: a reflection turns by what the ray turns and by twice what the normal does, and refraction into
 /// a denser medium by no more. What is wide is split, and parts beyond the viewer's planes are dropped.
-/// @param world places the mesh. @param fineness of the caps in radians; wider ones are split up to six times.
+/// Seen from a middle, the points of such a ray lie on the arc from where it starts to where it goes: lookups by distance
+/// read there.
+/// @param world places the mesh. @param middle of the map, if it is looked up by distance. @param fineness of the caps in
+/// radians; wider ones are split up to six times.
 Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
-                       double fineness = 0.2);
+                       const std::optional<Direction>& middle = {}, double fineness = 0.2);
+
+/// The normal of a mesh that is flat, in the world: all rays from it stay on its side. None of others.
+std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world);
 
 /// The cube's faces (in the order of cube.h, in the frame of `axes`) that the caps reach.
 /// @param axes from the map's frame to the world's. @param margin in radians, for what a lookup reads beyond its place.

@@ -95,12 +95,13 @@ gl::Program background_program(Projection environment) {
 gl::Program shading_program(const Shading& s) {
   gl::Definitions definitions = constants();
   definitions["TEXTURES"] = std::to_string(s.textures);
-  definitions["BY_VERTEX"] = number(s.mirror && s.by_vertex);
+  definitions["BY_VERTEX"] = number(s.mirror && s.lookup == MirrorLookup::vertex);
+  definitions["BY_DISTANCE"] = number(s.mirror && s.lookup == MirrorLookup::distance);
   std::vector<std::string> files = files_of({s.environment, s.mirror});
   const auto add = [&](std::initializer_list<std::string> more) { files.insert(files.end(), more); };
   add({"triangle.glsl", "environment.glsl"});
   if (s.mirror)
-    add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), "reflect_mirror.glsl"});
+    add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), "meet_map.glsl", "reflect_mirror.glsl"});
   else
     add({"reflect_environment.glsl"});
   add({"shading.glsl", "shade.frag.glsl"});

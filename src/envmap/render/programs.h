@@ -4,6 +4,7 @@
 #pragma once
 
 #include "envmap/projection/projection.h"
+#include "envmap/render/draw.h"
 #include "envmap/render/gl.h"
 #include "envmap/render/method.h"
 
@@ -38,7 +39,7 @@ struct Shading {
   Projection environment;
   int textures = 0;                  ///< A bit each: base colour, metallic and roughness, emissive.
   std::optional<Projection> mirror;  ///< Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
-  bool by_vertex = false;            ///< MirrorLook::by_vertex.
+  MirrorLookup lookup = MirrorLookup::direction;
   auto operator<=>(const Shading&) const = default;
 };
 gl::Program shading_program(const Shading& shading);

@@ -58,7 +58,7 @@ EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances) {
       std::ranges::transform(image.row(0, row), level.row(face, row).begin(), [](const glm::vec4& t) { return Colour(t); });
       if (distances == nullptr) return;
       const ImageView<float> to(*distances, level.width(), level.height(), level.faces());
-      std::ranges::transform(image.row(0, row), to.row(face, row).begin(), &glm::vec4::w);
+      std::ranges::transform(image.row(0, row), to.row(face, row).begin(), [](const glm::vec4& t) { return 1 / t.w; });
     });
   }
   gl::check("reading a map back");

@@ -106,7 +106,7 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   Shading wanted{.environment = environment_.projection, .textures = textures};
   if (const MirrorMap* mirror = map_of(group, shot)) {
     wanted.mirror = mirror->texture->projection;
-    wanted.by_vertex = shot.look.by_vertex;
+    wanted.lookup = shot.look.lookup;
   }
   gl::Program& program = shading_[wanted];
   if (program == 0) program = shading_program(wanted);
@@ -114,7 +114,7 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
 }
 
 // What shines on a group from all round: the environment and ambient light, or the group's own map as far as that goes.
-void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, const Shot& shot) const {
+void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, const Viewpoint& from, const Shot& shot) const {
   const bool own = mirror != nullptr && mirror->glossy;
   const LightTexture& light = own ? *mirror->glossy : light_;
   const Colour none(0);
@@ -125,6 +125,7 @@ void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, co
   glBindTextureUnit(unit_glossy, light.glossy);
   if (mirror == nullptr) return;
   gl::set(program, "to_mirror", floats(glm::transpose(mirror->axes)));
+  gl::set(program, "from_middle", Colour(from.at - mirror->at));
   gl::set(program, "tinted", shot.look.tinted ? 1 : 0);
   glBindTextureUnit(unit_mirror, mirror->texture->texture);
 }
@@ -252,7 +253,7 @@ void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t 
     return;
   gpu_.bind(group);
   const gl::Program& program = shading(group, shot);
-  set_light(program, map_of(group, shot), shot);
+  set_light(program, map_of(group, shot), from, shot);
   light(program, from, static_cast<int>(1 + k));
 }
 

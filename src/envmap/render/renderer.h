@@ -28,12 +28,13 @@ struct MapTexture {
 
   Projection projection;
   int width, size;
-  gl::Texture texture;  ///< Radiance, and the distance: infinite where nothing was hit.
+  gl::Texture texture;  ///< Radiance, and 1 / distance, which is linear along planes: 0 where nothing was hit.
 };
 
 /// What a mirror shows of its surroundings.
 struct MirrorMap {
   std::optional<MapTexture> texture;   ///< None before it is drawn: the mirror shows the environment.
+  Direction at{0};                     ///< Where it was drawn from.
   Rotation axes{1};                    ///< From the map's frame to the world's.
   std::optional<LightTexture> glossy;  ///< Of rough mirrors, from the texture.
 };
@@ -61,7 +62,7 @@ class Renderer {
   const gl::Program& shading(const Group& group, const Shot& shot);
   const gl::Texture& rays(const Viewpoint& from, int face, int sample);
   void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample);
-  void set_light(const gl::Program& program, const MirrorMap* mirror, const Shot& shot) const;
+  void set_light(const gl::Program& program, const MirrorMap* mirror, const Viewpoint& from, const Shot& shot) const;
   void begin_shading(const MapTexture& to, int face, int sample);
   void shade_background(const Viewpoint& from, const Shot& shot);
   void shade_group(const Viewpoint& from, const Shot& shot, std::size_t group);

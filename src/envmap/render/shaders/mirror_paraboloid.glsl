@@ -6,6 +6,8 @@ vec3 in_face(vec3 place, float face) { return vec3(place.xy, face); }
 
 vec3 mirror_at_place(vec3 at) { return tint(int(at.z)) * textureLod(mirror, at, 0).rgb; }
 
+float nearness_at(vec3 d) { return textureLod(mirror, place_of(d), 0).a; }
+
 // Both halves go on beyond their rim: within a texel of it they are mixed, and there is no seam even where the square's
 // sides touch the disc.
 vec3 mirror_at(vec3 d) {

@@ -5,10 +5,13 @@ vec3 place_of(vec3 d) { return sphere_located(d); }
 vec3 in_face(vec3 place, float face) { return vec3(place.xy, face); }
 
 // Beyond the rim there is nothing; a filter must not read it.
-vec3 mirror_at_place(vec3 at) {
-  vec2 from_middle = 2 * at.xy - 1;
-  float most = 1 - 3.0 / textureSize(mirror, 0).x, r = length(from_middle);
-  return tint(0) * textureLod(mirror, vec3(0.5 + 0.5 * from_middle * min(1, most / max(r, 1e-6)), 0), 0).rgb;
+vec4 texel_at(vec3 at) {
+  vec2 off = 2 * at.xy - 1;
+  float most = 1 - 3.0 / textureSize(mirror, 0).x, r = length(off);
+  return textureLod(mirror, vec3(0.5 + 0.5 * off * min(1, most / max(r, 1e-6)), 0), 0);
 }
+vec3 mirror_at_place(vec3 at) { return tint(0) * texel_at(at).rgb; }
+
+float nearness_at(vec3 d) { return texel_at(place_of(d)).a; }
 
 vec3 mirror_at(vec3 d) { return mirror_at_place(place_of(d)); }

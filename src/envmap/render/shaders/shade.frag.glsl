@@ -2,7 +2,7 @@
 // "The visibility buffer". The stencil chooses the texels of one group of materials; TEXTURES are the ones they have: 1
 // base colour, 2 metallic and roughness, 4 emissive.
 layout(early_fragment_tests) in;
-layout(location = 0) out vec4 colour;  // Radiance, and the distance.
+layout(location = 0) out vec4 colour;  // Radiance, and 1 / distance.
 layout(binding = UNIT_RAYS) uniform sampler2D rays;
 layout(binding = UNIT_SURFACES) uniform usampler2D surfaces;
 uniform mat3 to_world;  // From the map.
@@ -64,6 +64,9 @@ void main() {
 #if (TEXTURES & 4) != 0
   surface.emissive *= textureGrad(emissives, place, along, down).rgb;
 #endif
+#if BY_DISTANCE
+  seen_from = to_mirror * (from_middle + surface.position);
+#endif
 #if BY_VERTEX
   // The classic way: reflected directions at the corners, places in the map between them, all in the first one's face.
   place_by_vertex = vec3(0);
@@ -77,5 +80,5 @@ void main() {
   }
   place_by_vertex = in_face(place_by_vertex, face);
 #endif
-  colour = vec4(weight * shade(surface, to_world * -ray), far_off);
+  colour = vec4(weight * shade(surface, to_world * -ray), 1 / far_off);
 }
