@@ -23,12 +23,13 @@ def sfloat(bits, *channels):
     return [(k * bits, bits, c | FLOAT | SIGNED, MINUS_ONE, ONE) for k, c in enumerate(channels)]
 
 
-# VkFormat: name, bytes of a texel, typeSize, samples.
+# VkFormat: name, bytes of a texel or of a block of BC6H, typeSize, samples.
 SHARED = [s for c in (RED, GREEN, BLUE) for s in ((9 * c, 9, c, 0, 8448), (27, 5, c | EXPONENT, 15, 31))]
 FORMATS = {
     97: ('R16G16B16A16_SFLOAT', 8, 2, sfloat(16, RED, GREEN, BLUE, ALPHA)),
     109: ('R32G32B32A32_SFLOAT', 16, 4, sfloat(32, RED, GREEN, BLUE, ALPHA)),
     123: ('E5B9G9R9_UFLOAT_PACK32', 4, 4, SHARED),
+    131: ('BC6H_UFLOAT_BLOCK', 16, 1, [(0, 128, FLOAT, 0, ONE)]),
 }
 
 
@@ -68,6 +69,7 @@ class File:
         if not self.expect(self.format in FORMATS, f'vkFormat: {self.format} is not one that is known here'):
             return False
         self.format_name, self.texel, type_size, self.samples = FORMATS[self.format]
+        self.side = 4 if self.format == 131 else 1
         self.expect(self.type_size == type_size, f'typeSize: {self.type_size}, not {type_size}')
         self.expect(self.width > 0 and self.height > 0, 'pixelWidth, pixelHeight: 0')
         self.expect(self.depth == 0, 'pixelDepth: not 0 for a 2D texture')
@@ -104,11 +106,11 @@ class File:
         self.expect(words[2] & 0xffff == 2, f'versionNumber: {words[2] & 0xffff}, not 2')
         self.expect(words[2] >> 16 == size - 4, f'descriptorBlockSize: {words[2] >> 16}, not {size - 4}')
         model, primaries, transfer, flags = data[12:16]
-        self.expect(model == 1, f'colorModel: {model}, not RGBSDA')
+        self.expect(model == (1 if self.side == 1 else 133), f'colorModel: {model}, not RGBSDA or BC6H')
         self.expect(primaries == 1, f'colorPrimaries: {primaries}, not BT709')
         self.expect(transfer == 1, f'transferFunction: {transfer}, not linear')
         self.expect(flags == 0, f'flags: {flags}, not straight alpha')
-        self.expect(words[4] == 0, 'texelBlockDimension: not one texel')
+        self.expect(words[4] == (self.side - 1) * 0x101, 'texelBlockDimension: not that of the format')
         self.expect(data[20:28] == bytes([self.texel] + 7 * [0]), 'bytesPlane: not one plane of the size of a texel')
         for k, (offset, length, channel, lower, upper) in enumerate(self.samples):
             found = struct.unpack_from('<HBBIII', data, 28 + 16 * k)
@@ -152,7 +154,8 @@ class File:
         end = self.data_start
         for level in reversed(range(self.levels)):
             offset, size, plain = struct.unpack_from('<3Q', self.bytes, 80 + 24 * level)
-            wanted = max(1, self.width >> level) * max(1, self.height >> level) * self.faces * self.texel
+            columns, rows = (-(-max(1, size >> level) // self.side) for size in (self.width, self.height))
+            wanted = columns * rows * self.faces * self.texel
             start = (end + align - 1) // align * align
             self.expect(offset == start, f'level {level}: at {offset}, not {start}')
             self.expect(self.bytes[end:offset] == bytes(max(0, offset - end)), f'level {level}: padding is not 0')
@@ -173,7 +176,7 @@ class File:
 
     def texels(self, level, data):
         """Values are finite and alpha is 1: nothing that a sampler would spread."""
-        if self.texel == 4 or len(data) % self.texel:
+        if self.texel == 4 or self.side > 1 or len(data) % self.texel:
             return
         code = 'e' if self.texel == 8 else 'f'
         values = struct.unpack(f'<{len(data) // self.type_size}{code}', data)

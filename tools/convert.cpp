@@ -8,6 +8,7 @@
 #include "envmap/io/rounding.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
+#include "envmap/operate/measure.h"
 
 namespace tools {
 namespace {
@@ -70,17 +71,29 @@ const std::vector<Key> keys{{"input", "INPUT"},
                             {"error.within", "whether it is below --max-error; false: exit status 1, nothing is written"},
                             {"seconds", "from start to end"}};
 
-// Leaves of the error asked for what the depth of the file rounds by. False where that is nothing.
-bool leave_to_filter(Options& o) {
-  const auto rounding = rounding_of(o.output, o.write);
-  if (rounding && rounding->largest < *o.convert.max_error) {
-    o.convert.max_error = *o.convert.max_error - rounding->largest;
-    return true;
-  }
-  const std::string what = !rounding ? "integers, or a compression that loses, have no bound"
-                                     : fmt::format("{} rounds by up to {:.1e}", name(*rounding), rounding->largest);
+void refuse(const Options& o, double max_error, const std::string& what) {
   warn(fmt::format("envmap convert: {}: --max-error {:g} is not held by the file: {}; --depth float in .exr holds it", o.output,
-                   *o.convert.max_error, what));
+                   max_error, what));
+}
+
+std::string words(const Rounding& r, double rounded) { return fmt::format("{} rounds by up to {:.1e}", name(r), rounded); }
+
+// Leaves of the error asked for what the depth of the file rounds by; half of it where that is known of the result alone.
+// False where nothing is left.
+bool leave_to_filter(Options& o, const std::optional<Rounding>& rounding) {
+  const double asked = *o.convert.max_error;
+  const double rounded = rounding ? rounding->largest.value_or(0.5 * asked) : 0;
+  o.convert.max_error = asked - rounded;
+  if (rounding && rounded < asked) return true;
+  refuse(o, asked, rounding ? words(*rounding, rounded) : "integers, or a compression that loses, have no bound");
+  return false;
+}
+
+// Whether filter and file together keep to the error asked for, of a result of which that is known when it is made.
+bool holds(const Options& o, const Rounding& rounding, const Level& made, double filtered, double max_error) {
+  const double rounded = rounding_error(rounding, made, 0.001 * mean_radiance(made));
+  if (filtered + rounded * (1 + filtered) <= max_error) return true;
+  refuse(o, max_error, words(rounding, rounded));
   return false;
 }
 
@@ -117,7 +130,8 @@ int run(Options& o, const Common& common) {
     luminance = static_cast<float>(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
   check_output(o.output, o.write, to);
   const std::optional<double> max_error = o.convert.max_error;
-  if (max_error && !leave_to_filter(o)) return 1;
+  const std::optional<Rounding> rounding = rounding_of(o.output, o.write);
+  if (max_error && !leave_to_filter(o, rounding)) return 1;
 
   if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
     throw UsageError(
@@ -125,7 +139,15 @@ int run(Options& o, const Common& common) {
   const Resampler resampler(std::move(source.map), o.convert);
   const auto& choice = resampler.choice();
   nlohmann::ordered_json report = report_of(o, resampler);
-  if (choice && !tell_choice(*choice, *max_error, common)) {
+  bool within = !choice || tell_choice(*choice, *max_error, common);
+  Rows rows = resampler.rows();
+  std::optional<Level> made;
+  if (choice && within && !rounding->largest) {
+    made = level_of(rows);
+    rows = rows_of(*made, rows.forward);
+    within = report["error"]["within"] = holds(o, *rounding, *made, choice->trials.back().maximum, *max_error);
+  }
+  if (!within) {
     if (common.json) print_report(report);
     return 1;
   }
@@ -136,7 +158,7 @@ int run(Options& o, const Common& common) {
   if (const auto error = o.convert.area_error; error && *error < 1e-5 && resampler.filter().filter == Filter::area)
     note(common, fmt::format("envmap convert: --area-error {:g} takes some {:.0f} times as long as 1e-4", *error,
                              std::sqrt(1e-4 / *error)));
-  add_written(report, o.output, write_map(o.output, resampler.rows(), o.write, {o.input}, "convert", common));
+  add_written(report, o.output, write_map(o.output, rows, o.write, {o.input}, "convert", common));
   report["seconds"] = watch.seconds();
   if (common.json) print_report(report);
   return 0;

@@ -42,7 +42,7 @@ const char* advice(envmap::Remedy remedy) {
     case Remedy::allow_pixels: return ": say --max-pixels";
     case Remedy::choose_format: return ", or say --format";
     case Remedy::choose_plus_z: return ": say --forward +z";
-    case Remedy::clamp_or_deepen: return ": choose --depth float or say --clamp";
+    case Remedy::clamp_or_deepen: return ": choose --depth float, lower --exposure or say --clamp";
     case Remedy::clamp_or_darken: return ": choose a floating-point format, lower --exposure or say --clamp";
     case Remedy::clamp_or_brighten: return ": choose --depth float, raise --exposure or say --clamp";
     case Remedy::choose_layer: return ": choose one with --layer";

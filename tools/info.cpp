@@ -165,7 +165,7 @@ Command info_command() {
                    {"envmap info ball.exr --from sphere --sampling", "with the table of texel solid angles"}},
       .keys = {{"file", "INPUT"},
                {"format", "openexr, hdr, ktx2, dds or what OpenImageIO calls it"},
-               {"depth", "uint8, uint16, rgb9e5, half or float"},
+               {"depth", "uint8, uint16, bc6h, rgb9e5, half or float"},
                {"width", "of the image in texels"},
                {"height", "of the image in texels"},
                {"projection", "latlong, cube, sphere, paraboloid or angular"},

@@ -107,7 +107,7 @@ void refuse(const Options& o, const std::string& what) {
     WriteOptions options = o.write;
     options.depth = d, options.compression.clear();
     try {
-      if (const auto rounding = rounding_of(o.output, options); rounding && rounding->largest < *o.max_error) {
+      if (const auto rounding = rounding_of(o.output, options); rounding && rounding->largest.value_or(1) < *o.max_error) {
         others = fmt::format("--depth {}{}", name(d), o.write.compression.empty() ? "" : " and no --compression");
         break;
       }
@@ -176,11 +176,11 @@ MadeLevel make_level(const PrefilterSource& source, const Prefilter& wanted, con
 // What the file is asked to hold, less what its depth rounds by. False, with a message, where that is more.
 bool leave_to_prefilter(Options& o, const std::optional<Rounding>& rounding) {
   if (!o.max_error) return true;
-  if (rounding && rounding->largest < *o.max_error) {
-    o.map.max_error = std::max(0.1 * *o.max_error, *o.max_error - rounding->largest);
+  if (rounding && rounding->largest.value_or(0) < *o.max_error) {
+    o.map.max_error = std::max(0.1 * *o.max_error, *o.max_error - rounding->largest.value_or(0));
     return true;
   }
-  refuse(o, rounding ? words(*rounding, rounding->largest) : "integers, or by a compression that loses");
+  refuse(o, rounding ? words(*rounding, *rounding->largest) : "integers, or by a compression that loses");
   return false;
 }
 
@@ -268,7 +268,8 @@ Command prefilter_command() {
           "as the lobe needs, which is quick for narrow lobes in large maps. 'exact' sums over every texel in float64. 'auto' "
           "takes what is quickest. Every texel has its own error figure, and what one method is not sure of is made by the "
           "next, exact at last, so that --max-error holds in every texel, as it is read from the file: where the depth rounds by "
-          "more (half by 5e-4, rgb9e5 and Radiance by 2e-3 and 4e-3 of the largest channel), the exit status is 1 and the "
+          "more (half by 5e-4, rgb9e5 and Radiance by 2e-3 and 4e-3 of the largest channel, bc6h by what its blocks are found to "
+          "have lost), the exit status is 1 and the "
           "message names a depth that does. The mean is the source's over the sphere. A part of the estimate is proved and a part measured: "
           "see envmap-prefilter(7); -v prints the largest.\n\n"
           "--brdf-table: the second half of the split sum for GGX and Smith's height-correlated masking: row by "

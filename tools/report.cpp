@@ -91,7 +91,7 @@ void add_written(ordered_json& report, const std::string& path, const envmap::Wr
 
 std::vector<Key> with_written(std::vector<Key> keys) {
   keys.insert(keys.end(), {{"output", "OUTPUT; null where nothing was written"},
-                           {"depth", "what it holds: uint8, uint16, rgb9e5, half or float"},
+                           {"depth", "what it holds: uint8, uint16, bc6h, rgb9e5, half or float"},
                            {"clamped", "texels that --clamp changed"},
                            {"flux_lost", "part of the flux that this took"}});
   return keys;

@@ -68,11 +68,14 @@ TEST_F(Texture, HasTheFacesThatTheApisLookUp) {
 
 TEST_F(Texture, OfKtx2IsWhatTheSpecificationDemands) {
   // Depth and largest rms of it.
-  constexpr std::pair<const char*, const char*> depths[] = {{"half", "5e-4"}, {"float", "0"}, {"rgb9e5", "2e-3"}};
+  constexpr std::pair<const char*, const char*> depths[] = {{"half", "5e-4"},
+                                                            {"float", "0"},
+                                                            {"rgb9e5", "2e-3"},
+                                                            {"bc6h", "0.3"}};  // Few texels, and black beside discs.
   constexpr const char* sizes[] = {"16", "5", "1"};
   std::size_t turn = 0;
   for (const std::string projection : {"latlong", "cube", "sphere", "paraboloid", "angular", "cube", "latlong"}) {
-    const auto& [depth, limit] = depths[turn % 3];
+    const auto& [depth, limit] = depths[turn % 4];
     const std::string size = sizes[turn++ / 2 % 3];
     SCOPED_TRACE(projection + " " + size + " " + depth);
     succeeds({"generate", "directions", "in.exr", "--to", projection, "--size", size});
@@ -100,14 +103,18 @@ TEST_F(Texture, IsFaultedByTheCheckWhereverAByteIsWrong) {
 
 TEST_F(Texture, OfDdsHasTheHeaderThatDirectXDemands) {
   succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "8"});
-  const std::pair<const char*, std::uint32_t> formats[] = {{"half", 10}, {"float", 2}, {"rgb9e5", 67}};
+  const std::pair<const char*, std::uint32_t> formats[] = {{"half", 10}, {"float", 2}, {"rgb9e5", 67}, {"bc6h", 95}};
   for (const auto& [depth, dxgi] : formats) {
     succeeds({"mipmap", "in.exr", "cube.dds", "--depth", depth});
     const std::string bytes = read("cube.dds");
     const auto word = [&](std::size_t at) { return value_at<std::uint32_t>(bytes, at); };
     EXPECT_EQ(bytes.substr(0, 4), "DDS ");
     EXPECT_EQ(word(4), 124U);                 // Size of the header.
-    EXPECT_EQ(word(8) & 0x21007U, 0x21007U);  // Caps, height, width, pixel format, level count are there.
+    EXPECT_EQ(word(8) & 0x21007U, 0x21007U);  // Caps, height, width, pixel format, level count are there,
+    if (dxgi == 95) {                         // and of blocks the size of the first image, else of its rows.
+      EXPECT_EQ(word(8) & 0x80008U, 0x80000U);
+      EXPECT_EQ(word(20), 4 * 16U);
+    }
     EXPECT_EQ(word(12), 8U);
     EXPECT_EQ(word(16), 8U);
     EXPECT_EQ(word(28), 4U);   // Levels.
@@ -121,8 +128,33 @@ TEST_F(Texture, OfDdsHasTheHeaderThatDirectXDemands) {
     EXPECT_EQ(word(136), 4U);  // and six of them a cube,
     EXPECT_EQ(word(140), 1U);  // of which there is one.
     const std::size_t texel = dxgi == 2 ? 16 : dxgi == 10 ? 8 : 4;
-    EXPECT_EQ(bytes.size(), 148 + 6 * (64 + 16 + 4 + 1) * texel);
+    EXPECT_EQ(bytes.size(), 148 + 6 * (dxgi == 95 ? (4 + 1 + 1 + 1) * 16 : (64 + 16 + 4 + 1) * texel));
   }
+}
+
+TEST_F(Texture, OfBlocksIsAsGoodAsItSays) {
+  succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "32"});
+  succeeds({"prefilter", "in.exr", "exact.exr", "--size", "32", "--method", "exact", "--depth", "float", "-q"});
+  succeeds({"prefilter", "in.exr", "p.ktx2", "--size", "32", "--depth", "bc6h", "--max-error", "6e-2", "-q"});
+  succeeds({"compare", "p.ktx2", "exact.exr", "--max-error", "6e-2"});
+  fails(1, {"prefilter", "in.exr", "q.ktx2", "--size", "32", "--depth", "bc6h", "--max-error", "2e-3", "-q"},
+        {"bc6h", "--depth half"});
+  succeeds({"convert", "in.exr", "c.dds", "--depth", "bc6h", "--filter", "nearest"});
+  const Result coarse = envmap({"compare", "c.dds", "in.exr", "--max-error", "0.6", "--max-rms", "4e-2"});
+  EXPECT_EQ(coarse.status, 0) << coarse.out;
+  succeeds({"convert", "in.exr", "d.dds", "--depth", "bc6h", "--max-error", "1.2", "-q"});
+  fails(1, {"convert", "in.exr", "e.dds", "--depth", "bc6h", "--max-error", "1e-3", "-q"},
+        {"e.dds", "bc6h rounds by up to"});
+}
+
+TEST_F(Texture, OfBlocksRefusesWhatHalfRefuses) {
+  succeeds({"generate", "constant", "sun.exr", "--value", "70000,1,1", "--to", "cube", "--size", "8"});
+  fails(4, {"convert", "sun.exr", "out.dds", "--depth", "bc6h"},
+        {"65504", "bc6h", "--depth float", "--exposure", "--clamp"});
+  succeeds({"convert", "sun.exr", "out.dds", "--depth", "bc6h", "--exposure", "-1", "--filter", "nearest"});
+  succeeds({"convert", "out.dds", "back.exr", "--exposure", "1", "--filter", "nearest", "--depth", "float"});
+  succeeds({"compare", "back.exr", "sun.exr", "--max-error", "2e-3"});
+  EXPECT_NE(envmap({"convert", "sun.exr", "out.dds", "--depth", "bc6h", "--clamp"}).err.find("flux lost"), std::string::npos);
 }
 
 // As another writer might have made it: float RGB, no key/value data, the first row at the bottom.
@@ -170,7 +202,7 @@ TEST_F(Texture, SaysWhatItCannotBe) {
   fails(2, {"mipmap", "in.exr", "out.ktx2", "--layout", "row"}, {"out.ktx2", "--layout"});
   fails(2, {"mipmap", "in.exr", "out_{face}.dds"}, {"{face}"});
   fails(2, {"mipmap", "in.exr", "out.dds", "--zstd"}, {"Zstandard", ".ktx2"});
-  fails(2, {"mipmap", "in.exr", "out.ktx2", "--depth", "uint8"}, {"half or float or rgb9e5"});
+  fails(2, {"mipmap", "in.exr", "out.ktx2", "--depth", "uint8"}, {"half or float or rgb9e5 or bc6h"});
   fails(2, {"mipmap", "in.exr", "out.ktx2", "--openexr-envmap"}, {".exr"});
   succeeds({"mipmap", "in.exr", "out.ktx2"});
   fails(3, {"info", "out.ktx2", "--from", "latlong"}, {"out.ktx2", "cube"});

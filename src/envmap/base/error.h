@@ -30,7 +30,7 @@ enum class Remedy {
   allow_pixels,           ///< ReadOptions::max_pixels.
   choose_format,          ///< WriteOptions::format, or a file name that ends in one.
   choose_plus_z,          ///< Forward::plus_z.
-  clamp_or_deepen,        ///< WriteOptions::clamp, or depth = Depth::single.
+  clamp_or_deepen,        ///< WriteOptions::clamp, less light, or depth = Depth::single.
   clamp_or_darken,        ///< WriteOptions::clamp, less light, or a floating-point format.
   clamp_or_brighten,      ///< WriteOptions::clamp, more light, or depth = Depth::single.
   choose_layer,           ///< ReadOptions::choice.layer.

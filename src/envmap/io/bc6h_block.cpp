@@ -39,7 +39,8 @@ constexpr Places places_of(std::string_view layout) {
   Places places;
   const auto number = [&layout] {
     int n = 0;
-    for (; !layout.empty() && layout[0] >= '0' && layout[0] <= '9'; layout.remove_prefix(1)) n = 10 * n + (layout[0] - '0');
+    for (; !layout.empty() && layout[0] >= '0' && layout[0] <= '9'; layout.remove_prefix(1))
+      n = 10 * n + (layout[0] - '0');
     return n;
   };
   while (!layout.empty()) {
@@ -53,8 +54,9 @@ constexpr Places places_of(std::string_view layout) {
     }
     layout.remove_prefix(layout.starts_with(' ') ? 1 : 0);
     for (int bit = first;; bit += first < last ? 1 : -1) {
-      places.of_bit[static_cast<std::size_t>(places.count++)] = {
-          static_cast<std::uint8_t>(channel), static_cast<std::uint8_t>(endpoint), static_cast<std::uint8_t>(bit)};
+      places.of_bit[static_cast<std::size_t>(places.count++)] = {static_cast<std::uint8_t>(channel),
+                                                                 static_cast<std::uint8_t>(endpoint),
+                                                                 static_cast<std::uint8_t>(bit)};
       if (bit == last) break;
     }
   }
@@ -96,8 +98,7 @@ class Bits {
 
   std::uint32_t take(int count) {
     std::uint32_t value = 0;
-    for (int k = 0; k < count; ++k, ++at_)
-      value |= static_cast<std::uint32_t>(words_[at_ / 64] >> at_ % 64 & 1) << k;
+    for (int k = 0; k < count; ++k, ++at_) value |= static_cast<std::uint32_t>(words_[at_ / 64] >> at_ % 64 & 1) << k;
     return value;
   }
   void put(std::uint32_t value, int count) {
@@ -129,7 +130,8 @@ std::optional<Block> unpack(std::span<const std::byte, bytes> from) {
     block.endpoints[p.endpoint][p.channel] |= bits.take(1) << p.bit;
   if (mode->regions == 2) block.partition = static_cast<int>(bits.take(5));
   for (int k = 0; k < texels; ++k)
-    block.indices[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(bits.take(index_bits(*mode, block.partition, k)));
+    block.indices[static_cast<std::size_t>(k)] =
+        static_cast<std::uint8_t>(bits.take(index_bits(*mode, block.partition, k)));
   return block;
 }
 

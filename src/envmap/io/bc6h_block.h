@@ -1,6 +1,7 @@
 /// @file
-/// A block of BC6H, 16 bytes for 4x4 half-float RGB texels: its modes, regions and bits. Source: Microsoft, "Direct3D 11.3
-/// Functional Specification", BC6H; Khronos, "Data Format Specification" 1.4, "BPTC compressed texture image formats".
+/// A block of BC6H, 16 bytes for 4x4 half-float RGB texels: its modes, regions and bits. Source: Microsoft, "Direct3D
+/// 11.3 Functional Specification", BC6H; Khronos, "Data Format Specification" 1.4, "BPTC compressed texture image
+/// formats".
 #pragma once
 
 #include <array>
@@ -18,9 +19,9 @@ struct Mode {
   unsigned number;  ///< What the block begins with.
   int number_bits;
   int regions;
-  int bits;                     ///< Of a channel of the first endpoint, and of the others where these are no differences.
-  std::array<int, 3> others;    ///< Bits of a channel of the other endpoints: of red, green and blue.
-  bool differences;             ///< The others are differences from the first.
+  int bits;                   ///< Of a channel of the first endpoint, and of the others where these are no differences.
+  std::array<int, 3> others;  ///< Bits of a channel of the other endpoints: of red, green and blue.
+  bool differences;           ///< The others are differences from the first.
 };
 
 /// In the order of the specification, which counts from 1.
@@ -41,7 +42,8 @@ inline constexpr std::array<Mode, 14> modes{{
     {0x0f, 5, 1, 16, {4, 4, 4}, true},
 }};
 
-/// Which texels are the second region's, bit k of row-major texel k; and the texel of it whose index lacks its highest bit.
+/// Which texels are the second region's, bit k of row-major texel k; and the texel of it whose index lacks its highest
+/// bit.
 struct Partition {
   std::uint16_t second;
   int anchor;
@@ -59,7 +61,7 @@ inline constexpr std::array<int, 16> weights_of_16{0, 4, 9, 13, 17, 21, 26, 30, 
 
 /// What a block says, as it is stored.
 struct Block {
-  int mode = 0;                                      ///< Of `modes`, from 0.
+  int mode = 0;                                             ///< Of `modes`, from 0.
   std::array<std::array<std::uint32_t, 3>, 4> endpoints{};  ///< First and second of region 0, then of region 1.
   int partition = 0;
   std::array<std::uint8_t, texels> indices{};

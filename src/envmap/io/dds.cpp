@@ -35,7 +35,7 @@ static_assert(sizeof(Dx10) == 20);
 
 using Bits = const std::uint32_t;
 constexpr Bits flags_of_texture = 0x1 | 0x2 | 0x4 | 0x1000;  // Caps, height, width, pixel format.
-constexpr Bits flag_pitch = 0x8, flag_levels = 0x20000;
+constexpr Bits flag_pitch = 0x8, flag_levels = 0x20000, flag_size = 0x80000;
 constexpr Bits format_alpha = 0x1, format_alpha_only = 0x2, format_four_cc = 0x4, format_luminance = 0x20000;
 constexpr Bits caps_texture = 0x1000, caps_complex = 0x8, caps_levels = 0x400000;
 constexpr Bits caps2_cube = 0x200, caps2_all_faces = 0xfc00, caps2_volume = 0x200000;
@@ -64,10 +64,12 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
   Header h{};
   h.magic = four("DDS ");
   h.size = sizeof(Header) - 4;
-  h.flags = flags_of_texture | flag_pitch | (chain ? flag_levels : 0);
+  h.flags = flags_of_texture | (format.side > 1 ? flag_size : flag_pitch) | (chain ? flag_levels : 0);
   h.width = static_cast<std::uint32_t>(levels[0].width());
   h.height = cube ? h.width : static_cast<std::uint32_t>(levels[0].height());
-  h.pitch = h.width * static_cast<std::uint32_t>(format.bytes);
+  // Of blocks the size of the first image, else that of a row.
+  h.pitch = static_cast<std::uint32_t>(format.side > 1 ? format.image_bytes(levels[0].width(), static_cast<int>(h.height))
+                                                       : format.row_bytes(levels[0].width()));
   h.levels = static_cast<std::uint32_t>(levels.size());
   h.format = {.size = sizeof(Header::PixelFormat), .flags = format_four_cc, .four_cc = four("DX10")};
   h.caps = caps_texture | (chain || cube ? caps_complex : 0) | (chain ? caps_levels : 0);
@@ -76,18 +78,20 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
   file.write(&h, sizeof h);
   file.write(&dx10, sizeof dx10);
 
-  const int faces = cube ? 6 : 1;
+  std::vector<std::vector<Page>> images;
   double all = 0, done = 0;
-  for (const Page& page : levels) all += 1.0 * faces * page.width() * (page.height() / faces);
+  for (const Page& page : levels) {
+    images.push_back(images_of(page, cube));
+    all += 1.0 * page.width() * page.height();
+  }
   std::vector<std::byte> packed;
-  for (int face = 0; face < faces; ++face)
-    for (const Page& page : levels) {
-      const Page one = cube ? Page{page.rows, page.grid, face} : page;
-      const auto width = static_cast<std::size_t>(one.width());
-      const double part = 1.0 * one.width() * one.height();
+  for (std::size_t face = 0; face < images[0].size(); ++face)
+    for (const std::vector<Page>& level : images) {
+      const Page& image = level[face];
+      const double part = 1.0 * image.width() * image.height();
       const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
-      for_each_band(one, so_far, [&](int, int, std::vector<Colour>& band) {
-        encode_rows(format, band, width, packed);
+      for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
+        encode_rows(format, image, begin, end, band, packed);
         file.write(packed.data(), packed.size());
       });
       done += part;

@@ -16,7 +16,7 @@ constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = 
                     tiff[] = {"tif", "tiff"}, png[] = {"png"}, ppm[] = {"ppm"}, jpeg[] = {"jpg", "jpeg"}, targa[] = {"tga"},
                     bmp[] = {"bmp"}, webp[] = {"webp"};
 constexpr Depth linear[] = {Depth::half, Depth::single}, floats[] = {Depth::single},
-                texture[] = {Depth::half, Depth::single, Depth::rgb9e5}, bytes[] = {Depth::uint8},
+                texture[] = {Depth::half, Depth::single, Depth::rgb9e5, Depth::bc6h}, bytes[] = {Depth::uint8},
                 integers[] = {Depth::uint8, Depth::uint16}, all_of_tiff[] = {Depth::uint8, Depth::uint16, Depth::single};
 
 constexpr double any_float = std::numeric_limits<float>::max();

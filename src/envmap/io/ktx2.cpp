@@ -42,14 +42,20 @@ void add_sample(Words& words, unsigned offset, unsigned length, unsigned channel
   words.insert(words.end(), {offset | (length - 1) << 16 | channel_type << 24, 0, lower, upper});
 }
 
-// Linear BT.709 colour, one texel a block. E5B9G9R9's limits are those of the Data Format Specification 1.4, table 105: the
+// Linear BT.709 colour, texel by texel or, of BC6H, block by block. E5B9G9R9's limits are those of the Data Format Specification 1.4, table 105: the
 // shared exponent counts for each channel.
 Words descriptor(const TexelFormat& format) {
   constexpr unsigned is_float = 0x80, is_signed = 0x40, is_exponent = 0x20, alpha = 15;
   constexpr std::uint32_t one = 0x3f800000, minus_one = 0xbf800000;  // As floats.
-  constexpr std::uint32_t rgbsda = 1, bt709 = 1, linear = 1;
-  Words words{0, 0, 0, rgbsda | bt709 << 8 | linear << 16, 0, static_cast<std::uint32_t>(format.bytes), 0};
-  if (format.texels == Texels::rgb9e5) {
+  constexpr std::uint32_t rgbsda = 1, bc6h = 133, bt709 = 1, linear = 1;
+  const std::uint32_t model = format.depth == Depth::bc6h ? bc6h : rgbsda,
+                      side = static_cast<std::uint32_t>(format.side) - 1;
+  Words words{0, 0, 0, model | bt709 << 8 | linear << 16, side | side << 8, static_cast<std::uint32_t>(format.bytes),
+              0};
+  if (model == bc6h) {
+    const bool is_negative = format.texels == Texels::bc6h_sfloat;
+    add_sample(words, 0, 128, is_float | (is_negative ? is_signed : 0), is_negative ? minus_one : 0, one);
+  } else if (format.texels == Texels::rgb9e5) {
     for (unsigned c = 0; c < 3; ++c) {
       add_sample(words, 9 * c, 9, c, 0, 8448);
       add_sample(words, 27, 5, c | is_exponent, 15, 31);
@@ -190,22 +196,23 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
   LevelWriter out(file, options.zstd);
   file.seek(h.kvd_offset + h.kvd_size);
   for (std::size_t k = levels.size(); k-- > 0;) {
-    const Page& page = levels[k];
-    const auto width = static_cast<std::size_t>(page.width());
+    const std::vector<Page> images = images_of(levels[k], options.cube);
     const auto align = options.zstd ? 1 : std::lcm(static_cast<std::int64_t>(format.bytes), std::int64_t{4});
     file.seek((file.tell() + align - 1) / align * align);
     index[k].offset = static_cast<std::uint64_t>(file.tell());
-    index[k].plain_size = width * static_cast<std::size_t>(page.height()) * static_cast<std::size_t>(format.bytes);
-    const double part = 1.0 * page.width() * page.height();
-    const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+    index[k].plain_size = images.size() * format.image_bytes(images[0].width(), images[0].height());
     out.begin(index[k].plain_size);
-    for_each_band(page, so_far, [&](int, int, std::vector<Colour>& band) {
-      encode_rows(format, band, width, packed);
-      out.write(packed);
-    });
+    for (const Page& image : images) {
+      const double part = 1.0 * image.width() * image.height();
+      const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+      for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
+        encode_rows(format, image, begin, end, band, packed);
+        out.write(packed);
+      });
+      done += part;
+    }
     out.end();
     index[k].size = static_cast<std::uint64_t>(file.tell()) - index[k].offset;
-    done += part;
   }
   file.seek(0);
   file.write(&h, sizeof h);

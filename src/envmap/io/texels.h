@@ -47,16 +47,19 @@ inline constexpr TexelFormat texel_formats[] = {
 
 inline const TexelFormat& format_of(Texels t) { return texel_formats[static_cast<int>(t)]; }
 
-/// What a depth is written as. @param depth half, single or rgb9e5.
+/// What a depth is written as. @param depth half, single, rgb9e5 or bc6h.
 inline Texels texels_of(Depth depth) {
-  return depth == Depth::half ? Texels::rgba16f : depth == Depth::rgb9e5 ? Texels::rgb9e5 : Texels::rgba32f;
+  return depth == Depth::half     ? Texels::rgba16f
+         : depth == Depth::rgb9e5 ? Texels::rgb9e5
+         : depth == Depth::bc6h   ? Texels::bc6h_ufloat
+                                  : Texels::rgba32f;
 }
 
 /// The largest value that E5B9G9R9 holds: 511/512 x 2^16.
 inline constexpr double largest_rgb9e5 = 65408;
 
 /// Alpha is 1. Values must be finite, not negative and within what the format holds. Shared exponents are rounded to
-/// nearest (OpenGL 4.6, 8.5.2). @param texels one of texels_of().
+/// nearest (OpenGL 4.6, 8.5.2). @param texels one of texels_of(), but no blocks.
 void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to);
 
 /// A row of texels, or one of blocks.

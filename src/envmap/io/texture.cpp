@@ -9,7 +9,7 @@
 #include <bit>
 
 #include "envmap/base/error.h"
-#include "envmap/map/page.h"
+#include "envmap/io/bc6h.h"
 
 namespace envmap {
 namespace {
@@ -45,12 +45,29 @@ void check_texture(const TextureFile& t, std::uint64_t file_size) {
                                  bytes / 0x1p30, memory / 0x1p30));
 }
 
-void encode_rows(const TexelFormat& format, std::span<const Colour> from, std::size_t width, std::vector<std::byte>& to) {
-  const auto bytes = static_cast<std::size_t>(format.bytes) * width;
-  to.resize(from.size() / width * bytes);
-  tbb::parallel_for(std::size_t{0}, from.size() / width, [&](std::size_t row) {
-    encode(format.texels, from.subspan(row * width, width), std::span(to).subspan(row * bytes, bytes));
+void encode_rows(const TexelFormat& format, const Page& page, int begin, int end, std::span<const Colour> from,
+                 std::vector<std::byte>& to) {
+  const auto width = static_cast<std::size_t>(page.width());
+  const std::size_t row_bytes = format.row_bytes(page.width());
+  const int strips = static_cast<int>(format.blocks(end - begin));
+  to.resize(static_cast<std::size_t>(strips) * row_bytes);
+  tbb::parallel_for(0, strips, [&](int k) {
+    const int top = begin + k * format.side, bottom = std::min(end, top + format.side);
+    const auto rows =
+        from.subspan(static_cast<std::size_t>(top - begin) * width, static_cast<std::size_t>(bottom - top) * width);
+    const auto out = std::span(to).subspan(static_cast<std::size_t>(k) * row_bytes, row_bytes);
+    if (format.depth == Depth::bc6h)
+      encode_bc6h(rows, width, top == 0, bottom == page.height(), out);
+    else
+      encode(format.texels, rows, out);
   });
+}
+
+std::vector<Page> images_of(const Page& page, bool cube) {
+  if (!cube) return {page};
+  std::vector<Page> faces;
+  for (int face = 0; face < 6; ++face) faces.push_back({page.rows, page.grid, face});
+  return faces;
 }
 
 Rows in_api_orientation(const Rows& rows) {
@@ -82,42 +99,74 @@ bool decode_images(const TexelFormat& format, std::span<const std::byte> bytes, 
   return opaque;
 }
 
+// What a file holds of a level, and what in it is the map.
+struct Stored {
+  std::span<const std::byte> bytes;
+  int number;  // Of the level, in the file.
+  const TextureFile& texture;
+};
+
+// @param opaque is set to whether every alpha is 1.
+Level decode_cube(const Stored& s, bool& opaque) {
+  const int size = s.texture.level_height(s.number);
+  Level cube(Projection::cube, size);
+  opaque = decode_images(format_of(s.texture.texels), s.bytes, 6, size, size,
+                         [&](int face, int row, std::span<const Colour> texels) {
+                           const auto out = cube.row(face, is_y_face(face) ? size - 1 - row : row);
+                           std::ranges::copy(texels, out.begin());
+                           if (!is_y_face(face)) std::ranges::reverse(out);
+                         });
+  return cube;
+}
+
+// @param number the level of `base` that it is.
+Level decode_flat(const Stored& s, const Recognised& base, int number, bool& opaque) {
+  const int w = s.texture.level_width(s.number), h = s.texture.level_height(s.number);
+  std::vector<Colour> image(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  opaque = decode_images(format_of(s.texture.texels), s.bytes, 1, w, h, [&](int, int row, std::span<const Colour> texels) {
+    const auto to = static_cast<std::ptrdiff_t>(s.texture.bottom_up ? h - 1 - row : row) * w;
+    std::ranges::copy(texels, image.begin() + to);
+  });
+  const FaceSize face = face_size(base, number);
+  const Grid places = grid(base.layout);
+  if (w < places.columns * face.width || h < places.rows * face.height)
+    throw InputError(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, w, h, face.width, face.height));
+  Level flat(base.projection, face.height, face.width);
+  scatter(image, w, 0, h, places, flat);
+  return flat;
+}
+
 }  // namespace
 
 Level read_texture(const InputFile& file, const TextureFile& t, int stored, const Recognised& base, int number,
                    bool any_alpha) {
   const std::vector<std::byte> bytes = t.bytes(file, stored);
-  const TexelFormat& format = format_of(t.texels);
-  const int w = t.level_width(stored), h = t.level_height(stored);
+  if (const int h = t.level_height(stored); t.cube && h != face_size(base, number).height)
+    throw InputError(fmt::format("is {0}x{0}, not level {1} of {2}x{2}", h, number, base.size));
   bool opaque = true;
-  Level level = [&] {
-    if (t.cube) {
-      if (h != face_size(base, number).height)
-        throw InputError(fmt::format("is {0}x{0}, not level {1} of {2}x{2}", h, number, base.size));
-      Level cube(Projection::cube, h);
-      opaque = decode_images(format, bytes, 6, w, h, [&](int face, int row, std::span<const Colour> texels) {
-        const auto out = cube.row(face, is_y_face(face) ? h - 1 - row : row);
-        std::ranges::copy(texels, out.begin());
-        if (!is_y_face(face)) std::ranges::reverse(out);
-      });
-      return cube;
-    }
-    std::vector<Colour> image(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-    opaque = decode_images(format, bytes, 1, w, h, [&](int, int row, std::span<const Colour> texels) {
-      const auto to = static_cast<std::ptrdiff_t>(t.bottom_up ? h - 1 - row : row) * w;
-      std::ranges::copy(texels, image.begin() + to);
-    });
-    const FaceSize face = face_size(base, number);
-    const Grid places = grid(base.layout);
-    if (w < places.columns * face.width || h < places.rows * face.height)
-      throw InputError(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, w, h, face.width, face.height));
-    Level flat(base.projection, face.height, face.width);
-    scatter(image, w, 0, h, places, flat);
-    return flat;
-  }();
+  Level level = t.cube ? decode_cube({bytes, stored, t}, opaque) : decode_flat({bytes, stored, t}, base, number, opaque);
   if (!opaque && !any_alpha)
     throw InputError("has an alpha that is not 1 everywhere", Remedy::drop_channels);
   return level;
+}
+
+Level read_back(const Level& level, Texels texels) {
+  const bool cube = level.projection() == Projection::cube;
+  const Rows rows = rows_of(level, Forward::plus_z), stored = cube ? in_api_orientation(rows) : rows;
+  const Layout layout = cube ? Layout::api : default_layout(level.projection());
+  std::vector<std::byte> bytes, packed;
+  int width = 0, height = 0;
+  for (const Page& image : images_of({stored, grid(layout)}, cube)) {
+    width = image.width(), height = image.height();
+    std::vector<Colour> all(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    image.gather(0, height, all);
+    encode_rows(format_of(texels), image, 0, height, all, packed);
+    bytes.insert(bytes.end(), packed.begin(), packed.end());
+  }
+  const TextureFile texture{.container = "", .texels = texels, .width = width, .height = height, .cube = cube};
+  bool opaque = true;
+  return cube ? decode_cube({bytes, 0, texture}, opaque)
+              : decode_flat({bytes, 0, texture}, {level.projection(), layout, level.height()}, 0, opaque);
 }
 
 }  // namespace envmap

@@ -27,6 +27,7 @@
 #include "envmap/io/rounding.h"
 #include "envmap/io/srgb.h"
 #include "envmap/io/texels.h"
+#include "envmap/io/texture.h"
 #include "envmap/map/border.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/border_samples.h"
@@ -84,7 +85,9 @@ Layout choose_layout(const std::string& path, const FileFormat& format, const Wr
 Range range_of(const FileFormat& format, Depth depth) {
   if (is_integer(depth)) return {.largest = 1};
   // Half has 11 bits down to 2^-14; of a shared exponent 9 down to 2^-15 (a texel below that has no finer exponent).
-  if (depth == Depth::half) return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11};
+  // What half has to refuse blocks of halves cannot hold either.
+  if (depth == Depth::half || depth == Depth::bc6h)
+    return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11};
   if (depth == Depth::rgb9e5) return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9};
   return {.largest = format.largest};
 }
@@ -248,32 +251,39 @@ std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions&
   const std::string& c = options.compression;
   const bool lossy = c.starts_with("b44") || c.starts_with("dwa") || (c == "pxr24" && depth == Depth::single);
   if (is_integer(depth) || lossy) return std::nullopt;
-  if (ext == "hdr") return Rounding{depth, 0x1p-8, round_to_radiance};
-  if (depth == Depth::single) return Rounding{depth};
-  const auto stored = [depth](std::span<Colour> texels) {
-    std::vector<std::byte> bytes(texels.size() * static_cast<std::size_t>(format_of(texels_of(depth)).bytes));
-    encode(texels_of(depth), texels, bytes);
-    decode(texels_of(depth), bytes, texels);
-  };
-  return Rounding{depth, range_of(format, depth).precision, stored};
+  if (depth == Depth::single && ext != "hdr") return Rounding{depth};
+  if (ext == "hdr")
+    return Rounding{depth, 0x1p-8, [](const Level& level) {
+                      const Rows rows = rows_of(level, Forward::plus_z);
+                      Rows rounded = rows;
+                      rounded.fill = [&rows](int face, int row, std::span<Colour> out) {
+                        rows.fill(face, row, out);
+                        round_to_radiance(out);
+                      };
+                      return level_of(rounded);
+                    }};
+  const std::optional<double> largest =
+      depth == Depth::bc6h ? std::nullopt : std::optional(range_of(format, depth).precision);
+  return Rounding{depth, largest, [depth, border = options.border](const Level& level) {
+                    if (border == 0) return envmap::read_back(level, texels_of(depth));
+                    return without_border(envmap::read_back(with_border(level, border), texels_of(depth)), border);
+                  }};
 }
 
 std::string_view name(const Rounding& rounding) {
-  return rounding.round && rounding.depth == Depth::single ? "a shared exponent" : name(rounding.depth);
+  return rounding.read_back && rounding.depth == Depth::single ? "a shared exponent" : name(rounding.depth);
 }
 
 double rounding_error(const Rounding& rounding, const Level& level, double floor) {
-  if (!rounding.round) return 0;
+  if (!rounding.read_back) return 0;
+  const Level read = rounding.read_back(level);
   double most = 0;
-  std::vector<Colour> row;
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < level.height(); ++j) {
-      const std::span<const Colour> made = level.row(face, j);
-      row.assign(made.begin(), made.end());
-      rounding.round(row);
-      for (std::size_t k = 0; k < row.size(); ++k)
+      const std::span<const Colour> made = level.row(face, j), back = read.row(face, j);
+      for (std::size_t k = 0; k < made.size(); ++k)
         for (int c = 0; c < 3; ++c)
-          if (const double off = std::abs(double{row[k][c]} - made[k][c]); off > 0)
+          if (const double off = std::abs(double{back[k][c]} - made[k][c]); off > 0)
             most = std::max(most, off / std::max<double>(made[k][c], floor));
     }
   return most;
