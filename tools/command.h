@@ -46,6 +46,7 @@ struct Command {
   std::function<std::function<int()>(CLI::App& app, const Common& common)> define;
 };
 
+Command bake_command();
 Command convert_command();
 Command mipmap_command();
 Command info_command();

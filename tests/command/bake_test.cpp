@@ -1,0 +1,135 @@
+// Folders for engines: each map is looked up as the engine's own shader does, written down here once more.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "picture.h"
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+const double pi = std::acos(-1.0);
+
+struct Place {
+  double u, v;  // v down.
+};
+
+Place equal_area(double x, double y, double z) {  // pbrt-v4's EqualAreaSphereToSquare, +Z in the middle.
+  const double r = std::sqrt(1 - std::abs(z)), part = std::atan2(std::abs(y), std::abs(x)) * 2 / pi;
+  const double b = part * r, a = r - b, u = z < 0 ? 1 - b : a, v = z < 0 ? 1 - a : b;
+  return {0.5 * (std::copysign(u, x) + 1), 0.5 * (std::copysign(v, y) + 1)};
+}
+
+// Where each engine looks for the radiance from d, in the frame of the probe; sources are named in tools/engines.cpp.
+struct Lookup {
+  std::string engine, map, text;
+  std::function<Place(const Vec&)> place;
+};
+const Lookup lookups[] = {
+    {"blender", "background.exr", "world.py",
+     [](const Vec& d) {  // Its world: (x, -z, y).
+       return Place{0.5 - std::atan2(-d[2], d[0]) / (2 * pi), 0.5 - std::atan2(d[1], std::hypot(d[0], d[2])) / pi};
+     }},
+    {"godot", "background.exr", "environment.tres",
+     [](const Vec& d) {
+       const double turn = std::atan2(d[0], -d[2]) / (2 * pi);
+       return Place{turn < 0 ? turn + 1 : turn, std::acos(d[1]) / pi};
+     }},
+    // `Rotate -90 1 0 0` from the light to the world: the light's +Z is +Y, its +Y is -Z.
+    {"pbrt", "background.exr", "light.pbrt", [](const Vec& d) { return equal_area(d[0], -d[2], d[1]); }},
+    {"three", "background.hdr", "",
+     [](const Vec& d) { return Place{0.5 + std::atan2(d[2], d[0]) / (2 * pi), 0.5 - std::asin(d[1]) / pi}; }},
+    {"usd", "background.exr", "light.usda",
+     [](const Vec& d) { return Place{0.5 - std::atan2(d[0], d[2]) / (2 * pi), 0.5 - std::asin(d[1]) / pi}; }},
+};
+
+class Bake : public CommandTest {};
+
+TEST_F(Bake, EveryEngineFindsItsDirections) {
+  succeeds({"generate", "directions", "probe.exr", "--to", "cube", "--size", "64"});
+  for (const Lookup& l : lookups) {
+    SCOPED_TRACE(l.engine);
+    succeeds({"bake", "probe.exr", l.engine, "--for", l.engine, "--size", "128", "-q"});
+    const Picture map = load(path(l.engine + "/" + l.map));
+    for (double x = -0.9; x < 1; x += 0.45)
+      for (double y = -0.8; y < 1; y += 0.4)
+        for (const double z : {-0.7, -0.3, 0.25, 0.6}) {
+          const double length = std::sqrt(x * x + y * y + z * z);
+          const Vec d{x / length, y / length, z / length};
+          const Place at = l.place(d);
+          const float* found = map.at(std::min(static_cast<int>(at.u * map.width), map.width - 1),
+                                      std::min(static_cast<int>(at.v * map.height), map.height - 1));
+          const auto wanted = colour_of(d);
+          // Half the diagonal of a texel of 1.4 to 2.8 degrees, by half the range; a Radiance file rounds by 1/256.
+          for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(found[c], wanted[c], 0.025) << x << " " << y << " " << z;
+        }
+  }
+}
+
+TEST_F(Bake, ListsWhatIsTestedHere) {
+  const Result r = envmap({"bake", "--list", "--json"});
+  ASSERT_EQ(r.status, 0) << r.err;
+  std::vector<std::string> listed, tested;
+  const auto report = nlohmann::json::parse(r.out);
+  for (const auto& engine : report["engines"]) listed.push_back(engine["name"]);
+  for (const Lookup& l : lookups) tested.push_back(l.engine);
+  EXPECT_EQ(listed, tested);
+}
+
+TEST_F(Bake, TextsNameTheMapAndAreWellFormed) {
+  succeeds({"generate", "constant", "probe.exr", "--size", "8"});
+  for (const Lookup& l : lookups) {
+    SCOPED_TRACE(l.engine);
+    succeeds({"bake", "probe.exr", l.engine, "--for", l.engine, "-q"});
+    EXPECT_NE(read(l.engine + "/README.txt").find(l.map), std::string::npos);
+    if (l.text.empty()) continue;
+    const std::string text = read(l.engine + "/" + l.text);
+    EXPECT_NE(text.find(l.map), std::string::npos);
+    EXPECT_EQ(std::ranges::count(text, '{'), std::ranges::count(text, '}'));
+    EXPECT_EQ(std::ranges::count(text, '"') % 2, 0);
+  }
+  EXPECT_EQ(shell("python3 -c 'import ast; ast.parse(open(\"blender/world.py\").read())'").status, 0);
+}
+
+TEST_F(Bake, FoldersAppearWholeOrNotAtAll) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "16"});
+  succeeds({"bake", "probe.exr", "lights", "--for", "usd", "-q"});
+  const std::string first = read("lights/background.exr");
+  // Again, with another map: replaced whole; and nothing lies about.
+  succeeds({"bake", "probe.exr", "lights", "--for", "usd", "--size", "8", "-q"});
+  EXPECT_NE(read("lights/background.exr"), first);
+  EXPECT_EQ(names(), (std::vector<std::string>{"lights/", "lights/README.txt", "lights/background.exr", "lights/light.usda", "probe.exr"}));
+  // A folder with something else in it is left as it is, as where the input cannot be read.
+  write("lights/mine.txt", "mine");
+  fails(2, {"bake", "probe.exr", "lights", "--for", "usd"}, {"lights", "mine.txt"});
+  fails(3, {"bake", "none.exr", "other", "--for", "usd"}, {"none.exr"});
+  fails(2, {"bake", "probe.exr", "other"}, {"--for", "usd"});
+  fails(2, {"bake", "probe.exr"}, {"FOLDER"});
+  fails(2, {"bake", "probe.exr", "probe.exr", "--for", "usd"}, {"probe.exr"});
+  fails(4, {"bake", "probe.exr", "none/other", "--for", "usd"}, {"none/other"});
+}
+
+TEST_F(Bake, SaysWhatALoaderCutsOff) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "16", "--value", "1e6", "--radius", "20"});
+  const Result r = envmap({"bake", "probe.exr", "three", "--for", "three", "-q"});
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.err.find("65504"), std::string::npos) << r.err;
+}
+
+TEST_F(Bake, TheSameBytesAndADepfile) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "32"});
+  succeeds({"bake", "probe.exr", "a", "--for", "pbrt", "--threads", "1", "-q", "--depfile", "a.d"});
+  succeeds({"bake", "probe.exr", "b", "--for", "pbrt", "--threads", "3", "-q"});
+  for (const std::string file : {"background.exr", "light.pbrt", "README.txt"}) EXPECT_EQ(read("a/" + file), read("b/" + file));
+  for (const std::string file : {"a/background.exr", "a/light.pbrt", "a/README.txt", "probe.exr"})
+    EXPECT_NE(read("a.d").find(file), std::string::npos) << file;
+  // --if-changed leaves the folder and its times.
+  const auto before = std::filesystem::last_write_time(path("a/background.exr"));
+  succeeds({"bake", "probe.exr", "a", "--for", "pbrt", "-q", "--if-changed"});
+  EXPECT_EQ(std::filesystem::last_write_time(path("a/background.exr")), before);
+}
+
+}  // namespace
+}  // namespace command_tests

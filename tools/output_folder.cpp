@@ -1,0 +1,93 @@
+#include "output_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "envmap/base/error.h"
+#include "envmap/io/output_file.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+[[noreturn]] void fail(const std::string& path) {
+  throw OutputError(path, fmt::format("not written: {}", std::strerror(errno)));
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(std::string path, std::span<const std::string_view> files, const CommitOptions& how)
+    : path_(std::move(path)), files_(files.begin(), files.end()), how_(how) {
+  while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
+  std::error_code error;
+  if (fs::exists(path_, error)) {
+    if (!fs::is_directory(path_, error)) throw UsageError(path_, "is no folder; name another");
+    for (const auto& entry : fs::directory_iterator(path_))
+      if (const std::string name = entry.path().filename(); std::ranges::find(files_, name) == files_.end())
+        throw UsageError(path_, fmt::format("holds {}, which would be lost; name another folder", name));
+  }
+  const fs::path full = fs::absolute(path_);
+  hidden_ = (full.parent_path() / fmt::format(".{}-XXXXXX", full.filename().string())).string();
+  if (!::mkdtemp(hidden_.data())) {
+    hidden_.clear();
+    fail(path_);
+  }
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  struct stat before = {};
+  ::chmod(hidden_.c_str(), ::stat(path_.c_str(), &before) == 0 ? before.st_mode & 0777 : 0777 & ~mask);
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  if (!hidden_.empty()) fs::remove_all(hidden_, ignored);
+}
+
+std::string OutputFolder::file(std::string_view name) const { return hidden_ + "/" + std::string(name); }
+
+void OutputFolder::write(std::string_view name, std::string_view text) const {
+  OutputFile out(file(name), how_);
+  out.write(text.data(), text.size());
+  out.commit();
+}
+
+bool OutputFolder::is_there_already() const {
+  return std::ranges::all_of(files_, [&](const std::string& name) {
+    std::error_code error;
+    return fs::exists(fs::path(path_) / name, error) && bytes_of(fs::path(path_) / name) == bytes_of(file(name));
+  });
+}
+
+void OutputFolder::commit() {
+  if (how_.if_changed && is_there_already()) return;
+  struct stat there = {};
+  const bool exchange = ::stat(path_.c_str(), &there) == 0;
+  if (::renameat2(AT_FDCWD, hidden_.c_str(), AT_FDCWD, path_.c_str(), exchange ? RENAME_EXCHANGE : RENAME_NOREPLACE) != 0)
+    fail(path_);
+  if (!exchange) hidden_.clear();  // Else it now has what was there before, and goes.
+  if (!how_.sync) return;
+  const int parent = ::open(fs::absolute(path_).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool synchronised = parent >= 0 && ::fsync(parent) == 0;
+  if (parent >= 0) ::close(parent);
+  if (!synchronised) fail(path_);
+}
+
+}  // namespace tools

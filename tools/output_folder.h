@@ -1,0 +1,41 @@
+// A folder that appears whole or not at all.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "envmap/io/commit.h"
+
+namespace tools {
+
+/// Files on their way to a folder: they are written into a hidden one beside it, which commit() gives the name. What was there
+/// under that name is replaced in one step. Without commit() nothing is left, but where the program is killed: then the
+/// hidden folder.
+class OutputFolder {
+ public:
+  /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file of that
+  /// name; OutputError where there can be none.
+  OutputFolder(std::string path, std::span<const std::string_view> files, const envmap::CommitOptions& how);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// Where to write a file of it.
+  [[nodiscard]] std::string file(std::string_view name) const;
+  /// Writes a text as one.
+  void write(std::string_view name, std::string_view text) const;
+
+  /// Makes the folder appear. @throws OutputError.
+  void commit();
+
+ private:
+  [[nodiscard]] bool is_there_already() const;
+
+  std::string path_, hidden_;
+  std::vector<std::string> files_;
+  envmap::CommitOptions how_;
+};
+
+}  // namespace tools
