@@ -1,6 +1,7 @@
 // KTX2 and DDS, byte by byte: faces as the APIs define them, what the containers demand, what others' files may hold.
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "picture.h"
@@ -172,6 +173,31 @@ TEST_F(Texture, OfOtherWritersIsRead) {
   write("other.ktx2", file);
   succeeds({"convert", "other.ktx2", "out.exr", "--filter", "nearest"});
   EXPECT_EQ(load(path("out.exr")), upright);
+}
+
+// Bytes are what their format says: linear, or sRGB; alpha counts only where it is not opaque.
+TEST_F(Texture, OfBytesIsReadAsItsFormatSays) {
+  const auto file = [](std::uint32_t format, std::size_t channels, unsigned char alpha) {
+    std::string bytes("\xabKTX 20\xbb\r\n\x1a\n", 12);
+    const auto add = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+    for (const std::uint32_t word : {format, 1U, 2U, 1U, 0U, 1U, 1U, 1U, 0U, 104U, 0U, 0U, 0U}) add(word);
+    const std::uint64_t size = 2 * channels;
+    for (const std::uint64_t word : {std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{104}, size, size}) add(word);
+    for (int k = 0; k < 2; ++k) bytes += std::string({0, '\x80', '\xff', static_cast<char>(alpha)}).substr(0, channels);
+    return bytes;
+  };
+  const double linear = 128 / 255.0, srgb = std::pow((linear + 0.055) / 1.055, 2.4);  // IEC 61966-2-1.
+  for (const auto& [format, channels, green] :
+       {std::tuple{23U, 3U, linear}, {29U, 3U, srgb}, {37U, 4U, linear}, {43U, 4U, srgb}}) {
+    write("bytes.ktx2", file(format, channels, 255));
+    succeeds({"convert", "bytes.ktx2", "out.exr", "--filter", "nearest", "--depth", "float"});
+    const Picture out = load(path("out.exr"));
+    EXPECT_EQ(out.at(1, 0)[0], 0) << format;
+    EXPECT_NEAR(out.at(1, 0)[1], green, 1e-6) << format;
+    EXPECT_NEAR(out.at(1, 0)[2], 1, 1e-6) << format;
+  }
+  write("clear.ktx2", file(37, 4, 254));
+  fails(3, {"info", "clear.ktx2"}, {"alpha", "--drop-channels"});
 }
 
 // What OpenImageIO is left to read: 8-bit texels, here B G R, encoded; and never a channel without bits.

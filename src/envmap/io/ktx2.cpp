@@ -225,7 +225,7 @@ TextureFile open_ktx2(const InputFile& file) {
   const auto h = read_as<Header>(file, 0);
   const auto* format = std::ranges::find(texel_formats, h.vk_format, &TexelFormat::vulkan);
   if (format == std::end(texel_formats))
-    throw InputError(fmt::format("KTX2 with VkFormat {}: only float, shared-exponent and BC6H RGB is read", h.vk_format));
+    throw InputError(fmt::format("KTX2 with VkFormat {}: only RGB as bytes, floats, E5B9G9R9 or BC6H is read", h.vk_format));
   if (h.scheme != plain && h.scheme != zstandard)
     throw InputError(fmt::format("KTX2 with supercompression {}: only none and Zstandard are read", h.scheme));
   if (h.depth != 0 || h.layers > 1 || h.height == 0 || (h.faces != 1 && h.faces != 6))

@@ -9,6 +9,7 @@
 
 #include "envmap/io/bc6h.h"
 #include "envmap/io/half.h"
+#include "envmap/io/srgb.h"
 
 namespace envmap {
 namespace {
@@ -89,6 +90,12 @@ bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to
   }
   const auto channels = static_cast<std::size_t>(format.channels);
   std::vector<float> values(channels * to.size());
+  if (format.depth == Depth::uint8) {
+    std::ranges::transform(from, values.begin(), [](std::byte b) { return static_cast<float>(b) / 255; });
+    const bool opaque = colours(values, channels, to);
+    if (texels == Texels::rgb8_srgb || texels == Texels::rgba8_srgb) decode_srgb(to);
+    return opaque;
+  }
   if (format.depth == Depth::single)
     std::memcpy(values.data(), from.data(), values.size() * sizeof(float));
   else

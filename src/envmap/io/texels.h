@@ -12,7 +12,7 @@
 namespace envmap {
 
 /// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits; BC6H are blocks.
-enum class Texels { rgba16f, rgba32f, rgb9e5, rgb16f, rgb32f, rg11b10f, bc6h_ufloat, bc6h_sfloat };
+enum class Texels { rgba16f, rgba32f, rgb9e5, rgb16f, rgb32f, rg11b10f, bc6h_ufloat, bc6h_sfloat, rgb8, rgb8_srgb, rgba8, rgba8_srgb };
 
 struct TexelFormat {
   Texels texels;
@@ -43,6 +43,10 @@ inline constexpr TexelFormat texel_formats[] = {
     {Texels::rg11b10f, "B10G11R11", 4, 3, Depth::half, 122, 26, 4},
     {Texels::bc6h_ufloat, "BC6H UF16", 16, 3, Depth::bc6h, 131, 95, 1, 4},
     {Texels::bc6h_sfloat, "BC6H SF16", 16, 3, Depth::bc6h, 132, 96, 1, 4},
+    {Texels::rgb8, "RGB8", 3, 3, Depth::uint8, 23, 0, 1},  // Bytes in DDS are left to OpenImageIO.
+    {Texels::rgb8_srgb, "RGB8 sRGB", 3, 3, Depth::uint8, 29, 0, 1},
+    {Texels::rgba8, "RGBA8", 4, 4, Depth::uint8, 37, 0, 1},
+    {Texels::rgba8_srgb, "RGBA8 sRGB", 4, 4, Depth::uint8, 43, 0, 1},
 };
 
 inline const TexelFormat& format_of(Texels t) { return texel_formats[static_cast<int>(t)]; }
@@ -62,7 +66,7 @@ inline constexpr double largest_rgb9e5 = 65408;
 /// nearest (OpenGL 4.6, 8.5.2). @param texels one of texels_of(), but no blocks.
 void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to);
 
-/// A row of texels, or one of blocks.
+/// A row of texels, or one of blocks. Bytes are linear from 0 to 1 unless their format is an sRGB one.
 /// @param to as many rows as a block has, next to each other. @return whether every alpha is 1.
 bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to);
 
