@@ -31,6 +31,7 @@ struct Options {
 
 std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
 bool has_exponent(Shape shape) { return shape == Shape::phong || shape == Shape::blinn_phong; }
+bool has_roughness(Shape shape) { return shape == Shape::ggx || shape == Shape::charlie; }
 
 // Of level k of a chain of Phong lobes: a quarter of that before, as texels have four times the area, or more of it, so that
 // the last is no less than 1, Lambert's cosine: below, lobes break off at the horizon, and see no more of the map.
@@ -48,7 +49,10 @@ std::vector<Prefilter> levels_of(const Options& o) {
   };
   only(o.exponent || !o.exponents.empty(), o.exponent ? "--exponent" : "--exponents", has_exponent(o.map.shape),
        "phong and blinn-phong");
-  only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", o.map.shape == Shape::ggx, "ggx");
+  only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", has_roughness(o.map.shape),
+       "ggx and charlie");
+  if (o.map.shape == Shape::charlie && o.map.method == Method::spectral)
+    throw UsageError("--method spectral is for lobes that fall with the angle, not for charlie; --method auto");
   if (!parameters.empty() && (o.exponent || o.roughness))
     throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
                                 : "--roughness and --roughnesses: give one of them");
@@ -66,8 +70,8 @@ std::vector<Prefilter> levels_of(const Options& o) {
     }
     if (has_exponent(o.map.shape) && !o.exponent)
       throw UsageError(fmt::format("--lobe {}: say --exponent M or --exponents A,B,...", name_of(o.map.shape)));
-    if (o.map.shape == Shape::ggx && !o.roughness && o.levels == 1)
-      throw UsageError("--lobe ggx: say --roughness R, --roughnesses A,B,... or --levels N");
+    if (has_roughness(o.map.shape) && !o.roughness && o.levels == 1)
+      throw UsageError(fmt::format("--lobe {}: say --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
     if (o.roughness && o.levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
   }
   std::vector<Prefilter> all;
@@ -92,7 +96,7 @@ Facts record(const std::vector<Prefilter>& levels) {
   std::string numbers;
   for (const Prefilter& p : levels) numbers += (numbers.empty() ? "" : ",") + fmt::format("{:g}", p.parameter);
   if (has_exponent(first.shape)) facts["exponent"] = numbers;
-  if (first.shape == Shape::ggx) facts["roughness"] = numbers;
+  if (has_roughness(first.shape)) facts["roughness"] = numbers;
   if (first.scale) facts["scale"] = fmt::format("{:g}", *first.scale);
   return facts;
 }
@@ -245,7 +249,7 @@ int run(Options& o, const Common& common) {
 Command prefilter_command() {
   return {
       .name = "prefilter",
-      .summary = "Blur a map by a lobe: diffuse, Phong, Blinn-Phong and GGX maps for renderers",
+      .summary = "Blur a map by a lobe: diffuse, Phong, Blinn-Phong, GGX and sheen maps for renderers",
       .description =
           "Makes the map of what a surface reflects: for each direction, the environment weighted by the lobe of a "
           "material round it. Radiance is taken as constant over each texel of the input.\n\n"
@@ -254,13 +258,17 @@ Command prefilter_command() {
           "radiance a E. phong: R(r) = k integral L(l) cos(r,l)^M dl with k = (M+1)/(2 pi), or what --scale says. ggx: "
           "the first half of the split sum, R(r) = k integral L(l) D(h) cos(n,l) dl over the same of a white map, with "
           "n = v = r, h half way between r and l, and Trowbridge and Reitz's D of alpha = roughness^2; --brdf-table "
-          "writes the other half. blinn-phong: the same with Blinn's D(h) = cos(n,h)^M, without a table. With k = 1 (and phong's own) a white map stays white. Roughness 0 is a mirror: each "
+          "writes the other half. blinn-phong: the same with Blinn's D(h) = cos(n,h)^M, without a table. charlie: the same "
+          "with the D(h) = sin(n,h)^(1/alpha) of Estevez and Kulla, alpha = roughness^2 and no less than 9e-4: the sheen of "
+          "cloth, as glTF's viewers prefilter it; it is 0 straight ahead and largest towards the horizon. With k = 1 (and "
+          "phong's own) a white map stays unchanged. Roughness 0 of ggx is a mirror: each "
           "texel is that of the input in its direction. A lobe narrower than a texel of the output leaves gaps between "
           "the texels, as point samples do: choose a larger --size.\n\n"
-          "--levels N makes a chain, level k of a face of --size / 2^k: phong and blinn-phong take M at level 0 and a quarter of it at each "
-          "level more, as its texels have four times the area. A chain that would fall below 1, Lambert's cosine, takes equal "
+          "--levels N makes a chain, level k of a face of --size / 2^k: phong and blinn-phong take M at level 0 and a "
+          "quarter of it at each level more, as its texels have four times the area. A chain that would fall below 1, "
+          "Lambert's cosine, takes equal "
           "ratios that end there: 2048, 790, 304, 117, 45, 17, 6.7, 2.6 and 1 for 9 levels. An M below 1 is that of all levels. "
-          "ggx takes roughness 0 to 1 over the levels. --exponents and --roughnesses list them instead.\n\n"
+          "ggx and charlie take roughness 0 to 1 over the levels. --exponents and --roughnesses list them instead.\n\n"
           "Maps other than cubes and latlong maps are prefiltered as the cube that 'convert --to cube --filter area' makes "
           "of them: the two commands by hand give the same bytes, and errors count from that cube.\n\n"
           "Methods: 'hierarchical' is a treecode, which sums over a quad-tree of the input, coarse where the lobe is faint and "
@@ -287,9 +295,9 @@ Command prefilter_command() {
                     "a file for each level: exponents 2048, 790, 304 ... 1"},
                    {"envmap prefilter --brdf-table brdf.exr", "the table that goes with every GGX map"}},
       .keys = with_written({{"input", "INPUT"},
-                            {"lobe", "diffuse, phong, ggx or blinn-phong"},
+                            {"lobe", "diffuse, phong, ggx, blinn-phong or charlie"},
                             {"max_error", "what --max-error says"},
-                            {"levels[].parameter", "exponent of phong and blinn-phong, roughness of ggx, null of diffuse"},
+                            {"levels[].parameter", "exponent of phong and blinn-phong, roughness of ggx and charlie, null of diffuse"},
                             {"levels[].size", "height of a face"},
                             {"levels[].method", "how it was worked out"},
                             {"levels[].seconds", "that this took"},
@@ -312,7 +320,7 @@ Command prefilter_command() {
             ->type_name("M,...")
             ->delimiter(',')
             ->check(CLI::Range(0.0, 1e9));
-        app.add_option("--roughness", o->roughness, "GGX's perceptual roughness, 0 to 1")->type_name("R")->check(CLI::Range(0.0, 1.0));
+        app.add_option("--roughness", o->roughness, "Perceptual roughness of ggx and charlie, 0 to 1")->type_name("R")->check(CLI::Range(0.0, 1.0));
         app.add_option("--roughnesses", o->roughnesses, "One for each level")
             ->type_name("R,...")
             ->delimiter(',')

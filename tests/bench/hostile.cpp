@@ -39,6 +39,7 @@ struct Kernel {
     if (x >= 1) return 0;
     if (shape == Shape::diffuse) return norm * (1 - x);
     if (shape == Shape::phong) return norm * std::exp(parameter * std::log1p(-x));
+    if (shape == Shape::charlie) return norm * (1 - x) * std::pow(x / 2, 0.5 / (parameter * parameter));
     if (shape == Shape::blinn_phong) return norm * (1 - x) * std::exp(0.5 * parameter * std::log1p(-x / 2));
     const double a2 = std::pow(parameter, 4), d = a2 * (1 - x / 2) + x / 2;  // n.h^2 = (1 + cos) / 2.
     return norm * (1 - x) / (d * d);
@@ -225,6 +226,7 @@ Case make_case(int number) {
   if (p.shape == Shape::phong) p.parameter = any(6) == 0 ? 0.5 * any(3) * even() : 0.5 * std::pow(10, 4 * even());
   if (p.shape == Shape::ggx) p.parameter = 0.1 + 0.9 * even();
   if (p.shape == Shape::phong && number % 3 == 0) p.shape = Shape::blinn_phong;
+  if (p.shape == Shape::ggx && number % 3 == 0) p.shape = Shape::charlie;
   p.max_error = errors[any(6)];
   p.to = all_projections[any(2)];
   p.size = p.to == Projection::cube ? 1 + any(10) : 2 + any(15);

@@ -73,6 +73,12 @@ TEST_F(Prefilter, AChainHoldsOneNumberALevel) {
   EXPECT_EQ(difference(load(path("phong_1.hdr")), load(path("one.hdr"))), 0);
 }
 
+TEST_F(Prefilter, ASheenChainSaysItsLobe) {
+  succeeds({"prefilter", "in.exr", "sheen.exr", "--lobe", "charlie", "--levels", "3", "--size", "8", "-q"});
+  EXPECT_EQ(attribute("sheen.exr", "envmap:lobe"), "charlie");
+  EXPECT_EQ(attribute("sheen.exr", "envmap:roughness"), "0,0.5,1");
+}
+
 TEST_F(Prefilter, APhongChainFallsByQuartersOrToLambertsCosine) {
   const auto exponents = [&](const char* first, const char* levels) {
     succeeds({"prefilter", "in.exr", "chain.exr", "--lobe", "phong", "--exponent", first, "--levels", levels, "--size", "16",
@@ -112,6 +118,9 @@ TEST_F(Prefilter, RefusesWhatMakesNoSense) {
   fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponent", "-1"}, {"--exponent"});
   fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "velvet"}, {"velvet", "diffuse"});
   fails(usage, {"prefilter", "in.exr", "out.exr", "--levels", "3"}, {"--levels", "diffuse"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "charlie"}, {"charlie", "--roughness"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "charlie", "--roughness", "1", "--method", "spectral"},
+        {"--method spectral", "charlie"});
   fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponents", "9,3", "--levels", "3"}, {"--levels"});
   fails(usage, {"prefilter", "--brdf-table", "out.png"}, {"out.png", ".exr"});
   fails(bad_input, {"prefilter", "none.exr", "out.exr"}, {"none.exr"});

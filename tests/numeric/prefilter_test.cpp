@@ -30,6 +30,7 @@ double kernel(const Prefilter& p, double cosine) {
     case Shape::diffuse: return cosine;
     case Shape::phong: return std::pow(cosine, p.parameter);
     case Shape::blinn_phong: return std::pow(std::sqrt(0.5 * (1 + cosine)), p.parameter) * cosine;  // n.h of half the angle.
+    case Shape::charlie: return std::pow(std::sqrt(0.5 * (1 - cosine)), 1 / (p.parameter * p.parameter)) * cosine;
     case Shape::ggx: break;
   }
   const double alpha = p.parameter * p.parameter, nh2 = 0.5 * (1 + cosine);  // The half vector leans half as far.
@@ -98,7 +99,9 @@ const Prefilter lobes[] = {{.shape = Shape::diffuse},
                            {.shape = Shape::ggx, .parameter = 0.35},
                            {.shape = Shape::ggx, .parameter = 1},
                            {.shape = Shape::blinn_phong, .parameter = 0.8},
-                           {.shape = Shape::blinn_phong, .parameter = 90}};
+                           {.shape = Shape::blinn_phong, .parameter = 90},
+                           {.shape = Shape::charlie, .parameter = 1},
+                           {.shape = Shape::charlie, .parameter = 0.3}};
 
 std::string words(const Prefilter& p) {
   return std::string(shape_names[static_cast<std::size_t>(p.shape)]) + " " + std::to_string(p.parameter);
@@ -137,10 +140,11 @@ TEST_P(EachPrefilter, WhiteStaysWhite) {
   const PrefilterSource prepared(white);
   std::vector<Direction> some;
   for (int face = 0; face < 6; ++face) some.push_back(direction_of({.size = 5}, face, face % 3, 4 - face % 2));
-  for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx, Shape::blinn_phong})
+  for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx, Shape::blinn_phong, Shape::charlie})
     for (const double parameter : {0.0, 0.5, 1.0, 1e3, 1e6, 1e8}) {
       const Prefilter p{.shape = shape, .parameter = parameter, .size = 2, .max_error = 1e-2};
-      if ((shape == Shape::diffuse && parameter > 0) || (shape == Shape::ggx && parameter > 1)) continue;
+      const bool rough = shape == Shape::ggx || shape == Shape::charlie;
+      if ((shape == Shape::diffuse && parameter > 0) || (rough && parameter > 1)) continue;
       const Prefiltered done = prepared.make(p);
       for (int face = 0; face < 6; ++face)
         for (int j = 0; j < p.size; ++j)
@@ -201,6 +205,60 @@ TEST(Prefilter, BlinnPhongIsItsClosedForm) {
     const BlinnPhong lobe(m);
     EXPECT_NEAR(lobe.missing(0), 1, 1e-12) << m;
     for (const double x : {1e-10, 1e-4, 0.2, 0.99}) EXPECT_NEAR(lobe.share(x) + lobe.missing(x), 1, 1e-12) << m << " " << x;
+  }
+}
+
+// a = 1/2: x (1 - x) over its integral, pi / 3; of any a all of the lobe is 1, and its peak at p / (p + 1).
+TEST(Prefilter, CharlieIsItsClosedForm) {
+  const Charlie half(std::sqrt(0.5));
+  for (const double x : {0.0, 1e-9, 0.3, 0.9, 0.9999999, 1.0, 1.5}) {
+    const double y = std::max(0.0, 1 - x);
+    EXPECT_NEAR(half.value(x), 3 / pi * x * y, 1e-15) << x;
+    EXPECT_NEAR(half.missing(x), y * y * (3 - 2 * y), 1e-13 * y * y) << x;
+    EXPECT_NEAR(half.share(x), x < 1 ? x * x * (3 - 2 * x) : 1, 1e-15 * std::max(1e-10, x)) << x;
+  }
+  for (const double roughness : {0.0, 0.1, 0.4, 1.0}) {
+    const Charlie lobe(roughness);
+    EXPECT_NEAR(lobe.missing(0), 1, 1e-15);
+    for (const double x : {1e-3, 0.5, 0.9, 0.99, 0.9999})
+      EXPECT_NEAR(lobe.share(x) + lobe.missing(x), 1, 1e-12) << roughness << " " << x;
+    EXPECT_GT(lobe.value(lobe.peak()), lobe.value(lobe.peak() - 1e-4));
+    EXPECT_GT(lobe.value(lobe.peak()), lobe.value(lobe.peak() + 1e-4));
+  }
+}
+
+// As glTF's sampler draws half vectors, sin(n,h) = u^(a / (2 a + 1)), and weighs light by cos(n,l): the mean of a gradient.
+TEST(Prefilter, CharlieIsWhatHalfVectorsSample) {
+  const EnvironmentMap map = generate(Gradient{Direction(0), Direction(1)}, Projection::cube, 64);  // (1 + y) / 2.
+  const PrefilterSource prepared(map);
+  for (const double roughness : {0.3, 0.7, 1.0}) {
+    const double a = roughness * roughness;
+    constexpr int count = 100000;
+    double sum = 0, weight = 0;
+    for (int k = 0; k < count; ++k) {
+      const double sine = std::pow((k + 0.5) / count, a / (2 * a + 1)), cosine = 1 - 2 * sine * sine;  // Of n and l.
+      if (cosine > 0) sum += cosine * cosine, weight += cosine;
+    }
+    const Prefiltered done = prepared.make({.shape = Shape::charlie, .parameter = roughness, .size = 9, .max_error = 1e-4});
+    EXPECT_NEAR(done.map.base().texel(2, 4, 4)->x, 0.5 + 0.5 * sum / weight, 3e-4) << roughness;
+  }
+}
+
+// Nothing is reflected from straight ahead: of a sun there, no more than its size lets through.
+TEST(Prefilter, CharlieRisesWithTheAngle) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::cube, 64);
+  *map.base().texel(4, 32, 32) = Colour(1e6F);
+  const Prefiltered done = PrefilterSource(map).make({.shape = Shape::charlie, .parameter = 0.5, .size = 32});
+  Direction sun[1];
+  texel_directions(Projection::cube, 64, 4, 32, 32, sun);
+  double omega[64];
+  solid_angles(Projection::cube, 64, 32, omega);
+  for (const Texel& t : texels_of(done.map.base())) {
+    const double x = 1 - glm::dot(sun[0], direction_of({.size = 32}, t.face, t.i, t.j));
+    if (std::abs(1 - x) < 0.05) continue;  // The horizon cuts the sun.
+    const double truth = 1e6 * omega[32] * 12 / (2 * pi) * std::max(0.0, 1 - x) * x * x;
+    EXPECT_NEAR(done.map.base().texel(t.face, t.i, t.j)->x, truth, 0.03 * truth + 1e-3 * 80);
   }
 }
 
@@ -376,7 +434,8 @@ TEST(Prefilter, TheExactSumIsTheSameInAnyNumberOfDirectionsAndOfAnyCutTexels) {
     all.push_back(glm::normalize(Direction(std::sin(k), std::cos(3 * k), std::sin(2 * k + 1))));
   for (const Lobe& lobe :
        {Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.2}), Lobe(Phong{7.9}), Lobe(Phong{8}), Lobe(Phong{45}),
-        Lobe(Phong{700}), Lobe(Phong{1e5}), Lobe(Ggx(0.1)), Lobe(Ggx(0.4)), Lobe(Ggx(1)), Lobe(BlinnPhong(30))}) {
+        Lobe(Phong{700}), Lobe(Phong{1e5}), Lobe(Ggx(0.1)), Lobe(Ggx(0.4)), Lobe(Ggx(1)), Lobe(BlinnPhong(30)), Lobe(Charlie(1)),
+        Lobe(Charlie(0.2))}) {
     const std::vector<Flux> together = exact_prefilter(source, lobe, all), finer = exact_prefilter(cut, lobe, all);
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Flux alone = exact_prefilter(source, lobe, std::span(all).subspan(k, 1))[0];

@@ -71,7 +71,7 @@ double rounding_of(const Lobe& lobe, double x, double reach) {
   return std::visit(
       [&](const auto& l) {
         const double f = l.value(x), off = 1.5e-6 * x + 1e-6 * reach * std::sqrt(2 * x);
-        return 1e-5 * f + std::abs(l.value(std::max(0.0, x - off)) - f) + 1e-29 * l.value(0);
+        return 1e-5 * f + std::abs(l.value(std::max(0.0, x - off)) - f) + 1e-27 * l.value(l.peak());
       },
       lobe);
 }
@@ -152,7 +152,8 @@ INSTANTIATE_TEST_SUITE_P(, EachLobe,
                          testing::Values(Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.03}), Lobe(Phong{0.5}), Lobe(Phong{1.5}),
                                          Lobe(Phong{2.5}), Lobe(Phong{12}), Lobe(Phong{300}), Lobe(Phong{1e5}), Lobe(Ggx(0.03)),
                                          Lobe(Ggx(0.2)), Lobe(Ggx(0.5)), Lobe(Ggx(1)), Lobe(BlinnPhong(0.7)),
-                                         Lobe(BlinnPhong(40)), Lobe(BlinnPhong(3000))));
+                                         Lobe(BlinnPhong(40)), Lobe(BlinnPhong(3000)), Lobe(Charlie(1)),
+                                         Lobe(Charlie(0.6)), Lobe(Charlie(0.25)), Lobe(Charlie(0.1))));
 
 TEST_P(EachLobe, NoNodeIsFartherOffThanItsBound) {
   on_every_target([&](const char* target) {

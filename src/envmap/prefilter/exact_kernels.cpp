@@ -30,6 +30,11 @@ HWY_INLINE V rate(const BlinnPhong& l, V x) {
   const D d;
   return hn::Add(hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)), hn::Div(hn::Set(d, l.power), hn::Sub(hn::Set(d, 2), x)));
 }
+HWY_INLINE V rate(const Charlie& l, V x) {
+  const D d;
+  const V y = hn::Max(x, set(d, 1e-300));
+  return hn::Add(hn::Div(hn::Set(d, l.power), y), hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)));
+}
 
 HWY_INLINE V square_of(const ExactSums& sums, std::size_t k, const Direction& p) {
   const D d;

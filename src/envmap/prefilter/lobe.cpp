@@ -30,6 +30,26 @@ double BlinnPhong::rest(double x) const {
   return half * (portable::expm1((power + 2) * log) / (power + 2) - portable::expm1((power + 1) * log) / (power + 1));
 }
 
+double Charlie::value(double x) const {
+  return x > 0 && x < 1 ? scale() * (1 - x) * portable::exp(power * portable::log(x)) : 0;
+}
+double Charlie::share(double x) const {
+  if (x <= 0) return 0;
+  return x < 1 ? portable::exp((power + 1) * portable::log(x)) * (1 + (power + 1) * (1 - x)) : 1;
+}
+// With y = 1 - x and n = p + 1: 1 - (1-y)^n (1 + n y), the integral of n (n+1) w (1-w)^(n-1) from 0 to y.
+double Charlie::missing(double x) const {
+  const double y = std::min(1.0, 1 - x), n = power + 1;
+  if (y <= 0) return 0;
+  if (n * y > 0.1) return 1 - (y < 1 ? portable::exp(n * portable::log1p(-y)) : 0) * (1 + n * y);
+  double sum = 0, term = n * (n + 1) * y * y;
+  for (int k = 0; k < 12; ++k) {
+    sum += term / (k + 2);
+    term *= -y * (n - 1 - k) / (k + 1);
+  }
+  return sum;
+}
+
 double Ggx::shape(double t) {
   if (t > 0.05) return (t - portable::log1p(t)) / (t * t);
   double sum = 0;

@@ -16,8 +16,8 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-/// What every lobe is, and what the methods take for granted of it: 0 below the horizon (x >= 1), never rising with x,
-/// and of integral 1 over the sphere, so that white stays white.
+/// What every lobe is, and what the methods take for granted of it: 0 below the horizon (x >= 1), rising with x up to a peak
+/// and falling from there, and of integral 1 over the sphere, so that white stays white.
 template <class L>
 concept RadialLobe = requires(const L& l, double x) {
   { L::name } -> std::convertible_to<std::string_view>;
@@ -25,9 +25,11 @@ concept RadialLobe = requires(const L& l, double x) {
   { l.value(x) } -> std::same_as<double>;    ///< Per steradian.
   { l.share(x) } -> std::same_as<double>;    ///< Part of the lobe within x, in [0,1].
   { l.missing(x) } -> std::same_as<double>;  ///< 1 - share(x) with its own digits.
-  { l.rate(x) } -> std::same_as<double>;     ///< -d ln(value) / dx: how fast it falls.
-  { l.width() } -> std::same_as<double>;     ///< x at which it has fallen to about 1/e.
+  { l.peak() } -> std::same_as<double>;      ///< x at which it is largest; 0 but for sheen.
+  { l.rate(x) } -> std::same_as<double>;     ///< |d ln(value) / dx|, or more: how fast it falls or rises.
+  { l.width() } -> std::same_as<double>;     ///< About how far in x it falls to 1/e.
   { l.convex() } -> std::same_as<bool>;      ///< Of all x: steepest in the middle, not stepped or bent down at the horizon.
+  { l.breaks_off() } -> std::same_as<bool>;  ///< At the horizon, by a step or an edge of any steepness.
 };
 
 /// Lambert's cosine: value = cos / pi. A diffuse map is the irradiance over pi of a plane that faces the direction.
@@ -37,8 +39,10 @@ struct Cosine {
   [[nodiscard]] double share(double x) const { return x >= 1 ? 1 : x * (2 - x); }
   [[nodiscard]] double missing(double x) const { return x >= 1 ? 0 : (1 - x) * (1 - x); }
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) : 0; }
+  [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return 0.63; }
   [[nodiscard]] bool convex() const { return true; }
+  [[nodiscard]] bool breaks_off() const { return false; }
 };
 
 /// Phong's lobe: value = (m+1) / (2 pi) cos^m, m >= 0 (Phong 1975; normalised as Lafortune and Willems 1994).
@@ -51,8 +55,10 @@ struct Phong {
   [[nodiscard]] double share(double x) const;
   [[nodiscard]] double missing(double x) const;
   [[nodiscard]] double rate(double x) const { return x < 1 ? exponent / (1 - x) : 0; }
+  [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 2 / (exponent + 1)); }
   [[nodiscard]] bool convex() const { return exponent >= 1; }
+  [[nodiscard]] bool breaks_off() const { return exponent < 1; }
 };
 
 /// Trowbridge and Reitz's distribution (1975; "GGX": Walter et al. 2007) as the split sum wants it (Karis 2013, "Real
@@ -81,8 +87,10 @@ struct Ggx {
     return 2 * pi * scale * (1 - x) * (1 - x) / (q * q) * shape(t);
   }
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) + 2 * b / (a + b * x) : 0; }
+  [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return std::min(0.63, 0.65 * a); }
   [[nodiscard]] bool convex() const { return true; }
+  [[nodiscard]] bool breaks_off() const { return false; }
 
  private:
   /// (t - ln(1+t)) / t^2 = integral of (1-w)/(1+tw)^2 over [0,1]; 1/2 at t = 0.
@@ -106,15 +114,37 @@ struct BlinnPhong {
   [[nodiscard]] double share(double x) const;
   [[nodiscard]] double missing(double x) const { return x < 1 ? 2 * pi * scale * rest(std::max(0.0, x)) : 0; }
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) + power / (2 - x) : 0; }
+  [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 4 / (power + 2)); }
   [[nodiscard]] bool convex() const { return true; }
+  [[nodiscard]] bool breaks_off() const { return false; }
 
  private:
   /// Integral of (1-x) (1-x/2)^power from x to 1.
   [[nodiscard]] double rest(double x) const;
 };
 
-using Lobe = std::variant<Cosine, Phong, Ggx, BlinnPhong>;
-static_assert(RadialLobe<Cosine> && RadialLobe<Phong> && RadialLobe<Ggx> && RadialLobe<BlinnPhong>);
+/// Sheen of cloth, of Estevez and Kulla's distribution ("Charlie": 2017, "Production friendly microfacet sheen BRDF"), D(h) ~
+/// sin(n,h)^(1/a), a = roughness^2, in the place of Trowbridge and Reitz's, as the sheen of glTF is prefiltered: sin(n,h)^2 = x/2
+/// makes it value ~ cos x^p, p = 1 / (2 a). It rises from 0 in the middle.
+struct Charlie {
+  static constexpr std::string_view name = "charlie", parameter_name = "roughness";
+  double power;
+
+  /// @param roughness perceptual, 0 to 1; below 0.03 as 0.03, a ring a third of a degree wide.
+  explicit Charlie(double roughness) : power(0.5 / std::max(9e-4, roughness * roughness)) {}
+  [[nodiscard]] double scale() const { return (power + 1) * (power + 2) / (2 * pi); }
+  [[nodiscard]] double value(double x) const;
+  [[nodiscard]] double share(double x) const;
+  [[nodiscard]] double missing(double x) const;
+  [[nodiscard]] double peak() const { return power / (power + 1); }
+  [[nodiscard]] double rate(double x) const { return x < 1 ? power / std::max(1e-300, x) + 1 / (1 - x) : 0; }
+  [[nodiscard]] double width() const { return 0.63 / (power + 1); }
+  [[nodiscard]] bool convex() const { return false; }
+  [[nodiscard]] bool breaks_off() const { return false; }
+};
+
+using Lobe = std::variant<Cosine, Phong, Ggx, BlinnPhong, Charlie>;
+static_assert(RadialLobe<Cosine> && RadialLobe<Phong> && RadialLobe<Ggx> && RadialLobe<BlinnPhong> && RadialLobe<Charlie>);
 
 }  // namespace envmap

@@ -52,15 +52,15 @@ struct Binary<double> {
   static constexpr double tiny = 1e-300, lowest = -1000, shift = 0x1.8p52;
 };
 
-/// log2(1 - x) for x in [-1,1): -2 atanh(x / (2 - x)) / ln 2, after 1 - x is brought to [3/4, 3/2) by its exponent; x
-/// itself where that is 0, so that small x keep their digits. Relative error 3e-7 of floats, 3e-16 of doubles.
+/// log2(y), y below 2: -2 atanh(x / (2 - x)) / ln 2 of y = 1 - x, after y is brought to [3/4, 3/2) by its exponent; x itself
+/// where that is 0, so that small x keep their digits. Relative error 3e-7 of floats, 3e-16 of doubles. @param x 1 - y.
 template <class D, class V>
-HWY_INLINE V log2_one_minus(D d, V x) {
+HWY_INLINE V log2_of(D d, V y, V x) {
   using T = hn::TFromD<D>;
   using B = Binary<T>;
   const hn::RebindToSigned<D> di;
   const V one = set(d, 1);
-  const auto bits = hn::BitCast(di, hn::Max(hn::Sub(one, x), set(d, B::tiny)));
+  const auto bits = hn::BitCast(di, hn::Max(y, set(d, B::tiny)));
   const auto exponent = hn::ShiftRight<B::mantissa>(hn::Sub(bits, hn::Set(di, B::three_quarters)));
   const V rest = hn::Sub(one, hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<B::mantissa>(exponent))));
   const V z = hn::IfThenElse(hn::RebindMask(d, hn::Eq(exponent, hn::Zero(di))), x, rest);
@@ -75,6 +75,10 @@ HWY_INLINE V log2_one_minus(D d, V x) {
                     -0.11541560327111707);
   };
   return hn::Add(hn::ConvertTo(d, exponent), hn::Mul(t, sum()));
+}
+template <class D, class V>
+HWY_INLINE V log2_one_minus(D d, V x) {
+  return log2_of(d, hn::Sub(set(d, 1), x), x);
 }
 
 /// 2^y up to y = 1; beyond as that, and below -100 (floats) or -1000 as there. Relative error 2e-7 and 3e-16.
@@ -205,6 +209,69 @@ template <class D, class V>
 HWY_INLINE V third(const BlinnPhong& l, D d, V x, V /*value*/) {
   const double p = l.power, k = p * std::abs(p - 1) / 4;
   return blinn_derivative(l, d, x, 3 * k, k * (p - 2) / 2, 3);
+}
+
+template <class D, class V>
+HWY_INLINE V charlie_power(const Charlie& l, D d, V x) {
+  const V y = hn::Max(x, set(d, 1e-30)), log = log2_of(d, y, hn::Sub(set(d, 1), y));
+  return hn::Mul(set(d, l.scale()), exp2_small(d, hn::Mul(set(d, l.power), log)));
+}
+template <class D, class V>
+HWY_INLINE V value(const Charlie& l, D d, V x) {
+  const V inside = hn::IfThenElseZero(hn::Gt(x, hn::Zero(d)), charlie_power(l, d, hn::Min(x, set(d, 1))));
+  return hn::Mul(inside, hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
+}
+// The largest size of k x^(p - order) (of_one - of_x x) over [lo, hi], or more: either factor is largest at an end.
+template <class D, class V>
+HWY_INLINE V charlie_most(const Charlie& l, D d, V lo, V hi, double of_one, double of_x, int order) {
+  const auto powers = [&](V x) HWY_ATTR {
+    V found = charlie_power(l, d, x);
+    for (int k = 0; k < order; ++k) found = hn::Div(found, x);
+    return found;
+  };
+  const auto line = [&](V x) HWY_ATTR { return hn::Abs(hn::Sub(set(d, of_one), hn::Mul(set(d, of_x), x))); };
+  const V from = hn::Max(lo, set(d, 1e-10));
+  return hn::Mul(hn::Max(powers(from), powers(hi)), hn::Max(line(from), line(hi)));
+}
+
+template <class D, class V>
+HWY_INLINE V slope(const Charlie& l, D d, V x, V /*value*/) {
+  return charlie_most(l, d, x, x, l.power, l.power + 1, 1);
+}
+
+// ---- over an interval ---------------------------------------------------------------------------------------------------
+
+/// The largest sizes of the derivatives of a lobe over [lo, hi], hi <= 1.
+template <class V>
+struct Derivatives {
+  V first, second, third;
+};
+template <class L, class D, class V>
+HWY_INLINE Derivatives<V> derivatives_over(const L& l, D d, V lo, V at_lo, V hi, V at_hi) {
+  return {hn::Max(slope(l, d, lo, at_lo), slope(l, d, hi, at_hi)), hn::Max(second(l, d, lo, at_lo), second(l, d, hi, at_hi)),
+          hn::Max(third(l, d, lo, at_lo), third(l, d, hi, at_hi))};
+}
+// value = k (x^p - x^(p+1)).
+template <class D, class V>
+HWY_INLINE Derivatives<V> derivatives_over(const Charlie& l, D d, V lo, V /*at_lo*/, V hi, V /*at_hi*/) {
+  const double p = l.power, q = p * (p - 1);
+  return {charlie_most(l, d, lo, hi, p, p + 1, 1), charlie_most(l, d, lo, hi, q, p * (p + 1), 2),
+          charlie_most(l, d, lo, hi, q * (p - 2), q * (p + 1), 3)};
+}
+
+/// The least and the most of a lobe over [lo, hi].
+template <class V>
+struct Range {
+  V least, most;
+};
+template <class L, class D, class V>
+HWY_INLINE Range<V> range_over(const L& l, D d, V lo, V hi) {
+  return {value(l, d, hi), value(l, d, lo)};
+}
+template <class D, class V>
+HWY_INLINE Range<V> range_over(const Charlie& l, D d, V lo, V hi) {
+  const V peak = hn::Min(hn::Max(set(d, l.peak()), lo), hi);
+  return {hn::Min(value(l, d, lo), value(l, d, hi)), value(l, d, peak)};
 }
 
 }  // namespace HWY_NAMESPACE

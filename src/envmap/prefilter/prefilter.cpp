@@ -48,7 +48,7 @@ double texels_of(const Prefilter& p) { return 1.0 * p.size * p.size * aspect(p.t
 // Whether a spectrum may be cheaper than the tree: for many texels, of a lobe that is not bent at its horizon, which would
 // take more degrees than there are.
 bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
-  return texels_of(p) >= 2000 && std::visit([](const auto& l) { return l.value(0.9) <= 1e-2; }, lobe);
+  return texels_of(p) >= 2000 && std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
 }
 
 }  // namespace
@@ -121,10 +121,13 @@ Lobe lobe_of(const Prefilter& p) {
     case Shape::diffuse: return Cosine{};
     case Shape::phong: return p.parameter == 1 ? Lobe(Cosine{}) : Lobe(Phong{p.parameter});
     case Shape::blinn_phong: return p.parameter == 0 ? Lobe(Cosine{}) : Lobe(BlinnPhong(p.parameter));
-    case Shape::ggx: break;
+    case Shape::ggx:
+    case Shape::charlie: break;
   }
   if (!(p.parameter >= 0 && p.parameter <= 1)) throw UsageError("a roughness is from 0 to 1");
-  return Ggx(p.parameter);
+  if (p.shape == Shape::ggx) return Ggx(p.parameter);
+  if (p.method == Method::spectral) throw UsageError("a lobe that rises with the angle has too many degrees for a spherical transform");
+  return Charlie(p.parameter);
 }
 
 PrefilterSource::PrefilterSource(const EnvironmentMap& map) : prepared_(std::make_unique<Prepared>(map)) {}

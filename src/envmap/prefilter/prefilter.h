@@ -14,8 +14,9 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-enum class Shape { diffuse, phong, ggx, blinn_phong };
-inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name};
+enum class Shape { diffuse, phong, ggx, blinn_phong, charlie };
+inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name,
+                                                  Charlie::name};
 
 enum class Method { automatic, exact, hierarchical, spectral };
 inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral"};
@@ -27,6 +28,7 @@ inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchic
 ///   ggx      R(r) = k integral of L(l) D(h) cos(n,l) dl / integral of D(h) cos(n,l) dl, with n = v = r, h half way
 ///            between r and l, D Trowbridge and Reitz's, a = roughness^2
 ///   blinn-phong  the same with D(h) = cos(n,h)^m
+///   charlie      the same with D(h) = sin(n,h)^(1/a), a = roughness^2
 struct Prefilter {
   Shape shape = Shape::diffuse;
   double parameter = 0;         ///< Exponent m of phong and blinn-phong, or perceptual roughness from 0 to 1.

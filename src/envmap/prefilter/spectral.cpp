@@ -339,6 +339,7 @@ Lobe widened(const Lobe& lobe) {
   struct Wider {
     Lobe operator()(const Cosine& l) const { return l; }
     Lobe operator()(const Phong& l) const { return Phong{l.exponent / 4}; }
+    Lobe operator()(const Charlie& l) const { return l; }
     Lobe operator()(const BlinnPhong& l) const { return BlinnPhong(l.power / 2); }
     Lobe operator()(const Ggx& l) const { return Ggx(std::min(1.0, 1.5 * portable::pow(0.5 * l.a, 0.25))); }
   };

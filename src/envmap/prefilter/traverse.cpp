@@ -40,7 +40,13 @@ constexpr double rounding = 1 + 1e-5;
 HWY_INLINE V lowest(const Cosine&) { return set(D(), -1e30); }
 HWY_INLINE V lowest(const Phong& l) { return set(D(), -0.69 / std::max(1e-30, l.exponent)); }
 HWY_INLINE V lowest(const BlinnPhong& l) { return set(D(), -1.38 / std::max(1e-30, l.power)); }
+HWY_INLINE V lowest(const Charlie&) { return set(D(), 1e-9); }
 HWY_INLINE V lowest(const Ggx& l) { return set(D(), -0.5 * l.a / l.b); }
+
+// How much the slope of a lobe that does not break off changes at the horizon.
+template <class L>
+HWY_INLINE V kink(const L& /*lobe*/) { return hn::Zero(D()); }
+HWY_INLINE V kink(const Charlie& l) { return set(D(), l.scale()); }
 
 // As many as a vector has, from lane n on. @param middle what centres are counted from. @param slack what they may be off.
 template <class L>
@@ -65,8 +71,9 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   for (std::size_t c = 0; c < node_channels; ++c)
     flux = hn::Max(flux, hn::Mul(hn::Load(d, &b.flux[c][n]), hn::Set(d, criterion.most[c])));
   if (criterion.surveying) {
-    const V at_far = value(lobe, d, far), gap = hn::Sub(value(lobe, d, near), at_far);
-    hn::Store(at_far, d, &found.least[n]);
+    const auto range = range_over(lobe, d, near, far);
+    const V gap = hn::Sub(range.most, range.least);
+    hn::Store(range.least, d, &found.least[n]);
     const auto small = hn::Lt(reach, hn::Set(d, 0.5F * static_cast<float>(criterion.radius)));
     found.good |= bits_of(hn::And(visible, hn::Or(small, hn::Lt(hn::Mul(gap, flux), limit)))) << n;
     return;
@@ -84,18 +91,23 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   const V across = hn::Mul(bend, hn::Add(bend, hn::Mul(set(d, 4), sine)));
   const V m = hn::Add(hn::Min(uneven, hn::Add(hn::Mul(hn::Mul(sine, sine), uneven), hn::Mul(across, hn::Mul(spread, spread)))),
                       hn::Mul(set(d, least_part), hn::Mul(a, a)));
-  const V bent = hn::Max(second(lobe, d, lo, at_lo), second(lobe, d, end, at_hi));
-  const V twisted = hn::Max(third(lobe, d, lo, at_lo), third(lobe, d, end, at_hi));
+  const auto [first, bent, twisted] = derivatives_over(lobe, d, lo, at_lo, end, at_hi);
+  const V excess = hn::Sqrt(m), beyond = hn::Mul(first, excess);
   V smooth = hn::Add(hn::Mul(half, hn::Mul(bent, m)), hn::Mul(set(d, 1.0 / 3), hn::Mul(twisted, hn::Mul(a, hn::Mul(a, a)))));
-  const V excess = hn::Sqrt(m), steep = slope(lobe, d, lo, at_lo), flat = slope(lobe, d, end, at_hi);
   V any;
   if (lobe.convex()) {
+    const V steep = slope(lobe, d, lo, at_lo), flat = slope(lobe, d, end, at_hi);
     const V turned = hn::Sub(steep, hn::IfThenElseZero(hn::Lt(hi, one), flat));
     const V chord = hn::Add(hn::Mul(half, hn::Mul(off, turned)), hn::Mul(steep, excess));
     any = hn::IfThenElse(known, hn::Min(at_lo, chord), at_lo);
   } else {
-    smooth = hn::Add(smooth, hn::Mul(hn::Max(steep, flat), excess));
-    any = hn::Sub(at_lo, at_hi);
+    smooth = hn::Add(smooth, beyond);
+    const auto range = range_over(lobe, d, lo, hi);
+    any = hn::Sub(range.most, range.least);
+    if (!lobe.breaks_off()) {
+      const V turned = hn::Add(hn::Mul(bent, hn::Sub(end, lo)), hn::IfThenElseZero(hn::Ge(hi, one), kink(lobe)));
+      any = hn::IfThenElse(known, hn::Min(any, hn::Add(hn::Mul(a, turned), beyond)), any);
+    }
   }
   // Not where a derivative is beyond what floats hold.
   const auto finite = hn::And(hn::Lt(bent, set(d, 1e36)), hn::Lt(twisted, set(d, 1e36)));
@@ -193,7 +205,7 @@ Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& node
 }
 
 void traverse(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found) {
-  found.clear(std::visit([](const auto& l) { return l.convex(); }, lobe), tree.is_cut());
+  found.clear(std::visit([](const auto& l) { return l.breaks_off(); }, lobe), tree.is_cut());
   HWY_DYNAMIC_DISPATCH(Traverse)(lobe, tree, criterion, found);
 }
 

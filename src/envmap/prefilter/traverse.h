@@ -74,7 +74,9 @@ struct Judged {
 ///  - convex: with one mean, either lies between f(mean) and the chord of f over [lo, hi], which are apart by at most
 ///    g (1 - g / (L (hi - lo))), g = f(lo) - f(hi), L = |f'(lo)|; where the mean lies beyond X0 +- s, which it does by at most
 ///    sqrt(m), the line through the two points goes on, and may leave f by L sqrt(m) more. And neither is ever above f(lo);
-///  - else weights are kept between 0 and 1, and either lies in [f(hi), f(lo)].
+///  - else weights are kept between 0 and 1, and either lies between the least and the most of f. Then the mean of the points
+///    may be off by sqrt(m), which adds max|f'| sqrt(m) to the first of these bounds. Where f has no step, it differs from a line
+///    by half the range G of f' x |X - X0|, which is at most a in the mean, both ways: G a + max|f'| sqrt(m).
 /// @param nodes their centres from the middle of the tile. @param count of them that are asked for.
 Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& nodes, std::size_t count);
 
@@ -104,16 +106,16 @@ struct Traversal {
   NodeFlux got;                ///< What directions get at least of the nodes.
   std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
 
-  /// @param convex whether the lobe is. @param alike whether texels are parts of larger ones: see Tree::is_cut().
-  void clear(bool convex, bool alike) {
+  /// @param steps whether the lobe breaks off at the horizon. @param alike whether texels are parts of larger ones: see Tree::is_cut().
+  void clear(bool steps, bool alike) {
     nodes.clear(), opened.clear();
-    convex_ = convex, alike_ = alike;
+    steps_ = steps, alike_ = alike;
     stepped = sum = power = largest = 0;
     count = 0;
     got = {};
   }
   void add_error(double error, bool bent) {
-    if (bent && !convex_) {
+    if (bent && steps_) {
       stepped += error;
       return;
     }
@@ -130,7 +132,7 @@ struct Traversal {
   }
 
  private:
-  bool convex_ = true, alike_ = false;
+  bool steps_ = false, alike_ = false;
 };
 
 /// Goes down from the largest blocks until they are good, or the lowest. @param criterion while surveying `most` falls with

@@ -57,7 +57,7 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
 std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
   const Level& s = tree.source();
   const std::size_t sum = directions * index_of(s, {s.faces(), 0, 0}) / 8;
-  const std::size_t shared = std::visit([](const auto& l) { return l.convex(); }, lobe) ? 1 << 14 : 1 << 10;
+  const std::size_t shared = std::visit([](const auto& l) { return l.breaks_off(); }, lobe) ? 1 << 10 : 1 << 14;
   return std::clamp<std::size_t>(sum, 1 << 8, directions > 1 ? shared : SIZE_MAX);
 }
 
