@@ -42,6 +42,8 @@ const Lit materials[] = {
     {"Glass", {.roughness = 0, .transmission = 1}, true},
     {"SolidGlass", {.roughness = 0, .transmission = 1, .solid = true}, true},
     {"FrostedGlass", {.roughness = 0.5F, .transmission = 0.8F, .ior = 1.3F}, true},
+    {"Painted", {.name = "painted", .roughness = 0.6F}, false},
+    {"PaintedHoles", {.name = "painted", .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, false},
     {"Masked", {.base_colour_texture = 2, .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, true},
 };
 
@@ -63,6 +65,8 @@ Scene scene_of(const Material& material) {
     const glm::vec3& n = scene.meshes[0].normals[k];
     scene.meshes[0].coordinates[k] = 0.5F + 0.25F * glm::vec2(n.x, n.y);  // Magnified: rays know no mip levels.
   }
+  if (material.name == "painted")
+    for (const glm::vec3& n : scene.meshes[0].normals) scene.meshes[0].colours.emplace_back(0.5F + 0.5F * n, 0.5F + n.y);
   scene.nodes = {{.name = "ball", .meshes = {0}}};
   return scene;
 }
@@ -246,6 +250,18 @@ TEST(ClosedForms, WhatIsUnlitShowsItsColourUnderAnyLight) {
     if (map.surfaces[k] == 0) return;
     EXPECT_LT(difference(rooms::colour_at(map, k), seen), 1e-5);
   });
+}
+
+// Colours of vertices are interpolated: in white, what has no interface shows them.
+TEST(ClosedForms, PaintedVerticesShowTheirColours) {
+  const Scene scene = scene_of({.name = "painted", .roughness = 1, .ior = 1});
+  const Viewpoint from = camera();
+  for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})
+    for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
+      if (map.surfaces[k] == 0) return;
+      const Direction place = from.at + static_cast<double>(map.distances[k]) * ray;
+      EXPECT_LT(difference(rooms::colour_at(map, k), Colour(0.5 * (place + 1.0))), 0.02);
+    });
 }
 
 TEST(ClosedForms, WhatShinesInTheDarkShowsItsEmission) {

@@ -259,6 +259,25 @@ TEST_F(SceneTest, StripsFansQuantisedAndSparseVertices) {
   EXPECT_EQ(read_scene(path("a.gltf")).meshes[0].positions[2], glm::vec3(7, 8, 9));
 }
 
+// Of both kinds, on a mesh that gets its normals, and so vertices of its own for each triangle.
+TEST_F(SceneTest, ColoursOfVertices) {
+  GltfFile file = triangle();
+  auto& attributes = file.document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["COLOR_0"] = file.add<float>({1, 0, 0, 0, 1, 0, 0, 0.5F, 1}, "VEC3", 3);
+  file.write(folder / "a.gltf");
+  EXPECT_EQ(read_scene(path("a.gltf")).meshes[0].colours,
+            (std::vector<glm::vec4>{{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0.5F, 1, 1}}));
+  const int bytes = file.add<std::uint8_t>({255, 0, 0, 255, 0, 255, 0, 51, 0, 0, 255, 0}, "VEC4", 4);
+  file.document["accessors"][bytes]["normalized"] = true;
+  attributes["COLOR_0"] = bytes;
+  file.write(folder / "b.gltf");
+  EXPECT_EQ(read_scene(path("b.gltf")).meshes[0].colours,
+            (std::vector<glm::vec4>{{1, 0, 0, 1}, {0, 1, 0, 0.2F}, {0, 0, 1, 0}}));
+  attributes["COLOR_0"] = file.add<float>({1, 0, 0}, "VEC3", 3);
+  file.write(folder / "c.gltf");
+  EXPECT_NE(why(path("c.gltf")), "") << "one colour for three vertices";
+}
+
 // A triangle and its normals, compressed by Draco's own encoder.
 std::string draco_triangle() {
   draco::TriangleSoupMeshBuilder builder;

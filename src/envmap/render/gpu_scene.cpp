@@ -19,6 +19,7 @@ struct GpuCorner {
   float u;
   glm::vec3 normal;
   float v;
+  glm::vec4 colour;
 };
 struct GpuInstance {
   std::array<glm::vec4, 3> to_map, normals;  // Rows.
@@ -124,7 +125,8 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
     vertices.insert(vertices.end(), mesh.positions.begin(), mesh.positions.end());
     for (const std::uint32_t k : mesh.indices) {
       indices.push_back(base + k);
-      corners.push_back({mesh.positions[k], mesh.coordinates[k].x, mesh.normals[k], mesh.coordinates[k].y});
+      corners.push_back({mesh.positions[k], mesh.coordinates[k].x, mesh.normals[k], mesh.coordinates[k].y,
+                         mesh.colours.empty() ? glm::vec4(1) : mesh.colours[k]});
     }
   }
   for (const Instance& instance : instances(scene)) {
@@ -146,8 +148,8 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
   }
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (2 * corners.size() > static_cast<std::size_t>(most))
-    throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / 6));
+  if (3 * corners.size() > static_cast<std::size_t>(most))
+    throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / 9));
   if (groups_.size() > 255)
     throw UsageError(fmt::format("materials with {} sets of textures and mirrors: this renderer takes 255", groups_.size()));
   vertices_ = gl::make_buffer(vertices);

@@ -82,6 +82,11 @@ glm::vec4 sample(const Placed& p, int texture, const glm::vec2& at) {
   return texture < 0 ? glm::vec4(1) : texture_at(p.scene->textures[texture], at);
 }
 
+glm::vec4 base_colour(const Placed& p, const Meeting& m) {
+  const glm::vec4 own = p.material->base_colour * sample(p, p.material->base_colour_texture, m.of(p.mesh->coordinates));
+  return p.mesh->colours.empty() ? own : own * m.of(p.mesh->colours);
+}
+
 // What filter() is told of the ray beside what Embree knows.
 struct Query : RTCIntersectContext {
   Direction origin, ray;
@@ -97,8 +102,7 @@ void filter(const RTCFilterFunctionNArguments* call) {
   const bool ends_solid = query.medium == Medium::solid && p.material->solid;
   bool shown = !m.back || p.material->double_sided || ends_solid;
   if (shown && p.material->alpha_cutoff > 0)
-    shown = p.material->base_colour.w * sample(p, p.material->base_colour_texture, m.of(p.mesh->coordinates)).w >=
-            p.material->alpha_cutoff;
+    shown = base_colour(p, m).w >= p.material->alpha_cutoff;
   if (!shown) call->valid[0] = 0;
 }
 
@@ -114,7 +118,7 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& position,
     normal = -ray;
   return {.position = position,
           .normal = normal,
-          .base_colour = material.base_colour * sample(p, material.base_colour_texture, at),
+          .base_colour = base_colour(p, m),
           .metallic = material.metallic * rough.z,
           .roughness = material.roughness * rough.y,
           .emissive = Colour(emissive),

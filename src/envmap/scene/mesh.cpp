@@ -22,6 +22,7 @@ void make_flat(Mesh& mesh) {
     flat.positions.push_back(mesh.positions[v]);
     flat.normals.push_back(triangle_normal(mesh, k - k % 3));
     if (!mesh.coordinates.empty()) flat.coordinates.push_back(mesh.coordinates[v]);
+    if (!mesh.colours.empty()) flat.colours.push_back(mesh.colours[v]);
   }
   mesh = std::move(flat);
 }

@@ -40,11 +40,12 @@ struct Material {
   bool double_sided = false;
 };
 
-/// Triangles of one material. All vectors but indices have one element a vertex.
+/// Triangles of one material. All vectors but indices have one element a vertex; colours none where all are white.
 struct Mesh {
   int material = 0;
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::vec2> coordinates;  ///< Of textures.
+  std::vector<glm::vec4> colours;      ///< Linear; the base colour is multiplied with them.
   std::vector<std::uint32_t> indices;  ///< Three a triangle.
 };
 

@@ -5,7 +5,8 @@ uniform bool textured;
 
 bool is_hole(uint triangle, vec3 ray) {
   Triangle t = triangle_of(instance, triangle);
-  float alpha = texelFetch(materials, 4 * material).a;
-  if (textured) alpha *= textureLod(base_colours, t.places * inside(weights_of(t, ray)), 0).a;
+  vec3 weights = inside(weights_of(t, ray));
+  float alpha = texelFetch(materials, 4 * material).a * colour_of(triangle, weights).a;
+  if (textured) alpha *= textureLod(base_colours, t.places * weights, 0).a;
   return alpha < texelFetch(materials, 4 * material + 1).a;
 }

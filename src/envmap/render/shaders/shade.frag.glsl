@@ -42,7 +42,7 @@ void main() {
   Surface surface;
   surface.position = to_world * (far_off * ray);
   surface.normal = normalize(normal);
-  surface.base_colour = texelFetch(materials, material);
+  surface.base_colour = texelFetch(materials, material) * colour_of(seen.y, weights);
   surface.metallic = rest.x;
   surface.roughness = rest.y;
   surface.emissive = glow.rgb;

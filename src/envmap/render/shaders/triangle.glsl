@@ -1,6 +1,6 @@
 // A triangle of the scene by its numbers, and where a ray meets it. Buffer textures: llvmpipe fetches four floats as
 // fast as one, and storage buffers one by one.
-layout(binding = UNIT_CORNERS) uniform samplerBuffer corners;    // Position and u, normal and v; three corners a triangle.
+layout(binding = UNIT_CORNERS) uniform samplerBuffer corners;    // Position and u, normal and v, colour; three corners a triangle.
 layout(binding = UNIT_INSTANCES) uniform samplerBuffer instances;  // Three rows to the frame of the map, three to the world's normals.
 layout(binding = UNIT_MATERIALS) uniform samplerBuffer materials;  // Base colour; emissive and alpha_cutoff; metallic, roughness, ...; bend.
 layout(binding = UNIT_BASE_COLOUR) uniform sampler2D base_colours;
@@ -20,9 +20,9 @@ vec3 side_of(vec3 a, vec3 b) { return 0.5 * cross(a + b, b - a); }
 
 Triangle triangle_of(int number, uint which) {
   Triangle t;
-  int first = 6 * int(which);
-  vec4 a = texelFetch(corners, first), b = texelFetch(corners, first + 2), c = texelFetch(corners, first + 4);
-  vec4 na = texelFetch(corners, first + 1), nb = texelFetch(corners, first + 3), nc = texelFetch(corners, first + 5);
+  int first = 9 * int(which);
+  vec4 a = texelFetch(corners, first), b = texelFetch(corners, first + 3), c = texelFetch(corners, first + 6);
+  vec4 na = texelFetch(corners, first + 1), nb = texelFetch(corners, first + 4), nc = texelFetch(corners, first + 7);
   mat3x4 to_frame = mat3x4(texelFetch(instances, 6 * number), texelFetch(instances, 6 * number + 1),
                            texelFetch(instances, 6 * number + 2));
   t.places = mat3x2(a.w, na.w, b.w, nb.w, c.w, nc.w);
@@ -34,6 +34,12 @@ Triangle triangle_of(int number, uint which) {
   t.height = dot(t.normal, t.a);
   t.sides = mat3(side_of(t.b, t.c), side_of(t.c, t.a), side_of(t.a, t.b)) * (t.height < 0 ? -1.0 : 1.0);
   return t;
+}
+
+// Of a place that the corners count so much for.
+vec4 colour_of(uint which, vec3 weights) {
+  int first = 9 * int(which) + 2;
+  return mat3x4(texelFetch(corners, first), texelFetch(corners, first + 3), texelFetch(corners, first + 6)) * weights;
 }
 
 // What each corner counts for where the ray meets the plane, by volumes: they do not sum to 1, and are all positive

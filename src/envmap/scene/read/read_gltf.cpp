@@ -212,6 +212,15 @@ std::vector<std::uint32_t> triangles(const std::vector<std::uint32_t>& v, const 
   return found;
 }
 
+// COLOR_0: red, green and blue, and alpha or not.
+std::vector<glm::vec4> colours(const GltfDocument& document, const Field& accessor, std::size_t expected) {
+  if (!accessor.there()) return {};
+  if (document.refer(accessor, "accessors")["type"].text() == "VEC4") return vectors<glm::vec4>(document, accessor, expected);
+  std::vector<glm::vec4> found;
+  for (const glm::vec3& c : vectors<glm::vec3>(document, accessor, expected)) found.emplace_back(c, 1);
+  return found;
+}
+
 Mesh plain(const GltfDocument& document, const Field& primitive) {
   const Field attributes = primitive["attributes"];
   Mesh mesh;
@@ -220,6 +229,7 @@ Mesh plain(const GltfDocument& document, const Field& primitive) {
   const std::size_t count = mesh.positions.size();
   mesh.normals = vectors<glm::vec3>(document, attributes["NORMAL"], count);
   mesh.coordinates = vectors<glm::vec2>(document, attributes["TEXCOORD_0"], count);
+  mesh.colours = colours(document, attributes["COLOR_0"], count);
   mesh.indices = triangles(corners(document, primitive["indices"], count), primitive);
   return mesh;
 }
@@ -249,11 +259,17 @@ void read_mesh(Reader& r, const Field& field) {
       continue;
     }
     if (primitive["targets"].size() > 0) r.lacks("morph targets");
-    if (attributes["COLOR_0"].there()) r.lacks("colours of vertices");
-    Mesh mesh = primitive["extensions"]["KHR_draco_mesh_compression"].there() ? compressed(r.document, primitive)
-                                                                              : plain(r.document, primitive);
+    const bool draco = primitive["extensions"]["KHR_draco_mesh_compression"].there();
+    Mesh mesh = draco ? compressed(r.document, primitive) : plain(r.document, primitive);
+    if (draco && attributes["COLOR_0"].there()) r.lacks("colours of Draco's vertices");
     if (mesh.indices.empty()) continue;
     mesh.material = material_of(r, primitive["material"]);
+    const bool unlit = primitive["material"].there() &&
+                       r.document.refer(primitive["material"], "materials")["extensions"]["KHR_materials_unlit"].there();
+    if (unlit && !mesh.colours.empty()) {
+      r.lacks("colours of unlit vertices");
+      mesh.colours.clear();
+    }
     if (primitive["material"].there())
       std::ranges::transform(mesh.coordinates, mesh.coordinates.begin(),
                              r.transforms[static_cast<std::size_t>(mesh.material)]);
