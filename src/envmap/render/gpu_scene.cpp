@@ -21,6 +21,7 @@ struct GpuCorner {
   float v;
   glm::vec4 colour;
 };
+static_assert(sizeof(GpuCorner) == corner_texels * sizeof(glm::vec4));
 struct GpuInstance {
   std::array<glm::vec4, 3> to_map, normals;  // Rows.
 };
@@ -148,8 +149,8 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
   }
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (3 * corners.size() > static_cast<std::size_t>(most))
-    throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / 9));
+  if (corner_texels * corners.size() > static_cast<std::size_t>(most))
+    throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / (3 * corner_texels)));
   if (groups_.size() > 255)
     throw UsageError(fmt::format("materials with {} sets of textures and mirrors: this renderer takes 255", groups_.size()));
   vertices_ = gl::make_buffer(vertices);

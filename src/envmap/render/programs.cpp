@@ -34,6 +34,7 @@ gl::Definitions constants() {
           {"UNIT_INSTANCES", number(unit_instances)},
           {"UNIT_MATERIALS", number(unit_materials)},
           {"UNIT_MIRROR", number(unit_mirror)},
+          {"CORNER", number(corner_texels)},
           {"BUFFER_LIGHTS", number(buffer_lights)}};
 }
 

@@ -27,6 +27,9 @@ enum Unit : GLuint {
   buffer_lights = 4
 };
 
+/// Texels of four floats that a corner takes in its buffer.
+inline constexpr unsigned corner_texels = 3;
+
 /// What finds the surface of each texel. @param method exact, distort or tessellate, as far as can_draw(). @param holes
 /// whether the material has an alpha_cutoff.
 gl::Program visibility_program(DrawMethod method, Projection image, bool holes);

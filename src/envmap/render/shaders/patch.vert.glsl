@@ -3,6 +3,6 @@ out vec3 placed;
 flat out uint number;
 
 void main() {
-  placed = (to_map * vec4(texelFetch(corners, 2 * gl_VertexID).xyz, 1)).xyz;
+  placed = (to_map * vec4(texelFetch(corners, CORNER * gl_VertexID).xyz, 1)).xyz;
   number = uint(gl_VertexID / 3);
 }

@@ -20,9 +20,9 @@ vec3 side_of(vec3 a, vec3 b) { return 0.5 * cross(a + b, b - a); }
 
 Triangle triangle_of(int number, uint which) {
   Triangle t;
-  int first = 9 * int(which);
-  vec4 a = texelFetch(corners, first), b = texelFetch(corners, first + 3), c = texelFetch(corners, first + 6);
-  vec4 na = texelFetch(corners, first + 1), nb = texelFetch(corners, first + 4), nc = texelFetch(corners, first + 7);
+  int first = 3 * CORNER * int(which), second = first + CORNER, third = second + CORNER;
+  vec4 a = texelFetch(corners, first), b = texelFetch(corners, second), c = texelFetch(corners, third);
+  vec4 na = texelFetch(corners, first + 1), nb = texelFetch(corners, second + 1), nc = texelFetch(corners, third + 1);
   mat3x4 to_frame = mat3x4(texelFetch(instances, 6 * number), texelFetch(instances, 6 * number + 1),
                            texelFetch(instances, 6 * number + 2));
   t.places = mat3x2(a.w, na.w, b.w, nb.w, c.w, nc.w);
@@ -38,8 +38,8 @@ Triangle triangle_of(int number, uint which) {
 
 // Of a place that the corners count so much for.
 vec4 colour_of(uint which, vec3 weights) {
-  int first = 9 * int(which) + 2;
-  return mat3x4(texelFetch(corners, first), texelFetch(corners, first + 3), texelFetch(corners, first + 6)) * weights;
+  int first = 3 * CORNER * int(which) + 2;
+  return mat3x4(texelFetch(corners, first), texelFetch(corners, first + CORNER), texelFetch(corners, first + 2 * CORNER)) * weights;
 }
 
 // What each corner counts for where the ray meets the plane, by volumes: they do not sum to 1, and are all positive
