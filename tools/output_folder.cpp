@@ -15,6 +15,7 @@
 #include <iterator>
 
 #include "envmap/base/error.h"
+#include "envmap/base/remove_on_signal.h"
 #include "envmap/io/output_file.h"
 
 namespace tools {
@@ -46,10 +47,14 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string_view> f
   }
   const fs::path full = fs::absolute(path_);
   hidden_ = (full.parent_path() / fmt::format(".{}-XXXXXX", full.filename().string())).string();
+  remove_on_signal(hidden_.c_str());  // By the name that it is about to have.
   if (!::mkdtemp(hidden_.data())) {
+    keep_on_signal(hidden_.c_str());
     hidden_.clear();
     fail(path_);
   }
+  for (const std::string& name : files_) pending_.push_back(file(name));
+  for (const std::string& name : pending_) remove_on_signal(name.c_str());
   const mode_t mask = ::umask(0);
   ::umask(mask);
   struct stat before = {};
@@ -59,6 +64,8 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string_view> f
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
   if (!hidden_.empty()) fs::remove_all(hidden_, ignored);
+  for (const std::string& name : pending_) keep_on_signal(name.c_str());
+  keep_on_signal(hidden_.c_str());
 }
 
 std::string OutputFolder::file(std::string_view name) const { return hidden_ + "/" + std::string(name); }

@@ -11,8 +11,8 @@
 namespace tools {
 
 /// Files on their way to a folder: they are written into a hidden one beside it, which commit() gives the name. What was there
-/// under that name is replaced in one step. Without commit() nothing is left, but where the program is killed: then the
-/// hidden folder.
+/// under that name is replaced in one step. Without commit() nothing is left, nor where a signal ends the program; but where it
+/// is killed, the hidden folder is.
 class OutputFolder {
  public:
   /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file of that
@@ -34,7 +34,7 @@ class OutputFolder {
   [[nodiscard]] bool is_there_already() const;
 
   std::string path_, hidden_;
-  std::vector<std::string> files_;
+  std::vector<std::string> files_, pending_;  // What a signal removes.
   envmap::CommitOptions how_;
 };
 

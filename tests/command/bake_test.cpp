@@ -1,6 +1,7 @@
 // Folders for engines: each map is looked up as the engine's own shader does, written down here once more.
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -109,6 +110,16 @@ TEST_F(Bake, FoldersAppearWholeOrNotAtAll) {
   fails(2, {"bake", "probe.exr"}, {"FOLDER"});
   fails(2, {"bake", "probe.exr", "probe.exr", "--for", "usd"}, {"probe.exr"});
   fails(4, {"bake", "probe.exr", "none/other", "--for", "usd"}, {"none/other"});
+}
+
+TEST_F(Bake, ASignalLeavesNothing) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "512"});
+  const auto before = names();
+  for (const int signal : {SIGTERM, SIGINT}) {
+    Background run(*this, {ENVMAP_PROGRAM, "bake", "probe.exr", "lights", "--for", "pbrt", "--size", "8192"});
+    interrupt(run, signal, [&] { return names() != before; });
+    EXPECT_EQ(names(), before);
+  }
 }
 
 TEST_F(Bake, SaysWhatALoaderCutsOff) {

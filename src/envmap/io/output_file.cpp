@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -15,44 +14,17 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/remove_on_signal.h"
 
 namespace envmap {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Temporary files that a signal must remove. A handler may only touch atomics and call unlink.
-std::array<std::atomic<const char*>, 256> pending;
-
-extern "C" void remove_pending(int signal) {
-  for (auto& slot : pending)
-    if (const char* name = slot.load()) ::unlink(name);
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
-}
-
-void handle_signals() {
-  static const bool installed = [] {
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE})
-      if (std::signal(signal, remove_pending) == SIG_IGN) std::signal(signal, SIG_IGN);
-    std::signal(SIGXFSZ, SIG_IGN);  // Writing beyond a limit of the shell's is an error like a full disk.
-    return true;
-  }();
-  (void)installed;
-}
-
-void guard(const char* name) {
-  for (auto& slot : pending) {
-    const char* empty = nullptr;
-    if (slot.compare_exchange_strong(empty, name)) return;
-  }
-}
-
-void unguard(const char* name) {
-  for (auto& slot : pending) {
-    const char* mine = name;
-    if (slot.compare_exchange_strong(mine, nullptr)) return;
-  }
+// Writing beyond a limit of the shell's is an error like a full disk.
+void bear_limits() {
+  static const bool borne = std::signal(SIGXFSZ, SIG_IGN) != SIG_ERR;
+  (void)borne;
 }
 
 std::string folder_of(const std::string& path) {
@@ -90,7 +62,7 @@ bool link_as(int descriptor, const std::string& name) {
 }  // namespace
 
 OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path_(path), target_(path), how_(how) {
-  handle_signals();
+  bear_limits();
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (path != "-" && fs::is_directory(status)) throw OutputError(path, "is a folder; name a file");
@@ -104,17 +76,17 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
   if (descriptor_ < 0) {
     // Short: the target's name may be as long as names can be.
     temporary_ = (fs::path(folder) / ".envmap-XXXXXX").string();
+    remove_on_signal(temporary_.c_str());  // By the name that it is about to have.
     descriptor_ = ::mkostemp(temporary_.data(), O_CLOEXEC);
-    if (descriptor_ < 0) {
-      const int why = errno;
+    const int why = errno;
+    if (descriptor_ < 0 || stream_) {
+      ::unlink(temporary_.c_str());
+      keep_on_signal(temporary_.c_str());
       temporary_.clear();
+    }
+    if (descriptor_ < 0)
       throw OutputError(fmt::format("{}: cannot write into {}: {}{}", path == "-" ? "standard output" : path, folder,
                                     std::strerror(why), stream_ ? "; name another folder in TMPDIR" : ""));
-    }
-    if (stream_)
-      ::unlink(temporary_.c_str()), temporary_.clear();
-    else
-      guard(temporary_.c_str());
   }
   // Never one of the standard three, even where the caller has closed them: `-` would write into its own file.
   if (const int low = descriptor_; low < 3) {
@@ -127,7 +99,7 @@ OutputFile::~OutputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
   if (temporary_.empty()) return;
   ::unlink(temporary_.c_str());
-  unguard(temporary_.c_str());
+  keep_on_signal(temporary_.c_str());
 }
 
 std::size_t OutputFile::pread(void* buffer, std::size_t size, std::int64_t offset) const {
@@ -184,10 +156,10 @@ void OutputFile::take_name() {
     if (!there && link_as(descriptor_, target_)) return;
     for (int k = 0; temporary_.empty() && error_ == 0; ++k) {
       temporary_ = (fs::path(folder_of(target_)) / fmt::format(".envmap-{}-{}", ::getpid(), k)).string();
-      guard(temporary_.c_str());
+      remove_on_signal(temporary_.c_str());
       if (link_as(descriptor_, temporary_)) break;
       if (errno != EEXIST) error_ = errno;
-      unguard(temporary_.c_str());
+      keep_on_signal(temporary_.c_str());
       temporary_.clear();
     }
     if (error_ != 0) return;
@@ -196,7 +168,7 @@ void OutputFile::take_name() {
     error_ = errno;
     return;
   }
-  unguard(temporary_.c_str());
+  keep_on_signal(temporary_.c_str());
   temporary_.clear();
 }
 

@@ -1,0 +1,13 @@
+/// @file
+/// What must not be left behind where a signal ends the program.
+#pragma once
+
+namespace envmap {
+
+/// A file or an empty folder that SIGINT, SIGTERM, SIGHUP, SIGQUIT and SIGPIPE remove before they end the program, unless they
+/// are ignored: files before folders. @param name must stay as it is until keep_on_signal(). No more than 256 at a time.
+void remove_on_signal(const char* name);
+/// No longer.
+void keep_on_signal(const char* name);
+
+}  // namespace envmap
