@@ -77,7 +77,7 @@ std::string readme_text(const Engine& e) {
 }
 
 // What the engine's loader would cut off without a word.
-void tell_what_is_cut(const Engine& e, const Level& level, double gain) {
+void tell_what_is_cut(const Engine& e, const Level& level) {
   if (e.largest == 0) return;
   std::int64_t texels = 0;
   float most = 0;
@@ -85,12 +85,12 @@ void tell_what_is_cut(const Engine& e, const Level& level, double gain) {
     for (int j = 0; j < level.height(); ++j)
       for (const Colour& c : level.row(face, j)) {
         const float value = std::max({c.x, c.y, c.z});
-        texels += gain * value > e.largest;
+        texels += value > e.largest;
         most = std::max(most, value);
       }
   if (texels > 0)
     warn(fmt::format("envmap bake: {} keeps values up to {:g}: {} texels up to {:.3g} are cut off by its loader", e.title, e.largest,
-                     texels, gain * most));
+                     texels, most));
 }
 
 int run(Options& o, const Common& common) {
@@ -106,7 +106,7 @@ int run(Options& o, const Common& common) {
   Source source = read_map(o.input, o.read, common);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   o.write.provenance = source.provenance;
-  tell_what_is_cut(e, source.map.base(), 1);
+  tell_what_is_cut(e, source.map.base());
 
   const Resampler resampler(std::move(source.map), {.to = e.frame, .size = o.size});
   OutputFolder folder(o.folder, files_of(e), common.commit);

@@ -91,10 +91,8 @@ void OutputFolder::commit() {
     fail(path_);
   if (!exchange) hidden_.clear();  // Else it now has what was there before, and goes.
   if (!how_.sync) return;
-  const int parent = ::open(fs::absolute(path_).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const bool synchronised = parent >= 0 && ::fsync(parent) == 0;
-  if (parent >= 0) ::close(parent);
-  if (!synchronised) fail(path_);
+  errno = synchronise(fs::absolute(path_).parent_path().string());
+  if (errno != 0) fail(path_);
 }
 
 }  // namespace tools

@@ -42,8 +42,8 @@ void add_sample(Words& words, unsigned offset, unsigned length, unsigned channel
   words.insert(words.end(), {offset | (length - 1) << 16 | channel_type << 24, 0, lower, upper});
 }
 
-// Linear BT.709 colour, texel by texel or, of BC6H, block by block. E5B9G9R9's limits are those of the Data Format Specification 1.4, table 105: the
-// shared exponent counts for each channel.
+// Linear BT.709 colour, texel by texel or, of BC6H, block by block. E5B9G9R9's limits are those of the Data Format
+// Specification 1.4, table 105: the shared exponent counts for each channel.
 Words descriptor(const TexelFormat& format) {
   constexpr unsigned is_float = 0x80, is_signed = 0x40, is_exponent = 0x20, alpha = 15;
   constexpr std::uint32_t one = 0x3f800000, minus_one = 0xbf800000;  // As floats.

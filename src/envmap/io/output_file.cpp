@@ -43,7 +43,14 @@ int open_nameless(const std::string& folder) {
   return can_be_named ? ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666) : -1;
 }
 
-// @return errno, or 0.
+// The file is there without a name: gives it one that nothing has. @return whether it did.
+bool link_as(int descriptor, const std::string& name) {
+  return ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", descriptor).c_str(), AT_FDCWD, name.c_str(),
+                  AT_SYMLINK_FOLLOW) == 0;
+}
+
+}  // namespace
+
 int synchronise(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   // Of what cannot be read nothing can be said here; file systems without fsync say EINVAL.
@@ -52,14 +59,6 @@ int synchronise(const std::string& path) {
   ::close(descriptor);
   return error;
 }
-
-// The file is there without a name: gives it one that nothing has. @return whether it did.
-bool link_as(int descriptor, const std::string& name) {
-  return ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", descriptor).c_str(), AT_FDCWD, name.c_str(),
-                  AT_SYMLINK_FOLLOW) == 0;
-}
-
-}  // namespace
 
 OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path_(path), target_(path), how_(how) {
   bear_limits();

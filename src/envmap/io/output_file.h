@@ -10,6 +10,9 @@
 
 namespace envmap {
 
+/// Brings a file or folder to the disk. @return errno, or 0; 0 too where it cannot be read, or its file system has no fsync.
+int synchronise(const std::string& path);
+
 /// Bytes on their way to a file. They go to a file without a name in the same folder (O_TMPFILE), which commit() names;
 /// where the file system has no such files, to a temporary one, which commit() renames. Without commit(), or where a write
 /// failed, nothing is left; nor where the program is interrupted, or killed where files without names are. What is

@@ -103,15 +103,15 @@ Level coarser_level(const Level& fine, int width, int height, Weights weights) {
   // Rows as far from the top as from the bottom share their weights, as do all faces.
   tbb::parallel_for(tbb::blocked_range<int>(0, (coarse.height() + 1) / 2), [&](const tbb::blocked_range<int>& range) {
     RowWeights shared;
+    std::vector<const Colour*> rows;
     for (int row = range.begin(); row < range.end(); ++row) {
       weigh(fine.projection(), weights, across, down, row, shared);
       const auto first = static_cast<std::size_t>(down.first[row]), end = static_cast<std::size_t>(down.first[row + 1]);
       const std::span<const int> sources = std::span(down.source).subspan(first, end - first);
       const auto halve = [&](int face, bool mirrored) {
-        std::vector<const Colour*> rows;
+        rows.clear();
         for (const int source : sources) rows.push_back(fine.texel(face, 0, mirrored ? fine.height() - 1 - source : source));
-        mean_row(across, shared, rows,
-                 coarse.row(face, mirrored ? coarse.height() - 1 - row : row));
+        mean_row(across, shared, rows, coarse.row(face, mirrored ? coarse.height() - 1 - row : row));
       };
       for (int face = 0; face < fine.faces(); ++face) {
         halve(face, false);

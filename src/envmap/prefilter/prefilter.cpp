@@ -126,7 +126,8 @@ Lobe lobe_of(const Prefilter& p) {
   }
   if (!(p.parameter >= 0 && p.parameter <= 1)) throw UsageError("a roughness is from 0 to 1");
   if (p.shape == Shape::ggx) return Ggx(p.parameter);
-  if (p.method == Method::spectral) throw UsageError("a lobe that rises with the angle has too many degrees for a spherical transform");
+  if (p.method == Method::spectral)
+    throw UsageError("a lobe that rises with the angle has too many degrees for a spherical transform");
   return Charlie(p.parameter);
 }
 

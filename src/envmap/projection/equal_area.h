@@ -11,7 +11,7 @@
 
 namespace envmap {
 
-struct EqualArea {
+struct EqualArea : octahedron::Facets {
   static constexpr Projection id = Projection::equal_area;
   static constexpr const char* name = "equal-area";
   static constexpr int faces = 1, aspect = 1;
@@ -40,11 +40,6 @@ struct EqualArea {
 
   // ---- facets ----
 
-  static constexpr int facets = octahedron::facets;
-  static int facet(const Location<double>& at) { return octahedron::facet(at); }
-  static int facet(const Direction& d) { return octahedron::facet(d); }
-  static std::array<Direction, 3> sides(int facet) { return octahedron::sides(facet); }
-  static Location<double> inset(const Location<double>& at, double margin) { return octahedron::inset(at, margin); }
   /// Beyond the sides by rounding alone.
   static Location<double> continued(int facet, const Direction& d) {
     const Direction sign = octahedron::signs(facet), in = sign * d;

@@ -16,7 +16,7 @@
 
 namespace envmap {
 
-struct Octahedral {
+struct Octahedral : octahedron::Facets {
   static constexpr Projection id = Projection::octahedral;
   static constexpr const char* name = "octahedral";
   static constexpr int faces = 1, aspect = 1;
@@ -44,12 +44,6 @@ struct Octahedral {
   }
 
   // ---- facets, over whose sides their planes go on ----
-
-  static constexpr int facets = octahedron::facets;
-  static int facet(const Location<double>& at) { return octahedron::facet(at); }
-  static int facet(const Direction& d) { return octahedron::facet(d); }
-  static std::array<Direction, 3> sides(int facet) { return octahedron::sides(facet); }
-  static Location<double> inset(const Location<double>& at, double margin) { return octahedron::inset(at, margin); }
 
   static Location<double> continued(int facet, const Direction& d) {
     const Direction sign = octahedron::signs(facet), in = sign * d;

@@ -96,4 +96,13 @@ inline Location<double> inset(const Location<double>& at, double margin) {
   return unfolded<double>(p, in.x, in.y);
 }
 
+/// What both maps say of their facets.
+struct Facets {
+  static constexpr int facets = octahedron::facets;
+  static int facet(const Location<double>& at) { return octahedron::facet(at); }
+  static int facet(const Direction& d) { return octahedron::facet(d); }
+  static std::array<Direction, 3> sides(int facet) { return octahedron::sides(facet); }
+  static Location<double> inset(const Location<double>& at, double margin) { return octahedron::inset(at, margin); }
+};
+
 }  // namespace envmap::octahedron
