@@ -62,7 +62,7 @@ for projection in latlong cube sphere paraboloid angular; do
   run convert $projection.exr back.exr --to latlong --size 32 --max-error 0.1
   run mipmap $projection.exr levels.exr
 done
-for format in ktx2 dds hdr pfm tif; do
+for format in ktx2 ktx dds hdr pfm tif; do
   run convert sky.exr sky.$format --to cube --size 32 --clamp
   run convert sky.$format again.exr --to latlong --size 32
 done

@@ -164,7 +164,7 @@ Command info_command() {
                    {"envmap info chain.ktx2 --levels", "with the flux of every mip level"},
                    {"envmap info ball.exr --from sphere --sampling", "with the table of texel solid angles"}},
       .keys = {{"file", "INPUT"},
-               {"format", "openexr, hdr, ktx2, dds or what OpenImageIO calls it"},
+               {"format", "openexr, hdr, ktx2, ktx, dds or what OpenImageIO calls it"},
                {"depth", "uint8, uint16, bc6h, rgb9e5, half or float"},
                {"width", "of the image in texels"},
                {"height", "of the image in texels"},

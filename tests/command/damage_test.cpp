@@ -162,6 +162,8 @@ TEST_F(CommandTest, TextureHeadersThatPromiseTooMuchAreRefused) {
   };
   // Format, width, height, depth, layers, faces, levels, scheme, key/value offset and length; offset and lengths of level 0.
   refuse("map.ktx2", {12, 20, 24, 28, 32, 36, 40, 44, 56, 60, 80, 88, 96});
+  // Byte order, type, formats, width, height, depth, elements, faces, levels, length of the pairs and of the first.
+  refuse("map.ktx", {12, 16, 24, 28, 36, 40, 44, 48, 52, 56, 60, 64});
   // Height, width, levels; format, dimension, array size.
   refuse("map.dds", {12, 16, 28, 128, 132, 140});
 }
@@ -169,7 +171,7 @@ TEST_F(CommandTest, TextureHeadersThatPromiseTooMuchAreRefused) {
 INSTANTIATE_TEST_SUITE_P(Formats, DamagedTexture,
                          ::testing::Values(Kind{"ktx2", "map.ktx2"},
                                            Kind{"ktx2_zstd", "map.ktx2", TypeDesc::FLOAT, "--zstd"},
-                                           Kind{"dds", "map.dds"}),
+                                           Kind{"ktx", "map.ktx"}, Kind{"dds", "map.dds"}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 constexpr Kind kinds[] = {{"exr_half_zip", "map.exr", TypeDesc::HALF, "zip"},

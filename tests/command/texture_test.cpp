@@ -60,7 +60,10 @@ TEST_F(Texture, HasTheFacesThatTheApisLookUp) {
   const std::string dds = read("cube.dds");
   expect_table(dds, 148, 64 + 16);  // A face has all its levels.
   EXPECT_EQ(dds.size(), 148U + 6 * (64 + 16));
-  for (const char* name : {"cube.ktx2", "cube.dds"}) {
+  succeeds({"mipmap", "cube.exr", "cube.ktx", "--depth", "float"});
+  const std::string ktx = read("cube.ktx");
+  expect_table(ktx, 64 + value_at<std::uint32_t>(ktx, 60) + 4, 64);  // Behind the pairs and the size of a face.
+  for (const char* name : {"cube.ktx2", "cube.dds", "cube.ktx"}) {
     EXPECT_NE(envmap({"convert", name, "back.exr"}).err.find("of 2 levels 0 is converted"), std::string::npos);
     succeeds({"convert", name, "back.exr", "--filter", "nearest", "--level", "0"});
     EXPECT_EQ(load(path("back.exr")), load(path("cube.exr"))) << name;
@@ -198,6 +201,135 @@ TEST_F(Texture, OfBytesIsReadAsItsFormatSays) {
   }
   write("clear.ktx2", file(37, 4, 254));
   fails(3, {"info", "clear.ktx2"}, {"alpha", "--drop-channels"});
+}
+
+TEST_F(Texture, OfKtxHasTheHeaderThatOpenGlDemands) {
+  succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "8"});
+  struct Names {
+    const char* depth;
+    std::uint32_t type, type_size, format, internal, base, texel;
+  };
+  for (const Names& n : {Names{"half", 0x140b, 2, 0x1908, 0x881a, 0x1908, 8}, {"float", 0x1406, 4, 0x1908, 0x8814, 0x1908, 16},
+                         {"rgb9e5", 0x8c3e, 4, 0x1907, 0x8c3d, 0x1907, 4}, {"bc6h", 0, 1, 0, 0x8e8f, 0x1907, 1}}) {
+    SCOPED_TRACE(n.depth);
+    succeeds({"mipmap", "in.exr", "cube.ktx", "--depth", n.depth});
+    const std::string bytes = read("cube.ktx");
+    const auto word = [&](std::size_t at) { return value_at<std::uint32_t>(bytes, at); };
+    EXPECT_EQ(bytes.substr(0, 12), std::string("\xabKTX 11\xbb\r\n\x1a\n", 12));
+    EXPECT_EQ(word(12), 0x04030201U);
+    const std::uint32_t wanted[] = {n.type, n.type_size, n.format, n.internal, n.base, 8, 8, 0, 0, 6, 4};
+    for (std::size_t k = 0; k < std::size(wanted); ++k) EXPECT_EQ(word(16 + 4 * k), wanted[k]) << k;
+    const std::string pairs = bytes.substr(64, word(60));
+    EXPECT_EQ(pairs.size() % 4, 0U);
+    EXPECT_NE(pairs.find(std::string("KTXorientation\0S=r,T=d\0", 23)), std::string::npos);
+    std::size_t at = 64 + pairs.size();
+    for (std::uint32_t side = 8; side > 0; side /= 2) {  // Of a cube the size is that of a face.
+      const std::uint32_t blocks = (side + 3) / 4, size = n.texel == 1 ? 16 * blocks * blocks : side * side * n.texel;
+      EXPECT_EQ(word(at), size);
+      at += 4 + 6 * size;
+    }
+    EXPECT_EQ(bytes.size(), at);
+    succeeds({"mipmap", "in.exr", "cube.ktx2", "--depth", n.depth});
+    succeeds({"compare", "cube.ktx", "cube.ktx2", "--max-error", "0"});
+  }
+}
+
+// A KTX file of 3x2 texels as another writer might have made it: rows fill words, or are not padded.
+class OtherKtx : public Texture {
+ protected:
+  static std::string file(std::array<std::uint32_t, 4> names, const std::vector<std::string>& rows, std::size_t padding,
+                          const std::string& orientation = "") {
+    std::string bytes("\xabKTX 11\xbb\r\n\x1a\n", 12), pair = std::string("KTXorientation") + '\0' + orientation + '\0', image;
+    const auto add = [&](std::uint32_t word) { bytes.append(reinterpret_cast<const char*>(&word), 4); };
+    for (const std::string& row : rows) image += row + std::string(padding, '\x7f');
+    const auto pairs = static_cast<std::uint32_t>(orientation.empty() ? 0 : 4 + (pair.size() + 3) / 4 * 4);
+    for (const std::uint32_t word : {0x04030201U, names[0], 1U, names[1], names[2], names[3], 4U, 2U, 0U, 0U, 1U, 1U, pairs})
+      add(word);
+    if (pairs > 0) {
+      add(static_cast<std::uint32_t>(pair.size()));
+      bytes += pair + std::string(pairs - 4 - pair.size(), '\0');
+    }
+    add(static_cast<std::uint32_t>(image.size()));
+    return bytes + image;
+  }
+};
+
+TEST_F(OtherKtx, IsReadAsItsFormatSays) {
+  // 0, 0.5 and 1 in turn, four texels a row; the second row is brighter where it can be: 2.
+  const std::string half_row = [] {
+    std::string row;
+    for (int k = 0; k < 4; ++k) row += std::string("\0\0\0\x38\0\x3c", 6);
+    return row;
+  }();
+  const std::string two(24, '\x40');  // Halves of 0x4040: 2.125.
+  for (const bool up : {false, true}) {
+    write("a.ktx", file({0x140b, 0x1907, 0x881b, 0x1907}, {half_row, two}, 0, up ? "S=r,T=u" : "S=r,T=d"));
+    succeeds({"convert", "a.ktx", "a.exr", "--filter", "nearest", "--depth", "float"});
+    const Picture a = load(path("a.exr"));
+    EXPECT_EQ(a.at(3, up ? 1 : 0)[1], 0.5F);
+    EXPECT_EQ(a.at(3, up ? 0 : 1)[1], 2.125F);
+  }
+  // R11F_G11F_B10F: red 1 = 15 << 6, green 0.5 = 14 << 6, blue 2 = 16 << 5.
+  const std::uint32_t packed = 15U << 6 | (14U << 6) << 11 | (16U << 5) << 22;
+  std::string row;
+  for (int k = 0; k < 4; ++k) row.append(reinterpret_cast<const char*>(&packed), 4);
+  for (const std::uint32_t format : {0x1907U, 0x8c3aU}) {  // The second as cmgen wrote it until Filament 1.8.
+    write("b.ktx", file({0x8c3b, format, 0x8c3a, 0x1907}, {row, row}, 0));
+    succeeds({"convert", "b.ktx", "b.exr", "--filter", "nearest", "--depth", "float"});
+    const Picture b = load(path("b.exr"));
+    EXPECT_EQ(b.at(2, 1)[0], 1);
+    EXPECT_EQ(b.at(2, 1)[1], 0.5F);
+    EXPECT_EQ(b.at(2, 1)[2], 2);
+  }
+  const double linear = 128 / 255.0, srgb = std::pow((linear + 0.055) / 1.055, 2.4);
+  std::string bytes;
+  for (int k = 0; k < 4; ++k) bytes += std::string("\0\x80\xff\xff", 4);
+  for (const auto& [internal, green] : {std::pair{0x8058U, linear}, {0x8c43U, srgb}}) {
+    write("c.ktx", file({0x1401, 0x1908, internal, 0x1908}, {bytes, bytes}, 0));
+    succeeds({"convert", "c.ktx", "c.exr", "--filter", "nearest", "--depth", "float"});
+    EXPECT_NEAR(load(path("c.exr")).at(1, 1)[1], green, 1e-6);
+  }
+}
+
+TEST_F(OtherKtx, HasRowsThatFillWordsOrDoNot) {
+  // Two texels of 3 bytes: rows of 6 bytes, or of 8.
+  for (const std::size_t padding : {0, 2}) {
+    std::string ktx = file({0x1401, 0x1907, 0x8051, 0x1907}, {std::string("\0\0\0\x33\x66\xff", 6)}, padding);
+    ktx[36] = 2, ktx[40] = 1;  // 2x1 texels.
+    write("rows.ktx", ktx + std::string(padding == 0 ? 2 : 0, '\0'));  // The level itself fills words.
+    succeeds({"convert", "rows.ktx", "rows.exr", "--filter", "nearest", "--depth", "float"});
+    EXPECT_NEAR(load(path("rows.exr")).at(1, 0)[0], 0.2, 1e-6) << padding;
+  }
+}
+
+TEST_F(OtherKtx, IsRefusedWhereItIsNotWhatIsRead) {
+  const std::string row(4 * 8, '\0'), sound = file({0x140b, 0x1908, 0x881a, 0x1908}, {row, row}, 0, "S=r,T=d");
+  const auto refuse = [&](std::size_t at, std::uint32_t value, const std::string& why) {
+    std::string bad = sound;
+    std::memcpy(bad.data() + at, &value, 4);
+    write("bad.ktx", bad);
+    fails(3, {"info", "bad.ktx"}, {"bad.ktx", why});
+  };
+  write("sound.ktx", sound);
+  EXPECT_EQ(envmap({"info", "sound.ktx", "--drop-channels"}).status, 0);
+  refuse(12, 0x01020304, "big-endian");
+  refuse(12, 7, "neither byte order");
+  refuse(16, 0x1406, "glType 0x1406");
+  refuse(24, 0x80e1, "glFormat 0x80e1");  // GL_BGRA.
+  refuse(28, 0x83f3, "glInternalFormat 0x83f3");  // DXT5.
+  refuse(40, 0, "flat image");
+  refuse(44, 4, "slices");
+  refuse(48, 2, "array");
+  refuse(52, 2, "some faces");
+  refuse(52, 6, "not square");
+  refuse(56, 9, "9 levels");
+  refuse(60, 1 << 30, "beyond its end");
+  refuse(64, 1000, "pair");
+  refuse(64 + 4 + 24, 12, "not 64");
+  std::string left = sound;
+  left.replace(left.find("S=r"), 3, "S=l");
+  write("left.ktx", left);
+  fails(3, {"info", "left.ktx"}, {"S=l,T=d"});
 }
 
 // What OpenImageIO is left to read: 8-bit texels, here B G R, encoded; and never a channel without bits.

@@ -85,7 +85,7 @@ TEST_F(Files, HoldEveryFloatOrRefuse) {
   EnvironmentMap map = constant(Projection::latlong, 8, 1);
   const float values[] = {std::numeric_limits<float>::max(), std::numeric_limits<float>::denorm_min(), 1e-40F, 1e-30F, 0, 1e9F, 65504, 1e-8F};
   for (int k = 0; k < 8; ++k) *map.base().texel(0, k, 4) = Colour(values[k], values[7 - k], 0);
-  for (const char* name : {"a.exr", "a.pfm", "a.tif", "a.ktx2", "a.dds"}) {
+  for (const char* name : {"a.exr", "a.pfm", "a.tif", "a.ktx2", "a.ktx", "a.dds"}) {
     write(path(name), rows_of(map), {.depth = Depth::single});
     const Source back = read(path(name), {.projection = Projection::latlong});
     EXPECT_EQ(compare(back.map.base(), map.base()).maximum, 0) << name;

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 // Those that go through files take the formats' corpora, too.
 std::vector<std::string> folders(const std::string& target) {
-  if (target == "read") return {"read", "hdr", "exr", "ktx2", "dds"};
+  if (target == "read") return {"read", "hdr", "exr", "ktx2", "ktx", "dds"};
   if (target == "scene") return {"scene", "obj", "mtl", "gltf"};
   return {target};
 }
@@ -53,7 +53,7 @@ TEST_P(Corpus, IsReadOrRefusedInOneLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, Corpus,
-                         testing::Values("hdr", "exr", "ktx2", "dds", "obj", "mtl", "gltf", "words", "read", "scene"),
+                         testing::Values("hdr", "exr", "ktx2", "ktx", "dds", "obj", "mtl", "gltf", "words", "read", "scene"),
                          [](const auto& target) { return std::string(target.param); });
 
 }  // namespace

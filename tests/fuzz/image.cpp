@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
 #include "targets.h"
 
@@ -17,6 +18,7 @@ namespace {
 std::string_view mark_of(std::string_view format) {
   if (format == "hdr") return "#?";
   if (format == "exr") return "\x76\x2f\x31\x01";
+  if (format == "ktx") return ktx1_mark;
   return format == "ktx2" ? ktx2_mark : "DDS ";
 }
 

@@ -4,7 +4,7 @@
 #   [ENVMAP=PROGRAM] sh tests/fuzz/run.sh [SECONDS [TARGET...]]
 #
 # SECONDS for each target (default: 60, of all targets). FUZZ_OPTIONS go to libFuzzer. Targets (targets.h):
-#   hdr exr ktx2 dds   a reader of images each, in memory        obj mtl gltf   a reader of scenes each, in memory
+#   hdr exr ktx2 ktx dds   a reader of images each, in memory        obj mtl gltf   a reader of scenes each, in memory
 #   read scene         files and pipes of any format             words          what metadata and shapes say
 # They begin with the corpus of the repository, tests/fuzz/corpus, and with seeds made by ENVMAP (built where it is not
 # given); what is new goes to build/fuzz/corpus, which grows from run to run. What a target finds, it leaves in
@@ -16,7 +16,7 @@ set -eu
 
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
-[ $# -gt 0 ] || set -- hdr exr ktx2 dds obj mtl gltf words read scene
+[ $# -gt 0 ] || set -- hdr exr ktx2 ktx dds obj mtl gltf words read scene
 cd "$(dirname "$0")/../.."
 kept=$PWD/tests/fuzz/corpus
 cmake --preset fuzz
@@ -47,7 +47,7 @@ for format in exr hdr pfm tif png ppm jpg tga bmp webp; do
 done
 for projection in latlong cube; do
   "$envmap" generate directions corpus/in.exr --to $projection --size 5
-  for kind in 'ktx2 --depth half' 'ktx2 --depth float --zstd' 'ktx2 --depth rgb9e5' 'dds --depth half' 'dds --depth rgb9e5' 'exr --depth half'; do
+  for kind in 'ktx2 --depth half' 'ktx2 --depth float --zstd' 'ktx2 --depth rgb9e5' 'ktx --depth half' 'ktx --depth rgb9e5' 'dds --depth half' 'dds --depth rgb9e5' 'exr --depth half'; do
     "$envmap" mipmap corpus/in.exr corpus/map.${kind%% *} ${kind#* }
     mv corpus/map.${kind%% *} corpus/map
     seed "$projection-levels-$(echo "$kind" | tr ' ' -)"
@@ -65,8 +65,8 @@ for kind in 'exr --tile 4 4' 'exr -d half --compression dwaa' 'exr -d half --com
 done
 
 # A format's own target takes the seeds of its kind.
-for format in hdr exr ktx2 dds; do
-  [ ! -d corpus/$format ] || cp corpus/read/*"$format"*-0 corpus/$format
+for format in hdr exr ktx2 ktx dds; do
+  [ ! -d corpus/$format ] || cp corpus/read/*"$format"-*0 corpus/$format
 done
 
 # Warnings of libraries are not shown. Address sanitizer is left out: OpenImageIO takes 16 MB for each read, which makes
@@ -77,7 +77,7 @@ for target; do
   folders="corpus/$target $kept/$target"
   case $target in
     words) dictionary=-dict=../../tests/fuzz/words.dict ;;
-    read) folders="$folders $kept/hdr $kept/exr $kept/ktx2 $kept/dds" ;;
+    read) folders="$folders $kept/hdr $kept/exr $kept/ktx2 $kept/ktx $kept/dds" ;;
     scene) folders="$folders $kept/obj $kept/mtl $kept/gltf" ;;
   esac
   # shellcheck disable=SC2086  # Words.

@@ -11,7 +11,7 @@
 
 using Bytes = std::span<const std::byte>;
 
-/// Behind the mark of one format, in memory: hdr, exr, ktx2, dds; the other targets go through files.
+/// Behind the mark of one format, in memory: hdr, exr, ktx2, ktx, dds; the other targets go through files.
 void fuzz_image(std::string_view format, Bytes bytes);
 /// The text or document of a scene, in memory: obj, mtl, gltf (GLB by its mark).
 void fuzz_text(std::string_view format, Bytes bytes);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/radiance.h"
 
@@ -12,7 +13,7 @@ namespace envmap {
 namespace {
 
 using Extension = std::string_view;
-constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = {"ktx2"}, dds[] = {"dds"},
+constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = {"ktx2"}, ktx1[] = {"ktx"}, dds[] = {"dds"},
                     tiff[] = {"tif", "tiff"}, png[] = {"png"}, ppm[] = {"ppm"}, jpeg[] = {"jpg", "jpeg"}, targa[] = {"tga"},
                     bmp[] = {"bmp"}, webp[] = {"webp"};
 constexpr Depth linear[] = {Depth::half, Depth::single}, floats[] = {Depth::single},
@@ -30,6 +31,7 @@ constexpr FileFormat table[] = {
     {"hdr", "HDR", hdr, floats, [](Head h) { return h.starts_with("#?"); }, largest_radiance},
     {"pnm", "PFM", pfm, floats, [](Head h) { return is_pnm(h, "Ff"); }},
     {"ktx2", "KTX2", ktx2, texture, [](Head h) { return h.starts_with(ktx2_mark); }, any_float, true, true},
+    {"ktx", "KTX", ktx1, texture, [](Head h) { return h.starts_with(ktx1_mark); }, any_float, true, true},
     {"dds", "DDS", dds, texture, [](Head h) { return h.starts_with("DDS "); }, any_float, true, true},
     {"tiff", "TIFF", tiff, all_of_tiff, [](Head h) { return h.starts_with("II") || h.starts_with("MM"); }},
     {"png", "PNG", png, integers, [](Head h) { return h.starts_with("\x89PNG"); }},

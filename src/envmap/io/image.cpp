@@ -10,6 +10,7 @@
 #include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
+#include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/orientation.h"
@@ -46,6 +47,7 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
     image.size = file.size();
     if (format == "openexr") image.reader = open_openexr(file, choice);
     if (format == "ktx2") image.texture = open_ktx2(file);
+    if (format == "ktx") image.texture = open_ktx1(file);
     if (format == "dds") image.texture = open_dds(file);
   } catch (const InputError& e) {
     image.fail(e.what(), e.remedy());

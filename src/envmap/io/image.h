@@ -1,5 +1,5 @@
 /// @file
-/// A file opened for reading: an image, or a texture of KTX2 or DDS.
+/// A file opened for reading: an image, or a texture of KTX, KTX2 or DDS.
 #pragma once
 
 #include <memory>

@@ -71,48 +71,6 @@ Words descriptor(const TexelFormat& format) {
   return words;
 }
 
-// ---- key/value pairs -------------------------------------------------------------------------------------------------
-
-// In the order of the keys' code points; values end in NUL, pairs are padded to 4 bytes.
-std::string key_values(const Metadata& data) {
-  std::map<std::string, std::string> pairs{{"KTXorientation", "rd"}, {"KTXwriter", "envmap"}};
-  for (const auto& [name, text] : facts(data)) pairs["envmap:" + name] = text;
-  std::string bytes;
-  for (const auto& [key, value] : pairs) {
-    const std::string pair = key + '\0' + value + '\0';
-    const auto size = static_cast<std::uint32_t>(pair.size());
-    bytes.append(reinterpret_cast<const char*>(&size), sizeof size).append(pair);
-    bytes.append((4 - bytes.size() % 4) % 4, '\0');
-  }
-  return bytes;
-}
-
-std::map<std::string, std::string> parse_key_values(std::span<const std::byte> bytes) {
-  std::map<std::string, std::string> pairs;
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  for (std::size_t at = 0; at + 4 <= text.size();) {
-    std::uint32_t size = 0;
-    std::memcpy(&size, text.data() + at, sizeof size);
-    if (size > text.size() - at - 4) throw InputError("damaged: a key/value pair reaches beyond its section");
-    const std::string_view pair = text.substr(at + 4, size), key = pair.substr(0, pair.find('\0'));
-    std::string_view value = pair.substr(std::min(pair.size(), key.size() + 1));
-    if (value.ends_with('\0')) value.remove_suffix(1);
-    pairs.emplace(key, value);
-    at += 4 + (static_cast<std::size_t>(size) + 3) / 4 * 4;
-  }
-  return pairs;
-}
-
-// Of pairs envmap:NAME.
-Metadata recorded(const std::map<std::string, std::string>& pairs) {
-  constexpr std::string_view prefix = "envmap:";
-  Facts facts;
-  for (const auto& [key, value] : pairs)
-    if (key.starts_with(prefix) && is_word(key.substr(prefix.size())) && is_word(value))
-      facts.emplace(key.substr(prefix.size()), value);
-  return metadata(std::move(facts));
-}
-
 // ---- levels ----------------------------------------------------------------------------------------------------------
 
 // Texels on their way to the file, through Zstandard where that is asked for. One worker gives the bytes that any number
@@ -170,11 +128,13 @@ std::vector<std::byte> decompressed(std::span<const std::byte> packed, std::uint
 
 }  // namespace
 
-void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const Metadata& data,
+void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const KeyValues& pairs,
                 const Progress& progress) {
   const TexelFormat& format = format_of(options.texels);
   const Words dfd = descriptor(format);
-  const std::string kvd = key_values(data);
+  KeyValues all_pairs = pairs;
+  all_pairs.emplace("KTXorientation", "rd");
+  const std::string kvd = key_value_bytes(all_pairs);
   Header h{};
   std::ranges::copy(ktx2_mark, h.identifier.begin());
   h.vk_format = format.vulkan;
@@ -238,7 +198,7 @@ TextureFile open_ktx2(const InputFile& file) {
                 .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
                 .cube = h.faces == 6};
   check_texture(t, file.size());
-  std::map<std::string, std::string> pairs;
+  KeyValues pairs;
   if (h.kvd_size > 0) pairs = parse_key_values(read_bytes(file, h.kvd_offset, h.kvd_size));
   if (const std::string& o = pairs["KTXorientation"]; !o.empty()) {
     t.bottom_up = o == "ru";

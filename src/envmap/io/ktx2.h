@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "envmap/io/key_values.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/texture.h"
 #include "envmap/map/page.h"
@@ -21,9 +22,9 @@ struct Ktx2Options {
   bool zstd = false;
 };
 
-/// All levels, the smallest first in the file. `data` goes into key/value pairs envmap:NAME, with KTXorientation "rd" and
-/// KTXwriter. @param progress may be empty.
-void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const Metadata& data,
+/// All levels, the smallest first in the file, with KTXorientation "rd". @param pairs go into the file besides. @param progress
+/// may be empty.
+void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const KeyValues& pairs,
                 const Progress& progress);
 
 /// The header of a file with ktx2_mark. @throws InputError, without the name of the file, where it is damaged or holds what

@@ -43,7 +43,7 @@ struct Source {
   EnvironmentMap map = {};
   Layout layout = Layout::single;
   Depth depth;
-  std::string format;  ///< openexr, hdr, ktx2, dds, ...; else OpenImageIO's name for it.
+  std::string format;  ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
   int image_width, image_height;
   bool border_samples = false;            ///< OpenEXR's `envmap` convention; resampled to cell centres here.
   int border = 0;                         ///< Texels round every level of an octahedral map, left out here.

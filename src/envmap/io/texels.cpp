@@ -14,7 +14,7 @@
 namespace envmap {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "KTX2 and DDS files are little-endian, and so is this code");
+static_assert(std::endian::native == std::endian::little, "KTX and DDS files are little-endian, and so is this code");
 
 std::uint32_t to_rgb9e5(const Colour& c) {
   const float most = std::max({c.x, c.y, c.z});

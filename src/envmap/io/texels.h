@@ -22,7 +22,7 @@ struct TexelFormat {
   Depth depth;              ///< That holds its values.
   std::uint32_t vulkan;     ///< VkFormat (Vulkan 1.3, "Formats").
   std::uint32_t dxgi;       ///< DXGI_FORMAT; 0 where there is none.
-  std::uint32_t type_size;  ///< Bytes of what an API swaps on a big-endian machine: KTX2's typeSize.
+  std::uint32_t type_size;  ///< Bytes of what an API swaps on a big-endian machine: KTX2's typeSize, and KTX's glTypeSize.
   int side = 1;             ///< Of a block, in texels.
 
   /// Bytes of a row of texels, or of blocks, and of an image: blocks reach over its right and lower side.

@@ -1,5 +1,5 @@
 /// @file
-/// What KTX2 and DDS files have in common: levels of one image each, or of six faces where they are a cube map.
+/// What KTX, KTX2 and DDS files have in common: levels of one image each, or of six faces where they are a cube map.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace envmap {
 
 /// A texture in a file: its header, checked against the length of the file.
 struct TextureFile {
-  const char* container;  ///< ktx2 or dds.
+  const char* container;  ///< ktx, ktx2 or dds.
   Texels texels;
   int width = 0, height = 0, levels = 1;  ///< Each level has half the sides of the one before, rounded down, at least 1.
   bool cube = false;

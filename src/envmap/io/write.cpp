@@ -16,6 +16,7 @@
 #include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/image_writer.h"
+#include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
@@ -166,7 +167,9 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
     if (ext == "pfm")
       write_pfm(*files.back(), pages[0]);
     else if (ext == "ktx2")
-      write_ktx2(*files.back(), pages, {texels_of(done.depth), cube, options.zstd}, data, part);
+      write_ktx2(*files.back(), pages, {texels_of(done.depth), cube, options.zstd}, key_values(data, options.pairs), part);
+    else if (ext == "ktx")
+      write_ktx1(*files.back(), pages, texels_of(done.depth), cube, key_values(data, options.pairs), part);
     else if (ext == "dds")
       write_dds(*files.back(), pages, texels_of(done.depth), cube, part);
     else

@@ -2,6 +2,7 @@
 /// Writing environment maps.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,7 @@ struct WriteOptions {
   int border = 0;                ///< Texels written round every level of an octahedral map, as map/border.h says.
   bool zstd = false;             ///< Compress KTX2 files with Zstandard.
   Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
+  std::map<std::string, std::string> pairs = {};  ///< Key/value pairs of a KTX or KTX2 file as they stand: Filament's "sh".
   CommitOptions commit = {};
   Provenance provenance = {};    ///< Of the map that this one was made of; formats hold what they can.
 };
@@ -43,7 +45,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 
 /// Writes a map with its levels as their rows are made; every file appears whole or not at all, and holds no date, host
 /// or user. EXR holds levels, in tiles (down to one texel: a chain that ends early is gone on with, and envmap:levels
-/// says where it ended), as do KTX2 and DDS; for other formats and for files of one face the name must have `{level}`.
+/// says where it ended), as do KTX, KTX2 and DDS; for other formats and for files of one face the name must have `{level}`.
 /// @param path a file, `-` for standard output, or a name with `{face}` for six files and `{level}` for one a level.
 /// @param levels the base first; each half the one before, rounded down (see half_level()); with their border, where there
 /// shall be one. @param progress may be empty.

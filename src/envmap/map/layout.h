@@ -12,7 +12,7 @@
 namespace ENVMAP_EXPORT envmap {
 
 /// `single` for one face, `pair` for the two halves of a paraboloid map, the rest for cubes; `files` is one file a face,
-/// `api` a cube texture of KTX2 and DDS, whose faces are turned as the graphics APIs define them.
+/// `api` a cube texture of KTX, KTX2 and DDS, whose faces are turned as the graphics APIs define them.
 enum class Layout { single, pair, column, row, cross, vcross, grid3x2, files, api };
 
 inline constexpr Layout cube_layouts[] = {Layout::column, Layout::row,     Layout::cross,
