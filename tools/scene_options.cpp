@@ -18,6 +18,7 @@ void add_scene(CLI::App& app, SceneOptions& o) {
              "What it is drawn with (default: auto)");
   app.add_option("--environment", o.environment, "Map that is the background and a light")->type_name("FILE");
   add_triple(app, "--ambient", o.ambient, "R,G,B", true, "Radiance from everywhere (default: 0)");
+  app.add_flag("--no-shadows", o.no_shadows, "Let punctual lights shine through everything");
   app.add_option("--time", o.time, "Of animations, in seconds (default: 0)")->type_name("T")->check(CLI::Range(-1e6, 1e6));
   app.add_option("--frames", o.frames, "Draw the frames A to B, a file each")->type_name("A:B");
   app.add_option("--fps", o.rate, "Frames a second (default: 24)")->type_name("F")->check(CLI::Range(1e-3, 1e6));
@@ -54,7 +55,8 @@ Shot LoadedScene::shot(double time, const SceneOptions& options) const {
   return {.scene = scene,
           .pose = pose(scene, time),
           .environment = environment.get(),
-          .ambient = Colour(options.ambient.value_or(Direction(0)))};
+          .ambient = Colour(options.ambient.value_or(Direction(0))),
+          .shadows = !options.no_shadows};
 }
 
 LoadedScene load(const SceneOptions& o, const Common& common) {

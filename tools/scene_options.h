@@ -18,6 +18,7 @@ struct SceneOptions {
   std::string path, environment, frames;
   std::optional<envmap::Direction> ambient;
   envmap::ContextKind context = envmap::ContextKind::automatic;
+  bool no_shadows = false;
   double time = 0, rate = 24;
   envmap::ReadOptions read;
 };

@@ -26,6 +26,8 @@ bool is_smooth(const Material& m) {
   return m.roughness < (m.transmission > 0 ? glass : metal);
 }
 
+bool casts_shadow(const Material& m) { return m.transmission == 0; }
+
 Vec2<double> sample_offset(int sample, int samples) {
   // Korobov's lattice with the golden ratio; its first point moved to the middle of its cell.
   const double along = (sample + 0.5) / samples, across = (sample + 0.5) * 0.6180339887498949;

@@ -60,6 +60,7 @@ struct Shot {
   Pose pose;
   const Environment* environment = nullptr;  ///< Background and light (shading.h); null: black.
   Colour ambient{0};                         ///< Radiance from everywhere, beside the environment; no background.
+  bool shadows = true;                       ///< Of punctual lights.
   std::span<const MirrorMap> mirrors{};      ///< In the order of the renderer's; empty: they show the environment.
   MirrorLook look{};
 };
@@ -75,6 +76,10 @@ std::size_t triangles(const Scene& scene);
 
 /// Whether a mirror or a lens of this material shows things sharply: metal without roughness, glass of less than 0.2.
 bool is_smooth(const Material& material);
+
+/// Whether what is of this material keeps punctual light from what lies behind, on either side: what lets light through
+/// does not.
+bool casts_shadow(const Material& material);
 
 /// Where the map of a node is drawn from: the centre of the box that holds its meshes and those below it; where it has
 /// none, its origin. World.

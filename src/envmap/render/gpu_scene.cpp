@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/render/light_image.h"
 #include "envmap/render/programs.h"
 #include "envmap/render/shading.h"
 
@@ -106,11 +107,11 @@ gl::Texture texels_of(const gl::Buffer& buffer) {
   return texture;
 }
 
-GpuLight from_viewpoint(const PlacedLight& light, const Direction& eye) {
+GpuLight from_viewpoint(const PlacedLight& light, const Direction& eye, int first_face) {
   return {{glm::vec3(light.position - eye), static_cast<float>(light.kind)},
           {glm::vec3(light.direction), static_cast<float>(light.range)},
           {light.intensity, 0},
-          {static_cast<float>(light.inner), static_cast<float>(light.outer), 0, 0}};
+          {light.inner, light.outer, first_face, light_faces(light)}};
 }
 
 }  // namespace
@@ -142,7 +143,8 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
               .material = mesh.material,
               .group = group,
               .holes = material.alpha_cutoff > 0,
-              .double_sided = material.double_sided};
+              .double_sided = material.double_sided,
+              .casts_shadow = casts_shadow(material)};
     set_bounds(mesh, part);
     triangles_ += mesh.indices.size() / 3;
     parts_.push_back(part);
@@ -200,7 +202,11 @@ void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye,
   }
   glNamedBufferSubData(instances_, 0, static_cast<GLsizeiptr>(rows.size() * sizeof(GpuInstance)), rows.data());
   std::vector<GpuLight> lights;
-  for (const PlacedLight& light : placed_lights(scene, pose)) lights.push_back(from_viewpoint(light, eye));
+  int face = 0;
+  for (const PlacedLight& light : placed_lights(scene, pose)) {
+    lights.push_back(from_viewpoint(light, eye, face));
+    face += light_faces(light);
+  }
   glNamedBufferSubData(light_buffer_, 0, static_cast<GLsizeiptr>(lights.size() * sizeof(GpuLight)), lights.data());
 }
 

@@ -21,6 +21,7 @@ struct Part {
   int material, group;   ///< Group of the material.
   bool holes;            ///< The material has an alpha_cutoff.
   bool double_sided;
+  bool casts_shadow;  ///< By its material.
 };
 
 /// Materials with the same textures on the same mirror, which are shaded together.

@@ -34,8 +34,10 @@ gl::Definitions constants() {
           {"UNIT_INSTANCES", number(unit_instances)},
           {"UNIT_MATERIALS", number(unit_materials)},
           {"UNIT_MIRROR", number(unit_mirror)},
+          {"UNIT_SHADOWS", number(unit_shadows)},
           {"CORNER", number(corner_texels)},
-          {"BUFFER_LIGHTS", number(buffer_lights)}};
+          {"BUFFER_LIGHTS", number(buffer_lights)},
+          {"BUFFER_LIGHT_FACES", number(buffer_light_faces)}};
 }
 
 std::string file_of(Projection p) { return fmt::format("{}.glsl", identifier(p)); }
@@ -89,6 +91,15 @@ gl::Program visibility_program(DrawMethod method, Projection image, bool holes) 
                           definitions);
 }
 
+gl::Program shadow_program(bool holes) {
+  gl::Definitions definitions = constants();
+  definitions["HOLES"] = number(holes);
+  return gl::make_program(
+      {{GL_VERTEX_SHADER, {"instances.glsl", "light_image.glsl", "shadow.vert.glsl"}},
+       {GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "light_image.glsl", "shadow.frag.glsl"}}},
+      definitions);
+}
+
 gl::Program background_program(Projection environment) {
   return lighting({file_of(environment), "environment.glsl", "background.frag.glsl"}, constants(), environment);
 }
@@ -105,7 +116,7 @@ gl::Program shading_program(const Shading& s) {
     add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), "meet_map.glsl", "reflect_mirror.glsl"});
   else
     add({"reflect_environment.glsl"});
-  add({"shading.glsl", "shade.frag.glsl"});
+  add({"lights.glsl", "light_image.glsl", "shadow.glsl", "shading.glsl", "shade.frag.glsl"});
   return lighting(files, definitions, s.environment);
 }
 

@@ -24,7 +24,9 @@ enum Unit : GLuint {
   unit_instances,
   unit_materials,
   unit_mirror,
-  buffer_lights = 4
+  unit_shadows,
+  buffer_lights = 4,
+  buffer_light_faces
 };
 
 /// Texels of four floats that a corner takes in its buffer.
@@ -33,6 +35,9 @@ inline constexpr unsigned corner_texels = 3;
 /// What finds the surface of each texel. @param method exact, distort or tessellate, as far as can_draw(). @param holes
 /// whether the material has an alpha_cutoff.
 gl::Program visibility_program(DrawMethod method, Projection image, bool holes);
+
+/// What lights see (shadow_maps.h).
+gl::Program shadow_program(bool holes);
 
 /// The environment behind all surfaces. @param environment projection of its texture, has_shader().
 gl::Program background_program(Projection environment);

@@ -19,13 +19,15 @@ struct Placed {
   const Scene* scene = nullptr;
   const Mesh* mesh = nullptr;
   const Material* material = nullptr;
+  int node = 0;
+  bool seen = true;  // Else it only casts shadows.
   std::vector<glm::vec3> positions;
   std::vector<std::uint32_t> indices;
   Rotation normals{1};
 };
 
 Placed place(const Shot& shot, const Direction& centre, const Instance& instance) {
-  Placed p{.scene = &shot.scene, .mesh = &shot.scene.meshes[instance.mesh]};
+  Placed p{.scene = &shot.scene, .mesh = &shot.scene.meshes[instance.mesh], .node = instance.node};
   p.material = &shot.scene.materials[p.mesh->material];
   const Matrix& world = shot.pose[instance.node];
   const Rotation linear(world);
@@ -87,11 +89,25 @@ glm::vec4 base_colour(const Placed& p, const Meeting& m) {
   return p.mesh->colours.empty() ? own : own * m.of(p.mesh->colours);
 }
 
-// What filter() is told of the ray beside what Embree knows.
+// What filters are told of the ray beside what Embree knows.
 struct Query : RTCIntersectContext {
   Direction origin, ray;
-  Medium medium;
+  Medium medium = Medium::air;
+  int but = -1;  // Of light: the node that casts no shadow.
 };
+
+bool is_hole(const Placed& p, const Meeting& m) {
+  return p.material->alpha_cutoff > 0 && base_colour(p, m).w < p.material->alpha_cutoff;
+}
+
+// Called for each hit of a ray of light.
+void let_light_through(const RTCFilterFunctionNArguments* call) {
+  const Placed& p = *static_cast<const Placed*>(call->geometryUserPtr);
+  if (call->N != 1) return;
+  const Query& query = *static_cast<const Query*>(call->context);
+  const bool is_lamp = query.but >= 0 && lies_under(*p.scene, p.node, query.but);
+  if (is_lamp || !casts_shadow(*p.material) || is_hole(p, meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray))) call->valid[0] = 0;
+}
 
 // Called for each hit: a side that is not drawn and a hole let the ray through.
 void filter(const RTCFilterFunctionNArguments* call) {
@@ -100,22 +116,35 @@ void filter(const RTCFilterFunctionNArguments* call) {
   const Query& query = *static_cast<const Query*>(call->context);
   const Meeting m = meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray);
   const bool ends_solid = query.medium == Medium::solid && p.material->solid;
-  bool shown = !m.back || p.material->double_sided || ends_solid;
-  if (shown && p.material->alpha_cutoff > 0)
-    shown = base_colour(p, m).w >= p.material->alpha_cutoff;
+  const bool shown = p.seen && (!m.back || p.material->double_sided || ends_solid) && !is_hole(p, m);
   if (!shown) call->valid[0] = 0;
 }
 
-Surface surface_at(const Placed& p, const Meeting& m, const Direction& position, const Direction& ray) {
+Direction unit(const Direction& v, const Direction& otherwise) {
+  const double length = glm::length(v);
+  return length > 0 ? v / length : otherwise;
+}
+
+// From a place on a triangle to the mean of where the planes of its corners have it; none where those lie below.
+Direction lift(const Placed& p, const Meeting& m, const Direction& place, double side) {
+  Direction sum(0);
+  for (int k = 0; k < 3; ++k) {
+    const Direction normal = unit(p.normals * Direction(p.mesh->normals[m.corners[k]]) * side, Direction(0));
+    const double above = glm::dot(place - Direction(p.positions[m.corners[k]]), normal);
+    sum += m.weights[k] * std::max(0.0, -above) * normal;
+  }
+  return sum;
+}
+
+// @param place from the tree's centre.
+Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, const Direction& place, const Direction& ray) {
+  const Direction position = centre + place;
   const Material& material = *p.material;
   const glm::vec2 at = m.of(p.mesh->coordinates);
   const glm::vec4 rough = sample(p, material.metallic_roughness_texture, at);
   const Flux emissive = Flux(material.emissive) * Flux(Colour(sample(p, material.emissive_texture, at)));
-  Direction normal = p.normals * Direction(m.of(p.mesh->normals)) * (m.back ? -1.0 : 1.0);
-  if (const double length = glm::length(normal); length > 0)
-    normal /= length;
-  else
-    normal = -ray;
+  const double side = m.back ? -1 : 1;
+  const Direction normal = unit(p.normals * Direction(m.of(p.mesh->normals)) * side, -ray);
   return {.position = position,
           .normal = normal,
           .base_colour = base_colour(p, m),
@@ -124,7 +153,8 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& position,
           .emissive = Colour(emissive),
           .transmission = material.transmission,
           .ior = material.ior,
-          .solid = material.solid};
+          .solid = material.solid,
+          .lifted = position + lift(p, m, place, side)};
 }
 
 }  // namespace
@@ -133,7 +163,7 @@ struct RayTree::World {
   Direction centre{0};
   Device device{nullptr, &rtcReleaseDevice};
   Tree tree{nullptr, &rtcReleaseScene};
-  std::vector<Placed> placed;  // By number of instance; empty where it is left out.
+  std::vector<Placed> placed;  // By number of instance.
 
   void add(unsigned number) {
     Placed& p = placed[number];
@@ -143,8 +173,9 @@ struct RayTree::World {
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, p.indices.data(), 0,
                                3 * sizeof(std::uint32_t), p.indices.size() / 3);
     rtcSetGeometryUserData(geometry, &p);
-    if (!p.material->double_sided || p.material->alpha_cutoff > 0)
+    if (!p.seen || !p.material->double_sided || p.material->alpha_cutoff > 0)
       rtcSetGeometryIntersectFilterFunction(geometry, filter);
+    rtcSetGeometryOccludedFilterFunction(geometry, let_light_through);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(tree.get(), geometry, number);
     rtcReleaseGeometry(geometry);
@@ -161,8 +192,8 @@ RayTree::RayTree(const Shot& shot, const Direction& centre, int without) : world
   const std::vector<Instance> all = instances(shot.scene);
   w.placed.resize(all.size());
   for (std::size_t k = 0; k < all.size(); ++k) {
-    if (without >= 0 && lies_under(shot.scene, all[k].node, without)) continue;
     w.placed[k] = place(shot, centre, all[k]);
+    w.placed[k].seen = without < 0 || !lies_under(shot.scene, all[k].node, without);
     w.add(static_cast<unsigned>(k));
   }
   rtcCommitScene(w.tree.get());
@@ -193,10 +224,25 @@ std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ra
   const Meeting m = meet(p, hit.hit.primID, origin, ray);
   // A ray along the triangle's plane meets it where Embree says.
   const double distance = m.distance > 0 && std::isfinite(m.distance) ? m.distance : static_cast<double>(hit.ray.tfar);
-  return RayHit{.surface = surface_at(p, m, world_->centre + origin + distance * ray, ray),
+  return RayHit{.surface = surface_at(p, m, world_->centre, origin + distance * ray, ray),
                 .distance = distance,
                 .instance = static_cast<int>(hit.hit.geomID),
                 .back = m.back};
+}
+
+bool RayTree::blocked(const Direction& place, const Direction& normal, const Direction& towards, double distance,
+                      int but) const {
+  Query query{};
+  rtcInitIntersectContext(&query);
+  const Direction from_centre = place - world_->centre;
+  query.origin = from_centre + clearance(from_centre) * normal;
+  query.ray = towards;
+  query.but = but;
+  const glm::vec3 from(query.origin), along(towards);
+  RTCRay ray{.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = 0,
+             .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = static_cast<float>(distance), .mask = ~0U};
+  rtcOccluded1(world_->tree.get(), &query, &ray);
+  return ray.tfar < 0;
 }
 
 }  // namespace envmap

@@ -24,7 +24,7 @@ enum class Medium { air, solid };
 /// found in double. Source: Wald et al. 2014, "Embree: a kernel framework for efficient CPU ray tracing".
 class RayTree {
  public:
-  /// @param centre world. @param without the node that is left out with all below it; -1: none.
+  /// @param centre world. @param without the node that is not seen, with all below it; -1: none. It casts shadows.
   /// @throws UsageError where Embree runs out of memory.
   RayTree(const Shot& shot, const Direction& centre, int without);
   RayTree(RayTree&&) noexcept;
@@ -35,6 +35,12 @@ class RayTree {
   /// @param origin from the centre. @param ray unit, world.
   [[nodiscard]] std::optional<RayHit> find(const Direction& origin, const Direction& ray, double near, double far,
                                            Medium medium = Medium::air) const;
+
+  /// Whether something that casts_shadow() lies on the way of light, whichever side it shows.
+  /// @param place on a surface. @param normal of it. @param towards unit, to the light. @param but the node that, with all
+  /// below it, casts none; -1: none. All in the world.
+  [[nodiscard]] bool blocked(const Direction& place, const Direction& normal, const Direction& towards, double distance,
+                             int but) const;
 
   /// From where rays may start at a place on a surface, so that they do not meet it again: 2^-15 of the place's distance
   /// from the centre, some hundred times what it was rounded by.

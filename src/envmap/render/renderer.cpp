@@ -118,6 +118,7 @@ void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, co
   const bool own = mirror != nullptr && mirror->glossy;
   const LightTexture& light = own ? *mirror->glossy : light_;
   const Colour none(0);
+  gl::set(program, "shadows", shot.shadows ? 1 : 0);
   gl::set(program, "ambient", own ? none : shot.ambient);
   gl::set(program, "reflected_ambient", mirror != nullptr ? none : shot.ambient);
   gl::set(program, "blur", mirror != nullptr && !own ? 0.0F : 1.0F);
@@ -270,8 +271,10 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
   prepare_canvas(from);
   const std::size_t texels = static_cast<std::size_t>(canvas_->width) * static_cast<std::size_t>(from.size);
   std::vector<glm::uvec2> seen;
+  if (shot.shadows) shadows_.draw(gpu_, shot);
   gpu_.place(shot.scene, shot.pose, from.at, from.axes);
   gpu_.bind();
+  if (shot.shadows) shadows_.bind(from.at);
   const int count = from.lens ? 1 : faces(from.to);
   for (int face = 0; face < count; ++face) {
     if ((from.which >> face & 1U) == 0) continue;

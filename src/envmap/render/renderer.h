@@ -13,6 +13,7 @@
 #include "envmap/render/gpu_scene.h"
 #include "envmap/render/method.h"
 #include "envmap/render/programs.h"
+#include "envmap/render/shadow_maps.h"
 
 namespace envmap {
 
@@ -71,6 +72,7 @@ class Renderer {
 
   std::vector<int> mirrors_;
   GpuScene gpu_;
+  ShadowMaps shadows_;
   EnvironmentTexture environment_;
   LightTexture light_;
   gl::Texture split_sum_;

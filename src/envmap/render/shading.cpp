@@ -7,6 +7,7 @@
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/projection/visit.h"
+#include "envmap/render/ray_tree.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
@@ -123,12 +124,21 @@ std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
     const Direction along(-world[2]);
     const double length = glm::length(along);
     placed.push_back({light.kind, Direction(world[3]), length > 0 ? along / length : Direction(0, 0, -1),
-                      light.intensity, light.range, std::cos(light.inner), std::cos(light.outer)});
+                      light.intensity, light.range, std::cos(light.inner), std::cos(light.outer), light.node});
   }
   return placed;
 }
 
 Lighting lighting(const Shot& shot) { return {placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient}; }
+
+bool in_shadow(const RayTree& obstacles, const Surface& s, const PlacedLight& light) {
+  const bool parallel = light.kind == PunctualLight::Kind::directional;
+  const Direction way = light.position - s.lifted;
+  const double distance = parallel ? std::numeric_limits<double>::infinity() : glm::length(way);
+  if (distance == 0) return false;
+  const Direction towards = parallel ? -light.direction : way / distance;
+  return obstacles.blocked(s.lifted, s.normal, towards, distance, light.node);
+}
 
 Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Direction& n = s.normal;
@@ -160,7 +170,7 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
     Direction from;
     const Flux there = arriving(light, s.position, from);
     const double nl = glm::dot(n, from);
-    if (nl <= 0) continue;
+    if (nl <= 0 || (l.obstacles != nullptr && in_shadow(*l.obstacles, s, light))) continue;
     const Direction h = glm::normalize(from + v);
     const double grazing = std::pow(1 - std::clamp(glm::dot(v, h), 0.0, 1.0), 5);
     const Flux of_plain = plain + (edge - plain) * grazing;

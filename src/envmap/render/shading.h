@@ -2,7 +2,7 @@
 /// The light that a surface sends towards the viewer: glTF 2.0's metallic-roughness material under punctual lights, even
 /// ambient light and an environment. shaders/shading.glsl is the same for the graphics card.
 ///
-/// Nothing casts a shadow, and surfaces light each other only through maps. Sources: "glTF 2.0 Specification", appendix B;
+/// Punctual lights cast shadows; the environment does not, and surfaces light each other only through maps. Sources: "glTF 2.0 Specification", appendix B;
 /// KHR_lights_punctual; KHR_materials_transmission, _ior and _volume; Karis 2013 (the split sum); Fdez-Aguera 2019, "A
 /// multiple-scattering microfacet model for real-time image-based lighting", so that white surfaces of any roughness in a
 /// white environment stay white.
@@ -18,6 +18,8 @@
 
 namespace envmap {
 
+class RayTree;
+
 /// Seen from outside: `normal` faces the viewer.
 struct Surface {
   Direction position{0}, normal{0, 0, 1};  ///< World.
@@ -26,6 +28,9 @@ struct Surface {
   Colour emissive{0};
   float transmission = 0, ior = 1.5F;
   bool solid = false;  ///< Material::solid.
+  /// Where shadows are found: on the curved surface that the normals of the triangle's corners tell of, which surrounds
+  /// triangles that are convex, so that these do not shade themselves (Hanika 2021, "Hacking the shadow terminator").
+  Direction lifted{0};
 };
 
 /// What an environment gives surfaces, made once for it.
@@ -63,6 +68,7 @@ struct PlacedLight {
   Colour intensity;
   double range;
   double inner, outer;  ///< Cosines of the half angles.
+  int node = -1;        ///< What hangs on it casts no shadow of this light.
 };
 std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose);
 
@@ -71,11 +77,15 @@ struct Lighting {
   std::vector<PlacedLight> lights;
   const Environment* environment = nullptr;  ///< Null: black.
   Colour ambient{0};
+  const RayTree* obstacles = nullptr;  ///< What casts shadows of the lights; null: nothing.
 };
 Lighting lighting(const Shot& shot);
 
 /// Radiance of the environment, without ambient light, from a world direction: black where there is none.
 Colour background(const Environment* environment, const Direction& from);
+
+/// Whether a light does not reach the surface: something that casts_shadow() is in between.
+bool in_shadow(const RayTree& obstacles, const Surface& surface, const PlacedLight& light);
 
 /// What leaves a surface towards the viewer: light of its own and of lights, and parts of what comes from two directions.
 struct Scattered {

@@ -3,10 +3,14 @@
 uniform int material;
 uniform bool textured;
 
-bool is_hole(uint triangle, vec3 ray) {
-  Triangle t = triangle_of(instance, triangle);
-  vec3 weights = inside(weights_of(t, ray));
+// @param weights of the corners.
+bool is_hole(uint triangle, Triangle t, vec3 weights) {
   float alpha = texelFetch(materials, 4 * material).a * colour_of(triangle, weights).a;
   if (textured) alpha *= textureLod(base_colours, t.places * weights, 0).a;
   return alpha < texelFetch(materials, 4 * material + 1).a;
+}
+
+bool is_hole(uint triangle, vec3 ray) {
+  Triangle t = triangle_of(instance, triangle);
+  return is_hole(triangle, t, inside(weights_of(t, ray)));
 }

@@ -19,6 +19,17 @@ vec2 change(Triangle t, ivec2 at, ivec2 step, vec2 here) {
   return sum > 0 ? spread * (t.places * weights / sum - here) : vec2(1e3);
 }
 
+// From a place on a triangle to the mean of where the planes of its corners have it: Surface::lifted of shading.h.
+// @param turn to the world's normals, on the side that is seen.
+vec3 lift(Triangle t, vec3 place, vec3 weights, mat3 turn) {
+  vec3 sum = vec3(0);
+  for (int k = 0; k < 3; ++k) {
+    vec3 corner = k == 0 ? t.a : k == 1 ? t.b : t.c, n = t.normals[k] * turn;
+    if (dot(n, n) > 0) sum -= weights[k] * min(0, dot(to_world * (place - corner), normalize(n))) * normalize(n);
+  }
+  return sum;
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   uvec2 seen = texelFetch(surfaces, at, 0).xy;
@@ -35,7 +46,8 @@ void main() {
   vec3 normal = t.normals * weights * mat3(x.xyz, y.xyz, z.xyz);
   if (dot(normal, normal) == 0) normal = to_world * t.normal * y.w;
   // Of surfaces with two sides, the one that is seen.
-  if (t.height * y.w > 0) normal = -normal;
+  float side = t.height * y.w > 0 ? -1 : 1;
+  normal *= side;
 
   int material = 4 * int(x.w);
   vec4 glow = texelFetch(materials, material + 1), rest = texelFetch(materials, material + 2);
@@ -49,6 +61,7 @@ void main() {
   surface.transmission = rest.z;
   surface.ior = rest.w;
   surface.bend = texelFetch(materials, material + 3).x;
+  surface.lifted = surface.position + lift(t, far_off * ray, weights, side * mat3(x.xyz, y.xyz, z.xyz));
 #if TEXTURES != 0
   vec2 place = t.places * weights;
   vec2 along = change(t, at, ivec2(1, 0), place), down = change(t, at, ivec2(0, 1), place);

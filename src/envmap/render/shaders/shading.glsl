@@ -2,14 +2,7 @@
 // function. All in the world's axes, positions from the viewpoint. reflected() is what lies in a direction, sharply:
 // reflect_environment.glsl or reflect_mirror.glsl.
 //
-// Buffer LIGHTS and light_count: placed_lights(). ambient: Shot::ambient.
-struct Light {
-  vec4 position;   // Of points and spots; w: its kind, an enumerator of PunctualLight::Kind in scene.h: POINT, SPOT, DIRECTIONAL.
-  vec4 direction;  // That it shines in; w: its range, 0: no end.
-  vec4 intensity;  // w: nothing.
-  vec4 cone;       // Of spots: cosines of the inner and the outer half angle.
-};
-layout(std430, binding = BUFFER_LIGHTS) readonly buffer Lights { Light lights[]; };
+// ambient: Shot::ambient.
 uniform int light_count;
 uniform vec3 ambient;
 layout(binding = UNIT_SPLIT_SUM) uniform sampler2D split_sum;  // split_sum_table(), edges clamped.
@@ -26,7 +19,8 @@ struct Surface {
   float metallic, roughness;
   vec3 emissive;
   float transmission, ior;
-  float bend;  // Of what is let through: 1 / ior of solids, 1 of thin walls.
+  float bend;    // Of what is let through: 1 / ior of solids, 1 of thin walls.
+  vec3 lifted;   // Where shadows are found.
 };
 
 vec3 irradiance_over_pi(vec3 n) {
@@ -99,7 +93,7 @@ vec3 shade(Surface s, vec3 v) {
   for (int k = 0; k < light_count; ++k) {
     vec3 from, there = arriving(lights[k], s.position, from);
     float nl = dot(n, from);
-    if (nl <= 0) continue;
+    if (nl <= 0 || in_shadow(lights[k], s.lifted, n)) continue;
     vec3 h = normalize(from + v);
     float grazing = pow(1 - clamp(dot(v, h), 0, 1), 5);
     vec3 of_plain = plain + (edge - plain) * grazing, fresnel = mix(of_plain, base + (1 - base) * grazing, s.metallic);

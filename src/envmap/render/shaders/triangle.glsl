@@ -46,6 +46,12 @@ vec4 colour_of(uint which, vec3 weights) {
 // inside.
 vec3 weights_of(Triangle t, vec3 ray) { return ray * t.sides; }
 
+// The same of a point of the plane, by areas.
+vec3 weights_at(Triangle t, vec3 p) {
+  vec3 a = t.a - p, b = t.b - p, c = t.c - p;
+  return vec3(dot(cross(b, c), t.normal), dot(cross(c, a), t.normal), dot(cross(a, b), t.normal));
+}
+
 // To within the triangle: methods that move vertices show it where the ray misses it.
 vec3 inside(vec3 weights) {
   weights = max(weights, 0);

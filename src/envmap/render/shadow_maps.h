@@ -1,0 +1,39 @@
+/// @file
+/// Shadow maps: what each punctual light sees, as shaders/shadow.glsl looks it up.
+#pragma once
+
+#include <vector>
+
+#include "envmap/render/gl.h"
+#include "envmap/render/gpu_scene.h"
+#include "envmap/render/light_image.h"
+
+namespace envmap {
+
+/// Needs a current context, and goes before it. Source: Williams 1978, "Casting curved shadows on curved surfaces".
+class ShadowMaps {
+ public:
+  /// Draws them unless they are those of this moment. The scene must be placed anew after this.
+  /// @throws UsageError where the renderer has no room for so many.
+  void draw(GpuScene& gpu, const Shot& shot);
+
+  /// For shading, seen from `eye`.
+  void bind(const Direction& eye) const;
+
+ private:
+  void make(std::size_t faces);
+  void place(const Direction& eye) const;
+  void draw_face(std::size_t face, const GpuScene& gpu, const Shot& shot, int lamp);
+  const gl::Program& program(bool holes);
+
+  Pose pose_;  // Of what is drawn.
+  std::vector<LightFace> faces_;
+  int size_ = 0;
+  gl::Texture maps_;  // A layer a face: see shadow.glsl.
+  gl::Renderbuffer depth_;
+  gl::Framebuffer seen_;
+  gl::Buffer face_buffer_;
+  gl::Program programs_[2];  // With and without holes.
+};
+
+}  // namespace envmap
