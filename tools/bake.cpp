@@ -141,7 +141,7 @@ Command bake_command() {
           "to know what they load.\n\n"
           "The folder appears whole, or not at all. One of that name is replaced if it holds nothing but files of the same names.",
       .examples = {{"envmap bake probe.exr lights --for blender", "lights/background.exr and lights/world.py"},
-                   {"envmap bake probe.hdr public/probe --for three --size 1024", "a panorama of 2048x1024 for HDRLoader"},
+                   {"envmap bake probe.hdr public/probe --for three --size 1024", "a panorama of 2048x1024 for EXRLoader"},
                    {"envmap bake --list", "the engines"}},
       .keys = with_written({{"input", "PROBE"},
                             {"engine", "as --for says"},

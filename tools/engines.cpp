@@ -72,7 +72,7 @@ def DomeLight "Probe"
 //   paths relative to a resource: scene/resources/resource_format_text.cpp; the enumerators: scene/resources/environment.h.
 // pbrt: EqualAreaSphereToSquare in src/pbrt/util/math.cpp, ImageInfiniteLight::Le in src/pbrt/lights.h.
 // three: equirectUv in src/renderers/shaders/ShaderChunk/common.glsl.js, u = 0.5 + atan(z, x) / 2 pi, v up = 0.5 + asin(y) / pi;
-//   examples/jsm/loaders/HDRLoader.js: HalfFloatType unless told otherwise.
+//   examples/jsm/loaders/EXRLoader.js: HalfFloatType unless told otherwise. (HDRLoader divides by 255, not by 256: white is 1.004.)
 // usd: openusd.org, user guide of DomeLight: "adheres to the OpenEXR specification for latitude-longitude maps".
 
 const Engine table[] = {
@@ -94,13 +94,13 @@ const Engine table[] = {
      "pbrt samples the image itself",
      {"light.pbrt", pbrt_light},
      "Write Include \"FOLDER/light.pbrt\" behind WorldBegin."},
-    {"three", "three.js", "r180 and later (HDRLoader), read; not run",
-     {Projection::latlong, Forward::plus_x}, "background.hdr", 65504,
+    {"three", "three.js", "r187, run: tests/engines",
+     {Projection::latlong, Forward::plus_x}, background_exr, 65504,
      "+X, +Y and +Z of the probe are +X, +Y and +Z; +X lies at the centre of the image",
      "PMREMGenerator makes them when the map is set",
      {},
-     "import { HDRLoader } from 'three/addons/loaders/HDRLoader.js';\n"
-     "const probe = await new HDRLoader().loadAsync('FOLDER/background.hdr');\n"
+     "import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';\n"
+     "const probe = await new EXRLoader().loadAsync('FOLDER/background.exr');\n"
      "probe.mapping = THREE.EquirectangularReflectionMapping;\n"
      "scene.background = scene.environment = probe;"},
     {"usd", "USD", "openusd.org's user guide of DomeLight, read; not run",

@@ -40,7 +40,7 @@ const Lookup lookups[] = {
      }},
     // `Rotate -90 1 0 0` from the light to the world: the light's +Z is +Y, its +Y is -Z.
     {"pbrt", "background.exr", "light.pbrt", [](const Vec& d) { return equal_area(d[0], -d[2], d[1]); }},
-    {"three", "background.hdr", "",
+    {"three", "background.exr", "",
      [](const Vec& d) { return Place{0.5 + std::atan2(d[2], d[0]) / (2 * pi), 0.5 - std::asin(d[1]) / pi}; }},
     {"usd", "background.exr", "light.usda",
      [](const Vec& d) { return Place{0.5 - std::atan2(d[0], d[2]) / (2 * pi), 0.5 - std::asin(d[1]) / pi}; }},
@@ -63,7 +63,7 @@ TEST_F(Bake, EveryEngineFindsItsDirections) {
           const float* found = map.at(std::min(static_cast<int>(at.u * map.width), map.width - 1),
                                       std::min(static_cast<int>(at.v * map.height), map.height - 1));
           const auto wanted = colour_of(d);
-          // Half the diagonal of a texel of 1.4 to 2.8 degrees, by half the range; a Radiance file rounds by 1/256.
+          // Half the diagonal of a texel of 1.4 to 2.8 degrees, by half the range.
           for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(found[c], wanted[c], 0.025) << x << " " << y << " " << z;
         }
   }
