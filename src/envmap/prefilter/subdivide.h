@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "envmap/prefilter/cell.h"
+#include "envmap/prefilter/clip.h"
 #include "envmap/prefilter/tree.h"
 
 namespace envmap::prefiltering {
@@ -16,7 +16,7 @@ template <class P, class Add>
 class Subdivision {
  public:
   Subdivision(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found, Add& add)
-      : tree_(tree), lobe_(lobe), criterion_(criterion), found_(found), add_(add) {}
+      : tree_(tree), lobe_(lobe), criterion_(criterion), found_(found), add_(add), clips_(clips(lobe, criterion)) {}
 
   void open(const OpenBlock& block) {
     const Level& source = tree_.source();
@@ -34,6 +34,12 @@ class Subdivision {
     double error = 0;  // Of all its parts: they are lit alike and lie in one place, and may all be wrong the same way.
     bool bent = false;  // See Judged.
   };
+
+  // The lobe, where pieces are clipped: for a single direction.
+  static const Phong* clips(const Lobe& lobe, const Criterion& criterion) {
+    const Phong* phong = std::get_if<Phong>(&lobe);
+    return phong && phong->breaks_off() && criterion.radius == 0 && !criterion.surveying ? phong : nullptr;
+  }
 
   bool enough() const { return found_.count > criterion_.most_nodes; }
 
@@ -53,7 +59,9 @@ class Subdivision {
       for (int i = in.left; i < in.right; ++i) {
         const Rect rect = texel_rect(i, j, source.width(), source.height());
         const Flux radiance = scale * Flux(*source.texel(face, i, j));
-        if (const std::optional<Moments> area = small_cell<P>(face, rect))
+        if (Texel lit{face, radiance}; clip(lit, rect))
+          found_.add_error(lit.error, lit.bent);
+        else if (const std::optional<Moments> area = small_cell<P>(face, rect))
           cells.add(rect, node_of(*area, radiance), radiance);
         else
           texel({face, radiance}, rect);
@@ -87,6 +95,20 @@ class Subdivision {
     cut(part, rect, 0);
     found_.add_error(part.error, part.bent);
   }
+  // Adds a piece as what the horizon leaves of it. @return false where that is not good enough.
+  bool clip(Texel& texel, const Rect& rect) {
+    if (!clips_) return false;
+    const ClippedMean mean = clipped_mean(*clips_, flat_piece<P>(criterion_.middle, texel.face, rect));
+    const double whole = P::solid_angle(rect), off = whole * mean.error;
+    double worst = off * criterion_.most[3];
+    for (int c = 0; c < 3; ++c) worst = std::max(worst, off * texel.radiance[c] * criterion_.most[static_cast<std::size_t>(c)]);
+    if (!(worst <= criterion_.limit)) return false;
+    ++found_.count;
+    texel.error += worst, texel.bent = true;
+    for (int c = 0; c < 3; ++c) found_.clipped[static_cast<std::size_t>(c)] += whole * mean.value * texel.radiance[c];
+    found_.clipped[3] += whole * mean.value;
+    return true;
+  }
   // What is too large for simple moments is cut without a look at it.
   void cut(Texel& texel, const Rect& rect, int depth) {
     if (enough()) return;
@@ -96,7 +118,8 @@ class Subdivision {
     for (std::size_t k = 0; k < parts.size(); ++k) {
       const std::optional<Moments> area = small_cell<P>(texel.face, parts[k], last);
       if (!area) {
-        for (const Rect& part : parts) cut(texel, part, depth + 1);
+        for (const Rect& part : parts)
+          if (!clip(texel, part)) cut(texel, part, depth + 1);
         return;
       }
       nodes[k] = node_of(*area, texel.radiance);
@@ -104,6 +127,7 @@ class Subdivision {
     judge_all(
         nodes,
         [&](std::size_t k) {
+          if (clip(texel, parts[k])) return true;
           if (!last) cut(texel, parts[k], depth + 1);
           return !last;
         },
@@ -133,6 +157,7 @@ class Subdivision {
   Criterion& criterion_;
   Traversal& found_;
   Add& add_;
+  const Phong* clips_;
 };
 
 }  // namespace envmap::prefiltering

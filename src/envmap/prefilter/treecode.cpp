@@ -27,10 +27,11 @@ struct Job {
 };
 
 // How far from their middle directions may be that share nodes: these are as many as the worst of the directions needs. What
-// was fastest.
+// was fastest. None share where the horizon clips texels.
 double tile_radius(const Lobe& lobe) {
   return std::visit(
       [](const auto& l) {
+        if (l.breaks_off()) return 0.0;
         const double radius = 0.5 * std::sqrt(2 * l.width());
         return l.value(0.9) > 1e-3 ? std::min(radius, 0.08) : radius;
       },
@@ -41,7 +42,7 @@ double tile_radius(const Lobe& lobe) {
 void set_tile(std::span<const Direction> directions, Tile& tile) {
   Direction sum(0);
   for (const Direction& d : directions) sum += d;
-  tile.middle = glm::length(sum) > 0.1 ? glm::normalize(sum) : directions[0];
+  tile.middle = directions.size() > 1 && glm::length(sum) > 0.1 ? glm::normalize(sum) : directions[0];
   tile.count = directions.size();
   double square = 0;
   for (std::size_t k = 0; k < Tile::most; ++k) {
@@ -52,13 +53,13 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
   tile.radius = std::sqrt(square);
 }
 
-// Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are: sooner where a lobe
-// breaks off at the horizon, and directions that share nodes cut the more of them.
+// Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are. The exact sum goes
+// round every texel that the horizon of a lobe that breaks off cuts.
 std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
   const Level& s = tree.source();
   const std::size_t sum = directions * index_of(s, {s.faces(), 0, 0}) / 8;
-  const std::size_t shared = std::visit([](const auto& l) { return l.breaks_off(); }, lobe) ? 1 << 10 : 1 << 14;
-  return std::clamp<std::size_t>(sum, 1 << 8, directions > 1 ? shared : SIZE_MAX);
+  const std::size_t least = std::visit([](const auto& l) { return l.breaks_off(); }, lobe) ? 1 << 14 : 1 << 8;
+  return std::clamp<std::size_t>(sum, least, directions > 1 ? 1 << 14 : SIZE_MAX);
 }
 
 // The nodes of a tile, and what they are off.
@@ -82,6 +83,8 @@ class TileNodes {
 
   /// Opens nodes until their figure is below the error asked for. @param limit of the first try; set to that of the last.
   /// @param add takes the nodes. @return the figure, or nothing where there would be too many.
+  static const std::array<double, node_channels>& clipped() { return found().clipped; }
+
   template <class Clear, class Add>
   std::optional<double> find(double& limit, Clear&& clear, Add&& add) {
     constexpr int most_tries = 10;
@@ -133,7 +136,8 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
     const std::optional<double> figure = nodes.find(
         limit, [&] { seen.clear(), count = 0; }, [&](const Node& node) { add_seen(node, tile.middle, count, seen); });
     if (!figure) return figure;
-    const std::array<double, node_channels> sums = evaluate(job.lobe, seen);
+    std::array<double, node_channels> sums = evaluate(job.lobe, seen);
+    for (std::size_t c = 0; c < node_channels; ++c) sums[c] += TileNodes::clipped()[c];
     out[0] = radiance(job.tree, {sums[0], sums[1], sums[2]}, sums[3]);
     return figure;
   }
