@@ -106,7 +106,8 @@ constexpr std::string_view description =
     "lies near the singularity and draw no latlong maps. 'auto' is the cheapest of exact, resample and raycast by the "
     "number of triangles and texels.\n\n"
     "Light: emission, KHR_lights_punctual, --ambient and --environment, by glTF's metallic-roughness model. Punctual "
-    "lights cast shadows (--no-shadows), the environment does not. Surfaces are seen between the spheres of --near and --far.\n\n"
+    "lights cast shadows (--no-shadows), and surfaces keep diffuse light of the environment from each other (--occlusion). "
+    "Surfaces are seen between the spheres of --near and --far.\n\n"
     "--context: 'egl' draws on a graphics card without a display, 'osmesa' on the processor; 'auto' takes the card if "
     "there is one. Exit status 5 where there is neither.\n\n"
     "--frames A:B draws frame k at the time --time + k / --fps into a file each: put {frame} or %04d into the name.";

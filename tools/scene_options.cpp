@@ -19,6 +19,11 @@ void add_scene(CLI::App& app, SceneOptions& o) {
   app.add_option("--environment", o.environment, "Map that is the background and a light")->type_name("FILE");
   add_triple(app, "--ambient", o.ambient, "R,G,B", true, "Radiance from everywhere (default: 0)");
   app.add_flag("--no-shadows", o.no_shadows, "Let punctual lights shine through everything");
+  app.add_option("--occlusion", o.occlusion,
+                 "Distant lights that stand for the environment where surfaces keep its diffuse light from each other; 0: it shines "
+                 "through everything (default: 64)")
+      ->type_name("N")
+      ->check(CLI::Range(0, most_distant_lights));
   app.add_option("--time", o.time, "Of animations, in seconds (default: 0)")->type_name("T")->check(CLI::Range(-1e6, 1e6));
   app.add_option("--frames", o.frames, "Draw the frames A to B, a file each")->type_name("A:B");
   app.add_option("--fps", o.rate, "Frames a second (default: 24)")->type_name("F")->check(CLI::Range(1e-3, 1e6));
@@ -56,7 +61,8 @@ Shot LoadedScene::shot(double time, const SceneOptions& options) const {
           .pose = pose(scene, time),
           .environment = environment.get(),
           .ambient = Colour(options.ambient.value_or(Direction(0))),
-          .shadows = !options.no_shadows};
+          .shadows = !options.no_shadows,
+          .distant = distant};
 }
 
 LoadedScene load(const SceneOptions& o, const Common& common) {
@@ -68,10 +74,13 @@ LoadedScene load(const SceneOptions& o, const Common& common) {
   if (common.verbose)
     note(common, fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
                              instances(scene).size(), scene.materials.size(), scene.lights.size()));
-  if (o.environment.empty()) return loaded;
-  loaded.inputs.push_back(o.environment);
-  loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read, common).map, glossy_size,
-                                                     progress_line(common, "light of the environment"));
+  if (!o.environment.empty()) {
+    loaded.inputs.push_back(o.environment);
+    loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read, common).map, glossy_size,
+                                                       progress_line(common, "light of the environment"));
+  }
+  if (o.occlusion > 0 && (loaded.environment || o.ambient))
+    loaded.distant = distant_lights(loaded.environment.get(), Colour(o.ambient.value_or(Direction(0))), o.occlusion);
   return loaded;
 }
 

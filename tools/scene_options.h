@@ -19,6 +19,7 @@ struct SceneOptions {
   std::optional<envmap::Direction> ambient;
   envmap::ContextKind context = envmap::ContextKind::automatic;
   bool no_shadows = false;
+  int occlusion = 64;
   double time = 0, rate = 24;
   envmap::ReadOptions read;
 };
@@ -43,6 +44,7 @@ Frames frames_of(const SceneOptions& options);
 struct LoadedScene {
   envmap::Scene scene;
   std::unique_ptr<envmap::Environment> environment;  ///< Null: black.
+  std::vector<envmap::DistantLight> distant;         ///< Of it and of ambient light.
   std::vector<std::string> inputs;
 
   [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;

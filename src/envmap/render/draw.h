@@ -41,6 +41,7 @@ struct Viewpoint {
   std::optional<Lens> lens;        ///< Then it is a picture of one face, and `to` is not looked at.
 };
 
+struct DistantLight;
 struct Environment;
 struct MirrorMap;
 
@@ -61,6 +62,9 @@ struct Shot {
   const Environment* environment = nullptr;  ///< Background and light (shading.h); null: black.
   Colour ambient{0};                         ///< Radiance from everywhere, beside the environment; no background.
   bool shadows = true;                       ///< Of punctual lights.
+  /// The environment's (distant_lights.h), for what surfaces keep of it from each other: at most most_distant_lights;
+  /// none: it shines through everything.
+  std::span<const DistantLight> distant{};
   std::span<const MirrorMap> mirrors{};      ///< In the order of the renderer's; empty: they show the environment.
   MirrorLook look{};
 };

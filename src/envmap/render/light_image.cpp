@@ -21,20 +21,23 @@ int light_faces(const PlacedLight& light) {
   return light.kind == PunctualLight::Kind::point || wide ? 6 : 1;
 }
 
+LightFace parallel_image(const Direction& along, const Ball& scene) {
+  const double half = scene.radius > 0 ? 1.001 * scene.radius : 1;
+  return {-1, scene.centre, looking_along(along), half, true};
+}
+
 std::vector<LightFace> light_images(std::span<const PlacedLight> lights, const Ball& scene) {
   std::vector<LightFace> all;
-  for (std::size_t k = 0; k < lights.size(); ++k) {
-    const PlacedLight& light = lights[k];
-    const auto number = static_cast<int>(k);
+  for (const PlacedLight& light : lights) {
     if (light.kind == PunctualLight::Kind::directional) {
-      const double half = scene.radius > 0 ? 1.001 * scene.radius : 1;
-      all.push_back({number, scene.centre, looking_along(light.direction), half, true});
+      all.push_back(parallel_image(light.direction, scene));
+      all.back().but = light.node;
     } else if (light_faces(light) == 1) {
       const double half = std::sqrt(1 - light.outer * light.outer) / light.outer;
-      all.push_back({number, light.position, looking_along(light.direction), std::max(half, 1e-6)});
+      all.push_back({light.node, light.position, looking_along(light.direction), std::max(half, 1e-6)});
     } else {
       for (const Cube::Axes& axes : Cube::axes)
-        all.push_back({number, light.position, Rotation(axes.right, axes.up, axes.forward)});
+        all.push_back({light.node, light.position, Rotation(axes.right, axes.up, axes.forward)});
     }
   }
   return all;

@@ -35,6 +35,10 @@ gl::Definitions constants() {
           {"UNIT_MATERIALS", number(unit_materials)},
           {"UNIT_MIRROR", number(unit_mirror)},
           {"UNIT_SHADOWS", number(unit_shadows)},
+          {"UNIT_DISTANT_SHADOWS", number(unit_distant_shadows)},
+          {"MOST_DISTANT_LIGHTS", number(most_distant_lights)},
+          {"BLOCK_DISTANT_FACES", number(block_distant_faces)},
+          {"BLOCK_DISTANT_LIGHTS", number(block_distant_lights)},
           {"CORNER", number(corner_texels)},
           {"BUFFER_LIGHTS", number(buffer_lights)},
           {"BUFFER_LIGHT_FACES", number(buffer_light_faces)}};
@@ -95,8 +99,8 @@ gl::Program shadow_program(bool holes) {
   gl::Definitions definitions = constants();
   definitions["HOLES"] = number(holes);
   return gl::make_program(
-      {{GL_VERTEX_SHADER, {"instances.glsl", "light_image.glsl", "shadow.vert.glsl"}},
-       {GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "light_image.glsl", "shadow.frag.glsl"}}},
+      {{GL_VERTEX_SHADER, {"instances.glsl", "light_image.glsl", "light_faces.glsl", "shadow.vert.glsl"}},
+       {GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "light_image.glsl", "light_faces.glsl", "shadow.frag.glsl"}}},
       definitions);
 }
 
@@ -116,7 +120,7 @@ gl::Program shading_program(const Shading& s) {
     add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), "meet_map.glsl", "reflect_mirror.glsl"});
   else
     add({"reflect_environment.glsl"});
-  add({"lights.glsl", "light_image.glsl", "shadow.glsl", "shading.glsl", "shade.frag.glsl"});
+  add({"lights.glsl", "light_image.glsl", "light_faces.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl", "shade.frag.glsl"});
   return lighting(files, definitions, s.environment);
 }
 

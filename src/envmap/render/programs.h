@@ -25,8 +25,11 @@ enum Unit : GLuint {
   unit_materials,
   unit_mirror,
   unit_shadows,
+  unit_distant_shadows,
   buffer_lights = 4,
-  buffer_light_faces
+  buffer_light_faces,
+  block_distant_faces = 0,
+  block_distant_lights
 };
 
 /// Texels of four floats that a corner takes in its buffer.

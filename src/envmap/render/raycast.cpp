@@ -27,8 +27,7 @@ Seen look(const RayTree& tree, const Lighting& lighting, const Viewpoint& from, 
 
 Drawn raycast(const Shot& shot, const Viewpoint& from, const Progress& progress) {
   const RayTree tree(shot, from.at, from.without);
-  Lighting light = lighting(shot);
-  if (shot.shadows) light.obstacles = &tree;
+  const Lighting light = lighting(shot, &tree);
   Drawn drawn{.radiance = blank_map(from.to, from.size)};
   Level& level = drawn.radiance.base();
   drawn.distances.assign(ImageView<float>::count(level.width(), level.height(), level.faces()),

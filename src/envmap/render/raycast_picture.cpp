@@ -29,8 +29,7 @@ struct Ray {
 class Tracer {
  public:
   Tracer(const Shot& shot, const Viewpoint& from, const RayPaths& paths)
-      : tree_(shot, from.at, from.without), light_(lighting(shot)), from_(from), far_(paths.far) {
-    if (shot.shadows) light_.obstacles = &tree_;
+      : tree_(shot, from.at, from.without), light_(lighting(shot, &tree_)), from_(from), far_(paths.far) {
     for (const Instance& instance : instances(shot.scene)) {
       const Mesh& mesh = shot.scene.meshes[instance.mesh];
       const bool named = std::ranges::any_of(

@@ -119,6 +119,8 @@ void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, co
   const LightTexture& light = own ? *mirror->glossy : light_;
   const Colour none(0);
   gl::set(program, "shadows", shot.shadows ? 1 : 0);
+  // A map of its own shows what is round it.
+  gl::set(program, "distant_count", own ? 0 : static_cast<int>(shot.distant.size()));
   gl::set(program, "ambient", own ? none : shot.ambient);
   gl::set(program, "reflected_ambient", mirror != nullptr ? none : shot.ambient);
   gl::set(program, "blur", mirror != nullptr && !own ? 0.0F : 1.0F);
@@ -258,6 +260,30 @@ void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t 
   light(program, from, static_cast<int>(1 + k));
 }
 
+// Maps that are not of this moment yet.
+void Renderer::draw_shadows(const Shot& shot) {
+  if (shot.shadows && gpu_.lights() > 0 && !shadows_.are_of(shot.pose))
+    shadows_.draw(gpu_, shot, light_images(placed_lights(shot.scene, shot.pose), bounds(shot.scene, shot.pose)));
+  if (shot.distant.empty() || distant_shadows_.are_of(shot.pose)) return;
+  const Ball ball = bounds(shot.scene, shot.pose);
+  std::vector<LightFace> faces;
+  std::vector<glm::vec4> light;
+  for (const DistantLight& each : shot.distant) {
+    faces.push_back(parallel_image(-each.from, ball));
+    light.emplace_back(each.irradiance, 0);
+  }
+  light.resize(most_distant_lights);  // A block has its size.
+  distant_lights_ = gl::make_buffer(light);
+  distant_shadows_.draw(gpu_, shot, std::move(faces));
+}
+
+void Renderer::bind_shadows(const Shot& shot, const Direction& eye) const {
+  if (shot.shadows) shadows_.bind(eye, unit_shadows, GL_SHADER_STORAGE_BUFFER, buffer_light_faces);
+  if (shot.distant.empty()) return;
+  distant_shadows_.bind(eye, unit_distant_shadows, GL_UNIFORM_BUFFER, block_distant_faces);
+  glBindBufferBase(GL_UNIFORM_BUFFER, block_distant_lights, distant_lights_);
+}
+
 void Renderer::prepare_canvas(const Viewpoint& from) {
   const int width = from.lens ? from.lens->width : from.size * aspect(from.to);
   if (!canvas_ || canvas_->width != width || canvas_->height != from.size) canvas_.emplace(width, from.size);
@@ -271,10 +297,10 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
   prepare_canvas(from);
   const std::size_t texels = static_cast<std::size_t>(canvas_->width) * static_cast<std::size_t>(from.size);
   std::vector<glm::uvec2> seen;
-  if (shot.shadows) shadows_.draw(gpu_, shot);
+  draw_shadows(shot);
   gpu_.place(shot.scene, shot.pose, from.at, from.axes);
   gpu_.bind();
-  if (shot.shadows) shadows_.bind(from.at);
+  bind_shadows(shot, from.at);
   const int count = from.lens ? 1 : faces(from.to);
   for (int face = 0; face < count; ++face) {
     if ((from.which >> face & 1U) == 0) continue;

@@ -68,11 +68,14 @@ class Renderer {
   void shade_background(const Viewpoint& from, const Shot& shot);
   void shade_group(const Viewpoint& from, const Shot& shot, std::size_t group);
   void light(const gl::Program& program, const Viewpoint& from, int stencil) const;
+  void draw_shadows(const Shot& shot);
+  void bind_shadows(const Shot& shot, const Direction& eye) const;
   void prepare_canvas(const Viewpoint& from);
 
   std::vector<int> mirrors_;
   GpuScene gpu_;
-  ShadowMaps shadows_;
+  ShadowMaps shadows_, distant_shadows_;  // Of punctual lights, and of Shot::distant.
+  gl::Buffer distant_lights_;
   EnvironmentTexture environment_;
   LightTexture light_;
   gl::Texture split_sum_;

@@ -129,7 +129,9 @@ std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
   return placed;
 }
 
-Lighting lighting(const Shot& shot) { return {placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient}; }
+Lighting lighting(const Shot& shot, const RayTree* obstacles) {
+  return {placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient, obstacles, shot.shadows, shot.distant};
+}
 
 bool in_shadow(const RayTree& obstacles, const Surface& s, const PlacedLight& light) {
   const bool parallel = light.kind == PunctualLight::Kind::directional;
@@ -138,6 +140,19 @@ bool in_shadow(const RayTree& obstacles, const Surface& s, const PlacedLight& li
   if (distance == 0) return false;
   const Direction towards = parallel ? -light.direction : way / distance;
   return obstacles.blocked(s.lifted, s.normal, towards, distance, light.node);
+}
+
+Flux unoccluded(const RayTree& obstacles, const Surface& s, std::span<const DistantLight> distant) {
+  Flux all(0), reached(0);
+  for (const DistantLight& light : distant) {
+    const double cosine = glm::dot(s.normal, light.from);
+    if (cosine <= 0) continue;
+    const Flux there = cosine * Flux(light.irradiance);
+    all += there;
+    if (!obstacles.blocked(s.lifted, s.normal, light.from, std::numeric_limits<double>::infinity(), -1)) reached += there;
+  }
+  for (int k = 0; k < 3; ++k) reached[k] = all[k] > 0 ? reached[k] / all[k] : 1;
+  return reached;
 }
 
 Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
@@ -156,7 +171,8 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
     const Flux mean = f0 + (f90 - f0) / 21.0;
     return once(f0, f90) * mean / (1.0 - more * mean) * more;
   };
-  const Flux plain(smooth), irradiance = irradiance_over_pi(l, n), rest = 1.0 - once(plain, edge) - later(plain, edge);
+  const Flux reached = l.obstacles != nullptr ? unoccluded(*l.obstacles, s, l.distant) : Flux(1);
+  const Flux plain(smooth), irradiance = reached * irradiance_over_pi(l, n), rest = 1.0 - once(plain, edge) - later(plain, edge);
   Scattered out{.radiance = Flux(s.emissive) + rest * dielectric * (1 - transmitted) * irradiance +
                             glm::mix(later(plain, edge), later(base, 1), metallic) * irradiance,
                 .reflected = glm::mix(once(plain, edge), once(base, 1), metallic),
@@ -170,7 +186,7 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
     Direction from;
     const Flux there = arriving(light, s.position, from);
     const double nl = glm::dot(n, from);
-    if (nl <= 0 || (l.obstacles != nullptr && in_shadow(*l.obstacles, s, light))) continue;
+    if (nl <= 0 || (l.obstacles != nullptr && l.shadows && in_shadow(*l.obstacles, s, light))) continue;
     const Direction h = glm::normalize(from + v);
     const double grazing = std::pow(1 - std::clamp(glm::dot(v, h), 0.0, 1.0), 5);
     const Flux of_plain = plain + (edge - plain) * grazing;

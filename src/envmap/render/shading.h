@@ -2,7 +2,8 @@
 /// The light that a surface sends towards the viewer: glTF 2.0's metallic-roughness material under punctual lights, even
 /// ambient light and an environment. shaders/shading.glsl is the same for the graphics card.
 ///
-/// Punctual lights cast shadows; the environment does not, and surfaces light each other only through maps. Sources: "glTF 2.0 Specification", appendix B;
+/// Punctual lights cast shadows. Of the environment's light surfaces keep what is diffused from each other; they light each
+/// other only through maps. Sources: "glTF 2.0 Specification", appendix B;
 /// KHR_lights_punctual; KHR_materials_transmission, _ior and _volume; Karis 2013 (the split sum); Fdez-Aguera 2019, "A
 /// multiple-scattering microfacet model for real-time image-based lighting", so that white surfaces of any roughness in a
 /// white environment stay white.
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "envmap/base/progress.h"
+#include "envmap/render/distant_lights.h"
 #include "envmap/render/draw.h"
 #include "envmap/sample/lookup.h"
 #include "envmap/sample/padded_level.h"
@@ -77,15 +79,21 @@ struct Lighting {
   std::vector<PlacedLight> lights;
   const Environment* environment = nullptr;  ///< Null: black.
   Colour ambient{0};
-  const RayTree* obstacles = nullptr;  ///< What casts shadows of the lights; null: nothing.
+  const RayTree* obstacles = nullptr;  ///< What casts shadows; null: nothing.
+  bool shadows = true;                 ///< Of the lights, too.
+  std::span<const DistantLight> distant{};  ///< Shot::distant.
 };
-Lighting lighting(const Shot& shot);
+/// @param obstacles of the shot, or null: then nothing casts a shadow.
+Lighting lighting(const Shot& shot, const RayTree* obstacles = nullptr);
 
 /// Radiance of the environment, without ambient light, from a world direction: black where there is none.
 Colour background(const Environment* environment, const Direction& from);
 
 /// Whether a light does not reach the surface: something that casts_shadow() is in between.
 bool in_shadow(const RayTree& obstacles, const Surface& surface, const PlacedLight& light);
+
+/// The part of the environment's diffuse light that reaches the surface: of its distant lights on that side.
+Flux unoccluded(const RayTree& obstacles, const Surface& surface, std::span<const DistantLight> distant);
 
 /// What leaves a surface towards the viewer: light of its own and of lights, and parts of what comes from two directions.
 struct Scattered {

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
-#include "envmap/render/programs.h"
 
 namespace envmap {
 namespace {
@@ -50,7 +49,8 @@ void ShadowMaps::make(std::size_t faces) {
   glNamedRenderbufferStorage(depth_, GL_DEPTH_COMPONENT32F, size_, size_);
   seen_ = gl::make_framebuffer();
   glNamedFramebufferRenderbuffer(seen_, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
-  face_buffer_ = gl::make_buffer(nullptr, faces * sizeof(GpuLightFace), GL_DYNAMIC_STORAGE_BIT);
+  const std::size_t held = std::max<std::size_t>(faces, most_distant_lights);  // A block has its size.
+  face_buffer_ = gl::make_buffer(nullptr, held * sizeof(GpuLightFace), GL_DYNAMIC_STORAGE_BIT);
   gl::check("shadow maps");
 }
 
@@ -62,17 +62,17 @@ void ShadowMaps::place(const Direction& eye) const {
     faces.push_back(face);
   }
   glNamedBufferSubData(face_buffer_, 0, static_cast<GLsizeiptr>(faces.size() * sizeof(GpuLightFace)), faces.data());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_light_faces, face_buffer_);
 }
 
-void ShadowMaps::bind(const Direction& eye) const {
+void ShadowMaps::bind(const Direction& eye, Unit unit, GLenum target, Unit binding) const {
   if (faces_.empty()) return;
   place(eye);
-  glBindTextureUnit(unit_shadows, maps_);
+  glBindBufferBase(target, binding, face_buffer_);
+  glBindTextureUnit(unit, maps_);
 }
 
 // The scene is placed as seen from the face's centre, along the axes of the world.
-void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& shot, int lamp) {
+void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& shot) {
   glNamedFramebufferTextureLayer(seen_, GL_COLOR_ATTACHMENT0, maps_, 0, static_cast<GLint>(face));
   glBindFramebuffer(GL_FRAMEBUFFER, seen_);
   constexpr std::array<float, 4> nothing{0, 0, -1e30F, 0};
@@ -89,7 +89,7 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& sh
       const Part& part = gpu.parts()[k];
       const Ball& ball = gpu.placed()[k].ball;
       if (part.holes != holes || !part.casts_shadow || part.indices == 0) continue;
-      if (lies_under(shot.scene, part.node, lamp)) continue;
+      if (f.but >= 0 && lies_under(shot.scene, part.node, f.but)) continue;
       if (!f.parallel && glm::dot(ball.centre, f.axes[2]) + ball.radius < 0) continue;
       if (holes) {
         const Group& group = gpu.groups()[static_cast<std::size_t>(part.group)];
@@ -105,11 +105,9 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& sh
   }
 }
 
-void ShadowMaps::draw(GpuScene& gpu, const Shot& shot) {
-  if (shot.pose == pose_) return;
+void ShadowMaps::draw(GpuScene& gpu, const Shot& shot, std::vector<LightFace> faces) {
   pose_ = shot.pose;
-  const std::vector<PlacedLight> lights = placed_lights(shot.scene, shot.pose);
-  faces_ = light_images(lights, bounds(shot.scene, shot.pose));
+  faces_ = std::move(faces);
   if (faces_.empty()) return;
   if (size_ == 0) make(faces_.size());
   glViewport(0, 0, size_, size_);
@@ -123,7 +121,8 @@ void ShadowMaps::draw(GpuScene& gpu, const Shot& shot) {
     gpu.place(shot.scene, shot.pose, faces_[k].centre, Rotation(1));
     gpu.bind();
     place(faces_[k].centre);
-    draw_face(k, gpu, shot, lights[static_cast<std::size_t>(faces_[k].light)].node);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_light_faces, face_buffer_);
+    draw_face(k, gpu, shot);
   }
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   gl::check("drawing shadow maps");

@@ -7,23 +7,27 @@
 #include "envmap/render/gl.h"
 #include "envmap/render/gpu_scene.h"
 #include "envmap/render/light_image.h"
+#include "envmap/render/programs.h"
 
 namespace envmap {
 
 /// Needs a current context, and goes before it. Source: Williams 1978, "Casting curved shadows on curved surfaces".
 class ShadowMaps {
  public:
-  /// Draws them unless they are those of this moment. The scene must be placed anew after this.
-  /// @throws UsageError where the renderer has no room for so many.
-  void draw(GpuScene& gpu, const Shot& shot);
+  /// Draws them. The scene must be placed anew after this.
+  /// @param faces as many as before. @throws UsageError where the renderer has no room for so many.
+  void draw(GpuScene& gpu, const Shot& shot, std::vector<LightFace> faces);
 
-  /// For shading, seen from `eye`.
-  void bind(const Direction& eye) const;
+  /// Whether they are of this moment.
+  [[nodiscard]] bool are_of(const Pose& pose) const { return pose == pose_; }
+
+  /// For shading, seen from `eye`: maps to a unit, faces to a binding of GL_SHADER_STORAGE_BUFFER or GL_UNIFORM_BUFFER.
+  void bind(const Direction& eye, Unit unit, GLenum target, Unit binding) const;
 
  private:
   void make(std::size_t faces);
   void place(const Direction& eye) const;
-  void draw_face(std::size_t face, const GpuScene& gpu, const Shot& shot, int lamp);
+  void draw_face(std::size_t face, const GpuScene& gpu, const Shot& shot);
   const gl::Program& program(bool holes);
 
   Pose pose_;  // Of what is drawn.

@@ -81,7 +81,7 @@ vec3 shade(Surface s, vec3 v) {
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
   vec2 table = textureLod(split_sum, vec2(nv, s.roughness), 0).rg;
-  vec3 even = irradiance_over_pi(n), rest = 1 - once(plain, edge, table) - later(plain, edge, table);
+  vec3 even = unoccluded(s.lifted, n) * irradiance_over_pi(n), rest = 1 - once(plain, edge, table) - later(plain, edge, table);
   vec3 sum = s.emissive + rest * dielectric * (1 - s.transmission) * even +
              mix(later(plain, edge, table), later(base, 1, table), s.metallic) * even +
              mix(once(plain, edge, table), once(base, 1, table), s.metallic) *

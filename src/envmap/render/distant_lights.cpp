@@ -1,0 +1,108 @@
+#include "envmap/render/distant_lights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "envmap/operate/convert.h"
+#include "envmap/projection/visit.h"
+#include "envmap/render/shading.h"
+
+namespace envmap {
+namespace {
+
+constexpr int rows = 128, columns_a_row = 2 * rows;
+
+struct Texel {
+  Direction from;
+  Flux irradiance;
+  double luminance;
+};
+
+std::vector<Texel> texels_of(const Environment* environment, const Colour& ambient) {
+  std::vector<Texel> texels;
+  EnvironmentMap map;
+  if (environment != nullptr)
+    map = convert(environment->map, {.to = Projection::latlong, .size = rows, .filter = Filter::area});
+  std::vector<Direction> from(columns_a_row);
+  std::vector<double> solid_angle(columns_a_row);
+  for (int row = 0; row < rows; ++row) {
+    texel_directions(Projection::latlong, rows, 0, row, 0, from);
+    solid_angles(Projection::latlong, rows, row, solid_angle);
+    for (int i = 0; i < columns_a_row; ++i) {
+      const Colour radiance = ambient + (environment != nullptr ? *map.base().texel(0, i, row) : Colour(0));
+      const Flux all = solid_angle[static_cast<std::size_t>(i)] * Flux(radiance);
+      texels.push_back({from[static_cast<std::size_t>(i)], all, 0.2126 * all.x + 0.7152 * all.y + 0.0722 * all.z});
+    }
+  }
+  return texels;
+}
+
+// Texels from a left and an upper one to a right and a lower one, without these.
+struct Part {
+  int left, upper, right, lower;
+  double luminance;
+};
+
+class Sky {
+ public:
+  explicit Sky(std::vector<Texel> texels) : texels_(std::move(texels)) {}
+
+  [[nodiscard]] Part part(int left, int upper, int right, int lower) const {
+    double sum = 0;
+    for (int j = upper; j < lower; ++j)
+      for (int i = left; i < right; ++i) sum += at(i, j).luminance;
+    return {left, upper, right, lower, sum};
+  }
+
+  // Two parts of nearly the same luminance; the part itself where it is one texel.
+  [[nodiscard]] std::vector<Part> halves(const Part& p) const {
+    const double latitude = pi * (0.5 - 0.5 * (p.upper + p.lower) / rows);
+    const bool across = (p.right - p.left) * std::cos(latitude) > p.lower - p.upper;
+    const bool wide = p.lower - p.upper == 1 || (across && p.right - p.left > 1);
+    const int from = wide ? p.left : p.upper, to = wide ? p.right : p.lower;
+    if (to - from == 1) return {p};
+    const auto before = [&](int cut) { return wide ? part(p.left, p.upper, cut, p.lower) : part(p.left, p.upper, p.right, cut); };
+    const auto after = [&](int cut) { return wide ? part(cut, p.upper, p.right, p.lower) : part(p.left, cut, p.right, p.lower); };
+    const auto apart = [&](int cut) { return std::abs(2 * before(cut).luminance - p.luminance); };
+    int best = from + 1;
+    for (int cut = from + 2; cut < to; ++cut)
+      if (apart(cut) < apart(best)) best = cut;
+    return {before(best), after(best)};
+  }
+
+  [[nodiscard]] DistantLight light(const Part& p) const {
+    Direction sum(0);
+    Flux irradiance(0);
+    for (int j = p.upper; j < p.lower; ++j)
+      for (int i = p.left; i < p.right; ++i) {
+        sum += at(i, j).luminance * at(i, j).from;
+        irradiance += at(i, j).irradiance;
+      }
+    const double length = glm::length(sum);
+    return {length > 0 ? sum / length : at(p.left, p.upper).from, Colour(irradiance)};
+  }
+
+ private:
+  [[nodiscard]] const Texel& at(int i, int j) const { return texels_[static_cast<std::size_t>(j * columns_a_row + i)]; }
+  std::vector<Texel> texels_;
+};
+
+}  // namespace
+
+std::vector<DistantLight> distant_lights(const Environment* environment, const Colour& ambient, int count) {
+  const Sky sky(texels_of(environment, ambient));
+  std::vector<Part> parts{sky.part(0, 0, columns_a_row, rows)}, whole;
+  while (!parts.empty() && static_cast<int>(parts.size() + whole.size()) < count) {
+    const auto brightest = std::ranges::max_element(parts, {}, &Part::luminance);
+    const std::vector<Part> halves = sky.halves(*brightest);
+    parts.erase(brightest);
+    (halves.size() == 1 ? whole : parts).insert((halves.size() == 1 ? whole : parts).end(), halves.begin(), halves.end());
+  }
+  parts.insert(parts.end(), whole.begin(), whole.end());
+  std::vector<DistantLight> lights;
+  for (const Part& p : parts)
+    if (p.luminance > 0) lights.push_back(sky.light(p));
+  return lights;
+}
+
+}  // namespace envmap

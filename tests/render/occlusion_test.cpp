@@ -1,0 +1,152 @@
+// What things keep of the environment from each other: what OpenGL draws against rays, and both against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "drawing.h"
+#include "envmap/operate/generate.h"
+#include "envmap/render/raycast.h"
+#include "envmap/render/renderer.h"
+#include "small_scenes.h"
+
+namespace {
+
+using namespace envmap;
+using namespace small_scenes;
+
+const Environment& white() {
+  static const Environment sky(generate(Constant{Direction(1)}, Projection::cube, 16), 8);
+  return sky;
+}
+const Environment& clear() {
+  static const Environment sky(generate(Sky{1, 0.2}, Projection::latlong, 64), 8);
+  return sky;
+}
+
+// Radiance of each pixel, in a scene that keeps to itself what it does.
+struct Pictures {
+  std::vector<Colour> drawn, cast;
+};
+Pictures pictures(const Scene& scene, const Environment* sky, std::span<const DistantLight> distant, Colour ambient = Colour(0)) {
+  drawing::context();
+  Renderer renderer(scene, sky);
+  const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = sky, .ambient = ambient, .distant = distant};
+  return {draw_picture(renderer, camera(), shot), raycast_picture(shot, camera(), {})};
+}
+
+// ---- the lights --------------------------------------------------------------------------------------------------------
+
+TEST(DistantLights, ShareOutTheFlux) {
+  for (const int count : {1, 2, 7, 64, 256}) {
+    Flux sum(0);
+    const std::vector<DistantLight> lights = distant_lights(&white(), Colour(1, 0, 0.5F), count);
+    EXPECT_EQ(lights.size(), static_cast<std::size_t>(count));
+    for (const DistantLight& light : lights) {
+      EXPECT_NEAR(glm::length(light.from), 1, 1e-9);
+      sum += Flux(light.irradiance);
+    }
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(sum[k], 4 * pi * Flux(2, 1, 1.5)[k], 1e-3);
+  }
+  EXPECT_TRUE(distant_lights(nullptr, Colour(0), 16).empty());
+}
+
+// The mean of cosines round a direction is that of the environment: E = pi where all is 1.
+TEST(DistantLights, GiveItsIrradiance) {
+  const std::vector<DistantLight> lights = distant_lights(&white(), Colour(0), 256);
+  for (const Direction n : {Direction(0, 1, 0), {0, -1, 0}, {0.6, 0, 0.8}, {0, 0.6, -0.8}}) {
+    double sum = 0;
+    for (const DistantLight& light : lights) sum += light.irradiance.x * std::max(0.0, glm::dot(n, light.from));
+    EXPECT_NEAR(sum / pi, 1, 0.02);
+  }
+}
+
+TEST(DistantLights, StandWhereASunDoes) {
+  const Direction towards = glm::normalize(Direction(1, 2, 3));
+  const Environment sun(generate(Sun{.towards = towards, .radius = 3, .radiance = Direction(1000), .zenith = 0, .ground = 0}, Projection::cube, 128), 8);
+  double near = 0, all = 0;
+  for (const DistantLight& light : distant_lights(&sun, Colour(0.01F), 32)) {
+    all += light.irradiance.y;
+    if (angle_between(light.from, towards) < 0.08) near += light.irradiance.y;
+  }
+  EXPECT_GT(near / all, 0.95);
+}
+
+// ---- against closed forms ----------------------------------------------------------------------------------------------
+
+// A floor in a white world, under a ball: what the ball covers of the sky, weighted by cosines, is (r/d)^2 cos(angle) where
+// all of it is above the horizon (Nusselt's analog).
+TEST(Occlusion, UnderABallIsItsFormFactor) {
+  const Direction centre(0.2, 0.7, 0);
+  constexpr double radius = 0.5;
+  Scene scene;
+  add(scene, square(2), plaster);
+  add(scene, rooms::ball(64, radius), plaster, glm::translate(Matrix(1), centre));
+  const Viewpoint from = camera();
+  for (const int count : {64, 256}) {
+    const Pictures both = pictures(scene, &white(), distant_lights(&white(), Colour(0), count));
+    for (const auto& picture : {both.drawn, both.cast}) {
+      double worst = 0, sum = 0, darkest = 1;
+      int pixels = 0;
+      for_each_pixel(from, [&](int k, const Direction& ray) {
+        const Direction place = from.at - from.at.y / ray.y * ray, off = from.at - centre;
+        if (ray.y >= 0 || glm::length(off - glm::dot(off, ray) * ray) < radius * 1.03) return;
+        if (std::max(std::abs(place.x), std::abs(place.z)) > 1.98) return;
+        const double distance = glm::length(centre - place);
+        const double expected = 1 - radius * radius * centre.y / std::pow(distance, 3);
+        const double error = std::abs(picture[static_cast<std::size_t>(k)].x - expected);
+        worst = std::max(worst, error), sum += error, ++pixels, darkest = std::min(darkest, expected);
+      });
+      EXPECT_LT(darkest, 0.6);
+      EXPECT_LT(worst, count == 64 ? 0.12 : 0.05);
+      EXPECT_LT(sum / pixels, count == 64 ? 0.02 : 0.01);
+    }
+  }
+}
+
+// The furnace: what is convex and alone keeps nothing from itself, however coarse.
+TEST(Occlusion, NothingKeepsLightFromItself) {
+  for (const int rings : {6, 64}) {
+    Scene scene;
+    add(scene, rooms::ball(rings, 0.9), {.roughness = 0.6F});
+    const std::vector<DistantLight> distant = distant_lights(&clear(), Colour(0), 64);
+    const Pictures with = pictures(scene, &clear(), distant), without = pictures(scene, &clear(), {});
+    for (std::size_t k = 0; k < with.drawn.size(); ++k) {
+      EXPECT_NEAR(with.drawn[k].y, without.drawn[k].y, 1e-6) << rings << ": " << k;
+      EXPECT_NEAR(with.cast[k].y, without.cast[k].y, 1e-6) << rings << ": " << k;
+    }
+  }
+}
+
+TEST(Occlusion, IsOfAmbientLightToo) {
+  const Scene scene = still_life();
+  const Pictures sky = pictures(scene, &white(), distant_lights(&white(), Colour(0), 32));
+  const Pictures even = pictures(scene, nullptr, distant_lights(nullptr, Colour(1), 32), Colour(1));
+  int on_floor = 0;
+  for_each_pixel(camera(), [&](int k, const Direction& ray) {
+    const Direction place = camera().at - camera().at.y / ray.y * ray;
+    if (ray.y >= 0 || std::max(std::abs(place.x), std::abs(place.z)) > 1.9) return;
+    ++on_floor;
+    EXPECT_NEAR(sky.cast[static_cast<std::size_t>(k)].x, even.cast[static_cast<std::size_t>(k)].x, 4e-3) << k;
+  });
+  EXPECT_GT(on_floor, 1000);
+}
+
+// ---- against rays ------------------------------------------------------------------------------------------------------
+
+// Each light's outline is right to a texel; so few of them differ in a pixel, and next to none where there are no outlines.
+TEST(Occlusion, IsDrawnAsRaysFindIt) {
+  const Scene scene = still_life();
+  const std::vector<DistantLight> distant = distant_lights(&clear(), Colour(0), 64);
+  const Pictures both = pictures(scene, &clear(), distant);
+  double sum = 0;
+  int far_off = 0;
+  for (std::size_t k = 0; k < both.cast.size(); ++k) {
+    const double error = std::abs(both.drawn[k].y - both.cast[k].y);
+    sum += error;
+    far_off += error > 3.0 / 64;
+  }
+  EXPECT_LT(sum / static_cast<double>(both.cast.size()), 3e-3);
+  EXPECT_LT(far_off, static_cast<int>(both.cast.size() / 200));
+}
+
+}  // namespace
