@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "colour_options.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/metadata.h"
@@ -160,6 +161,7 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
   app.add_flag("--crop", options.choice.crop,
                "Of an EXR file whose data window is not its display window: read the data window as the whole image");
   add_max_pixels(app, options);
+  add_input_space(app, options);
 }
 
 void add_max_pixels(CLI::App& app, ReadOptions& options) {
@@ -215,6 +217,7 @@ Source read_map(const std::string& path, const ReadOptions& options, const Commo
   const Stopwatch watch;
   Source source = read(path, options);
   if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
+  common.also_read->insert(common.also_read->end(), source.colour_files.begin(), source.colour_files.end());
   for (const std::string& what : source.notes) warn(fmt::format("{}: {}", path, what));
   if (common.verbose) {
     for (const std::string& what : source.details) note(common, fmt::format("{}: {}", path, what));
@@ -234,6 +237,8 @@ Written write_map(const std::string& path, const Rows& rows, const WriteOptions&
 Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
                   const std::vector<std::string>& inputs, const std::string& verb, const Common& common) {
   check_files({path}, inputs, common);
+  const std::vector<std::string> colours = out_of_working(options.colour).files;
+  common.also_read->insert(common.also_read->end(), colours.begin(), colours.end());
   const auto depfile = open_depfile({path}, inputs, common, static_cast<int>(levels.size()));
   const Written written = write_one_map(path, levels, options, verb, common);
   if (depfile) depfile->commit();

@@ -26,6 +26,8 @@ struct Common {
   bool json = false;
   std::string depfile;
   envmap::CommitOptions commit;
+  /// Files that were read besides those that the user named: configs and tables of colours. For the depfile.
+  std::shared_ptr<std::vector<std::string>> also_read = std::make_shared<std::vector<std::string>>();
 };
 
 struct Example {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "colour_options.h"
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
@@ -25,6 +26,7 @@ struct Options {
   double exposure = 0;
   ConvertOptions convert;
   WriteOptions write;
+  GradeOptions grade;
 };
 
 std::string words(Filter filter, int samples) {
@@ -109,6 +111,9 @@ int run(Options& o, const Common& common) {
   const Stopwatch watch;
   // What can be known to fail is said before any work is done.
   check_report(o.output, common);
+  choose_working_space(o.read, o.write);
+  if (o.convert.max_error && out_of_working(o.write.colour).apply)
+    throw UsageError("--max-error is that of linear values: choose a linear --output-space");
   if (o.to) check_output(o.output, o.write, *o.to);
   check_files({o.output}, {o.input}, common);
   Source source = read_map(o.input, o.read, common);
@@ -116,6 +121,7 @@ int run(Options& o, const Common& common) {
     warn(fmt::format("{}: of {} levels {} is converted; say --level 0 if that is meant, and make levels of the result with "
                      "'envmap mipmap'",
                      o.input, source.levels, o.read.level));
+  grade(source, o.grade, o.read.colour, common);
   const Frame from = source.map.frame();
   const Projection to = o.to.value_or(from.projection);
   o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
@@ -183,7 +189,13 @@ Command convert_command() {
           "with --rotate 90,0,0 what was seen towards +Z is seen towards +X.\n\n"
           "--forward names the world axis at the centre of the latlong or angular images that are read without "
           "metadata and that are written; --from-forward names the input's alone.\n\n"
-          "An EXR file's comments, owner, chromaticities and whiteLuminance (divided by what --exposure multiplies) are "
+          "Colours are linear Rec.709 in memory, or in the linear space of --output-space, so that nothing that it holds is lost. What "
+          "an EXR file's chromaticities, an ACES container or Radiance's PRIMARIES say of the input is believed unless "
+          "--input-space says another; 'envmap info' shows it. White points are adapted by Bradford's cones; XYZ are relative to "
+          "D65. Colours outside of the working space are brought to its border at their luminance, and counted. EXR and Radiance "
+          "files say what primaries they hold. --white, --gain and --saturation are applied in this order before sampling, "
+          "then --scale-to.\n\n"
+          "An EXR file's comments, owner and whiteLuminance (divided by what --exposure multiplies; 1 after --scale-to) are "
           "carried along as far as the output has a place for them.",
       .examples = {{"envmap convert probe.hdr probe.exr --to cube",
                     "a cube of the same density, faces in a column +X -X +Y -Y +Z -Z"},
@@ -193,6 +205,9 @@ Command convert_command() {
                     "from a cube cross to a panorama with -Z at its centre"},
                    {"envmap convert probe.exr small.exr --to cube --size 64 --max-error 1e-3",
                     "the cheapest filter that is found right to 0.1%, rounding to the depth of the file counted"},
+                   {"envmap convert probe.exr aces.exr --output-space ACEScg", "for a renderer that works in ACEScg"},
+                   {"envmap convert probe.hdr lit.exr --white 0,0,1 --scale-to lux=20000",
+                    "a grey card seen towards +Z made grey, and the light that of an overcast noon"},
                    {"envmap convert ball.hdr - --from sphere --to angular | envmap info -",
                     "a mirror ball as light probe, through a pipe"}},
       .keys = with_written(keys),
@@ -226,13 +241,17 @@ Command convert_command() {
         add_triple(app, "--rotate", o->turn, "Y,P,R", false, "Turn the environment by yaw, pitch, roll in degrees");
         add_forward(app, "--forward", o->forward,
                     "World axis at the centre of latlong and angular images (default: +z)");
-        app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        auto* const exposure = app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS");
+        exposure->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        add_grade(app, o->grade);
+        app.get_option("--scale-to")->excludes(exposure);
         add_border(app, o->write, "--size counts them");
         add_depth(app, o->write.depth);
         add_format(app, o->write);
         add_file_options(app, o->write);
         add_clamp(app, o->write);
         add_read_options(app, o->read);
+        add_output_space(app, o->write);
         add_max_memory(app, o->read);
         add_repair(app, o->read);
         return [o, &app, &common] {

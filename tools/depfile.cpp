@@ -72,7 +72,9 @@ std::unique_ptr<OutputFile> open_depfile(const std::vector<std::string>& outputs
     for (const std::string& file : files_of(output, levels)) text += (text.empty() ? "" : " ") + escaped(file);
   if (text.empty()) throw UsageError("--depfile: no file is written that could depend on another");
   text += ":";
-  for (const std::string& input : inputs_of(inputs)) {
+  std::vector<std::string> all = inputs;
+  all.insert(all.end(), common.also_read->begin(), common.also_read->end());
+  for (const std::string& input : inputs_of(all)) {
     text += " " + escaped(input);
     phony += escaped(input) + ":\n";
   }

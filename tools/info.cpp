@@ -2,9 +2,11 @@
 
 #include <cmath>
 
+#include "colour_options.h"
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/maths/portable.h"
+#include "envmap/operate/grade.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/sampling.h"
 
@@ -18,9 +20,16 @@ struct Options {
   std::string input;
   ReadOptions read;
   bool sampling = false, levels = false;
+  std::optional<Direction> towards;
 };
 
-ordered_json facts(const Source& s, const std::string& file) {
+// What the light of the map makes of a plane, in lux where the file says what radiance 1 is, and else with 1 cd/m^2.
+double illuminance(const Source& s, const Direction& normal) {
+  return s.provenance.white_luminance.value_or(1.0F) * glm::dot(irradiance(s.map, normal), luminance_weights(rec709));
+}
+
+ordered_json facts(const Source& s, const Options& o) {
+  const std::string& file = o.input;
   const Level& level = s.map.base();
   const Flaws flaws = find_flaws(level);
   const Measures m = measure(s.map);
@@ -40,11 +49,15 @@ ordered_json facts(const Source& s, const std::string& file) {
   j["faces"] = level.faces();
   j["face_width"] = level.width();
   j["face_height"] = level.height();
+  j["space"] = o.read.colour.space.empty() ? words(s.claimed) : o.read.colour.space + " (--input-space)";
+  const Direction facing = unit_or_up(o.towards, "--towards");
   j["minimum"] = to_json(m.minimum);
   j["maximum"] = to_json(m.maximum);
   j["mean"] = to_json(m.mean);
   j["flux"] = to_json(m.flux);
   j["solid_angle"] = m.solid_angle;
+  j["illuminance"] = {{"towards", to_json(facing)}, {"lux", illuminance(s, facing)}};
+  if (s.provenance.white_luminance) j["white_luminance"] = *s.provenance.white_luminance;
   j["dynamic_range"] = range;
   j["stops"] = std::isfinite(range) ? portable::log2(range) : range;
   j["brightest"] = {{"direction", to_json(m.brightest_direction)},
@@ -76,8 +89,14 @@ void print_facts(const ordered_json& j) {
   if (const int count = j["levels"].get<int>(); count > 1) line("levels", std::to_string(count));
   if (j.contains("metadata"))
     for (const auto& [key, value] : j["metadata"].items()) line(key.c_str(), value.get<std::string>());
+  line("space", text("space"));
   line("", fmt::format("{:>12} {:>12} {:>12}", "R", "G", "B"));
   for (const char* key : {"minimum", "maximum", "mean", "flux"}) line(key, numbers(j[key]));
+  const ordered_json &lit = j["illuminance"], &n = lit["towards"];
+  line("illuminance",
+       fmt::format("{:12.6g} lux on a plane facing ({:g}, {:g}, {:g}); 1 is {:g} cd/m^2{}", lit["lux"].get<double>(), n[0].get<double>(),
+                   n[1].get<double>(), n[2].get<double>(), j.value("white_luminance", 1.0),
+                   j.contains("white_luminance") ? " (whiteLuminance)" : " (taken so)"));
   if (std::isfinite(j["stops"].get<double>()))
     line("dynamic range",
          fmt::format("{:.6g} : 1 ({:.1f} stops)", j["dynamic_range"].get<double>(), j["stops"].get<double>()));
@@ -120,7 +139,7 @@ int run(Options& o, const Common& common) {
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
   o.read.all_levels = o.levels;
   const Source source = read_map(o.input, o.read, common);
-  ordered_json j = facts(source, o.input);
+  ordered_json j = facts(source, o);
   if (o.levels) j["level_table"] = levels(source.map);
   std::vector<SamplingRow> table;
   if (o.sampling) table = sampling_table(source.map.projection(), source.map.base().height());
@@ -155,7 +174,8 @@ Command info_command() {
           "Means are weighted by solid angle; flux is the sum of radiance x solid angle per channel. The dynamic range "
           "is that "
           "of luminance (Rec. 709), from the darkest texel above 0. Directions are in the world frame: right-handed, "
-          "+Y up. NaN, infinite and negative texels are counted, and NaN and infinite ones left out of the sums.\n\n"
+          "+Y up. Values are those in linear Rec.709, whatever the file holds. The illuminance is that of a plane, in lux where 1 is "
+          "a candela a square metre or what whiteLuminance says. NaN, infinite and negative texels are counted, and NaN and infinite ones left out of the sums.\n\n"
           "--sampling shows how evenly the projection samples the sphere: solid angle and anisotropy of texels from "
           "the "
           "centre of a face to the pole (latlong), the corner (cube) or the rim.",
@@ -174,6 +194,7 @@ Command info_command() {
                {"border", "texels on each side of an octahedral map that repeat others, left out here; else absent"},
                {"border_samples", "true where samples lie on the border (OpenEXR's envmap attribute), else absent"},
                {"levels", "mip levels in the file"},
+               {"space", "colour space of the file's values, and in brackets what says so; all values here are linear Rec.709"},
                {"faces", "of the map"},
                {"face_width", "in texels"},
                {"face_height", "in texels"},
@@ -182,6 +203,9 @@ Command info_command() {
                {"mean", "radiance of each channel over the sphere"},
                {"flux", "sum of radiance x solid angle, of each channel"},
                {"solid_angle", "of all texels, in steradians"},
+               {"illuminance.towards", "unit vector that the plane faces: --towards, else up"},
+               {"illuminance.lux", "luminance x cosine x solid angle over its half of the sphere, of white_luminance or 1 cd/m^2"},
+               {"white_luminance", "of radiance 1 in cd/m^2, as the file says; else absent"},
                {"dynamic_range", "luminance of the brightest texel over that of the darkest above 0; null where there is none"},
                {"stops", "its logarithm to base 2"},
                {"brightest.direction", "of the brightest texel: x, y, z in the world frame"},
@@ -209,6 +233,7 @@ Command info_command() {
         app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
         app.add_flag("--levels", o->levels, "Add the table of mip levels and how far the flux of each is off");
         app.add_flag("--sampling", o->sampling, "Add the table of texel solid angle and anisotropy from centre to rim");
+        add_triple(app, "--towards", o->towards, "X,Y,Z", false, "What the plane of the illuminance faces (default: up, 0,1,0)");
         add_read_options(app, o->read);
         add_max_memory(app, o->read);
         o->read.flaws = FlawPolicy::keep;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "colour_options.h"
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
@@ -28,6 +29,7 @@ int run(Options& o, const Common& common) {
   check_report(o.output, common);
   check_files({o.output}, {o.input}, common);
   o.read.all_levels = o.keep;
+  choose_working_space(o.read, o.write);
   Source source = read_map(o.input, o.read, common);
   EnvironmentMap& map = source.map;
   o.write.source_depth = source.depth;
@@ -106,6 +108,7 @@ Command mipmap_command() {
             add_file_options(app, o->write);
             add_clamp(app, o->write);
             add_read_options(app, o->read);
+            add_output_space(app, o->write);
             add_max_memory(app, o->read);
             add_repair(app, o->read);
             return [o, &common] { return run(*o, common); };

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "colour_options.h"
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
@@ -197,6 +198,8 @@ int run(Options& o, const Common& common) {
   if (!o.table.empty()) check_table(o.table);
   if (o.input.empty()) return table_alone(o, common);
   check_files({o.output, o.table}, {o.input}, common);
+  choose_working_space(o.read, o.write);
+  if (out_of_working(o.write.colour).apply) throw UsageError("--output-space: light that was averaged is written to a linear space");
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
   check_output(o.output, o.write, o.map.to);
@@ -351,6 +354,7 @@ Command prefilter_command() {
         add_clamp(app, o->write);
         add_file_options(app, o->write);
         add_read_options(app, o->read);
+        add_output_space(app, o->write);
         add_repair(app, o->read);
         return [o, &common] { return run(*o, common); };
       }};

@@ -2,35 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <numeric>
 #include <vector>
+
+#include "envmap/base/near_words.h"
 
 namespace tools {
 namespace {
 
-// Levenshtein 1966.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
-}
-
 std::string closest(const std::string& word, const std::vector<std::string>& known) {
-  std::string best;
-  std::size_t least = 1 + word.size() / 3;
-  for (const std::string& k : known)
-    if (const std::size_t d = edit_distance(word, k); d <= least && (best.empty() || d < least)) least = d, best = k;
-  return best.empty() ? "" : fmt::format("; did you mean '{}'?", best);
+  const std::vector<std::string> near = envmap::near_words(word, known, 1);
+  return near.empty() ? "" : fmt::format("; did you mean '{}'?", near[0]);
 }
 
 std::vector<std::string> option_names(const CLI::App& app) {

@@ -8,6 +8,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/progress.h"
+#include "envmap/io/colour.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
@@ -15,6 +16,7 @@
 #include "envmap/map/rows.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/generate.h"
+#include "envmap/operate/grade.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/brdf_table.h"

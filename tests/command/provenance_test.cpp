@@ -7,7 +7,8 @@
 namespace command_tests {
 namespace {
 
-constexpr float aces[8] = {0.7347F, 0.2653F, 0, 1, 0.0001F, -0.077F, 0.32168F, 0.33767F};  // SMPTE ST 2065-1.
+constexpr float rec2020[8] = {0.708F, 0.292F, 0.17F, 0.797F, 0.131F, 0.046F, 0.3127F, 0.329F};
+constexpr float rec709[8] = {0.64F, 0.33F, 0.3F, 0.6F, 0.15F, 0.06F, 0.3127F, 0.329F};
 
 class Provenance : public CommandTest {
  protected:
@@ -16,17 +17,17 @@ class Provenance : public CommandTest {
     spec.attribute("ImageDescription", "Shot by Ada, over the bay");
     spec.attribute("Copyright", "Ada");
     spec.attribute("whiteLuminance", 100.0F);
-    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), aces);
+    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
     save(path("in.exr"), latlong_directions(8), OIIO::TypeDesc::FLOAT, spec);
   }
   [[nodiscard]] OIIO::ImageSpec spec(const std::string& name) const {
     const auto in = OIIO::ImageInput::open(path(name));
     return in ? in->spec() : OIIO::ImageSpec();
   }
-  void expect_colours(const OIIO::ImageSpec& s) const {
+  void expect_colours(const OIIO::ImageSpec& s, const float (&wanted)[8] = rec709) const {
     float found[8] = {};
     EXPECT_TRUE(s.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), found));
-    for (int k = 0; k < 8; ++k) EXPECT_EQ(found[k], aces[k]);
+    for (int k = 0; k < 8; ++k) EXPECT_EQ(found[k], wanted[k]);
   }
   static std::string comments(const OIIO::ImageSpec& s) { return std::string(s.get_string_attribute("ImageDescription")); }
 };
@@ -54,13 +55,18 @@ TEST_F(Provenance, StaysTrue) {
   succeeds({"prefilter", "in.exr", "scaled.exr", "--size", "4", "--scale", "2", "-q"});
   EXPECT_EQ(spec("scaled.exr").get_float_attribute("whiteLuminance"), 0);
   expect_colours(spec("scaled.exr"));
+  // What is converted says so.
+  succeeds({"convert", "in.exr", "wide.exr", "--output-space", "Rec.2020"});
+  expect_colours(spec("wide.exr"), rec2020);
+  succeeds({"mipmap", "wide.exr", "levels.exr"});
+  expect_colours(spec("levels.exr"));
   EXPECT_EQ(envmap({"compare", "in.exr", "brighter.exr", "--difference", "difference.exr"}).status, 0);
   EXPECT_EQ(comments(spec("difference.exr")).find("Ada"), std::string::npos);
 }
 
 TEST_F(Provenance, GoesWhereAFormatHasAPlaceForIt) {
   succeeds({"convert", "in.exr", "map.hdr"});
-  EXPECT_NE(read("map.hdr").find("PRIMARIES=0.7347 0.2653"), std::string::npos);
+  EXPECT_NE(read("map.hdr").find("PRIMARIES=0.64 0.33"), std::string::npos);
   succeeds({"convert", "map.hdr", "again.exr"});
   expect_colours(spec("again.exr"));
   succeeds({"convert", "in.exr", "map.png", "--depth", "uint16"});

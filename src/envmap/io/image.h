@@ -22,6 +22,7 @@ struct Image {
   std::unique_ptr<InputFile> file;
   std::optional<ImageReader> reader;
   std::optional<TextureFile> texture;
+  bool decode = true;  ///< Values that are sRGB encoded become linear; else they stay as they are.
 
   /// Throws InputError. Channel names and what a library quotes come from the file: no line breaks and no commands to the
   /// terminal remain.

@@ -91,6 +91,7 @@ Metadata metadata(Facts facts) {
   };
   Metadata data{projection_named(take("projection")), layout_named(take("layout")), forward_named(take("forward")),
                 number(take("levels")), number(take("border"))};
+  data.space = take("space");
   data.facts = std::move(facts);
   return data;
 }
@@ -102,6 +103,7 @@ Facts facts(const Metadata& data) {
   if (data.forward) all["forward"] = forward_names[static_cast<std::size_t>(*data.forward)];
   if (data.levels) all["levels"] = std::to_string(*data.levels);
   if (data.border) all["border"] = std::to_string(*data.border);
+  if (!data.space.empty()) all["space"] = data.space;
   return all;
 }
 

@@ -12,12 +12,13 @@
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/path.h"
+#include "envmap/io/read_colours.h"
 #include "envmap/io/recognise.h"
+#include "envmap/io/settle_flaws.h"
 #include "envmap/io/srgb.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/map/border.h"
 #include "envmap/map/page.h"
-#include "envmap/operate/measure.h"
 
 namespace envmap {
 namespace {
@@ -124,41 +125,12 @@ Level read_pixels(Image& image, int stored, const Channels& channels, const Reco
     const int end = std::min(begin + band_rows, facts.height);
     const auto rows = std::span(band).first(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(facts.width));
     read_band(image, stored, channels, begin, end, rows);
-    if (facts.encoded) decode_srgb(rows);
+    if (facts.encoded && image.decode) decode_srgb(rows);
     if (!level) level.emplace(base.projection, face.height, face.width, scratch(max_memory, facts));
     scatter(rows, facts.width, begin, end, places, *level);
     level->trim();
   }
   return std::move(*level);
-}
-
-// @param shown what the message says after "texels".
-void settle_flaws(const std::string& name, const ReadOptions& options, Level& level, Source& source,
-                  const std::string& shown) {
-  if (options.flaws == FlawPolicy::keep) return;
-  const Flaws flaws = find_flaws(level);
-  if (flaws.count() == 0) return;
-  if (options.flaws == FlawPolicy::repair) {
-    try {
-      source.repaired += repair(level);
-    } catch (const InputError& e) {
-      throw InputError(name, e.what());
-    }
-    return;
-  }
-  std::string counts;
-  const auto add = [&](std::int64_t n, const char* what) {
-    if (n > 0) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", n, what);
-  };
-  add(flaws.nan, "NaN");
-  add(flaws.infinite, "infinite");
-  add(flaws.negative, "negative");
-  const std::string face = level.faces() > 1 ? fmt::format(" of face {}", flaws.first->face) : "";
-  throw InputError(name,
-                   fmt::format("{} of {} texels{} are no radiance ({}), the first at ({},{}){}", flaws.count(),
-                               static_cast<std::int64_t>(level.faces()) * level.width() * level.height(), shown, counts,
-                               flaws.first->i, flaws.first->j, face),
-                   Remedy::repair);
 }
 
 // The numbers of the levels to read, of those there are.
@@ -250,6 +222,7 @@ Source read_image(const std::string& path, const ReadOptions& options) {
   source.layout = found.layout;
   source.facts = recorded.facts;
   source.provenance = recorded.provenance;
+  source.claimed = claimed_space(image, recorded, options.colour);
   source.border = border_of(image, options, recorded, found);
   int most = std::min(source.levels, complete_levels(found));
   while (source.border > 0 && face_size(found, most - 1).height <= 2 * source.border) --most;
@@ -261,6 +234,7 @@ Source read_image(const std::string& path, const ReadOptions& options) {
       Image one;
       open(one, level_path(path, k), options.choice);
       if (one.reader) check_size(one, options);
+      one.decode = image.decode;
       source.map.levels.push_back(read_level(one, options, 0, found, k));
     } else {
       source.map.levels.push_back(read_level(image, options, k, found, k));
@@ -292,7 +266,11 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
       source.format = head.format;
       source.provenance = recorded.provenance;
       source.image_width = source.image_height = size;
+      source.claimed = claimed_space(image, recorded, options.colour);
     }
+    if (const ClaimedSpace c = claimed_space(image, recorded, options.colour);
+        c.name != source.claimed.name || (c.name.empty() && c.primaries && !same(*c.primaries, *source.claimed.primaries)))
+      image.fail(fmt::format("its colours are {}, but the first face is {}", words(c), words(source.claimed)));
     const int wanted = std::max(1, size >> number);
     if (h != wanted)
       image.fail(number == 0 ? fmt::format("{}x{}, but the first face is {}x{}", w, h, wanted, wanted)
@@ -327,11 +305,13 @@ Source read(const std::string& path, const ReadOptions& options) {
   const std::string name = path == "-" ? "standard input" : path;
   try {
     Source source = has_face(path) ? read_faces(path, options) : read_image(path, options);
-    for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
-      Level& level = source.map.levels[k];
-      if (source.border_samples) level = to_cell_centres(level);
-      settle_flaws(name, options, level, source, k > 0 ? fmt::format(" of level {}", k) : "");
-    }
+    // Flaws are those of the file's own values. Only linear ones can be averaged.
+    const ColourTransform colours = colours_of(source, options.colour);
+    if (colours.apply) settle_flaws(name, options, source);
+    into_working(source, colours, options.colour);
+    if (source.border_samples)
+      for (Level& level : source.map.levels) level = to_cell_centres(level);
+    settle_flaws(name, options, source);
     return source;
   } catch (const std::bad_alloc&) {
     throw InputError(name, "not enough memory to read it");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "envmap/base/export.h"
+#include "envmap/io/colour.h"
 #include "envmap/io/depth.h"
 #include "envmap/io/image_reader.h"
 #include "envmap/io/metadata.h"
@@ -35,6 +36,7 @@ struct ReadOptions {
   bool drop_channels = false;  ///< Read RGB and leave alpha and other channels behind.
   ImageChoice choice = {};     ///< Which of the images of an EXR file.
   FlawPolicy flaws = FlawPolicy::refuse;
+  ColourOptions colour = {};
   int level = 0;            ///< The level to read, as the only one of the map.
   bool all_levels = false;  ///< Read them all; `level` must be 0.
 };
@@ -49,7 +51,9 @@ struct Source {
   int border = 0;                         ///< Texels round every level of an octahedral map, left out here.
   int levels = 1;                         ///< That the file has; `map` holds those that were asked for.
   Facts facts = {};                       ///< Further metadata, such as the lobe.
-  Provenance provenance = {};
+  Provenance provenance = {};             ///< Of the map: its chromaticities are those of the working space.
+  ClaimedSpace claimed = {};              ///< What the file says of its colours; `by` is empty where it says nothing.
+  std::vector<std::string> colour_files = {};  ///< The config and its tables, where they were read.
   std::int64_t repaired = 0;              ///< Texels that FlawPolicy::repair changed.
   std::vector<std::string> notes = {};    ///< What of the file is not read, or was added.
   std::vector<std::string> details = {};  ///< What reading did to the values, such as dividing an exposure out.

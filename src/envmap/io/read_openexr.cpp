@@ -2,6 +2,7 @@
 #include <ImfEnvmap.h>
 #include <ImfFrameBuffer.h>
 #include <ImfInputPart.h>
+#include <ImfIntAttribute.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
 #include <ImfRgbaFile.h>
@@ -61,6 +62,8 @@ Attributes attributes_of(const Imf::Header& header) {
                     : std::string_view(a.name()) == "owner"  ? copyright
                                                              : a.name(),
                     text->value());
+  if (const auto* flag = header.findTypedAttribute<Imf::IntAttribute>("acesImageContainerFlag"); flag && flag->value() == 1)
+    texts["acesImageContainerFlag"] = "1";  // SMPTE ST 2065-4.
   // Of our own making: a file that was converted may carry the word without the attribute.
   texts.erase("textureformat");
   if (Imf::hasEnvmap(header))

@@ -11,6 +11,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/orientation.h"
 #include "envmap/io/radiance.h"
+#include "envmap/maths/primaries.h"
 #include "envmap/maths/vector.h"
 
 namespace envmap {
@@ -43,6 +44,10 @@ std::vector<double> numbers(std::string_view text) {
   }
 }
 
+Primaries primaries_of(const std::array<double, 8>& xy) {
+  return {{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
+}
+
 void multiply_applied(Header& h, std::string_view name, std::vector<double> by) {
   if (by.size() == 1) by.assign(3, by[0]);
   if (by.size() != 3 || !std::ranges::all_of(by, [](double x) { return x > 0 && std::isfinite(x); }))
@@ -62,12 +67,12 @@ void read_variable(Header& h, std::string_view line) {
   }
   // Some writers leave zeros.
   const std::vector<double> said = name == "PRIMARIES" ? numbers(value) : std::vector<double>();
-  bool plausible = said.size() == 8;
-  for (std::size_t k = 0; k < said.size(); ++k) plausible &= std::abs(said[k]) < 2 && (k % 2 == 0 || said[k] != 0);
-  if (plausible) {
-    std::ranges::copy(said, h.primaries.begin());
-    h.says_primaries = true;
-  }
+  if (said.size() != 8) return;
+  std::array<double, 8> xy{};
+  std::ranges::copy(said, xy.begin());
+  if (std::ranges::any_of(xy, [](double x) { return !(std::abs(x) < 2); }) || !is_possible(primaries_of(xy))) return;
+  h.primaries = xy;
+  h.says_primaries = true;
 }
 
 // "-Y 512 +X 1024": scanlines from the top, texels from the left; X first: scanlines are columns.
@@ -203,10 +208,7 @@ void read_scanline(Bytes& in, std::span<Rgbe> out) {
 // CIE XYZ into the RGB of these primaries (SMPTE RP 177-1993, section 3.3), per lumen.
 Rotation from_xyz(const std::array<double, 8>& xy) {
   constexpr double lumens = 179;  // In a watt of equal energy over the visible wavelengths, as Radiance has it.
-  const auto at = [&](std::size_t k) { return Flux(xy[k], xy[k + 1], 1 - xy[k] - xy[k + 1]) / xy[k + 1]; };
-  const Rotation primaries(at(0), at(2), at(4));
-  const Flux white = glm::inverse(primaries) * at(6);
-  return glm::inverse(Rotation(primaries[0] * white.x, primaries[1] * white.y, primaries[2] * white.z)) / lumens;
+  return Rotation(glm::inverse(to_xyz(primaries_of(xy)))) / lumens;
 }
 
 struct Reader {

@@ -115,7 +115,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
     const double part = 1.0 * levels[k].width() * levels[k].height();
     const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
     for_each_band(levels[k], so_far, [&](int begin, int end, std::vector<Colour>& band) {
-      if (is_integer(depth)) encode_srgb(band);
+      if (is_integer(depth) && options.colour.space.empty()) encode_srgb(band);
       writer.write(static_cast<int>(k), begin, end, band);
     });
     done += part;
@@ -140,6 +140,25 @@ void check_fit(const std::string& path, const Misfits& level, const Range& range
   if (level.flux > 0) done.flux_lost = std::max(done.flux_lost, lost / level.flux);
 }
 
+// Rows of the map's space in that of the file.
+Rows in_space(Rows rows, const ColourTransform& colours) {
+  if (colours.apply)
+    rows.fill = [fill = std::move(rows.fill), colours](int face, int row, std::span<Colour> out) {
+      fill(face, row, out);
+      colours.apply(out);
+    };
+  return rows;
+}
+
+// Says what space the values are in, where it was asked for; the word only where it is another than would be taken anyway.
+void tell_space(Metadata& data, const ColourOptions& colour, bool integers) {
+  if (colour.space.empty()) return;
+  const std::optional<Primaries> stored = primaries_of(colour.config, colour.space);
+  data.provenance.chromaticities = stored ? std::optional(chromaticities(*stored)) : std::nullopt;
+  const std::string word = space_word(colour.config, colour.space);
+  if (word != (integers ? "sRGB" : "lin_rec709")) data.space = word;
+}
+
 // All files of a map, whose samples lie where the files want them.
 Written write_files(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
                     const Progress& progress) {
@@ -150,7 +169,10 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   const Range range = range_of(format, done.depth);
   std::vector<std::unique_ptr<Limited>> limited;
   std::vector<Rows> rows;
-  for (const Rows& level : levels) {
+  const ColourTransform colours = out_of_working(options.colour);
+  std::vector<Rows> stored;
+  for (const Rows& level : levels) stored.push_back(in_space(level, colours));
+  for (const Rows& level : stored) {
     limited.push_back(std::make_unique<Limited>(level, range, options.clamp));
     rows.push_back(done.layout == Layout::api ? in_api_orientation(limited.back()->rows()) : limited.back()->rows());
   }
@@ -158,6 +180,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   if (base.projection == Projection::cube && done.layout != Layout::api) data.layout = done.layout;
   if (has_forward(base.projection)) data.forward = base.forward;
   if (options.border > 0) data.border = options.border;
+  tell_space(data, options.colour, is_integer(done.depth));
 
   // All files are written before the first appears.
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -235,6 +258,8 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   if (options.border > 0 && !is_octahedral(projection))
     throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
   check_compression(path, ext, options.compression);
+  if (out_of_working(options.colour).apply && ext == "hdr")
+    throw UsageError(path, "a Radiance file holds linear values and cannot say that they are encoded: choose a linear space, or .exr");
   if (options.zstd && ext != "ktx2") throw UsageError(path, "Zstandard is for .ktx2 files");
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
     throw UsageError(path, fmt::format("{} one level: put {{level}} where its number shall stand in the file name",

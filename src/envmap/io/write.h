@@ -8,6 +8,7 @@
 
 #include "envmap/base/export.h"
 #include "envmap/base/progress.h"
+#include "envmap/io/colour.h"
 #include "envmap/io/commit.h"
 #include "envmap/io/depth.h"
 #include "envmap/io/metadata.h"
@@ -29,6 +30,7 @@ struct WriteOptions {
   Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
   std::map<std::string, std::string> pairs = {};  ///< Key/value pairs of a KTX or KTX2 file as they stand: Filament's "sh".
   CommitOptions commit = {};
+  ColourOptions colour = {};     ///< Space of the values in the file; integers are sRGB where nothing is said.
   Provenance provenance = {};    ///< Of the map that this one was made of; formats hold what they can.
 };
 
