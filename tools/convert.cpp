@@ -87,7 +87,7 @@ bool leave_to_filter(Options& o, const std::optional<Rounding>& rounding) {
   const double rounded = rounding ? rounding->largest.value_or(0.5 * asked) : 0;
   o.convert.max_error = asked - rounded;
   if (rounding && rounded < asked) return true;
-  refuse(o, asked, rounding ? words(*rounding, rounded) : "integers, or a compression that loses, have no bound");
+  refuse(o, asked, rounding ? words(*rounding, rounded) : "integers, compressions that lose and --openexr-envmap have no bound");
   return false;
 }
 

@@ -110,10 +110,11 @@ void refuse(const Options& o, const std::string& what) {
   std::string others;
   for (const Depth d : {Depth::half, Depth::single}) {
     WriteOptions options = o.write;
-    options.depth = d, options.compression.clear();
+    options.depth = d, options.compression.clear(), options.openexr_envmap = false;
     try {
       if (const auto rounding = rounding_of(o.output, options); rounding && rounding->largest.value_or(1) < *o.max_error) {
-        others = fmt::format("--depth {}{}", name(d), o.write.compression.empty() ? "" : " and no --compression");
+        others = fmt::format("--depth {}{}{}", name(d), o.write.compression.empty() ? "" : " and no --compression",
+                             o.write.openexr_envmap ? " and no --openexr-envmap" : "");
         break;
       }
     } catch (const UsageError&) {  // Not of this format.
@@ -185,7 +186,7 @@ bool leave_to_prefilter(Options& o, const std::optional<Rounding>& rounding) {
     o.map.max_error = std::max(0.1 * *o.max_error, *o.max_error - rounding->largest.value_or(0));
     return true;
   }
-  refuse(o, rounding ? words(*rounding, *rounding->largest) : "integers, or by a compression that loses");
+  refuse(o, rounding ? words(*rounding, *rounding->largest) : "integers, a compression that loses, or --openexr-envmap");
   return false;
 }
 

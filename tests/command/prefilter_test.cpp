@@ -58,8 +58,17 @@ TEST_F(Prefilter, MaxErrorHoldsForWhatIsReadBack) {
     EXPECT_NE(r.err.find(better), std::string::npos) << r.err;
     EXPECT_FALSE(std::filesystem::exists(path(file)));
   }
-  // Without an error asked for, a depth is no reason to refuse.
+  // Without an error asked for, a depth is no reason to refuse; nor are samples between texels.
   succeeds({"prefilter", "orange.exr", "g.dds", "--size", "8", "--depth", "rgb9e5", "-q"});
+  succeeds({"prefilter", "orange.exr", "h.exr", "--size", "8", "--openexr-envmap", "-q"});
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"prefilter"}, {"convert", "--to", "cube"}}) {
+    std::vector<std::string> all{command[0], "orange.exr", "i.exr", "--size", "8", "--openexr-envmap", "--max-error", "1e-1"};
+    all.insert(all.end(), command.begin() + 1, command.end());
+    const Result r = envmap(all);
+    EXPECT_EQ(r.status, no) << r.err;
+    EXPECT_NE(r.err.find("--openexr-envmap"), std::string::npos) << r.err;
+    EXPECT_FALSE(std::filesystem::exists(path("i.exr")));
+  }
 }
 
 TEST_F(Prefilter, AChainHoldsOneNumberALevel) {

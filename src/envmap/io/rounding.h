@@ -21,7 +21,8 @@ struct Rounding {
   std::function<Level(const Level&)> read_back;  ///< What is read back of a level; empty where that is what was written.
 };
 
-/// @return nothing where what is lost has no bound: integers, which end at 1, and EXR compressions that lose.
+/// @return nothing where what is lost has no bound: integers, which end at 1, EXR compressions that lose, and samples on the
+/// border, between texels (openexr_envmap).
 /// @param path, options of which check_output() says nothing. @throws UsageError where the format does not hold the depth.
 std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options);
 

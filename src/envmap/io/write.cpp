@@ -278,7 +278,7 @@ std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions&
   const Depth depth = choose_depth(format, options);
   const std::string& c = options.compression;
   const bool lossy = c.starts_with("b44") || c.starts_with("dwa") || (c == "pxr24" && depth == Depth::single);
-  if (is_integer(depth) || lossy) return std::nullopt;
+  if (is_integer(depth) || lossy || options.openexr_envmap) return std::nullopt;
   if (depth == Depth::single && ext != "hdr") return Rounding{depth};
   if (ext == "hdr")
     return Rounding{depth, 0x1p-8, [](const Level& level) {
