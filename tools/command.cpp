@@ -106,6 +106,13 @@ void add_clamp(CLI::App& app, WriteOptions& options) {
   app.add_flag("--clamp", options.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
 }
 
+CLI::Option* add_display(CLI::App& app, std::optional<Display>& value, Display otherwise) {
+  return add_choice(app, "--display", value, joined(display_names), one_of<Display>(display_names),
+                    fmt::format("Tone curve of files of 8 bits: clip at 1; reinhard, x / (1 + x); neutral, colours as they are and "
+                                "only what is bright drawn in (default: {})",
+                                display_names[static_cast<std::size_t>(otherwise)]));
+}
+
 CLI::Option* add_size(CLI::App& app, int& size, const std::string& help) {
   return app.add_option("--size", size, help)->type_name("N")->check(CLI::Range(1, 65536));
 }

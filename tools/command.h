@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "envmap/io/display.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
@@ -116,6 +117,8 @@ CLI::Option* add_filter(CLI::App& app, std::optional<envmap::Filter>& value, con
 CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<envmap::Forward>& value,
                          const std::string& help);
 CLI::Option* add_depth(CLI::App& app, std::optional<envmap::Depth>& value);
+/// @param otherwise what it is without the option, for the help.
+CLI::Option* add_display(CLI::App& app, std::optional<envmap::Display>& value, envmap::Display otherwise);
 CLI::Option* add_size(CLI::App& app, int& size, const std::string& help);
 CLI::Option* add_size(CLI::App& app, std::optional<int>& size, const std::string& help);
 void add_format(CLI::App& app, envmap::WriteOptions& options);

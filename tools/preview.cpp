@@ -24,20 +24,12 @@ struct Options {
   std::vector<std::string> names;  // Inputs, then the output.
   ReadOptions read;
   std::optional<double> exposure;
+  std::optional<Display> display;
   int height = 256, columns = 3;
   bool levels = false;
 };
 
 constexpr int border = 8, caption = 22;
-
-// Reinhard et al. 2002, equation 3, per channel; sRGB encoded.
-void tone_map(std::vector<Colour>& pixels, double scale) {
-  for (Colour& c : pixels) {
-    const Rgb<double> x = scale * Rgb<double>(c);
-    c = Colour(x / (1.0 + x));
-  }
-  encode_srgb(pixels);
-}
 
 struct Picture {
   Size size;
@@ -48,13 +40,14 @@ struct Picture {
   [[nodiscard]] auto row(int x, int y) { return pixels.begin() + std::ptrdiff_t{y} * size.width + x; }
 };
 
-Picture picture(const Level& level, double scale, int height) {
+Picture picture(const Level& level, double scale, Display display, int height) {
   const Layout layout = level.projection() == Projection::cube ? Layout::cross : default_layout(level.projection());
   const Rows rows = rows_of(level, Forward::plus_z);
   const Page page{rows, grid(layout)};
   Picture full({page.width(), page.height()}, Colour(0));
   page.gather(0, page.height(), full.pixels);
-  tone_map(full.pixels, scale);
+  show(full.pixels, display, scale);
+  encode_srgb(full.pixels);
   const double width = static_cast<double>(height) * page.width() / page.height();
   Picture small({std::max(1, static_cast<int>(std::lround(width))), height}, Colour(0));
   small.pixels = formats().resized(full.pixels, full.size, small.size);
@@ -98,7 +91,7 @@ int run(Options& o, const Common& common) {
       scale = o.exposure ? portable::exp2(*o.exposure) : mean > 0 ? 0.4 / mean : 1;
     }
     for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
-      pictures.push_back(picture(source.map.levels[k], scale, o.height));
+      pictures.push_back(picture(source.map.levels[k], scale, o.display.value_or(Display::reinhard), o.height));
       captions.push_back(std::filesystem::path(input).filename().string() + (o.levels ? fmt::format(" level {}", k) : ""));
     }
   }
@@ -119,7 +112,7 @@ Command preview_command() {
       .description =
           "All maps share one exposure: the mean radiance of the first becomes middle grey, unless --exposure says "
           "otherwise. "
-          "Tone curve x / (1 + x) (Reinhard et al. 2002), sRGB. Cubes are drawn as crosses.",
+          "The tone curve is that of --display, then sRGB. Cubes are drawn as crosses.",
       .examples = {{"envmap preview probe.hdr probe.png", "one map"},
                    {"envmap preview chain.ktx2 levels.png --levels", "all mip levels of a map, each as large"},
                    {"envmap preview latlong.exr cube.exr sphere.exr sheet.png", "a contact sheet"}},
@@ -131,6 +124,7 @@ Command preview_command() {
                        "Multiply radiance by 2^STOPS before the tone curve (default: automatic)")
             ->type_name("STOPS")
             ->check(CLI::Range(-100.0, 100.0));
+        add_display(app, o->display, Display::reinhard);
         app.add_option("--height", o->height, "Height of each picture (default: 256)")->type_name("N")->check(CLI::Range(16, 4096));
         app.add_option("--columns", o->columns, "Pictures side by side (default: 3)")->type_name("N")->check(CLI::Range(1, 64));
         app.add_flag("--levels", o->levels, "Draw all mip levels of each map");

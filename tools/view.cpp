@@ -31,6 +31,7 @@ struct Options {
   std::optional<Projection> maps;
   int width = 640, height = 480, samples = 4;
   double exposure = 0;
+  std::optional<Display> display;
   std::optional<Direction> look_at;
   std::optional<double> fov, anaglyph;
   double orbit = 0;
@@ -208,9 +209,11 @@ void check(const Options& o) {
 int run(Options& o, const Common& common) {
   check(o);
   const Frames frames = frames_of(o.scene);
-  const PictureOptions how{o.format, common.commit};
+  const PictureOptions how{o.format, o.display.value_or(Display::clip), common.commit};
   if (!is_picture(frames.path(o.output, frames.first), how))
     throw UsageError(o.output, "the picture must be a .png, .jpg, .exr or .hdr");
+  if (o.display && is_linear_picture(frames.path(o.output, frames.first), how))
+    throw UsageError(o.output, "holds radiance as it is: leave out --display");
   const std::vector<std::string> outputs = frames.paths(o.output);
   check_files(outputs, {o.scene.path, o.scene.environment}, common);
   const LoadedScene loaded = load(o.scene, common);
@@ -315,6 +318,7 @@ Command view_command() {
             },
             "How mirrors find what they show: in dynamic maps, or by rays, the reference (default: maps)");
         app.add_option("--exposure", o->exposure, "Stops (default: 0)")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        add_display(app, o->display, Display::clip);
         add_choice(
             app, "--maps", o->maps, joined(map_names),
             [](const std::string& word) -> std::optional<Projection> {

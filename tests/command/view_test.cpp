@@ -155,6 +155,7 @@ TEST_F(View, WhatMakesNoSense) {
   fails(2, {"view", "scene.gltf", "a.txt"}, {"a.txt"});
   fails(2, {"view", "scene.gltf", "a.png", "--frames", "1:2"}, {"{frame}"});
   fails(2, {"view", "scene.gltf", "a.png", "--maps", "latlong"}, {"latlong"});
+  fails(2, {"view", "scene.gltf", "a.exr", "--display", "reinhard"}, {"a.exr", "--display"});
   fails(4, {"view", "scene.gltf", "nowhere/a.png", "--width", "8", "--height", "8"}, {"nowhere"});
 }
 

@@ -27,10 +27,14 @@ bool is_picture(const std::string& path, const PictureOptions& options) {
   return holds_floats(kind) || kind == "png" || kind == "jpg";
 }
 
+bool is_linear_picture(const std::string& path, const PictureOptions& options) {
+  return holds_floats(extension(path, options));
+}
+
 void write_picture(const std::string& path, int width, std::span<const Colour> pixels, const PictureOptions& options) {
-  if (holds_floats(extension(path, options))) return write_stored(path, width, pixels, Depth::single, options);
+  if (is_linear_picture(path, options)) return write_stored(path, width, pixels, Depth::single, options);
   std::vector<Colour> encoded(pixels.begin(), pixels.end());
-  for (Colour& c : encoded) c = glm::clamp(c, 0.0F, 1.0F);
+  show(encoded, options.display);
   encode_srgb(encoded);
   write_stored(path, width, encoded, Depth::uint8, options);
 }

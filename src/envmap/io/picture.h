@@ -8,17 +8,21 @@
 #include "envmap/base/export.h"
 #include "envmap/io/commit.h"
 #include "envmap/io/depth.h"
+#include "envmap/io/display.h"
 #include "envmap/maths/vector.h"
 
 namespace ENVMAP_EXPORT envmap {
 
 struct PictureOptions {
   std::string format = {};  ///< A file name extension for `-` (png if empty) and names without one; else the name's decides.
+  Display display = Display::clip;  ///< Of write_picture() in files of 8 bits.
   CommitOptions commit = {};
 };
 
 /// Whether write_picture() knows the type.
 bool is_picture(const std::string& path, const PictureOptions& options = {});
+/// Whether that type holds radiance as it is.
+bool is_linear_picture(const std::string& path, const PictureOptions& options = {});
 
 /// @param path `-` for standard output. .png and .jpg hold 8 bits, sRGB encoded; .exr and .hdr linear floats.
 /// @param pixels linear, rows from the top. @throws OutputError; then nothing is left behind.
