@@ -1,13 +1,14 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <vector>
 
 #include "command.h"
 #include "depfile.h"
+#include "engine_maps.h"
 #include "engines.h"
 #include "envmap/base/error.h"
-#include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "output_folder.h"
 
@@ -23,7 +24,7 @@ struct Options {
   bool list = false;
   const Engine* engine = nullptr;
   ReadOptions read;
-  std::optional<int> size;
+  std::optional<int> size, chain_size;
   WriteOptions write;
 };
 
@@ -45,6 +46,12 @@ std::string words(const Frame& frame) {
              : projection;
 }
 
+std::vector<std::string_view> map_names(const Engine& e) {
+  std::vector<std::string_view> names;
+  for (const EngineMap& map : e.maps) names.push_back(map.file);
+  return names;
+}
+
 int list_engines(const Common& common) {
   if (common.json) {
     nlohmann::ordered_json report;
@@ -52,28 +59,29 @@ int list_engines(const Common& common) {
       report["engines"].push_back({{"name", e.name},
                                    {"title", e.title},
                                    {"version", e.version},
-                                   {"map", e.map},
-                                   {"frame", words(e.frame)},
+                                   {"maps", map_names(e)},
+                                   {"frame", words(e.maps.front().frame)},
                                    {"turns", e.turns},
                                    {"light", e.light}});
     print_report(report);
     return 0;
   }
   for (const Engine& e : engines())
-    print(fmt::format("{:10}{} ({})\n{:10}{}: {}; {}\n{:10}rough and diffuse light: {}\n", e.name, e.title, e.version, "", e.map,
-                      words(e.frame), e.turns, "", e.light));
+    print(fmt::format("{:10}{} ({})\n{:10}{}: {}; {}\n{:10}rough and diffuse light: {}\n", e.name, e.title, e.version, "",
+                      fmt::join(map_names(e), ", "), words(e.maps.front().frame), e.turns, "", e.light));
   return 0;
 }
 
 std::vector<std::string_view> files_of(const Engine& e) {
-  std::vector<std::string_view> files{e.map, readme};
+  std::vector<std::string_view> files = map_names(e);
+  files.push_back(readme);
   if (!e.text.name.empty()) files.push_back(e.text.name);
   return files;
 }
 
 std::string readme_text(const Engine& e) {
   return fmt::format("Light for {} ({}).\n\n{}: the environment, {}, linear RGB radiance.\nFrame: {}.\nRough and diffuse light: {}.\n\n{}\n",
-                     e.title, e.version, e.map, words(e.frame), e.turns, e.light, e.steps);
+                     e.title, e.version, e.maps.front().file, words(e.maps.front().frame), e.turns, e.light, e.steps);
 }
 
 // What the engine's loader would cut off without a word.
@@ -108,19 +116,27 @@ int run(Options& o, const Common& common) {
   o.write.provenance = source.provenance;
   tell_what_is_cut(e, source.map.base());
 
-  const Resampler resampler(std::move(source.map), {.to = e.frame, .size = o.size});
   OutputFolder folder(o.folder, files_of(e), common.commit);
   const auto depfile = open_depfile(outputs, {o.input}, common);
-  const Rows rows = resampler.rows();
-  const Written written = write_one_map(folder.file(e.map), std::span(&rows, 1), o.write, "bake", common);
+  nlohmann::ordered_json report{{"input", o.input}, {"engine", e.name}, {"frame", words(e.maps.front().frame)}, {"turns", e.turns}};
+  MapMaker maker(source.map, o.size, o.chain_size, common);
+  for (const EngineMap& map : e.maps) {
+    const MadeMap made = maker.make(map);
+    WriteOptions write = o.write;
+    if (map.depth) write.depth = map.depth;
+    write.pairs = made.pairs;
+    write.facts = made.facts;
+    const Written written = write_one_map(folder.file(map.file), made.rows, write, "bake", common);
+    nlohmann::ordered_json one{{"size", made.rows.front().size}, {"levels", made.rows.size()}};
+    add_written(one, o.folder + "/" + std::string(map.file), written);
+    report["maps"].push_back(one);
+  }
   if (!e.text.name.empty()) folder.write(e.text.name, e.text.text);
   folder.write(readme, readme_text(e));
   folder.commit();
   if (depfile) depfile->commit();
-  note(common, fmt::format("{}: {}: {}", o.folder, words(e.frame), e.turns));
-  nlohmann::ordered_json report{{"input", o.input}, {"engine", e.name}, {"frame", words(e.frame)}, {"turns", e.turns}, {"size", resampler.size()}};
+  note(common, fmt::format("{}: {}: {}", o.folder, words(e.maps.front().frame), e.turns));
   for (const std::string& file : outputs) report["files"].push_back(file);
-  add_written(report, outputs.front(), written);
   report["seconds"] = watch.seconds();
   if (common.json) print_report(report);
   return 0;
@@ -135,22 +151,23 @@ Command bake_command() {
       .description =
           "Writes the environment in the projection, frame and format that the engine's own loader takes, a text that loads it "
           "where the engine has such, and README.txt, which says how the folder is used and how its directions stand in the "
-          "engine's world. Nothing is mirrored; what the frame is, is printed. The environment is resampled as 'envmap convert' "
-          "does by itself.\n\n"
-          "The engines here make rough and diffuse light of the environment themselves. --list prints them, with what was read "
-          "to know what they load.\n\n"
+          "engine's world. How directions stand there is printed; only a left-handed world gets a mirrored map, and that is said. "
+          "The environment is resampled as 'envmap convert' does by itself.\n\n"
+          "Some engines make rough and diffuse light of the environment themselves. Others get a chain of levels, each as 'envmap "
+          "prefilter --lobe ggx' makes it, of the roughness that the engine's shader looks for in it. --list prints them, with "
+          "what was read or run to know what they load.\n\n"
           "The folder appears whole, or not at all. One of that name is replaced if it holds nothing but files of the same names.",
       .examples = {{"envmap bake probe.exr lights --for blender", "lights/background.exr and lights/world.py"},
                    {"envmap bake probe.hdr public/probe --for three --size 1024", "a panorama of 2048x1024 for EXRLoader"},
                    {"envmap bake --list", "the engines"}},
-      .keys = with_written({{"input", "PROBE"},
+      .keys = {{"input", "PROBE"},
                             {"engine", "as --for says"},
                             {"frame", "projection, and the axis at the centre"},
                             {"turns", "how directions stand in the engine's world"},
-                            {"size", "height of the map"},
+                            {"maps[]", "size and levels of each map, and its output, depth, clamped and flux_lost as of 'convert'"},
                             {"files[]", "what the folder holds"},
-                            {"engines[]", "with --list, alone: name, title, version, map, frame, turns and light of each"},
-                            {"seconds", "from start to end"}}),
+                            {"engines[]", "with --list, alone: name, title, version, maps, frame, turns and light of each"},
+                            {"seconds", "from start to end"}},
       .reports = true,
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -166,7 +183,10 @@ Command bake_command() {
                "The engine")
             ->type_name(engine_names());
         app.add_flag("--list", o->list, "Print the engines and what they load");
-        add_size(app, o->size, "Height of the map (default: the input's degrees per texel)");
+        add_size(app, o->size, "Height of the environment's map (default: the input's degrees per texel); chains have a size of their own");
+        app.add_option("--chain-size", o->chain_size, "Height of a chain's first level (default: what the engine's shader was made for)")
+            ->type_name("N")
+            ->check(CLI::Range(1, 4096));
         add_clamp(app, o->write);
         add_read_options(app, o->read);
         add_repair(app, o->read);

@@ -1,5 +1,8 @@
 #include "engines.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace tools {
 namespace {
 
@@ -66,36 +69,80 @@ def DomeLight "Probe"
 )";
 
 // Sources, by row:
+// babylon: shadersStore pbrIBLFunctions (getLodFromAlphaG) and vReflectionMicrosurfaceInfos, CubeTexture's 0.8 for
+//   CreateFromPrefilteredData; its glTF loader's root node: turned half round Y, Z negated.
 // blender: node_tex_environment_equirectangular in source/blender/gpu/shaders/material/gpu_shader_material_tex_environment.glsl,
 //   u = 0.5 - atan2(y, x) / 2 pi, v up = 0.5 + atan2(z, hypot(x, y)) / pi, and Cycles' intern/cycles/kernel/camera/projection.h.
+// filament: perceptualRoughnessToLod in shaders/src/light_indirect.fs, computeIrradianceSH3Bands in libs/ibl/src/CubemapSH.cpp,
+//   libs/ktxreader/src/Ktx1Reader.cpp, getSphericalHarmonics in libs/image/src/Ktx1Bundle.cpp; 256 and 5 levels: the shader's comment.
 // godot: servers/rendering/renderer_rd/shaders/environment/sky.glsl, panorama_coords = (atan(x, -z) / 2 pi, acos(y) / pi);
 //   paths relative to a resource: scene/resources/resource_format_text.cpp; the enumerators: scene/resources/environment.h.
 // pbrt: EqualAreaSphereToSquare in src/pbrt/util/math.cpp, ImageInfiniteLight::Le in src/pbrt/lights.h.
+// playcanvas: shader chunk sphericalPS and the skybox's, which negates x.
 // three: equirectUv in src/renderers/shaders/ShaderChunk/common.glsl.js, u = 0.5 + atan(z, x) / 2 pi, v up = 0.5 + asin(y) / pi;
 //   examples/jsm/loaders/EXRLoader.js: HalfFloatType unless told otherwise. (HDRLoader divides by 255, not by 256: white is 1.004.)
 // usd: openusd.org, user guide of DomeLight: "adheres to the OpenEXR specification for latitude-longitude maps".
 
+// Babylon: lod = 0.8 log2(N alpha) of faces of N texels, alpha = roughness^2.
+double babylon_roughness(int k, int /*n*/, int size) { return k == 0 ? 0 : std::min(1.0, std::sqrt(std::exp2(k / 0.8) / size)); }
+
+// Filament: lod / (n - 1) = r (2 - r).
+double filament_roughness(int k, int n, int /*size*/) { return 1 - std::sqrt(1 - static_cast<double>(k) / (n - 1)); }
+
 const Engine table[] = {
+    {"babylon", "Babylon.js", "9.34, directions run: tests/engines; levels read",
+     {{"background.dds", Projection::cube, Depth::half, true},
+      {"environment.dds", Projection::cube, Depth::half, true, Chain{128, 0, babylon_roughness}}}, 0,
+     "mirrored for its left-handed world: +X, +Y and +Z of the probe are -X, +Y and +Z, where imported glTF files have them",
+     "environment.dds has levels down to one texel for its shader (lodGenerationScale 0.8); Babylon.js makes diffuse light of the first",
+     {},
+     "scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData('FOLDER/environment.dds', scene);\n"
+     "const sky = new BABYLON.CubeTexture('FOLDER/background.dds', scene);\n"
+     "scene.environmentTexture.gammaSpace = sky.gammaSpace = false;\n"
+     "scene.createDefaultSkybox(sky, true, 1000);\n"
+     "In a scene with useRightHandedSystem turn both half round Y (CubeTexture.rotationY = Math.PI)."},
     {"blender", "Blender", "Cycles of commit 24e016546302, read; not run",
-     {Projection::latlong, Forward::plus_x}, background_exr, 0,
+     {{background_exr, {Projection::latlong, Forward::plus_x}}}, 0,
      "Z up: +X, +Y and +Z of the probe are +X, +Z and -Y, as of imported glTF files; +X lies at the centre of the image",
      "Cycles and EEVEE sample the image itself",
      {"world.py", blender_script},
      "Run world.py in the text editor of Blender, or: blender SCENE.blend --python world.py"},
+    {"filament", "Filament", "1.53.4 (npm), run: tests/engines",
+     {{"sky.ktx", Projection::cube, Depth::half},
+      {"ibl.ktx", Projection::cube, Depth::half, false, Chain{256, 5, filament_roughness, true}}}, 0,
+     "+X, +Y and +Z of the probe are +X, +Y and +Z",
+     "ibl.ktx has 5 levels, roughness 1 - sqrt(1 - k/4) in level k, and under the key 'sh' the irradiance over pi of a surface "
+     "that faces (x, y, z), as 9 colours before 1, y, z, x, xy, yz, 3z^2 - 1, zx, x^2 - y^2; windowed where it would fall below 0",
+     {},
+     "const light = engine.createIblFromKtx1('FOLDER/ibl.ktx');\n"
+     "scene.setIndirectLight(light);\n"
+     "scene.setSkybox(engine.createSkyFromKtx1('FOLDER/sky.ktx'));\n"
+     "JavaScript's createIblFromKtx1 leaves the harmonics in light.shfloats: give them to IndirectLight.Builder().irradianceSh(3, ...).\n"
+     "light.setIntensity(1 / EXPOSURE) shows radiance 1 as 1, as the sky does: EXPOSURE as of camera.setExposureDirect()."},
     {"godot", "Godot", "4, commit 0095d7d0c0c9, read; not run",
-     {Projection::latlong, Forward::plus_z}, background_exr, 0,
+     {{background_exr, {Projection::latlong, Forward::plus_z}}}, 0,
      "+X, +Y and +Z of the probe are +X, +Y and +Z; +Z lies at the centre of the image",
      "Godot makes them when it starts",
      {"environment.tres", godot_resource},
      "Copy this folder into the project and load environment.tres as the Environment of a WorldEnvironment node."},
     {"pbrt", "pbrt-v4", "commit 015ab47032f3, read; not run",
-     {Projection::equal_area}, background_exr, 0,
+     {{background_exr, {Projection::equal_area}}}, 0,
      "with the Rotate of light.pbrt +X, +Y and +Z of the probe are +X, +Y and +Z; without it +Y is +Z and -Z is +Y",
      "pbrt samples the image itself",
      {"light.pbrt", pbrt_light},
      "Write Include \"FOLDER/light.pbrt\" behind WorldBegin."},
+    {"playcanvas", "PlayCanvas", "2.23, run: tests/engines",
+     {{"background.hdr", {Projection::latlong, Forward::plus_z}}}, 0,
+     "+X, +Y and +Z of the probe are +X, +Y and +Z; +Z lies at the centre of the image",
+     "EnvLighting makes them when the map is set",
+     {},
+     "Load background.hdr as a texture asset without mipmaps, and say\n"
+     "texture.projection = pc.TEXTUREPROJECTION_EQUIRECT;\n"
+     "app.scene.skybox = pc.EnvLighting.generateSkyboxCubemap(texture);\n"
+     "app.scene.envAtlas = pc.EnvLighting.generateAtlas(pc.EnvLighting.generateLightingSource(texture));\n"
+     "app.scene.skyboxMip = 0;"},
     {"three", "three.js", "r187, run: tests/engines",
-     {Projection::latlong, Forward::plus_x}, background_exr, 65504,
+     {{background_exr, {Projection::latlong, Forward::plus_x}}}, 65504,
      "+X, +Y and +Z of the probe are +X, +Y and +Z; +X lies at the centre of the image",
      "PMREMGenerator makes them when the map is set",
      {},
@@ -104,7 +151,7 @@ const Engine table[] = {
      "probe.mapping = THREE.EquirectangularReflectionMapping;\n"
      "scene.background = scene.environment = probe;"},
     {"usd", "USD", "openusd.org's user guide of DomeLight, read; not run",
-     {Projection::latlong, Forward::plus_z}, background_exr, 0,
+     {{background_exr, {Projection::latlong, Forward::plus_z}}}, 0,
      "Y up: +X, +Y and +Z of the probe are +X, +Y and +Z; +Z lies at the centre of the image",
      "the renderer samples the image itself",
      {"light.usda", usd_layer},

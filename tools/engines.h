@@ -1,9 +1,12 @@
 // What engines load: one row for each.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
+#include "envmap/io/depth.h"
 #include "envmap/map/environment_map.h"
 
 namespace tools {
@@ -13,13 +16,29 @@ struct TextFile {
   std::string_view name, text;
 };
 
+/// Levels of the environment as surfaces of rising roughness reflect it (GGX's split sum), for a shader that picks one.
+struct Chain {
+  int size;    ///< Height of a face of the first level, unless another is asked for.
+  int levels;  ///< 0: down to one texel a face.
+  /// Perceptual roughness that the engine's shader looks for in level k of n; 0 is the environment itself.
+  double (*roughness)(int k, int n, int size);
+  bool harmonics = false;  ///< Filament's pair `sh` in the file: engine_maps.h.
+};
+
+struct EngineMap {
+  std::string_view file;
+  envmap::Frame frame;
+  std::optional<envmap::Depth> depth = {};  ///< That its loader or the cards behind it want; else the source's.
+  bool mirrored = false;                    ///< For a left-handed world: -X where the probe has +X.
+  std::optional<Chain> chain = {};          ///< Else the environment itself, one level.
+};
+
 struct Engine {
   std::string_view name;     ///< As users type it.
   std::string_view title;    ///< As its makers write it.
   std::string_view version;  ///< What was read of it, and whether it was run.
-  envmap::Frame frame;       ///< Of the map.
-  std::string_view map;      ///< Its file.
-  double largest;            ///< That the engine's loader keeps; 0: any.
+  std::vector<EngineMap> maps;  ///< The first shows the environment.
+  double largest;            ///< That the engine's loader keeps; 0: any, or what the depth says.
   std::string_view turns;    ///< How the map's directions stand in the engine's world.
   std::string_view light;    ///< Who makes diffuse and rough light of it.
   TextFile text;             ///< What loads the map, or nothing.

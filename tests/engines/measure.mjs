@@ -1,11 +1,13 @@
 // What is asked of every engine. An engine's module has
 //   world(d)      where a direction of the probe stands in the engine's world;
+//   roughness     of its levels, where it takes them as they are: between levels it mixes two lobes, which is no lobe of GGX;
 //   limits        what it is held to, where that is not `common` below, each with the reason beside it;
 //   open(folder)  -> { render(shot) }: loads a baked folder. A shot is
-//     { eye, target, up, fov (degrees), size (pixels), ball: null or { metallic, roughness } of radius 1 at the origin },
+//     { eye, target, up, fov (degrees), size (pixels), ball: null or { metallic, roughness } of radius 1 at the origin,
+//       exposure: what engines that draw bytes multiply by first, and divide by after },
 //   and comes back as floats, linear, r g b a, `size` squared. The ball is white.
 
-const common = { sky: 0.02, mirror: 0.03, diffuse: 0.03, furnace: 0.005, width: 0.15 };
+const common = { sky: 0.02, mirror: 0.03, diffuse: 0.03, furnace: 0.005, width: 0.05 };
 
 const scaled = (v, k) => v.map((x) => x * k);
 const unit = (v) => scaled(v, 1 / Math.hypot(...v));
@@ -27,8 +29,8 @@ const view = { fov: 10, size: 21 };
 const look = async (scene, d) =>
   middle(await scene.render({ eye: [0, 0, 0], target: d, up: upright(d), ball: null, ...view }));
 // The middle of the ball as seen from d: it faces d, and mirrors d.
-const facing = async (scene, d, ball) =>
-  middle(await scene.render({ eye: scaled(d, 10), target: [0, 0, 0], up: upright(d), ball, ...view }));
+const facing = async (scene, d, ball, exposure = 1) =>
+  middle(await scene.render({ eye: scaled(d, 10), target: [0, 0, 0], up: upright(d), ball, exposure, ...view }));
 
 // Largest differences from what the map shows, 0.5 + 0.5 d: in the sky, in a mirror, and on a white diffuse ball, which shows
 // 0.5 + d / 3 by Lambert's law.
@@ -50,7 +52,7 @@ async function furnace(engine, folder) {
   for (const metallic of [1, 0])
     for (const roughness of [0, 0.25, 0.5, 0.75, 1]) {
       const pixels = await scene.render({
-        eye: [0, 0, 10], target: [0, 0, 0], up: [0, 1, 0], fov: 11, size: 96, ball: { metallic, roughness } });
+        eye: [0, 0, 10], target: [0, 0, 0], up: [0, 1, 0], fov: 11, size: 96, ball: { metallic, roughness }, exposure: 0.8 });
       let most = 0;
       for (let k = 0; k < pixels.length; ++k) if (k % 4 < 3) most = Math.max(most, Math.abs(pixels[k] - 1));
       found[`${metallic ? 'metal' : 'dielectric'} ${roughness}`] = most;
@@ -74,13 +76,18 @@ function half_width(roughness) {
 async function sun(engine, folder) {
   const scene = await engine.open(folder), towards = unit([1, 2, 3]), aside = unit(cross(towards, [0, 1, 0]));
   const found = {};
-  for (const roughness of [0.3, 0.4, 0.5, 0.6, 0.75]) {
+  for (const roughness of engine.roughness ?? [0.3, 0.4, 0.5, 0.6, 0.75]) {
     const wanted = half_width(roughness), ball = { metallic: 1, roughness };
+    let exposure = 1;
     const at = async (degrees) => {
       const t = (degrees * Math.PI) / 180;
-      return (await facing(scene, engine.world(unit(towards.map((x, k) => x * Math.cos(t) + aside[k] * Math.sin(t)))), ball))[0];
+      return (await facing(scene, engine.world(unit(towards.map((x, k) => x * Math.cos(t) + aside[k] * Math.sin(t)))), ball, exposure))[0];
     };
-    const top = await at(0);
+    let top = await at(0);
+    for (let k = 0; k < 8 && (top * exposure > 0.95 || top * exposure < 0.4); ++k) {
+      exposure *= top * exposure > 0.95 ? 0.4 : 1.9;
+      top = await at(0);
+    }
     let before = 0, height = top, degrees = 0;
     while (height > top / 2 && degrees < 90) {
       before = height;
@@ -88,7 +95,7 @@ async function sun(engine, folder) {
       height = await at(degrees);
     }
     const half = degrees - ((top / 2 - height) / (before - height)) * (wanted / 12);
-    found[roughness] = { degrees: half, wanted };
+    found[rounded(roughness)] = { degrees: half, wanted };
   }
   return found;
 }

@@ -37,6 +37,12 @@ constexpr Names names[] = {
     {Texels::rgba8, 0x8058, rgba, ubyte},       {Texels::rgba8_srgb, 0x8c43, rgba, ubyte},
 };
 
+// Without alpha: Filament takes no floats that have one.
+Texels without_alpha(Texels texels) {
+  return texels == Texels::rgba16f ? Texels::rgb16f : texels == Texels::rgba32f ? Texels::rgb32f : texels;
+}
+
+// Rows fill words.
 std::uint64_t padded(std::uint64_t size) { return (size + 3) / 4 * 4; }
 
 // Texels by their internal format; what lies in the file must be of the same kind.
@@ -62,8 +68,9 @@ struct LevelPlace {
 
 }  // namespace
 
-void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels texels, bool cube, const KeyValues& pairs,
+void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels wanted, bool cube, const KeyValues& pairs,
                 const Progress& progress) {
+  const Texels texels = without_alpha(wanted);
   const TexelFormat& format = format_of(texels);
   const Names& gl = *std::ranges::find(names, texels, &Names::texels);
   KeyValues all_pairs = pairs;
@@ -76,7 +83,7 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels texels, b
   h.type_size = format.type_size;
   h.format = gl.format;
   h.internal = gl.internal;
-  h.base = format.channels == 4 ? rgba : rgb;
+  h.base = rgb;
   h.width = static_cast<std::uint32_t>(levels[0].width());
   h.height = cube ? h.width : static_cast<std::uint32_t>(levels[0].height());
   h.faces = cube ? 6 : 1;
@@ -90,8 +97,9 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels texels, b
   std::vector<std::byte> packed;
   for (const Page& page : levels) {
     const std::vector<Page> images = images_of(page, cube);
-    // Of a cube it is the size of one face. Every texel that is written fills whole words.
-    const std::uint64_t size = format.image_bytes(images[0].width(), images[0].height());
+    // Of a cube it is the size of one face.
+    const std::uint64_t row = format.row_bytes(images[0].width());
+    const std::uint64_t size = format.image_bytes(images[0].width(), images[0].height()) / row * padded(row);
     if (size > 0xffffffff) throw OutputError(fmt::format("KTX holds images of up to 4 GiB, not of {} bytes", size));
     const auto image_size = static_cast<std::uint32_t>(size);
     file.write(&image_size, sizeof image_size);
@@ -100,7 +108,14 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels texels, b
       const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
         encode_rows(format, image, begin, end, band, packed);
-        file.write(packed.data(), packed.size());
+        if (padded(row) == row) {
+          file.write(packed.data(), packed.size());
+          return;
+        }
+        for (std::size_t at = 0; at < packed.size(); at += row) {
+          file.write(packed.data() + at, row);
+          file.write("\0\0", padded(row) - row);
+        }
       });
       done += part;
     }

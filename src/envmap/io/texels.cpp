@@ -63,10 +63,14 @@ void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to
     }
     return;
   }
+  const TexelFormat& format = format_of(texels);
   std::vector<float> values;
   values.reserve(4 * from.size());
-  for (const Colour& c : from) values.insert(values.end(), {c.x, c.y, c.z, 1});
-  if (texels == Texels::rgba32f)
+  for (const Colour& c : from) {
+    values.insert(values.end(), {c.x, c.y, c.z});
+    if (format.channels == 4) values.push_back(1);
+  }
+  if (format.depth == Depth::single)
     std::memcpy(to.data(), values.data(), to.size());
   else
     to_half(values, {reinterpret_cast<std::uint16_t*>(to.data()), values.size()});

@@ -63,7 +63,7 @@ inline Texels texels_of(Depth depth) {
 inline constexpr double largest_rgb9e5 = 65408;
 
 /// Alpha is 1. Values must be finite, not negative and within what the format holds. Shared exponents are rounded to
-/// nearest (OpenGL 4.6, 8.5.2). @param texels one of texels_of(), but no blocks.
+/// nearest (OpenGL 4.6, 8.5.2). @param texels of floats or shared exponents, but no blocks.
 void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to);
 
 /// A row of texels, or one of blocks. Bytes are linear from 0 to 1 unless their format is an sRGB one.
