@@ -17,7 +17,7 @@ void add_scene(CLI::App& app, SceneOptions& o) {
   add_choice(app, "--context", o.context, joined(context_names), one_of<ContextKind>(context_names),
              "What it is drawn with (default: auto)");
   app.add_option("--environment", o.environment, "Map that is the background and a light")->type_name("FILE");
-  add_triple(app, "--ambient", o.ambient, "R,G,B", true, "Radiance from everywhere (default: 0)");
+  add_triple(app, "--ambient", o.ambient, "R,G,B", true, "Radiance from everywhere, which nothing keeps off (default: 0)");
   app.add_flag("--no-shadows", o.no_shadows, "Let punctual lights shine through everything");
   app.add_option("--occlusion", o.occlusion,
                  "Distant lights that stand for the environment where surfaces keep its diffuse light from each other; 0: it shines "
@@ -74,13 +74,11 @@ LoadedScene load(const SceneOptions& o, const Common& common) {
   if (common.verbose)
     note(common, fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
                              instances(scene).size(), scene.materials.size(), scene.lights.size()));
-  if (!o.environment.empty()) {
-    loaded.inputs.push_back(o.environment);
-    loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read, common).map, glossy_size,
-                                                       progress_line(common, "light of the environment"));
-  }
-  if (o.occlusion > 0 && (loaded.environment || o.ambient))
-    loaded.distant = distant_lights(loaded.environment.get(), Colour(o.ambient.value_or(Direction(0))), o.occlusion);
+  if (o.environment.empty()) return loaded;
+  loaded.inputs.push_back(o.environment);
+  loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read, common).map, glossy_size,
+                                                     progress_line(common, "light of the environment"));
+  if (o.occlusion > 0) loaded.distant = distant_lights(loaded.environment->map, o.occlusion);
   return loaded;
 }
 

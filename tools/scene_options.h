@@ -44,7 +44,7 @@ Frames frames_of(const SceneOptions& options);
 struct LoadedScene {
   envmap::Scene scene;
   std::unique_ptr<envmap::Environment> environment;  ///< Null: black.
-  std::vector<envmap::DistantLight> distant;         ///< Of it and of ambient light.
+  std::vector<envmap::DistantLight> distant;         ///< Of it.
   std::vector<std::string> inputs;
 
   [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;

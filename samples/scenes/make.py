@@ -4,6 +4,7 @@
 room-2, room-4, room-21   a coloured room whose walls have that many vertices an edge, with a box, a ball and a ring in it
 wire-cube                 the edges of a cube
 ball                      a mirror ball ("ball") on a table
+balls                     mirror, glass, metals and plastics on tiles, for a sunny sky
 facing                    a candle between two mirrors that face each other
 cellar                    a furnished cellar with two mirrors ("mirror ball", "mirror ring"), glass, lamps and cameras;
                           the lamp swings, the ring turns and the ball rises (6 s)
@@ -203,6 +204,25 @@ def ball_on_a_table():
     return scene
 
 
+def balls():
+    """Eight balls on 6 x 6 m of tiles; no light of its own."""
+    scene = Scene()
+    tiles = scene.material("tiles", texture=scene.texture(png(128, 128, flags)), roughness=0.6)
+    scene.node("floor", scene.mesh(wall((-3, 0, -3), (6, 0, 0), (0, 0, 6), 1, (4, 4)), tiles))
+    made = (("mirror", (0, 0.6, -0.35), 0.6, dict(colour=(0.95, 0.95, 0.95), metallic=1.0, roughness=0.0)),
+            ("glass", (-0.55, 0.3, 0.75), 0.3, dict(colour=(0.97, 0.99, 0.98), roughness=0.0, transmission=1.0, thickness=0.6)),
+            ("gold", (-1.35, 0.45, 0.05), 0.45, dict(colour=(1.0, 0.77, 0.34), metallic=1.0, roughness=0.25)),
+            ("copper", (1.3, 0.4, 0.1), 0.4, dict(colour=(0.95, 0.64, 0.54), metallic=1.0, roughness=0.45)),
+            ("red plastic", (0.5, 0.25, 0.85), 0.25, dict(colour=(0.75, 0.05, 0.04), roughness=0.25)),
+            ("blue plastic", (1.05, 0.16, 0.95), 0.16, dict(colour=(0.05, 0.15, 0.65), roughness=0.1)),
+            ("chalk", (-1.15, 0.18, 0.95), 0.18, dict(colour=(0.85, 0.83, 0.8), roughness=1.0)),
+            ("small mirror", (0.02, 0.14, 1.15), 0.14, dict(colour=(0.95, 0.95, 0.95), metallic=1.0, roughness=0.0)))
+    for name, at, radius, material in made:
+        scene.node(name, scene.mesh(ball(radius, 64), scene.material(name, **material)), translation=list(at))
+    scene.camera("front", (0.4, 1.35, 4.2), (0, 0.42, 0), 0.52)
+    return scene
+
+
 def facing():
     """Two mirrors of 2 x 2 m, 2 m apart along X, in a lit room of 6 m."""
     scene = Scene()
@@ -233,7 +253,7 @@ def main():
     folder = sys.argv[1]
     os.makedirs(folder, exist_ok=True)
     for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)), ("wire-cube", wire_cube()),
-                        ("ball", ball_on_a_table()), ("facing", facing()),
+                        ("ball", ball_on_a_table()), ("balls", balls()), ("facing", facing()),
                         ("cellar", cellar())):
         scene.save(os.path.join(folder, name + ".glb"))
 

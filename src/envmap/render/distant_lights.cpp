@@ -5,7 +5,6 @@
 
 #include "envmap/operate/convert.h"
 #include "envmap/projection/visit.h"
-#include "envmap/render/shading.h"
 
 namespace envmap {
 namespace {
@@ -18,19 +17,16 @@ struct Texel {
   double luminance;
 };
 
-std::vector<Texel> texels_of(const Environment* environment, const Colour& ambient) {
+std::vector<Texel> texels_of(const EnvironmentMap& environment) {
   std::vector<Texel> texels;
-  EnvironmentMap map;
-  if (environment != nullptr)
-    map = convert(environment->map, {.to = Projection::latlong, .size = rows, .filter = Filter::area});
+  const EnvironmentMap map = convert(environment, {.to = Projection::latlong, .size = rows, .filter = Filter::area});
   std::vector<Direction> from(columns_a_row);
   std::vector<double> solid_angle(columns_a_row);
   for (int row = 0; row < rows; ++row) {
     texel_directions(Projection::latlong, rows, 0, row, 0, from);
     solid_angles(Projection::latlong, rows, row, solid_angle);
     for (int i = 0; i < columns_a_row; ++i) {
-      const Colour radiance = ambient + (environment != nullptr ? *map.base().texel(0, i, row) : Colour(0));
-      const Flux all = solid_angle[static_cast<std::size_t>(i)] * Flux(radiance);
+      const Flux all = solid_angle[static_cast<std::size_t>(i)] * Flux(*map.base().texel(0, i, row));
       texels.push_back({from[static_cast<std::size_t>(i)], all, 0.2126 * all.x + 0.7152 * all.y + 0.0722 * all.z});
     }
   }
@@ -89,8 +85,8 @@ class Sky {
 
 }  // namespace
 
-std::vector<DistantLight> distant_lights(const Environment* environment, const Colour& ambient, int count) {
-  const Sky sky(texels_of(environment, ambient));
+std::vector<DistantLight> distant_lights(const EnvironmentMap& environment, int count) {
+  const Sky sky(texels_of(environment));
   std::vector<Part> parts{sky.part(0, 0, columns_a_row, rows)}, whole;
   while (!parts.empty() && static_cast<int>(parts.size() + whole.size()) < count) {
     const auto brightest = std::ranges::max_element(parts, {}, &Part::luminance);

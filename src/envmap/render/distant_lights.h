@@ -4,11 +4,10 @@
 
 #include <vector>
 
+#include "envmap/map/environment_map.h"
 #include "envmap/maths/vector.h"
 
 namespace envmap {
-
-struct Environment;
 
 struct DistantLight {
   Direction from{0, 1, 0};  ///< Unit, world.
@@ -17,10 +16,9 @@ struct DistantLight {
 
 inline constexpr int most_distant_lights = 256;
 
-/// At most so many, which share out the flux of the environment with even ambient light: parts of the sphere are cut in two
+/// At most so many, which share out the flux of the environment: parts of the sphere are cut in two
 /// halves of the same luminance, the brightest first, across the longer side. A sun gets many of them, or one where a
 /// texel of 1.4 degrees holds it. Source: Debevec 2005, "A median cut algorithm for light probe sampling".
-/// @param environment null: black.
-std::vector<DistantLight> distant_lights(const Environment* environment, const Colour& ambient, int count);
+std::vector<DistantLight> distant_lights(const EnvironmentMap& environment, int count);
 
 }  // namespace envmap

@@ -48,13 +48,14 @@ Colour background(const Environment* environment, const Direction& from) {
 
 namespace {
 
-Flux irradiance_over_pi(const Lighting& l, const Direction& n) {
+// @param reached the part of the environment's light that does.
+Flux irradiance_over_pi(const Lighting& l, const Direction& n, const Flux& reached) {
   const Flux ambient(l.ambient);
   if (l.environment == nullptr) return ambient;
   const double basis[9] = {1, n.x, n.y, n.z, n.x * n.z, n.x * n.y, 3 * n.y * n.y - 1, n.y * n.z, n.z * n.z - n.x * n.x};
   Flux sum(0);
   for (std::size_t k = 0; k < 9; ++k) sum += basis[k] * Flux(l.environment->light.irradiance[k]);
-  return ambient + glm::max(sum, 0.0);
+  return ambient + reached * glm::max(sum, 0.0);
 }
 
 // Bilinear between the centres of the table's texels.
@@ -172,7 +173,7 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
     return once(f0, f90) * mean / (1.0 - more * mean) * more;
   };
   const Flux reached = l.obstacles != nullptr ? unoccluded(*l.obstacles, s, l.distant) : Flux(1);
-  const Flux plain(smooth), irradiance = reached * irradiance_over_pi(l, n), rest = 1.0 - once(plain, edge) - later(plain, edge);
+  const Flux plain(smooth), irradiance = irradiance_over_pi(l, n, reached), rest = 1.0 - once(plain, edge) - later(plain, edge);
   Scattered out{.radiance = Flux(s.emissive) + rest * dielectric * (1 - transmitted) * irradiance +
                             glm::mix(later(plain, edge), later(base, 1), metallic) * irradiance,
                 .reflected = glm::mix(once(plain, edge), once(base, 1), metallic),

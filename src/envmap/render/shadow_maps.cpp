@@ -18,8 +18,8 @@ struct GpuLightFace {
   glm::vec4 lens;                 // Half the width; 1 for parallel rays; the depth that nothing may lie before.
 };
 
-// 128 MiB for all of them.
-constexpr std::size_t most_texels = std::size_t{1} << 23;
+// 256 MiB for all of them.
+constexpr std::size_t most_texels = std::size_t{1} << 24;
 constexpr std::size_t largest = 2048;
 // Nothing nearer to a light than this part of the scene casts a shadow of it: depth buffers of floats do not mind.
 constexpr double nearest = 1e-6;

@@ -23,11 +23,12 @@ struct Surface {
   vec3 lifted;   // Where shadows are found.
 };
 
-vec3 irradiance_over_pi(vec3 n) {
+// @param reached the part of the environment's light that does.
+vec3 irradiance_over_pi(vec3 n, vec3 reached) {
   vec3 sum = irradiance[0] + n.x * irradiance[1] + n.y * irradiance[2] + n.z * irradiance[3] + n.x * n.z * irradiance[4] +
              n.x * n.y * irradiance[5] + (3 * n.y * n.y - 1) * irradiance[6] + n.y * n.z * irradiance[7] +
              (n.z * n.z - n.x * n.x) * irradiance[8];
-  return ambient + max(sum, 0);
+  return ambient + reached * max(sum, 0);
 }
 
 vec3 glossy_radiance(vec3 from, float roughness) {
@@ -81,7 +82,7 @@ vec3 shade(Surface s, vec3 v) {
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
   vec2 table = textureLod(split_sum, vec2(nv, s.roughness), 0).rg;
-  vec3 even = unoccluded(s.lifted, n) * irradiance_over_pi(n), rest = 1 - once(plain, edge, table) - later(plain, edge, table);
+  vec3 even = irradiance_over_pi(n, unoccluded(s.lifted, n)), rest = 1 - once(plain, edge, table) - later(plain, edge, table);
   vec3 sum = s.emissive + rest * dielectric * (1 - s.transmission) * even +
              mix(later(plain, edge, table), later(base, 1, table), s.metallic) * even +
              mix(once(plain, edge, table), once(base, 1, table), s.metallic) *
