@@ -4,6 +4,7 @@
 #
 #   sh packages.sh           what the build, the tests and the tour need
 #   sh packages.sh bench     also the tools that tests/bench times beside envmap
+#   sh packages.sh deb       also what packaging/deb_test.sh makes, checks and installs a .deb with
 set -eu
 
 # For the tests: libgtest-dev, libbenchmark-dev (CI builds the benchmarks too), libopenexr-dev and openexr (files as
@@ -26,7 +27,8 @@ fail() {
 case ${1:-} in
   '') ;;
   bench) packages="$packages pfstools ffmpeg" ;;
-  *) fail "$1: only 'bench' or nothing" ;;
+  deb) packages="$packages dpkg-dev file lintian mmdebstrap" ;;
+  *) fail "$1: only 'bench', 'deb' or nothing" ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

@@ -32,10 +32,14 @@ set(package ${CMAKE_INSTALL_LIBDIR}/cmake/envmap)
 install(EXPORT shared NAMESPACE envmap:: FILE envmapTargets.cmake DESTINATION ${package})
 install(EXPORT static NAMESPACE envmap:: FILE envmapStaticTargets.cmake DESTINATION ${package})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/envmapConfig.cmake.in ${PROJECT_BINARY_DIR}/envmapConfig.cmake
-  INSTALL_DESTINATION ${package} NO_SET_AND_CHECK_MACRO)
+  INSTALL_DESTINATION ${package} PATH_VARS CMAKE_INSTALL_BINDIR NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/envmapConfigVersion.cmake COMPATIBILITY SameMajorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/envmapConfig.cmake ${PROJECT_BINARY_DIR}/envmapConfigVersion.cmake DESTINATION ${package})
+install(FILES ${PROJECT_BINARY_DIR}/envmapConfig.cmake ${CMAKE_CURRENT_LIST_DIR}/envmapMaps.cmake
+  ${PROJECT_BINARY_DIR}/envmapConfigVersion.cmake DESTINATION ${package})
 # Relative to its own place, so that an installed tree can be moved.
 file(RELATIVE_PATH prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+# Not Requires.private, which would ask for their headers where the shared library alone is used.
+list(JOIN OpenEXR_LDFLAGS " " private_libraries)
+string(APPEND private_libraries " ${OpenColorIO_LDFLAGS} ${Zstd_LDFLAGS} ${Highway_LDFLAGS}")
 configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap.pc.in ${PROJECT_BINARY_DIR}/envmap.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/envmap.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

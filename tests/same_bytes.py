@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""The same command gives the same bytes on every processor: runs commands as they are, with newer instructions hidden
-from the C library, from Highway and from both, and with one thread, and compares what they write.
+"""The same command gives the same bytes on every processor and at every place: runs commands as they are, with newer
+instructions hidden from the C library, from Highway and from both, with one thread, and in another folder under another user
+(where the test is run by root), time zone, locale and umask, and compares what they write. Caches of results may rely on it.
 
   same_bytes.py ENVMAP PROBE     PROBE prints results of the C library, which must differ where it is misled at all
 """
@@ -20,6 +21,7 @@ SETTINGS = {
     'AVX2, FMA and AVX512 hidden from the C library': HIDE_FROM_LIBC,
     "Highway's targets capped": {'ENVMAP_BASELINE': '1'},
     'both': HIDE_FROM_LIBC | {'ENVMAP_BASELINE': '1'},
+    'elsewhere': {'TZ': 'Pacific/Kiritimati', 'LC_ALL': 'de_DE.UTF-8', 'LANG': 'de_DE.UTF-8', 'USER': 'other', 'HOME': '/nowhere'},
 }
 
 PROJECTIONS = 'latlong cube sphere paraboloid angular octahedral equal-area'.split()
@@ -39,7 +41,7 @@ COMMANDS = [
     *(f'mipmap {p}.exr chain-{p}.exr' for p in PROJECTIONS),
     'mipmap cube.exr border.exr --openexr-envmap',
     'mipmap cube.exr cube-bc6h.dds --depth bc6h --clamp -q', 'mipmap from-sphere.exr from-sphere-bc6h.ktx2 --depth bc6h --clamp --zstd -q',
-    'convert sun.exr small.exr --to latlong --size 16',
+    'convert sun.exr small.exr --to latlong --size 16', 'convert sun.exr aces.exr --output-space ACEScg --white 6000 --saturation 1.5',
     *(f'prefilter small.exr diffuse-{m}.exr --method {m} --size 6 -q' for m in 'auto exact hierarchical spectral'.split()),
     *(f'prefilter small.exr phong-{m}.exr --lobe phong --exponent 40.5 --method {m} --size 6 -q'
       for m in 'exact hierarchical spectral'.split()),
@@ -54,10 +56,16 @@ COMMANDS = [
 def run(setting):
     """Name or command -> hash of the file, or of standard output."""
     hashes = {}
-    with tempfile.TemporaryDirectory() as folder:
+    elsewhere = 'TZ' in setting
+    more = {'umask': 0o077} if elsewhere else {}
+    with tempfile.TemporaryDirectory(prefix='größe 1 ' if elsewhere else None) as folder:
+        if elsewhere and os.getuid() == 0:
+            nobody = 65534
+            os.chown(folder, nobody, nobody)
+            more |= {'user': nobody, 'group': nobody, 'extra_groups': []}
         for command in COMMANDS:
             threads = ['--threads', '1'] if 'ENVMAP_BASELINE' in setting else []
-            done = subprocess.run([ENVMAP, *command.split(), *threads], cwd=folder, env=os.environ | setting, capture_output=True)
+            done = subprocess.run([ENVMAP, *command.split(), *threads], cwd=folder, env=os.environ | setting, capture_output=True, **more)
             if done.returncode != 0:
                 sys.exit(f'same_bytes: envmap {command}: {done.stderr.decode()}')
             hashes[command] = hashlib.sha256(done.stdout).hexdigest()
