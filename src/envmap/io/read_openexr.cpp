@@ -62,8 +62,9 @@ Attributes attributes_of(const Imf::Header& header) {
                     : std::string_view(a.name()) == "owner"  ? copyright
                                                              : a.name(),
                     text->value());
-  if (const auto* flag = header.findTypedAttribute<Imf::IntAttribute>("acesImageContainerFlag"); flag && flag->value() == 1)
-    texts["acesImageContainerFlag"] = "1";  // SMPTE ST 2065-4.
+  const auto aces = header.find("acesImageContainerFlag");  // SMPTE ST 2065-4.
+  const auto* const flag = aces != header.end() ? dynamic_cast<const Imf::IntAttribute*>(&aces.attribute()) : nullptr;
+  if (flag != nullptr && flag->value() == 1) texts["acesImageContainerFlag"] = "1";
   // Of our own making: a file that was converted may carry the word without the attribute.
   texts.erase("textureformat");
   if (Imf::hasEnvmap(header))
