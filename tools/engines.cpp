@@ -90,7 +90,7 @@ double babylon_roughness(int k, int /*n*/, int size) { return k == 0 ? 0 : std::
 double filament_roughness(int k, int n, int /*size*/) { return 1 - std::sqrt(1 - static_cast<double>(k) / (n - 1)); }
 
 const Engine table[] = {
-    {"babylon", "Babylon.js", "9.34, directions run: tests/engines; levels read",
+    {"babylon", "Babylon.js", "9.34, run: tests/engines",
      {{"background.dds", Projection::cube, Depth::half, true},
       {"environment.dds", Projection::cube, Depth::half, true, Chain{128, 0, babylon_roughness}}}, 0,
      "mirrored for its left-handed world: +X, +Y and +Z of the probe are -X, +Y and +Z, where imported glTF files have them",
@@ -98,8 +98,8 @@ const Engine table[] = {
      {},
      "scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData('FOLDER/environment.dds', scene);\n"
      "const sky = new BABYLON.CubeTexture('FOLDER/background.dds', scene);\n"
-     "scene.environmentTexture.gammaSpace = sky.gammaSpace = false;\n"
-     "scene.createDefaultSkybox(sky, true, 1000);\n"
+     "sky.gammaSpace = false;\n"
+     "scene.createDefaultSkybox(sky, true, 1000, 0, false);\n"
      "In a scene with useRightHandedSystem turn both half round Y (CubeTexture.rotationY = Math.PI)."},
     {"blender", "Blender", "Cycles of commit 24e016546302, read; not run",
      {{background_exr, {Projection::latlong, Forward::plus_x}}}, 0,

@@ -1,6 +1,11 @@
 // Babylon.js: CubeTexture.CreateFromPrefilteredData, createDefaultSkybox, PBRMaterial, drawn into floats.
 // Its world is left-handed, and imported glTF files lie in it with X negated.
 export const world = (d) => [-d[0], d[1], d[2]];
+// Levels 2 to 4 of 128 texels: lod = 0.8 log2(128 roughness^2).
+export const roughness = [2, 3, 4].map((k) => Math.sqrt(2 ** (k / 0.8) / 128));
+// Its dielectrics do not take from diffuse light what they mirror towards the rim.
+// It mixes irradiance into what is rough, and a texel of level 2 is half as wide as its lobe.
+export const limits = { dielectric: Infinity, width: 0.25 };
 
 await new Promise((loaded, failed) => {
   const script = document.createElement('script');
@@ -14,11 +19,10 @@ const ready = (texture) => new Promise((loaded) => BABYLON.BaseTexture.WhenAllRe
 export async function open(folder) {
   const scene = new BABYLON.Scene(engine);
   scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData(`${folder}/environment.dds`, scene);
-  scene.environmentTexture.gammaSpace = false;
   const background = new BABYLON.CubeTexture(`${folder}/background.dds`, scene);
   await Promise.all([ready(scene.environmentTexture), ready(background)]);
   background.gammaSpace = false;
-  const sky = scene.createDefaultSkybox(background, true, 1000);
+  const sky = scene.createDefaultSkybox(background, true, 1000, 0, false);  // Else the sky lights the scene, too.
   const sphere = BABYLON.MeshBuilder.CreateSphere('ball', { diameter: 2, segments: 128 }, scene);
   const material = new BABYLON.PBRMaterial('white', scene);
   material.albedoColor = BABYLON.Color3.White();

@@ -32,7 +32,7 @@ mkdir "$folder/probes"
 "$envmap" generate directions "$folder/probes/directions.exr" --to cube --size 256
 "$envmap" generate constant "$folder/probes/white.exr" --to cube --size 64 --value 1
 "$envmap" generate sun "$folder/probes/sun.exr" --to cube --size 256 --direction 1,2,3 --radius 1 --value 1000 --zenith 0 --ground 0
-[ $# -gt 0 ] || set -- filament playcanvas three
+[ $# -gt 0 ] || set -- babylon filament playcanvas three
 for engine; do
   for probe in directions white sun; do
     "$envmap" bake "$folder/probes/$probe.exr" "$folder/probes/$engine-$probe" --for "$engine" -q
