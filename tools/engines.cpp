@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/maths/portable.h"
+
 namespace tools {
 namespace {
 
@@ -84,7 +86,7 @@ def DomeLight "Probe"
 // usd: openusd.org, user guide of DomeLight: "adheres to the OpenEXR specification for latitude-longitude maps".
 
 // Babylon: lod = 0.8 log2(N alpha) of faces of N texels, alpha = roughness^2.
-double babylon_roughness(int k, int /*n*/, int size) { return k == 0 ? 0 : std::min(1.0, std::sqrt(std::exp2(k / 0.8) / size)); }
+double babylon_roughness(int k, int /*n*/, int size) { return k == 0 ? 0 : std::min(1.0, std::sqrt(portable::exp2(k / 0.8) / size)); }
 
 // Filament: lod / (n - 1) = r (2 - r).
 double filament_roughness(int k, int n, int /*size*/) { return 1 - std::sqrt(1 - static_cast<double>(k) / (n - 1)); }
