@@ -18,7 +18,7 @@ using namespace envmap;
 
 std::vector<Command> all_commands() {
   return {convert_command(),  mipmap_command(),  prefilter_command(), sh_command(),
-          render_command(),   view_command(),    info_command(),      compare_command(),
+          render_command(),   view_command(),    info_command(),      compare_command(), tradeoff_command(),
           generate_command(), preview_command(), bake_command(),      manual_command(),    completion_command()};
 }
 

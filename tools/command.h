@@ -59,6 +59,7 @@ Command preview_command();
 Command prefilter_command();
 Command sh_command();
 Command render_command();
+Command tradeoff_command();
 Command view_command();
 Command manual_command();
 Command completion_command();

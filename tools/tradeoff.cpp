@@ -1,0 +1,218 @@
+// What accuracy costs: every way to do a task, timed, beside its error against the reference.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "command.h"
+#include "depfile.h"
+#include "envmap/base/error.h"
+#include "envmap/io/output_file.h"
+#include "envmap/operate/measure.h"
+#include "tradeoff_plot.h"
+#include "tradeoff_tasks.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+enum class Metric { rms, maximum, flux };
+constexpr std::string_view metric_names[] = {"rms", "max", "flux"};
+
+struct Options {
+  std::string input, task, plot;
+  ReadOptions read;
+  Metric by = Metric::rms;
+  double budget = 60;
+};
+
+struct Trial {
+  std::string method, setting;
+  double seconds, noise;  // The median of its runs, and how far the others are from it at most, over it.
+  int runs;
+  Difference error;
+  std::optional<std::int64_t> bytes;
+  bool front = false;
+
+  [[nodiscard]] double cost() const { return bytes ? static_cast<double>(*bytes) : seconds; }
+  [[nodiscard]] double value(Metric m) const {
+    return m == Metric::rms ? error.rms : m == Metric::maximum ? error.maximum : error.largest_flux();
+  }
+  [[nodiscard]] std::string label() const { return setting.empty() ? method : method + " " + setting; }
+};
+
+struct Study {
+  const Task& task;
+  double reference_seconds = 0;
+  std::vector<Trial> trials;
+  std::size_t left_out = 0;  // Ways for which there was no time.
+};
+
+// Runs until there are five, or this way's part of the time is over. The first of several only warms the caches up.
+Trial measured(const Way& way, const Level& truth, double seconds) {
+  constexpr std::size_t enough = 6;
+  const Stopwatch whole;
+  std::vector<double> times;
+  Outcome out{Level(Projection::latlong, 1)};
+  do {
+    const Stopwatch watch;
+    out = way.run();
+    times.push_back(watch.seconds());
+  } while (times.size() < enough && whole.seconds() + times.back() < seconds);
+  if (times.size() > 1) times.erase(times.begin());
+  std::ranges::sort(times);
+  const double median = times[times.size() / 2], off = std::max(median - times.front(), times.back() - median);
+  return {way.method, way.setting, median, off / median, static_cast<int>(times.size()), compare(out.level, truth), out.bytes};
+}
+
+// By cost, and at the same cost by error: then what is closer than all before it is beaten by none. NaN never is.
+void mark_front(std::vector<Trial>& trials, Metric by) {
+  std::ranges::stable_sort(trials, {}, [by](const Trial& t) { return std::pair(t.cost(), t.value(by)); });
+  double least = std::numeric_limits<double>::infinity();
+  for (Trial& t : trials) {
+    t.front = t.value(by) < least;
+    least = t.front ? t.value(by) : least;
+  }
+}
+
+Study study_of(const Task& task, const Options& o, const Common& common) {
+  const Progress progress = progress_line(common, "measuring");
+  const Stopwatch watch;
+  Study study{task};
+  const Outcome truth = task.truth();
+  study.reference_seconds = watch.seconds();
+  for (std::size_t k = 0; k < task.ways.size(); ++k) {
+    const double rest = o.budget + study.reference_seconds - watch.seconds();
+    if (rest <= 0 && k > 0) {
+      study.left_out = task.ways.size() - k;
+      break;
+    }
+    study.trials.push_back(measured(task.ways[k], truth.level, rest / static_cast<double>(task.ways.size() - k)));
+    if (progress) progress(static_cast<double>(k + 1) / static_cast<double>(task.ways.size()));
+  }
+  mark_front(study.trials, o.by);
+  return study;
+}
+
+std::string table_of(const Study& study, const Options& o) {
+  std::size_t wide = 10;
+  for (const Trial& t : study.trials) wide = std::max(wide, t.label().size());
+  const bool files = !study.trials.empty() && study.trials[0].bytes;
+  std::string out = fmt::format("{} of {}; errors against {} ({:.3g} s)\n", o.task, o.input, study.task.reference, study.reference_seconds);
+  out += fmt::format("  {:{}}  {:>10}  {:>5}{}  {:>8}  {:>8}  {:>8}\n", "", wide, "seconds", "+-", files ? "       bytes" : "",
+                     "max", "rms", "flux");
+  for (const Trial& t : study.trials)
+    out += fmt::format("{} {:{}}  {:>10.3g}  {:>4.0f}%{}  {:>8.1e}  {:>8.1e}  {:>8.1e}\n", t.front ? '*' : ' ', t.label(), wide,
+                       t.seconds, 100 * t.noise, t.bytes ? fmt::format("{:>12}", *t.bytes) : "", t.error.maximum, t.error.rms,
+                       t.error.largest_flux());
+  out += fmt::format("* nothing else is both {} and closer in {}\n", files ? "smaller" : "faster",
+                     metric_names[static_cast<std::size_t>(o.by)]);
+  return out;
+}
+
+nlohmann::ordered_json report_of(const Study& study, const Options& o) {
+  nlohmann::ordered_json report{{"input", o.input}, {"task", o.task}};
+  report["reference"] = {{"what", study.task.reference}, {"seconds", study.reference_seconds}};
+  report["by"] = metric_names[static_cast<std::size_t>(o.by)];
+  report["trials"] = nlohmann::ordered_json::array();
+  for (const Trial& t : study.trials) {
+    nlohmann::ordered_json one{{"method", t.method}, {"setting", t.setting}, {"seconds", t.seconds}, {"noise", t.noise}, {"runs", t.runs}};
+    if (t.bytes) one["bytes"] = *t.bytes;
+    one["max"] = t.error.maximum, one["rms"] = t.error.rms, one["flux"] = t.error.largest_flux(), one["front"] = t.front;
+    report["trials"].push_back(one);
+  }
+  report["left_out"] = study.left_out;
+  return report;
+}
+
+void write_plot(const Study& study, const Options& o, const Common& common) {
+  std::vector<PlotPoint> points;
+  for (const Trial& t : study.trials) points.push_back({t.cost(), t.value(o.by), t.method, t.label(), t.front});
+  const bool files = !study.trials.empty() && study.trials[0].bytes;
+  const std::string svg = plot(points, fmt::format("{} of {}", o.task, printable(o.input)), files ? "bytes" : "seconds",
+                               fmt::format("{} error", metric_names[static_cast<std::size_t>(o.by)]));
+  OutputFile file(o.plot, common.commit);
+  file.write(svg.data(), svg.size());
+  file.commit();
+}
+
+int run(Options& o, const Common& common) {
+  if (!o.plot.empty()) {
+    check_report(o.plot, common);
+    check_files({o.plot}, {o.input}, common);
+    if (o.plot != "-" && !o.plot.ends_with(".svg")) throw UsageError(o.plot, "--plot writes .svg");
+  }
+  const Source source = read_map(o.input, o.read, common);
+  const Task task = make_task(o.task, source.map);
+  const Study study = study_of(task, o, common);
+  if (!o.plot.empty()) write_plot(study, o, common);
+  if (common.json)
+    print_report(report_of(study, o));
+  else if (o.plot != "-")
+    print(table_of(study, o));
+  if (study.left_out > 0)
+    warn(fmt::format("envmap tradeoff: {} of {} ways left out after {:g} s; say --budget to allow more", study.left_out,
+                     task.ways.size(), o.budget));
+  return 0;
+}
+
+}  // namespace
+
+Command tradeoff_command() {
+  return {
+      .name = "tradeoff",
+      .summary = "Measure what accuracy costs: every method of a task, timed, beside its error",
+      .description =
+          "Does a task in every way there is, on this machine and with this map, and prints for each the time of the "
+          "operation alone (from texels in memory to texels in memory; reading and writing apart), how far other runs were "
+          "from it, and its error against a slow reference: max, rms and flux, as 'envmap compare' has them. A star marks "
+          "what no other way beats in both.\n\n"
+          "Times are medians of at most five runs after one that warms up; a way that would take more than its part of "
+          "--budget is run once. One after the other they have all threads (--threads).\n\n"
+          "Tasks, P a projection and N the height of a face:\n"
+          "  convert:P[:N]      all filters; the reference is 'area' to 1e-6\n"
+          "  diffuse[:P:N], phong:M[:P:N], ggx:R[:P:N], blinn-phong:M[:P:N], charlie:R[:P:N]\n"
+          "                     the methods of prefilter at errors of 1e-1 to 1e-4; a cube of 16 if nothing is said; the "
+          "reference is the exact sum, which takes longest\n"
+          "  depth              file formats, depths and compressions: size of the file, time to write and read it (in "
+          "TMPDIR), and what is lost; stars are by size",
+      .examples = {{"envmap tradeoff probe.hdr --task convert:cube:256", "which filter is worth its time"},
+                   {"envmap tradeoff probe.hdr --task ggx:0.4 --plot ggx.svg", "time against error, as a picture"},
+                   {"envmap tradeoff probe.hdr --task depth --by max --json", "file size against error, for programs"}},
+      .keys = {{"input", "INPUT"},
+               {"task", "as it was given"},
+               {"reference.what", "what errors are counted from"},
+               {"reference.seconds", "how long it took, once"},
+               {"by", "the metric that 'front' is judged by"},
+               {"trials[].method", "a filter, a method or a file format"},
+               {"trials[].setting", "its options"},
+               {"trials[].seconds", "median of its runs"},
+               {"trials[].noise", "how far other runs were from it at most, relative to it"},
+               {"trials[].runs", "how many, the first apart"},
+               {"trials[].bytes", "size of the file; of the task depth alone"},
+               {"trials[].max", "largest |a-b| / max(|b|, 0.001 x mean of b)"},
+               {"trials[].rms", "root of sum w |a-b|^2 / sum w |b|^2"},
+               {"trials[].flux", "largest |flux a - flux b| / flux b of a channel"},
+               {"trials[].front", "whether nothing else is both faster (of depth: smaller) and closer"},
+               {"left_out", "ways for which --budget left no time"}},
+      .reports = true,
+      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
+        auto o = std::make_shared<Options>();
+        app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
+        app.add_option("--task", o->task, "What to measure: " + task_words())->type_name("TASK")->required();
+        add_choice(app, "--by", o->by, joined(metric_names), one_of<Metric>(metric_names),
+                   "The error that stars and plot are about (default: rms)");
+        app.add_option("--budget", o->budget, "Time for all ways together, the reference apart (default: 60)")
+            ->type_name("SECONDS")
+            ->check(CLI::Range(0.0, 1e6));
+        app.add_option("--plot", o->plot, "Write an SVG, '-' for standard output: cost against error on logarithmic axes")->type_name("FILE");
+        add_read_options(app, o->read);
+        add_repair(app, o->read);
+        return [o, &common] { return run(*o, common); };
+      }};
+}
+
+}  // namespace tools

@@ -1,0 +1,18 @@
+// A plot of what `tradeoff` measured.
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace tools {
+
+struct PlotPoint {
+  double x, y;  // Cost, above 0, and error; what has none stands on a line of its own.
+  std::string series, label;
+  bool front;
+};
+
+// An SVG of points on logarithmic axes, those of the front joined and labelled; series differ in their marks, not in colour alone.
+std::string plot(std::span<const PlotPoint> points, const std::string& title, const std::string& x_axis, const std::string& y_axis);
+
+}  // namespace tools

@@ -1,0 +1,198 @@
+#include "tradeoff_tasks.h"
+
+#include <fmt/format.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <filesystem>
+
+#include "envmap/base/error.h"
+#include "envmap/base/remove_on_signal.h"
+#include "envmap/io/read.h"
+#include "envmap/io/write.h"
+#include "envmap/operate/convert.h"
+#include "envmap/prefilter/prefilter.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+Outcome whole(Level level) { return {std::move(level)}; }
+
+// ---- convert ----------------------------------------------------------------------------------------------------------
+
+Outcome converted(const EnvironmentMap& map, const ConvertOptions& options) {
+  return whole(level_of(Resampler(map, options).rows()));
+}
+
+void add_conversions(const EnvironmentMap& map, const ConvertOptions& options, Task& task) {
+  const auto add = [&](const FilterInfo& filter, const std::string& setting, const ConvertOptions& how) {
+    task.ways.push_back({std::string(filter.name), setting, [&map, how] { return converted(map, how); }});
+  };
+  for (const FilterInfo& filter : filters()) {
+    ConvertOptions how = options;
+    how.filter = filter.filter;
+    if (filter.filter == Filter::area) {
+      for (const double error : {1e-1, 1e-2, 1e-3, 1e-4}) {
+        how.area_error = error;
+        add(filter, fmt::format("--area-error {:g}", error), how);
+      }
+    } else if (filter.filter == Filter::nearest || filter.filter == Filter::bilinear || filter.filter == Filter::bicubic) {
+      for (const int samples : {1, 2, 4, 8}) {
+        how.samples = samples;
+        add(filter, samples > 1 ? fmt::format("--samples {}", samples) : "", how);
+      }
+    } else {
+      add(filter, "", how);
+    }
+  }
+  task.reference = "--filter area --area-error 1e-6";
+  ConvertOptions exact = options;
+  exact.filter = Filter::area, exact.area_error = 1e-6;
+  task.truth = [&map, exact] { return converted(map, exact); };
+}
+
+// ---- prefilter --------------------------------------------------------------------------------------------------------
+
+Outcome prefiltered(const EnvironmentMap& map, const Prefilter& wanted) {
+  return whole(PrefilterSource(map).make(wanted).map.base().clone());
+}
+
+void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& task) {
+  lobe_of(wanted);  // Throws where there is none.
+  for (const Method method : {Method::hierarchical, Method::spectral, Method::automatic}) {
+    if (method == Method::spectral && wanted.shape == Shape::charlie) continue;
+    for (const double error : {1e-1, 1e-2, 1e-3, 1e-4}) {
+      Prefilter how = wanted;
+      how.method = method, how.max_error = error;
+      task.ways.push_back({std::string(method_names[static_cast<std::size_t>(method)]),
+                           fmt::format("--max-error {:g}", error), [&map, how] { return prefiltered(map, how); }});
+    }
+  }
+  task.reference = "--method exact";
+  Prefilter exact = wanted;
+  exact.method = Method::exact;
+  task.truth = [&map, exact] { return prefiltered(map, exact); };
+}
+
+// ---- depth ------------------------------------------------------------------------------------------------------------
+
+// A file in the folder for temporary ones, gone when this is, and where a signal ends the program.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const std::string& extension)
+      : path_((std::filesystem::temp_directory_path() / ("envmap-XXXXXX." + extension)).string()) {
+    const int descriptor = ::mkstemps(path_.data(), static_cast<int>(extension.size() + 1));
+    if (descriptor < 0) throw OutputError(path_, "not written; TMPDIR names another folder");
+    ::close(descriptor);
+    remove_on_signal(path_.c_str());
+  }
+  ~ScratchFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+    keep_on_signal(path_.c_str());
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+Outcome written(const EnvironmentMap& map, const std::string& extension, const WriteOptions& options) {
+  const ScratchFile file(extension);
+  write(file.path(), rows_of(map), options);
+  const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(file.path()));
+  return {read(file.path(), {.projection = map.projection(), .flaws = FlawPolicy::keep}).map.base().clone(), bytes};
+}
+
+void add_depths(const EnvironmentMap& map, Task& task) {
+  const auto add = [&](const char* extension, Depth depth, const std::string& compression, bool zstd) {
+    const WriteOptions how{.depth = depth, .clamp = true, .compression = compression, .zstd = zstd};
+    std::string setting = fmt::format("--depth {}", name(depth));
+    if (!compression.empty()) setting += " --compression " + compression;
+    if (zstd) setting += " --zstd";
+    task.ways.push_back({fmt::format(".{}", extension), setting,
+                         [&map, extension = std::string(extension), how] { return written(map, extension, how); }});
+  };
+  for (const Depth depth : {Depth::single, Depth::half}) {
+    for (const char* compression : {"none", "zip", "piz", "b44", "dwaa"}) add("exr", depth, compression, false);
+    for (const bool zstd : {false, true}) add("ktx2", depth, "", zstd);
+  }
+  for (const Depth depth : {Depth::rgb9e5, Depth::bc6h})
+    for (const bool zstd : {false, true}) add("ktx2", depth, "", zstd);
+  task.ways.push_back({".hdr", "", [&map] { return written(map, "hdr", {.clamp = true}); }});
+  task.reference = "the map as it was read";
+  task.truth = [&map] { return whole(map.base().clone()); };
+}
+
+// ---- names ------------------------------------------------------------------------------------------------------------
+
+std::vector<std::string> parts_of(const std::string& name) {
+  std::vector<std::string> parts(1);
+  for (const char c : name)
+    if (c == ':') parts.emplace_back();
+    else parts.back() += c;
+  return parts;
+}
+
+template <class T>
+T number_of(const std::string& task, const std::string& text, T least, T most) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= least && value <= most))
+    throw UsageError(fmt::format("--task {}: '{}' is no number from {} to {}", task, text, least, most));
+  return value;
+}
+
+Projection projection_of(const std::string& task, const std::string& text) {
+  if (const auto p = projection_named(text)) return *p;
+  throw UsageError(fmt::format("--task {}: '{}' is no projection", task, text));
+}
+
+// The lobes, with what stands after the first colon: its parameter.
+std::optional<Shape> shape_of(const std::string& word) {
+  for (std::size_t k = 0; k < std::size(shape_names); ++k)
+    if (shape_names[k] == word) return static_cast<Shape>(k);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string task_words() {
+  return "convert:P[:N] diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] depth";
+}
+
+Task make_task(const std::string& name, const EnvironmentMap& map) {
+  constexpr int largest = 1 << 15;
+  const std::vector<std::string> parts = parts_of(name);
+  Task task{.name = name};
+  const auto expect = [&](bool right) {
+    if (!right) throw UsageError(fmt::format("--task '{}' is none of {}", name, task_words()));
+  };
+  if (const auto shape = shape_of(parts[0])) {
+    const std::size_t first = *shape == Shape::diffuse ? 1 : 2;
+    expect(parts.size() == first || parts.size() == first + 2);
+    Prefilter wanted{.shape = *shape, .size = 16};
+    if (first == 2) wanted.parameter = number_of(name, parts[1], 0.0, 1e9);
+    if (parts.size() > first)
+      wanted.to = projection_of(name, parts[first]), wanted.size = number_of(name, parts[first + 1], 1, largest);
+    add_prefilters(map, wanted, task);
+  } else if (parts[0] == "convert") {
+    expect(parts.size() == 2 || parts.size() == 3);
+    ConvertOptions options{.to = {projection_of(name, parts[1])}};
+    if (parts.size() == 3) options.size = number_of(name, parts[2], 1, largest);
+    add_conversions(map, options, task);
+  } else {
+    expect(name == "depth");
+    add_depths(map, task);
+  }
+  return task;
+}
+
+}  // namespace tools

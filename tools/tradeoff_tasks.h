@@ -1,0 +1,39 @@
+// What `tradeoff` measures: the ways to do a task, and the reference that they are judged by.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "envmap/map/environment_map.h"
+
+namespace tools {
+
+// What came out of a way: its texels, and the size of the file where the task is to write one.
+struct Outcome {
+  envmap::Level level;
+  std::optional<std::int64_t> bytes = {};
+};
+
+// A method with its parameters, from a map in memory to a result.
+struct Way {
+  std::string method, setting;
+  std::function<Outcome()> run;
+};
+
+struct Task {
+  std::string name;          // As the user gave it.
+  std::string reference;     // What errors are counted from, in words.
+  std::function<Outcome()> truth;
+  std::vector<Way> ways;
+};
+
+// The tasks, for --help: `convert:P[:N]` and so on.
+std::string task_words();
+
+// @param map must outlive the task. @throws UsageError where the name is none of them, or a number is out of its range.
+Task make_task(const std::string& name, const envmap::EnvironmentMap& map);
+
+}  // namespace tools
