@@ -53,5 +53,5 @@ mmdebstrap --quiet --variant=apt \
   --customize-hook="copy-in $deb build/deb/inside.sh /tmp" \
   --customize-hook='chroot "$1" sh -c "apt-get -qq -y --no-install-recommends install /tmp/envmap_*.deb >/dev/null 2>&1 && envmap --version"' \
   --customize-hook='chroot "$1" sh -c "apt-get -qq -y --no-install-recommends install g++ cmake make pkg-config libglm-dev >/dev/null 2>&1"' \
-  --customize-hook='chroot "$1" sh /tmp/inside.sh' \
+  --customize-hook='chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin sh /tmp/inside.sh' \
   bookworm /dev/null
