@@ -45,7 +45,7 @@ cmake -S project -B project/build >/dev/null
 cmake --build project/build >/dev/null
 project/build/own
 apt-get -qq -y remove envmap >/dev/null
-! command -v envmap
+test ! -e /usr/bin/envmap
 echo "deb_test: installed, used and removed"
 INSIDE
 
