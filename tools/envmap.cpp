@@ -46,6 +46,7 @@ const char* advice(envmap::Remedy remedy) {
     case Remedy::clamp_or_darken: return ": choose a floating-point format, lower --exposure or say --clamp";
     case Remedy::clamp_or_brighten: return ": choose --depth float, raise --exposure or say --clamp";
     case Remedy::choose_layer: return ": choose one with --layer";
+    case Remedy::leave_out_shadows: return ": say --no-shadows";
     case Remedy::make_levels: return ": make levels anew, without --keep";
     case Remedy::none: break;
   }

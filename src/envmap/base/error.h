@@ -34,6 +34,7 @@ enum class Remedy {
   clamp_or_darken,        ///< WriteOptions::clamp, less light, or a floating-point format.
   clamp_or_brighten,      ///< WriteOptions::clamp, more light, or depth = Depth::single.
   choose_layer,           ///< ReadOptions::choice.layer.
+  leave_out_shadows,      ///< Shot::shadows = false, or fewer lights.
   make_levels,            ///< Levels made by add_levels() instead of those of the source.
 };
 

@@ -36,7 +36,7 @@ void ShadowMaps::make(std::size_t faces) {
   GLint layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
   if (faces > std::min(static_cast<std::size_t>(layers), most_texels / 4096))
-    throw UsageError(fmt::format("shadow maps of {} faces: this renderer takes {}; --no-shadows", faces, layers));
+    throw UsageError(fmt::format("shadow maps of {} faces: this renderer takes {}", faces, layers), Remedy::leave_out_shadows);
   const auto affordable = static_cast<std::size_t>(std::sqrt(static_cast<double>(most_texels / faces)));
   size_ = static_cast<int>(std::min(largest, std::bit_floor(affordable)));
   maps_ = gl::make_texture(GL_TEXTURE_2D_ARRAY);
