@@ -11,9 +11,9 @@
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
-#include "envmap/scene/camera.h"
 #include "envmap/scene/read/read_scene.h"
 #include "scene_options.h"
+#include "viewpoints.h"
 
 namespace tools {
 namespace {
@@ -25,16 +25,15 @@ enum class Through { maps, rays };
 
 struct Options {
   SceneOptions scene;
-  std::string output, camera, format;
+  ViewpointOptions from;
+  std::string output, format;
   std::vector<std::string> mirrors;
   Through method = Through::maps;
   std::optional<Projection> maps;
   int width = 640, height = 480, samples = 4;
   double exposure = 0;
   std::optional<Display> display;
-  std::optional<Direction> look_at;
-  std::optional<double> fov, anaglyph;
-  double orbit = 0;
+  std::optional<double> anaglyph;
   std::optional<MirrorLookup> lookup;
   MirrorLook look;
   MirrorOptions drawing;
@@ -68,52 +67,6 @@ std::vector<Mirror> mirrors_of(const Options& o, const Scene& scene) {
 struct Eye {
   Viewpoint from;
   Viewer viewer;
-};
-
-const Camera& camera_named(const std::string& name, const Options& o, const Scene& scene) {
-  for (const Camera& camera : scene.cameras)
-    if (camera.name == name || scene.nodes[static_cast<std::size_t>(camera.node)].name == name) return camera;
-  const auto names = scene.cameras | std::views::transform(&Camera::name);
-  throw UsageError(fmt::format("--camera: '{}' is neither X,Y,Z nor a camera of {}: it has {}", name, o.scene.path,
-                               scene.cameras.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
-}
-
-// Where pictures are taken from: a point, a camera of the scene, or, where there is none, all of it in sight.
-class Position {
- public:
-  Position(const Options& o, const Scene& scene, const Pose& first)
-      : look_at_(o.look_at), orbit_(o.orbit), ball_(bounds(scene, first)) {
-    const double aspect = static_cast<double>(o.width) / o.height;
-    const auto radians = [](double degrees) { return degrees * pi / 180; };
-    if (const auto point = triple_of(o.camera)) {
-      still_ = framing(ball_, radians(o.fov.value_or(default_field)), aspect);
-      still_->at = *point;
-      if (!look_at_) look_at_ = ball_.centre;
-    } else if (!o.camera.empty() || !scene.cameras.empty()) {
-      camera_ = o.camera.empty() ? scene.cameras.front() : camera_named(o.camera, o, scene);
-      if (o.fov) camera_.vertical_field = radians(*o.fov);
-    } else {
-      still_ = framing(ball_, radians(o.fov.value_or(default_field)), aspect);
-    }
-  }
-
-  /// Whether the scene has no camera, and none was given.
-  [[nodiscard]] bool is_framed() const { return still_ && !look_at_; }
-
-  /// @param part of the orbit, from 0 to 1.
-  [[nodiscard]] View view(const Pose& pose, double part) const {
-    View view = still_ ? *still_ : view_of(camera_, pose);
-    if (look_at_) view = looking_at(view, *look_at_);
-    return carried_round(view, look_at_.value_or(ball_.centre), part * orbit_);
-  }
-
- private:
-  static constexpr double default_field = 40;  // Degrees.
-  std::optional<Direction> look_at_;
-  double orbit_;
-  Ball ball_;
-  std::optional<View> still_;  // Or the scene's camera, which may move.
-  Camera camera_;
 };
 
 // What is seen from beside a view by `aside` metres; at `still` metres both eyes see the same.
@@ -220,18 +173,19 @@ int run(Options& o, const Common& common) {
   check_files(outputs, loaded.inputs, common);
   const auto depfile = open_depfile(outputs, loaded.inputs, common);
   const Scene& scene = loaded.scene;
-  const Position position(o, scene, pose(scene, frames.time(frames.first)));
+  const Viewpoints viewpoints(o.from, static_cast<double>(o.width) / o.height, scene, o.scene.path,
+                              pose(scene, frames.time(frames.first)));
   const std::vector<Mirror> mirrors = mirrors_of(o, scene);
   std::vector<int> nodes;
   for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
   std::optional<MapPainter> painter;
   if (o.method == Through::maps) painter.emplace(o, common, loaded, mirrors, nodes);
-  if (position.is_framed()) note(common, fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
+  if (viewpoints.is_framed()) note(common, fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
   const double separation = o.anaglyph.value_or(0);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const Shot shot = loaded.shot(frames.time(frame), o.scene);
-    const View view = position.view(shot.pose, static_cast<double>(frame - frames.first) / frames.count());
+    const View view = viewpoints.view(shot.pose, static_cast<double>(frame - frames.first) / frames.count());
     std::vector<Eye> eyes;
     for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
       eyes.push_back(eye_of(o, view, aside, 30 * separation));
@@ -293,16 +247,16 @@ Command view_command() {
                        "is the frame")
             ->required();
         app.add_option("--format", o->format, "File type, for '-' and names without one (default: png)")->type_name("EXT");
-        app.add_option("--camera", o->camera,
+        app.add_option("--camera", o->from.camera,
                        "Camera of the scene, by its name or its node's, or a point in the world (default: the first, or one that "
                        "sees all)")
             ->type_name("NAME|X,Y,Z");
-        add_triple(app, "--look-at", o->look_at, "X,Y,Z", false,
+        add_triple(app, "--look-at", o->from.look_at, "X,Y,Z", false,
                    "Point in the middle of the picture (default: where the camera looks; of a point, the middle of the scene)");
-        app.add_option("--fov", o->fov, "Angle from the bottom to the top of the picture (default: the camera's, or 40)")
+        app.add_option("--fov", o->from.fov, "Angle from the bottom to the top of the picture (default: the camera's, or 40)")
             ->type_name("DEGREES")
             ->check(CLI::Range(0.01, 179.0));
-        app.add_option("--orbit", o->orbit,
+        app.add_option("--orbit", o->from.orbit,
                        "Over all --frames, carry the camera round what it looks at, or the middle of the scene (default: 0)")
             ->type_name("DEGREES")
             ->check(CLI::Range(-36000.0, 36000.0));

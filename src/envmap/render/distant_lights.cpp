@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 #include "envmap/projection/visit.h"
 
@@ -11,14 +12,14 @@ namespace {
 
 constexpr int rows = 128, columns_a_row = 2 * rows;
 
-struct Texel {
+struct SkyTexel {
   Direction from;
   Flux irradiance;
   double luminance;
 };
 
-std::vector<Texel> texels_of(const EnvironmentMap& environment) {
-  std::vector<Texel> texels;
+std::vector<SkyTexel> texels_of(const EnvironmentMap& environment) {
+  std::vector<SkyTexel> texels;
   const EnvironmentMap map = convert(environment, {.to = Projection::latlong, .size = rows, .filter = Filter::area});
   std::vector<Direction> from(columns_a_row);
   std::vector<double> solid_angle(columns_a_row);
@@ -41,7 +42,7 @@ struct Part {
 
 class Sky {
  public:
-  explicit Sky(std::vector<Texel> texels) : texels_(std::move(texels)) {}
+  explicit Sky(std::vector<SkyTexel> texels) : texels_(std::move(texels)) {}
 
   [[nodiscard]] Part part(int left, int upper, int right, int lower) const {
     double sum = 0;
@@ -52,8 +53,8 @@ class Sky {
 
   // Two parts of nearly the same luminance; the part itself where it is one texel.
   [[nodiscard]] std::vector<Part> halves(const Part& p) const {
-    const double latitude = pi * (0.5 - 0.5 * (p.upper + p.lower) / rows);
-    const bool across = (p.right - p.left) * std::cos(latitude) > p.lower - p.upper;
+    const double latitude = 0.5 - 0.5 * (p.upper + p.lower) / rows;  // Over pi.
+    const bool across = (p.right - p.left) * portable::cos_pi(latitude) > p.lower - p.upper;
     const bool wide = p.lower - p.upper == 1 || (across && p.right - p.left > 1);
     const int from = wide ? p.left : p.upper, to = wide ? p.right : p.lower;
     if (to - from == 1) return {p};
@@ -79,8 +80,8 @@ class Sky {
   }
 
  private:
-  [[nodiscard]] const Texel& at(int i, int j) const { return texels_[static_cast<std::size_t>(j * columns_a_row + i)]; }
-  std::vector<Texel> texels_;
+  [[nodiscard]] const SkyTexel& at(int i, int j) const { return texels_[static_cast<std::size_t>(j * columns_a_row + i)]; }
+  std::vector<SkyTexel> texels_;
 };
 
 }  // namespace

@@ -1,0 +1,49 @@
+#include "viewpoints.h"
+
+#include <fmt/ranges.h>
+
+#include <ranges>
+
+#include "command.h"
+#include "envmap/base/error.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+constexpr double default_field = 40;  // Degrees.
+
+const Camera& camera_named(const std::string& name, const Scene& scene, const std::string& path) {
+  for (const Camera& camera : scene.cameras)
+    if (camera.name == name || scene.nodes[static_cast<std::size_t>(camera.node)].name == name) return camera;
+  const auto names = scene.cameras | std::views::transform(&Camera::name);
+  throw UsageError(fmt::format("--camera: '{}' is neither X,Y,Z nor a camera of {}: it has {}", name, path,
+                               scene.cameras.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+}  // namespace
+
+Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Scene& scene, const std::string& path,
+                       const Pose& first)
+    : look_at_(options.look_at), orbit_(options.orbit), ball_(bounds(scene, first)) {
+  const auto radians = [](double degrees) { return degrees * pi / 180; };
+  if (const auto point = triple_of(options.camera)) {
+    still_ = framing(ball_, radians(options.fov.value_or(default_field)), aspect);
+    still_->at = *point;
+    if (!look_at_) look_at_ = ball_.centre;
+  } else if (!options.camera.empty() || !scene.cameras.empty()) {
+    camera_ = options.camera.empty() ? scene.cameras.front() : camera_named(options.camera, scene, path);
+    if (options.fov) camera_.vertical_field = radians(*options.fov);
+  } else {
+    still_ = framing(ball_, radians(options.fov.value_or(default_field)), aspect);
+  }
+}
+
+View Viewpoints::view(const Pose& pose, double part) const {
+  View view = still_ ? *still_ : view_of(camera_, pose);
+  if (look_at_) view = looking_at(view, *look_at_);
+  return carried_round(view, look_at_.value_or(ball_.centre), part * orbit_);
+}
+
+}  // namespace tools
