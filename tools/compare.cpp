@@ -6,6 +6,7 @@
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/convert.h"
+#include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
 
 namespace tools {
@@ -96,6 +97,23 @@ std::string unlike(const Options& o, const Source& a, const Source& b) {
   return {};
 }
 
+// What people ask first: how much light is elsewhere, or of another colour, and whether the sun stayed where it was.
+struct Verdict {
+  double differs;  // Light gained or lost, whichever is more, over that of b: what moved counts once.
+  double moved;    // Degrees between the brightest directions.
+};
+Verdict verdict_of(const EnvironmentMap& a, const EnvironmentMap& b, const Level& difference) {
+  const Direction p = measure(a).brightest_direction, q = measure(b).brightest_direction;
+  const double all = mean_radiance(b.base()), more = mean_radiance(a.base()) - all;
+  return {0.5 * (mean_radiance(difference) + std::abs(more)) / all,
+          360 / pi * portable::atan2(glm::length(p - q), glm::length(p + q))};
+}
+std::string words(const Difference& d, const Verdict& v) {
+  if (d.maximum == 0) return "identical";
+  if (!std::isfinite(v.differs)) return "the reference is black";
+  return fmt::format("{:.3g}% of the light differs; the brightest texel moved by {:.3g} degrees", 100 * v.differs, v.moved);
+}
+
 ordered_json limits(const Options& o) {
   const auto limit = [](const std::optional<double>& x) { return x ? ordered_json(*x) : ordered_json(nullptr); };
   return {{"max-flux", limit(o.max_flux)},     {"max-rms", limit(o.max_rms)},       {"max-error", limit(o.max_error)},
@@ -126,6 +144,7 @@ int run(Options& o, const Common& common) {
                     progress_line(common, "resample"));
   Level shown(b.map.projection(), b.map.base().height());
   const Difference d = compare(a.map.base(), b.map.base(), &shown);
+  const Verdict verdict = verdict_of(a.map, b.map, shown);
 
   Limits limits_of_each(o);
   limits_of_each.check(0, d, true);
@@ -140,6 +159,8 @@ int run(Options& o, const Common& common) {
     j["flux"] = to_json(d.flux);
     j["rms"] = d.rms;
     j["max"] = d.maximum;
+    j["light_differs"] = verdict.differs;
+    j["brightest_moved"] = verdict.moved;
     j["worst"] = {{"face", d.worst.face}, {"texel", {d.worst.i, d.worst.j}}};
     for (const LevelDifference& level : levels)
       j["levels"].push_back({{"level", level.number},
@@ -154,8 +175,8 @@ int run(Options& o, const Common& common) {
     j["within"] = same;
     print_report(j);
   } else {
-    print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n", d.flux.x,
-                      d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j));
+    print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n{}\n", d.flux.x,
+                      d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j, words(d, verdict)));
     for (const LevelDifference& level : levels)
       print(fmt::format("level {:2}  flux {:+.3e} {:+.3e} {:+.3e}{}\n", level.number, level.flux.x, level.flux.y,
                         level.flux.z,
@@ -204,6 +225,8 @@ Command compare_command() {
                {"flux", "relative difference of the total flux of each channel: red, green, blue"},
                {"rms", "root of sum w |a-b|^2 / sum w |b|^2"},
                {"max", "largest |a-b| / max(|b|, 0.001 x mean of b)"},
+               {"light_differs", "light gained or lost, whichever is more, over that of b: what moved, or changed its colour, counts once"},
+               {"brightest_moved", "degrees between the brightest texels of a and b"},
                {"worst.face", "where max is"},
                {"worst.texel", "column and row there"},
                {"levels[].level", "of maps with mip levels: its number, from 1"},

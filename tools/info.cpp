@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "colour_options.h"
@@ -26,6 +27,22 @@ struct Options {
 // What the light of the map makes of a plane, in lux where the file says what radiance 1 is, and else with 1 cd/m^2.
 double illuminance(const Source& s, const Direction& normal) {
   return s.provenance.white_luminance.value_or(1.0F) * glm::dot(irradiance(s.map, normal), luminance_weights(rec709));
+}
+
+// Texels with a channel as large as any: of a map that something has cut off there are many.
+std::int64_t texels_at_most(const Level& level, double most) {
+  std::int64_t count = 0;
+  for (const Texel& t : texels_of(level)) {
+    const Colour& c = *level.texel(t.face, t.i, t.j);
+    const float largest = std::max({c.x, c.y, c.z});
+    count += std::isfinite(largest) && largest >= static_cast<float>(most) ? 1 : 0;
+  }
+  return count;
+}
+
+// Degrees about +Y from +Z towards +X, as --rotate counts them, and above the horizon.
+ordered_json angles_of(const Direction& d) {
+  return {{"azimuth", 180 / pi * portable::atan2(d.x, d.z)}, {"elevation", 180 / pi * portable::atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z))}};
 }
 
 ordered_json facts(const Source& s, const Options& o) {
@@ -64,6 +81,9 @@ ordered_json facts(const Source& s, const Options& o) {
                     {"value", to_json(Direction(m.brightest_value))},
                     {"face", m.brightest_texel.face},
                     {"texel", {m.brightest_texel.i, m.brightest_texel.j}}};
+  j["brightest"].update(angles_of(m.brightest_direction));
+  const double most = std::max({m.maximum.x, m.maximum.y, m.maximum.z});
+  j["texels_at_maximum"] = texels_at_most(level, most);
   for (const auto& [key, text] : s.facts) j["metadata"][key] = text;
   j["nan"] = flaws.nan;
   j["infinite"] = flaws.infinite;
@@ -107,6 +127,10 @@ void print_facts(const ordered_json& j) {
        fmt::format("{}  towards ({:.5f}, {:.5f}, {:.5f}), face {}, texel ({},{})", numbers(b["value"]),
                    b["direction"][0].get<double>(), b["direction"][1].get<double>(), b["direction"][2].get<double>(),
                    b["face"].get<int>(), b["texel"][0].get<int>(), b["texel"][1].get<int>()));
+  const auto same = j["texels_at_maximum"].get<std::int64_t>();
+  line("", fmt::format("azimuth {:.1f} degrees from +Z towards +X, elevation {:.1f}{}", b["azimuth"].get<double>(),
+                       b["elevation"].get<double>(),
+                       same > 1 ? fmt::format("; {} texels hold the maximum (clipped?)", same) : ""));
   line("flaws", fmt::format("{} NaN, {} infinite, {} negative", j["nan"].get<long>(), j["infinite"].get<long>(),
                             j["negative"].get<long>()));
 }
@@ -212,7 +236,10 @@ Command info_command() {
                {"brightest.value", "its radiance"},
                {"brightest.face", "where it is"},
                {"brightest.texel", "column and row there"},
+               {"brightest.azimuth", "of its direction: degrees about +Y from +Z towards +X, as --rotate counts them"},
+               {"brightest.elevation", "degrees above the horizon"},
                {"metadata", "further words that the file carries, such as the lobe; else absent"},
+               {"texels_at_maximum", "texels with a channel at the largest value of all: many where a map was clipped"},
                {"nan", "texels that hold NaN"},
                {"infinite", "texels that hold infinities"},
                {"negative", "texels that hold values below 0"},

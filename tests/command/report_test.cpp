@@ -113,10 +113,30 @@ TEST_F(Compare, MeasuresWithTheSolidAngle) {
   EXPECT_NEAR(j["rms"].get<double>(), std::sqrt(0.25 * texel / (3 * sphere)), 1e-9);
   EXPECT_NEAR(j["max"].get<double>(), 0.5, 1e-9);
   EXPECT_EQ(j["worst"]["texel"], (json{5, 1}));
+  EXPECT_NEAR(j["light_differs"].get<double>(), 0.5 * texel / (3 * sphere), 1e-9);
   EXPECT_EQ(j["resampled"], false);
   EXPECT_EQ(j["within"], true);
   // The second map is the reference.
   EXPECT_NEAR(report(envmap({"compare", "b.exr", "a.exr", "--json"}))["max"].get<double>(), 0.5 / 1.5, 1e-7);
+}
+
+// A sun that moves by three texels of sixteen, along a row; all of its light is elsewhere.
+TEST_F(Compare, SaysHowFarTheSunMoved) {
+  Picture p = Picture::filled(16, 8, 0), q = p;
+  for (int c = 0; c < 3; ++c) p.at(3, 2)[c] = q.at(6, 2)[c] = 7;
+  save(path("p.exr"), p);
+  save(path("q.exr"), q);
+  const json j = report(envmap({"compare", "p.exr", "q.exr", "--json"}));
+  EXPECT_NEAR(j["light_differs"].get<double>(), 1, 1e-6);
+  const double c = std::cos(pi / 180 * (90 - 2.5 * 22.5)), across = c * std::sin(0.5 * 3 * pi / 8);
+  EXPECT_NEAR(j["brightest_moved"].get<double>(), 2 * std::asin(across) * 180 / pi, 1e-4);
+  EXPECT_NE(envmap({"compare", "p.exr", "q.exr"}).out.find("100% of the light differs; the brightest texel moved by"), std::string::npos);
+  EXPECT_TRUE(envmap({"compare", "p.exr", "p.exr"}).out.ends_with("\nidentical\n"));
+  const json sun = report(envmap({"info", "p.exr", "--json"}));
+  // Column 3 of 16: 180 - 3.5 x 22.5 degrees.
+  EXPECT_NEAR(sun["brightest"]["azimuth"].get<double>(), 180 - 3.5 * 22.5, 1e-4);
+  EXPECT_NEAR(sun["brightest"]["elevation"].get<double>(), 90 - 2.5 * 22.5, 1e-4);
+  EXPECT_EQ(sun["texels_at_maximum"], 1);
 }
 
 TEST_F(Compare, AnswersByItsExitStatus) {
