@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "colour_options.h"
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/grade.h"
 #include "envmap/operate/measure.h"
@@ -31,13 +33,15 @@ double illuminance(const Source& s, const Direction& normal) {
 
 // Texels with a channel as large as any: of a map that something has cut off there are many.
 std::int64_t texels_at_most(const Level& level, double most) {
-  std::int64_t count = 0;
-  for (const Texel& t : texels_of(level)) {
-    const Colour& c = *level.texel(t.face, t.i, t.j);
-    const float largest = std::max({c.x, c.y, c.z});
-    count += std::isfinite(largest) && largest >= static_cast<float>(most) ? 1 : 0;
-  }
-  return count;
+  const auto rows = map_rows<std::int64_t>(level.faces() * level.height(), [&](int k) {
+    const int face = k / level.height(), row = k % level.height();
+    level.trim();
+    return std::ranges::count_if(columns(level.projection(), level.height(), row).of(level.row(face, row)), [&](const Colour& c) {
+      const float largest = std::max({c.x, c.y, c.z});
+      return std::isfinite(largest) && largest >= static_cast<float>(most);
+    });
+  });
+  return std::accumulate(rows.begin(), rows.end(), std::int64_t{0});
 }
 
 // Degrees about +Y from +Z towards +X, as --rotate counts them, and above the horizon.

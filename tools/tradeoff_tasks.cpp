@@ -9,6 +9,7 @@
 #include <charconv>
 #include <filesystem>
 
+#include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/base/remove_on_signal.h"
 #include "envmap/io/read.h"
@@ -155,13 +156,6 @@ Projection projection_of(const std::string& task, const std::string& text) {
   throw UsageError(fmt::format("--task {}: '{}' is no projection", task, text));
 }
 
-// The lobes, with what stands after the first colon: its parameter.
-std::optional<Shape> shape_of(const std::string& word) {
-  for (std::size_t k = 0; k < std::size(shape_names); ++k)
-    if (shape_names[k] == word) return static_cast<Shape>(k);
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::string task_words() {
@@ -175,7 +169,7 @@ Task make_task(const std::string& name, const EnvironmentMap& map) {
   const auto expect = [&](bool right) {
     if (!right) throw UsageError(fmt::format("--task '{}' is none of {}", name, task_words()));
   };
-  if (const auto shape = shape_of(parts[0])) {
+  if (const auto shape = one_of<Shape>(shape_names)(parts[0])) {
     const std::size_t first = *shape == Shape::diffuse ? 1 : 2;
     expect(parts.size() == first || parts.size() == first + 2);
     Prefilter wanted{.shape = *shape, .size = 16};

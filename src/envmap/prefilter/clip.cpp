@@ -4,13 +4,6 @@
 #include <array>
 #include <limits>
 
-#ifndef ENVMAP_PREFILTER_CLIP_PLACES_
-#define ENVMAP_PREFILTER_CLIP_PLACES_
-namespace envmap::prefiltering {
-struct alignas(64) Places : std::array<double, 12> {};
-}  // namespace envmap::prefiltering
-#endif
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/clip.cpp"
 #include <hwy/foreach_target.h>
@@ -23,13 +16,13 @@ namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
 // max(t,0)^exponent of each, t up to 1.
-void Powers(const Places& t, const Places& exponent, Places& out) {
+void Powers(const std::array<double, 12>& t, const std::array<double, 12>& exponent, std::array<double, 12>& out) {
   const hn::CappedTag<double, 4> d;
   const auto zero = hn::Zero(d), one = set(d, 1);
   for (std::size_t k = 0; k < t.size(); k += hn::Lanes(d)) {
-    const auto at = hn::Load(d, &t[k]);
-    const auto power = exp2_small(d, hn::Mul(hn::Load(d, &exponent[k]), log2_of(d, at, hn::Sub(one, at))));
-    hn::Store(hn::IfThenElseZero(hn::Gt(at, zero), power), d, &out[k]);
+    const auto at = hn::LoadU(d, &t[k]);
+    const auto power = exp2_small(d, hn::Mul(hn::LoadU(d, &exponent[k]), log2_of(d, at, hn::Sub(one, at))));
+    hn::StoreU(hn::IfThenElseZero(hn::Gt(at, zero), power), d, &out[k]);
   }
 }
 
@@ -52,7 +45,7 @@ ClippedMean clipped_mean(const Phong& lobe, const FlatPiece& piece) {
 
   constexpr double half = 0.5;  // Powers of t / 2, which is at most 1.
   const double m = lobe.exponent, n = m + 2;
-  Places power;
+  std::array<double, 12> power;
   HWY_DYNAMIC_DISPATCH(Powers)
   ({half * (low + reach), half * (low + skew), half * (low - skew), half * (low - reach), half * (high + reach),
     half * (high + skew), half * (high - skew), half * (high - reach), half * (high + reach), half * (low - reach), half, 0},

@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "envmap/prefilter/border.h"
+#include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/lobe.h"
 
 namespace envmap::prefiltering {
@@ -48,10 +48,7 @@ FlatPiece flat_piece(const Direction& r, int face, const Rect& rect) {
     const auto slope = [&](const Direction& along) { return near * (glm::dot(r, along) - piece.cosine * glm::dot(l, along)); };
     piece.across = p * std::abs(slope(axes.right)), piece.down = q * std::abs(slope(axes.up));
     piece.bend = 0.5 * (p * p + q * q);
-    const auto density = [](double x, double y) {
-      const double m = 1 + x * x + y * y;
-      return 1 / (m * std::sqrt(m));
-    };
+    const auto density = [](double x, double y) { return P::density(0.5 + 0.5 * x, 0.5 + 0.5 * y); };
     const double inner = density(std::max(0.0, std::abs(s) - p), std::max(0.0, std::abs(t) - q));
     const double outer = density(std::abs(s) + p, std::abs(t) + q);
     piece.uneven = (inner - outer) / outer;

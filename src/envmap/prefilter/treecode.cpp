@@ -81,10 +81,11 @@ class TileNodes {
       criterion_.most[3] = std::max(criterion_.most[3], criterion_.most[c] * job.tree.darkest()[static_cast<int>(c)]);
   }
 
-  /// Opens nodes until their figure is below the error asked for. @param limit of the first try; set to that of the last.
-  /// @param add takes the nodes. @return the figure, or nothing where there would be too many.
+  /// Of the last find(): see Traversal.
   static const std::array<double, node_channels>& clipped() { return found().clipped; }
 
+  /// Opens nodes until their figure is below the error asked for. @param limit of the first try; set to that of the last.
+  /// @param add takes the nodes. @return the figure, or nothing where there would be too many.
   template <class Clear, class Add>
   std::optional<double> find(double& limit, Clear&& clear, Add&& add) {
     constexpr int most_tries = 10;

@@ -51,10 +51,7 @@ Canvas::Canvas(int w, int h)
   glTextureParameteri(surfaces, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   // Without this a texture of integers is incomplete.
   glTextureParameteri(surfaces, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  GLuint name = 0;
-  glCreateRenderbuffers(1, &name);
-  depth = gl::Renderbuffer(name);
-  glNamedRenderbufferStorage(depth, GL_DEPTH32F_STENCIL8, width, height);
+  depth = gl::make_renderbuffer(GL_DEPTH32F_STENCIL8, width, height);
   glNamedFramebufferTexture(seen, GL_COLOR_ATTACHMENT0, surfaces, 0);
   glNamedFramebufferRenderbuffer(seen, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth);
   glNamedFramebufferRenderbuffer(lit, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth);

@@ -62,8 +62,9 @@ class Sky {
     const auto after = [&](int cut) { return wide ? part(cut, p.upper, p.right, p.lower) : part(p.left, cut, p.right, p.lower); };
     const auto apart = [&](int cut) { return std::abs(2 * before(cut).luminance - p.luminance); };
     int best = from + 1;
+    double least = apart(best);
     for (int cut = from + 2; cut < to; ++cut)
-      if (apart(cut) < apart(best)) best = cut;
+      if (const double here = apart(cut); here < least) best = cut, least = here;
     return {before(best), after(best)};
   }
 

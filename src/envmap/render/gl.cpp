@@ -96,6 +96,14 @@ Framebuffer make_framebuffer() {
   return Framebuffer(name);
 }
 
+Renderbuffer make_renderbuffer(GLenum format, int width, int height) {
+  GLuint name = 0;
+  glCreateRenderbuffers(1, &name);
+  Renderbuffer made(name);
+  glNamedRenderbufferStorage(made, format, width, height);
+  return made;
+}
+
 Program make_program(const std::vector<Stage>& stages, const Definitions& definitions) {
   Program program(glCreateProgram());
   for (const Stage& stage : stages) glAttachShader(program, compile(stage, definitions));

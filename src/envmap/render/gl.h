@@ -72,6 +72,7 @@ Texture make_texture(GLenum target);
 void interpolate(const Texture& texture);
 VertexArray make_vertex_array();
 Framebuffer make_framebuffer();
+Renderbuffer make_renderbuffer(GLenum format, int width, int height);
 
 /// Macros and what they stand for.
 using Definitions = std::map<std::string, std::string>;

@@ -43,10 +43,7 @@ void ShadowMaps::make(std::size_t faces) {
   glTextureStorage3D(maps_, 1, GL_RGBA32F, size_, size_, static_cast<GLsizei>(faces));
   glTextureParameteri(maps_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(maps_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  GLuint name = 0;
-  glCreateRenderbuffers(1, &name);
-  depth_ = gl::Renderbuffer(name);
-  glNamedRenderbufferStorage(depth_, GL_DEPTH_COMPONENT32F, size_, size_);
+  depth_ = gl::make_renderbuffer(GL_DEPTH_COMPONENT32F, size_, size_);
   seen_ = gl::make_framebuffer();
   glNamedFramebufferRenderbuffer(seen_, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   const std::size_t held = std::max<std::size_t>(faces, most_distant_lights);  // A block has its size.
