@@ -16,12 +16,15 @@ namespace {
 
 using namespace envmap;
 
-// X negated: the faces +X and -X change places, and every row is turned round.
-Rows mirrored(const Rows& rows) {
+// A cube with X or Z negated: the two faces of that axis change places, and images are mirrored along the other axes' faces:
+// left to right but for the faces of Y under Z, which has their up there.
+Rows mirrored(const Rows& rows, Mirror mirror) {
   Rows turned = rows;
-  turned.fill = [rows](int face, int row, std::span<Colour> out) {
-    rows.fill(face < 2 ? 1 - face : face, row, out);
-    std::ranges::reverse(out);
+  turned.fill = [rows, mirror](int face, int row, std::span<Colour> out) {
+    const int first = mirror == Mirror::x ? 0 : 4;
+    const bool upside_down = mirror == Mirror::z && (face == 2 || face == 3);
+    rows.fill(face / 2 * 2 == first ? face ^ 1 : face, upside_down ? rows.size - 1 - row : row, out);
+    if (!upside_down) std::ranges::reverse(out);
   };
   return turned;
 }
@@ -51,20 +54,33 @@ MadeMap MapMaker::chain(const EngineMap& wanted) {
       made.levels.levels.push_back(level_of(environment(wanted.frame, size).rows.front()));
       continue;
     }
-    if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
     const Prefilter lobe{.shape = Shape::ggx, .parameter = roughness, .to = wanted.frame.projection, .size = size, .max_error = 2e-3};
     const Progress progress = progress_line(common_, fmt::format("bake roughness {:.2f}", roughness));
-    made.levels.levels.push_back(std::move(prepared_->make(lobe, progress).map.base()));
+    made.levels.levels.push_back(std::move(prepared().make(lobe, progress).map.base()));
   }
   made.rows = all_rows_of(made.levels);
   if (chain.harmonics) made.pairs["sh"] = filament_harmonics(source_, common_);
   return made;
 }
 
-MadeMap MapMaker::make(const EngineMap& wanted) {
-  MadeMap made = wanted.chain ? chain(wanted) : environment(wanted.frame, size_);
-  if (wanted.mirrored) std::ranges::transform(made.rows, made.rows.begin(), mirrored);
+MadeMap MapMaker::diffuse(const EngineMap& wanted) {
+  MadeMap made{.facts = {{"lobe", "diffuse"}}};
+  const Prefilter lobe{.to = wanted.frame.projection, .size = wanted.diffuse, .forward = wanted.frame.forward};
+  made.levels = prepared().make(lobe, progress_line(common_, "bake diffuse")).map;
+  made.rows = all_rows_of(made.levels);
   return made;
+}
+
+MadeMap MapMaker::make(const EngineMap& wanted) {
+  MadeMap made = wanted.chain ? chain(wanted) : wanted.diffuse > 0 ? diffuse(wanted) : environment(wanted.frame, size_);
+  if (wanted.mirror != Mirror::none)
+    for (Rows& rows : made.rows) rows = mirrored(rows, wanted.mirror);
+  return made;
+}
+
+const PrefilterSource& MapMaker::prepared() {
+  if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
+  return *prepared_;
 }
 
 std::string filament_harmonics(const EnvironmentMap& source, const Common& common) {

@@ -34,6 +34,8 @@ class MapMaker {
  private:
   [[nodiscard]] MadeMap environment(const envmap::Frame& frame, std::optional<int> size) const;
   [[nodiscard]] MadeMap chain(const EngineMap& wanted);
+  [[nodiscard]] MadeMap diffuse(const EngineMap& wanted);
+  const envmap::PrefilterSource& prepared();
 
   const envmap::EnvironmentMap& source_;
   std::optional<int> size_, chain_size_;

@@ -73,6 +73,9 @@ def DomeLight "Probe"
 // Sources, by row:
 // babylon: shadersStore pbrIBLFunctions (getLodFromAlphaG) and vReflectionMicrosurfaceInfos, CubeTexture's 0.8 for
 //   CreateFromPrefilteredData; its glTF loader's root node: turned half round Y, Z negated.
+// bevy: compute_cubemap_sample_dir and radiance_level in crates/bevy_pbr/src/light_probe/environment_map.wgsl (commit 00ab817cdfa1: z
+//   negated; roughness x the last level; the diffuse map times the colour, without pi), crates/bevy_core_pipeline/src/skybox/skybox.wgsl
+//   (z negated), crates/bevy_image/src/ktx2.rs: E5B9G9R9 is Rgb9e5Ufloat.
 // blender: node_tex_environment_equirectangular in source/blender/gpu/shaders/material/gpu_shader_material_tex_environment.glsl,
 //   u = 0.5 - atan2(y, x) / 2 pi, v up = 0.5 + atan2(z, hypot(x, y)) / pi, and Cycles' intern/cycles/kernel/camera/projection.h.
 // filament: perceptualRoughnessToLod in shaders/src/light_indirect.fs, computeIrradianceSH3Bands in libs/ibl/src/CubemapSH.cpp,
@@ -83,18 +86,25 @@ def DomeLight "Probe"
 // playcanvas: shader chunk sphericalPS and the skybox's, which negates x.
 // three: equirectUv in src/renderers/shaders/ShaderChunk/common.glsl.js, u = 0.5 + atan(z, x) / 2 pi, v up = 0.5 + asin(y) / pi;
 //   examples/jsm/loaders/EXRLoader.js: HalfFloatType unless told otherwise. (HDRLoader divides by 255, not by 256: white is 1.004.)
+// unity: ToRadialCoords in the built-in shader Skybox-Panoramic.shader, u = 0.5 - atan2(z, x) / 2 pi, v down = acos(y) / pi; glTFast and
+//   UnityGLTF negate X.
+// unreal: LookupLongLat, TransformSideToWorldSpace and GenerateBaseCubeMipFromLongitudeLatitude2D in TextureCompressorModule.cpp: of the
+//   cube's own direction u = 0.5 + atan2(x, -y) / 2 pi, v down = acos(z) / pi. Its glTF importer takes (x, z, y) for (x, y, z).
 // usd: openusd.org, user guide of DomeLight: "adheres to the OpenEXR specification for latitude-longitude maps".
 
 // Babylon: lod = 0.8 log2(N alpha) of faces of N texels, alpha = roughness^2.
 double babylon_roughness(int k, int /*n*/, int size) { return k == 0 ? 0 : std::min(1.0, std::sqrt(portable::exp2(k / 0.8) / size)); }
+
+// Bevy: lod / (n - 1) = r.
+double even_roughness(int k, int n, int /*size*/) { return static_cast<double>(k) / (n - 1); }
 
 // Filament: lod / (n - 1) = r (2 - r).
 double filament_roughness(int k, int n, int /*size*/) { return 1 - std::sqrt(1 - static_cast<double>(k) / (n - 1)); }
 
 const Engine table[] = {
     {"babylon", "Babylon.js", "9.34, run: tests/engines",
-     {{"background.dds", Projection::cube, Depth::half, true},
-      {"environment.dds", Projection::cube, Depth::half, true, Chain{128, 0, babylon_roughness}}}, 0,
+     {{"background.dds", Projection::cube, Depth::half, Mirror::x},
+      {"environment.dds", Projection::cube, Depth::half, Mirror::x, Chain{128, 0, babylon_roughness}}}, 0,
      "mirrored for its left-handed world: +X, +Y and +Z of the probe are -X, +Y and +Z, where imported glTF files have them",
      "environment.dds has levels down to one texel for its shader (lodGenerationScale 0.8); Babylon.js makes diffuse light of the first",
      {},
@@ -103,6 +113,19 @@ const Engine table[] = {
      "sky.gammaSpace = false;\n"
      "scene.createDefaultSkybox(sky, true, 1000, 0, false);\n"
      "In a scene with useRightHandedSystem turn both half round Y (CubeTexture.rotationY = Math.PI)."},
+    {"bevy", "Bevy", "0.19, shaders of commit 00ab817cdfa1, read; not run",
+     {{"skybox.ktx2", Projection::cube, Depth::rgb9e5, Mirror::z},
+      {"specular.ktx2", Projection::cube, Depth::rgb9e5, Mirror::z, Chain{256, 5, even_roughness}},
+      {"diffuse.ktx2", Projection::cube, Depth::rgb9e5, Mirror::z, {}, 64}}, 0,
+     "+X, +Y and +Z of the probe are +X, +Y and +Z; mirrored in Z, as its shaders look cubes up in a left-handed frame",
+     "specular.ktx2 has 5 levels, roughness k/4 in level k; diffuse.ktx2 is the irradiance over pi",
+     {},
+     "With the feature ktx2:\n"
+     "commands.spawn((Camera3d::default(),\n"
+     "    Skybox { image: assets.load(\"FOLDER/skybox.ktx2\"), brightness: 1.0, ..default() },\n"
+     "    EnvironmentMapLight { diffuse_map: assets.load(\"FOLDER/diffuse.ktx2\"),\n"
+     "        specular_map: assets.load(\"FOLDER/specular.ktx2\"), intensity: 1.0, ..default() }));\n"
+     "brightness and intensity are what radiance 1 is in cd/m^2: give both the same value."},
     {"blender", "Blender", "Cycles of commit 24e016546302, read; not run",
      {{background_exr, {Projection::latlong, Forward::plus_x}}}, 0,
      "Z up: +X, +Y and +Z of the probe are +X, +Z and -Y, as of imported glTF files; +X lies at the centre of the image",
@@ -111,7 +134,7 @@ const Engine table[] = {
      "Run world.py in the text editor of Blender, or: blender SCENE.blend --python world.py"},
     {"filament", "Filament", "1.53.4 (npm), run: tests/engines",
      {{"sky.ktx", Projection::cube, Depth::half},
-      {"ibl.ktx", Projection::cube, Depth::half, false, Chain{256, 5, filament_roughness, true}}}, 0,
+      {"ibl.ktx", Projection::cube, Depth::half, Mirror::none, Chain{256, 5, filament_roughness, true}}}, 0,
      "+X, +Y and +Z of the probe are +X, +Y and +Z",
      "ibl.ktx has 5 levels, roughness 1 - sqrt(1 - k/4) in level k, and under the key 'sh' the irradiance over pi of a surface "
      "that faces (x, y, z), as 9 colours before 1, y, z, x, xy, yz, 3z^2 - 1, zx, x^2 - y^2; windowed where it would fall below 0",
@@ -152,6 +175,24 @@ const Engine table[] = {
      "const probe = await new EXRLoader().loadAsync('FOLDER/background.exr');\n"
      "probe.mapping = THREE.EquirectangularReflectionMapping;\n"
      "scene.background = scene.environment = probe;"},
+    {"unity", "Unity", "2017 to 6, built-in panoramic sky shader, read; not run",
+     {{background_exr, {Projection::latlong, Forward::minus_x}, Depth::half}}, 0,
+     "mirrored for its left-handed world by Unity itself: +X, +Y and +Z of the probe are -X, +Y and +Z, where glTFast and UnityGLTF put "
+     "imported files; -X of the probe lies at the centre of the image",
+     "Unity makes them: reflections when the sky is baked (Lighting window), or by the importer's Convolution Type",
+     {},
+     "Copy background.exr into Assets; importer: sRGB off, Max Size at least its width, Texture Shape 2D.\n"
+     "Make a material with the shader Skybox/Panoramic (Latitude Longitude Layout) and give it to Lighting > Environment > Skybox Material.\n"
+     "Texture Shape Cube, Mapping Latitude-Longitude gives a cubemap for HDRP's HDRI Sky and for reflection probes."},
+    {"unreal", "Unreal Engine", "4.27 to 5, texture build as quoted in public forks, read; not run",
+     {{"background.hdr", {Projection::latlong, Forward::minus_z}}}, 0,
+     "mirrored for its left-handed world by Unreal itself: +X, +Y and +Z of the probe are +X, +Z and +Y, where its glTF importer puts "
+     "them; -Z of the probe lies at the centre of the image",
+     "Unreal makes them when a Sky Light takes the cubemap",
+     {},
+     "Import background.hdr: a long-lat .hdr becomes a Texture Cube (an .exr would become a flat texture).\n"
+     "Its faces are as high as the image, rounded down to a power of two, and no higher than the asset's Maximum Texture Size (512 by default).\n"
+     "Sky Light: Source Type SLS Specified Cubemap, Cubemap the asset, Intensity Scale 1. HDRI Backdrop shows it, too."},
     {"usd", "USD", "openusd.org's user guide of DomeLight, read; not run",
      {{background_exr, {Projection::latlong, Forward::plus_z}}}, 0,
      "Y up: +X, +Y and +Z of the probe are +X, +Y and +Z; +Z lies at the centre of the image",

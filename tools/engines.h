@@ -25,12 +25,16 @@ struct Chain {
   bool harmonics = false;  ///< Filament's pair `sh` in the file: engine_maps.h.
 };
 
+/// For cubes that are looked up in a left-handed frame: -X where the probe has +X, or -Z where it has +Z.
+enum class Mirror { none, x, z };
+
 struct EngineMap {
   std::string_view file;
   envmap::Frame frame;
   std::optional<envmap::Depth> depth = {};  ///< That its loader or the cards behind it want; else the source's.
-  bool mirrored = false;                    ///< For a left-handed world: -X where the probe has +X.
-  std::optional<Chain> chain = {};          ///< Else the environment itself, one level.
+  Mirror mirror = Mirror::none;
+  std::optional<Chain> chain = {};  ///< Else the environment itself, one level;
+  int diffuse = 0;                  ///< or the irradiance over pi, with faces so high.
 };
 
 struct Engine {

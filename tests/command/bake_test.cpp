@@ -30,12 +30,14 @@ struct Lookup {
   std::function<Place(const Vec&)> place;
 };
 // Cubes are looked at as the latlong map that they are for this program: their faces are held to the API's in texture_test.cpp.
+bool is_cube(const std::string& map) { return map.ends_with(".ktx") || map.ends_with(".ktx2") || map.ends_with(".dds"); }
 Place unfolded(double x, double y, double z) {
   return {0.5 - std::atan2(x, z) / (2 * pi), 0.5 - std::asin(y) / pi};
 }
 
 const Lookup lookups[] = {
     {"babylon", "background.dds", "", [](const Vec& d) { return unfolded(-d[0], d[1], d[2]); }},
+    {"bevy", "skybox.ktx2", "", [](const Vec& d) { return unfolded(d[0], d[1], -d[2]); }},
     {"blender", "background.exr", "world.py",
      [](const Vec& d) {  // Its world: (x, -z, y).
        return Place{0.5 - std::atan2(-d[2], d[0]) / (2 * pi), 0.5 - std::atan2(d[1], std::hypot(d[0], d[2])) / pi};
@@ -51,6 +53,11 @@ const Lookup lookups[] = {
     {"playcanvas", "background.hdr", "", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
     {"three", "background.exr", "",
      [](const Vec& d) { return Place{0.5 + std::atan2(d[2], d[0]) / (2 * pi), 0.5 - std::asin(d[1]) / pi}; }},
+    // Unity's world: (-x, y, z). Unreal's: (x, z, y).
+    {"unity", "background.exr", "",
+     [](const Vec& d) { return Place{0.5 - std::atan2(d[2], -d[0]) / (2 * pi), std::acos(d[1]) / pi}; }},
+    {"unreal", "background.hdr", "",
+     [](const Vec& d) { return Place{0.5 + std::atan2(d[0], -d[2]) / (2 * pi), std::acos(d[1]) / pi}; }},
     {"usd", "background.exr", "light.usda",
      [](const Vec& d) { return Place{0.5 - std::atan2(d[0], d[2]) / (2 * pi), 0.5 - std::asin(d[1]) / pi}; }},
 };
@@ -63,7 +70,7 @@ TEST_F(Bake, EveryEngineFindsItsDirections) {
     SCOPED_TRACE(l.engine);
     succeeds({"bake", "probe.exr", l.engine, "--for", l.engine, "--size", "128", "--chain-size", "16", "-q"});
     std::string name = l.engine + "/" + l.map;
-    if (l.map.ends_with(".ktx") || l.map.ends_with(".dds")) succeeds({"convert", name, "unfolded.exr", "--to", "latlong"}), name = "unfolded.exr";
+    if (is_cube(l.map)) succeeds({"convert", name, "unfolded.exr", "--to", "latlong"}), name = "unfolded.exr";
     const Picture map = load(path(name));
     for (double x = -0.9; x < 1; x += 0.45)
       for (double y = -0.8; y < 1; y += 0.4)
@@ -117,6 +124,22 @@ TEST_F(Bake, ChainsHoldTheRoughnessOfEachLevel) {
     }
     succeeds({"compare", "level.exr", "wanted.exr", "--max-error", "4e-3"});
   }
+}
+
+TEST_F(Bake, BevysDiffuseMapIsTheIrradianceMirroredInZ) {
+  succeeds({"generate", "sun", "probe.exr", "--to", "cube", "--size", "32", "--radius", "20", "--direction", "1,2,3", "--value", "20"});
+  succeeds({"bake", "probe.exr", "lights", "--for", "bevy", "--chain-size", "32", "-q"});
+  succeeds({"convert", "lights/diffuse.ktx2", "diffuse.exr", "--filter", "nearest", "--depth", "float"});
+  succeeds({"prefilter", "probe.exr", "wanted.exr", "--lobe", "diffuse", "--depth", "float", "-q"});
+  const Picture found = load(path("diffuse.exr")), wanted = load(path("wanted.exr"));
+  const auto at = [](const Picture& p, double x, double y, double z) {  // On faces of 64 in a column, whose texel holds the direction.
+    const double most = std::max({std::abs(x), std::abs(y), std::abs(z)});
+    const int face = most == std::abs(x) ? (x > 0 ? 0 : 1) : most == std::abs(y) ? (y > 0 ? 2 : 3) : (z > 0 ? 4 : 5);
+    const double s[] = {z, -z, x, x, -x, x}, t[] = {y, y, z, -z, y, y};
+    return p.at(static_cast<int>(32 * (1 + s[face] / most)), face * 64 + static_cast<int>(32 * (1 - t[face] / most)))[0];
+  };
+  for (const Vec d : {Vec{0.93, 0.2, 0.3}, {-0.83, 0.1, 0.5}, {0.3, 0.91, 0.2}, {-0.2, -0.73, 0.4}, {0.1, 0.3, 0.83}, {0.4, -0.2, -0.91}})
+    EXPECT_NEAR(at(found, d[0], d[1], -d[2]), at(wanted, d[0], d[1], d[2]), 4e-3 * at(wanted, d[0], d[1], d[2]));
 }
 
 // Of Filament's nine colours: what they give is the irradiance over pi of the map, here itself a polynomial to degree 2.
