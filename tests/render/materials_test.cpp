@@ -8,6 +8,7 @@
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "envmap/render/shading.h"
+#include "envmap/scene/tangents.h"
 #include "rooms.h"
 
 namespace {
@@ -22,7 +23,7 @@ struct Lit {
   bool white;  // Reflects and lets through all light: in a white environment it is not seen.
 };
 
-// Texture 0 is of colours, 1 of roughness and metalness, 2 has holes.
+// Texture 0 is of colours, 1 of roughness and metalness, 2 has holes, 3 is of normals, 4 of occlusion.
 const Lit materials[] = {
     {"WhiteRough", {.roughness = 1}, true},
     {"WhiteDielectric", {.roughness = 0.4F}, true},
@@ -44,6 +45,9 @@ const Lit materials[] = {
     {"FrostedGlass", {.roughness = 0.5F, .transmission = 0.8F, .ior = 1.3F}, true},
     {"Painted", {.name = "painted", .roughness = 0.6F}, false},
     {"PaintedHoles", {.name = "painted", .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, false},
+    {"Bumpy", {.roughness = 0.8F, .normal_texture = 3, .normal_scale = 0.5F}, true},
+    {"BumpyMetal", {.metallic = 1, .roughness = 0.35F, .normal_texture = 3, .normal_scale = 0.05F}, true},
+    {"Occluded", {.roughness = 0.6F, .occlusion_texture = 4, .occlusion_strength = 0.1F}, false},
     {"Masked", {.base_colour_texture = 2, .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, true},
 };
 
@@ -58,6 +62,8 @@ Scene scene_of(const Material& material) {
       texture(true, {{255, 40, 40, 255}, {40, 255, 40, 255}, {40, 40, 255, 255}, {250, 250, 40, 255}}),
       texture(false, {{0, 30, 255, 255}, {0, 200, 255, 255}, {0, 90, 255, 255}, {0, 250, 255, 255}}),
       texture(true, {{255, 255, 255, 255}, {255, 255, 255, 0}, {255, 255, 255, 255}, {255, 255, 255, 255}}),
+      texture(false, {{160, 128, 250, 255}, {128, 170, 245, 255}, {90, 128, 240, 255}, {128, 100, 250, 255}}),
+      texture(false, {{255, 0, 0, 255}, {100, 0, 0, 255}, {180, 0, 0, 255}, {220, 0, 0, 255}}),
   };
   scene.materials = {material};
   scene.meshes = {rooms::ball(64)};
@@ -67,6 +73,7 @@ Scene scene_of(const Material& material) {
   }
   if (material.name == "painted")
     for (const glm::vec3& n : scene.meshes[0].normals) scene.meshes[0].colours.emplace_back(0.5F + 0.5F * n, 0.5F + n.y);
+  if (material.normal_texture >= 0) add_tangents(scene.meshes[0]);
   scene.nodes = {{.name = "ball", .meshes = {0}}};
   return scene;
 }
@@ -250,6 +257,18 @@ TEST(ClosedForms, WhatIsUnlitShowsItsColourUnderAnyLight) {
     if (map.surfaces[k] == 0) return;
     EXPECT_LT(difference(rooms::colour_at(map, k), seen), 1e-5);
   });
+}
+
+// Of half a sky by its occlusion map: 1 + strength (red - 1), of what is diffused and of what is reflected.
+TEST(ClosedForms, OcclusionKeepsThatMuchOfAnEvenLight) {
+  Scene scene = scene_of({.roughness = 0.6F, .occlusion_texture = 0, .occlusion_strength = 0.5F});
+  scene.textures = {{.width = 1, .height = 1, .texels = {{51, 255, 255, 255}}, .srgb = false}};
+  const Viewpoint from = camera();
+  for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})
+    for_each_pixel(from, [&](std::size_t k, const Direction&) {
+      if (map.surfaces[k] == 0) return;
+      EXPECT_LT(difference(rooms::colour_at(map, k), Colour(1 + 0.5F * (0.2F - 1))), 2e-3);
+    });
 }
 
 // Colours of vertices are interpolated: in white, what has no interface shows them.

@@ -58,7 +58,7 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
                                    {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}},
                                    {"KHR_materials_ior", {{"ior", 1.33}}},
                                    {"KHR_materials_volume", {{"thicknessFactor", 0.1}}}}}},
-                                {{"alphaMode", "BLEND"}, {"normalTexture", {{"index", 0}}}}};
+                                {{"alphaMode", "BLEND"}}};
   file.document["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_sheen"};
   file.document["meshes"][0]["primitives"].push_back(file.document["meshes"][0]["primitives"][0]);
   file.document["meshes"][0]["primitives"][0]["material"] = 0;
@@ -79,7 +79,7 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   EXPECT_EQ(plain.metallic, 1);
   EXPECT_EQ(plain.roughness, 1);
   EXPECT_EQ(scene.unmodelled,
-            (std::vector<std::string>{"the extension KHR_materials_sheen", "alpha blending", "normal maps"}));
+            (std::vector<std::string>{"the extension KHR_materials_sheen", "alpha blending"}));
 }
 
 // 2 x 2 texels: red green, blue white; alpha 255 0, 128 255.
@@ -117,6 +117,32 @@ TEST_F(SceneTest, UnlitMaterialsAndTransformsOfTextures) {
   EXPECT_NEAR(at[0].y, -0.3, 1e-6);
   EXPECT_NEAR(at[2].x, 0.1, 1e-6);
   EXPECT_NEAR(at[2].y, -1.8, 1e-6);
+}
+
+// Tangents of the file are taken; where it has none they run along u, (1,0,0) here, and the image is not mirrored.
+TEST_F(SceneTest, NormalAndOcclusionMaps) {
+  GltfFile file = triangle();
+  const int coordinates = file.add<float>({0, 1, 1, 1, 0, 0}, "VEC2", 2);
+  const int normals = file.add<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3", 3);
+  const int tangents = file.add<float>({0, 1, 0, -1, 0, 1, 0, -1, 0, 1, 0, -1}, "VEC4", 4);
+  json& primitive = file.document["meshes"][0]["primitives"][0];
+  primitive["attributes"].update({{"TEXCOORD_0", coordinates}, {"NORMAL", normals}});
+  primitive["material"] = 0;
+  file.document["textures"] = {{{"source", 0}}};
+  file.document["images"] = {{{"uri", "data:image/png;base64," + png}}};
+  file.document["materials"] = {{{"normalTexture", {{"index", 0}, {"scale", 0.5}}},
+                                 {"occlusionTexture", {{"index", 0}, {"strength", 0.25}}}}};
+  file.write(folder / "a.gltf");
+  const Scene made = read_scene(path("a.gltf"));
+  EXPECT_TRUE(made.unmodelled.empty());
+  EXPECT_EQ(made.materials[0].normal_scale, 0.5F);
+  EXPECT_EQ(made.materials[0].occlusion_strength, 0.25F);
+  EXPECT_FALSE(made.textures[made.materials[0].normal_texture].srgb);
+  for (const glm::vec4& t : made.meshes[0].tangents) EXPECT_EQ(t, glm::vec4(1, 0, 0, 1));
+  file.document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = tangents;
+  file.write(folder / "a.gltf");
+  const Scene given = read_scene(path("a.gltf"));
+  for (const glm::vec4& t : given.meshes[0].tangents) EXPECT_EQ(t, glm::vec4(0, 1, 0, -1));
 }
 
 TEST_F(SceneTest, TexturesLieInFilesViewsAndTheDocument) {

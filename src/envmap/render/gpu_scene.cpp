@@ -29,7 +29,7 @@ struct GpuInstance {
 struct GpuMaterial {
   glm::vec4 base_colour, emissive;
   float metallic, roughness, transmission, ior;
-  glm::vec4 bend;  // x; see shading.glsl.
+  glm::vec4 rest;  // How light bends (shading.glsl), Material::normal_scale, occlusion_strength.
 };
 struct GpuLight {
   glm::vec4 position, direction, intensity, cone;
@@ -82,7 +82,7 @@ std::vector<GpuMaterial> materials_of(const Scene& scene) {
   std::vector<GpuMaterial> all;
   for (const Material& m : scene.materials)
     all.push_back({m.base_colour, {m.emissive, m.alpha_cutoff}, m.metallic, m.roughness, m.transmission, m.ior,
-                   glm::vec4(m.solid ? 1 / std::max(1.0F, m.ior) : 1, 0, 0, 0)});
+                   glm::vec4(m.solid ? 1 / std::max(1.0F, m.ior) : 1, m.normal_scale, m.occlusion_strength, 0)});
   return all;
 }
 
@@ -93,11 +93,22 @@ int mirror_of(const Scene& scene, int node, std::span<const int> mirrors) {
 }
 
 int group_of(const Material& m, int mirror, std::vector<Group>& groups) {
-  const Group group{m.base_colour_texture, m.metallic_roughness_texture, m.emissive_texture, mirror};
+  const Group group{{m.base_colour_texture, m.metallic_roughness_texture, m.emissive_texture, m.normal_texture,
+                     m.occlusion_texture},
+                    mirror};
   const auto known = std::ranges::find(groups, group);
   const auto number = static_cast<int>(known - groups.begin());
   if (known == groups.end()) groups.push_back(group);
   return number;
+}
+
+// Of all corners where a mesh has any.
+std::vector<glm::vec4> tangents_of(const Scene& scene) {
+  std::vector<glm::vec4> tangents;
+  if (std::ranges::all_of(scene.meshes, [](const Mesh& mesh) { return mesh.tangents.empty(); })) return tangents;
+  for (const Mesh& mesh : scene.meshes)
+    for (const std::uint32_t k : mesh.indices) tangents.push_back(mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[k]);
+  return tangents;
 }
 
 // Four floats a texel.
@@ -158,10 +169,12 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
   vertices_ = gl::make_buffer(vertices);
   indices_ = gl::make_buffer(indices);
   corners_ = gl::make_buffer(corners);
+  tangents_ = gl::make_buffer(tangents_of(scene));
   materials_ = gl::make_buffer(materials_of(scene));
   instances_ = gl::make_buffer(nullptr, parts_.size() * sizeof(GpuInstance), GL_DYNAMIC_STORAGE_BIT);
   light_buffer_ = gl::make_buffer(nullptr, scene.lights.size() * sizeof(GpuLight), GL_DYNAMIC_STORAGE_BIT);
   corner_texels_ = texels_of(corners_);
+  tangent_texels_ = texels_of(tangents_);
   material_texels_ = texels_of(materials_);
   instance_texels_ = texels_of(instances_);
   for (const Texture& image : scene.textures) textures_.push_back(upload(image));
@@ -214,12 +227,13 @@ void GpuScene::bind() const {
   glBindVertexArray(layout_);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_lights, light_buffer_);
   glBindTextureUnit(unit_corners, corner_texels_);
+  glBindTextureUnit(unit_tangents, tangent_texels_);
   glBindTextureUnit(unit_instances, instance_texels_);
   glBindTextureUnit(unit_materials, material_texels_);
 }
 
 void GpuScene::bind(const Group& group) const {
-  for (GLuint unit = unit_base_colour; const int texture : {group.base_colour, group.metallic_roughness, group.emissive})
+  for (GLuint unit = unit_base_colour; const int texture : group.textures)
     glBindTextureUnit(unit++, texture < 0 ? 0 : static_cast<GLuint>(at(textures_, texture)));
 }
 

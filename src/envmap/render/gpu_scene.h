@@ -2,6 +2,7 @@
 /// A scene where the graphics card can read it. What does not move is uploaded once; a frame sends matrices and lights.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "envmap/render/draw.h"
@@ -26,9 +27,13 @@ struct Part {
 
 /// Materials with the same textures on the same mirror, which are shaded together.
 struct Group {
-  int base_colour, metallic_roughness, emissive;  ///< Index into Scene::textures or -1.
-  int mirror;                                     ///< Index of the mirror it is part of, or -1.
+  /// Base colour, metallic and roughness, emissive, normal, occlusion: indices into Scene::textures or -1. In this order
+  /// they are bound, and are bits of Shading::textures.
+  std::array<int, 5> textures;
+  int mirror;  ///< Index of the mirror it is part of, or -1.
   bool operator==(const Group&) const = default;
+
+  [[nodiscard]] bool is_painted() const { return textures[0] >= 0; }
 };
 
 /// How a part lies seen from a viewpoint.
@@ -66,8 +71,8 @@ class GpuScene {
   std::vector<Group> groups_;
   std::size_t triangles_ = 0;
   int lights_ = 0;
-  gl::Buffer vertices_, indices_, corners_, materials_, instances_, light_buffer_;
-  gl::Texture corner_texels_, material_texels_, instance_texels_;
+  gl::Buffer vertices_, indices_, corners_, tangents_, materials_, instances_, light_buffer_;
+  gl::Texture corner_texels_, tangent_texels_, material_texels_, instance_texels_;
   gl::VertexArray layout_;
   std::vector<gl::Texture> textures_;
 };

@@ -16,11 +16,14 @@ enum Unit : GLuint {
   unit_base_colour,
   unit_metallic_roughness,
   unit_emissive,
+  unit_normal,
+  unit_occlusion,
   unit_environment,
   unit_surfaces,
   unit_glossy,
   unit_split_sum,
   unit_corners,
+  unit_tangents,
   unit_instances,
   unit_materials,
   unit_mirror,
@@ -48,7 +51,7 @@ gl::Program background_program(Projection environment);
 /// What lights the texels of a group.
 struct Shading {
   Projection environment;
-  int textures = 0;                  ///< A bit each: base colour, metallic and roughness, emissive.
+  int textures = 0;                  ///< A bit each: Group::textures.
   std::optional<Projection> mirror;  ///< Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
   MirrorLookup lookup = MirrorLookup::direction;
   auto operator<=>(const Shading&) const = default;

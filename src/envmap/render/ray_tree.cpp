@@ -23,7 +23,8 @@ struct Placed {
   bool seen = true;  // Else it only casts shadows.
   std::vector<glm::vec3> positions;
   std::vector<std::uint32_t> indices;
-  Rotation normals{1};
+  Rotation tangents{1}, normals{1};  // Into the world's axes.
+  double handed = 1;                 // -1: mirrored.
 };
 
 Placed place(const Shot& shot, const Direction& centre, const Instance& instance) {
@@ -35,6 +36,7 @@ Placed place(const Shot& shot, const Direction& centre, const Instance& instance
   p.positions.reserve(p.mesh->positions.size() + 1);
   for (const glm::vec3& v : p.mesh->positions) p.positions.emplace_back(linear * Direction(v) + offset);
   p.indices = p.mesh->indices;
+  p.tangents = linear;
   // The cofactors are the inverse transposed but for its scale, and also there where a node is squashed flat.
   p.normals =
       Rotation(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1]));
@@ -42,6 +44,7 @@ Placed place(const Shot& shot, const Direction& centre, const Instance& instance
     // The front of a mirrored triangle is where its corners run clockwise (glTF 2.0, 3.7.4).
     for (std::size_t k = 0; k + 2 < p.indices.size(); k += 3) std::swap(p.indices[k + 1], p.indices[k + 2]);
     p.normals *= -1;
+    p.handed = -1;
   }
   return p;
 }
@@ -136,6 +139,18 @@ Direction lift(const Placed& p, const Meeting& m, const Direction& place, double
   return sum;
 }
 
+// What the normal map makes of the normal of the front (glTF 2.0, 3.9.3).
+Direction mapped_normal(const Placed& p, const Meeting& m, const glm::vec2& at, const Direction& normal) {
+  const Material& material = *p.material;
+  if (material.normal_texture < 0) return normal;
+  const glm::vec4 interpolated = m.of(p.mesh->tangents);
+  const Direction along = unit(p.tangents * Direction(interpolated), Direction(0));
+  const Direction across = glm::cross(normal, along) * (interpolated.w < 0 ? -p.handed : p.handed);
+  const Direction texel = 2.0 * Direction(sample(p, material.normal_texture, at)) - 1.0;
+  const double scale = material.normal_scale;
+  return unit(scale * texel.x * along + scale * texel.y * across + texel.z * normal, normal);
+}
+
 // @param place from the tree's centre.
 Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, const Direction& place, const Direction& ray) {
   const Direction position = centre + place;
@@ -144,9 +159,11 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, c
   const glm::vec4 rough = sample(p, material.metallic_roughness_texture, at);
   const Flux emissive = Flux(material.emissive) * Flux(Colour(sample(p, material.emissive_texture, at)));
   const double side = m.back ? -1 : 1;
-  const Direction normal = unit(p.normals * Direction(m.of(p.mesh->normals)) * side, -ray);
+  const Direction front = unit(p.normals * Direction(m.of(p.mesh->normals)), -side * ray);
+  const float open = sample(p, material.occlusion_texture, at).x;
   return {.position = position,
-          .normal = normal,
+          .normal = side * mapped_normal(p, m, at, front),
+          .smooth_normal = side * front,
           .base_colour = base_colour(p, m),
           .metallic = material.metallic * rough.z,
           .roughness = material.roughness * rough.y,
@@ -154,6 +171,7 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, c
           .transmission = material.transmission,
           .ior = material.ior,
           .solid = material.solid,
+          .reached = 1 + material.occlusion_strength * (open - 1),
           .lifted = position + lift(p, m, place, side)};
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "envmap/base/parallel.h"
@@ -16,7 +17,7 @@ double largest(const Flux& part) { return std::max(part.x, std::max(part.y, part
 // Schlick 1994 from the side of the air.
 double reflectance(double ior, double cosine) {
   const double normal = (ior - 1) / (ior + 1), f0 = normal * normal;
-  return ior > 1 ? f0 + (1 - f0) * std::pow(1 - std::min(cosine, 1.0), 5) : 0;
+  return ior > 1 ? f0 + (1 - f0) * std::pow(1 - std::clamp(cosine, 0.0, 1.0), 5) : 0;
 }
 
 // A ray on its way from a surface.

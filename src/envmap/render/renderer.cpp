@@ -101,8 +101,8 @@ Renderer::Renderer(const Scene& scene, const Environment* environment, std::vect
 }
 
 const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
-  const int textures =
-      (group.base_colour >= 0 ? 1 : 0) + (group.metallic_roughness >= 0 ? 2 : 0) + (group.emissive >= 0 ? 4 : 0);
+  int textures = 0;
+  for (std::size_t k = 0; k < group.textures.size(); ++k) textures |= group.textures[k] >= 0 ? 1 << k : 0;
   Shading wanted{.environment = environment_.projection, .textures = textures};
   if (const MirrorMap* mirror = map_of(group, shot)) {
     wanted.mirror = mirror->texture->projection;
@@ -198,7 +198,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
         const Group& group = gpu_.groups()[part.group];
         gpu_.bind(group);
         gl::set(*program, "material", part.material);
-        gl::set(*program, "textured", group.base_colour >= 0 ? 1 : 0);
+        gl::set(*program, "textured", group.is_painted() ? 1 : 0);
       }
       gl::set(*program, "to_map", placed.to_map);
       gl::set(*program, "instance", static_cast<int>(k));

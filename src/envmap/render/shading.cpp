@@ -140,17 +140,18 @@ bool in_shadow(const RayTree& obstacles, const Surface& s, const PlacedLight& li
   const double distance = parallel ? std::numeric_limits<double>::infinity() : glm::length(way);
   if (distance == 0) return false;
   const Direction towards = parallel ? -light.direction : way / distance;
-  return obstacles.blocked(s.lifted, s.normal, towards, distance, light.node);
+  return obstacles.blocked(s.lifted, s.smooth_normal, towards, distance, light.node);
 }
 
 Flux unoccluded(const RayTree& obstacles, const Surface& s, std::span<const DistantLight> distant) {
   Flux all(0), reached(0);
   for (const DistantLight& light : distant) {
-    const double cosine = glm::dot(s.normal, light.from);
+    const double cosine = glm::dot(s.smooth_normal, light.from);
     if (cosine <= 0) continue;
     const Flux there = cosine * Flux(light.irradiance);
     all += there;
-    if (!obstacles.blocked(s.lifted, s.normal, light.from, std::numeric_limits<double>::infinity(), -1)) reached += there;
+    constexpr double endless = std::numeric_limits<double>::infinity();
+    if (!obstacles.blocked(s.lifted, s.smooth_normal, light.from, endless, -1)) reached += there;
   }
   for (int k = 0; k < 3; ++k) reached[k] = all[k] > 0 ? reached[k] / all[k] : 1;
   return reached;
@@ -173,10 +174,11 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
     return once(f0, f90) * mean / (1.0 - more * mean) * more;
   };
   const Flux reached = l.obstacles != nullptr ? unoccluded(*l.obstacles, s, l.distant) : Flux(1);
-  const Flux plain(smooth), irradiance = irradiance_over_pi(l, n, reached), rest = 1.0 - once(plain, edge) - later(plain, edge);
+  const Flux plain(smooth), rest = 1.0 - once(plain, edge) - later(plain, edge);
+  const Flux irradiance = static_cast<double>(s.reached) * irradiance_over_pi(l, n, reached);
   Scattered out{.radiance = Flux(s.emissive) + rest * dielectric * (1 - transmitted) * irradiance +
                             glm::mix(later(plain, edge), later(base, 1), metallic) * irradiance,
-                .reflected = glm::mix(once(plain, edge), once(base, 1), metallic),
+                .reflected = static_cast<double>(s.reached) * glm::mix(once(plain, edge), once(base, 1), metallic),
                 .transmitted = rest * dielectric * transmitted,
                 .mirrored = 2 * glm::dot(n, v) * n - v,
                 .refracted = s.solid ? glm::refract(-v, n, 1.0 / std::max(1.0F, s.ior)) : -v};
@@ -187,7 +189,8 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
     Direction from;
     const Flux there = arriving(light, s.position, from);
     const double nl = glm::dot(n, from);
-    if (nl <= 0 || (l.obstacles != nullptr && l.shadows && in_shadow(*l.obstacles, s, light))) continue;
+    if (nl <= 0 || glm::dot(s.smooth_normal, from) <= 0) continue;
+    if (l.obstacles != nullptr && l.shadows && in_shadow(*l.obstacles, s, light)) continue;
     const Direction h = glm::normalize(from + v);
     const double grazing = std::pow(1 - std::clamp(glm::dot(v, h), 0.0, 1.0), 5);
     const Flux of_plain = plain + (edge - plain) * grazing;

@@ -22,14 +22,16 @@ namespace envmap {
 
 class RayTree;
 
-/// Seen from outside: `normal` faces the viewer.
+/// Seen from outside: its normals face the viewer.
 struct Surface {
   Direction position{0}, normal{0, 0, 1};  ///< World.
+  Direction smooth_normal{0, 0, 1};        ///< Before the normal map: shadows are found with it.
   glm::vec4 base_colour{1};
   float metallic = 0, roughness = 1;
   Colour emissive{0};
   float transmission = 0, ior = 1.5F;
   bool solid = false;  ///< Material::solid.
+  float reached = 1;   ///< Part of the light from all round that does reach it: by the occlusion map.
   /// Where shadows are found: on the curved surface that the normals of the triangle's corners tell of, which surrounds
   /// triangles that are convex, so that these do not shade themselves (Hanika 2021, "Hacking the shadow terminator").
   Direction lifted{0};

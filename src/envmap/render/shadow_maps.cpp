@@ -92,7 +92,7 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& sh
         const Group& group = gpu.groups()[static_cast<std::size_t>(part.group)];
         gpu.bind(group);
         gl::set(with, "material", part.material);
-        gl::set(with, "textured", group.base_colour >= 0 ? 1 : 0);
+        gl::set(with, "textured", group.is_painted() ? 1 : 0);
       }
       gl::set(with, "to_map", gpu.placed()[k].to_map);
       gl::set(with, "instance", static_cast<int>(k));

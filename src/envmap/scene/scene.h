@@ -34,18 +34,24 @@ struct Material {
   int metallic_roughness_texture = -1;  ///< Green roughness, blue metalness.
   Colour emissive{0};                   ///< KHR_materials_emissive_strength is multiplied in.
   int emissive_texture = -1;
+  int normal_texture = -1;  ///< Unit vectors by (texel + 1) / 2: along the mesh's tangent, across it, and outwards.
+  float normal_scale = 1;   ///< Of the first two.
+  int occlusion_texture = -1;    ///< Red: how much of the light from all round reaches the surface.
+  float occlusion_strength = 1;  ///< How far that counts.
   float transmission = 0, ior = 1.5F;  ///< KHR_materials_transmission, KHR_materials_ior.
   bool solid = false;                   ///< Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
   float alpha_cutoff = 0;              ///< Above 0: what is below it in alpha is a hole.
   bool double_sided = false;
 };
 
-/// Triangles of one material. All vectors but indices have one element a vertex; colours none where all are white.
+/// Triangles of one material. All vectors but indices have one element a vertex; colours none where all are white, tangents
+/// none where the material has no normal map.
 struct Mesh {
   int material = 0;
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::vec2> coordinates;  ///< Of textures.
   std::vector<glm::vec4> colours;      ///< Linear; the base colour is multiplied with them.
+  std::vector<glm::vec4> tangents;     ///< Where u rises; w: 1 where cross(normal, tangent) is up in the image, else -1.
   std::vector<std::uint32_t> indices;  ///< Three a triangle.
 };
 

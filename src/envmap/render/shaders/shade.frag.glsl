@@ -1,6 +1,6 @@
 // Each texel once, whatever lay behind it: the surface that it sees, met by its own ray, lit. After Burns and Hunt 2013,
-// "The visibility buffer". The stencil chooses the texels of one group of materials; TEXTURES are the ones they have: 1
-// base colour, 2 metallic and roughness, 4 emissive.
+// "The visibility buffer". The stencil chooses the texels of one group of materials; TEXTURES are the ones they have
+// (Group::textures): 1 base colour, 2 metallic and roughness, 4 emissive, 8 normal, 16 occlusion.
 layout(early_fragment_tests) in;
 layout(location = 0) out vec4 colour;  // Radiance, and 1 / distance.
 layout(binding = UNIT_RAYS) uniform sampler2D rays;
@@ -30,6 +30,17 @@ vec3 lift(Triangle t, vec3 place, vec3 weights, mat3 turn) {
   return sum;
 }
 
+#if (TEXTURES & 8) != 0
+// What the normal map makes of the normal of the front (glTF 2.0, 3.9.3). @param handed -1: mirrored.
+vec3 mapped_normal(vec3 normal, vec4 tangent, float handed, float scale, vec3 texel) {
+  vec3 along = dot(tangent.xyz, tangent.xyz) > 0 ? normalize(tangent.xyz) : vec3(0);
+  vec3 across = cross(normal, along) * (tangent.w < 0 ? -handed : handed);
+  texel = 2 * texel - 1;
+  vec3 n = scale * (texel.x * along + texel.y * across) + texel.z * normal;
+  return dot(n, n) > 0 ? normalize(n) : normal;
+}
+#endif
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   uvec2 seen = texelFetch(surfaces, at, 0).xy;
@@ -53,14 +64,16 @@ void main() {
   vec4 glow = texelFetch(materials, material + 1), rest = texelFetch(materials, material + 2);
   Surface surface;
   surface.position = to_world * (far_off * ray);
-  surface.normal = normalize(normal);
+  surface.normal = surface.smooth_normal = normalize(normal);
   surface.base_colour = texelFetch(materials, material) * colour_of(seen.y, weights);
   surface.metallic = rest.x;
   surface.roughness = rest.y;
   surface.emissive = glow.rgb;
   surface.transmission = rest.z;
   surface.ior = rest.w;
-  surface.bend = texelFetch(materials, material + 3).x;
+  vec3 more = texelFetch(materials, material + 3).xyz;
+  surface.bend = more.x;
+  surface.reached = 1;
   surface.lifted = surface.position + lift(t, far_off * ray, weights, side * mat3(x.xyz, y.xyz, z.xyz));
 #if TEXTURES != 0
   vec2 place = t.places * weights;
@@ -76,6 +89,15 @@ void main() {
 #endif
 #if (TEXTURES & 4) != 0
   surface.emissive *= textureGrad(emissives, place, along, down).rgb;
+#endif
+#if (TEXTURES & 8) != 0
+  vec4 tangent = tangent_of(number, seen.y, weights);
+  tangent.xyz = to_world * tangent.xyz;
+  surface.normal = side * mapped_normal(side * surface.normal, tangent, y.w, more.y,
+                                        textureGrad(normal_maps, place, along, down).xyz);
+#endif
+#if (TEXTURES & 16) != 0
+  surface.reached += more.z * (textureGrad(occlusions, place, along, down).r - 1);
 #endif
 #if BY_DISTANCE
   seen_from = to_mirror * (from_middle + surface.position);

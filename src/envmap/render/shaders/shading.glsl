@@ -14,12 +14,13 @@ uniform vec3 reflected_ambient;  // Beside what is reflected: 0 where a map hold
 uniform float blur;              // 1; 0: all is reflected sharply.
 
 struct Surface {
-  vec3 position, normal;
+  vec3 position, normal, smooth_normal;
   vec4 base_colour;
   float metallic, roughness;
   vec3 emissive;
   float transmission, ior;
   float bend;    // Of what is let through: 1 / ior of solids, 1 of thin walls.
+  float reached; // Part of the light from all round that does: by the occlusion map.
   vec3 lifted;   // Where shadows are found.
 };
 
@@ -82,10 +83,11 @@ vec3 shade(Surface s, vec3 v) {
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
   vec2 table = textureLod(split_sum, vec2(nv, s.roughness), 0).rg;
-  vec3 even = irradiance_over_pi(n, unoccluded(s.lifted, n)), rest = 1 - once(plain, edge, table) - later(plain, edge, table);
+  vec3 even = s.reached * irradiance_over_pi(n, unoccluded(s.lifted, s.smooth_normal));
+  vec3 rest = 1 - once(plain, edge, table) - later(plain, edge, table);
   vec3 sum = s.emissive + rest * dielectric * (1 - s.transmission) * even +
              mix(later(plain, edge, table), later(base, 1, table), s.metallic) * even +
-             mix(once(plain, edge, table), once(base, 1, table), s.metallic) *
+             s.reached * mix(once(plain, edge, table), once(base, 1, table), s.metallic) *
                  glossy_radiance(2 * dot(n, v) * n - v, s.roughness);
   if (s.transmission > 0)
     sum += rest * dielectric * s.transmission * glossy_radiance(refract(-v, n, s.bend), s.roughness);
@@ -94,7 +96,7 @@ vec3 shade(Surface s, vec3 v) {
   for (int k = 0; k < light_count; ++k) {
     vec3 from, there = arriving(lights[k], s.position, from);
     float nl = dot(n, from);
-    if (nl <= 0 || in_shadow(lights[k], s.lifted, n)) continue;
+    if (nl <= 0 || dot(s.smooth_normal, from) <= 0 || in_shadow(lights[k], s.lifted, s.smooth_normal)) continue;
     vec3 h = normalize(from + v);
     float grazing = pow(1 - clamp(dot(v, h), 0, 1), 5);
     vec3 of_plain = plain + (edge - plain) * grazing, fresnel = mix(of_plain, base + (1 - base) * grazing, s.metallic);

@@ -14,6 +14,7 @@
 #include "envmap/scene/read/gltf_document.h"
 #include "envmap/scene/read/gltf_motions.h"
 #include "envmap/scene/read/read_texture.h"
+#include "envmap/scene/tangents.h"
 
 namespace envmap {
 namespace {
@@ -121,7 +122,7 @@ void make_unlit(Material& m) {
   m.emissive = Colour(m.base_colour);
   m.emissive_texture = m.base_colour_texture;
   m.base_colour = {0, 0, 0, m.base_colour.w};
-  m.metallic_roughness_texture = -1;
+  m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = -1;
   m.metallic = 0, m.roughness = 1, m.transmission = 0, m.ior = 1;
 }
 
@@ -151,10 +152,13 @@ Material material(Reader& r, const Field& field) {
   const std::string mode = field["alphaMode"].text("OPAQUE");
   if (mode == "MASK") m.alpha_cutoff = static_cast<float>(field["alphaCutoff"].number(0.5, 0, 1e6));
   if (mode == "BLEND") r.lacks("alpha blending");
-  if (field["normalTexture"].there()) r.lacks("normal maps");
-  if (field["occlusionTexture"].there()) r.lacks("occlusion maps");
-  r.transforms.push_back(
-      transform_of(r, {metallic["baseColorTexture"], metallic["metallicRoughnessTexture"], field["emissiveTexture"]}));
+  const Field normal = field["normalTexture"], occlusion = field["occlusionTexture"];
+  m.normal_texture = texture(r, normal, false);
+  m.normal_scale = static_cast<float>(normal["scale"].number(1, -1e6, 1e6));
+  m.occlusion_texture = texture(r, occlusion, false);
+  m.occlusion_strength = static_cast<float>(occlusion["strength"].number(1, 0, 1));
+  r.transforms.push_back(transform_of(r, {metallic["baseColorTexture"], metallic["metallicRoughnessTexture"],
+                                          field["emissiveTexture"], normal, occlusion}));
   if (extensions["KHR_materials_unlit"].there()) make_unlit(m);
   return m;
 }
@@ -229,6 +233,7 @@ Mesh plain(const GltfDocument& document, const Field& primitive) {
   const std::size_t count = mesh.positions.size();
   mesh.normals = vectors<glm::vec3>(document, attributes["NORMAL"], count);
   mesh.coordinates = vectors<glm::vec2>(document, attributes["TEXCOORD_0"], count);
+  mesh.tangents = vectors<glm::vec4>(document, attributes["TANGENT"], count);
   mesh.colours = colours(document, attributes["COLOR_0"], count);
   mesh.indices = triangles(corners(document, primitive["indices"], count), primitive);
   return mesh;
@@ -247,6 +252,13 @@ Mesh compressed(const GltfDocument& document, const Field& primitive) {
   } catch (const InputError& e) {
     primitive.fail(e.what());
   }
+}
+
+// Where a normal map asks for them: those of the file, or as MikkTSpace makes them.
+void complete_tangents(Mesh& mesh, const Material& material) {
+  if (material.normal_texture < 0) return mesh.tangents.clear();
+  const auto is_none = [](const glm::vec4& t) { return glm::vec3(t) == glm::vec3(0) || std::abs(t.w) != 1; };
+  if (mesh.tangents.empty() || std::ranges::any_of(mesh.tangents, is_none)) add_tangents(mesh);
 }
 
 void read_mesh(Reader& r, const Field& field) {
@@ -274,6 +286,7 @@ void read_mesh(Reader& r, const Field& field) {
       std::ranges::transform(mesh.coordinates, mesh.coordinates.begin(),
                              r.transforms[static_cast<std::size_t>(mesh.material)]);
     complete(mesh);
+    complete_tangents(mesh, r.scene.materials[static_cast<std::size_t>(mesh.material)]);
     made.push_back(static_cast<int>(r.scene.meshes.size()));
     r.scene.meshes.push_back(std::move(mesh));
   }
