@@ -1,4 +1,4 @@
-// A picture for people: maps side by side, tone mapped with one exposure, named.
+// A picture for people: maps side by side, tone mapped with one exposure, named; with what they light and how bright they are.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
-#include "envmap/io/formats.h"
+#include "envmap/io/colour.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/srgb.h"
-#include "envmap/map/page.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
+#include "preview_parts.h"
 
 namespace tools {
 namespace {
@@ -23,84 +23,164 @@ using namespace envmap;
 struct Options {
   std::vector<std::string> names;  // Inputs, then the output.
   ReadOptions read;
-  std::optional<double> exposure;
+  std::optional<double> exposure, percentile;
   std::optional<Display> display;
+  std::optional<std::string> view;
+  std::optional<int> face;
   int height = 256, columns = 3;
-  bool levels = false;
+  bool levels = false, marks = false, balls = false, histogram = false, sheet = false;
 };
 
-constexpr int border = 8, caption = 22;
-
-struct Picture {
-  Size size;
-  std::vector<Colour> pixels;
-
-  Picture(Size s, Colour fill)
-      : size(s), pixels(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height), fill) {}
-  [[nodiscard]] auto row(int x, int y) { return pixels.begin() + std::ptrdiff_t{y} * size.width + x; }
+// How all maps are shown, so that they can be compared: as is right for the first.
+struct Look {
+  double scale;
+  Show show;
 };
 
-Picture picture(const Level& level, double scale, Display display, int height) {
-  const Layout layout = level.projection() == Projection::cube ? Layout::cross : default_layout(level.projection());
-  const Rows rows = rows_of(level, Forward::plus_z);
-  const Page page{rows, grid(layout)};
-  Picture full({page.width(), page.height()}, Colour(0));
-  page.gather(0, page.height(), full.pixels);
-  show(full.pixels, display, scale);
-  encode_srgb(full.pixels);
-  const double width = static_cast<double>(height) * page.width() / page.height();
-  Picture small({std::max(1, static_cast<int>(std::lround(width))), height}, Colour(0));
-  small.pixels = formats().resized(full.pixels, full.size, small.size);
-  return small;
+// Files of 8 and 16 bits are made to be looked at: white stays white.
+bool is_for_screens(const Source& source) { return source.depth == Depth::uint8 || source.depth == Depth::uint16; }
+
+double scale_for(const Source& source, const Options& o) {
+  if (o.exposure) return portable::exp2(*o.exposure);
+  if (o.percentile) {
+    const double white = Luminances(source.map.base()).percentile(0.01 * *o.percentile);
+    return white > 0 ? 1 / white : 1;
+  }
+  if (is_for_screens(source)) return 1;
+  const double mean = mean_radiance(source.map.base());
+  return mean > 0 ? 0.4 / mean : 1;
 }
 
-// All pictures in columns, each above its name.
-Picture sheet_of(std::vector<Picture>& pictures, const std::vector<std::string>& captions, int most_columns) {
-  const int count = static_cast<int>(pictures.size()), columns = std::min(most_columns, count);
-  const int rows = (count + columns - 1) / columns, height = pictures[0].size.height;
-  int cell = 0;
-  for (const Picture& p : pictures) cell = std::max(cell, p.size.width);
-  Picture sheet({columns * (cell + border) + border, rows * (height + caption + border) + border}, Colour(0.12F));
-  for (int k = 0; k < count; ++k) {
-    Picture& p = pictures[static_cast<std::size_t>(k)];
-    const int x = border + k % columns * (cell + border), y = border + k / columns * (height + caption + border);
-    for (int j = 0; j < height; ++j)
-      std::copy_n(p.row(0, j), p.size.width, sheet.row(x + (cell - p.size.width) / 2, y + j));
-    formats().draw_text(sheet.pixels, sheet.size, x + 2, y + height + 16, captions[static_cast<std::size_t>(k)], 14);
+Look look_for(const Source& source, const Options& o, const Common& common) {
+  const double scale = scale_for(source, o);
+  if (o.view) {
+    const ColourTransform view = into_view(o.read.colour, *o.view);
+    common.also_read->insert(common.also_read->end(), view.files.begin(), view.files.end());
+    return {scale, [view, scale](std::span<Colour> pixels) {
+              for (Colour& c : pixels) c *= static_cast<float>(scale);
+              if (view.apply) view.apply(pixels);
+              for (Colour& c : pixels) c = glm::clamp(c, Colour(0), Colour(1));
+            }};
   }
-  return sheet;
+  const Display display = o.display.value_or(is_for_screens(source) ? Display::clip : Display::reinhard);
+  return {scale, [display, scale](std::span<Colour> pixels) {
+            show(pixels, display, scale);
+            encode_srgb(pixels);
+          }};
+}
+
+// The number of the face that was asked for: a paraboloid map has +Z and -Z.
+std::optional<int> face_of(const Options& o, const Source& source, const std::string& input) {
+  if (!o.face) return std::nullopt;
+  constexpr int first_of_pair = 4;  // pz.
+  const Projection p = source.map.projection();
+  const int face = p == Projection::paraboloid ? *o.face - first_of_pair : *o.face;
+  if (faces(p) == 1 || face < 0)
+    throw UsageError(input, fmt::format("--face {}: a {} map has none of that name", cube_face_names[static_cast<std::size_t>(*o.face)], name(p)));
+  return face;
+}
+
+// The map, or all its levels.
+std::vector<Tile> maps_of(const Source& source, const std::string& input, const Look& look, const Options& o) {
+  const std::string name = std::filesystem::path(input).filename().string();
+  const std::optional<int> face = face_of(o, source, input);
+  std::vector<Tile> tiles;
+  for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
+    MapPicture map(source.map.levels[k], face, look.show, o.height);
+    std::string caption = name + (o.levels && source.map.levels.size() > 1 ? fmt::format(" level {}", k) : "");
+    if (o.marks && k == 0) {
+      const Direction d = measure(source.map).brightest_direction;
+      map.mark(source.map, d);
+      if (!face) caption += fmt::format("; ring: brightest, azimuth {:.1f}, elevation {:.1f}", 180 / pi * portable::atan2(d.x, d.z),
+                             180 / pi * portable::asin(std::clamp(d.y, -1.0, 1.0)));
+    }
+    tiles.push_back({std::move(map.picture()), std::move(caption)});
+  }
+  return tiles;
+}
+
+// Below the maps: what one of them lights, and how bright it is.
+void add_studies(std::vector<TileRow>& rows, const Source& source, const Look& look, int width, const Options& o) {
+  constexpr int balls = 5;
+  if (o.balls) rows.push_back(lit_balls(source.map, look.show, (width - (balls - 1) * sheet_border) / balls));
+  if (!o.histogram) return;
+  const double white = 1 / look.scale;
+  rows.push_back({{histogram(Luminances(source.map.base()), white, {width, o.height / 2}),
+                   fmt::format("stops of luminance: grey bars the sphere's share, orange the light's; white: {:.3g}", white)}});
+}
+
+int width_of(const std::vector<TileRow>& rows) {
+  int most = 640;
+  for (const TileRow& row : rows) {
+    int sum = -sheet_border;
+    for (const Tile& tile : row) sum += tile.picture.size.width + sheet_border;
+    most = std::max(most, sum);
+  }
+  return most;
+}
+
+void check(Options& o) {
+  if (o.sheet) o.marks = o.balls = o.histogram = o.levels = true;
+  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
+  if (o.names.size() < 2) throw UsageError("name at least one map and the picture to write");
+  if (const std::string extension = std::filesystem::path(o.names.back()).extension().string();
+      o.names.back() != "-" && extension != ".png" && extension != ".jpg")
+    throw UsageError(o.names.back(), "the picture must be a .png or .jpg");
+  o.read.all_levels = o.levels;
 }
 
 int run(Options& o, const Common& common) {
-  o.read.all_levels = o.levels;
-  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
-  if (o.names.size() < 2) throw UsageError("name at least one map and the picture to write");
+  check(o);
   const std::string& output = o.names.back();
-  if (output != "-" && std::filesystem::path(output).extension() != ".png")
-    throw UsageError(output, "the picture must be a .png");
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
   check_files({output}, inputs, common);
-  std::vector<Picture> pictures;
-  std::vector<std::string> captions;
-  double scale = 0;
+  std::vector<Tile> maps;
+  std::vector<Source> sources;  // For the studies below.
+  std::optional<Look> look;
   for (const std::string& input : inputs) {
-    const Source source = read_map(input, o.read, common);
-    // One exposure for all, so that they can be compared: the mean of the first becomes middle grey.
-    if (scale == 0) {
-      const double mean = mean_radiance(source.map.base());
-      scale = o.exposure ? portable::exp2(*o.exposure) : mean > 0 ? 0.4 / mean : 1;
-    }
-    for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
-      pictures.push_back(picture(source.map.levels[k], scale, o.display.value_or(Display::reinhard), o.height));
-      captions.push_back(std::filesystem::path(input).filename().string() + (o.levels ? fmt::format(" level {}", k) : ""));
-    }
+    Source source = read_map(input, o.read, common);
+    if (!look) look = look_for(source, o, common);
+    for (Tile& tile : maps_of(source, input, *look, o)) maps.push_back(std::move(tile));
+    if (o.balls || o.histogram) sources.push_back(std::move(source));
   }
-
+  std::vector<TileRow> rows = in_columns(std::move(maps), o.columns);
+  const int width = width_of(rows);
+  for (const Source& source : sources) add_studies(rows, source, *look, width, o);
   const auto depfile = open_depfile({output}, inputs, common);
-  const Picture sheet = sheet_of(pictures, captions, o.columns);
+  const Picture sheet = sheet_of(rows);
   write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8, {.commit = common.commit});
   if (depfile) depfile->commit();
   return 0;
+}
+
+void add_parts(CLI::App& app, Options& o) {
+  app.add_flag("--sheet", o.sheet, "All of --marks, --levels, --balls and --histogram");
+  app.add_flag("--marks", o.marks, "Mark the world's axes, the horizon, the faces of cubes, and by a ring the brightest direction");
+  app.add_flag("--levels", o.levels, "Draw all mip levels of each map");
+  app.add_flag("--balls", o.balls,
+               "Draw balls that each map lights, seen from the middle of its image (+Z) as a mirror ball is: a mirror, white metal "
+               "of GGX roughness 0.25, 0.5 and 0.75, white diffuse");
+  app.add_flag("--histogram", o.histogram, "Draw which share of the sphere, and of the light, each luminance has, in stops");
+  add_choice(app, "--face", o.face, joined(cube_face_names), one_of<int>(cube_face_names),
+             "Draw one face of a cube alone, or pz or nz of a paraboloid map");
+}
+
+void add_exposure(CLI::App& app, Options& o) {
+  const auto exposure = app.add_option("--exposure", o.exposure,
+                                       "Multiply radiance by 2^STOPS before the tone curve (default: the mean becomes middle grey; "
+                                       "0 where the first file is of 8 or 16 bits)")
+                            ->type_name("STOPS")
+                            ->check(CLI::Range(-100.0, 100.0));
+  app.add_option("--percentile", o.percentile,
+                 "Expose so that P percent of the sphere are at most 1 before the tone curve, to a sixteenth of a stop")
+      ->type_name("P")
+      ->check(CLI::Range(0.0, 100.0))
+      ->excludes(exposure);
+  const auto display = add_display(app, o.display, Display::reinhard);
+  app.add_option("--view", o.view,
+                 "Instead of --display: a view of the config of --ocio, VIEW of its default display or DISPLAY:VIEW")
+      ->type_name("VIEW")
+      ->excludes(display);
 }
 
 }  // namespace
@@ -110,24 +190,23 @@ Command preview_command() {
       .name = "preview",
       .summary = "Draw environment maps as a picture for people: side by side, tone mapped, named",
       .description =
-          "All maps share one exposure: the mean radiance of the first becomes middle grey, unless --exposure says "
-          "otherwise. "
-          "The tone curve is that of --display, then sRGB. Cubes are drawn as crosses.",
+          "All maps share one exposure, that of the first: its mean radiance becomes middle grey, unless --exposure or "
+          "--percentile says otherwise. The tone curve is that of --display, then sRGB; or a view of an OpenColorIO config. "
+          "A first file of 8 or 16 bits is shown as it is: white stays white. Cubes are drawn as crosses.",
       .examples = {{"envmap preview probe.hdr probe.png", "one map"},
+                   {"envmap preview probe.hdr sheet.jpg --sheet --height 384", "with marks, lit balls and a histogram"},
                    {"envmap preview chain.ktx2 levels.png --levels", "all mip levels of a map, each as large"},
                    {"envmap preview latlong.exr cube.exr sphere.exr sheet.png", "a contact sheet"}},
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
-        app.add_option("FILES", o->names, "Maps to draw, and last the PNG to write; '-' is standard input or output")->required()->type_name("");
-        app.add_option("--exposure", o->exposure,
-                       "Multiply radiance by 2^STOPS before the tone curve (default: automatic)")
-            ->type_name("STOPS")
-            ->check(CLI::Range(-100.0, 100.0));
-        add_display(app, o->display, Display::reinhard);
+        app.add_option("FILES", o->names, "Maps to draw, and last the PNG or JPEG to write; '-' is standard input or output")
+            ->required()
+            ->type_name("");
+        add_exposure(app, *o);
+        add_parts(app, *o);
         app.add_option("--height", o->height, "Height of each picture (default: 256)")->type_name("N")->check(CLI::Range(16, 4096));
         app.add_option("--columns", o->columns, "Pictures side by side (default: 3)")->type_name("N")->check(CLI::Range(1, 64));
-        app.add_flag("--levels", o->levels, "Draw all mip levels of each map");
         add_read_options(app, o->read);
         add_repair(app, o->read);
         return [o, &common] { return run(*o, common); };

@@ -85,6 +85,16 @@ void check_space(const Config& config, const std::string& name) {
                                shown < spaces.size() ? ", ..." : ""));
 }
 
+void check_view(const Config& config, const std::string& display, const std::string& view) {
+  std::vector<std::string> known;
+  for (int k = 0; k < config.spaces->getNumViews(display.c_str()); ++k) known.emplace_back(config.spaces->getView(display.c_str(), k));
+  if (std::ranges::find(known, view) != known.end()) return;
+  if (!known.empty())
+    throw UsageError(fmt::format("no view '{}' of display '{}' in {}: there are {}", view, display, config.file, fmt::join(known, ", ")));
+  for (int k = 0; k < config.spaces->getNumDisplays(); ++k) known.emplace_back(config.spaces->getDisplay(k));
+  throw UsageError(fmt::format("no display '{}' in {}: there are {}", display, config.file, fmt::join(known, ", ")));
+}
+
 // A space of one of two configs.
 struct Place {
   const Config* config;
@@ -184,6 +194,27 @@ ColourTransform into_working(const ColourOptions& options, const ClaimedSpace& c
 ColourTransform out_of_working(const ColourOptions& options) {
   const Config config = open(options.space.empty() && options.working.empty() ? "" : options.config), built_in = open("");
   return transform(place_of(config, built_in, options.working), place_of(config, built_in, options.space), config);
+}
+
+ColourTransform into_view(const ColourOptions& options, const std::string& wanted) {
+  const Config config = open(options.config), built_in = open("");
+  if (config.file.empty()) throw UsageError("the built-in config has no views: name an OpenColorIO config that has some");
+  const auto colon = wanted.find(':');
+  const std::string display = colon == wanted.npos ? config.spaces->getDefaultDisplay() : wanted.substr(0, colon);
+  std::string view = wanted.substr(colon == wanted.npos ? 0 : colon + 1);
+  if (view.empty()) view = config.spaces->getDefaultView(display.c_str());
+  check_view(config, display, view);
+  ColourTransform made = transform(place_of(config, built_in, options.working), {&config, config.theirs}, config);
+  try {
+    const auto seen = on_cpu(config.spaces->getProcessor(config.theirs.c_str(), display.c_str(), view.c_str(), ocio::TRANSFORM_DIR_FORWARD));
+    made.apply = [first = made.apply, seen](std::span<Colour> colours) {
+      if (first) first(colours);
+      apply(seen, colours);
+    };
+  } catch (const ocio::Exception& e) {
+    fail(config.file, e.what());
+  }
+  return made;
 }
 
 std::string working_space_for(const std::string& file, const std::string& space) {

@@ -51,6 +51,11 @@ ColourTransform into_working(const ColourOptions& options, const ClaimedSpace& c
 /// From the space of the map to `options.space`. @throws as into_working().
 ColourTransform out_of_working(const ColourOptions& options);
 
+/// From the space of the map to what a screen is sent, encoded: a view of a config's display. @param view VIEW, of the config's
+/// default display, or DISPLAY:VIEW; empty: its default. @throws UsageError where the config has none of that name, as the
+/// built-in one has none at all.
+ColourTransform into_view(const ColourOptions& options, const std::string& view);
+
 /// The linear space to work in where `space` shall be written, so that no colour that it holds is lost on the way: the space
 /// itself, or that with its primaries; empty (linear Rec.709) where the config has none. @throws as into_working().
 std::string working_space_for(const std::string& config, const std::string& space);
