@@ -35,7 +35,7 @@ std::vector<Ray> rays(const Viewer& viewer, const Mesh& mesh, const Matrix& worl
   std::vector<Ray> shown;
   const Rotation normals = glm::transpose(glm::inverse(Rotation(world)));
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
-    for (int n = 0; n < 30; ++n) {
+    for (int n = 0; n < 12; ++n) {
       double a = uniform(random), b = uniform(random);
       if (a + b > 1) a = 1 - a, b = 1 - b;
       std::array<Direction, 3> p, v;

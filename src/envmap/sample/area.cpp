@@ -35,6 +35,11 @@ struct Task {
     sides.face = face, sides.row = row, sides.first = first, sides.texels = texels, sides.pieces = pieces;
     sides.find(target, source.projection(), inside);
   }
+
+  // What sides are off by, over what they may be.
+  [[nodiscard]] double relative(const Outline::Shape& shape, double off) const {
+    return off / (tolerance * std::min<double>(division, shape.thickness));
+  }
 };
 
 // A corner of a texel's outline cut by planes: a direction, and whether the outline may turn there.
@@ -130,15 +135,16 @@ Outcome integrate_by_facets(const Task& task, std::size_t texel, Workspace& ws, 
   for (const Corner& c : ws.around)
     if (!(glm::dot(c.direction, middle) > cosine_of_most)) return Outcome::unsuitable;
 
-  Outline::Shape shape{0, 0};
+  Outline::Shape shape{0, 0, 0};
   for (int facet = 0; facet < P::facets; ++facet) {
     Outline& part = ws.parts[static_cast<std::size_t>(facet)];
     cut_by_facet<P>(task.source, facet, ws.around, ws, part);
     if (part.points.size() < 4) continue;
     const Outline::Shape s = part.shape();
-    shape = {std::max(shape.bend, s.bend), std::max(shape.thickness, s.thickness)};
+    shape = {std::max(shape.bend, s.bend), std::max(shape.error, s.error), std::max(shape.thickness, s.thickness)};
+    part.move_out();
   }
-  if (shape.relative(task.tolerance, task.division) > 1) return Outcome::bent;
+  if (task.relative(shape, shape.error) > 1) return Outcome::bent;
   for (const Outline& part : std::span(ws.parts).first(P::facets))
     if (part.points.size() >= 4) integrate(task.source, part.facet, part.points, ws, mean);
   return Outcome::done;
@@ -147,7 +153,9 @@ Outcome integrate_by_facets(const Task& task, std::size_t texel, Workspace& ws, 
 Outcome texel_mean(const Task& task, std::size_t texel, Workspace& ws, Colour& out) {
   Mean mean;
   if (ws.outline.follow(task.source, task.target, ws.sides, texel)) {
-    if (ws.outline.shape().relative(task.tolerance, task.division) > 1) return Outcome::bent;
+    const Outline::Shape shape = ws.outline.shape();
+    if (task.relative(shape, shape.error) > 1) return Outcome::bent;
+    ws.outline.move_out();
     integrate(task.source, ws.outline.facet, ws.outline.points, ws, mean);
   } else {
     const Outcome outcome = visit(task.source.projection(), [&](auto q) {
@@ -180,14 +188,16 @@ std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Wo
   const Columns in = columns(task.target.to, task.target.size, row);
   const int begin = any_of_block / block * block, first = std::max(in.first, begin),
             last = std::min(in.end, begin + block) - 1;
-  double most = 0;
+  double bend = 0, error = 0;
   for (const int column : {first, (first + last) / 2, last}) {
     task.find(ws.sides, face, row, column, 1, 4, false);
     const bool outline = ws.outline.follow(task.source, task.target, ws.sides, 0);
-    most = std::max(most, outline ? ws.outline.shape().relative(task.tolerance, task.division) : 1);
+    const Outline::Shape shape = outline ? ws.outline.shape() : Outline::Shape{task.tolerance, task.tolerance, 1};
+    bend = std::max(bend, task.relative(shape, shape.bend)), error = std::max(error, task.relative(shape, shape.error));
   }
-  const double pieces = 4 * std::sqrt(1.2 * most);
-  const auto whole = pieces < 0.5 ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(pieces)), 2, 16);
+  // The bend falls with the square of the pieces, the error with their fourth power once they are shorter than a texel.
+  const double root = std::sqrt(1.2 * error), pieces = 4 * (error < bend ? std::sqrt(root) : root);
+  const auto whole = 4 * std::sqrt(1.2 * bend) < 0.5 ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(pieces)), 2, 16);
   // An octahedral map of odd size has creases in the middles of sides.
   return is_octahedral(task.target.to) ? whole + whole % 2 : whole;
 }

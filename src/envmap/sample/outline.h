@@ -2,7 +2,6 @@
 /// The outline of a texel of a result as the source sees it.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "envmap/sample/padded_level.h"
@@ -46,7 +45,7 @@ struct Sides {
 struct Outline {
   int facet = -1;
   std::vector<Point2> points;  ///< The last is the first again.
-  std::vector<bool> corners;         ///< Where the outline may turn.
+  std::vector<char> corners;   ///< Where the outline may turn.
   int latlong_rows = 0;              ///< Of a source that is a latlong map.
 
   void add(const Point2& p, bool corner) {
@@ -58,19 +57,20 @@ struct Outline {
   /// not show the directions themselves.
   bool follow(const PaddedLevel& source, const Target& target, const Sides& sides, std::size_t k);
 
-  /// How far the sides bend away from their pieces, and how thick the outline is, both in texels.
+  /// How far the sides bend away from their pieces, how far off they count as once the points are moved out, and how thick
+  /// the outline is, all in texels.
   struct Shape {
-    double bend, thickness;
-
-    /// The bend over `tolerance` times `unit`, or times the thickness where that is less. @param unit in texels.
-    [[nodiscard]] double relative(double tolerance, double unit) const {
-      return bend / (tolerance * std::min(unit, thickness));
-    }
+    double bend, error, thickness;
   };
   [[nodiscard]] Shape shape() const;
 
+  /// Moves the points between corners out, so that the straight pieces enclose as much as the curve through the points.
+  void move_out();
+
  private:
   bool follow_on_octahedron(const PaddedLevel& source, const Sides& sides, std::size_t texel);
+  // How long a step is, where a row of a latlong map counts as narrow as it is on the sphere.
+  [[nodiscard]] double length(const Point2& from, const Point2& to) const;
   // How long a step along a row of the source is, over one at the equator of a latlong map.
   [[nodiscard]] double narrowing(double y) const;
 };
