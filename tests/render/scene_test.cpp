@@ -79,7 +79,9 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   EXPECT_EQ(plain.metallic, 1);
   EXPECT_EQ(plain.roughness, 1);
   EXPECT_EQ(scene.unmodelled,
-            (std::vector<std::string>{"the extension KHR_materials_sheen", "alpha blending"}));
+            (std::vector<std::string>{"the extension KHR_materials_sheen"}));
+  EXPECT_FALSE(m.blended);
+  EXPECT_TRUE(scene.materials[1].blended);
 }
 
 // 2 x 2 texels: red green, blue white; alpha 255 0, 128 255.

@@ -31,6 +31,14 @@ gl::Texture uploaded(const std::vector<glm::vec4>& rays, int width, int height) 
   return texture;
 }
 
+gl::Texture depth_stencil(int width, int height) {
+  gl::Texture texture = gl::make_texture(GL_TEXTURE_2D);
+  glTextureStorage2D(texture, 1, GL_DEPTH32F_STENCIL8, width, height);
+  glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return texture;
+}
+
 }  // namespace
 
 void check_face(int width, int height) {
@@ -51,11 +59,26 @@ Canvas::Canvas(int w, int h)
   glTextureParameteri(surfaces, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   // Without this a texture of integers is incomplete.
   glTextureParameteri(surfaces, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  depth = gl::make_renderbuffer(GL_DEPTH32F_STENCIL8, width, height);
+  depth = depth_stencil(width, height);
   glNamedFramebufferTexture(seen, GL_COLOR_ATTACHMENT0, surfaces, 0);
-  glNamedFramebufferRenderbuffer(seen, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth);
-  glNamedFramebufferRenderbuffer(lit, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, depth);
+  glNamedFramebufferTexture(seen, GL_DEPTH_STENCIL_ATTACHMENT, depth, 0);
+  glNamedFramebufferTexture(lit, GL_DEPTH_STENCIL_ATTACHMENT, depth, 0);
   gl::check("canvas");
+}
+
+Layers::Layers(const Canvas& canvas) : sample(gl::make_texture(GL_TEXTURE_2D)) {
+  glTextureStorage2D(sample, 1, GL_RGBA32F, canvas.width, canvas.height);
+  glTextureParameteri(sample, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  for (int k = 0; k < 2; ++k) {
+    depth[k] = depth_stencil(canvas.width, canvas.height);
+    seen[k] = gl::make_framebuffer();
+    glNamedFramebufferTexture(seen[k], GL_COLOR_ATTACHMENT0, canvas.surfaces, 0);
+    glNamedFramebufferTexture(seen[k], GL_DEPTH_STENCIL_ATTACHMENT, depth[k], 0);
+    lit[k] = gl::make_framebuffer();
+    glNamedFramebufferTexture(lit[k], GL_COLOR_ATTACHMENT0, sample, 0);
+    glNamedFramebufferTexture(lit[k], GL_DEPTH_STENCIL_ATTACHMENT, depth[k], 0);
+  }
+  gl::check("layers");
 }
 
 gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offset) {

@@ -2,6 +2,7 @@
 /// What one face of a map is drawn into.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -21,10 +22,21 @@ struct Canvas {
   Canvas(int width, int height);
 
   int width, height;
-  gl::Texture surfaces;    ///< Instance + 1 and triangle.
-  gl::Renderbuffer depth;  ///< near / distance, and the stencil of Part.
-  gl::Framebuffer seen;    ///< The two of them.
-  gl::Framebuffer lit;     ///< The layer of a map that is shaded, and the stencil.
+  gl::Texture surfaces;  ///< Instance + 1 and triangle.
+  gl::Texture depth;     ///< near / distance, and the stencil of Part.
+  gl::Framebuffer seen;  ///< The two of them.
+  gl::Framebuffer lit;   ///< The layer of a map that is shaded, and the stencil.
+};
+
+/// What blended surfaces need beside a canvas: the nearness and the stencil of two of their layers, and one sample of all
+/// texels, on which they are put.
+struct Layers {
+  explicit Layers(const Canvas& canvas);
+
+  gl::Texture sample;
+  std::array<gl::Texture, 2> depth;
+  std::array<gl::Framebuffer, 2> seen;  ///< Each with the canvas' surfaces.
+  std::array<gl::Framebuffer, 2> lit;   ///< Each with the sample.
 };
 
 /// Directions through the texels of a face in the frame of the map; 0 where the texel is no part of it.

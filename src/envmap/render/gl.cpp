@@ -96,6 +96,12 @@ Framebuffer make_framebuffer() {
   return Framebuffer(name);
 }
 
+Query make_query(GLenum target) {
+  GLuint name = 0;
+  glCreateQueries(target, 1, &name);
+  return Query(name);
+}
+
 Renderbuffer make_renderbuffer(GLenum format, int width, int height) {
   GLuint name = 0;
   glCreateRenderbuffers(1, &name);
@@ -128,8 +134,9 @@ void set(const Program& p, const char* name, std::span<const float, 2> value) {
 void set(const Program& p, const char* name, const glm::vec3& value) {
   glProgramUniform3fv(p, glGetUniformLocation(p, name), 1, &value.x);
 }
-void set(const Program& p, const char* name, std::span<const float, 9> columns) {
-  glProgramUniformMatrix3fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, columns.data());
+void set(const Program& p, const char* name, const glm::mat<3, 3, double, glm::highp>& value) {
+  const glm::mat<3, 3, float, glm::highp> rounded(value);
+  glProgramUniformMatrix3fv(p, glGetUniformLocation(p, name), 1, GL_FALSE, &rounded[0][0]);
 }
 
 void set(const Program& p, const char* name, const glm::vec4& value) {

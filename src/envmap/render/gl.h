@@ -49,6 +49,9 @@ struct DeleteFramebuffer {
 struct DeleteVertexArray {
   void operator()(GLuint name) const { glDeleteVertexArrays(1, &name); }
 };
+struct DeleteQuery {
+  void operator()(GLuint name) const { glDeleteQueries(1, &name); }
+};
 struct DeleteProgram {
   void operator()(GLuint name) const { glDeleteProgram(name); }
 };
@@ -58,6 +61,7 @@ using Texture = Object<DeleteTexture>;
 using Renderbuffer = Object<DeleteRenderbuffer>;
 using Framebuffer = Object<DeleteFramebuffer>;
 using VertexArray = Object<DeleteVertexArray>;
+using Query = Object<DeleteQuery>;
 using Program = Object<DeleteProgram>;
 
 /// A buffer that holds this and does not grow. Empty ones hold 16 bytes, since GL binds none of 0.
@@ -72,6 +76,8 @@ Texture make_texture(GLenum target);
 void interpolate(const Texture& texture);
 VertexArray make_vertex_array();
 Framebuffer make_framebuffer();
+/// Of a target such as GL_ANY_SAMPLES_PASSED.
+Query make_query(GLenum target);
 Renderbuffer make_renderbuffer(GLenum format, int width, int height);
 
 /// Macros and what they stand for.
@@ -92,7 +98,7 @@ void set(const Program& program, const char* name, int value);
 void set(const Program& program, const char* name, float value);
 void set(const Program& program, const char* name, std::span<const float, 2> value);
 void set(const Program& program, const char* name, const glm::vec3& value);
-void set(const Program& program, const char* name, std::span<const float, 9> columns);
+void set(const Program& program, const char* name, const glm::mat<3, 3, double, glm::highp>& value);
 void set(const Program& program, const char* name, const glm::vec4& value);
 void set(const Program& program, const char* name, const glm::mat4& value);
 

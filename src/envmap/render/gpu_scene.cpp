@@ -95,7 +95,8 @@ int mirror_of(const Scene& scene, int node, std::span<const int> mirrors) {
 int group_of(const Material& m, int mirror, std::vector<Group>& groups) {
   const Group group{{m.base_colour_texture, m.metallic_roughness_texture, m.emissive_texture, m.normal_texture,
                      m.occlusion_texture},
-                    mirror};
+                    mirror,
+                    m.blended};
   const auto known = std::ranges::find(groups, group);
   const auto number = static_cast<int>(known - groups.begin());
   if (known == groups.end()) groups.push_back(group);
@@ -154,6 +155,7 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
               .material = mesh.material,
               .group = group,
               .holes = material.alpha_cutoff > 0,
+              .blended = material.blended,
               .double_sided = material.double_sided,
               .casts_shadow = casts_shadow(material)};
     set_bounds(mesh, part);

@@ -2,6 +2,7 @@
 /// A scene where the graphics card can read it. What does not move is uploaded once; a frame sends matrices and lights.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Part {
   std::uint8_t stencil;  ///< What it leaves in the stencil: 1 + its group.
   int material, group;   ///< Group of the material.
   bool holes;            ///< The material has an alpha_cutoff.
+  bool blended;          ///< Material::blended.
   bool double_sided;
   bool casts_shadow;  ///< By its material.
 };
@@ -31,6 +33,7 @@ struct Group {
   /// they are bound, and are bits of Shading::textures.
   std::array<int, 5> textures;
   int mirror;  ///< Index of the mirror it is part of, or -1.
+  bool blended;
   bool operator==(const Group&) const = default;
 
   [[nodiscard]] bool is_painted() const { return textures[0] >= 0; }
@@ -51,6 +54,7 @@ class GpuScene {
 
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
+  [[nodiscard]] bool blends() const { return std::ranges::any_of(groups_, &Group::blended); }
   [[nodiscard]] std::size_t triangles() const { return triangles_; }
   [[nodiscard]] int lights() const { return lights_; }
 

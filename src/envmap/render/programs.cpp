@@ -39,6 +39,7 @@ gl::Definitions constants() {
           {"UNIT_MIRROR", number(unit_mirror)},
           {"UNIT_SHADOWS", number(unit_shadows)},
           {"UNIT_DISTANT_SHADOWS", number(unit_distant_shadows)},
+          {"UNIT_BEHIND", number(unit_behind)},
           {"MOST_DISTANT_LIGHTS", number(most_distant_lights)},
           {"BLOCK_DISTANT_FACES", number(block_distant_faces)},
           {"BLOCK_DISTANT_LIGHTS", number(block_distant_lights)},
@@ -66,13 +67,14 @@ gl::Program lighting(const std::vector<std::string>& files, gl::Definitions defi
 
 bool has_shader(Projection p) { return !shader_source(file_of(p)).empty(); }
 
-gl::Program visibility_program(DrawMethod method, Projection image, bool holes) {
+gl::Program visibility_program(DrawMethod method, Projection image, bool holes, bool layered) {
   gl::Definitions definitions = constants();
   definitions["SHAPE"] = number(image_shape(image));
   definitions["RADIUS"] = fmt::format("{}_radius", identifier(image));
   definitions["REACH"] = fmt::format("{:.7}", reach(image) + 1e-3);
   definitions["FILLED"] = number(filled_disc(image));
   definitions["HOLES"] = number(holes);
+  definitions["LAYERED"] = number(layered);
   definitions["TESSELLATED"] = number(method == DrawMethod::tessellate);
   const bool plain = image_shape(image) == ImageShape::plane && method != DrawMethod::exact;
   const std::string last = method == DrawMethod::exact ? "exact.frag.glsl"
@@ -109,6 +111,11 @@ gl::Program shadow_program(bool holes) {
 
 gl::Program background_program(Projection environment) {
   return lighting({file_of(environment), "environment.glsl", "background.frag.glsl"}, constants(), environment);
+}
+
+gl::Program adding_program() {
+  return gl::make_program({{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}}, {GL_FRAGMENT_SHADER, {"add.frag.glsl"}}},
+                          constants());
 }
 
 gl::Program shading_program(const Shading& s) {

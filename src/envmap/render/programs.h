@@ -29,6 +29,7 @@ enum Unit : GLuint {
   unit_mirror,
   unit_shadows,
   unit_distant_shadows,
+  unit_behind,
   buffer_lights = 4,
   buffer_light_faces,
   block_distant_faces = 0,
@@ -39,14 +40,17 @@ enum Unit : GLuint {
 inline constexpr unsigned corner_texels = 3;
 
 /// What finds the surface of each texel. @param method exact, distort or tessellate, as far as can_draw(). @param holes
-/// whether the material has an alpha_cutoff.
-gl::Program visibility_program(DrawMethod method, Projection image, bool holes);
+/// whether the material has an alpha_cutoff. @param layered whether the layer behind is left out (visible.glsl).
+gl::Program visibility_program(DrawMethod method, Projection image, bool holes, bool layered);
 
 /// What lights see (shadow_maps.h).
 gl::Program shadow_program(bool holes);
 
 /// The environment behind all surfaces. @param environment projection of its texture, has_shader().
 gl::Program background_program(Projection environment);
+
+/// Adds Layers::sample to a map.
+gl::Program adding_program();
 
 /// What lights the texels of a group.
 struct Shading {

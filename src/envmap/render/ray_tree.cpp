@@ -3,6 +3,7 @@
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "envmap/base/error.h"
@@ -99,6 +100,7 @@ struct Query : RTCIntersectContext {
   int but = -1;  // Of light: the node that casts no shadow.
 };
 
+// For light; to the eye what is blended has no holes.
 bool is_hole(const Placed& p, const Meeting& m) {
   return p.material->alpha_cutoff > 0 && base_colour(p, m).w < p.material->alpha_cutoff;
 }
@@ -119,7 +121,7 @@ void filter(const RTCFilterFunctionNArguments* call) {
   const Query& query = *static_cast<const Query*>(call->context);
   const Meeting m = meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray);
   const bool ends_solid = query.medium == Medium::solid && p.material->solid;
-  const bool shown = p.seen && (!m.back || p.material->double_sided || ends_solid) && !is_hole(p, m);
+  const bool shown = p.seen && (!m.back || p.material->double_sided || ends_solid) && (p.material->blended || !is_hole(p, m));
   if (!shown) call->valid[0] = 0;
 }
 
@@ -160,16 +162,18 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, c
   const Flux emissive = Flux(material.emissive) * Flux(Colour(sample(p, material.emissive_texture, at)));
   const double side = m.back ? -1 : 1;
   const Direction front = unit(p.normals * Direction(m.of(p.mesh->normals)), -side * ray);
+  const glm::vec4 colour = base_colour(p, m);
   const float open = sample(p, material.occlusion_texture, at).x;
   return {.position = position,
           .normal = side * mapped_normal(p, m, at, front),
           .smooth_normal = side * front,
-          .base_colour = base_colour(p, m),
+          .base_colour = colour,
           .metallic = material.metallic * rough.z,
           .roughness = material.roughness * rough.y,
           .emissive = Colour(emissive),
           .transmission = material.transmission,
           .ior = material.ior,
+          .opacity = material.blended ? std::clamp(colour.w, 0.0F, 1.0F) : 1,
           .solid = material.solid,
           .reached = 1 + material.occlusion_strength * (open - 1),
           .lifted = position + lift(p, m, place, side)};
@@ -245,6 +249,7 @@ std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ra
   return RayHit{.surface = surface_at(p, m, world_->centre, origin + distance * ray, ray),
                 .distance = distance,
                 .instance = static_cast<int>(hit.hit.geomID),
+                .blended = p.material->blended,
                 .back = m.back};
 }
 

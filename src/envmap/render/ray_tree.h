@@ -14,6 +14,7 @@ struct RayHit {
   Surface surface;
   double distance;  ///< From the origin of the ray.
   int instance;     ///< Index into instances().
+  bool blended;     ///< Material::blended: the ray goes on, too.
   bool back;        ///< Met from the back; the surface's normal faces the ray all the same.
 };
 

@@ -15,12 +15,24 @@ struct Seen {
   std::uint32_t surface = 0;
 };
 
+// Through what is blended to the first that is not: the surface, and its distance.
 Seen look(const RayTree& tree, const Lighting& lighting, const Viewpoint& from, const Direction& ray) {
-  const auto hit = tree.find(Direction(0), ray, from.near, from.far);
-  if (!hit) return {.radiance = background(lighting.environment, ray) + (from.show_ambient ? lighting.ambient : Colour(0))};
-  return {.radiance = shade(hit->surface, -ray, lighting),
-          .distance = static_cast<float>(hit->distance),
-          .surface = static_cast<std::uint32_t>(hit->instance + 1)};
+  Seen seen;
+  float left = 1;  // Of what is behind.
+  double near = from.near;
+  while (const auto hit = tree.find(Direction(0), ray, near, from.far)) {
+    const float part = left * hit->surface.opacity;
+    if (part > 0) seen.radiance += part * shade(hit->surface, -ray, lighting);
+    if (!hit->blended) {
+      seen.distance = static_cast<float>(hit->distance);
+      seen.surface = static_cast<std::uint32_t>(hit->instance + 1);
+      return seen;
+    }
+    left -= part;
+    near = hit->distance + RayTree::clearance(hit->distance * ray);
+  }
+  seen.radiance += left * (background(lighting.environment, ray) + (from.show_ambient ? lighting.ambient : Colour(0)));
+  return seen;
 }
 
 }  // namespace

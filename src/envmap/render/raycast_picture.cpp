@@ -20,11 +20,12 @@ double reflectance(double ior, double cosine) {
   return ior > 1 ? f0 + (1 - f0) * std::pow(1 - std::clamp(cosine, 0.0, 1.0), 5) : 0;
 }
 
-// A ray on its way from a surface.
+// A ray on its way.
 struct Ray {
   Direction origin, along;  // The origin from the viewpoint.
   int bounces;              // That may follow.
   double weight;            // What it counts for in the pixel.
+  bool of_eye = false;      // Nothing turned it yet: behind all surfaces it sees the background.
 };
 
 class Tracer {
@@ -40,19 +41,32 @@ class Tracer {
   }
 
   [[nodiscard]] Flux from_eye(const Direction& ray, int bounces) const {
+    const Ray first{Direction(0), ray, bounces, 1, true};
     const auto hit = tree_.find(Direction(0), ray, from_.near, from_.far);
-    if (hit) return leaving(*hit, {Direction(0), ray, bounces, 1});
-    return Flux(background(light_.environment, ray) + (from_.show_ambient ? light_.ambient : Colour(0)));
+    return hit ? leaving(*hit, first) : missing(first);
   }
 
  private:
   // What a ray from a surface brings back.
   [[nodiscard]] Flux along(const Ray& ray) const {
     const auto hit = tree_.find(ray.origin, ray.along, RayTree::clearance(ray.origin), far_);
-    return hit ? leaving(*hit, ray) : glossy_radiance(light_, ray.along, 0);
+    return hit ? leaving(*hit, ray) : missing(ray);
+  }
+
+  [[nodiscard]] Flux missing(const Ray& ray) const {
+    if (!ray.of_eye) return glossy_radiance(light_, ray.along, 0);
+    return Flux(background(light_.environment, ray.along) + (from_.show_ambient ? light_.ambient : Colour(0)));
   }
 
   [[nodiscard]] Flux leaving(const RayHit& hit, const Ray& ray) const {
+    const double covered = hit.surface.opacity;
+    const Ray onwards{ray.origin + hit.distance * ray.along, ray.along, ray.bounces, ray.weight * (1 - covered), ray.of_eye};
+    Flux sum = covered > 0 ? covered * scattered(hit, ray) : Flux(0);
+    if (covered < 1) sum += (1 - covered) * along(onwards);
+    return sum;
+  }
+
+  [[nodiscard]] Flux scattered(const RayHit& hit, const Ray& ray) const {
     const Surface& s = hit.surface;
     const Scattered out = scatter(s, -ray.along, light_);
     const Direction place = ray.origin + hit.distance * ray.along;

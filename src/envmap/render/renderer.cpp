@@ -12,37 +12,6 @@
 namespace envmap {
 namespace {
 
-constexpr double tessellation_tolerance = 0.25;  // Pixels.
-
-template <class M>
-std::array<float, 9> floats(const M& m) {
-  std::array<float, 9> out{};
-  for (int k = 0; k < 9; ++k) out[k] = static_cast<float>(m[k / 3][k % 3]);
-  return out;
-}
-
-// How near to -Z a vertex may come: the figures of Heidrich's and later implementations.
-float singularity(Projection p) { return filled_disc(p) ? 0.5F : 0.05F; }
-
-// Whether a sphere can be seen in a face at all.
-bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
-  if (from.lens) {
-    const Vec2<double> zoom = 1.0 / from.lens->tangents;
-    const double shift = from.lens->shift;
-    const auto beyond = [&](double slope, double x, double ahead) {
-      return slope * x > ahead * centre.z + std::hypot(slope, ahead) * radius;
-    };
-    return centre.z >= -radius && !beyond(zoom.x, centre.x, 1 - shift) && !beyond(-zoom.x, centre.x, 1 + shift) &&
-           !beyond(zoom.y, centre.y, 1) && !beyond(-zoom.y, centre.y, 1);
-  }
-  const Projection p = from.to;
-  if (image_shape(p) == ImageShape::plane)
-    return centre.z >= -radius && std::max(std::abs(centre.x), std::abs(centre.y)) - centre.z <= std::sqrt(2.0) * radius;
-  const double distance = glm::length(centre);
-  if (image_shape(p) != ImageShape::disc || distance <= radius) return true;
-  return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= reach(p) + 0.01;
-}
-
 // What a group's mirror shows; null for what is none, or has no map yet.
 const MirrorMap* map_of(const Group& group, const Shot& shot) {
   if (group.mirror < 0 || shot.mirrors.empty()) return nullptr;
@@ -127,16 +96,10 @@ void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, co
   glProgramUniform3fv(program, glGetUniformLocation(program, "irradiance"), 9, &light.irradiance[0].x);
   glBindTextureUnit(unit_glossy, light.glossy);
   if (mirror == nullptr) return;
-  gl::set(program, "to_mirror", floats(glm::transpose(mirror->axes)));
+  gl::set(program, "to_mirror", glm::transpose(mirror->axes));
   gl::set(program, "from_middle", Colour(from.at - mirror->at));
   gl::set(program, "tinted", shot.look.tinted ? 1 : 0);
   glBindTextureUnit(unit_mirror, mirror->texture->texture);
-}
-
-const gl::Program& Renderer::visibility(DrawMethod method, Projection p, bool holes) {
-  gl::Program& program = visibility_[{method, p, holes}];
-  if (program == 0) program = visibility_program(method, p, holes);
-  return program;
 }
 
 const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
@@ -147,96 +110,40 @@ const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
   return known;
 }
 
-void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample) {
-  const Projection image = from.lens ? Projection::cube : from.to;
-  const bool tessellated = method == DrawMethod::tessellate && image_shape(image) == ImageShape::disc;
-  const Rotation to_face = from.lens ? Rotation(1, 0, 0, 0, 1, 0, 0, 0, -1) : map_to_face(from.to, face);
-  const Vec2<double> tangents = from.lens ? from.lens->tangents : Vec2<double>(1);
-  // The near plane touches the near sphere from inside, at the corners.
-  const double nearest = 0.98 * from.near / std::sqrt(1 + glm::dot(tangents, tangents));
-  const glm::vec4 frame(1.0 / tangents.x, 1.0 / tangents.y, from.lens ? from.lens->shift : 0, nearest);
-  glBindFramebuffer(GL_FRAMEBUFFER, canvas_->seen);
-  glViewport(0, 0, canvas_->width, canvas_->height);
-  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  glEnable(GL_DEPTH_TEST);
-  glDepthMask(GL_TRUE);
-  glDepthFunc(GL_GREATER);
-  glEnable(GL_STENCIL_TEST);
-  glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
-  glStencilMask(0xff);
-  glDisable(GL_BLEND);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  constexpr std::array<GLuint, 4> nothing{};
-  glClearNamedFramebufferuiv(canvas_->seen, GL_COLOR, 0, nothing.data());
-  glClearNamedFramebufferfi(canvas_->seen, GL_DEPTH_STENCIL, 0, 0, 0);
-  glPatchParameteri(GL_PATCH_VERTICES, 3);
-  const std::array<float, 2> range{static_cast<float>(from.near), static_cast<float>(from.far)};
-  const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
-  const Vec2<double> offset = sample_offset(sample, from.samples);
-  const std::array<float, 2> shift{-static_cast<float>(offset.x) * pixel[0], -static_cast<float>(offset.y) * pixel[1]};
-  for (const bool holes : {false, true}) {
-    const gl::Program* program = nullptr;
-    for (std::size_t k = 0; k < gpu_.parts().size(); ++k) {
-      const Part& part = gpu_.parts()[k];
-      const Placed& placed = gpu_.placed()[k];
-      if (part.holes != holes || part.indices == 0) continue;
-      if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
-      if (glm::length(placed.ball.centre) - placed.ball.radius > from.far) continue;
-      if (from.cull && !in_face(from, to_face * placed.ball.centre, placed.ball.radius)) continue;
-      if (program == nullptr) {
-        program = &visibility(method, image, holes);
-        gl::set(*program, "range", range);
-        gl::set(*program, "pixel", pixel);
-        gl::set(*program, "shift", shift);
-        gl::set(*program, "to_face", floats(to_face));
-        gl::set(*program, "frame", frame);
-        gl::set(*program, "singularity", singularity(image));
-        gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
-        glUseProgram(*program);
-      }
-      if (holes) {
-        const Group& group = gpu_.groups()[part.group];
-        gpu_.bind(group);
-        gl::set(*program, "material", part.material);
-        gl::set(*program, "textured", group.is_painted() ? 1 : 0);
-      }
-      gl::set(*program, "to_map", placed.to_map);
-      gl::set(*program, "instance", static_cast<int>(k));
-      gl::set(*program, "first_triangle", static_cast<int>(part.first_index / 3));
-      gl::set(*program, "facing", part.double_sided ? 0 : placed.mirrored ? -1 : 1);
-      glStencilFunc(GL_ALWAYS, part.stencil, 0xff);
-      // Exact sees to its sides itself. Images that show the world mirrored turn those of the others round.
-      (method == DrawMethod::exact || part.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
-      glFrontFace((glm::determinant(to_face) < 0) != placed.mirrored ? GL_CW : GL_CCW);
-      tessellated ? gpu_.draw_patches(part) : gpu_.draw(part);
-    }
-  }
-  glDisable(GL_CULL_FACE);
-}
-
-// The texels of a layer whose stencil says so.
-void Renderer::begin_shading(const MapTexture& to, int face, int sample) {
+// Samples are added: radiance of all of them, distance of the first.
+void Renderer::bind_map(const MapTexture& to, int face, int sample) const {
   glNamedFramebufferTextureLayer(canvas_->lit, GL_COLOR_ATTACHMENT0, to.texture, 0, to.layer(face));
   glBindFramebuffer(GL_FRAMEBUFFER, canvas_->lit);
+  (sample > 0 ? glEnable : glDisable)(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, sample > 0 ? GL_FALSE : GL_TRUE);
+}
+
+// Where something is blended, a sample comes to be by itself first.
+void Renderer::bind_sample() const {
+  glNamedFramebufferTexture(canvas_->lit, GL_COLOR_ATTACHMENT0, layers_->sample, 0);
+  glBindFramebuffer(GL_FRAMEBUFFER, canvas_->lit);
+  glDisable(GL_BLEND);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+// The texels whose stencil says so.
+void Renderer::begin_shading() const {
   glViewport(0, 0, canvas_->width, canvas_->height);
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
   glEnable(GL_STENCIL_TEST);
   glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
   glStencilMask(0);
-  // Radiance of all samples, distance of the first.
-  (sample > 0 ? glEnable : glDisable)(GL_BLEND);
-  glBlendFunc(GL_ONE, GL_ONE);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, sample > 0 ? GL_FALSE : GL_TRUE);
   glBindTextureUnit(unit_environment, environment_.texture);
   glBindTextureUnit(unit_surfaces, canvas_->surfaces);
   glBindTextureUnit(unit_split_sum, split_sum_);
 }
 
 void Renderer::light(const gl::Program& program, const Viewpoint& from, int stencil) const {
-  gl::set(program, "to_world", floats(from.axes));
-  gl::set(program, "to_environment", floats(environment_.to_map));
-  gl::set(program, "weight", static_cast<float>(1.0 / from.samples));
+  gl::set(program, "to_world", from.axes);
+  gl::set(program, "to_environment", environment_.to_map);
+  gl::set(program, "weight", layers_ ? 1.0F : static_cast<float>(1.0 / from.samples));
   gl::set(program, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
   gl::set(program, "light_count", gpu_.lights());
   glUseProgram(program);
@@ -249,14 +156,16 @@ void Renderer::shade_background(const Viewpoint& from, const Shot& shot) {
   light(background_, from, 0);
 }
 
-void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t k) {
+void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t k, bool blended) {
   const Group& group = gpu_.groups()[k];
+  if (group.blended != blended) return;
   // What is left out is not shaded: its map may be what is being drawn.
   if (group.mirror >= 0 && lies_under(shot.scene, mirrors_[group.mirror], from.without))
     return;
   gpu_.bind(group);
   const gl::Program& program = shading(group, shot);
   set_light(program, map_of(group, shot), from, shot);
+  gl::set(program, "blended", blended ? 1 : 0);
   light(program, from, static_cast<int>(1 + k));
 }
 
@@ -286,7 +195,11 @@ void Renderer::bind_shadows(const Shot& shot, const Direction& eye) const {
 
 void Renderer::prepare_canvas(const Viewpoint& from) {
   const int width = from.lens ? from.lens->width : from.size * aspect(from.to);
-  if (!canvas_ || canvas_->width != width || canvas_->height != from.size) canvas_.emplace(width, from.size);
+  if (!canvas_ || canvas_->width != width || canvas_->height != from.size) {
+    canvas_.emplace(width, from.size);
+    layers_.reset();
+  }
+  if (gpu_.blends() && !layers_) layers_.emplace(*canvas_);
 }
 
 void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
@@ -306,7 +219,7 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
     if ((from.which >> face & 1U) == 0) continue;
     for (int sample = 0; sample < from.samples; ++sample) {
       glBindTextureUnit(unit_rays, rays(from, face, sample));
-      find_surfaces(from, shot, method, face, sample);
+      find_surfaces(from, shot, method, face, sample, canvas_->seen, false);
       if (surfaces != nullptr && sample == 0) {
         seen.resize(texels);
         glGetTextureImage(canvas_->surfaces, 0, GL_RG_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(8 * texels),
@@ -314,9 +227,13 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
         surfaces->resize(texels * static_cast<std::size_t>(count));
         for (std::size_t k = 0; k < texels; ++k) (*surfaces)[static_cast<std::size_t>(face) * texels + k] = seen[k].x;
       }
-      begin_shading(to, face, sample);
+      layers_ ? bind_sample() : bind_map(to, face, sample);
+      begin_shading();
       shade_background(from, shot);
-      for (std::size_t k = 0; k < gpu_.groups().size(); ++k) shade_group(from, shot, k);
+      for (std::size_t k = 0; k < gpu_.groups().size(); ++k) shade_group(from, shot, k, false);
+      if (!layers_) continue;
+      blend(from, shot, method, face, sample);
+      add_sample(to, face, sample, from.samples);
     }
   }
   finish_drawing();
@@ -330,7 +247,8 @@ void Renderer::draw_background(const Viewpoint& from, const Shot& shot, MapTextu
     glBindTextureUnit(unit_rays, rays(from, face, 0));
     glStencilMask(0xff);
     glClearNamedFramebufferfi(canvas_->seen, GL_DEPTH_STENCIL, 0, 0, 0);
-    begin_shading(to, face, 0);
+    bind_map(to, face, 0);
+    begin_shading();
     shade_background(from, shot);
   }
   finish_drawing();

@@ -59,14 +59,20 @@ class Renderer {
   [[nodiscard]] const GpuScene& scene() const { return gpu_; }
 
  private:
-  const gl::Program& visibility(DrawMethod method, Projection p, bool holes);
+  const gl::Program& visibility(DrawMethod method, Projection p, bool holes, bool layered);
   const gl::Program& shading(const Group& group, const Shot& shot);
   const gl::Texture& rays(const Viewpoint& from, int face, int sample);
-  void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample);
+  void begin_finding(GLuint into, bool blended) const;
+  void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample, GLuint into,
+                     bool blended);
   void set_light(const gl::Program& program, const MirrorMap* mirror, const Viewpoint& from, const Shot& shot) const;
-  void begin_shading(const MapTexture& to, int face, int sample);
+  void bind_map(const MapTexture& to, int face, int sample) const;
+  void bind_sample() const;
+  void begin_shading() const;
   void shade_background(const Viewpoint& from, const Shot& shot);
-  void shade_group(const Viewpoint& from, const Shot& shot, std::size_t group);
+  void shade_group(const Viewpoint& from, const Shot& shot, std::size_t group, bool blended);
+  void blend(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample);
+  void add_sample(const MapTexture& to, int face, int sample, int samples);
   void light(const gl::Program& program, const Viewpoint& from, int stencil) const;
   void draw_shadows(const Shot& shot);
   void bind_shadows(const Shot& shot, const Direction& eye) const;
@@ -80,11 +86,12 @@ class Renderer {
   LightTexture light_;
   gl::Texture split_sum_;
   std::optional<Canvas> canvas_;
-  std::map<std::tuple<DrawMethod, Projection, bool>, gl::Program> visibility_;
+  std::optional<Layers> layers_;  // Where something is blended.
+  std::map<std::tuple<DrawMethod, Projection, bool, bool>, gl::Program> visibility_;
   std::map<std::tuple<Projection, int, int>, gl::Texture> rays_;  // Of texels' centres, by projection, size and face.
   gl::Texture sample_rays_;
   std::map<Shading, gl::Program> shading_;
-  gl::Program background_;
+  gl::Program background_, adding_;
 };
 
 /// The map in memory, by any method but raycast: `resample` draws a cube of the same size and converts it.

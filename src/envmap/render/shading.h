@@ -30,6 +30,7 @@ struct Surface {
   float metallic = 0, roughness = 1;
   Colour emissive{0};
   float transmission = 0, ior = 1.5F;
+  float opacity = 1;   ///< The part of what is behind that it covers: alpha of blended materials.
   bool solid = false;  ///< Material::solid.
   float reached = 1;   ///< Part of the light from all round that does reach it: by the occlusion map.
   /// Where shadows are found: on the curved surface that the normals of the triangle's corners tell of, which surrounds

@@ -41,6 +41,7 @@ struct Material {
   float transmission = 0, ior = 1.5F;  ///< KHR_materials_transmission, KHR_materials_ior.
   bool solid = false;                   ///< Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
   float alpha_cutoff = 0;              ///< Above 0: what is below it in alpha is a hole.
+  bool blended = false;  ///< Covers what is behind as far as alpha says; then holes are those of shadows alone.
   bool double_sided = false;
 };
 

@@ -8,6 +8,9 @@ uint triangle = uint(first_triangle + gl_PrimitiveID);
 
 void main() {
   if (gl_FragCoord.z * range.y < range.x) discard;
+#if LAYERED
+  if (is_done(gl_FragCoord.z)) discard;
+#endif
 #if HOLES
   if (is_hole(triangle, texelFetch(rays, ivec2(gl_FragCoord.xy), 0).xyz)) discard;
 #endif

@@ -11,6 +11,9 @@ void main() {
   if (min(side.x, min(side.y, side.z)) < 0 && max(side.x, max(side.y, side.z)) > 0) discard;
   float distance = plane.w / dot(ray, plane.xyz);
   if (!(distance >= range.x && distance <= range.y)) discard;
+#if LAYERED
+  if (is_done(range.x / distance)) discard;
+#endif
 #if HOLES
   if (is_hole(triangle, ray)) discard;
 #endif

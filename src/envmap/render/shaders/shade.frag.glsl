@@ -2,11 +2,12 @@
 // "The visibility buffer". The stencil chooses the texels of one group of materials; TEXTURES are the ones they have
 // (Group::textures): 1 base colour, 2 metallic and roughness, 4 emissive, 8 normal, 16 occlusion.
 layout(early_fragment_tests) in;
-layout(location = 0) out vec4 colour;  // Radiance, and 1 / distance.
+layout(location = 0) out vec4 colour;  // Radiance, and 1 / distance; of blended surfaces the part that they cover.
 layout(binding = UNIT_RAYS) uniform sampler2D rays;
 layout(binding = UNIT_SURFACES) uniform usampler2D surfaces;
 uniform mat3 to_world;  // From the map.
 uniform float weight;
+uniform int blended;
 uniform float spread;   // Distance of samples, in texels.
 
 // How texture coordinates change from this ray to that of a neighbour. A neighbour that misses the plane is far off.
@@ -115,5 +116,5 @@ void main() {
   }
   place_by_vertex = in_face(place_by_vertex, face);
 #endif
-  colour = vec4(weight * shade(surface, to_world * -ray), 1 / far_off);
+  colour = vec4(weight * shade(surface, to_world * -ray), blended != 0 ? clamp(surface.base_colour.a, 0, 1) : 1 / far_off);
 }

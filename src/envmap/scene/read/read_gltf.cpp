@@ -151,7 +151,8 @@ Material material(Reader& r, const Field& field) {
   m.double_sided = field["doubleSided"].truth(false);
   const std::string mode = field["alphaMode"].text("OPAQUE");
   if (mode == "MASK") m.alpha_cutoff = static_cast<float>(field["alphaCutoff"].number(0.5, 0, 1e6));
-  if (mode == "BLEND") r.lacks("alpha blending");
+  // Light passes or it does not: it takes half as the limit.
+  if (mode == "BLEND") m.blended = true, m.alpha_cutoff = 0.5F;
   const Field normal = field["normalTexture"], occlusion = field["occlusionTexture"];
   m.normal_texture = texture(r, normal, false);
   m.normal_scale = static_cast<float>(normal["scale"].number(1, -1e6, 1e6));

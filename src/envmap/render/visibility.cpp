@@ -1,0 +1,116 @@
+// What each texel sees.
+#include <array>
+#include <cmath>
+
+#include "envmap/render/image.h"
+#include "envmap/render/renderer.h"
+
+namespace envmap {
+namespace {
+
+constexpr double tessellation_tolerance = 0.25;  // Pixels.
+
+// How near to -Z a vertex may come: the figures of Heidrich's and later implementations.
+float singularity(Projection p) { return filled_disc(p) ? 0.5F : 0.05F; }
+
+// Whether a sphere can be seen in a face at all.
+bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
+  if (from.lens) {
+    const Vec2<double> zoom = 1.0 / from.lens->tangents;
+    const double shift = from.lens->shift;
+    const auto beyond = [&](double slope, double x, double ahead) {
+      return slope * x > ahead * centre.z + std::hypot(slope, ahead) * radius;
+    };
+    return centre.z >= -radius && !beyond(zoom.x, centre.x, 1 - shift) && !beyond(-zoom.x, centre.x, 1 + shift) &&
+           !beyond(zoom.y, centre.y, 1) && !beyond(-zoom.y, centre.y, 1);
+  }
+  const Projection p = from.to;
+  if (image_shape(p) == ImageShape::plane)
+    return centre.z >= -radius && std::max(std::abs(centre.x), std::abs(centre.y)) - centre.z <= std::sqrt(2.0) * radius;
+  const double distance = glm::length(centre);
+  if (image_shape(p) != ImageShape::disc || distance <= radius) return true;
+  return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= reach(p) + 0.01;
+}
+
+}  // namespace
+
+const gl::Program& Renderer::visibility(DrawMethod method, Projection p, bool holes, bool layered) {
+  gl::Program& program = visibility_[{method, p, holes, layered}];
+  if (program == 0) program = visibility_program(method, p, holes, layered);
+  return program;
+}
+
+// Of opaque surfaces the nearest, of blended ones the furthest.
+void Renderer::begin_finding(GLuint into, bool blended) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, into);
+  glViewport(0, 0, canvas_->width, canvas_->height);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(blended ? GL_LESS : GL_GREATER);
+  glEnable(GL_STENCIL_TEST);
+  glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  glStencilMask(0xff);
+  glDisable(GL_BLEND);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  constexpr std::array<GLuint, 4> nothing{};
+  glClearNamedFramebufferuiv(into, GL_COLOR, 0, nothing.data());
+  glClearNamedFramebufferfi(into, GL_DEPTH_STENCIL, 0, blended ? 1 : 0, 0);
+  glPatchParameteri(GL_PATCH_VERTICES, 3);
+}
+
+void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample, GLuint into,
+                             bool blended) {
+  const Projection image = from.lens ? Projection::cube : from.to;
+  const bool tessellated = method == DrawMethod::tessellate && image_shape(image) == ImageShape::disc;
+  const Rotation to_face = from.lens ? Rotation(1, 0, 0, 0, 1, 0, 0, 0, -1) : map_to_face(from.to, face);
+  const Vec2<double> tangents = from.lens ? from.lens->tangents : Vec2<double>(1);
+  // The near plane touches the near sphere from inside, at the corners.
+  const double nearest = 0.98 * from.near / std::sqrt(1 + glm::dot(tangents, tangents));
+  const glm::vec4 frame(1.0 / tangents.x, 1.0 / tangents.y, from.lens ? from.lens->shift : 0, nearest);
+  begin_finding(into, blended);
+  const std::array<float, 2> range{static_cast<float>(from.near), static_cast<float>(from.far)};
+  const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
+  const Vec2<double> offset = sample_offset(sample, from.samples);
+  const std::array<float, 2> shift{-static_cast<float>(offset.x) * pixel[0], -static_cast<float>(offset.y) * pixel[1]};
+  for (const bool holes : {false, true}) {
+    const gl::Program* program = nullptr;
+    for (std::size_t k = 0; k < gpu_.parts().size(); ++k) {
+      const Part& part = gpu_.parts()[k];
+      const Placed& placed = gpu_.placed()[k];
+      if (part.blended != blended || (part.holes && !blended) != holes || part.indices == 0) continue;
+      if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
+      if (glm::length(placed.ball.centre) - placed.ball.radius > from.far) continue;
+      if (from.cull && !in_face(from, to_face * placed.ball.centre, placed.ball.radius)) continue;
+      if (program == nullptr) {
+        program = &visibility(method, image, holes, blended);
+        gl::set(*program, "range", range);
+        gl::set(*program, "pixel", pixel);
+        gl::set(*program, "shift", shift);
+        gl::set(*program, "to_face", to_face);
+        gl::set(*program, "frame", frame);
+        gl::set(*program, "singularity", singularity(image));
+        gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
+        glUseProgram(*program);
+      }
+      if (holes) {
+        const Group& group = gpu_.groups()[part.group];
+        gpu_.bind(group);
+        gl::set(*program, "material", part.material);
+        gl::set(*program, "textured", group.is_painted() ? 1 : 0);
+      }
+      gl::set(*program, "to_map", placed.to_map);
+      gl::set(*program, "instance", static_cast<int>(k));
+      gl::set(*program, "first_triangle", static_cast<int>(part.first_index / 3));
+      gl::set(*program, "facing", part.double_sided ? 0 : placed.mirrored ? -1 : 1);
+      glStencilFunc(GL_ALWAYS, part.stencil, 0xff);
+      // Exact sees to its sides itself. Images that show the world mirrored turn those of the others round.
+      (method == DrawMethod::exact || part.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
+      glFrontFace((glm::determinant(to_face) < 0) != placed.mirrored ? GL_CW : GL_CCW);
+      tessellated ? gpu_.draw_patches(part) : gpu_.draw(part);
+    }
+  }
+  glDisable(GL_CULL_FACE);
+}
+
+}  // namespace envmap
