@@ -9,10 +9,12 @@
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/colour.h"
+#include "envmap/io/output_file.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/srgb.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
+#include "html_page.h"
 #include "preview_parts.h"
 
 namespace tools {
@@ -27,13 +29,15 @@ struct Options {
   std::optional<Display> display;
   std::optional<std::string> view;
   std::optional<int> face;
-  int height = 256, columns = 3;
+  std::string html;
+  int height = 256, columns = 3, size = 0;
   bool levels = false, marks = false, balls = false, histogram = false, sheet = false;
 };
 
 // How all maps are shown, so that they can be compared: as is right for the first.
 struct Look {
   double scale;
+  Display display;  // Where no view of a config is asked for.
   Show show;
 };
 
@@ -56,14 +60,14 @@ Look look_for(const Source& source, const Options& o, const Common& common) {
   if (o.view) {
     const ColourTransform view = into_view(o.read.colour, *o.view);
     common.also_read->insert(common.also_read->end(), view.files.begin(), view.files.end());
-    return {scale, [view, scale](std::span<Colour> pixels) {
+    return {scale, Display::reinhard, [view, scale](std::span<Colour> pixels) {
               for (Colour& c : pixels) c *= static_cast<float>(scale);
               if (view.apply) view.apply(pixels);
               for (Colour& c : pixels) c = glm::clamp(c, Colour(0), Colour(1));
             }};
   }
   const Display display = o.display.value_or(is_for_screens(source) ? Display::clip : Display::reinhard);
-  return {scale, [display, scale](std::span<Colour> pixels) {
+  return {scale, display, [display, scale](std::span<Colour> pixels) {
             show(pixels, display, scale);
             encode_srgb(pixels);
           }};
@@ -119,9 +123,18 @@ int width_of(const std::vector<TileRow>& rows) {
   return most;
 }
 
+void check_page(Options& o) {
+  if (o.names.size() != 1) throw UsageError("--html: name one map, and no picture");
+  if (o.sheet || o.marks || o.balls || o.histogram || o.face || o.view)
+    throw UsageError("--html has all of a map: leave out --sheet, --marks, --levels, --balls, --histogram, --face and --view");
+  o.read.all_levels = o.read.level == 0;
+}
+
 void check(Options& o) {
   if (o.sheet) o.marks = o.balls = o.histogram = o.levels = true;
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
+  if (!o.html.empty()) return check_page(o);
+  if (o.size > 0) throw UsageError("--size is for --html");
   if (o.names.size() < 2) throw UsageError("name at least one map and the picture to write");
   if (const std::string extension = std::filesystem::path(o.names.back()).extension().string();
       o.names.back() != "-" && extension != ".png" && extension != ".jpg")
@@ -129,8 +142,29 @@ void check(Options& o) {
   o.read.all_levels = o.levels;
 }
 
+int write_page(const Options& o, const Common& common) {
+  const std::string& input = o.names.front();
+  check_files({o.html}, {input}, common);
+  const Source source = read_map(input, o.read, common);
+  const Look look = look_for(source, o, common);
+  const int density = matching_size(source.map.projection(), source.map.base().height(), Projection::cube);
+  const std::string page = html_page(source, {.file = std::filesystem::path(input).filename().string(),
+                                              .space = o.read.colour.space,
+                                              .scale = look.scale,
+                                              .display = look.display,
+                                              .size = o.size > 0 ? o.size : std::clamp(density, 16, 256)});
+  const auto depfile = open_depfile({o.html}, {input}, common);
+  OutputFile file(o.html, common.commit);
+  file.write(page.data(), page.size());
+  file.commit();
+  if (depfile) depfile->commit();
+  note(common, fmt::format("{}: {:.1f} MB", o.html, 1e-6 * static_cast<double>(page.size())));
+  return 0;
+}
+
 int run(Options& o, const Common& common) {
   check(o);
+  if (!o.html.empty()) return write_page(o, common);
   const std::string& output = o.names.back();
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
   check_files({output}, inputs, common);
@@ -192,21 +226,30 @@ Command preview_command() {
       .description =
           "All maps share one exposure, that of the first: its mean radiance becomes middle grey, unless --exposure or "
           "--percentile says otherwise. The tone curve is that of --display, then sRGB; or a view of an OpenColorIO config. "
-          "A first file of 8 or 16 bits is shown as it is: white stays white. Cubes are drawn as crosses.",
+          "A first file of 8 or 16 bits is shown as it is: white stays white. Cubes are drawn as crosses.\n\n"
+          "--html writes a page instead, one file that needs no network: look around in the map (WebGL 2), drag balls of any "
+          "roughness, switch levels, tone curve and projection, read the radiance under the pointer and the facts of 'envmap "
+          "info'. It holds cubes in RGB9E5, which keeps radiance within 1/512 of a texel's largest channel: 2.9 MB at "
+          "--size 256, four times as much at twice the size.",
       .examples = {{"envmap preview probe.hdr probe.png", "one map"},
                    {"envmap preview probe.hdr sheet.jpg --sheet --height 384", "with marks, lit balls and a histogram"},
+                   {"envmap preview probe.hdr --html probe.html", "a page to look around in the map, for any browser"},
                    {"envmap preview chain.ktx2 levels.png --levels", "all mip levels of a map, each as large"},
                    {"envmap preview latlong.exr cube.exr sphere.exr sheet.png", "a contact sheet"}},
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
-        app.add_option("FILES", o->names, "Maps to draw, and last the PNG or JPEG to write; '-' is standard input or output")
+        app.add_option("FILES", o->names, "Maps to draw, and last the PNG or JPEG to write unless --html; '-' is standard input or output")
             ->required()
             ->type_name("");
         add_exposure(app, *o);
         add_parts(app, *o);
         app.add_option("--height", o->height, "Height of each picture (default: 256)")->type_name("N")->check(CLI::Range(16, 4096));
         app.add_option("--columns", o->columns, "Pictures side by side (default: 3)")->type_name("N")->check(CLI::Range(1, 64));
+        app.add_option("--html", o->html, "Write a page of one map instead of a picture")->type_name("FILE");
+        app.add_option("--size", o->size, "Of a face of the cubes in the page (default: as fine as the map, up to 256)")
+            ->type_name("N")
+            ->check(CLI::Range(16, 2048));
         add_read_options(app, o->read);
         add_repair(app, o->read);
         return [o, &common] { return run(*o, common); };
