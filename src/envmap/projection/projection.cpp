@@ -111,8 +111,9 @@ void solid_angles(Projection p, int size, int row, std::span<double> out) {
     } else if constexpr (std::is_same_v<P, EqualArea>) {
       std::fill(out.begin(), out.end(), 4 * pi / (width * size));
     } else {
-      for (std::size_t i = 0; i < out.size(); ++i)
-        out[i] = P::solid_angle({static_cast<double>(i) / width, v0, (static_cast<double>(i) + 1) / width, v1});
+      // The right half of every projection mirrors the left one.
+      for (std::size_t i = 0, j = out.size(); i < j--; ++i)
+        out[i] = out[j] = P::solid_angle({static_cast<double>(i) / width, v0, (static_cast<double>(i) + 1) / width, v1});
     }
   });
 }
