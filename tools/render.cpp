@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
@@ -24,19 +22,6 @@ struct Options {
   WriteOptions write;
 };
 
-// The node of that name; -1 for a place.
-int node_of(const Scene& scene, Options& o) {
-  if (o.at.empty()) return -1;
-  if (const auto node = find_node(scene, o.at)) return *node;
-  double x = 0, y = 0, z = 0;
-  int end = 0;
-  if (std::sscanf(o.at.c_str(), "%lf,%lf,%lf%n", &x, &y, &z, &end) != 3 || end != static_cast<int>(o.at.size()) ||
-      !std::isfinite(x + y + z))
-    throw UsageError(fmt::format("--at: '{}' is no node of {} and not X,Y,Z", o.at, o.scene.path));
-  o.from.at = {x, y, z};
-  return -1;
-}
-
 void check(const Options& o) {
   if (o.from.near >= o.from.far) throw UsageError("--near: not below --far");
   if (o.forward && !has_forward(o.from.to)) throw UsageError("--forward is for latlong and angular maps");
@@ -57,7 +42,8 @@ int run(Options& o, const Common& common) {
   const LoadedScene loaded = load(o.scene, common);
   check_files(outputs, loaded.inputs, common);
   const auto depfile = open_depfile(outputs, loaded.inputs, common);
-  o.from.without = node_of(loaded.scene, o);
+  const Viewpoint place = viewpoint_of(o.at, loaded.scene, o.scene.path);
+  o.from.at = place.at, o.from.without = place.without;
   const DrawMethod method =
       o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene)) : o.method;
   std::optional<Context> context;

@@ -82,6 +82,19 @@ LoadedScene load(const SceneOptions& o, const Common& common) {
   return loaded;
 }
 
+Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::string& path) {
+  Viewpoint from;
+  if (at.empty()) return from;
+  if (const auto node = find_node(scene, at)) {
+    from.without = *node;
+  } else if (const auto place = triple_of(at)) {
+    from.at = *place;
+  } else {
+    throw UsageError(fmt::format("--at: '{}' is no node of {} and not X,Y,Z", at, path));
+  }
+  return from;
+}
+
 void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
   const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
   if (!loaded.environment && !o.ambient && loaded.scene.lights.empty() && std::ranges::none_of(loaded.scene.materials, glows))

@@ -12,6 +12,7 @@
 #include "envmap/io/output_file.h"
 #include "envmap/operate/measure.h"
 #include "tradeoff_plot.h"
+#include "tradeoff_scene.h"
 #include "tradeoff_tasks.h"
 
 namespace tools {
@@ -23,8 +24,9 @@ enum class Metric { rms, maximum, flux };
 constexpr std::string_view metric_names[] = {"rms", "max", "flux"};
 
 struct Options {
-  std::string input, task, plot;
+  std::string input, task, plot, at, environment;
   ReadOptions read;
+  bool csv = false;
   Metric by = Metric::rms;
   double budget = 60;
 };
@@ -113,6 +115,14 @@ std::string table_of(const Study& study, const Options& o) {
   return out;
 }
 
+std::string csv_of(const Study& study) {
+  std::string out = "method,setting,seconds,noise,runs,bytes,max,rms,flux,front\n";
+  for (const Trial& t : study.trials)
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", t.method, t.setting, t.seconds, t.noise, t.runs,
+                       t.bytes ? std::to_string(*t.bytes) : "", t.error.maximum, t.error.rms, t.error.largest_flux(), t.front ? 1 : 0);
+  return out;
+}
+
 nlohmann::ordered_json report_of(const Study& study, const Options& o) {
   nlohmann::ordered_json report{{"input", o.input}, {"task", o.task}};
   report["reference"] = {{"what", study.task.reference}, {"seconds", study.reference_seconds}};
@@ -139,23 +149,43 @@ void write_plot(const Study& study, const Options& o, const Common& common) {
   file.commit();
 }
 
-int run(Options& o, const Common& common) {
-  if (!o.plot.empty()) {
-    check_report(o.plot, common);
-    check_files({o.plot}, {o.input}, common);
-    if (o.plot != "-" && !o.plot.ends_with(".svg")) throw UsageError(o.plot, "--plot writes .svg");
-  }
-  const Source source = read_map(o.input, o.read, common);
-  const Task task = make_task(o.task, source.map);
-  const Study study = study_of(task, o, common);
+void check(const Options& o, const Common& common) {
+  if (o.csv && common.json) throw UsageError("--csv and --json: choose one");
+  if (!is_of_scene(o.task) && (!o.at.empty() || !o.environment.empty())) throw UsageError("--at and --environment are for scenes");
+  if (o.plot.empty()) return;
+  check_report(o.plot, common);
+  check_files({o.plot}, {o.input}, common);
+  if (o.plot != "-" && !o.plot.ends_with(".svg")) throw UsageError(o.plot, "--plot writes .svg");
+  if (o.plot == "-" && o.csv) throw UsageError("--csv and --plot both go to standard output");
+}
+
+void tell(const Study& study, const Options& o, const Common& common) {
   if (!o.plot.empty()) write_plot(study, o, common);
   if (common.json)
     print_report(report_of(study, o));
+  else if (o.csv)
+    print(csv_of(study));
   else if (o.plot != "-")
     print(table_of(study, o));
   if (study.left_out > 0)
     warn(fmt::format("envmap tradeoff: {} of {} ways left out after {:g} s; say --budget to allow more", study.left_out,
-                     task.ways.size(), o.budget));
+                     study.task.ways.size(), o.budget));
+}
+
+int run(Options& o, const Common& common) {
+  check(o, common);
+  if (is_of_scene(o.task)) {
+    SceneOptions scene{.path = o.input, .environment = o.environment};
+    scene.read.max_pixels = o.read.max_pixels;
+    const LoadedScene loaded = load(scene, common);
+    const Task task = make_scene_task(o.task, loaded, scene, o.at);
+    tell(study_of(task, o, common), o, common);
+    tell_darkness(loaded, scene);
+  } else {
+    const Source source = read_map(o.input, o.read, common);
+    const Task task = make_task(o.task, source.map);
+    tell(study_of(task, o, common), o, common);
+  }
   return 0;
 }
 
@@ -174,13 +204,18 @@ Command tradeoff_command() {
           "--budget is run once. One after the other they have all threads (--threads).\n\n"
           "Tasks, P a projection and N the height of a face:\n"
           "  convert:P[:N]      all filters; the reference is 'area' to 1e-6\n"
+          "  mipmap:K           level K by solid angle and by plain means, as glGenerateMipmap takes them; the reference is the "
+          "mean over level 0\n"
           "  diffuse[:P:N], phong:M[:P:N], ggx:R[:P:N], blinn-phong:M[:P:N], charlie:R[:P:N]\n"
           "                     the methods of prefilter at errors of 1e-1 to 1e-4; a cube of 16 if nothing is said; the "
           "reference is the exact sum, which takes longest\n"
           "  depth              file formats, depths and compressions: size of the file, time to write and read it (in "
-          "TMPDIR), and what is lost; stars are by size",
+          "TMPDIR), and what is lost; stars are by size\n"
+          "  render:P[:N]       INPUT is a scene (glTF, OBJ): the methods of render, lit by --environment, from --at; 256 high if "
+          "nothing is said; the reference is raycast",
       .examples = {{"envmap tradeoff probe.hdr --task convert:cube:256", "which filter is worth its time"},
                    {"envmap tradeoff probe.hdr --task ggx:0.4 --plot ggx.svg", "time against error, as a picture"},
+                   {"envmap tradeoff cellar.glb --task render:sphere --environment probe.hdr", "how a scene's map is drawn best"},
                    {"envmap tradeoff probe.hdr --task depth --by max --json", "file size against error, for programs"}},
       .keys = {{"input", "INPUT"},
                {"task", "as it was given"},
@@ -201,13 +236,16 @@ Command tradeoff_command() {
       .reports = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
-        app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
+        app.add_option("INPUT", o->input, "Map, or scene where the task is render, '-' for standard input; {face} in the name reads six files")->required();
         app.add_option("--task", o->task, "What to measure: " + task_words())->type_name("TASK")->required();
         add_choice(app, "--by", o->by, joined(metric_names), one_of<Metric>(metric_names),
                    "The error that stars and plot are about (default: rms)");
         app.add_option("--budget", o->budget, "Time for all ways together, the reference apart (default: 60)")
             ->type_name("SECONDS")
             ->check(CLI::Range(0.0, 1e6));
+        app.add_option("--at", o->at, "Of scenes: the node or the point X,Y,Z that is drawn from (default: 0,0,0)")->type_name("NODE|X,Y,Z");
+        app.add_option("--environment", o->environment, "Of scenes: map that is the background and a light")->type_name("FILE");
+        app.add_flag("--csv", o->csv, "Print the table as comma-separated values");
         app.add_option("--plot", o->plot, "Write an SVG, '-' for standard output: cost against error on logarithmic axes")->type_name("FILE");
         add_read_options(app, o->read);
         add_repair(app, o->read);

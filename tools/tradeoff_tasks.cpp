@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <utility>
 
 #include "command.h"
 #include "envmap/base/error.h"
@@ -15,6 +16,7 @@
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
 #include "envmap/operate/convert.h"
+#include "envmap/operate/levels.h"
 #include "envmap/prefilter/prefilter.h"
 
 namespace tools {
@@ -80,6 +82,23 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
   task.truth = [&map, exact] { return prefiltered(map, exact); };
 }
 
+// ---- mipmap -----------------------------------------------------------------------------------------------------------
+
+void add_mipmaps(const EnvironmentMap& map, int level, Task& task) {
+  const int width = map.base().width() >> level, height = map.base().height() >> level;
+  if (width < 1 || height < 1) throw UsageError(fmt::format("--task mipmap:{}: the map has no level that small", level));
+  constexpr std::pair<Weights, const char*> all[] = {{Weights::solid_angle, "solid-angle"}, {Weights::uniform, "uniform"}};
+  for (const auto& [weights, word] : all)
+    task.ways.push_back({"levels", fmt::format("--weights {}", word), [&map, level, weights = weights] {
+                           std::vector<Level> levels;
+                           levels.push_back(map.base().clone());
+                           add_levels(levels, weights, level + 1);
+                           return whole(std::move(levels.back()));
+                         }});
+  task.reference = "means over level 0 by solid angle";
+  task.truth = [&map, width, height] { return whole(coarser_level(map.base(), width, height)); };
+}
+
 // ---- depth ------------------------------------------------------------------------------------------------------------
 
 // A file in the folder for temporary ones, gone when this is, and where a signal ends the program.
@@ -134,14 +153,6 @@ void add_depths(const EnvironmentMap& map, Task& task) {
 
 // ---- names ------------------------------------------------------------------------------------------------------------
 
-std::vector<std::string> parts_of(const std::string& name) {
-  std::vector<std::string> parts(1);
-  for (const char c : name)
-    if (c == ':') parts.emplace_back();
-    else parts.back() += c;
-  return parts;
-}
-
 template <class T>
 T number_of(const std::string& task, const std::string& text, T least, T most) {
   T value{};
@@ -151,19 +162,29 @@ T number_of(const std::string& task, const std::string& text, T least, T most) {
   return value;
 }
 
+}  // namespace
+
+std::vector<std::string> parts_of(const std::string& name) {
+  std::vector<std::string> parts(1);
+  for (const char c : name)
+    if (c == ':') parts.emplace_back();
+    else parts.back() += c;
+  return parts;
+}
+
 Projection projection_of(const std::string& task, const std::string& text) {
   if (const auto p = projection_named(text)) return *p;
   throw UsageError(fmt::format("--task {}: '{}' is no projection", task, text));
 }
 
-}  // namespace
+int size_of(const std::string& task, const std::string& text) { return number_of(task, text, 1, 1 << 15); }
 
 std::string task_words() {
-  return "convert:P[:N] diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] depth";
+  return "convert:P[:N] mipmap:K diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] depth; of scenes "
+         "render:P[:N]";
 }
 
 Task make_task(const std::string& name, const EnvironmentMap& map) {
-  constexpr int largest = 1 << 15;
   const std::vector<std::string> parts = parts_of(name);
   Task task{.name = name};
   const auto expect = [&](bool right) {
@@ -175,13 +196,16 @@ Task make_task(const std::string& name, const EnvironmentMap& map) {
     Prefilter wanted{.shape = *shape, .size = 16};
     if (first == 2) wanted.parameter = number_of(name, parts[1], 0.0, 1e9);
     if (parts.size() > first)
-      wanted.to = projection_of(name, parts[first]), wanted.size = number_of(name, parts[first + 1], 1, largest);
+      wanted.to = projection_of(name, parts[first]), wanted.size = size_of(name, parts[first + 1]);
     add_prefilters(map, wanted, task);
   } else if (parts[0] == "convert") {
     expect(parts.size() == 2 || parts.size() == 3);
     ConvertOptions options{.to = {projection_of(name, parts[1])}};
-    if (parts.size() == 3) options.size = number_of(name, parts[2], 1, largest);
+    if (parts.size() == 3) options.size = size_of(name, parts[2]);
     add_conversions(map, options, task);
+  } else if (parts[0] == "mipmap") {
+    expect(parts.size() == 2);
+    add_mipmaps(map, number_of(name, parts[1], 1, 16), task);
   } else {
     expect(name == "depth");
     add_depths(map, task);

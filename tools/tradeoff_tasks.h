@@ -30,6 +30,12 @@ struct Task {
   std::vector<Way> ways;
 };
 
+// What stands between the colons of a task's name.
+std::vector<std::string> parts_of(const std::string& task);
+// @throws UsageError where it is none, or beyond 1 to 32768.
+envmap::Projection projection_of(const std::string& task, const std::string& text);
+int size_of(const std::string& task, const std::string& text);
+
 // The tasks, for --help: `convert:P[:N]` and so on.
 std::string task_words();
 

@@ -82,7 +82,34 @@ TEST_F(Tradeoff, TheFrontIsWhatNothingBeats) {
   EXPECT_GE(stars, 2U);
 }
 
+TEST_F(Tradeoff, LevelsAreThoseOfMipmap) {
+  const json all = trials("mipmap:3");
+  EXPECT_LT(trial(all, "levels", "--weights solid-angle")["rms"].get<double>(), 1e-6);
+  for (const std::string weights : {"uniform", "solid-angle"}) {
+    succeeds({"mipmap", "in.exr", weights + ".exr", "--weights", weights, "-q"});
+    succeeds({"convert", weights + ".exr", weights + "-3.exr", "--level", "3", "--filter", "nearest", "-q"});
+  }
+  expect_as_compared(trial(all, "levels", "--weights uniform"), "uniform-3.exr", "solid-angle-3.exr");
+  fails(2, {"tradeoff", "in.exr", "--task", "mipmap:9"}, {"mipmap:9"});
+}
+
+// Rays meet the triangles themselves, as 'exact' does; straight sides are far off in a room of few triangles.
+TEST_F(Tradeoff, ScenesAreDrawnByEveryMethod) {
+  ASSERT_EQ(shell("python3 " ENVMAP_SCENES "/make.py scenes").status, 0);
+  const Result r = envmap({"tradeoff", "scenes/room-2.glb", "--task", "render:sphere:64", "--json", "--budget", "1000"});
+  ASSERT_EQ(r.status, 0) << r.err;
+  const json all = json::parse(r.out)["trials"];
+  EXPECT_EQ(trial(all, "raycast", "")["max"], 0);
+  EXPECT_LT(trial(all, "exact", "")["rms"].get<double>(), 0.05);
+  EXPECT_GT(trial(all, "distort", "")["rms"].get<double>(), 4 * trial(all, "exact", "")["rms"].get<double>());
+  fails(2, {"tradeoff", "in.exr", "--task", "depth", "--at", "0,0,0"}, {"--at"});
+}
+
 TEST_F(Tradeoff, PlotsAndRefuses) {
+  const Result csv = envmap({"tradeoff", "in.exr", "--task", "mipmap:1", "--csv"});
+  EXPECT_TRUE(csv.out.starts_with("method,setting,seconds")) << csv.out;
+  EXPECT_EQ(std::ranges::count(csv.out, '\n'), 3);
+
   succeeds({"tradeoff", "in.exr", "--task", "depth", "--plot", "out.svg", "-q"});
   const std::string svg = bytes_of(path("out.svg"));
   EXPECT_TRUE(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));

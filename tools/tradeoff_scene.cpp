@@ -1,0 +1,56 @@
+#include "tradeoff_scene.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "envmap/base/error.h"
+#include "envmap/render/raycast.h"
+#include "envmap/render/renderer.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+// What OpenGL draws with; made once.
+struct Gl {
+  Context context;
+  Renderer renderer;
+  Gl(const LoadedScene& loaded, ContextKind kind) : context(kind), renderer(loaded.scene, loaded.environment.get()) {}
+};
+
+std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, ContextKind kind) {
+  try {
+    return std::make_shared<Gl>(loaded, kind);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::renderer) throw;
+    warn(fmt::format("envmap tradeoff: the methods of OpenGL are left out: {}", e.what()));
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+bool is_of_scene(const std::string& task) { return parts_of(task)[0] == "render"; }
+
+Task make_scene_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options, const std::string& at) {
+  const std::vector<std::string> parts = parts_of(name);
+  if (parts.size() != 2 && parts.size() != 3) throw UsageError(fmt::format("--task '{}' is none of {}", name, task_words()));
+  Viewpoint from = viewpoint_of(at, loaded.scene, options.path);
+  from.to = projection_of(name, parts[1]);
+  if (parts.size() == 3) from.size = size_of(name, parts[2]);
+  const Shot shot = loaded.shot(options.time, options);
+  if (from.without >= 0) from.at = centre_of(loaded.scene, shot.pose, from.without);
+  const auto cast = [shot, from] { return Outcome{std::move(raycast(shot, from).radiance.base())}; };
+  Task task{.name = name, .reference = "--method raycast", .truth = cast};
+  const std::shared_ptr<Gl> gl = open_gl(loaded, options.context);
+  for (const DrawMethod method : {DrawMethod::distort, DrawMethod::tessellate, DrawMethod::exact, DrawMethod::resample})
+    if (gl && can_draw(method, from.to))
+      task.ways.push_back({std::string(draw_method_names[static_cast<std::size_t>(method)]), "",
+                           [gl, shot, from, method] { return Outcome{std::move(draw(gl->renderer, from, shot, method).radiance.base())}; }});
+  task.ways.push_back({"raycast", "", cast});
+  return task;
+}
+
+}  // namespace tools
