@@ -80,6 +80,10 @@ say 'A cube as the tools around it like it: one cross, or six files.'
 show envmap convert $out/cube.exr $out/cross.hdr --layout cross
 show envmap convert $out/cube.exr "$out/face_{face}.exr" --depth half
 
+say 'What the map lights and how bright it is, and a page to look around in it, for any browser.'
+show envmap preview $out/latlong.exr $out/sheet.png --sheet
+show envmap preview $out/latlong.exr --html $out/look-around.html
+
 say 'All of it as one picture.'
 show envmap preview $out/latlong.exr $out/cube.exr $out/sphere.exr $out/paraboloid.exr $out/angular.exr \
   $out/octahedral.exr $out/equal-area.exr "$@" $out/tour.png --columns 7 --height 192

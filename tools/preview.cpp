@@ -125,7 +125,7 @@ int width_of(const std::vector<TileRow>& rows) {
 
 void check_page(Options& o) {
   if (o.names.size() != 1) throw UsageError("--html: name one map, and no picture");
-  if (o.sheet || o.marks || o.balls || o.histogram || o.face || o.view)
+  if (o.sheet || o.levels || o.marks || o.balls || o.histogram || o.face || o.view)
     throw UsageError("--html has all of a map: leave out --sheet, --marks, --levels, --balls, --histogram, --face and --view");
   o.read.all_levels = o.read.level == 0;
 }

@@ -30,13 +30,25 @@ Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size
   return small;
 }
 
+// Every pixel k x k times: what is enlarged shows its texels, where a filter would mix them with what lies beside a face.
+std::vector<Colour> repeated(std::vector<Colour> picture, Size size, int k) {
+  if (k == 1) return picture;
+  const auto wide = static_cast<std::size_t>(size.width), times = static_cast<std::size_t>(k);
+  std::vector<Colour> out(picture.size() * times * times);
+  for (std::size_t j = 0; j < out.size() / (wide * times); ++j)
+    for (std::size_t i = 0; i < wide * times; ++i) out[j * wide * times + i] = picture[j / times * wide + i / times];
+  return out;
+}
+
 Picture page_picture(const Level& level, std::optional<int> face, const Show& show, int height) {
   const Rows rows = rows_of(level, Forward::plus_z);
   const Page page{rows, grid(layout_of(level.projection())), face.value_or(-1)};
   std::vector<Colour> full(static_cast<std::size_t>(page.width()) * static_cast<std::size_t>(page.height()));
   page.gather(0, page.height(), full);
-  const double width = static_cast<double>(height) * page.width() / page.height();
-  return shown_at(std::move(full), {page.width(), page.height()}, show,
+  const Size size{page.width(), page.height()};
+  const int k = (height + size.height - 1) / size.height;
+  const double width = static_cast<double>(height) * size.width / size.height;
+  return shown_at(repeated(std::move(full), size, k), {k * size.width, k * size.height}, show,
                   {std::max(1, static_cast<int>(std::lround(width))), height});
 }
 

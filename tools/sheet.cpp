@@ -55,7 +55,9 @@ Picture sheet_of(std::span<const TileRow> rows) {
     int x = sheet_border;
     for (Tile tile : row) {
       paste(sheet, tile.picture, x, y);
-      formats().draw_text(sheet.pixels, sheet.size, x + 2, y + tile.picture.size.height + 16, tile.caption, caption_height);
+      Picture caption({tile.picture.size.width, caption_room}, ground);  // Cuts what is too long.
+      formats().draw_text(caption.pixels, caption.size, 2, 16, tile.caption, caption_height);
+      paste(sheet, caption, x, y + tile.picture.size.height);
       x += tile.picture.size.width + sheet_border;
     }
     y += height_of(row) + sheet_border;
