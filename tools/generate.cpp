@@ -12,8 +12,8 @@ namespace {
 
 using namespace envmap;
 
-constexpr std::string_view kinds[] = {"constant", "gradient", "checker", "directions", "sun", "sky", "sh"};
-enum class Kind { constant, gradient, checker, directions, sun, sky, sh };
+constexpr std::string_view kinds[] = {"constant", "gradient", "checker", "directions", "faces", "sun", "sky", "sh"};
+enum class Kind { constant, gradient, checker, directions, faces, sun, sky, sh };
 
 struct Options {
   Kind kind{};
@@ -34,6 +34,7 @@ Pattern pattern(const Options& o) {
     case Kind::gradient: return Gradient{Rgb<double>(o.value2.value_or(Vec3<double>(0.1))), Rgb<double>(o.value.value_or(Vec3<double>(1)))};
     case Kind::checker: return Checker{o.squares, Rgb<double>(o.value.value_or(Vec3<double>(1))), Rgb<double>(o.value2.value_or(Vec3<double>(0.1)))};
     case Kind::directions: return Directions{};
+    case Kind::faces: return Faces{};
     case Kind::sky: return Sky{o.sun.zenith, o.sun.ground};
     case Kind::sh: return o.harmonic;
     case Kind::sun: break;
@@ -68,7 +69,8 @@ Command generate_command() {
       .description =
           "constant: --value everywhere. gradient: --value2 at -Y to --value at +Y, linear in y. checker: squares of "
           "longitude and "
-          "latitude. directions: RGB = (direction + 1) / 2 of each texel's centre, world frame. sky: CIE overcast sky, "
+          "latitude. directions: RGB = (direction + 1) / 2 of each texel's centre, world frame. faces: those of a cube, +X "
+          "red, -X cyan, +Y green, -Y magenta, +Z blue, -Z yellow. sky: CIE overcast sky, "
           "zenith "
           "(1 + 2 y) / 3, over an even ground; a floor receives 7 pi / 9 x zenith. sun: a disc of even radiance over "
           "such "

@@ -14,17 +14,40 @@ namespace {
 using namespace envmap;
 struct Options {
   SceneOptions scene;
-  std::string output, at;
+  std::string output, at, forward;
   std::optional<Projection> to;
-  std::optional<Forward> forward;
   Viewpoint from;
   DrawMethod method = DrawMethod::automatic;
   WriteOptions write;
 };
 
+// From where the map is drawn to a node, or to the scene's first camera; or what is said.
+Direction direction(const Options& o, const Scene& scene, const Pose& pose) {
+  if (const auto along = triple_of(o.forward)) return *along;
+  const bool camera = o.forward == "camera";
+  if (camera && scene.cameras.empty()) throw UsageError(fmt::format("--forward: {} has no camera", o.scene.path));
+  const auto node = camera ? std::optional(scene.cameras.front().node) : find_node(scene, o.forward);
+  if (!node)
+    throw UsageError(fmt::format("--forward: '{}' is no axis (+z, -z, +x, -x), no X,Y,Z, no node of {} and not 'camera'",
+                                 o.forward, o.scene.path));
+  return (camera ? Direction(pose[static_cast<std::size_t>(*node)][3]) : centre_of(scene, pose, *node)) - o.from.at;
+}
+
+// Z along a direction, X level.
+Rotation turned_to(const Direction& along) {
+  if (!(glm::length(along) > 0)) throw UsageError("--forward: leads nowhere from where the map is drawn");
+  const Direction z = glm::normalize(along);
+  const Direction up = std::abs(z.y) < 1 - 1e-9 ? Direction(0, 1, 0) : Direction(0, 0, 1);
+  const Direction x = glm::normalize(glm::cross(up, z));
+  return {x, glm::cross(z, x), z};
+}
+
 void check(const Options& o) {
   if (o.from.near >= o.from.far) throw UsageError("--near: not below --far");
-  if (o.forward && !has_forward(o.from.to)) throw UsageError("--forward is for latlong and angular maps");
+  if (forward_named(o.forward) && !has_forward(o.from.to))
+    throw UsageError("--forward: an axis is for latlong and angular maps; others take a node, X,Y,Z or camera");
+  const bool distorts = o.method == DrawMethod::distort || o.method == DrawMethod::tessellate;
+  if (o.from.epsilon > 0 && !distorts) throw UsageError("--epsilon is for --method distort and tessellate");
   if (!can_draw(o.method, o.from.to))
     throw UsageError(fmt::format("--method {} cannot draw {} maps: {}resample or raycast",
                                  draw_method_names[static_cast<std::size_t>(o.method)], name(o.from.to),
@@ -33,7 +56,8 @@ void check(const Options& o) {
 
 int run(Options& o, const Common& common) {
   o.from.to = o.to.value_or(Projection::cube);
-  o.from.axes = image_to_world(o.forward.value_or(Forward::plus_z));
+  const Forward forward = forward_named(o.forward).value_or(Forward::plus_z);
+  o.from.axes = image_to_world(forward);
   check(o);
   const Frames frames = frames_of(o.scene);
   check_output(frames.path(o.output, frames.first), o.write, o.from.to);
@@ -44,6 +68,7 @@ int run(Options& o, const Common& common) {
   const auto depfile = open_depfile(outputs, loaded.inputs, common);
   const Viewpoint place = viewpoint_of(o.at, loaded.scene, o.scene.path);
   o.from.at = place.at, o.from.without = place.without;
+  const bool turned = !o.forward.empty() && !forward_named(o.forward);
   const DrawMethod method =
       o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene)) : o.method;
   std::optional<Context> context;
@@ -57,13 +82,17 @@ int run(Options& o, const Common& common) {
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const Shot shot = loaded.shot(frames.time(frame), o.scene);
     if (o.from.without >= 0) o.from.at = centre_of(loaded.scene, shot.pose, o.from.without);
+    if (turned) o.from.axes = turned_to(direction(o, loaded.scene, shot.pose));
     const Stopwatch watch;
     Drawn drawn = method == DrawMethod::raycast ? raycast(shot, o.from, progress_line(common, "cast"))
                                                 : draw(*renderer, o.from, shot, method);
     const double took = watch.seconds();
     seconds += took;
-    drawn.radiance.forward = o.forward.value_or(Forward::plus_z);
+    drawn.radiance.forward = forward;
     const std::string path = frames.path(o.output, frame);
+    if (turned)
+      note(common, fmt::format("{}: its +Z looks along {:.4g},{:.4g},{:.4g} of the scene, its +Y up", path, o.from.axes[2].x,
+                               o.from.axes[2].y, o.from.axes[2].z));
     if (common.verbose)
       note(common, fmt::format("{}: {} from {:.4g},{:.4g},{:.4g}, drawn in {:.1f} ms", path,
                                draw_method_names[static_cast<std::size_t>(method)], o.from.at.x, o.from.at.y,
@@ -109,6 +138,8 @@ Command render_command() {
                         "what the node Ball would mirror, as a sphere map, under a sky"},
                        {"envmap render cellar.glb 'frames/{frame}.exr' --to paraboloid --frames 0:47 --fps 24 -v",
                         "two seconds of an animated scene, with times"},
+                       {"envmap render cellar.glb seen.exr --to sphere --at Ball --forward camera",
+                        "the classic sphere map, turned to who looks at the ball"},
                        {"envmap render room.obj map.exr --to latlong --ambient 1 --samples 8",
                         "base colours alone, eight samples a texel"}},
           .writes = true,
@@ -133,8 +164,16 @@ Command render_command() {
                 ->check(CLI::Range(1e-9, 1e12));
             add_choice(app, "--method", o->method, joined(draw_method_names), one_of<DrawMethod>(draw_method_names),
                        "How it is drawn (default: auto)");
-            add_forward(app, "--forward", o->forward,
-                        "World axis at the centre of latlong and angular maps (default: +z)");
+            app.add_option("--forward", o->forward,
+                           "World axis at the centre of latlong and angular maps: +z, -z, +x or -x (default: +z). Of any map, what "
+                           "its +Z looks at: a node, a direction, or 'camera', the scene's first, as the sphere maps of viewers "
+                           "have it; the map is turned then")
+                ->type_name("AXIS|NODE|X,Y,Z|camera");
+            app.add_option("--epsilon", o->from.epsilon,
+                           "Of distort and tessellate: how near to the singularity a vertex may come, in z (default: 0.5 of "
+                           "paraboloids, 0.05 of others)")
+                ->type_name("Z")
+                ->check(CLI::Range(1e-6, 1.0));
             add_layout(app, "--layout", o->write.layout, "Where cube faces lie (default: column)");
             add_depth(app, o->write.depth);
             add_format(app, o->write);

@@ -8,10 +8,12 @@
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/picture.h"
+#include "envmap/operate/convert.h"
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
 #include "envmap/scene/read/read_scene.h"
+#include "mirror_options.h"
 #include "scene_options.h"
 #include "viewpoints.h"
 
@@ -26,7 +28,7 @@ enum class Through { maps, rays };
 struct Options {
   SceneOptions scene;
   ViewpointOptions from;
-  std::string output, format;
+  std::string output, format, saved;
   std::vector<std::string> mirrors;
   Through method = Through::maps;
   std::optional<Projection> maps;
@@ -40,29 +42,6 @@ struct Options {
 };
 
 constexpr std::string_view method_names[] = {"maps", "raycast"};
-constexpr std::string_view map_names[] = {"sphere", "paraboloid", "cube"};
-
-// NODE, or NODE:PROJECTION.
-Mirror mirror_named(const Scene& scene, const std::string& text, Projection maps) {
-  if (const auto node = find_node(scene, text)) return make_mirror(scene, *node, maps);
-  if (const auto colon = text.rfind(':'); colon != std::string::npos) {
-    const auto node = find_node(scene, text.substr(0, colon));
-    const auto to = projection_named(text.substr(colon + 1));
-    if (node && to && std::ranges::find(map_names, name(*to)) != std::end(map_names)) return make_mirror(scene, *node, *to);
-  }
-  throw UsageError(fmt::format("--mirror: '{}' is no node, nor a node with :sphere, :paraboloid or :cube behind it", text));
-}
-
-std::vector<Mirror> mirrors_of(const Options& o, const Scene& scene) {
-  const Projection maps = o.maps.value_or(Projection::paraboloid);
-  std::vector<Mirror> all;
-  for (const std::string& text : o.mirrors) all.push_back(mirror_named(scene, text, maps));
-  for (const Mirror& found : find_mirrors(scene, maps)) {
-    const bool named = std::ranges::any_of(all, [&](const Mirror& m) { return lies_under(scene, found.node, m.node); });
-    if (!named) all.push_back(found);
-  }
-  return all;
-}
 
 struct Eye {
   Viewpoint from;
@@ -72,7 +51,9 @@ struct Eye {
 // What is seen from beside a view by `aside` metres; at `still` metres both eyes see the same.
 Eye eye_of(const Options& o, const View& view, double aside, double still) {
   const Rotation& axes = view.axes;
-  const double up = std::tan(0.5 * view.vertical_field), across = up * o.width / o.height;
+  const bool parallel = view.half_height > 0;
+  if (parallel && aside != 0) throw UsageError("--anaglyph: the camera is orthographic, and both eyes see the same");
+  const double up = parallel ? view.half_height : std::tan(0.5 * view.vertical_field), across = up * o.width / o.height;
   Eye eye;
   eye.from = {.size = o.height,
               .at = view.at + aside * axes[0],
@@ -81,12 +62,20 @@ Eye eye_of(const Options& o, const View& view, double aside, double still) {
               .far = view.far,
               .samples = o.samples,
               .cull = !o.drawing.all,
-              .lens = Lens{o.width, {across, up}, aside == 0 ? 0 : aside / (still * across)}};
+              .lens = Lens{o.width, {across, up}, aside == 0 ? 0 : aside / (still * across), parallel}};
   // The sides of the picture as planes through the eye, a little outside of them.
-  const auto side = [&](const Direction& inwards) {
+  const auto side = [&](const Direction& inwards, double beyond = 0) {
     const Direction normal = glm::normalize(axes * inwards);
-    return glm::vec<4, double, glm::highp>(normal, -glm::dot(normal, eye.from.at) + 1e-3);
+    return glm::vec<4, double, glm::highp>(normal, -glm::dot(normal, eye.from.at) + 1e-3 + beyond);
   };
+  if (parallel) {
+    const double distance = 1e4 * std::hypot(across, up);  // As good as from infinity.
+    eye.viewer = {.at = view.at + distance * axes[2],
+                  .planes = {side({1, 0, 0}, across), side({-1, 0, 0}, across), side({0, 1, 0}, up), side({0, -1, 0}, up),
+                             side({0, 0, -1})},
+                  .pixel = 2 * up / o.height / distance};
+    return eye;
+  }
   const double shift = eye.from.lens->shift;
   eye.viewer = {.at = eye.from.at,
                 .planes = {side({1, 0, -across * (1 + shift)}), side({-1, 0, -across * (1 - shift)}), side({0, 1, -up}),
@@ -99,6 +88,18 @@ Eye eye_of(const Options& o, const View& view, double aside, double still) {
 std::vector<Colour> anaglyph(std::vector<Colour> left, const std::vector<Colour>& right) {
   for (std::size_t k = 0; k < left.size(); ++k) left[k] = {left[k].x, right[k].y, right[k].z};
   return left;
+}
+
+constexpr std::string_view eye_mark = "{eye}", eyes_of_files[] = {"left", "right", "both"};
+bool is_by_eye(const std::string& path) { return path.find(eye_mark) != std::string::npos; }
+
+// The files of a frame: one, or with {eye} in its name one an eye and the anaglyph.
+std::vector<std::string> files_of(const std::string& path) {
+  if (!is_by_eye(path)) return {path};
+  std::vector<std::string> files;
+  for (const std::string_view eye : eyes_of_files)
+    files.push_back(std::string(path).replace(path.find(eye_mark), eye_mark.size(), eye));
+  return files;
 }
 
 // Pictures of a moment, one for each eye.
@@ -115,6 +116,17 @@ class MapPainter {
         renderer_(loaded.scene, loaded.environment.get(), nodes),
         maps_(loaded.scene, mirrors) {
     if (common.verbose) note(common, context_.renderer());
+  }
+
+  // Each mirror's map, turned to the axes of the world.
+  void save(const std::vector<std::string>& paths) const {
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+      const MirrorMap& map = maps_.maps()[k];
+      if (!map.texture) continue;  // Not seen, not drawn.
+      EnvironmentMap seen = read_back(*map.texture);
+      if (map.axes != Rotation(1)) seen = convert(seen, {.to = {seen.base().projection()}, .rotation = map.axes});
+      write_one_map(paths[k], all_rows_of(seen), {}, "write", common_);
+    }
   }
 
   [[nodiscard]] Pictures paint(Shot shot, const std::vector<Eye>& eyes) {
@@ -153,10 +165,14 @@ Pictures cast(const Options& o, const Common& common, const std::vector<int>& mi
 }
 
 void check(const Options& o) {
-  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.all || o.lookup || o.look.tinted ||
-                       std::ranges::any_of(o.mirrors, [](const std::string& m) { return m.find(':') != m.npos; });
+  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.all || o.lookup || o.look.tinted || !o.saved.empty() ||
+                       std::ranges::any_of(o.mirrors, [](const std::string& m) {
+                         return m.find(':') != m.npos && !m.ends_with(":off");
+                       });
   if (o.method == Through::rays && of_maps)
-    throw UsageError("--method raycast draws no maps: leave out --maps, --size, --lookup, --show-maps, --all and NODE:MAP");
+    throw UsageError(
+        "--method raycast draws no maps: leave out --maps, --size, --lookup, --show-maps, --save-maps, --all and NODE:MAP");
+  if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
 }
 
 int run(Options& o, const Common& common) {
@@ -167,7 +183,8 @@ int run(Options& o, const Common& common) {
     throw UsageError(o.output, "the picture must be a .png, .jpg, .exr or .hdr");
   if (o.display && is_linear_picture(frames.path(o.output, frames.first), how))
     throw UsageError(o.output, "holds radiance as it is: leave out --display");
-  const std::vector<std::string> outputs = frames.paths(o.output);
+  std::vector<std::string> outputs;
+  for (const std::string& path : frames.paths(o.output)) std::ranges::copy(files_of(path), std::back_inserter(outputs));
   check_files(outputs, {o.scene.path, o.scene.environment}, common);
   const LoadedScene loaded = load(o.scene, common);
   check_files(outputs, loaded.inputs, common);
@@ -175,9 +192,10 @@ int run(Options& o, const Common& common) {
   const Scene& scene = loaded.scene;
   const Viewpoints viewpoints(o.from, static_cast<double>(o.width) / o.height, scene, o.scene.path,
                               pose(scene, frames.time(frames.first)));
-  const std::vector<Mirror> mirrors = mirrors_of(o, scene);
+  const std::vector<Mirror> mirrors = mirrors_of(scene, o.mirrors, o.maps.value_or(Projection::paraboloid));
   std::vector<int> nodes;
   for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
+  const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
   std::optional<MapPainter> painter;
   if (o.method == Through::maps) painter.emplace(o, common, loaded, mirrors, nodes);
   if (viewpoints.is_framed()) note(common, fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
@@ -192,9 +210,14 @@ int run(Options& o, const Common& common) {
     const Stopwatch watch;
     Pictures pictures = painter ? painter->paint(shot, eyes) : cast(o, common, nodes, shot, eyes);
     seconds += watch.seconds();
-    std::vector<Colour> picture = o.anaglyph ? anaglyph(std::move(pictures[0]), pictures[1]) : std::move(pictures[0]);
-    for (Colour& c : picture) c *= static_cast<float>(std::exp2(o.exposure));
-    write_picture(frames.path(o.output, frame), o.width, picture, how);
+    if (!maps.empty()) painter->save(frames.sequence ? numbered(maps, frame) : maps);
+    if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
+    const std::vector<std::string> files = files_of(frames.path(o.output, frame));
+    if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
+    for (std::size_t k = 0; k < files.size(); ++k) {
+      for (Colour& c : pictures[k]) c *= static_cast<float>(std::exp2(o.exposure));
+      write_picture(files[k], o.width, pictures[k], how);
+    }
   }
   if (depfile) depfile->commit();
   tell_darkness(loaded, o.scene);
@@ -203,7 +226,7 @@ int run(Options& o, const Common& common) {
 }
 
 constexpr std::string_view description =
-    "Draws a scene as one of its cameras sees it, or a camera at any point; a scene without cameras is seen whole, from its "
+    "Draws a scene as one of its cameras sees it, or a camera at any point (orthographic ones as such, unless --fov says an angle); a scene without cameras is seen whole, from its "
     "front (+Z), a little to the right and from above. What reflects sharply (metallic 1, roughness 0) or transmits light "
     "is "
     "drawn through an environment map of its own, which is drawn from the middle of the node with the other mirrors' "
@@ -284,7 +307,8 @@ Command view_command() {
             ->check(CLI::Range(4, 8192));
         app.add_option("--mirror", o->mirrors,
                        "A node that is a mirror, too; with :sphere, :paraboloid or :cube behind it "
-                       "mapped so. May be given more than once")
+                       "mapped so; with :off no mirror, though its material says so: it shows the environment. May be given "
+                       "more than once")
             ->type_name("NODE")
             ->allow_extra_args(false);
         app.add_option("--bounces", o->drawing.bounces,
@@ -302,7 +326,13 @@ Command view_command() {
                    "How maps are looked up: by direction, as if all were far away; where rays meet what is at a distance; "
                    "by direction at vertices, as it used to be done (default: distance)");
         app.add_flag("--show-maps", o->look.tinted, "Tint what mirrors show by the face of the map");
-        app.add_option("--anaglyph", o->anaglyph, "Two eyes so far apart; both see the same at 30 times the distance")
+        app.add_option("--save-maps", o->saved,
+                       "Write the map of each mirror that is drawn into this folder, too: NODE.exr, of frames NODE.0001.exr, along "
+                       "the axes of the world")
+            ->type_name("FOLDER");
+        app.add_option("--anaglyph", o->anaglyph,
+                       "Two eyes so far apart; both see the same at 30 times the distance. {eye} in OUTPUT writes three files: left, "
+                       "right and both")
             ->type_name("METRES")
             ->check(CLI::Range(1e-9, 1e9));
         app.add_flag("--all", o->drawing.all, "Draw all of every map, needed or not");

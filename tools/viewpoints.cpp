@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <ranges>
 
 #include "command.h"
@@ -26,7 +27,7 @@ const Camera& camera_named(const std::string& name, const Scene& scene, const st
 
 Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Scene& scene, const std::string& path,
                        const Pose& first)
-    : look_at_(options.look_at), orbit_(options.orbit), ball_(bounds(scene, first)) {
+    : look_at_(options.look_at), scene_(scene), orbit_(options.orbit), ball_(bounds(scene, first)) {
   const auto radians = [](double degrees) { return degrees * pi / 180; };
   if (const auto point = triple_of(options.camera)) {
     still_ = framing(ball_, radians(options.fov.value_or(default_field)), aspect);
@@ -34,7 +35,7 @@ Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Sce
     if (!look_at_) look_at_ = ball_.centre;
   } else if (!options.camera.empty() || !scene.cameras.empty()) {
     camera_ = options.camera.empty() ? scene.cameras.front() : camera_named(options.camera, scene, path);
-    if (options.fov) camera_.vertical_field = radians(*options.fov);
+    if (options.fov) camera_.vertical_field = radians(*options.fov), camera_.half_height = 0;
   } else {
     still_ = framing(ball_, radians(options.fov.value_or(default_field)), aspect);
   }
@@ -43,7 +44,13 @@ Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Sce
 View Viewpoints::view(const Pose& pose, double part) const {
   View view = still_ ? *still_ : view_of(camera_, pose);
   if (look_at_) view = looking_at(view, *look_at_);
-  return carried_round(view, look_at_.value_or(ball_.centre), part * orbit_);
+  view = carried_round(view, look_at_.value_or(ball_.centre), part * orbit_);
+  if (view.half_height > 0) {
+    const Ball ball = bounds(scene_, pose);
+    const double end = glm::dot(view.at - ball.centre, view.axes[2]) + 1.001 * ball.radius;
+    view.far = std::clamp(end, 2 * view.near, std::max(view.far, 2 * view.near));
+  }
+  return view;
 }
 
 }  // namespace tools

@@ -26,11 +26,13 @@ class Viewpoints {
   // Whether the scene has no camera, and none was given.
   [[nodiscard]] bool is_framed() const { return still_ && !look_at_; }
 
+  // Of an orthographic camera the far plane is no further than it must be, so that nearness has its digits.
   // @param part of the orbit, from 0 to 1.
   [[nodiscard]] envmap::View view(const envmap::Pose& pose, double part) const;
 
  private:
   std::optional<envmap::Direction> look_at_;
+  const envmap::Scene& scene_;
   double orbit_;
   envmap::Ball ball_;
   std::optional<envmap::View> still_;  // Or the scene's camera, which may move.

@@ -29,6 +29,26 @@ TEST_F(Render, AFileAFrame) {
   EXPECT_EQ(names(), (std::vector<std::string>{"m_0009.exr", "m_0010.exr", "n_09.exr", "n_10.exr", "scene.obj"}));
 }
 
+// A map turned to +X is the map of the world, turned.
+TEST_F(Render, MapsLookWhereTheyAreToldTo) {
+  const std::vector<std::string> cast{"-q", "--method", "raycast", "--ambient", "1", "--size", "16", "--at", "0.1,0.2,0"};
+  const auto render = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "render");
+    words.insert(words.end(), cast.begin(), cast.end());
+    return words;
+  };
+  write("bright.obj", "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nf 1 2 3\nf 1 3 2\n");
+  succeeds(render({"bright.obj", "world.exr"}));
+  succeeds(render({"bright.obj", "turned.exr", "--forward", "1,0,0"}));
+  succeeds({"convert", "world.exr", "expected.exr", "--rotate=-90,0,0", "--to", "cube"});
+  EXPECT_EQ(envmap({"compare", "turned.exr", "expected.exr", "--max-error", "1e-6"}).status, 0);
+  EXPECT_EQ(envmap({"compare", "turned.exr", "world.exr", "--max-error", "1e-6"}).status, 1);
+  fails(2, render({"bright.obj", "a.exr", "--forward", "+x"}), {"--forward", "latlong"});
+  fails(2, render({"bright.obj", "a.exr", "--forward", "camera"}), {"no camera"});
+  fails(2, render({"bright.obj", "a.exr", "--forward", "Nobody"}), {"Nobody"});
+  fails(2, render({"bright.obj", "a.exr", "--epsilon", "0.1"}), {"--epsilon", "distort"});
+}
+
 TEST_F(Render, ScenesMayComeThroughAPipe) {
   const std::string line = "\"$ENVMAP\" render -q --method raycast --ambient 1 --size 8 ";
   ASSERT_EQ(shell(line + "scene.obj a.exr").status, 0);

@@ -148,6 +148,55 @@ TEST_F(View, FramesAndEyes) {
   EXPECT_EQ(names(), (std::vector<std::string>{"e.jpg", "f0000.png", "f0001.png", "scene.gltf", "t.hdr"}));
 }
 
+TEST_F(View, EachEyeHasItsFileBesideTheAnaglyph) {
+  succeeds({"view", "scene.gltf", "{eye}.exr", "-q", "--anaglyph", "0.3", "--width", "16", "--height", "12", "--samples", "1"});
+  EXPECT_EQ(names(), (std::vector<std::string>{"both.exr", "left.exr", "right.exr", "scene.gltf"}));
+  const Picture left = load(path("left.exr")), right = load(path("right.exr")), both = load(path("both.exr"));
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 16; ++x) {
+      EXPECT_EQ(both.at(x, y)[0], left.at(x, y)[0]);
+      EXPECT_EQ(both.at(x, y)[1], right.at(x, y)[1]);
+      EXPECT_EQ(both.at(x, y)[2], right.at(x, y)[2]);
+    }
+  EXPECT_NE(read("left.exr"), read("right.exr"));
+  fails(2, {"view", "scene.gltf", "{eye}.png"}, {"{eye}", "--anaglyph"});
+}
+
+// The lamp stands in direction +Z of the mirror: in the middle of the front half.
+TEST_F(View, MapsAreSavedAndMirrorsAreLeftOut) {
+  std::filesystem::create_directory(path("maps"));
+  const std::vector<std::string> small{"view", "scene.gltf", "a.exr", "-q", "--width", "16", "--height", "12", "--samples", "1"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), small.begin(), small.end());
+    return words;
+  };
+  succeeds(with({"--save-maps", "maps", "--size", "32"}));
+  EXPECT_NEAR(load(path("maps/mirror.exr")).at(16, 16)[1], 0.5, 1e-3);
+  EXPECT_NEAR(load(path("a.exr")).at(8, 6)[1], 0.5, 0.02);
+  for (const std::string method : {"maps", "raycast"}) {
+    succeeds(with({"--mirror", "mirror:off", "--method", method}));
+    EXPECT_EQ(load(path("a.exr")).at(8, 6)[1], 0) << method;
+  }
+  fails(2, with({"--mirror", "eye"}), {"eye", "no mirror"});
+  fails(2, with({"--save-maps", "nowhere"}), {"nowhere", "no folder"});
+}
+
+// Of 4 by 4 m the mirror takes 2 by 2, and the lamp of that size hangs straight before it.
+TEST_F(View, AnOrthographicCameraSeesMetres) {
+  std::string text = read("scene.gltf");
+  const std::string from = R"("type":"perspective","perspective":{"yfov":0.6,"znear":0.1})";
+  text.replace(text.find(from), from.size(), R"("type":"orthographic","orthographic":{"xmag":2,"ymag":2,"znear":0.1,"zfar":50})");
+  write("scene.gltf", text);
+  for (const std::string method : {"maps", "raycast"}) {
+    succeeds({"view", "scene.gltf", "a.exr", "-q", "--width", "16", "--height", "16", "--samples", "1", "--method", method});
+    const Picture picture = load(path("a.exr"));
+    for (int y = 0; y < 16; ++y)
+      for (int x = 0; x < 16; ++x)
+        EXPECT_NEAR(picture.at(x, y)[1], std::max(std::abs(x - 7.5), std::abs(y - 7.5)) < 4 ? 0.5 : 0, 0.02) << method << x << ',' << y;
+  }
+  fails(2, {"view", "scene.gltf", "a.png", "--anaglyph", "0.1"}, {"orthographic"});
+}
+
 TEST_F(View, WhatMakesNoSense) {
   fails(2, {"view", "scene.gltf", "a.png", "--camera", "Nobody"}, {"Nobody", "front", "X,Y,Z"});
   fails(2, {"view", "scene.gltf", "a.png", "--mirror", "Nobody"}, {"Nobody"});

@@ -81,6 +81,18 @@ TEST_P(EachGenerated, DirectionsAreTheirCode) {
         }
 }
 
+// Each face of the cube takes a sixth of the sphere: so much of it is red, and half of it holds red.
+TEST_P(EachGenerated, FacesAreSixColours) {
+  const EnvironmentMap map = generate(Faces{}, GetParam(), 96);
+  const auto m = measure(map);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(m.mean[k], 0.5, 2e-3);
+  const EnvironmentMap cube = generate(Faces{}, Projection::cube, 4);
+  const Colour colours[] = {{1, 0, 0}, {0, 1, 1}, {0, 1, 0}, {1, 0, 1}, {0, 0, 1}, {1, 1, 0}};
+  for (int face = 0; face < 6; ++face)
+    for (int j = 0; j < 4; ++j)
+      for (const Colour& c : cube.base().row(face, j)) EXPECT_EQ(c, colours[face]);
+}
+
 TEST_P(EachGenerated, CheckerIsHalfAndHalf) {
   const EnvironmentMap map =
       generate(Checker{.squares = 6, .even = Direction(1), .odd = Direction(0)}, GetParam(), 96);

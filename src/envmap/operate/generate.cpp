@@ -27,6 +27,18 @@ Rgb<double> radiance(const Checker& p, const Direction& d) {
   return (square(longitude) + square(latitude)) % 2 == 0 ? p.even : p.odd;
 }
 
+int main_axis(const Direction& d) {
+  const Direction size = glm::abs(d);
+  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+Rgb<double> radiance(const Faces&, const Direction& d) {
+  const int axis = main_axis(d);
+  Rgb<double> colour(d[axis] < 0 ? 1 : 0);
+  colour[axis] = 1 - colour[axis];
+  return colour;
+}
+
 Rgb<double> radiance(const Sky& p, const Direction& d) {
   return Rgb<double>(d.y < 0 ? p.ground : p.zenith * (1 + 2 * d.y) / 3);
 }
@@ -40,12 +52,21 @@ template <class P>
 constexpr int samples = 1;
 template <>
 constexpr int samples<Checker> = 8;
+template <>
+constexpr int samples<Faces> = 8;
 
 // How far the nearest edge of a square is, in radians.
 double to_edge(const Checker& p, const Direction& d) {
   const double longitude = portable::atan2(d.x, d.z), latitude = portable::asin(std::clamp(d.y, -1.0, 1.0)), step = pi / p.squares;
   const auto off = [&](double angle) { return std::abs(angle - step * std::round(angle / step)); };
   return std::min(off(latitude), portable::asin(portable::sin(off(longitude)) * portable::cos(latitude)));
+}
+
+// The same of a face: its edges lie in planes at 45 degrees between two axes.
+double to_edge(const Faces&, const Direction& d) {
+  const int axis = main_axis(d);
+  const double other = std::max(std::abs(d[(axis + 1) % 3]), std::abs(d[(axis + 2) % 3]));
+  return portable::asin((std::abs(d[axis]) - other) / std::numbers::sqrt2);
 }
 
 // No point of a texel is further from its centre, in radians: half its diagonal times the largest stretch of the projection.
@@ -185,6 +206,7 @@ void require(bool sensible, const char* message) {
 void check(const Constant&) {}
 void check(const Gradient&) {}
 void check(const Directions&) {}
+void check(const Faces&) {}
 void check(const Sky&) {}
 void check(const Checker& p) { require(p.squares >= 1, "the squares of a checker: at least 1"); }
 void check(const Sun& p) { require(p.radius > 0 && p.radius <= 180, "the radius of a sun: more than 0 and at most 180 degrees"); }

@@ -30,6 +30,10 @@ struct Checker {
 /// RGB = (direction + 1) / 2, world frame, of each texel's centre.
 struct Directions {};
 
+/// Each of the six faces of a cube round the viewpoint in a colour of its own: +X red, -X cyan, +Y green, -Y magenta, +Z blue,
+/// -Z yellow. Coverage by 8 x 8 samples a texel.
+struct Faces {};
+
 /// A disc of even radiance over a CIE overcast sky. Each texel holds its mean, so that the sun's flux is
 /// 2 pi (1 - cos radius) x radiance at any size.
 struct Sun {
@@ -53,7 +57,7 @@ struct Harmonic {
   double base = 1, amplitude = 0.5;
 };
 
-using Pattern = std::variant<Constant, Gradient, Checker, Directions, Sun, Sky, Harmonic>;
+using Pattern = std::variant<Constant, Gradient, Checker, Directions, Faces, Sun, Sky, Harmonic>;
 
 /// Value of the real orthonormal harmonic described at Harmonic. |order| <= degree.
 double real_harmonic(int degree, int order, const Direction& d);

@@ -89,8 +89,10 @@ gl::Texture make_rays(const Lens& lens, int height, const Vec2<double>& offset) 
   std::vector<glm::vec4> rays(ImageView<glm::vec4>::count(lens.width, height));
   const ImageView<glm::vec4> image(rays, lens.width, height);
   tbb::parallel_for(0, height, [&](int row) {
-    for (int i = 0; i < lens.width; ++i)
-      image(i, row) = glm::vec4(glm::vec3(lens.ray((i + 0.5 + offset.x) / lens.width, (row + 0.5 + offset.y) / height)), 0);
+    for (int i = 0; i < lens.width; ++i) {
+      const double u = (i + 0.5 + offset.x) / lens.width, v = (row + 0.5 + offset.y) / height;
+      image(i, row) = glm::vec4(lens.parallel ? lens.origin(u, v) : lens.ray(u, v), lens.parallel ? 1 : 0);
+    }
   });
   return uploaded(rays, lens.width, height);
 }

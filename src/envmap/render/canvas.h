@@ -43,7 +43,7 @@ struct Layers {
 /// @param offset from the centres, in texels.
 gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offset);
 
-/// The same of a picture.
+/// The same of a picture, as ray.glsl reads it.
 gl::Texture make_rays(const Lens& lens, int height, const Vec2<double>& offset);
 
 }  // namespace envmap

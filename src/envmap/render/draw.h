@@ -14,15 +14,21 @@
 
 namespace envmap {
 
-/// A picture in place of a map: what a pinhole camera sees. X of the map's frame is right, Y up, -Z ahead.
+/// A picture in place of a map: what a pinhole or an orthographic camera sees. X of the map's frame is right, Y up, -Z ahead.
 struct Lens {
   int width = 0;             ///< Pixels; the height is Viewpoint::size.
-  Vec2<double> tangents{1};  ///< Of half the angles of view, across and up.
+  Vec2<double> tangents{1};  ///< Of half the angles of view, across and up; of parallel rays half the sides in metres.
   double shift = 0;          ///< Of what is seen, to the right, in half widths: for pairs of eyes.
+  bool parallel = false;     ///< Rays run along -Z from the plane through the viewpoint; near and far are planes, too.
 
   /// Through a point of the picture, u right and v down as in a map. @return unit.
   [[nodiscard]] Direction ray(double u, double v) const {
+    if (parallel) return {0, 0, -1};
     return glm::normalize(Direction(tangents.x * (2 * u - 1 - shift), tangents.y * (1 - 2 * v), -1));
+  }
+  /// Where that ray starts, from the viewpoint.
+  [[nodiscard]] Direction origin(double u, double v) const {
+    return parallel ? Direction(tangents.x * (2 * u - 1), tangents.y * (1 - 2 * v), 0) : Direction(0);
   }
 };
 
@@ -37,6 +43,9 @@ struct Viewpoint {
   int samples = 1;                 ///< A texel. Distances and surfaces are those of the first.
   unsigned which = ~0U;            ///< Faces to draw, a bit each.
   bool cull = true;                ///< Leave out what lies beyond a face, by spheres round meshes.
+  /// Of distort and tessellate: vertices nearer to a disc's singularity (z < -1 + epsilon) are pushed away from it. 0: 0.5 of
+  /// paraboloids, 0.05 of others.
+  double epsilon = 0;
   bool show_ambient = false;       ///< Behind all surfaces, too: as mirrors show it.
   std::optional<Lens> lens;        ///< Then it is a picture of one face, and `to` is not looked at.
 };

@@ -80,7 +80,7 @@ gl::Program visibility_program(DrawMethod method, Projection image, bool holes, 
   const std::string last = method == DrawMethod::exact ? "exact.frag.glsl"
                            : plain                     ? "raster.frag.glsl"
                                                        : "distort.frag.glsl";
-  const gl::Stage seen{GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
+  const gl::Stage seen{GL_FRAGMENT_SHADER, {"instances.glsl", "ray.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
   const gl::Stage place{GL_VERTEX_SHADER, {"instances.glsl", "place.vert.glsl"}};
   // A stage that knows where directions lie in the image.
   const auto imaging = [&](GLenum kind, std::initializer_list<std::string> files) {
@@ -105,12 +105,14 @@ gl::Program shadow_program(bool holes) {
   definitions["HOLES"] = number(holes);
   return gl::make_program(
       {{GL_VERTEX_SHADER, {"instances.glsl", "light_image.glsl", "light_faces.glsl", "shadow.vert.glsl"}},
-       {GL_FRAGMENT_SHADER, {"instances.glsl", "triangle.glsl", "hole.glsl", "light_image.glsl", "light_faces.glsl", "shadow.frag.glsl"}}},
+       {GL_FRAGMENT_SHADER,
+        {"instances.glsl", "ray.glsl", "triangle.glsl", "hole.glsl", "light_image.glsl", "light_faces.glsl",
+         "shadow.frag.glsl"}}},
       definitions);
 }
 
 gl::Program background_program(Projection environment) {
-  return lighting({file_of(environment), "environment.glsl", "background.frag.glsl"}, constants(), environment);
+  return lighting({file_of(environment), "environment.glsl", "ray.glsl", "background.frag.glsl"}, constants(), environment);
 }
 
 gl::Program adding_program() {
@@ -125,7 +127,7 @@ gl::Program shading_program(const Shading& s) {
   definitions["BY_DISTANCE"] = number(s.mirror && s.lookup == MirrorLookup::distance);
   std::vector<std::string> files = files_of({s.environment, s.mirror});
   const auto add = [&](std::initializer_list<std::string> more) { files.insert(files.end(), more); };
-  add({"triangle.glsl", "environment.glsl"});
+  add({"ray.glsl", "triangle.glsl", "environment.glsl"});
   if (s.mirror)
     add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), "meet_map.glsl", "reflect_mirror.glsl"});
   else

@@ -40,9 +40,9 @@ class Tracer {
     }
   }
 
-  [[nodiscard]] Flux from_eye(const Direction& ray, int bounces) const {
-    const Ray first{Direction(0), ray, bounces, 1, true};
-    const auto hit = tree_.find(Direction(0), ray, from_.near, from_.far);
+  [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray, int bounces) const {
+    const Ray first{origin, ray, bounces, 1, true};
+    const auto hit = tree_.find(origin, ray, from_.near, from_.far);
     return hit ? leaving(*hit, first) : missing(first);
   }
 
@@ -117,8 +117,8 @@ std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, con
       Flux sum(0);
       for (int k = 0; k < from.samples; ++k) {
         const Vec2<double> offset = sample_offset(k, from.samples);
-        const Direction ray = lens.ray((i + 0.5 + offset.x) / lens.width, (row + 0.5 + offset.y) / from.size);
-        sum += tracer.from_eye(from.axes * ray, paths.bounces);
+        const double u = (i + 0.5 + offset.x) / lens.width, v = (row + 0.5 + offset.y) / from.size;
+        sum += tracer.from_eye(from.axes * lens.origin(u, v), from.axes * lens.ray(u, v), paths.bounces);
       }
       picture[static_cast<std::size_t>(row) * static_cast<std::size_t>(lens.width) + static_cast<std::size_t>(i)] =
           Colour(sum / static_cast<double>(from.samples));

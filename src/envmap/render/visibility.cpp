@@ -18,6 +18,9 @@ bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
   if (from.lens) {
     const Vec2<double> zoom = 1.0 / from.lens->tangents;
     const double shift = from.lens->shift;
+    if (from.lens->parallel)
+      return centre.z >= -radius && std::abs(centre.x) - radius <= from.lens->tangents.x &&
+             std::abs(centre.y) - radius <= from.lens->tangents.y;
     const auto beyond = [&](double slope, double x, double ahead) {
       return slope * x > ahead * centre.z + std::hypot(slope, ahead) * radius;
     };
@@ -68,6 +71,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
   // The near plane touches the near sphere from inside, at the corners.
   const double nearest = 0.98 * from.near / std::sqrt(1 + glm::dot(tangents, tangents));
   const glm::vec4 frame(1.0 / tangents.x, 1.0 / tangents.y, from.lens ? from.lens->shift : 0, nearest);
+  const bool parallel = from.lens && from.lens->parallel;
   begin_finding(into, blended);
   const std::array<float, 2> range{static_cast<float>(from.near), static_cast<float>(from.far)};
   const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
@@ -80,7 +84,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
       const Placed& placed = gpu_.placed()[k];
       if (part.blended != blended || (part.holes && !blended) != holes || part.indices == 0) continue;
       if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
-      if (glm::length(placed.ball.centre) - placed.ball.radius > from.far) continue;
+      if ((parallel ? -placed.ball.centre.z : glm::length(placed.ball.centre)) - placed.ball.radius > from.far) continue;
       if (from.cull && !in_face(from, to_face * placed.ball.centre, placed.ball.radius)) continue;
       if (program == nullptr) {
         program = &visibility(method, image, holes, blended);
@@ -89,7 +93,8 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
         gl::set(*program, "shift", shift);
         gl::set(*program, "to_face", to_face);
         gl::set(*program, "frame", frame);
-        gl::set(*program, "singularity", singularity(image));
+        gl::set(*program, "parallel", parallel ? 1 : 0);
+        gl::set(*program, "singularity", from.epsilon > 0 ? static_cast<float>(from.epsilon) : singularity(image));
         gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
         glUseProgram(*program);
       }

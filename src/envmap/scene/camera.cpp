@@ -26,6 +26,7 @@ View view_of(const Camera& camera, const Pose& pose) {
   View view{.at = Direction(world[3]),
             .axes = Rotation(world),
             .vertical_field = camera.vertical_field,
+            .half_height = camera.half_height,
             .near = camera.near,
             .far = camera.far};
   for (int k = 0; k < 3; ++k) view.axes[k] = glm::normalize(view.axes[k]);

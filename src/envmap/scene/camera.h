@@ -7,11 +7,12 @@
 
 namespace envmap {
 
-/// A pinhole camera in the world.
+/// A pinhole or an orthographic camera in the world.
 struct View {
   Direction at{0};
   Rotation axes{1};             ///< Columns: right, up, and against the line of sight.
   double vertical_field = 0.8;  ///< Whole angle in radians.
+  double half_height = 0;       ///< Camera::half_height.
   double near = 0.01, far = 1000;
 };
 

@@ -1,4 +1,3 @@
-layout(binding = UNIT_RAYS) uniform sampler2D rays;
 
 #if TESSELLATED
 flat in uint triangle;
@@ -12,7 +11,7 @@ void main() {
   if (is_done(gl_FragCoord.z)) discard;
 #endif
 #if HOLES
-  if (is_hole(triangle, texelFetch(rays, ivec2(gl_FragCoord.xy), 0).xyz)) discard;
+  if (is_hole(triangle, ray_at(ivec2(gl_FragCoord.xy)))) discard;
 #endif
   surface = uvec2(instance + 1, triangle);
 }

@@ -3,10 +3,9 @@
 flat in mat3 sides;
 flat in vec4 plane;
 flat in uint triangle;
-layout(binding = UNIT_RAYS) uniform sampler2D rays;
 
 void main() {
-  vec3 ray = texelFetch(rays, ivec2(gl_FragCoord.xy), 0).xyz;
+  vec3 ray = ray_at(ivec2(gl_FragCoord.xy)).along;
   vec3 side = ray * sides;
   if (min(side.x, min(side.y, side.z)) < 0 && max(side.x, max(side.y, side.z)) > 0) discard;
   float distance = plane.w / dot(ray, plane.xyz);
@@ -15,7 +14,7 @@ void main() {
   if (is_done(range.x / distance)) discard;
 #endif
 #if HOLES
-  if (is_hole(triangle, ray)) discard;
+  if (is_hole(triangle, Ray(vec3(0), ray))) discard;
 #endif
   gl_FragDepth = range.x / distance;
   surface = uvec2(instance + 1, triangle);

@@ -10,7 +10,7 @@ bool is_hole(uint triangle, Triangle t, vec3 weights) {
   return alpha < texelFetch(materials, 4 * material + 1).a;
 }
 
-bool is_hole(uint triangle, vec3 ray) {
-  Triangle t = triangle_of(instance, triangle);
-  return is_hole(triangle, t, inside(weights_of(t, ray)));
+bool is_hole(uint triangle, Ray ray) {
+  Triangle t = triangle_of(instance, triangle, ray.from);
+  return is_hole(triangle, t, inside(weights_of(t, ray.along)));
 }

@@ -3,7 +3,6 @@
 // (Group::textures): 1 base colour, 2 metallic and roughness, 4 emissive, 8 normal, 16 occlusion.
 layout(early_fragment_tests) in;
 layout(location = 0) out vec4 colour;  // Radiance, and 1 / distance; of blended surfaces the part that they cover.
-layout(binding = UNIT_RAYS) uniform sampler2D rays;
 layout(binding = UNIT_SURFACES) uniform usampler2D surfaces;
 uniform mat3 to_world;  // From the map.
 uniform float weight;
@@ -11,11 +10,13 @@ uniform int blended;
 uniform float spread;   // Distance of samples, in texels.
 
 // How texture coordinates change from this ray to that of a neighbour. A neighbour that misses the plane is far off.
-vec2 change(Triangle t, ivec2 at, ivec2 step, vec2 here) {
+vec2 change(Triangle t, Ray ray, ivec2 at, ivec2 step, vec2 here) {
   ivec2 size = textureSize(rays, 0), there = at + step;
-  vec3 ray = texelFetch(rays, min(there, size - 1), 0).xyz;
-  if (any(greaterThanEqual(there, size)) || ray == vec3(0)) ray = texelFetch(rays, max(at - step, 0), 0).xyz;
-  vec3 weights = weights_of(t, ray);
+  Ray next = ray_at(min(there, size - 1));
+  if (any(greaterThanEqual(there, size)) || next.along == vec3(0)) next = ray_at(max(at - step, 0));
+  vec3 weights = weights_of(t, next.along), aside = next.from - ray.from;
+  if (aside != vec3(0))
+    weights = weights_at(t, aside + (t.height - dot(t.normal, aside)) / dot(t.normal, next.along) * next.along);
   float sum = weights.x + weights.y + weights.z;
   return sum > 0 ? spread * (t.places * weights / sum - here) : vec2(1e3);
 }
@@ -46,8 +47,9 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   uvec2 seen = texelFetch(surfaces, at, 0).xy;
   int number = int(seen.x) - 1;
-  vec3 ray = texelFetch(rays, at, 0).xyz;
-  Triangle t = triangle_of(number, seen.y);
+  Ray whole = ray_at(at);
+  vec3 ray = whole.along;
+  Triangle t = triangle_of(number, seen.y, whole.from);
   vec3 volumes = weights_of(t, ray), weights = inside(volumes);
   bool hit = min(volumes.x, min(volumes.y, volumes.z)) >= 0;
   float far_off = hit ? t.height / dot(ray, t.normal) : length(mat3(t.a, t.b, t.c) * weights);
@@ -64,7 +66,7 @@ void main() {
   int material = 4 * int(x.w);
   vec4 glow = texelFetch(materials, material + 1), rest = texelFetch(materials, material + 2);
   Surface surface;
-  surface.position = to_world * (far_off * ray);
+  surface.position = to_world * (whole.from + far_off * ray);
   surface.normal = surface.smooth_normal = normalize(normal);
   surface.base_colour = texelFetch(materials, material) * colour_of(seen.y, weights);
   surface.metallic = rest.x;
@@ -78,7 +80,7 @@ void main() {
   surface.lifted = surface.position + lift(t, far_off * ray, weights, side * mat3(x.xyz, y.xyz, z.xyz));
 #if TEXTURES != 0
   vec2 place = t.places * weights;
-  vec2 along = change(t, at, ivec2(1, 0), place), down = change(t, at, ivec2(0, 1), place);
+  vec2 along = change(t, whole, at, ivec2(1, 0), place), down = change(t, whole, at, ivec2(0, 1), place);
 #endif
 #if (TEXTURES & 1) != 0
   surface.base_colour *= textureGrad(base_colours, place, along, down);
@@ -107,10 +109,11 @@ void main() {
   // The classic way: reflected directions at the corners, places in the map between them, all in the first one's face.
   place_by_vertex = vec3(0);
   reflects_only = surface.transmission == 0;
+  bool is_parallel = whole.from != vec3(0);
   float face = 0;
   for (int k = 0; k < 3; ++k) {
     vec3 corner = k == 0 ? t.a : k == 1 ? t.b : t.c, n = normalize(t.normals[k] * mat3(x.xyz, y.xyz, z.xyz));
-    vec3 place = place_of(to_mirror * reflect(normalize(to_world * corner), n));
+    vec3 place = place_of(to_mirror * reflect(normalize(to_world * (is_parallel ? ray : corner)), n));
     if (k == 0) face = place.z;
     place_by_vertex += weights[k] * place;
   }

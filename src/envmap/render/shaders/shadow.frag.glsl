@@ -6,7 +6,7 @@ uniform vec2 pixel;  // Of the image, in clip space.
 void main() {
   LightFace f = light_faces[light_face];
   uint which = uint(first_triangle + gl_PrimitiveID);
-  Triangle t = triangle_of(instance, which);
+  Triangle t = triangle_of(instance, which, vec3(0));
   vec3 n = to_light(f, normalize(t.normal));
   vec3 seen = plane_seen(f, n, dot(n, to_light(f, t.a)));
 #if HOLES

@@ -11,7 +11,7 @@ layout(binding = UNIT_NORMAL) uniform sampler2D normal_maps;
 layout(binding = UNIT_OCCLUSION) uniform sampler2D occlusions;
 
 struct Triangle {
-  vec3 a, b, c;    // In the frame of the map.
+  vec3 a, b, c;    // In the frame of the map, from where rays start.
   mat3 normals;    // Of the corners, in the frame of the mesh.
   mat3x2 places;   // Texture coordinates of the corners.
   mat3 sides;      // Opposite a, b and c: normals of the planes through the viewpoint, towards the inside.
@@ -25,7 +25,8 @@ mat3x4 to_frame_of(int number) {
   return mat3x4(texelFetch(instances, 6 * number), texelFetch(instances, 6 * number + 1), texelFetch(instances, 6 * number + 2));
 }
 
-Triangle triangle_of(int number, uint which) {
+// @param from where rays start, in the frame of the map: the origin of what is returned.
+Triangle triangle_of(int number, uint which, vec3 from) {
   Triangle t;
   int first = 3 * CORNER * int(which), second = first + CORNER, third = second + CORNER;
   vec4 a = texelFetch(corners, first), b = texelFetch(corners, second), c = texelFetch(corners, third);
@@ -33,9 +34,9 @@ Triangle triangle_of(int number, uint which) {
   mat3x4 to_frame = to_frame_of(number);
   t.places = mat3x2(a.w, na.w, b.w, nb.w, c.w, nc.w);
   t.normals = mat3(na.xyz, nb.xyz, nc.xyz);
-  t.a = vec4(a.xyz, 1) * to_frame;
-  t.b = vec4(b.xyz, 1) * to_frame;
-  t.c = vec4(c.xyz, 1) * to_frame;
+  t.a = vec4(a.xyz, 1) * to_frame - from;
+  t.b = vec4(b.xyz, 1) * to_frame - from;
+  t.c = vec4(c.xyz, 1) * to_frame - from;
   t.normal = cross(t.b - t.a, t.c - t.a);
   t.height = dot(t.normal, t.a);
   t.sides = mat3(side_of(t.b, t.c), side_of(t.c, t.a), side_of(t.a, t.b)) * (t.height < 0 ? -1.0 : 1.0);
