@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
