@@ -70,7 +70,7 @@ LoadedScene load(const SceneOptions& o, const Common& common) {
   const Scene& scene = loaded.scene;
   loaded.inputs = scene.files;
   for (const std::string& what : scene.remarks) warn(fmt::format("{}: {}", o.path, what));
-  for (const std::string& what : scene.unmodelled) warn(fmt::format("{}: {} is not drawn", o.path, what));
+  for (const std::string& what : scene.unmodelled) warn(fmt::format("{}: not drawn: {}", o.path, what));
   if (common.verbose)
     note(common, fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
                              instances(scene).size(), scene.materials.size(), scene.lights.size()));

@@ -196,14 +196,16 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
                                                                     {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
                                                                   {{"type", "directional"}}};
   file.document["cameras"] = {
-      {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}, {"aspectRatio", 1.5}}}}};
+      {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}, {"aspectRatio", 1.5}}}},
+      {{"type", "orthographic"}, {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0.5}, {"zfar", 9}}}}};
   file.document["nodes"].push_back(
       {{"name", "lit"}, {"translation", {1, 2, 3}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
   file.document["nodes"].push_back({{"name", "eye"},
                                     {"rotation", {0, std::sqrt(0.5), 0, std::sqrt(0.5)}},
                                     {"camera", 0},
                                     {"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
-  file.document["scenes"] = {{{"nodes", {0, 1, 2}}}};
+  file.document["nodes"].push_back({{"camera", 1}});
+  file.document["scenes"] = {{{"nodes", {0, 1, 2, 3}}}};
   file.write(folder / "a.glb");
   const Scene scene = read_scene(path("a.glb"));
   ASSERT_EQ(scene.lights.size(), 2U);
@@ -214,7 +216,13 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
   EXPECT_EQ(spot.inner, 0.2);
   EXPECT_EQ(spot.outer, 0.4);
   EXPECT_EQ(scene.lights[1].kind, PunctualLight::Kind::directional);
-  ASSERT_EQ(scene.cameras.size(), 1U);
+  ASSERT_EQ(scene.cameras.size(), 2U);
+  const Camera& parallel = scene.cameras[1];
+  EXPECT_EQ(parallel.name, "camera 1");  // It has no name, and neither has its node.
+  EXPECT_EQ(parallel.half_height, 2);
+  EXPECT_EQ(parallel.aspect, 1.5);
+  EXPECT_EQ(parallel.near, 0.5);
+  EXPECT_EQ(parallel.far, 9);
   const Camera& camera = scene.cameras[0];
   EXPECT_EQ(camera.name, "eye");
   EXPECT_EQ(camera.vertical_field, 0.7);

@@ -360,6 +360,7 @@ void read_camera(Reader& r, const Field& node, int index) {
   camera.near = shape["znear"].number(0.01, 0, 1e30);
   camera.far = std::max(shape["zfar"].number(1e9, 0, 1e30), camera.near);
   if (camera.name.empty()) camera.name = r.scene.nodes[index].name;
+  if (camera.name.empty()) camera.name = fmt::format("camera {}", r.scene.cameras.size());  // So that it can be asked for.
   r.scene.cameras.push_back(camera);
 }
 
