@@ -19,7 +19,7 @@ using namespace envmap;
 std::vector<Command> all_commands() {
   return {convert_command(),  mipmap_command(),  prefilter_command(), sh_command(),
           render_command(),   view_command(),    info_command(),      compare_command(), tradeoff_command(),
-          generate_command(), preview_command(), bake_command(),      manual_command(),    completion_command()};
+          generate_command(), preview_command(), bake_command(),      merge_command(),     manual_command(),    completion_command()};
 }
 
 std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run) {

@@ -50,7 +50,9 @@ struct Command {
 };
 
 Command bake_command();
+Command batch_command();
 Command convert_command();
+Command merge_command();
 Command mipmap_command();
 Command info_command();
 Command compare_command();

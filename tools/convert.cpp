@@ -10,6 +10,7 @@
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
+#include "shard.h"
 
 namespace tools {
 namespace {
@@ -27,6 +28,7 @@ struct Options {
   ConvertOptions convert;
   WriteOptions write;
   GradeOptions grade;
+  Shard shard;
 };
 
 std::string words(Filter filter, int samples) {
@@ -142,6 +144,7 @@ int run(Options& o, const Common& common) {
   if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
     throw UsageError(
         "--filter sat needs a table of all texels in memory: leave out --max-memory or choose another filter");
+  const std::string made_of = o.shard.part ? digest(source.map) : "";
   const Resampler resampler(std::move(source.map), o.convert);
   const auto& choice = resampler.choice();
   nlohmann::ordered_json report = report_of(o, resampler);
@@ -164,7 +167,9 @@ int run(Options& o, const Common& common) {
   if (const auto error = o.convert.area_error; error && *error < 1e-5 && resampler.filter().filter == Filter::area)
     note(common, fmt::format("envmap convert: --area-error {:g} takes some {:.0f} times as long as 1e-4", *error,
                              std::sqrt(1e-4 / *error)));
-  add_written(report, o.output, write_map(o.output, rows, o.write, {o.input}, "convert", common));
+  if (max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
+  const WriteOptions how = part_or_whole(o.shard, o.write, rows, made_of);
+  add_written(report, o.output, write_map(o.output, rows, how, {o.input}, "convert", common));
   report["seconds"] = watch.seconds();
   if (common.json) print_report(report);
   return 0;
@@ -250,6 +255,7 @@ Command convert_command() {
         add_format(app, o->write);
         add_file_options(app, o->write);
         add_clamp(app, o->write);
+        add_shard(app, o->shard);
         add_read_options(app, o->read);
         add_output_space(app, o->write);
         add_max_memory(app, o->read);

@@ -6,6 +6,7 @@
 #include "envmap/base/error.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
+#include "shard.h"
 
 namespace tools {
 namespace {
@@ -21,7 +22,18 @@ struct Options {
   bool keep = false;
   Weights weights = Weights::solid_angle;
   WriteOptions write;
+  Shard shard;
 };
+
+// A part of level 0: the other levels are made when it is joined with the others.
+void make_part(Options& o, const EnvironmentMap& map, const Common& common) {
+  if (common.json) throw UsageError("--json reports of all levels: leave it out with --shard");
+  if (o.keep) throw UsageError("--shard makes level 0 alone, and merge the others anew: leave out --keep");
+  o.write.facts["whole-levels"] = std::to_string(o.levels);
+  o.write.facts["whole-weights"] = weight_names[static_cast<std::size_t>(o.weights)];
+  const Rows rows = rows_of(map);
+  write_map(o.output, rows, part_or_whole(o.shard, o.write, rows, digest(map)), {o.input}, "write", common);
+}
 
 int run(Options& o, const Common& common) {
   if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: leave out --level");
@@ -35,6 +47,10 @@ int run(Options& o, const Common& common) {
   o.write.source_depth = source.depth;
   o.write.provenance = source.provenance;
   if (o.keep) o.write.facts = source.facts;
+  if (o.shard.part) {
+    make_part(o, map, common);
+    return 0;
+  }
   check_output(o.output, o.write, map.projection(), o.levels != 1 && has_next(map.base()));
   if (o.levels > 0 && map.levels.size() > static_cast<std::size_t>(o.levels))
     map.levels.erase(map.levels.begin() + o.levels, map.levels.end());
@@ -107,6 +123,7 @@ Command mipmap_command() {
             add_format(app, o->write);
             add_file_options(app, o->write);
             add_clamp(app, o->write);
+            add_shard(app, o->shard);
             add_read_options(app, o->read);
             add_output_space(app, o->write);
             add_max_memory(app, o->read);

@@ -11,7 +11,9 @@
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
 #include "envmap/maths/portable.h"
+#include "envmap/map/page.h"
 #include "envmap/prefilter/brdf_table.h"
+#include "shard.h"
 
 namespace tools {
 namespace {
@@ -28,6 +30,7 @@ struct Options {
   std::optional<Forward> forward;
   std::optional<double> exponent, roughness, scale, max_error;
   std::vector<double> exponents, roughnesses;
+  Shard shard;
 };
 
 std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
@@ -190,6 +193,18 @@ bool leave_to_prefilter(Options& o, const std::optional<Rounding>& rounding) {
   return false;
 }
 
+// Of the one map that is made, what --shard leaves to this run.
+void choose_rows(const Options& o, const std::optional<Rounding>& rounding, std::vector<Prefilter>& wanted) {
+  if (!o.shard.part) return;
+  if (wanted.size() > 1) throw UsageError("--shard: a chain is made a level at a time");
+  if (!o.table.empty()) throw UsageError("--shard: --brdf-table is made by itself");
+  if (o.max_error && (!rounding || rounding->read_back))
+    throw UsageError("--shard: --max-error needs --depth float, since what a depth rounds by is known of the whole map alone");
+  Prefilter& p = wanted.front();
+  const Grid grid = part_grid(o.write, p.to);
+  p.rows = shown_rows(grid, p.size, band_of(grid.rows * p.size, *o.shard.part));
+}
+
 int run(Options& o, const Common& common) {
   if (o.input.empty() != o.output.empty() || (o.input.empty() && o.table.empty()))
     throw UsageError("name an INPUT and an OUTPUT, or --brdf-table FILE alone");
@@ -214,7 +229,8 @@ int run(Options& o, const Common& common) {
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   const std::optional<Rounding> rounding = rounding_of(o.output, o.write);
   if (!leave_to_prefilter(o, rounding)) return 1;
-  const std::vector<Prefilter> wanted = levels_of(o);
+  std::vector<Prefilter> wanted = levels_of(o);
+  choose_rows(o, rounding, wanted);
   check_output(o.output, o.write, o.map.to, wanted.size() > 1);
 
   const PrefilterSource prepared(source.map);
@@ -240,7 +256,10 @@ int run(Options& o, const Common& common) {
   o.write.provenance = source.provenance;
   if (o.scale) o.write.provenance.white_luminance.reset();
   const auto depfile = open_depfile({o.output, o.table}, {o.input}, common, static_cast<int>(made.levels.size()));
-  add_written(told, o.output, write_one_map(o.output, all_rows_of(made), o.write, "write", common));
+  if (o.max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
+  const std::vector<Rows> rows = all_rows_of(made);
+  const WriteOptions how = part_or_whole(o.shard, o.write, rows.front(), o.shard.part ? digest(source.map) : "");
+  add_written(told, o.output, write_one_map(o.output, rows, how, "write", common));
   if (!o.table.empty()) write_brdf_table(o, common);
   if (depfile) depfile->commit();
   told["seconds"] = watch.seconds();
@@ -353,6 +372,7 @@ Command prefilter_command() {
         add_depth(app, o->write.depth);
         add_format(app, o->write);
         add_clamp(app, o->write);
+        add_shard(app, o->shard);
         add_file_options(app, o->write);
         add_read_options(app, o->read);
         add_output_space(app, o->write);

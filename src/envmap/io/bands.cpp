@@ -7,17 +7,21 @@
 namespace envmap {
 
 void for_each_band(const Page& page, const Progress& progress, const WriteBand& write_band) {
+  for_each_band(page, {0, page.height()}, progress, write_band);
+}
+
+void for_each_band(const Page& page, const RowRange& rows, const Progress& progress, const WriteBand& write_band) {
   const auto make = [&](int begin, std::vector<Colour>& band) {
-    const int end = std::min(begin + band_rows, page.height());
+    const int end = std::min(begin + band_rows, rows.end);
     band.resize(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(page.width()));
     page.gather(begin, end, band);
   };
   std::vector<Colour> band, next;
-  make(0, band);
-  for (int begin = 0; begin < page.height(); begin += band_rows) {
-    const int end = std::min(begin + band_rows, page.height());
+  make(rows.begin, band);
+  for (int begin = rows.begin; begin < rows.end; begin += band_rows) {
+    const int end = std::min(begin + band_rows, rows.end);
     tbb::task_group ahead;
-    if (end < page.height()) ahead.run([&] { make(end, next); });
+    if (end < rows.end) ahead.run([&] { make(end, next); });
     try {
       write_band(begin, end, band);
     } catch (...) {
@@ -26,7 +30,7 @@ void for_each_band(const Page& page, const Progress& progress, const WriteBand& 
     }
     ahead.wait();
     std::swap(band, next);
-    if (progress) progress(static_cast<double>(end) / page.height());
+    if (progress) progress(static_cast<double>(end - rows.begin) / (rows.end - rows.begin));
   }
 }
 

@@ -17,7 +17,9 @@ inline constexpr int band_rows = tile_size;
 
 using WriteBand = std::function<void(int begin, int end, std::vector<Colour>& band)>;
 
-/// Bands from the top; the next one is made while one is written. @param progress may be empty.
+/// Bands of these rows from the top; the next one is made while one is written. @param progress may be empty.
+void for_each_band(const Page& page, const RowRange& rows, const Progress& progress, const WriteBand& write_band);
+/// Of all rows.
 void for_each_band(const Page& page, const Progress& progress, const WriteBand& write_band);
 
 }  // namespace envmap

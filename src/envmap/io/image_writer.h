@@ -3,12 +3,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "envmap/io/image_reader.h"
 #include "envmap/io/output_file.h"
+#include "envmap/map/rows.h"
 #include "envmap/maths/vector.h"
 
 namespace envmap {
@@ -24,6 +26,7 @@ struct ImagePlan {
   Attributes attributes = {};
   Provenance provenance = {};  ///< The colours alone: texts are attributes.
   std::string compression = {};                      ///< Of EXR: zip, zip:1, piz, dwaa:45, ...; zip if empty.
+  std::optional<RowRange> rows = {};  ///< Of an EXR file of one level: these alone, its data window.
   bool latlong_envmap = false, cube_envmap = false;  ///< OpenEXR's `envmap` attribute.
 };
 

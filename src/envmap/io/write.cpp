@@ -103,6 +103,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
                  .attributes = attributes(data),
                  .provenance = data.provenance,
                  .compression = options.compression,
+                 .rows = options.rows,
                  .latlong_envmap = options.openexr_envmap && !cube,
                  .cube_envmap = options.openexr_envmap && cube};
   double done = 0, all = 0;
@@ -114,7 +115,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const double part = 1.0 * levels[k].width() * levels[k].height();
     const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
-    for_each_band(levels[k], so_far, [&](int begin, int end, std::vector<Colour>& band) {
+    for_each_band(levels[k], options.rows.value_or(RowRange{0, levels[k].height()}), so_far, [&](int begin, int end, std::vector<Colour>& band) {
       if (is_integer(depth) && options.colour.space.empty()) encode_srgb(band);
       writer.write(static_cast<int>(k), begin, end, band);
     });
@@ -257,6 +258,8 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
     throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
   if (options.border > 0 && !is_octahedral(projection))
     throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
+  if (options.rows && (ext != "exr" || layout == Layout::files || levels || options.openexr_envmap || options.border > 0))
+    throw UsageError(path, "rows of a map are written to one .exr file, without levels and borders");
   check_compression(path, ext, options.compression);
   if (out_of_working(options.colour).apply && ext == "hdr")
     throw UsageError(path, "a Radiance file holds linear values and cannot say that they are encoded: choose a linear space, or .exr");

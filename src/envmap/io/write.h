@@ -31,6 +31,8 @@ struct WriteOptions {
   std::map<std::string, std::string> pairs = {};  ///< Key/value pairs of a KTX or KTX2 file as they stand: Filament's "sh".
   CommitOptions commit = {};
   ColourOptions colour = {};     ///< Space of the values in the file; integers are sRGB where nothing is said.
+  /// Make and write these rows of the image alone: one EXR file, the rows its data window, the image its display window.
+  std::optional<RowRange> rows = {};
   Provenance provenance = {};    ///< Of the map that this one was made of; formats hold what they can.
 };
 

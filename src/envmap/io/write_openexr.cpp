@@ -60,6 +60,7 @@ void set_compression(Imf::Header& header, const std::string& wanted) {
 
 Imf::Header header_of(const ImagePlan& plan) {
   Imf::Header header(plan.levels[0].width, plan.levels[0].height);
+  if (plan.rows) header.dataWindow().min.y = plan.rows->begin, header.dataWindow().max.y = plan.rows->end - 1;
   for (const char* channel : channels)
     header.channels().insert(channel, Imf::Channel(plan.depth == Depth::half ? Imf::HALF : Imf::FLOAT));
   set_compression(header, plan.compression);

@@ -34,6 +34,16 @@ void Page::gather(int begin, int end, std::span<Colour> out) const {
   });
 }
 
+std::vector<char> shown_rows(const Grid& grid, int size, const RowRange& rows) {
+  std::vector<char> shown;
+  for (const Slot& slot : grid.slots)
+    for (int j = 0; j < size; ++j) {
+      const int y = slot.row * size + (slot.turned ? size - 1 - j : j);
+      shown.push_back(y >= rows.begin && y < rows.end ? 1 : 0);
+    }
+  return shown;
+}
+
 void scatter(std::span<const Colour> rows, int width, int begin, int end, const Grid& grid, Level& level) {
   const int h = level.height();
   for (int f = 0; f < level.faces(); ++f) {

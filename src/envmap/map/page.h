@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "envmap/map/layout.h"
 #include "envmap/map/rows.h"
@@ -22,6 +23,9 @@ struct Page {
   /// Image rows [begin, end) into `out`, `width()` texels each. Runs in parallel.
   void gather(int begin, int end, std::span<Colour> out) const;
 };
+
+/// Which rows of the faces the image rows show: `size` for each face, in face order, true or false.
+std::vector<char> shown_rows(const Grid& grid, int size, const RowRange& rows);
 
 /// The other way: image rows [begin, end), `width` texels each, into the faces.
 void scatter(std::span<const Colour> rows, int width, int begin, int end, const Grid& grid, Level& level);

@@ -22,6 +22,11 @@ struct Rows {
   [[nodiscard]] int width() const { return columns > 0 ? columns : size * aspect(projection); }
 };
 
+/// Rows of an image, from `begin` on and before `end`.
+struct RowRange {
+  int begin, end;
+};
+
 /// The rows of a level, which must outlive them.
 Rows rows_of(const Level& level, Forward forward);
 

@@ -157,17 +157,17 @@ Closeness closeness(const L& lobe) {
           .most_uneven = most_uneven(lobe)};
 }
 
-// One row of a face in all directions: many at once where points are good enough for them.
+// One row of a face in all directions. @param by_points many at once where points are good enough for them.
 template <class P, class L>
-std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Direction> directions, int face, int row) {
-  constexpr std::size_t few = 16;  // Directions for which points are not worth their making.
+std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Direction> directions, bool by_points, int face,
+                         int row) {
   const double w = source.width(), h = source.height();
   const Closeness close = closeness(lobe);
   ExactSums sums(directions);
   std::vector<std::uint32_t> every(directions.size()), left;
   std::iota(every.begin(), every.end(), 0U);
   std::optional<RowPoints> points;
-  if (directions.size() >= few) points.emplace(source, face, row);
+  if (by_points) points.emplace(source, face, row);
   ExactTexel texel;
   for (int i = 0; i < source.width(); ++i) {
     const Flux radiance(*source.texel(face, i, row));
@@ -194,10 +194,8 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
   return found;
 }
 
-}  // namespace
-
-std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
-                                  const Progress& progress) {
+std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<const Direction> directions, bool by_points,
+                             const Progress& progress) {
   constexpr std::size_t batch = 512;  // Directions at once: the sums of all rows stay small beside the source.
   std::vector<Flux> out(directions.size());
   for (std::size_t first = 0; first < directions.size(); first += batch) {
@@ -209,7 +207,7 @@ std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::sp
       const auto found = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
         const int face = (start + k) / source.height(), row = (start + k) % source.height();
         return visit_source(source.projection(), [&](auto p) {
-          return std::visit([&](const auto& l) { return row_of<decltype(p)>(source, l, some, face, row); }, lobe);
+          return std::visit([&](const auto& l) { return row_of<decltype(p)>(source, l, some, by_points, face, row); }, lobe);
         });
       });
       for (const auto& row : found)
@@ -225,6 +223,14 @@ std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::sp
   return out;
 }
 
+}  // namespace
+
+std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
+                                  const Progress& progress) {
+  constexpr std::size_t few = 16;  // Directions for which points are not worth their making.
+  return exact_sums(source, lobe, directions, directions.size() >= few, progress);
+}
+
 std::vector<Direction> directions_of(const Target& target, std::span<const Texel> texels) {
   std::vector<Direction> d(texels.size());
   for (std::size_t k = 0; k < d.size(); ++k)
@@ -235,7 +241,8 @@ std::vector<Direction> directions_of(const Target& target, std::span<const Texel
 
 void exact_texels(const Level& source, const Lobe& lobe, const Target& target, std::span<const Texel> texels,
                   Level& out, const Progress& progress) {
-  const std::vector<Flux> found = exact_prefilter(source, lobe, directions_of(target, texels), progress);
+  constexpr bool by_points = true;  // However few: what a texel comes to does not depend on the others.
+  const std::vector<Flux> found = exact_sums(source, lobe, directions_of(target, texels), by_points, progress);
   for (std::size_t k = 0; k < found.size(); ++k)
     *out.texel(texels[k].face, texels[k].i, texels[k].j) = Colour(found[k]);
 }

@@ -80,15 +80,15 @@ struct Making {
   const Target target;
   const Progress& progress;
 
-  // Texels that are below the error wanted.
-  [[nodiscard]] std::size_t known(std::span<const float> figures) const {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(figures, [&](float f) { return f <= static_cast<float>(wanted.max_error); }));
+  [[nodiscard]] bool is_wanted(const Texel& t) const {
+    return wanted.rows.empty() || wanted.rows[static_cast<std::size_t>(t.face * wanted.size + t.j)] != 0;
   }
 
+  // What is decided for the map is decided from all of it; what is then made are the rows wanted.
   void make(Prefiltered& done) const {
     Level& out = done.map.base();
-    const std::vector<Texel> all = envmap::texels_of(out);
+    std::vector<Texel> all = envmap::texels_of(out);
+    std::erase_if(all, [&](const Texel& t) { return !is_wanted(t); });
     const bool any = wanted.method == Method::automatic;
     if (wanted.method == Method::exact || wanted.max_error < finest) {
       exact_texels(source, lobe, target, all, out, progress);
@@ -98,11 +98,12 @@ struct Making {
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
     if (wanted.method == Method::spectral || (any && may_be_spectral(wanted, lobe)))
       spectral_prefilter(source, lobe, target, wanted.max_error, spectrum, out, figures, progress);
-    done.method = 2 * known(figures) > all.size() ? Method::spectral : Method::hierarchical;
-    treecode_prefilter(tree, lobe, target, wanted.max_error, out, figures, progress);
+    const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); };
+    done.method = 2 * static_cast<std::size_t>(std::ranges::count_if(all, known)) > all.size() ? Method::spectral : Method::hierarchical;
+    treecode_prefilter(tree, lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
     std::vector<Texel> left;
     for (const Texel& t : all)
-      if (!(figures[index_of(out, t)] <= static_cast<float>(wanted.max_error)))
+      if (!known(t))
         left.push_back(t);
       else
         done.error = std::max<double>(done.error, figures[index_of(out, t)]);

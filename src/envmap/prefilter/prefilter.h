@@ -37,6 +37,8 @@ struct Prefilter {
   int size = 64;  ///< Height of a face.
   Forward forward = Forward::plus_z;
   Method method = Method::automatic;
+  /// Which rows of the result to make, `size` for each face, true or false; empty: all. They come out as in the whole map.
+  std::vector<char> rows = {};
   double max_error = 1e-3;  ///< Metric `max` of compare(): of every texel.
 };
 

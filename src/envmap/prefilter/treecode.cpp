@@ -200,11 +200,13 @@ double error_figure(const Traversal& found) {
   return found.stepped + std::min(found.sum, found.largest + std::sqrt(found.power));
 }
 
-void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error, Level& out,
-                        std::span<float> figures, const Progress& progress) {
+void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error,
+                        std::span<const char> rows, Level& out, std::span<float> figures, const Progress& progress) {
   const Job job{tree, lobe, target, max_error, tile_radius(lobe), out, figures};
   for_each_row(out.faces(), (out.height() + tile_side - 1) / tile_side, progress, [&](int face, int row) {
     const int y = row * tile_side, h = std::min(tile_side, out.height() - y);
+    const auto of_tiles = [&] { return rows.subspan(static_cast<std::size_t>(face * out.height() + y), static_cast<std::size_t>(h)); };
+    if (!rows.empty() && std::ranges::count(of_tiles(), 0) == h) return;
     double limit = 0.3 * max_error;  // Of the first tile of a row, as good as any.
     for (int x = 0; x < out.width(); x += tile_side)
       fill_tile(job, face, x, y, std::min(tile_side, out.width() - x), h, limit);

@@ -30,9 +30,10 @@ double error_figure(const Traversal& found);
 
 /// Sets texels whose figure is not below max_error yet: a tile's nodes are opened until its own figure is. Texels that would
 /// take so many nodes that the exact sum is quicker are left as they are. @param out of the projection and size of the target.
+/// @param rows of the faces that are wanted, `size` for each face; empty: all. Others may be set, too.
 /// @param figures by face, row and column, infinite where a texel is not known: relative to the texel, or to 0.001 x the
 /// mean of the source if larger; set to what they are.
-void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error, Level& out,
-                        std::span<float> figures, const Progress& progress = {});
+void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error,
+                        std::span<const char> rows, Level& out, std::span<float> figures, const Progress& progress = {});
 
 }  // namespace envmap::prefiltering

@@ -1,0 +1,177 @@
+#include "envmap/io/part.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+#include "envmap/base/error.h"
+#include "envmap/io/image.h"
+#include "envmap/io/metadata.h"
+#include "envmap/map/page.h"
+
+namespace envmap {
+namespace {
+
+constexpr std::string_view whole = "whole-";
+
+// A part's header.
+struct Head {
+  std::string path;
+  PartNumber number;
+  int size;  // Of the whole: height of a face.
+  std::string job;
+  Metadata data;
+  int width, height;  // Of the part.
+};
+
+std::optional<int> number(std::string_view text) {
+  int n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  return error == std::errc() && end == text.data() + text.size() && n > 0 ? std::optional(n) : std::nullopt;
+}
+
+std::string take(Facts& facts, const std::string& name) {
+  const auto node = facts.extract(name);
+  return node ? node.mapped() : std::string();
+}
+
+void open_part(Image& image, const std::string& path) {
+  open(image, path, {});
+  if (!image.reader || image.reader->format != "openexr") image.fail("is no part of a map: parts are .exr files that say which they are");
+  image = {};
+  open(image, path, {.crop = true});
+}
+
+Head read_head(const std::string& path) {
+  Image image;
+  open_part(image, path);
+  const ImageFacts& facts = image.reader->facts;
+  Head head{.path = path, .number = {0, 0}, .size = 0, .job = {}, .data = metadata(facts), .width = facts.width, .height = facts.height};
+  Facts& words = head.data.facts;
+  const std::string part = take(words, "part");
+  if (part.empty()) image.fail("is no part of a map: parts are .exr files that say which they are");
+  const auto slash = std::min(part.find('/'), part.size() - 1);
+  const auto index = number(std::string_view(part).substr(0, slash)), count = number(std::string_view(part).substr(slash + 1)),
+             size = number(take(words, "part-size"));
+  head.job = take(words, "part-of");
+  constexpr int largest = 65536;
+  if (!index || !count || !size || *index > *count || *size > largest || !head.data.projection)
+    image.fail("says that it is a part of a map, but not of which: damaged");
+  head.number = {*index, *count}, head.size = *size;
+  return head;
+}
+
+std::string words(const Head& h) { return fmt::format("part {} of {}", h.number.index, h.number.count); }
+
+// All of one map, each once, in order. @throws InputError.
+void check(std::vector<Head>& parts) {
+  const Head& first = parts.front();
+  for (const Head& h : parts)
+    if (h.job != first.job || h.number.count != first.number.count || h.size != first.size)
+      throw InputError(h.path, fmt::format("is {} of another map or command than {}, {}", words(h), first.path, words(first)));
+  std::ranges::stable_sort(parts, {}, [](const Head& h) { return h.number.index; });
+  for (std::size_t k = 1; k < parts.size(); ++k)
+    if (parts[k].number.index == parts[k - 1].number.index)
+      throw InputError(parts[k].path, fmt::format("is {}, as {} is: name each once", words(parts[k]), parts[k - 1].path));
+  std::string missing;
+  int expected = 1;
+  for (const Head& h : parts) {
+    for (; expected < h.number.index; ++expected) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", expected);
+    expected = h.number.index + 1;
+  }
+  for (; expected <= first.number.count; ++expected) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", expected);
+  constexpr std::size_t line = 200;
+  if (missing.size() > line) missing = missing.substr(0, missing.find_last_of(',', line)) + " ...";
+  if (!missing.empty()) throw InputError(fmt::format("of {} parts these are missing: {}", first.number.count, missing));
+}
+
+void read_rows(const Head& head, const Grid& places, Level& level) {
+  Image image;
+  open_part(image, head.path);
+  const RowRange band = band_of(places.rows * level.height(), head.number);
+  if (head.width != places.columns * level.width() || head.height != band.end - band.begin)
+    image.fail(fmt::format("is {}x{}; {} of such a map is {}x{}: damaged", head.width, head.height, words(head),
+                           places.columns * level.width(), band.end - band.begin));
+  std::vector<Colour> rows(static_cast<std::size_t>(head.width) * static_cast<std::size_t>(head.height));
+  try {
+    image.reader->read(0, 0, head.height, 0, 3, std::span(&rows.data()->x, 3 * rows.size()));
+  } catch (const InputError& e) {
+    image.fail(std::string("truncated or damaged: ") + e.what());
+  }
+  scatter(rows, head.width, band.begin, band.end, places, level);
+}
+
+template <class Enum, std::size_t N>
+std::optional<Enum> named(const std::string_view (&names)[N], const std::string& wanted) {
+  const auto* const found = std::ranges::find(names, wanted);
+  return found == std::end(names) ? std::nullopt : std::optional(static_cast<Enum>(found - names));
+}
+
+// What part_options() put down.
+void restore(Facts& facts, Joined& joined) {
+  Facts& making = joined.making;
+  for (const auto& [name, text] : Facts(facts))
+    if (name.starts_with(whole)) making[name.substr(whole.size())] = take(facts, name);
+  WriteOptions& w = joined.write;
+  w.depth = named<Depth>(depth_names, take(making, "depth"));
+  w.source_depth = named<Depth>(depth_names, take(making, "source-depth")).value_or(Depth::single);
+  w.layout = layout_named(take(making, "layout"));
+  w.compression = take(making, "compression");
+  w.clamp = !take(making, "clamp").empty();
+  w.openexr_envmap = !take(making, "openexr-envmap").empty();
+  w.border = number(take(making, "border")).value_or(0);
+}
+
+}  // namespace
+
+RowRange band_of(int rows, const PartNumber& part) {
+  if (rows < part.count) throw UsageError(fmt::format("{} parts: the image has {} rows", part.count, rows));
+  const auto edge = [&](int k) { return static_cast<int>(std::int64_t{rows} * k / part.count); };
+  return {edge(part.index - 1), edge(part.index)};
+}
+
+Grid part_grid(const WriteOptions& options, Projection projection) {
+  const bool chosen = options.layout && *options.layout != Layout::files;
+  return grid(chosen ? *options.layout : default_layout(projection));
+}
+
+WriteOptions part_options(const WriteOptions& options, const Rows& rows, const PartNumber& part, const std::string& job) {
+  WriteOptions o = options;
+  o.rows = band_of(part_grid(options, rows.projection).rows * rows.size, part);
+  Facts& facts = o.facts;
+  facts["part"] = fmt::format("{}/{}", part.index, part.count);
+  facts["part-of"] = job;
+  facts["part-size"] = std::to_string(rows.size);
+  const auto put = [&](bool given, const char* name, std::string_view text) {
+    if (given) facts[std::string(whole) + name] = text;
+  };
+  put(o.depth.has_value(), "depth", o.depth ? name(*o.depth) : "");
+  put(true, "source-depth", name(o.source_depth));
+  put(o.layout.has_value(), "layout", o.layout ? name(*o.layout) : "");
+  put(!o.compression.empty(), "compression", o.compression);
+  put(o.clamp, "clamp", "yes");
+  put(o.openexr_envmap, "openexr-envmap", "yes");
+  put(o.border > 0, "border", std::to_string(o.border));
+  o.depth = Depth::single, o.compression.clear(), o.openexr_envmap = false, o.border = 0;
+  if (o.layout == Layout::files) o.layout.reset();
+  return o;
+}
+
+Joined join_parts(std::span<const std::string> paths) {
+  std::vector<Head> parts;
+  for (const std::string& path : paths) parts.push_back(read_head(path));
+  check(parts);
+  Metadata& data = parts.front().data;
+  Joined joined{.map = blank_map({*data.projection, data.forward.value_or(Forward::plus_z)}, parts.front().size)};
+  const Grid places = grid(data.layout.value_or(default_layout(*data.projection)));
+  for (const Head& head : parts) read_rows(head, places, joined.map.base());
+  restore(data.facts, joined);
+  joined.write.facts = data.facts;
+  joined.write.provenance = data.provenance;
+  if (!data.space.empty()) joined.write.facts["space"] = data.space;
+  return joined;
+}
+
+}  // namespace envmap

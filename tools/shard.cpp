@@ -1,0 +1,98 @@
+#include "shard.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <set>
+
+#include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+// Fowler, Noll and Vo's hash FNV-1a (RFC 9923), of four bytes at a time.
+constexpr std::uint64_t offset_basis = 0xcbf29ce484222325, prime = 0x100000001b3;
+
+std::uint64_t hash(std::uint64_t sum, std::uint32_t value) { return (sum ^ value) * prime; }
+
+std::uint64_t hash(std::uint64_t sum, std::string_view text) {
+  for (const char c : text) sum = hash(sum, static_cast<unsigned char>(c));
+  return hash(sum, 0U);
+}
+
+std::uint64_t hash_row(std::span<const Colour> row) {
+  std::uint64_t sum = offset_basis;
+  for (const Colour& c : row)
+    for (const float value : {c.x, c.y, c.z}) sum = hash(sum, std::bit_cast<std::uint32_t>(value));
+  return sum;
+}
+
+// Options that change no byte of the whole, or are another for each part.
+bool counts(const std::string& option) {
+  static const std::set<std::string> none{"--shard", "--threads", "--quiet",      "--verbose", "--json",
+                                          "--depfile", "--fsync",   "--if-changed", "--max-memory"};
+  return !none.contains(option);
+}
+
+std::string job(const CLI::App& app, const std::string& source) {
+  std::uint64_t sum = hash(hash(hash(offset_basis, version_text()), app.get_name()), source);
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || option->get_positional() || !counts(option->get_name())) continue;
+    sum = hash(sum, option->get_name());
+    for (const std::string& word : option->results()) sum = hash(sum, word);
+  }
+  return fmt::format("{:016x}", sum);
+}
+
+std::optional<PartNumber> part_number(const std::string& text) {
+  const auto slash = text.find('/');
+  int index = 0, count = 0;
+  if (slash == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, slash), index) ||
+      !CLI::detail::lexical_cast(text.substr(slash + 1), count))
+    return std::nullopt;
+  return index >= 1 && index <= count && count <= 65536 ? std::optional(PartNumber{index, count}) : std::nullopt;
+}
+
+}  // namespace
+
+void add_shard(CLI::App& app, Shard& shard) {
+  shard.app = &app;
+  app.add_option_function<std::string>(
+         "--shard",
+         [&shard](const std::string& text) {
+           shard.part = part_number(text);
+           if (!shard.part) throw CLI::ValidationError("--shard", fmt::format("'{}' is not I/N, with I from 1 to N", text));
+         },
+         "Make part I of N alone, a band of the output's rows: an .exr file that 'envmap merge' joins with the others to the "
+         "bytes of the whole")
+      ->type_name("I/N");
+}
+
+std::string digest(const EnvironmentMap& source) {
+  std::uint64_t sum = hash(offset_basis, name(source.projection()));
+  sum = hash(sum, static_cast<std::uint32_t>(source.forward));
+  for (const Level& level : source.levels) {
+    sum = hash(hash(sum, static_cast<std::uint32_t>(level.width())), static_cast<std::uint32_t>(level.height()));
+    const int rows = level.height();
+    for (const std::uint64_t row : map_rows<std::uint64_t>(level.faces() * rows, [&](int k) {
+           const std::uint64_t found = hash_row(level.row(k / rows, k % rows));
+           level.trim();
+           return found;
+         }))
+      sum = hash(hash(sum, static_cast<std::uint32_t>(row)), static_cast<std::uint32_t>(row >> 32));
+  }
+  return fmt::format("{:016x}", sum);
+}
+
+WriteOptions part_or_whole(const Shard& shard, const WriteOptions& whole, const Rows& rows, const std::string& source) {
+  if (!shard.part) return whole;
+  if (out_of_working(whole.colour).apply) throw UsageError("--shard: parts hold linear values: choose a linear --output-space");
+  return part_options(whole, rows, *shard.part, job(*shard.app, source));
+}
+
+}  // namespace tools
