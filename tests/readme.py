@@ -34,6 +34,10 @@ def prepare(folder):
     for command in ('envmap generate sky probe.hdr --size 64', 'envmap convert probe.hdr ball.hdr --to sphere',
                     'envmap convert probe.hdr golden.exr --to cube', 'envmap convert probe.hdr new.exr --to cube'):
         wrong += run(command, folder)
+    (folder / 'maps.txt').write_text('mipmap probes/*.hdr {stem}.ktx2 --depth half\n')
+    (folder / 'probes').mkdir()
+    for name in 'ab':
+        shutil.copy(folder / 'probe.hdr', folder / f'probes/{name}.hdr')
     scenes = folder / 'scenes'
     subprocess.run([sys.executable, source / 'samples/scenes/make.py', scenes], check=True, stdout=subprocess.DEVNULL)
     shutil.copy(scenes / 'cellar.glb', folder)

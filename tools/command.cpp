@@ -19,7 +19,7 @@ using namespace envmap;
 std::vector<Command> all_commands() {
   return {convert_command(),  mipmap_command(),  prefilter_command(), sh_command(),
           render_command(),   view_command(),    info_command(),      compare_command(), tradeoff_command(),
-          generate_command(), preview_command(), bake_command(),      merge_command(),     manual_command(),    completion_command()};
+          generate_command(), preview_command(), bake_command(),      batch_command(), merge_command(),     manual_command(),    completion_command()};
 }
 
 std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run) {
@@ -42,6 +42,7 @@ std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common&
     sub->add_option("--threads", common.threads,
                     "Threads to use; the result is the same for any number (default: all cores)")
         ->type_name("N")
+        ->envname("ENVMAP_THREADS")
         ->check(CLI::Range(1, 1024));
     sub->add_flag("-q,--quiet", common.quiet, "No notes and no progress, only errors and what changes the result");
     sub->add_flag("-v,--verbose", common.verbose, "Say what is done and how long it takes");

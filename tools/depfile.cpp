@@ -9,6 +9,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/path.h"
+#include "named_files.h"
 
 namespace tools {
 namespace {
@@ -30,18 +31,6 @@ std::string escaped(const std::string& name) {
     backslashes = c == '\\' ? backslashes + 1 : 0;
   }
   return out;
-}
-
-// The files that a name with {face} and {level} stands for.
-std::vector<std::string> files_of(const std::string& path, int levels) {
-  std::vector<std::string> all;
-  if (path.empty() || path == "-") return all;
-  for (int level = 0; level < (has_level(path) ? levels : 1); ++level)
-    for (int face = 0; face < (has_face(path) ? 6 : 1); ++face) {
-      const std::string one = level_path(path, level);
-      all.push_back(has_face(one) ? face_path(one, face) : one);
-    }
-  return all;
 }
 
 // Each once, in the order in which they come.

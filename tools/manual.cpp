@@ -122,7 +122,8 @@ std::string main_page(const std::vector<Command>& commands) {
          ".SH ENVIRONMENT\n.TP\nTMPDIR\nwhere scratch files of \\-\\-max\\-memory lie, else /var/tmp, and what goes to standard "
          "output until it is whole, else /tmp\n"
          ".TP\nENVMAP_BASELINE\nif set, only vector instructions that every x86\\-64 processor has are used: the same "
-         "bytes, slower\n" ".SH SEE ALSO\n" + also + "\n";
+         "bytes, slower\n"
+         ".TP\nENVMAP_THREADS\nhow many threads to use where \\-\\-threads does not say\n" ".SH SEE ALSO\n" + also + "\n";
 }
 
 int write_pages(const std::string& folder) {

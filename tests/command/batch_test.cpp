@@ -1,0 +1,144 @@
+// Many commands through Ninja and Make themselves: what they make, what they leave alone, what they say.
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+#include "run.h"
+
+namespace command_tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Batch : public CommandTest {
+ protected:
+  Batch() {
+    for (const char* name : {"a", "b c"}) succeeds({"generate", "sky", std::string(name) + ".hdr", "--size", "8"});
+  }
+  // Makes a file look newer than all that is made of it, without waiting for the clock.
+  void touch(const std::string& name) const {
+    for (const auto& entry : fs::recursive_directory_iterator(path("."))) {
+      const auto back = std::chrono::seconds(10);
+      if (entry.is_regular_file()) fs::last_write_time(entry.path(), fs::last_write_time(entry.path()) - back);
+    }
+    fs::last_write_time(path(name), fs::last_write_time(path(name)) + std::chrono::seconds(5));
+  }
+  [[nodiscard]] fs::file_time_type time_of(const std::string& name) const { return fs::last_write_time(path(name)); }
+};
+
+const std::string lines =
+    "# every probe, and what is made of what was made\n"
+    "envmap convert *.hdr {stem}.exr --to cube --size 6\n"
+    "mipmap '*.exr' \"chains {name}.ktx2\" --depth half\n"
+    "\n"
+    "preview *.hdr sheet.png --height 16\n";
+
+TEST_F(Batch, OfLinesMakesWhatChanged) {
+  write("maps.txt", lines);
+  succeeds({"batch", "maps.txt"});
+  succeeds({"convert", "b c.hdr", "alone.exr", "--to", "cube", "--size", "6"});
+  EXPECT_EQ(read("b c.exr"), read("alone.exr"));
+  succeeds({"mipmap", "alone.exr", "alone.ktx2", "--depth", "half"});
+  EXPECT_EQ(read("chains b c.ktx2"), read("alone.ktx2"));
+  EXPECT_FALSE(read("sheet.png").empty());
+  fs::remove(path("alone.exr"));
+  const Result again = envmap({"batch", "maps.txt"});
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(again.err, "envmap batch: nothing to do\n");
+  fs::remove(path("a.exr"));
+  const auto other = time_of("b c.exr");
+  succeeds({"batch", "maps.txt"});
+  EXPECT_TRUE(fs::exists(path("a.exr")));
+  EXPECT_EQ(time_of("b c.exr"), other);
+  // Another option is another command.
+  write("maps.txt", "convert *.hdr {stem}.exr --to cube --size 5\n");
+  succeeds({"batch", "maps.txt"});
+  succeeds({"convert", "a.hdr", "alone.exr", "--to", "cube", "--size", "5"});
+  EXPECT_EQ(read("a.exr"), read("alone.exr"));
+}
+
+TEST_F(Batch, OfJsonGoesOnAfterFailuresAndNamesEach) {
+  write("bad.hdr", "no image");
+  write("maps.json", R"([["convert", "bad.hdr", "bad $1 #.exr"], "convert 'b c.hdr' 'odd $1 #.exr' --to sphere", ["convert", "gone.hdr", "gone.exr"]])");
+  const Result r = envmap({"batch", "maps.json", "-k"});
+  EXPECT_EQ(r.status, 4);
+  EXPECT_NE(r.err.find("envmap batch: not made: bad $1 #.exr: envmap convert: bad.hdr: "), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("envmap batch: not made: gone.exr: envmap convert: gone.hdr: "), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("envmap batch: 2 of 3 jobs failed\n"), std::string::npos) << r.err;
+  EXPECT_EQ(std::ranges::count(r.err, '\n'), 3) << r.err;
+  EXPECT_TRUE(fs::exists(path("odd $1 #.exr")));
+  EXPECT_FALSE(fs::exists(path("gone.exr")));
+}
+
+TEST_F(Batch, BakesProbesForAnEngine) {
+  succeeds({"batch", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"});
+  EXPECT_TRUE(fs::exists(path("lights/a/world.py")));
+  EXPECT_TRUE(fs::exists(path("lights/b c/background.exr")));
+  EXPECT_EQ(envmap({"batch", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"}).err, "envmap batch: nothing to do\n");
+}
+
+TEST_F(Batch, WritesAMakefile) {
+  write("maps.txt", lines + "convert a.hdr 'f$1_{face}.exr' --to cube --size 4\n");
+  succeeds({"batch", "maps.txt", "--make", "maps.mk", "-q"});
+  EXPECT_FALSE(fs::exists(path("a.exr")));
+  const Result made = shell("make -s -j 2 -f maps.mk");
+  EXPECT_EQ(made.status, 0) << made.err;
+  for (const char* file : {"a.exr", "chains b c.ktx2", "sheet.png", "f$1_px.exr", "f$1_nz.exr"}) EXPECT_TRUE(fs::exists(path(file))) << file;
+  EXPECT_EQ(shell("make -q -f maps.mk").status, 0);
+  touch("b c.hdr");
+  const auto a = time_of("a.exr"), b = time_of("b c.exr");
+  EXPECT_EQ(shell("make -s -f maps.mk").status, 0);
+  EXPECT_EQ(time_of("a.exr"), a);
+  EXPECT_NE(time_of("b c.exr"), b);
+}
+
+TEST_F(Batch, JoinsShards) {
+  write("shards.txt",
+        "prefilter a.hdr p1.exr --size 8 --shard 1/3\nmerge p3.exr p1.exr p2.exr whole.exr\n"
+        "prefilter a.hdr p2.exr --size 8 --shard 2/3\nprefilter a.hdr p3.exr --size 8 --shard 3/3\n");
+  succeeds({"batch", "shards.txt", "-j", "2"});
+  succeeds({"prefilter", "a.hdr", "alone.exr", "--size", "8", "-q"});
+  EXPECT_EQ(read("whole.exr"), read("alone.exr"));
+}
+
+TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words, int status = 2) {
+    write("wrong.txt", text);
+    fails(status, {"batch", "wrong.txt"}, words);
+  };
+  refused("convert a.hdr a.exr\nconvert a.hdr b.exr --tow cube\n", {"line 2", "--tow", "--to"});
+  refused("convert a.hdr x.exr\nmipmap a.hdr x.exr\n", {"line 2", "x.exr", "line 1"});
+  refused("convert *.hdr x.exr --to cube\n", {"line 1", "one name too many"});
+  refused("convert *.jpg {stem}.exr\n", {"line 1", "*.jpg"});
+  refused("convert a.hdr {stem}.exr\n", {"line 1", "{stem}"});
+  refused("info a.hdr\n", {"line 1", "info"});
+  refused("convert a.hdr -\n", {"line 1"});
+  refused("convert 'a.hdr x.exr\n", {"line 1", "'"});
+  refused("\n# nothing\n", {"wrong.txt"}, 3);
+  refused("[1]", {"wrong.txt", "job 1"}, 3);
+  refused("[\"convert a.hdr a.exr\"", {"wrong.txt", "JSON"}, 3);
+  fails(3, {"batch", "none.txt"}, {"none.txt"});
+  fails(2, {"batch", "a.txt", "b.txt"}, {"b.txt"});
+}
+
+TEST_F(Batch, WritesAScriptForSlurmThatWaitsForWhatIsRead) {
+  write("maps.txt", "convert a.hdr a.exr --to cube\nconvert 'b c.hdr' b.exr\nmipmap a.exr a.ktx2\n");
+  succeeds({"batch", "maps.txt", "--slurm", "maps.sh", "-q"});
+  // sbatch as this test has it: runs every task of an array at once, and says what it was asked for.
+  write("sbatch",
+        "#!/bin/sh\nprintf '%s ' \"$@\" >> asked\nfor word; do case $word in --array=1-*) n=${word#--array=1-} ;; --export=ALL,*) export "
+        "\"${word#--export=ALL,}\" ;; esac; script=$word; done\nk=1; while [ $k -le $n ]; do SLURM_ARRAY_TASK_ID=$k sh \"$script\" >&2 || exit 1; "
+        "k=$((k + 1)); done\necho $((40 + n))\n");
+  const Result r = shell("chmod +x sbatch && PATH=$PWD:$PATH sh maps.sh --mem=1G");
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_EQ(r.out, "41\n");
+  EXPECT_TRUE(fs::exists(path("b.exr")));
+  EXPECT_TRUE(fs::exists(path("a.ktx2")));
+  EXPECT_EQ(read("asked"),
+            "--parsable --array=1-2 --export=ALL,ENVMAP_FIRST=0 --mem=1G maps.sh --parsable --array=1-1 --export=ALL,ENVMAP_FIRST=2 "
+            "--dependency=afterok:42 --mem=1G maps.sh ");
+}
+
+}  // namespace
+}  // namespace command_tests
