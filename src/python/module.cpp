@@ -1,0 +1,271 @@
+// The Python module: the library's public functions on numpy arrays.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+
+#include "words.h"
+
+namespace envmap_python {
+namespace {
+
+namespace py = pybind11;
+using namespace py::literals;
+using namespace envmap;
+
+using Map = std::shared_ptr<EnvironmentMap>;
+using Triple = std::array<double, 3>;
+using Array = py::array_t<float, py::array::forcecast>;
+
+Map shared(EnvironmentMap&& map) { return std::make_shared<EnvironmentMap>(std::move(map)); }
+Rgb<double> rgb(const Triple& t) { return {t[0], t[1], t[2]}; }
+Triple triple(const Rgb<double>& c) { return {c.x, c.y, c.z}; }
+
+// ---- arrays ----------------------------------------------------------------------------------------------------------
+
+// A view of a level's texels, without a copy: (height, width, 3), of several faces (faces, height, width, 3).
+py::array view(const Map& map, Level& level) {
+  const auto line = static_cast<py::ssize_t>(level.stride() * static_cast<std::ptrdiff_t>(sizeof(Colour)));
+  const Colour* const first = level.texel(0, 0, 0);
+  std::vector<py::ssize_t> shape{level.height(), level.width(), 3}, strides{line, sizeof(Colour), sizeof(float)};
+  if (level.faces() > 1) {
+    shape.insert(shape.begin(), level.faces());
+    strides.insert(strides.begin(), reinterpret_cast<const char*>(level.texel(1, 0, 0)) - reinterpret_cast<const char*>(first));
+  }
+  return py::array_t<float>(shape, strides, &first->x, py::cast(map));
+}
+
+Projection projection_of_array(const Array& a, const std::optional<std::string>& projection) {
+  const bool image = a.ndim() == 3 && a.shape(2) == 3, several = a.ndim() == 4 && a.shape(3) == 3;
+  if ((!image && !several) || a.size() == 0)
+    throw UsageError("an array is (height, width, 3), of a cube (6, N, N, 3), of a paraboloid map (2, N, N, 3)");
+  if (projection) return projection_of(*projection);
+  if (several) return a.shape(0) == 2 ? Projection::paraboloid : Projection::cube;
+  if (a.shape(1) == 2 * a.shape(0)) return Projection::latlong;
+  throw UsageError("an array that is not twice as wide as high may be of several projections", Remedy::choose_projection);
+}
+
+Level level_of_array(const Array& a, Projection p) {
+  const bool several = a.ndim() == 4;
+  const auto height = static_cast<int>(a.shape(several ? 1 : 0)), width = static_cast<int>(a.shape(several ? 2 : 1));
+  if ((several ? a.shape(0) : 1) != faces(p) || (p != Projection::latlong && width != height))
+    throw UsageError("the array's shape is not that of a " + std::string(name(p)) + " map");
+  Level level(p, height, width);
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < height; ++j)
+      for (int i = 0; i < width; ++i)
+        for (int c = 0; c < 3; ++c)
+          (*level.texel(face, i, j))[c] = several ? a.at(face, j, i, c) : a.at(j, i, c);
+  if (find_flaws(level).count() > 0) throw InputError("the array holds NaN, infinite or negative radiance");
+  return level;
+}
+
+Map map_of_array(const Array& a, const std::optional<std::string>& projection, const std::string& forward) {
+  const Projection p = projection_of_array(a, projection);
+  if (p == Projection::latlong && a.shape(1) != 2 * a.shape(0)) throw UsageError("a latlong map is twice as wide as high");
+  EnvironmentMap map{.levels = {}, .forward = Frame(p, forward_of(forward)).forward};
+  map.levels.push_back(level_of_array(a, p));
+  return shared(std::move(map));
+}
+
+py::list views(const Map& map) {
+  py::list all;
+  for (Level& level : map->levels) all.append(view(map, level));
+  return all;
+}
+
+// ---- files -----------------------------------------------------------------------------------------------------------
+
+Map read_file(const std::string& path, const std::optional<std::string>& projection, const std::optional<std::string>& layout,
+              const std::optional<std::string>& forward, int level, bool all_levels, bool repair, bool drop_channels,
+              const std::string& space, const std::string& working) {
+  ReadOptions o;
+  if (projection) o.projection = projection_of(*projection);
+  if (layout) o.layout = layout_of(*layout);
+  if (forward) o.forward = forward_of(*forward);
+  o.level = level, o.all_levels = all_levels, o.drop_channels = drop_channels;
+  o.flaws = repair ? FlawPolicy::repair : FlawPolicy::refuse;
+  o.colour.space = space, o.colour.working = working;
+  const py::gil_scoped_release others;
+  return shared(std::move(read(path, o).map));
+}
+
+void write_file(const std::string& path, const Map& map, const std::optional<std::string>& depth,
+                const std::optional<std::string>& layout, const std::string& format, const std::string& compression, bool clamp,
+                bool zstd, const Facts& facts, const py::object& progress) {
+  WriteOptions o{.format = format, .clamp = clamp, .compression = compression, .zstd = zstd, .facts = facts};
+  if (depth) o.depth = depth_of(*depth);
+  if (layout) o.layout = layout_of(*layout);
+  Reporter(progress).run([&](const Progress& p) { return write(path, all_rows_of(*map), o, p); });
+}
+
+// ---- operations ------------------------------------------------------------------------------------------------------
+
+Map convert_map(const Map& map, const std::optional<std::string>& to, std::optional<int> size,
+                const std::optional<std::string>& filter, int samples, std::optional<double> max_error, const Triple& rotate,
+                double gain, const std::optional<std::string>& forward, const py::object& progress) {
+  const Frame from = map->frame();
+  ConvertOptions o{.to = {to ? projection_of(*to) : from.projection, forward ? forward_of(*forward) : to ? Forward::plus_z : from.forward},
+                   .size = size,
+                   .samples = samples,
+                   .max_error = max_error,
+                   .rotation = rotation(rotate[0], rotate[1], rotate[2]),
+                   .gain = gain};
+  if (filter) o.filter = filter_of(*filter);
+  if (size && *size < 1) throw UsageError("a size is 1 or more");
+  if (!(gain >= 0)) throw UsageError("a gain is 0 or more");
+  return shared(Reporter(progress).run([&](const Progress& p) { return convert(*map, o, p); }));
+}
+
+Map mipmap(const Map& map, int levels, const std::string& weights) {
+  const Weights w = weights_of(weights);
+  const py::gil_scoped_release others;
+  EnvironmentMap all{.levels = {}, .forward = map->forward};
+  all.levels.push_back(map->base().clone());
+  add_levels(all.levels, w, levels);
+  return shared(std::move(all));
+}
+
+struct PrefilteredMap {
+  Map map;
+  std::string method;
+  double error;
+  std::int64_t exact;
+};
+
+PrefilteredMap prefilter_map(const Map& map, const std::string& lobe, std::optional<double> exponent, std::optional<double> roughness,
+                             const std::string& to, std::optional<int> size, const std::string& method, double max_error,
+                             std::optional<double> scale, const std::string& forward, const py::object& progress) {
+  Prefilter wanted{.shape = shape_of(lobe), .scale = scale, .to = projection_of(to), .forward = forward_of(forward), .method = method_of(method), .max_error = max_error};
+  const bool has_exponent = wanted.shape == Shape::phong || wanted.shape == Shape::blinn_phong;
+  const std::optional<double>& given = has_exponent ? exponent : roughness;
+  if (wanted.shape != Shape::diffuse && !given) throw UsageError(lobe + (has_exponent ? ": say exponent=" : ": say roughness="));
+  if ((exponent && !has_exponent) || (roughness && (has_exponent || wanted.shape == Shape::diffuse)))
+    throw UsageError(lobe + (exponent ? " has no exponent" : " has no roughness"));
+  wanted.parameter = given.value_or(0);
+  wanted.size = size.value_or(wanted.shape == Shape::diffuse ? matching_size(Projection::cube, 64, wanted.to)
+                                                             : matching_size(map->projection(), map->base().height(), wanted.to));
+  if (wanted.size < 1) throw UsageError("a size is 1 or more");
+  if (!has_forward(wanted.to)) wanted.forward = Forward::plus_z;
+  Prefiltered done = Reporter(progress).run([&](const Progress& p) { return PrefilterSource(*map).make(wanted, p); });
+  return {shared(std::move(done.map)), std::string(method_names[static_cast<std::size_t>(done.method)]), done.error, done.exact};
+}
+
+py::array_t<double> sh(const Map& map, int order, bool irradiance, const py::object& progress) {
+  if (order < 0) throw UsageError("an order is 0 or more");
+  Harmonics h = Reporter(progress).run([&](const Progress& p) { return project(*map, order, p); });
+  if (irradiance) scale_degrees(h, irradiance_factors(order));
+  py::array_t<double> out({static_cast<py::ssize_t>(h.coefficients.size()), py::ssize_t{3}});
+  for (std::size_t k = 0; k < h.coefficients.size(); ++k)
+    for (int c = 0; c < 3; ++c) out.mutable_at(static_cast<py::ssize_t>(k), c) = h.coefficients[k][c];
+  return out;
+}
+
+Difference compare_maps(const Map& a, const Map& b) {
+  const Level &x = a->base(), &y = b->base();
+  if (x.projection() != y.projection() || x.height() != y.height() || x.width() != y.width() || a->forward != b->forward)
+    throw UsageError("maps to compare have one projection, size and forward axis");
+  const py::gil_scoped_release others;
+  return compare(x, y);
+}
+
+py::array_t<double> solid_angles_of(const std::string& projection, int size) {
+  const Projection p = projection_of(projection);
+  if (size < 1) throw UsageError("a size is 1 or more");
+  const py::ssize_t width = py::ssize_t{size} * aspect(p);
+  py::array_t<double> out({py::ssize_t{size}, width});
+  for (int j = 0; j < size; ++j) solid_angles(p, size, j, {out.mutable_data(j, 0), static_cast<std::size_t>(width)});
+  return out;
+}
+
+// A parameter of a pattern, taken out of what was given.
+template <class T>
+T take(py::kwargs& given, const char* name, const T& otherwise) {
+  if (!given.contains(name)) return otherwise;
+  const T value = py::cast<T>(given[name]);
+  given.attr("pop")(name);
+  return value;
+}
+
+Rgb<double> take(py::kwargs& given, const char* name, const Rgb<double>& otherwise) { return rgb(take(given, name, triple(otherwise))); }
+
+Pattern pattern(const std::string& kind, py::kwargs& k) {
+  if (kind == "constant") return Constant{take(k, "radiance", Rgb<double>(1))};
+  if (kind == "gradient") return Gradient{take(k, "bottom", Rgb<double>(0.1)), take(k, "top", Rgb<double>(1))};
+  if (kind == "checker") return Checker{take(k, "squares", 8), take(k, "even", Rgb<double>(1)), take(k, "odd", Rgb<double>(0.1))};
+  if (kind == "directions") return Directions{};
+  if (kind == "sky") return Sky{take(k, "zenith", 1.0), take(k, "ground", 0.2)};
+  if (kind == "sh") return Harmonic{take(k, "degree", 2), take(k, "order", 0), take(k, "base", 1.0), take(k, "amplitude", 0.5)};
+  if (kind != "sun") throw UsageError("kind '" + kind + "' is none of constant, gradient, checker, directions, sun, sky, sh");
+  const Triple to = take(k, "direction", Triple{0, 0, 1});
+  const Direction d(to[0], to[1], to[2]);
+  if (!(glm::length(d) > 0)) throw UsageError("a direction has a length");
+  return Sun{glm::normalize(d), take(k, "radius", 0.2666), take(k, "radiance", Rgb<double>(1e5)), take(k, "zenith", 1.0), take(k, "ground", 0.2)};
+}
+
+Map generate_map(const std::string& kind, const std::string& to, int size, const std::string& forward, py::kwargs parameters) {
+  const Pattern wanted = pattern(kind, parameters);
+  if (parameters.size() > 0) throw UsageError(kind + " has no parameter " + py::cast<std::string>(parameters.begin()->first));
+  if (size < 1) throw UsageError("a size is 1 or more");
+  const Frame frame(projection_of(to), forward_of(forward));
+  const py::gil_scoped_release others;
+  return shared(generate(wanted, frame, size));
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_envmap, m) {
+  add_errors(m);
+  py::class_<EnvironmentMap, Map>(m, "Map", "An environment map: linear RGB radiance, float32, by face and mip level.")
+      .def(py::init(&map_of_array), "array"_a, "projection"_a = py::none(), "forward"_a = "+z",
+           "Of an array, which is copied: (height, width, 3), of a cube (6, N, N, 3), of a paraboloid map (2, N, N, 3). 2:1 is a "
+           "latlong map where nothing is said.")
+      .def_property_readonly("array", [](const Map& map) { return view(map, map->base()); },
+                             "Level 0, a view without a copy: (height, width, 3), of several faces (faces, height, width, 3). "
+                             "Cube faces are +X -X +Y -Y +Z -Z.")
+      .def_property_readonly("levels", &views, "Views of all levels, the largest first.")
+      .def_property_readonly("projection", [](const EnvironmentMap& map) { return name(map.projection()); })
+      .def_property_readonly("forward", [](const EnvironmentMap& map) { return forward_names[static_cast<std::size_t>(map.forward)]; },
+                             "World axis at the centre of latlong and angular images.")
+      .def_property_readonly("size", [](const EnvironmentMap& map) { return map.base().height(); }, "Height of a face in texels.")
+      .def("__array__", [](const Map& map, const py::args& how, const py::kwargs& more) { return py::object(view(map, map->base())).attr("__array__")(*how, **more); })
+      .def("__repr__", [](const EnvironmentMap& map) {
+        return "<envmap.Map " + std::string(name(map.projection())) + " " + std::to_string(map.base().width()) + "x" +
+               std::to_string(map.base().height()) + (map.base().faces() > 1 ? " x " + std::to_string(map.base().faces()) : "") + ">";
+      });
+  py::implicitly_convertible<py::array, EnvironmentMap>();
+  py::class_<PrefilteredMap>(m, "Prefiltered", "What prefilter() made, and how.")
+      .def_readonly("map", &PrefilteredMap::map)
+      .def_readonly("method", &PrefilteredMap::method, "exact, hierarchical or spectral: that of most texels.")
+      .def_readonly("error", &PrefilteredMap::error, "The largest figure of a texel; 0 of exact sums.")
+      .def_readonly("exact", &PrefilteredMap::exact, "Texels that were summed exactly.");
+  py::class_<Difference>(m, "Difference", "Of a map against a reference; solid-angle weighted.")
+      .def_property_readonly("flux", [](const Difference& d) { return triple(d.flux); }, "(flux a - flux b) / flux b by channel.")
+      .def_readonly("rms", &Difference::rms, "sqrt(sum w |a-b|^2 / sum w |b|^2).")
+      .def_readonly("max", &Difference::maximum, "Largest |a-b| / max(|b|, 0.001 x mean of b).");
+
+  m.def("read", &read_file, "path"_a, py::kw_only(), "projection"_a = py::none(), "layout"_a = py::none(), "forward"_a = py::none(),
+        "level"_a = 0, "all_levels"_a = false, "repair"_a = false, "drop_channels"_a = false, "space"_a = "", "working"_a = "",
+        "Reads a map; {face} in the name reads six files.");
+  m.def("write", &write_file, "path"_a, "map"_a, py::kw_only(), "depth"_a = py::none(), "layout"_a = py::none(), "format"_a = "",
+        "compression"_a = "", "clamp"_a = false, "zstd"_a = false, "facts"_a = Facts{}, "progress"_a = py::none(),
+        "Writes a map with its levels; the file appears whole or not at all.");
+  m.def("convert", &convert_map, "map"_a, "to"_a = py::none(), py::kw_only(), "size"_a = py::none(), "filter"_a = py::none(),
+        "samples"_a = 1, "max_error"_a = py::none(), "rotate"_a = Triple{0, 0, 0}, "gain"_a = 1.0, "forward"_a = py::none(),
+        "progress"_a = py::none(), "A map in another projection, size or frame.");
+  m.def("mipmap", &mipmap, "map"_a, py::kw_only(), "levels"_a = 0, "weights"_a = "solid-angle",
+        "The map with its mip levels, each the solid-angle weighted means of the one before; 0: down to one texel.");
+  m.def("prefilter", &prefilter_map, "map"_a, "lobe"_a = "diffuse", py::kw_only(), "exponent"_a = py::none(), "roughness"_a = py::none(),
+        "to"_a = "cube", "size"_a = py::none(), "method"_a = "auto", "max_error"_a = 1e-3, "scale"_a = py::none(), "forward"_a = "+z",
+        "progress"_a = py::none(), "The map that a material of that lobe reflects, every texel within max_error.");
+  m.def("sh", &sh, "map"_a, "order"_a = 2, py::kw_only(), "irradiance"_a = false, "progress"_a = py::none(),
+        "Coefficients of real spherical harmonics, an array ((order + 1)^2, 3), at l (l + 1) + m.");
+  m.def("compare", &compare_maps, "a"_a, "b"_a, "Level 0 of map a against that of the reference b.");
+  m.def("generate", &generate_map, "kind"_a, "to"_a = "latlong", "size"_a = 64, "forward"_a = "+z",
+        "An environment with a known answer: constant, gradient, checker, directions, sun, sky or sh, with its parameters.");
+  m.def("solid_angles", &solid_angles_of, "projection"_a, "size"_a, "Steradians of each texel of a face, an array (height, width).");
+}
+
+}  // namespace envmap_python

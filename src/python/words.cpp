@@ -1,0 +1,118 @@
+#include "words.h"
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+namespace envmap_python {
+namespace {
+
+namespace py = pybind11;
+using namespace envmap;
+
+// The place of a word among those that there are.
+template <class Words>
+std::size_t index_of_word(const std::string& what, const std::string& word, const Words& words) {
+  std::string all;
+  std::size_t k = 0;
+  for (const std::string_view w : words) {
+    if (w == word) return k;
+    all += (k++ == 0 ? "" : ", ") + std::string(w);
+  }
+  throw UsageError(what + " '" + word + "' is none of " + all);
+}
+
+template <class Enum, class Words>
+Enum named(const std::string& what, const std::string& word, const Words& words) {
+  return static_cast<Enum>(index_of_word(what, word, words));
+}
+
+// What would help, in the words of these functions.
+const char* advice(Remedy remedy) {
+  switch (remedy) {
+    case Remedy::choose_projection: return ": say which by projection=";
+    case Remedy::leave_out_layout:
+    case Remedy::leave_out_from_layout: return ": leave out layout=";
+    case Remedy::leave_out_face: return ": leave out {face}";
+    case Remedy::drop_channels: return ": drop_channels=True leaves them behind";
+    case Remedy::repair: return ": repair=True replaces them";
+    case Remedy::allow_pixels: return ": say max_pixels=";
+    case Remedy::choose_format: return ", or say format=";
+    case Remedy::choose_plus_z: return ": forward='+z'";
+    case Remedy::clamp_or_deepen:
+    case Remedy::clamp_or_brighten: return ": depth='float' holds them, or say clamp=True";
+    case Remedy::clamp_or_darken: return ": a floating-point format holds them, or say clamp=True";
+    case Remedy::make_levels: return ": mipmap() makes levels anew";
+    case Remedy::limit_memory:
+    case Remedy::choose_layer:
+    case Remedy::leave_out_shadows:
+    case Remedy::none: break;
+  }
+  return "";
+}
+
+}  // namespace
+
+Projection projection_of(const std::string& word) {
+  std::vector<std::string_view> words;
+  for (const Projection p : all_projections) words.emplace_back(name(p));
+  return named<Projection>("projection", word, words);
+}
+Forward forward_of(const std::string& word) { return named<Forward>("forward", word, forward_names); }
+Layout layout_of(const std::string& word) {
+  std::vector<std::string_view> words;
+  for (const Layout layout : cube_layouts) words.push_back(name(layout));
+  return cube_layouts[index_of_word("layout", word, words)];
+}
+Depth depth_of(const std::string& word) { return named<Depth>("depth", word, depth_names); }
+Filter filter_of(const std::string& word) {
+  std::vector<std::string_view> words;
+  for (const FilterInfo& f : filters()) words.push_back(f.name);
+  return named<Filter>("filter", word, words);
+}
+Shape shape_of(const std::string& word) { return named<Shape>("lobe", word, shape_names); }
+Method method_of(const std::string& word) { return named<Method>("method", word, method_names); }
+Weights weights_of(const std::string& word) {
+  constexpr std::string_view words[] = {"solid-angle", "uniform"};
+  return named<Weights>("weights", word, words);
+}
+
+void add_errors(py::module_& module) {
+  static PyObject* kinds[4];
+  static py::exception<Error> error(module, "Error", PyExc_RuntimeError);
+  const auto add = [&](ErrorCode code, const char* name, PyObject* builtin) {
+    const py::tuple bases = py::make_tuple(error, py::reinterpret_borrow<py::object>(builtin));
+    PyObject* const kind = PyErr_NewException((std::string("envmap.") + name).c_str(), bases.ptr(), nullptr);
+    module.add_object(name, py::handle(kind));
+    kinds[static_cast<std::size_t>(code)] = kind;
+  };
+  add(ErrorCode::usage, "UsageError", PyExc_ValueError);
+  add(ErrorCode::input, "InputError", PyExc_OSError);
+  add(ErrorCode::output, "OutputError", PyExc_OSError);
+  add(ErrorCode::renderer, "RendererError", PyExc_RuntimeError);
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Error& e) {
+      std::string line = e.what() + std::string(advice(e.remedy()));
+      std::replace(line.begin(), line.end(), '\n', ' ');
+      PyErr_SetString(kinds[static_cast<std::size_t>(e.code())], line.c_str());
+    }
+  });
+}
+
+Progress Reporter::callback() {
+  if (function_.is_none()) return {};
+  return [this](double part) {
+    const py::gil_scoped_acquire own;
+    if (raised_) throw Stopped{};
+    try {
+      function_(part);
+    } catch (const py::error_already_set&) {
+      raised_ = std::current_exception();
+      throw Stopped{};
+    }
+  };
+}
+
+}  // namespace envmap_python

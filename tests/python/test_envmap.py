@@ -1,0 +1,177 @@
+"""The Python module against formulae of numpy's own."""
+import threading
+
+import envmap
+import numpy as np
+import pytest
+
+
+def latlong_directions(height):
+    """Unit vectors at texel centres, +Y up, +Z in the middle."""
+    v, u = np.meshgrid((np.arange(height) + 0.5) / height, (np.arange(2 * height) + 0.5) / (2 * height), indexing='ij')
+    longitude, latitude = (0.5 - u) * 2 * np.pi, (0.5 - v) * np.pi
+    return np.stack([np.cos(latitude) * np.sin(longitude), np.sin(latitude), np.cos(latitude) * np.cos(longitude)], -1)
+
+
+def latlong_weights(height):
+    edges = np.cos(np.pi * np.arange(height + 1) / height)
+    return np.repeat(((edges[:-1] - edges[1:]) * np.pi / height)[:, None], 2 * height, 1)
+
+
+def cube_directions(size):
+    s, t = np.meshgrid((2 * np.arange(size) + 1) / size - 1, 1 - (2 * np.arange(size) + 1) / size)
+    one = np.ones_like(s)
+    faces = [(one, t, s), (-one, t, -s), (s, one, t), (s, -one, -t), (-s, t, one), (s, t, -one)]
+    d = np.stack([np.stack(f, -1) for f in faces])
+    return d / np.linalg.norm(d, axis=-1, keepdims=True)
+
+
+def noise(height, seed=1):
+    return np.random.default_rng(seed).uniform(0.1, 2, (height, 2 * height, 3)).astype(np.float32)
+
+
+def test_solid_angles_are_those_of_the_sphere():
+    np.testing.assert_allclose(envmap.solid_angles('latlong', 33), latlong_weights(33), rtol=1e-12)
+    for projection, faces in (('cube', 6), ('sphere', 1), ('paraboloid', 2), ('angular', 1), ('octahedral', 1), ('equal-area', 1)):
+        assert faces * envmap.solid_angles(projection, 20).sum() == pytest.approx(4 * np.pi, rel=1e-12)
+
+
+def test_directions_are_where_the_manual_says():
+    for projection, d in (('latlong', latlong_directions(16)), ('cube', cube_directions(12))):
+        made = envmap.generate('directions', projection, d.shape[-3])
+        np.testing.assert_allclose(made.array, (d + 1) / 2, atol=1e-6)
+
+
+def test_arrays_are_views_of_the_map():
+    made = envmap.generate('constant', 'cube', 8, radiance=(1, 2, 3))
+    assert made.array.shape == (6, 8, 8, 3) and made.array.dtype == np.float32
+    made.array[3, 2, 1] = (7, 8, 9)
+    assert np.shares_memory(made.array, made.array)
+    np.testing.assert_array_equal(np.asarray(made)[3, 2, 1], (7, 8, 9))
+    view = made.array
+    del made  # The view keeps the texels.
+    assert view[3, 2, 1, 2] == 9
+
+
+def test_arrays_in_any_layout_come_back():
+    a = noise(10)
+    for given in (a, np.asfortranarray(a), a.astype(np.float64), np.repeat(a, 2, 1)[:, ::2], a.tolist()):
+        np.testing.assert_array_equal(envmap.Map(given).array, a)
+    cube = np.random.default_rng(2).uniform(size=(6, 5, 5, 3)).astype(np.float32)
+    assert envmap.Map(cube).projection == 'cube'
+    np.testing.assert_array_equal(envmap.Map(cube).array, cube)
+
+
+def test_conversion_is_bilinear_between_centres():
+    source, height = noise(16), 16
+    made = envmap.convert(source, 'cube', size=7, filter='bilinear').array
+    d = cube_directions(7)
+    u = 0.5 - np.arctan2(d[..., 0], d[..., 2]) / (2 * np.pi)
+    v = 0.5 - np.arctan2(d[..., 1], np.hypot(d[..., 0], d[..., 2])) / np.pi
+    x, y = u * 2 * height - 0.5, v * height - 0.5
+    i, j = np.floor(x).astype(int), np.floor(y).astype(int)
+    inside = (j >= 0) & (j < height - 1)  # Not over the poles.
+    assert inside.mean() > 0.9
+    fx, fy = (x - i)[..., None], (y - j)[..., None]
+    at = lambda b, a: source[np.clip(b, 0, height - 1), a % (2 * height)]
+    wanted = (1 - fy) * ((1 - fx) * at(j, i) + fx * at(j, i + 1)) + fy * ((1 - fx) * at(j + 1, i) + fx * at(j + 1, i + 1))
+    np.testing.assert_allclose(made[inside], wanted[inside], rtol=2e-5)
+
+
+def test_diffuse_map_is_the_sum_over_all_texels():
+    source = noise(24)
+    done = envmap.prefilter(source, 'diffuse', size=4, max_error=1e-5)
+    # The cosine over a texel is not that at its centre: finer texels of the same map.
+    k = 4
+    fine, fine_d, fine_w = np.repeat(np.repeat(source, k, 0), k, 1), latlong_directions(24 * k), latlong_weights(24 * k)
+    cosine = np.maximum(0, np.einsum('fijc,hwc->fijhw', cube_directions(4), fine_d))
+    wanted = np.einsum('fijhw,hw,hwc->fijc', cosine, fine_w, fine.astype(np.float64)) / np.pi
+    np.testing.assert_allclose(done.map.array, wanted, rtol=5e-4)
+    assert done.error <= 1e-5 and done.method in ('exact', 'hierarchical', 'spectral')
+
+
+def test_harmonics_are_integrals():
+    source, k = noise(16), 8
+    d, w = latlong_directions(16 * k), latlong_weights(16 * k)
+    x, y, z = d[..., 0], d[..., 1], d[..., 2]
+    c = np.sqrt([1 / (4 * np.pi), 3 / (4 * np.pi), 15 / (4 * np.pi), 5 / (16 * np.pi), 15 / (16 * np.pi)])
+    basis = np.stack([c[0] + 0 * x, c[1] * x, c[1] * y, c[1] * z, c[2] * x * z, c[2] * x * y, c[3] * (3 * y * y - 1), c[2] * y * z,
+                      c[4] * (z * z - x * x)])
+    fine = np.repeat(np.repeat(source, k, 0), k, 1).astype(np.float64)
+    wanted = np.einsum('nhw,hw,hwc->nc', basis, w, fine)
+    np.testing.assert_allclose(envmap.sh(source), wanted, atol=2e-3)
+    factors = np.array([np.pi] + 3 * [2 * np.pi / 3] + 5 * [np.pi / 4])[:, None]
+    np.testing.assert_allclose(envmap.sh(source, irradiance=True), envmap.sh(source) * factors, rtol=1e-12)
+
+
+def test_levels_keep_the_light():
+    made = envmap.mipmap(noise(16))
+    assert [level.shape for level in made.levels] == [(16, 32, 3), (8, 16, 3), (4, 8, 3), (2, 4, 3), (1, 2, 3), (1, 1, 3)]
+    flux = [(latlong_weights(h)[..., None] * level).sum((0, 1)) for h, level in zip((16, 8, 4, 2, 1), made.levels)]
+    np.testing.assert_allclose(flux, np.repeat(flux[:1], 5, 0), rtol=1e-6)
+
+
+def test_compare_has_the_metrics_of_the_manual():
+    a, b, w = noise(12, 1), noise(12, 2), latlong_weights(12)[..., None]
+    found = envmap.compare(a, b)
+    a, b = a.astype(np.float64), b.astype(np.float64)
+    assert found.rms == pytest.approx(np.sqrt((w * (a - b) ** 2).sum() / (w * b ** 2).sum()), rel=1e-9)
+    floor = 1e-3 * (w * b).sum() / (3 * 4 * np.pi)
+    assert found.max == pytest.approx((np.abs(a - b) / np.maximum(np.abs(b), floor)).max(), rel=1e-9)
+    np.testing.assert_allclose(found.flux, (w * a).sum((0, 1)) / (w * b).sum((0, 1)) - 1, rtol=1e-8)
+
+
+def test_files_come_back(tmp_path):
+    a = noise(8)
+    for name in ('a.exr', 'a.pfm', 'a.ktx2', 'a.tif'):
+        envmap.write(str(tmp_path / name), a, facts={'lobe': 'diffuse'})
+        np.testing.assert_array_equal(envmap.read(str(tmp_path / name)).array, a)
+    envmap.write(str(tmp_path / 'c_{face}.exr'), envmap.convert(a, 'cube'), depth='half')
+    assert envmap.read(str(tmp_path / 'c_{face}.exr')).array.dtype == np.float32
+
+
+def test_errors_are_one_line(tmp_path):
+    with pytest.raises(envmap.InputError, match='none.hdr') as found:
+        envmap.read(str(tmp_path / 'none.hdr'))
+    assert isinstance(found.value, OSError) and isinstance(found.value, envmap.Error) and '\n' not in str(found.value)
+    with pytest.raises(envmap.UsageError, match='cubes.* none of latlong, cube'):
+        envmap.convert(noise(4), 'cubes')
+    with pytest.raises(ValueError, match='projection='):
+        envmap.Map(np.ones((4, 4, 3)))
+    with pytest.raises(envmap.InputError, match='NaN'):
+        envmap.Map(np.full((4, 8, 3), np.nan))
+    with pytest.raises(envmap.OutputError, match='65504.*clamp=True'):
+        envmap.write(str(tmp_path / 'a.exr'), np.full((4, 8, 3), 1e6), depth='half')
+    with pytest.raises(envmap.UsageError, match='roughness='):
+        envmap.prefilter(noise(4), 'ggx')
+    with pytest.raises(envmap.UsageError, match='no parameter radius'):
+        envmap.generate('sky', radius=3)
+
+
+def test_progress_is_told_and_ends_the_work():
+    told = []
+    envmap.prefilter(noise(16), 'phong', exponent=20, size=16, progress=told.append)
+    assert told and 0 <= min(told) and max(told) <= 1
+
+    def stop(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        envmap.convert(noise(32), 'cube', size=64, filter='area', progress=stop)
+
+
+def test_other_threads_run_meanwhile():
+    steps, done = [0], threading.Event()
+
+    def count():
+        while not done.is_set():
+            steps[0] += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    before = steps[0]
+    envmap.prefilter(noise(32), 'diffuse', size=6, method='exact')
+    counted = steps[0] - before
+    done.set()
+    thread.join()
+    assert counted > 100
