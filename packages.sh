@@ -13,7 +13,7 @@ set -eu
 # fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
 packages='
   g++ cmake ninja-build pkg-config
-  libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libzstd-dev
+  libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libpng-dev libzstd-dev
   nlohmann-json3-dev
   libdraco-dev libembree-dev libosmesa6-dev libegl-dev python3-glad
   libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 python3-dev pybind11-dev python3-numpy python3-pytest zstd mandoc fonts-dejavu-core zsh fish

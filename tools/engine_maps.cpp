@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
+#include "engine_harmonics.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/convert.h"
-#include "envmap/prefilter/harmonics.h"
-#include "envmap/prefilter/window.h"
 
 namespace tools {
 namespace {
@@ -59,7 +57,8 @@ MadeMap MapMaker::chain(const EngineMap& wanted) {
     made.levels.levels.push_back(std::move(prepared().make(lobe, progress).map.base()));
   }
   made.rows = all_rows_of(made.levels);
-  if (chain.harmonics) made.pairs["sh"] = filament_harmonics(source_, common_);
+  if (chain.irradiance != IrradianceForm::none)
+    made.pairs.insert(harmonics_pair(chain.irradiance, irradiance_polynomial(source_, progress_line(common_, "bake harmonics"))));
   return made;
 }
 
@@ -81,25 +80,6 @@ MadeMap MapMaker::make(const EngineMap& wanted) {
 const PrefilterSource& MapMaker::prepared() {
   if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
   return *prepared_;
-}
-
-std::string filament_harmonics(const EnvironmentMap& source, const Common& common) {
-  Harmonics h = project(source, 2, progress_line(common, "bake harmonics"));
-  scale_degrees(h, laplacian_window(2, weakest_window(h).lambda));
-  std::vector<double> factors = irradiance_factors(2);
-  for (double& f : factors) f /= pi;
-  scale_degrees(h, factors);
-  // Normalisations of harmonics.h. Their polar axis is Y, Filament's Z: with x^2 + y^2 + z^2 = 1,
-  // a (3y^2 - 1) + b (z^2 - x^2) = (b - a)/2 (3z^2 - 1) - (3a + b)/2 (x^2 - y^2).
-  std::array<Flux, 9> c;
-  for (std::size_t k = 0; k < 9; ++k) c[k] = h.coefficients[k];
-  constexpr double n0 = 0.28209479177387814, n1 = 0.4886025119029199, n2 = 1.0925484305920792, n20 = 0.31539156525252005;
-  const Flux a = n20 * c[6], b = 0.5 * n2 * c[8];
-  const Flux out[] = {n0 * c[0],  n1 * c[2], n1 * c[3], n1 * c[1], n2 * c[5], n2 * c[7], 0.5 * (b - a), n2 * c[4],
-                      -0.5 * (3.0 * a + b)};
-  std::string text;
-  for (const Flux& f : out) text += fmt::format("{:.9g} {:.9g} {:.9g}\n", f.x, f.y, f.z);
-  return text;
 }
 
 }  // namespace tools

@@ -43,8 +43,4 @@ class MapMaker {
   std::unique_ptr<envmap::PrefilterSource> prepared_;
 };
 
-/// Filament's spherical harmonics: irradiance over pi of a surface that faces (x, y, z), as colours before 1, y, z, x, xy, yz,
-/// 3z^2 - 1, zx and x^2 - y^2; 27 numbers. Windowed as `envmap sh --window auto` does where it would fall below 0.
-std::string filament_harmonics(const envmap::EnvironmentMap& source, const Common& common);
-
 }  // namespace tools

@@ -76,6 +76,7 @@ def DomeLight "Probe"
 // bevy: compute_cubemap_sample_dir and radiance_level in crates/bevy_pbr/src/light_probe/environment_map.wgsl (commit 00ab817cdfa1: z
 //   negated; roughness x the last level; the diffuse map times the colour, without pi), crates/bevy_core_pipeline/src/skybox/skybox.wgsl
 //   (z negated), crates/bevy_image/src/ktx2.rs: E5B9G9R9 is Rgb9e5Ufloat.
+// babylon-env, gltf: src/envmap/io/babylon_env.h, gltf_light.h; engine_harmonics.cpp.
 // blender: node_tex_environment_equirectangular in source/blender/gpu/shaders/material/gpu_shader_material_tex_environment.glsl,
 //   u = 0.5 - atan2(y, x) / 2 pi, v up = 0.5 + atan2(z, hypot(x, y)) / pi, and Cycles' intern/cycles/kernel/camera/projection.h.
 // filament: perceptualRoughnessToLod in shaders/src/light_indirect.fs, computeIrradianceSH3Bands in libs/ibl/src/CubemapSH.cpp,
@@ -113,6 +114,15 @@ const Engine table[] = {
      "sky.gammaSpace = false;\n"
      "scene.createDefaultSkybox(sky, true, 1000, 0, false);\n"
      "In a scene with useRightHandedSystem turn both half round Y (CubeTexture.rotationY = Math.PI)."},
+    {"babylon-env", "Babylon.js (.env)", "9.34, run: tests/engines",
+     {{"environment.env", Projection::cube, Depth::rgbd, Mirror::none, Chain{256, 0, babylon_roughness, IrradianceForm::babylon}}}, 0,
+     "mirrored for its left-handed world, as all .env files are: +X, +Y and +Z of the probe are -X, +Y and +Z, where imported glTF "
+     "files have them",
+     "environment.env has levels down to one texel for its shader (lodGenerationScale 0.8), and the irradiance as a polynomial of "
+     "degree 2; windowed where it would fall below 0. Bytes: values up to 255, rounded by up to 0.6% above 1 and more below",
+     {},
+     "scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData('FOLDER/environment.env', scene);\n"
+     "scene.createDefaultSkybox(scene.environmentTexture, true, 1000, 0, false);"},
     {"bevy", "Bevy", "0.19, shaders of commit 00ab817cdfa1, read; not run",
      {{"skybox.ktx2", Projection::cube, Depth::rgb9e5, Mirror::z},
       {"specular.ktx2", Projection::cube, Depth::rgb9e5, Mirror::z, Chain{256, 5, even_roughness}},
@@ -134,7 +144,7 @@ const Engine table[] = {
      "Run world.py in the text editor of Blender, or: blender SCENE.blend --python world.py"},
     {"filament", "Filament", "1.53.4 (npm), run: tests/engines",
      {{"sky.ktx", Projection::cube, Depth::half},
-      {"ibl.ktx", Projection::cube, Depth::half, Mirror::none, Chain{256, 5, filament_roughness, true}}}, 0,
+      {"ibl.ktx", Projection::cube, Depth::half, Mirror::none, Chain{256, 5, filament_roughness, IrradianceForm::filament}}}, 0,
      "+X, +Y and +Z of the probe are +X, +Y and +Z",
      "ibl.ktx has 5 levels, roughness 1 - sqrt(1 - k/4) in level k, and under the key 'sh' the irradiance over pi of a surface "
      "that faces (x, y, z), as 9 colours before 1, y, z, x, xy, yz, 3z^2 - 1, zx, x^2 - y^2; windowed where it would fall below 0",
@@ -144,6 +154,16 @@ const Engine table[] = {
      "scene.setSkybox(engine.createSkyFromKtx1('FOLDER/sky.ktx'));\n"
      "JavaScript's createIblFromKtx1 leaves the harmonics in light.shfloats: give them to IndirectLight.Builder().irradianceSh(3, ...).\n"
      "light.setIntensity(1 / EXPOSURE) shows radiance 1 as 1, as the sky does: EXPOSURE as of camera.setExposureDirect()."},
+    {"gltf", "glTF EXT_lights_image_based", "its README of commit 01b16a09b944; run in Babylon.js 9.28: tests/engines",
+     {{"light.glb", Projection::cube, Depth::rgbd, Mirror::none, Chain{256, 5, even_roughness, IrradianceForm::gltf}}}, 0,
+     "+X, +Y and +Z of the probe are +X, +Y and +Z of the glTF scene",
+     "light.glb has 5 levels, roughness k/4 in level k (the extension's; Babylon.js' shader looks elsewhere for it), and irradiance as "
+     "spherical harmonics of degree 2; windowed where they would fall below 0. Bytes: values up to 255, rounded by up to 0.6% above 1 "
+     "and more below",
+     {},
+     "light.glb holds the light in an empty scene: load it beside the model, or move extensions, images and bufferViews into its file.\n"
+     "Babylon.js: await BABYLON.SceneLoader.AppendAsync('FOLDER/', 'light.glb', scene);\n"
+     "scene.environmentTexture.gammaSpace = false; (its loader leaves it true, and levels would be decoded twice)"},
     {"godot", "Godot", "4, commit 0095d7d0c0c9, read; not run",
      {{background_exr, {Projection::latlong, Forward::plus_z}}}, 0,
      "+X, +Y and +Z of the probe are +X, +Y and +Z; +Z lies at the centre of the image",

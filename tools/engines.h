@@ -16,13 +16,17 @@ struct TextFile {
   std::string_view name, text;
 };
 
+/// How the irradiance stands in the file beside the levels: Filament's pair `sh`, the polynomial of Babylon.js' .env, the
+/// coefficients of EXT_lights_image_based. engine_harmonics.h writes them.
+enum class IrradianceForm { none, filament, babylon, gltf };
+
 /// Levels of the environment as surfaces of rising roughness reflect it (GGX's split sum), for a shader that picks one.
 struct Chain {
   int size;    ///< Height of a face of the first level, unless another is asked for.
   int levels;  ///< 0: down to one texel a face.
   /// Perceptual roughness that the engine's shader looks for in level k of n; 0 is the environment itself.
   double (*roughness)(int k, int n, int size);
-  bool harmonics = false;  ///< Filament's pair `sh` in the file: engine_maps.h.
+  IrradianceForm irradiance = IrradianceForm::none;
 };
 
 /// For cubes that are looked up in a left-handed frame: -X where the probe has +X, or -Z where it has +Z.

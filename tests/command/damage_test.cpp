@@ -171,7 +171,7 @@ TEST_F(CommandTest, TextureHeadersThatPromiseTooMuchAreRefused) {
 INSTANTIATE_TEST_SUITE_P(Formats, DamagedTexture,
                          ::testing::Values(Kind{"ktx2", "map.ktx2"},
                                            Kind{"ktx2_zstd", "map.ktx2", TypeDesc::FLOAT, "--zstd"},
-                                           Kind{"ktx", "map.ktx"}, Kind{"dds", "map.dds"}),
+                                           Kind{"ktx", "map.ktx"}, Kind{"dds", "map.dds"}, Kind{"env", "map.env"}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 constexpr Kind kinds[] = {{"exr_half_zip", "map.exr", TypeDesc::HALF, "zip"},

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "picture.h"
 #include "run.h"
@@ -105,6 +106,39 @@ TEST_F(Texture, IsFaultedByTheCheckWhereverAByteIsWrong) {
     write("bad.ktx2", bad);
     EXPECT_EQ(check("bad.ktx2").status, 1) << "byte " << at;
   }
+}
+
+// The header as Babylon.js' GetEnvInfo reads it; the faces' orientation is looked at in tests/engines.
+TEST_F(Texture, OfBabylonHasItsHeaderAndAllLevels) {
+  succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "16"});
+  succeeds({"mipmap", "in.exr", "map.env"});
+  const std::string file = read("map.env");
+  ASSERT_EQ(file.substr(0, 8), "\x86\x16\x87\x96\xf6\xd6\x96\x36");
+  const std::size_t start = file.find('\0');
+  const auto header = nlohmann::json::parse(file.substr(8, start - 8));
+  EXPECT_EQ(header["version"], 2);
+  EXPECT_EQ(header["width"], 16);
+  EXPECT_EQ(header["specular"]["lodGenerationScale"], 0.8);
+  const auto& images = header["specular"]["mipmaps"];
+  ASSERT_EQ(images.size(), 6 * 5U);
+  for (const auto& image : images)
+    EXPECT_EQ(file.substr(start + 1 + image["position"].get<std::size_t>(), 4), "\x89PNG");
+  EXPECT_EQ(start + 1 + images.back()["position"].get<std::size_t>() + images.back()["length"].get<std::size_t>(), file.size());
+  // Back: RGBD's rounding, at the least values of 0.02.
+  succeeds({"convert", "map.env", "back.exr", "--level", "0", "--filter", "nearest"});
+  succeeds({"compare", "back.exr", "in.exr", "--max-error", "0.03"});
+  fails(4, {"convert", "in.exr", "one.env"}, {"one.env", "all levels"});
+  fails(2, {"convert", "in.exr", "one.env", "--to", "latlong"}, {".env"});
+  fails(4, {"mipmap", "in.exr", "light.glb"}, {"light.glb", "irradiance"});
+  succeeds({"generate", "constant", "bright.exr", "--to", "cube", "--size", "2", "--value", "300"});
+  fails(4, {"mipmap", "bright.exr", "bright.env"}, {"255", "--clamp"});
+  // What is not PNG, and glTF without a light.
+  std::string webp = file;
+  webp.replace(webp.find("image/png"), 9, "image/xyz");
+  write("webp.env", webp);
+  fails(3, {"info", "webp.env"}, {"image/xyz"});
+  write("scene.glb", std::string("glTF\2\0\0\0\x18\0\0\0\4\0\0\0JSON{}  ", 24));
+  fails(3, {"info", "scene.glb"}, {"EXT_lights_image_based"});
 }
 
 TEST_F(Texture, OfDdsHasTheHeaderThatDirectXDemands) {

@@ -10,34 +10,16 @@ set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
 envmap=$(realpath "${ENVMAP:-$here/../../build/ci/envmap}")
-for tool in node npm chromium; do
-  command -v $tool >/dev/null || { echo "tests/engines: skipped, no $tool here"; exit 0; }
-done
-if [ -n "${ENGINES_FOLDER:-}" ]; then
-  folder=$ENGINES_FOLDER
-  mkdir -p "$folder"
-else
-  folder=$(mktemp -d)
-  trap 'rm -rf "$folder"' EXIT
-fi
-cp "$here/package.json" "$folder"
-if [ ! -d "$folder/node_modules" ] && ! npm --prefix "$folder" install --silent --no-audit --no-fund; then
-  echo "tests/engines: skipped, npm cannot install the engines"
-  exit 0
-fi
+. "$here/install.sh"
 
 # The probes: what stands in each direction, white, and one small sun towards (1, 2, 3) / sqrt(14).
-rm -rf "$folder/probes"
-mkdir "$folder/probes"
-"$envmap" generate directions "$folder/probes/directions.exr" --to cube --size 256
-"$envmap" generate constant "$folder/probes/white.exr" --to cube --size 64 --value 1
-"$envmap" generate sun "$folder/probes/sun.exr" --to cube --size 256 --direction 1,2,3 --radius 1 --value 1000 --zenith 0 --ground 0
-[ $# -gt 0 ] || set -- babylon filament playcanvas three
+"$envmap" generate directions "probes/directions.exr" --to cube --size 256
+"$envmap" generate constant "probes/white.exr" --to cube --size 256 --value 1
+"$envmap" generate sun "probes/sun.exr" --to cube --size 256 --direction 1,2,3 --radius 1 --value 200 --zenith 0 --ground 0
+[ $# -gt 0 ] || set -- babylon babylon-env filament gltf playcanvas three
 for engine; do
   for probe in directions white sun; do
-    "$envmap" bake "$folder/probes/$probe.exr" "$folder/probes/$engine-$probe" --for "$engine" -q
+    "$envmap" bake "probes/$probe.exr" "probes/$engine-$probe" --for "$engine" -q
   done
 done
-cp "$here"/*.mjs "$here"/*.html "$folder"
-cd "$folder"
 node run.mjs "$("$envmap" --version | head -n 1)" "$here/results.json" "$@"

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "envmap/io/babylon_env.h"
+#include "envmap/io/gltf_light.h"
 #include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/radiance.h"
@@ -13,11 +15,11 @@ namespace envmap {
 namespace {
 
 using Extension = std::string_view;
-constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = {"ktx2"}, ktx1[] = {"ktx"}, dds[] = {"dds"},
+constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = {"ktx2"}, ktx1[] = {"ktx"}, dds[] = {"dds"}, env[] = {"env"}, glb[] = {"glb"},
                     tiff[] = {"tif", "tiff"}, png[] = {"png"}, ppm[] = {"ppm"}, jpeg[] = {"jpg", "jpeg"}, targa[] = {"tga"},
                     bmp[] = {"bmp"}, webp[] = {"webp"};
 constexpr Depth linear[] = {Depth::half, Depth::single}, floats[] = {Depth::single},
-                texture[] = {Depth::half, Depth::single, Depth::rgb9e5, Depth::bc6h}, bytes[] = {Depth::uint8},
+                texture[] = {Depth::half, Depth::single, Depth::rgb9e5, Depth::bc6h}, bytes[] = {Depth::uint8}, rgbd[] = {Depth::rgbd},
                 integers[] = {Depth::uint8, Depth::uint16}, all_of_tiff[] = {Depth::uint8, Depth::uint16, Depth::single};
 
 constexpr double any_float = std::numeric_limits<float>::max();
@@ -33,6 +35,8 @@ constexpr FileFormat table[] = {
     {"ktx2", "KTX2", ktx2, texture, [](Head h) { return h.starts_with(ktx2_mark); }, any_float, true, true},
     {"ktx", "KTX", ktx1, texture, [](Head h) { return h.starts_with(ktx1_mark); }, any_float, true, true},
     {"dds", "DDS", dds, texture, [](Head h) { return h.starts_with("DDS "); }, any_float, true, true},
+    {"env", "Babylon.js .env", env, rgbd, [](Head h) { return h.starts_with(env_mark); }, any_float, true, true, true},
+    {"glb", "glTF light", glb, rgbd, is_glb, any_float, true, true, true},
     {"tiff", "TIFF", tiff, all_of_tiff, [](Head h) { return h.starts_with("II") || h.starts_with("MM"); }},
     {"png", "PNG", png, integers, [](Head h) { return h.starts_with("\x89PNG"); }},
     {"pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }},

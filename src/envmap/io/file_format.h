@@ -22,6 +22,7 @@ struct FileFormat {
   double largest = std::numeric_limits<float>::max();  ///< Of its floats.
   bool levels = false;                                 ///< All levels of a map go into one file.
   bool texture = false;  ///< Holds the faces of a cube as such, not side by side in one image.
+  bool cubes_alone = false;  ///< Of such a format: it holds nothing else.
 
   [[nodiscard]] bool is_written() const { return !depths.empty(); }
 };

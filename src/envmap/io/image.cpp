@@ -6,10 +6,12 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
+#include "envmap/io/babylon_env.h"
 #include "envmap/io/check_tiles.h"
 #include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
+#include "envmap/io/gltf_light.h"
 #include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/openexr.h"
@@ -49,6 +51,8 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
     if (format == "ktx2") image.texture = open_ktx2(file);
     if (format == "ktx") image.texture = open_ktx1(file);
     if (format == "dds") image.texture = open_dds(file);
+    if (format == "env") image.texture = open_env(file);
+    if (format == "glb") image.texture = open_gltf_light(file);
   } catch (const InputError& e) {
     image.fail(e.what(), e.remedy());
   }

@@ -16,7 +16,7 @@ struct Rounding {
   Depth depth;
   /// Of a texel's largest channel, half a step at most: 2^-11 of half, 2^-9 of rgb9e5, 2^-8 of Radiance's shared exponent;
   /// 0 of float. Darker channels under a shared exponent lose more of themselves, and so does what is below a depth's range.
-  /// Nothing of bc6h, whose blocks must be made to know.
+  /// Nothing of bc6h and rgbd, which must be made to know.
   std::optional<double> largest = 0;
   std::function<Level(const Level&)> read_back;  ///< What is read back of a level; empty where that is what was written.
 };
@@ -26,7 +26,7 @@ struct Rounding {
 /// @param path, options of which check_output() says nothing. @throws UsageError where the format does not hold the depth.
 std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options);
 
-/// What rounds: "half", "rgb9e5", "bc6h", "float" or "a shared exponent".
+/// What rounds: "half", "rgb9e5", "bc6h", "rgbd", "float" or "a shared exponent".
 std::string_view name(const Rounding& rounding);
 
 /// What it takes from texels and channels, at most, over them or over `floor` where they are smaller.

@@ -9,6 +9,7 @@
 
 #include "envmap/io/bc6h.h"
 #include "envmap/io/half.h"
+#include "envmap/io/rgbd.h"
 #include "envmap/io/srgb.h"
 
 namespace envmap {
@@ -56,6 +57,7 @@ bool colours(std::span<const float> values, std::size_t channels, std::span<Colo
 }  // namespace
 
 void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to) {
+  if (texels == Texels::rgbd8) return encode_rgbd(from, to);
   if (texels == Texels::rgb9e5) {
     for (std::size_t i = 0; i < from.size(); ++i) {
       const std::uint32_t word = to_rgb9e5(from[i]);
@@ -80,6 +82,10 @@ bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to
   const TexelFormat& format = format_of(texels);
   if (format.depth == Depth::bc6h) {
     decode_bc6h(from, texels == Texels::bc6h_sfloat, to.size() / static_cast<std::size_t>(format.side), to);
+    return true;
+  }
+  if (texels == Texels::rgbd8) {
+    decode_rgbd(from, to);
     return true;
   }
   if (texels == Texels::rgb9e5 || texels == Texels::rg11b10f) {

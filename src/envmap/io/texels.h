@@ -12,7 +12,7 @@
 namespace envmap {
 
 /// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits; BC6H are blocks.
-enum class Texels { rgba16f, rgba32f, rgb9e5, rgb16f, rgb32f, rg11b10f, bc6h_ufloat, bc6h_sfloat, rgb8, rgb8_srgb, rgba8, rgba8_srgb };
+enum class Texels { rgba16f, rgba32f, rgb9e5, rgb16f, rgb32f, rg11b10f, bc6h_ufloat, bc6h_sfloat, rgb8, rgb8_srgb, rgba8, rgba8_srgb, rgbd8 };
 
 struct TexelFormat {
   Texels texels;
@@ -34,6 +34,9 @@ struct TexelFormat {
   }
 };
 
+/// No VkFormat: of no texels in KTX2.
+inline constexpr std::uint32_t no_vulkan = 0xffffffff;
+
 inline constexpr TexelFormat texel_formats[] = {
     {Texels::rgba16f, "half RGBA", 8, 4, Depth::half, 97, 10, 2},
     {Texels::rgba32f, "float RGBA", 16, 4, Depth::single, 109, 2, 4},
@@ -47,15 +50,17 @@ inline constexpr TexelFormat texel_formats[] = {
     {Texels::rgb8_srgb, "RGB8 sRGB", 3, 3, Depth::uint8, 29, 0, 1},
     {Texels::rgba8, "RGBA8", 4, 4, Depth::uint8, 37, 0, 1},
     {Texels::rgba8_srgb, "RGBA8 sRGB", 4, 4, Depth::uint8, 43, 0, 1},
+    {Texels::rgbd8, "RGBD", 4, 4, Depth::rgbd, no_vulkan, 0, 1},
 };
 
 inline const TexelFormat& format_of(Texels t) { return texel_formats[static_cast<int>(t)]; }
 
-/// What a depth is written as. @param depth half, single, rgb9e5 or bc6h.
+/// What a depth is written as. @param depth half, single, rgb9e5, bc6h or rgbd.
 inline Texels texels_of(Depth depth) {
   return depth == Depth::half     ? Texels::rgba16f
          : depth == Depth::rgb9e5 ? Texels::rgb9e5
          : depth == Depth::bc6h   ? Texels::bc6h_ufloat
+         : depth == Depth::rgbd   ? Texels::rgbd8
                                   : Texels::rgba32f;
 }
 

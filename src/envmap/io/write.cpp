@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/io/babylon_env.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/chain.h"
 #include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
+#include "envmap/io/gltf_light.h"
 #include "envmap/io/image_writer.h"
 #include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
@@ -25,6 +27,7 @@
 #include "envmap/io/path.h"
 #include "envmap/io/pfm.h"
 #include "envmap/io/radiance.h"
+#include "envmap/io/rgbd.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/srgb.h"
 #include "envmap/io/texels.h"
@@ -53,8 +56,8 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
     throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title,
                                  fmt::join(names, " or ")));
   }
-  // What came out of blocks are halves; blocks are written where they are asked for.
-  const Depth source = options.source_depth == Depth::bc6h ? Depth::half : options.source_depth;
+  // What came out of blocks or RGBD are halves; blocks are written where they are asked for.
+  const Depth before = options.source_depth, source = before == Depth::bc6h || before == Depth::rgbd ? Depth::half : before;
   if (std::ranges::find(held, source) != held.end()) return source;
   for (const Depth d : held)
     if (d >= source) return d;
@@ -63,6 +66,7 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
 
 Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p) {
   if (p != Projection::cube) {
+    if (format.cubes_alone) throw UsageError(path, fmt::format("{} files hold cube maps; this is a {} map", format.title, name(p)));
     if (options.layout) throw UsageError(fmt::format("a layout is for cube maps; this is a {} map", name(p)), Remedy::leave_out_layout);
     if (has_face(path)) throw UsageError("{face} in a file name is for cube maps");
     return default_layout(p);
@@ -90,6 +94,7 @@ Range range_of(const FileFormat& format, Depth depth) {
   if (depth == Depth::half || depth == Depth::bc6h)
     return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11};
   if (depth == Depth::rgb9e5) return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9};
+  if (depth == Depth::rgbd) return {.largest = largest_rgbd};
   return {.largest = format.largest};
 }
 
@@ -160,6 +165,16 @@ void tell_space(Metadata& data, const ColourOptions& colour, bool integers) {
   if (word != (integers ? "sRGB" : "lin_rec709")) data.space = word;
 }
 
+// Names the file at fault.
+template <class F>
+void naming(const std::string& path, F&& action) {
+  try {
+    action();
+  } catch (const OutputError& e) {
+    throw OutputError(path, e.what(), e.remedy());
+  }
+}
+
 // All files of a map, whose samples lie where the files want them.
 Written write_files(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
                     const Progress& progress) {
@@ -196,6 +211,10 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
       write_ktx1(*files.back(), pages, texels_of(done.depth), cube, key_values(data, options.pairs), part);
     else if (ext == "dds")
       write_dds(*files.back(), pages, texels_of(done.depth), cube, part);
+    else if (ext == "env")
+      naming(name, [&] { write_env(*files.back(), pages, options.pairs, part); });
+    else if (ext == "glb")
+      naming(name, [&] { write_gltf_light(*files.back(), pages, options.pairs, part); });
     else
       write_image(*files.back(), name, ext, pages, done.depth, data, options, part);
   };
@@ -294,7 +313,7 @@ std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions&
                       return level_of(rounded);
                     }};
   const std::optional<double> largest =
-      depth == Depth::bc6h ? std::nullopt : std::optional(range_of(format, depth).precision);
+      depth == Depth::bc6h || depth == Depth::rgbd ? std::nullopt : std::optional(range_of(format, depth).precision);
   return Rounding{depth, largest, [depth, border = options.border](const Level& level) {
                     if (border == 0) return envmap::read_back(level, texels_of(depth));
                     return without_border(envmap::read_back(with_border(level, border), texels_of(depth)), border);

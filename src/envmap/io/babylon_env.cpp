@@ -1,0 +1,84 @@
+#include "envmap/io/babylon_env.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <nlohmann/json.hpp>
+
+#include "envmap/base/error.h"
+#include "envmap/io/rgbd.h"
+
+namespace envmap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr RgbdPlacing left_handed{.negate_x = true};
+// How a level goes with roughness: lod = 0.8 log2(size x alpha), Babylon.js' own value.
+constexpr double lod_generation_scale = 0.8;
+constexpr std::size_t longest_header = 1 << 20;
+
+// The text between the mark and a NUL.
+std::string header_of(const InputFile& file) {
+  std::string text(std::min<std::uint64_t>(longest_header, file.size() - std::min<std::uint64_t>(file.size(), env_mark.size())), '\0');
+  text.resize(file.pread(text.data(), text.size(), env_mark.size()));
+  const std::size_t end = text.find('\0');
+  if (end == std::string::npos) throw InputError("truncated or damaged: its header has no end");
+  text.resize(end);
+  return text;
+}
+
+std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uint64_t end) {
+  std::vector<FilePart> parts;
+  for (const Json& image : header.at("specular").at("mipmaps")) {
+    const auto position = image.at("position").get<std::uint64_t>(), length = image.at("length").get<std::uint64_t>();
+    if (position > end || start + position > end) throw InputError("truncated or damaged: a face lies beyond its end");
+    parts.push_back({start + position, length});
+  }
+  return parts;
+}
+
+}  // namespace
+
+void write_env(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs, const Progress& progress) {
+  const auto size = static_cast<unsigned>(levels[0].width());
+  if (!std::has_single_bit(size) || levels.size() != static_cast<std::size_t>(std::bit_width(size)))
+    throw OutputError(fmt::format("an .env file holds all levels down to one texel of faces of a power of two, not {} of {}x{}",
+                                  levels.size(), size, size));
+  const std::vector<RgbdFaces> faces = rgbd_faces(levels, left_handed, progress);
+  Json images = Json::array();
+  std::size_t position = 0;
+  for (const RgbdFaces& level : faces)
+    for (const std::vector<char>& image : level) {
+      images.push_back({{"length", image.size()}, {"position", position}});
+      position += image.size();
+    }
+  const auto irradiance = pairs.find("irradiance");
+  const Json header{{"version", 2},
+                    {"width", size},
+                    {"imageType", "image/png"},
+                    {"irradiance", irradiance == pairs.end() ? Json() : Json::parse(irradiance->second)},
+                    {"specular", {{"mipmaps", images}, {"lodGenerationScale", lod_generation_scale}}}};
+  const std::string text = header.dump();
+  file.write(env_mark.data(), env_mark.size());
+  file.write(text.c_str(), text.size() + 1);
+  for (const RgbdFaces& level : faces)
+    for (const std::vector<char>& image : level) file.write(image.data(), image.size());
+}
+
+TextureFile open_env(const InputFile& file) {
+  const std::string text = header_of(file);
+  try {
+    const Json header = Json::parse(text);
+    const int version = header.at("version").get<int>();
+    if (version < 1 || version > 2) throw InputError(fmt::format(".env of version {}: 1 and 2 are read", version));
+    if (const std::string type = header.value("imageType", "image/png"); type != "image/png")
+      throw InputError(fmt::format(".env with faces as {}: image/png is read", type));
+    return rgbd_texture(file, "env", parts_of(header, env_mark.size() + text.size() + 1, file.size()), left_handed);
+  } catch (const Json::exception&) {
+    throw InputError("damaged: its header is not what .env files have");
+  }
+}
+
+}  // namespace envmap

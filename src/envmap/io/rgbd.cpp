@@ -1,0 +1,131 @@
+#include "envmap/io/rgbd.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "envmap/base/error.h"
+#include "envmap/io/png.h"
+#include "envmap/maths/portable.h"
+
+namespace envmap {
+namespace {
+
+// What the bytes of a colour mean before they are divided.
+const std::array<float, 256>& linear_of_byte() {
+  static const auto table = [] {
+    std::array<float, 256> t;
+    for (int k = 0; k < 256; ++k) t[static_cast<std::size_t>(k)] = static_cast<float>(portable::pow(k / 255.0, 2.2));
+    return t;
+  }();
+  return table;
+}
+
+// The byte whose meaning is nearest.
+std::byte nearest_byte(float value) {
+  const auto& table = linear_of_byte();
+  auto above = std::ranges::lower_bound(table, value);
+  if (above == table.end()) return std::byte{255};
+  if (above != table.begin() && value - above[-1] < *above - value) --above;
+  return static_cast<std::byte>(above - table.begin());
+}
+
+// The image of a face upside down and, of the other hand, of the face across with X negated.
+struct Placed {
+  int face;
+  bool reversed;  // Each row.
+};
+
+Placed placed(int face, const RgbdPlacing& placing) {
+  return {placing.negate_x && face < 2 ? 1 - face : face, placing.negate_x};
+}
+
+void turn(std::span<std::byte> image, int size, bool reversed) {
+  const std::size_t row = 4 * static_cast<std::size_t>(size);
+  for (int j = 0; j < size / 2; ++j)
+    std::ranges::swap_ranges(image.subspan(static_cast<std::size_t>(j) * row, row),
+                             image.subspan(static_cast<std::size_t>(size - 1 - j) * row, row));
+  if (!reversed) return;
+  for (std::size_t at = 0; at < image.size(); at += row)
+    for (std::size_t i = 0; i < row / 2; i += 4)
+      std::swap_ranges(image.begin() + static_cast<std::ptrdiff_t>(at + i), image.begin() + static_cast<std::ptrdiff_t>(at + i + 4),
+                       image.begin() + static_cast<std::ptrdiff_t>(at + row - 4 - i));
+}
+
+}  // namespace
+
+void encode_rgbd(std::span<const Colour> from, std::span<std::byte> to) {
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Colour& c = from[i];
+    const float most = std::max({c.x, c.y, c.z, 1.0F}), alpha = std::max(1.0F, std::floor(255 / most));
+    for (int k = 0; k < 3; ++k) to[4 * i + static_cast<std::size_t>(k)] = nearest_byte(c[k] * alpha / 255);
+    to[4 * i + 3] = static_cast<std::byte>(alpha);
+  }
+}
+
+void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to) {
+  const auto& table = linear_of_byte();
+  const auto value = [&](std::size_t at) { return table[std::to_integer<std::size_t>(from[at])]; };
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const int alpha = std::to_integer<int>(from[4 * i + 3]);
+    const float scale = alpha == 0 ? 0 : 255 / static_cast<float>(alpha);
+    to[i] = scale * Colour(value(4 * i), value(4 * i + 1), value(4 * i + 2));
+  }
+}
+
+std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const RgbdPlacing& placing, const Progress& progress) {
+  double all = 0, done = 0;
+  for (const Page& page : levels) all += 1.0 * page.width() * page.height();
+  std::vector<RgbdFaces> files;
+  for (const Page& page : levels) {
+    const std::vector<Page> images = images_of(page, true);
+    RgbdFaces& faces = files.emplace_back();
+    const int size = images[0].width();
+    const std::size_t texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+    for (int face = 0; face < 6; ++face) {
+      std::vector<Colour> colours(texels);
+      std::vector<std::byte> bytes(4 * texels);
+      const auto [shown, reversed] = placed(face, placing);
+      images[static_cast<std::size_t>(shown)].gather(0, size, colours);
+      encode_rgbd(colours, bytes);
+      turn(bytes, size, reversed);
+      faces[static_cast<std::size_t>(face)] = png_of_rgba(bytes, size, size);
+      done += 1.0 * size * size;
+      if (progress) progress(done / all);
+    }
+  }
+  return files;
+}
+
+TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts, const RgbdPlacing& placing) {
+  const auto image = [](const InputFile& from, const FilePart& part) {
+    return rgba_of_png(read_bytes(from, part.offset, part.size));
+  };
+  if (parts.empty() || parts.size() % 6 != 0) throw InputError(fmt::format("damaged: {} images are no six faces a level", parts.size()));
+  const Size first = size_of_png(read_bytes(file, parts[0].offset, parts[0].size));
+  TextureFile t{.container = container,
+                .texels = Texels::rgbd8,
+                .width = first.width,
+                .height = first.height,
+                .levels = static_cast<int>(std::min<std::size_t>(parts.size() / 6, 64)),
+                .cube = true};
+  check_texture(t, file.size());
+  t.bytes = [t, image, parts = std::move(parts), placing](const InputFile& from, int level) {
+    const std::uint64_t size = t.image_bytes(level);
+    std::vector<std::byte> bytes;
+    for (int face = 0; face < 6; ++face) {
+      const auto [stored, reversed] = placed(face, placing);
+      const FilePart& part = parts[static_cast<std::size_t>(6 * level + stored)];
+      RgbaImage found = image(from, part);
+      if (found.bytes.size() != size || found.width != t.level_width(level))
+        throw InputError(fmt::format("damaged: a face of level {} is {}x{}", level, found.width, found.height));
+      turn(found.bytes, found.width, reversed);
+      bytes.insert(bytes.end(), found.bytes.begin(), found.bytes.end());
+    }
+    return bytes;
+  };
+  return t;
+}
+
+}  // namespace envmap

@@ -1,0 +1,48 @@
+/// @file
+/// Radiance as bytes of RGBD in PNG images, as Babylon.js and the glTF extension EXT_lights_image_based have it: colours are divided
+/// by alpha, after the power 2.2 (fromRGBD in Babylon.js' shadersStore helperFunctions).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "envmap/base/progress.h"
+#include "envmap/io/texture.h"
+#include "envmap/map/page.h"
+#include "envmap/maths/vector.h"
+
+namespace envmap {
+
+/// The largest value: 1 over an alpha of 1/255.
+inline constexpr double largest_rgbd = 255;
+
+/// Four bytes a texel: the largest alpha that leaves all colours below 1, and the nearest bytes to colour x alpha.
+/// Values must be finite, not negative and at most `largest_rgbd`.
+void encode_rgbd(std::span<const Colour> from, std::span<std::byte> to);
+/// An alpha of 0 is black.
+void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to);
+
+/// How the images of a file lie beside the faces of the APIs: each is turned upside down, and in Babylon.js' left-handed world
+/// X is negated.
+struct RgbdPlacing {
+  bool negate_x = false;
+};
+
+/// PNG files of the six faces of one level.
+using RgbdFaces = std::array<std::vector<char>, 6>;
+
+/// Levels as PNG files, the largest first. @param levels columns of faces in the API's orientation. @param progress may be empty.
+std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const RgbdPlacing& placing, const Progress& progress);
+
+/// Where in a file a PNG image lies.
+struct FilePart {
+  std::uint64_t offset, size;
+};
+
+/// A cube out of such images. @param parts six for each level, the largest first. @throws InputError, as its `bytes` do, without
+/// the file's name, where one is no PNG image of the level's size.
+TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts, const RgbdPlacing& placing);
+
+}  // namespace envmap
