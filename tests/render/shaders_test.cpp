@@ -123,9 +123,12 @@ TEST(Programs, AnUndefinedNameInAConditionIsAnError) {
     }
     return std::string();
   };
-  EXPECT_NE(make({{"TESSELLATED", "0"}}).find("HOLES is not defined"), std::string::npos)
-      << make({{"TESSELLATED", "0"}});
-  EXPECT_NE(make({{"HOLES", "0"}}).find("TESSELLATED is not defined"), std::string::npos);
+  const gl::Definitions all{{"HOLES", "0"}, {"LAYERED", "0"}, {"TESSELLATED", "0"}};
+  for (const auto& [name, value] : all) {
+    gl::Definitions others = all;
+    others.erase(name);
+    EXPECT_NE(make(others).find(name + " is not defined"), std::string::npos) << make(others);
+  }
 }
 
 // A method that cannot draw a projection is neither chosen nor tried.

@@ -120,6 +120,10 @@ TEST_F(Io, EveryFormatHoldsWhatItsRowSays) {
       for (const Depth depth : format.depths) {
         SCOPED_TRACE(testing::Message() << extension << " " << name(depth));
         const std::string file = path("map." + std::string(extension));
+        if (format.cubes_alone) {  // Read back by texture_test.cpp.
+          EXPECT_THROW(write(file, rows_of(map), {.depth = depth}), UsageError);
+          continue;
+        }
         EXPECT_EQ(write(file, rows_of(map), {.depth = depth}).depth, depth);
         if (format.is_head) fs::rename(file, path("unnamed"));  // A name that says nothing.
         const Source back = read(format.is_head ? path("unnamed") : file, {.projection = Projection::latlong});
