@@ -8,7 +8,6 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/io/output_file.h"
 #include "manifest.h"
 #include "schedule.h"
 
@@ -26,12 +25,6 @@ struct Options {
 };
 
 std::string this_program() { return fs::read_symlink("/proc/self/exe").string(); }
-
-void write_text(const std::string& path, const std::string& text, const Common& common) {
-  OutputFile file(path, common.commit);
-  file.write(text.data(), text.size());
-  file.commit();
-}
 
 bool is_installed(const std::string& program) {
   const char* const path = std::getenv("PATH");
@@ -133,7 +126,7 @@ int run(const Options& o, const Common& common) {
   const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
   if (!o.slurm.empty() || !o.make.empty()) {
     const std::string& path = o.slurm.empty() ? o.make : o.slurm;
-    write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()), common);
+    write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()), common.commit);
     note(common, fmt::format("{}: {} jobs", path, jobs.size()));
     return 0;
   }
@@ -142,7 +135,7 @@ int run(const Options& o, const Common& common) {
   fs::create_directories(folder, error);
   if (error) throw OutputError(folder, error.message());
   const std::string file = folder + "/build.ninja";
-  write_text(file, ninja_file(jobs, this_program(), folder), common);
+  write_text(file, ninja_file(jobs, this_program(), folder), common.commit);
   NinjaOutput output(common);
   const int status = run_ninja(file, o, jobs.size(), common, output);
   if (status == 0) return 0;

@@ -107,6 +107,13 @@ void add_clamp(CLI::App& app, WriteOptions& options) {
   app.add_flag("--clamp", options.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
 }
 
+void add_write_options(CLI::App& app, WriteOptions& options) {
+  add_depth(app, options.depth);
+  add_format(app, options);
+  add_file_options(app, options);
+  add_clamp(app, options);
+}
+
 CLI::Option* add_display(CLI::App& app, std::optional<Display>& value, Display otherwise) {
   return add_choice(app, "--display", value, joined(display_names), one_of<Display>(display_names),
                     fmt::format("Tone curve of files of 8 bits: clip at 1; reinhard, x / (1 + x); neutral, colours as they are and "
@@ -269,6 +276,12 @@ Written write_one_map(const std::string& path, std::span<const Rows> levels, con
                              levels.size() > 1 ? fmt::format(", {} levels", levels.size()) : "", name(written.depth),
                              watch.seconds()));
   return written;
+}
+
+void write_text(const std::string& path, std::string_view text, const CommitOptions& how) {
+  OutputFile file(path, how);
+  file.write(text.data(), text.size());
+  file.commit();
 }
 
 }  // namespace tools

@@ -126,6 +126,8 @@ CLI::Option* add_size(CLI::App& app, int& size, const std::string& help);
 CLI::Option* add_size(CLI::App& app, std::optional<int>& size, const std::string& help);
 void add_format(CLI::App& app, envmap::WriteOptions& options);
 void add_clamp(CLI::App& app, envmap::WriteOptions& options);
+/// Of a map that is written: --depth, --format, add_file_options() and --clamp.
+void add_write_options(CLI::App& app, envmap::WriteOptions& options);
 
 /// Three numbers with commas between them, or nothing; with `one_for_all`, one number may stand for the three.
 std::optional<envmap::Direction> triple_of(const std::string& text, bool one_for_all = false);
@@ -162,6 +164,9 @@ envmap::Written write_map(const std::string& path, const envmap::Rows& rows, con
 /// The same without a depfile, for commands that write several files.
 envmap::Written write_one_map(const std::string& path, std::span<const envmap::Rows> levels, const envmap::WriteOptions& options,
                               const std::string& verb, const Common& common);
+
+/// A text as a file, or on standard output.
+void write_text(const std::string& path, std::string_view text, const envmap::CommitOptions& how = {});
 
 // ---- saying ----------------------------------------------------------------------------------------------------------
 

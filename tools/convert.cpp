@@ -251,10 +251,7 @@ Command convert_command() {
         add_grade(app, o->grade);
         app.get_option("--scale-to")->excludes(exposure);
         add_border(app, o->write, "--size counts them");
-        add_depth(app, o->write.depth);
-        add_format(app, o->write);
-        add_file_options(app, o->write);
-        add_clamp(app, o->write);
+        add_write_options(app, o->write);
         add_shard(app, o->shard);
         add_read_options(app, o->read);
         add_output_space(app, o->write);

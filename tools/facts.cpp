@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "colour_options.h"
 #include "command.h"
@@ -37,16 +38,15 @@ std::int64_t texels_at_most(const Level& level, double most) {
   return std::accumulate(rows.begin(), rows.end(), std::int64_t{0});
 }
 
-// Degrees about +Y from +Z towards +X, as --rotate counts them, and above the horizon.
-ordered_json angles_of(const Direction& d) {
-  return {{"azimuth", 180 / pi * portable::atan2(d.x, d.z)}, {"elevation", 180 / pi * portable::atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z))}};
-}
-
 std::string numbers(const ordered_json& v) {
   return fmt::format("{:12.6g} {:12.6g} {:12.6g}", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
 }
 
 }  // namespace
+
+Angles angles_of(const Direction& d) {
+  return {180 / pi * portable::atan2(d.x, d.z), 180 / pi * portable::atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z))};
+}
 
 ordered_json facts(const Source& s, const std::string& file, const std::string& space, const std::optional<Direction>& towards) {
   const Level& level = s.map.base();
@@ -83,7 +83,8 @@ ordered_json facts(const Source& s, const std::string& file, const std::string& 
                     {"value", to_json(Direction(m.brightest_value))},
                     {"face", m.brightest_texel.face},
                     {"texel", {m.brightest_texel.i, m.brightest_texel.j}}};
-  j["brightest"].update(angles_of(m.brightest_direction));
+  const auto [azimuth, elevation] = angles_of(m.brightest_direction);
+  j["brightest"].update({{"azimuth", azimuth}, {"elevation", elevation}});
   const double most = std::max({m.maximum.x, m.maximum.y, m.maximum.z});
   j["texels_at_maximum"] = texels_at_most(level, most);
   for (const auto& [key, text] : s.facts) j["metadata"][key] = text;

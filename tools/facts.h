@@ -19,4 +19,10 @@ nlohmann::ordered_json facts(const envmap::Source& source, const std::string& fi
 using FactLines = std::vector<std::pair<std::string, std::string>>;
 FactLines lines_of(const nlohmann::ordered_json& facts);
 
+// Degrees about +Y from +Z towards +X, as --rotate counts them, and above the horizon.
+struct Angles {
+  double azimuth, elevation;
+};
+Angles angles_of(const envmap::Direction& direction);
+
 }  // namespace tools

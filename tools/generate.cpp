@@ -107,10 +107,7 @@ Command generate_command() {
             ->type_name("L");
         app.add_option("--amplitude", o->harmonic.amplitude, "sh: factor of the harmonic (default: 0.5)")
             ->type_name("A");
-        add_depth(app, o->write.depth);
-        add_format(app, o->write);
-        add_file_options(app, o->write);
-        add_clamp(app, o->write);
+        add_write_options(app, o->write);
         return [o, &common] { return run(*o, common); };
       }};
 }

@@ -4,16 +4,9 @@
 #include <filesystem>
 
 #include "command.h"
-#include "envmap/io/output_file.h"
 
 namespace tools {
 namespace {
-
-void save(const std::filesystem::path& path, const std::string& text) {
-  envmap::OutputFile file(path.string());
-  file.write(text.data(), text.size());
-  file.commit();
-}
 
 // Text for roff: what it would read as commands is escaped.
 std::string roff(const std::string& text) {
@@ -128,9 +121,9 @@ std::string main_page(const std::vector<Command>& commands) {
 
 int write_pages(const std::string& folder) {
   const Program all;
-  save(std::filesystem::path(folder) / "envmap.1", main_page(all.commands));
+  write_text(std::filesystem::path(folder) / "envmap.1", main_page(all.commands));
   for (const Command& c : all.commands)
-    save(std::filesystem::path(folder) / ("envmap-" + c.name + ".1"), command_page(c, *all.app->get_subcommand(c.name)));
+    write_text(std::filesystem::path(folder) / ("envmap-" + c.name + ".1"), command_page(c, *all.app->get_subcommand(c.name)));
   return 0;
 }
 

@@ -46,7 +46,7 @@ void add_levels(EnvironmentMap& map, Facts& making, int border) {
   if (count == making.end() || weights == making.end()) return;
   int wanted = 0;
   if (!CLI::detail::lexical_cast(count->second, wanted) || wanted < 0) wanted = 1;
-  const Weights w = weights->second == "uniform" ? Weights::uniform : Weights::solid_angle;
+  const Weights w = one_of<Weights>(weight_names)(weights->second).value_or(Weights::solid_angle);
   if (border > 0)
     add_levels_with_border(map.levels, border, w, wanted);
   else
@@ -90,10 +90,7 @@ Command merge_command() {
                 ->required()
                 ->type_name("");
             add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: as the parts were asked for)");
-            add_depth(app, o->write.depth);
-            add_format(app, o->write);
-            add_file_options(app, o->write);
-            add_clamp(app, o->write);
+            add_write_options(app, o->write);
             return [o, &common] { return run(*o, common); };
           }};
 }

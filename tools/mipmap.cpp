@@ -13,7 +13,6 @@ namespace {
 
 using namespace envmap;
 
-constexpr std::string_view weight_names[] = {"solid-angle", "uniform"};
 
 struct Options {
   std::string input, output;
@@ -119,10 +118,7 @@ Command mipmap_command() {
             app.add_flag("--keep", o->keep, "Keep the levels that the input has, and make those that it lacks");
             add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
             add_border(app, o->write, "they come round the map as it is, and each level halves with them");
-            add_depth(app, o->write.depth);
-            add_format(app, o->write);
-            add_file_options(app, o->write);
-            add_clamp(app, o->write);
+            add_write_options(app, o->write);
             add_shard(app, o->shard);
             add_read_options(app, o->read);
             add_output_space(app, o->write);

@@ -9,11 +9,11 @@
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/colour.h"
-#include "envmap/io/output_file.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/srgb.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
+#include "facts.h"
 #include "html_page.h"
 #include "preview_parts.h"
 
@@ -95,8 +95,8 @@ std::vector<Tile> maps_of(const Source& source, const std::string& input, const 
     if (o.marks && k == 0) {
       const Direction d = measure(source.map).brightest_direction;
       map.mark(source.map, d);
-      if (!face) caption += fmt::format("; ring: brightest, azimuth {:.1f}, elevation {:.1f}", 180 / pi * portable::atan2(d.x, d.z),
-                             180 / pi * portable::asin(std::clamp(d.y, -1.0, 1.0)));
+      const Angles at = angles_of(d);
+      if (!face) caption += fmt::format("; ring: brightest, azimuth {:.1f}, elevation {:.1f}", at.azimuth, at.elevation);
     }
     tiles.push_back({std::move(map.picture()), std::move(caption)});
   }
@@ -154,9 +154,7 @@ int write_page(const Options& o, const Common& common) {
                                               .display = look.display,
                                               .size = o.size > 0 ? o.size : std::clamp(density, 16, 256)});
   const auto depfile = open_depfile({o.html}, {input}, common);
-  OutputFile file(o.html, common.commit);
-  file.write(page.data(), page.size());
-  file.commit();
+  write_text(o.html, page, common.commit);
   if (depfile) depfile->commit();
   note(common, fmt::format("{}: {:.1f} MB", o.html, 1e-6 * static_cast<double>(page.size())));
   return 0;

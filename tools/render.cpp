@@ -177,10 +177,7 @@ Command render_command() {
                 ->type_name("Z")
                 ->check(CLI::Range(1e-6, 1.0));
             add_layout(app, "--layout", o->write.layout, "Where cube faces lie (default: column)");
-            add_depth(app, o->write.depth);
-            add_format(app, o->write);
-            add_file_options(app, o->write);
-            add_clamp(app, o->write);
+            add_write_options(app, o->write);
             return [o, &common] { return run(*o, common); };
           }};
 }

@@ -9,7 +9,6 @@
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
-#include "envmap/io/output_file.h"
 #include "envmap/operate/measure.h"
 #include "tradeoff_plot.h"
 #include "tradeoff_scene.h"
@@ -144,9 +143,7 @@ void write_plot(const Study& study, const Options& o, const Common& common) {
   const bool files = !study.trials.empty() && study.trials[0].bytes;
   const std::string svg = plot(points, fmt::format("{} of {}", o.task, printable(o.input)), files ? "bytes" : "seconds",
                                fmt::format("{} error", metric_names[static_cast<std::size_t>(o.by)]));
-  OutputFile file(o.plot, common.commit);
-  file.write(svg.data(), svg.size());
-  file.commit();
+  write_text(o.plot, svg, common.commit);
 }
 
 void check(const Options& o, const Common& common) {

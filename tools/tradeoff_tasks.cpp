@@ -8,7 +8,6 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
-#include <utility>
 
 #include "command.h"
 #include "envmap/base/error.h"
@@ -87,9 +86,8 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
 void add_mipmaps(const EnvironmentMap& map, int level, Task& task) {
   const int width = map.base().width() >> level, height = map.base().height() >> level;
   if (width < 1 || height < 1) throw UsageError(fmt::format("--task mipmap:{}: the map has no level that small", level));
-  constexpr std::pair<Weights, const char*> all[] = {{Weights::solid_angle, "solid-angle"}, {Weights::uniform, "uniform"}};
-  for (const auto& [weights, word] : all)
-    task.ways.push_back({"levels", fmt::format("--weights {}", word), [&map, level, weights = weights] {
+  for (const Weights weights : {Weights::solid_angle, Weights::uniform})
+    task.ways.push_back({"levels", fmt::format("--weights {}", weight_names[static_cast<std::size_t>(weights)]), [&map, level, weights] {
                            std::vector<Level> levels;
                            levels.push_back(map.base().clone());
                            add_levels(levels, weights, level + 1);

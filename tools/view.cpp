@@ -94,7 +94,7 @@ constexpr std::string_view eye_mark = "{eye}", eyes_of_files[] = {"left", "right
 bool is_by_eye(const std::string& path) { return path.find(eye_mark) != std::string::npos; }
 
 // The files of a frame: one, or with {eye} in its name one an eye and the anaglyph.
-std::vector<std::string> files_of(const std::string& path) {
+std::vector<std::string> eye_files(const std::string& path) {
   if (!is_by_eye(path)) return {path};
   std::vector<std::string> files;
   for (const std::string_view eye : eyes_of_files)
@@ -184,7 +184,7 @@ int run(Options& o, const Common& common) {
   if (o.display && is_linear_picture(frames.path(o.output, frames.first), how))
     throw UsageError(o.output, "holds radiance as it is: leave out --display");
   std::vector<std::string> outputs;
-  for (const std::string& path : frames.paths(o.output)) std::ranges::copy(files_of(path), std::back_inserter(outputs));
+  for (const std::string& path : frames.paths(o.output)) std::ranges::copy(eye_files(path), std::back_inserter(outputs));
   check_files(outputs, {o.scene.path, o.scene.environment}, common);
   const LoadedScene loaded = load(o.scene, common);
   check_files(outputs, loaded.inputs, common);
@@ -212,7 +212,7 @@ int run(Options& o, const Common& common) {
     seconds += watch.seconds();
     if (!maps.empty()) painter->save(frames.sequence ? numbered(maps, frame) : maps);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
-    const std::vector<std::string> files = files_of(frames.path(o.output, frame));
+    const std::vector<std::string> files = eye_files(frames.path(o.output, frame));
     if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
     for (std::size_t k = 0; k < files.size(); ++k) {
       for (Colour& c : pictures[k]) c *= static_cast<float>(std::exp2(o.exposure));

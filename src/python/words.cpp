@@ -72,10 +72,7 @@ Filter filter_of(const std::string& word) {
 }
 Shape shape_of(const std::string& word) { return named<Shape>("lobe", word, shape_names); }
 Method method_of(const std::string& word) { return named<Method>("method", word, method_names); }
-Weights weights_of(const std::string& word) {
-  constexpr std::string_view words[] = {"solid-angle", "uniform"};
-  return named<Weights>("weights", word, words);
-}
+Weights weights_of(const std::string& word) { return named<Weights>("weights", word, weight_names); }
 
 void add_errors(py::module_& module) {
   static PyObject* kinds[4];

@@ -14,7 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr RgbdPlacing left_handed{.negate_x = true};
 // How a level goes with roughness: lod = 0.8 log2(size x alpha), Babylon.js' own value.
 constexpr double lod_generation_scale = 0.8;
 constexpr std::size_t longest_header = 1 << 20;
@@ -46,7 +45,7 @@ void write_env(OutputFile& file, std::span<const Page> levels, const KeyValues& 
   if (!std::has_single_bit(size) || levels.size() != static_cast<std::size_t>(std::bit_width(size)))
     throw OutputError(fmt::format("an .env file holds all levels down to one texel of faces of a power of two, not {} of {}x{}",
                                   levels.size(), size, size));
-  const std::vector<RgbdFaces> faces = rgbd_faces(levels, left_handed, progress);
+  const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);
   Json images = Json::array();
   std::size_t position = 0;
   for (const RgbdFaces& level : faces)
@@ -75,7 +74,7 @@ TextureFile open_env(const InputFile& file) {
     if (version < 1 || version > 2) throw InputError(fmt::format(".env of version {}: 1 and 2 are read", version));
     if (const std::string type = header.value("imageType", "image/png"); type != "image/png")
       throw InputError(fmt::format(".env with faces as {}: image/png is read", type));
-    return rgbd_texture(file, "env", parts_of(header, env_mark.size() + text.size() + 1, file.size()), left_handed);
+    return rgbd_texture(file, "env", parts_of(header, env_mark.size() + text.size() + 1, file.size()));
   } catch (const Json::exception&) {
     throw InputError("damaged: its header is not what .env files have");
   }

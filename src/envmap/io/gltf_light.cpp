@@ -16,9 +16,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* extension = "EXT_lights_image_based";
 constexpr std::uint32_t glb_mark = 0x46546c67, json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;
 
-// As in .env files, which that loader reads the same way: in its left-handed world glTF scenes have X negated.
-constexpr RgbdPlacing placing{.negate_x = true};
-
 struct GlbHeader {
   std::uint32_t mark, version, size, json_size, json_type;
 };
@@ -65,7 +62,7 @@ void write_gltf_light(OutputFile& file, std::span<const Page> levels, const KeyV
     throw OutputError(fmt::format("the light of a .glb file has several levels of faces of a power of two, not {} of {}x{}",
                                   levels.size(), size, size));
   if (harmonics == pairs.end()) throw OutputError("the light of a .glb file has irradiance, too, which this map lacks");
-  const std::vector<RgbdFaces> faces = rgbd_faces(levels, placing, progress);
+  const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);
   std::string text = document(faces, Json::parse(harmonics->second), static_cast<int>(size)).dump();
   text.resize(padded(text.size()), ' ');
   std::size_t binary = 0;
@@ -104,7 +101,7 @@ TextureFile open_gltf_light(const InputFile& file) {
         if (view.value("buffer", 0) != 0 || offset > file.size()) throw InputError("damaged: an image lies beyond its end");
         parts.push_back({start + offset, view.at("byteLength").get<std::uint64_t>()});
       }
-    return rgbd_texture(file, "glb", std::move(parts), placing);
+    return rgbd_texture(file, "glb", std::move(parts));
   } catch (const Json::exception&) {
     throw InputError(fmt::format("damaged: its {} is not as that extension has it, with PNG images inside the file", extension));
   }

@@ -89,7 +89,7 @@ void check(std::vector<Head>& parts) {
 
 void read_rows(const Head& head, const Grid& places, Level& level) {
   Image image;
-  open_part(image, head.path);
+  open(image, head.path, {.crop = true});
   const RowRange band = band_of(places.rows * level.height(), head.number);
   if (head.width != places.columns * level.width() || head.height != band.end - band.begin)
     image.fail(fmt::format("is {}x{}; {} of such a map is {}x{}: damaged", head.width, head.height, words(head),

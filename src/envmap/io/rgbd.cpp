@@ -31,22 +31,15 @@ std::byte nearest_byte(float value) {
   return static_cast<std::byte>(above - table.begin());
 }
 
-// The image of a face upside down and, of the other hand, of the face across with X negated.
-struct Placed {
-  int face;
-  bool reversed;  // Each row.
-};
+// The face whose image stands for another: that across X, which is negated.
+std::size_t placed(std::size_t face) { return face < 2 ? 1 - face : face; }
 
-Placed placed(int face, const RgbdPlacing& placing) {
-  return {placing.negate_x && face < 2 ? 1 - face : face, placing.negate_x};
-}
-
-void turn(std::span<std::byte> image, int size, bool reversed) {
+// Upside down and, X being negated, every row reversed: from the image of a face to that of a file, and back.
+void turn(std::span<std::byte> image, int size) {
   const std::size_t row = 4 * static_cast<std::size_t>(size);
   for (int j = 0; j < size / 2; ++j)
     std::ranges::swap_ranges(image.subspan(static_cast<std::size_t>(j) * row, row),
                              image.subspan(static_cast<std::size_t>(size - 1 - j) * row, row));
-  if (!reversed) return;
   for (std::size_t at = 0; at < image.size(); at += row)
     for (std::size_t i = 0; i < row / 2; i += 4)
       std::swap_ranges(image.begin() + static_cast<std::ptrdiff_t>(at + i), image.begin() + static_cast<std::ptrdiff_t>(at + i + 4),
@@ -74,7 +67,7 @@ void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to) {
   }
 }
 
-std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const RgbdPlacing& placing, const Progress& progress) {
+std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const Progress& progress) {
   double all = 0, done = 0;
   for (const Page& page : levels) all += 1.0 * page.width() * page.height();
   std::vector<RgbdFaces> files;
@@ -83,14 +76,13 @@ std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const RgbdPlacin
     RgbdFaces& faces = files.emplace_back();
     const int size = images[0].width();
     const std::size_t texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-    for (int face = 0; face < 6; ++face) {
+    for (std::size_t face = 0; face < faces.size(); ++face) {
       std::vector<Colour> colours(texels);
       std::vector<std::byte> bytes(4 * texels);
-      const auto [shown, reversed] = placed(face, placing);
-      images[static_cast<std::size_t>(shown)].gather(0, size, colours);
+      images[placed(face)].gather(0, size, colours);
       encode_rgbd(colours, bytes);
-      turn(bytes, size, reversed);
-      faces[static_cast<std::size_t>(face)] = png_of_rgba(bytes, size, size);
+      turn(bytes, size);
+      faces[face] = png_of_rgba(bytes, size, size);
       done += 1.0 * size * size;
       if (progress) progress(done / all);
     }
@@ -98,7 +90,7 @@ std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const RgbdPlacin
   return files;
 }
 
-TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts, const RgbdPlacing& placing) {
+TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts) {
   const auto image = [](const InputFile& from, const FilePart& part) {
     return rgba_of_png(read_bytes(from, part.offset, part.size));
   };
@@ -111,16 +103,15 @@ TextureFile rgbd_texture(const InputFile& file, const char* container, std::vect
                 .levels = static_cast<int>(std::min<std::size_t>(parts.size() / 6, 64)),
                 .cube = true};
   check_texture(t, file.size());
-  t.bytes = [t, image, parts = std::move(parts), placing](const InputFile& from, int level) {
+  t.bytes = [t, image, parts = std::move(parts)](const InputFile& from, int level) {
     const std::uint64_t size = t.image_bytes(level);
     std::vector<std::byte> bytes;
-    for (int face = 0; face < 6; ++face) {
-      const auto [stored, reversed] = placed(face, placing);
-      const FilePart& part = parts[static_cast<std::size_t>(6 * level + stored)];
+    for (std::size_t face = 0; face < 6; ++face) {
+      const FilePart& part = parts[6 * static_cast<std::size_t>(level) + placed(face)];
       RgbaImage found = image(from, part);
       if (found.bytes.size() != size || found.width != t.level_width(level))
         throw InputError(fmt::format("damaged: a face of level {} is {}x{}", level, found.width, found.height));
-      turn(found.bytes, found.width, reversed);
+      turn(found.bytes, found.width);
       bytes.insert(bytes.end(), found.bytes.begin(), found.bytes.end());
     }
     return bytes;

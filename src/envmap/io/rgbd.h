@@ -24,17 +24,12 @@ void encode_rgbd(std::span<const Colour> from, std::span<std::byte> to);
 /// An alpha of 0 is black.
 void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to);
 
-/// How the images of a file lie beside the faces of the APIs: each is turned upside down, and in Babylon.js' left-handed world
-/// X is negated.
-struct RgbdPlacing {
-  bool negate_x = false;
-};
-
-/// PNG files of the six faces of one level.
+/// PNG files of the six faces of one level. As Babylon.js reads them, out of .env and glTF files alike: each image is turned upside
+/// down, and X is negated, its world being left-handed.
 using RgbdFaces = std::array<std::vector<char>, 6>;
 
 /// Levels as PNG files, the largest first. @param levels columns of faces in the API's orientation. @param progress may be empty.
-std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const RgbdPlacing& placing, const Progress& progress);
+std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const Progress& progress);
 
 /// Where in a file a PNG image lies.
 struct FilePart {
@@ -43,6 +38,6 @@ struct FilePart {
 
 /// A cube out of such images. @param parts six for each level, the largest first. @throws InputError, as its `bytes` do, without
 /// the file's name, where one is no PNG image of the level's size.
-TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts, const RgbdPlacing& placing);
+TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts);
 
 }  // namespace envmap

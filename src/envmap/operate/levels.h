@@ -2,6 +2,8 @@
 /// Mip levels that keep the light: every texel is the solid-angle weighted mean of what it covers in the level before.
 #pragma once
 
+#include <string_view>
+
 #include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 
@@ -10,6 +12,8 @@ namespace ENVMAP_EXPORT envmap {
 /// What a texel counts for in a mean: the light it stands for, or what plain mipmaps of an image give it (as
 /// glGenerateMipmap does; kept to measure the difference).
 enum class Weights { solid_angle, uniform };
+
+inline constexpr std::string_view weight_names[] = {"solid-angle", "uniform"};
 
 /// Whether there is a level after: a face has more than one texel.
 bool has_next(const Level& level);

@@ -109,10 +109,7 @@ void cut_by_facet(const PaddedLevel& source, int facet, std::span<const Corner> 
     cut(ws.piece, side, ws.cut);
     std::swap(ws.piece, ws.cut);
   }
-  out.points.clear();
-  out.corners.clear();
-  out.latlong_rows = 0;
-  out.facet = facet;
+  out.begin(facet, 0);
   for (const Corner& c : ws.piece) out.add(in_texels(source, P::continued(facet, c.direction)), c.turns);
   if (!ws.piece.empty()) out.add(out.points.front(), true);
 }

@@ -60,6 +60,12 @@ void Sides::find(const Target& target, Projection source, bool inside) {
   locate(source, directions, places);
 }
 
+void Outline::add(const Point2& p, bool corner) {
+  lengths.push_back(points.empty() ? 0 : glm::length((p - points.back()) * Point2(narrowing(p.y), 1)));
+  points.push_back(p);
+  corners.push_back(corner);
+}
+
 // Pieces of a curve of curvature c and of length l lie off by b = c l^2 / 8 in their middles, all to one side. After move_out()
 // a piece has as much on one side as on the other, which moves weights only where those bend: at the borders of cells by b l^2 / 48
 // each (the second integral of t - t^2 - 1/6 has its largest value, 1/48 b l^2, in the middle), of which a texel's hat
@@ -71,7 +77,7 @@ Outline::Shape Outline::shape() const {
   double side = 0, longest = 0, most = 0;  // From the last corner on: how long, the longest piece, the largest bend.
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
     const Point2&a = points[k], &b = points[k + 1];
-    const double narrow = narrowing(b.y), piece = length(a, b);
+    const double narrow = narrowing(b.y), piece = lengths[k + 1];
     area += narrow * (b.y - a.y) * (a.x + b.x - 2 * points[0].x);
     low = glm::min(low, a), high = glm::max(high, a);
     side += piece, longest = std::max(longest, piece);
@@ -96,13 +102,10 @@ void Outline::move_out() {
   for (std::size_t k = 1; k + 1 < points.size(); ++k) {
     const Point2 a = std::exchange(before, points[k]), b = points[k], c = points[k + 1];
     if (corners[k]) continue;
-    const double l = length(a, b), m = length(b, c), lacking = l * l * l * (corners[k - 1] ? 2 : 1) + m * m * m * (corners[k + 1] ? 2 : 1);
+    const double l = lengths[k], m = lengths[k + 1];
+    const double lacking = l * l * l * (corners[k - 1] ? 2 : 1) + m * m * m * (corners[k + 1] ? 2 : 1);
     if (l * m > 0) points[k] += lacking / (6 * (l + m) * l * m) * (b - glm::mix(a, c, l / (l + m)));
   }
-}
-
-double Outline::length(const Point2& from, const Point2& to) const {
-  return glm::length((to - from) * Point2(narrowing(to.y), 1));
 }
 
 double Outline::narrowing(double y) const {
@@ -209,10 +212,7 @@ bool Outline::follow(const PaddedLevel& source, const Target& target, const Side
   const Projection p = source.projection();
   const bool disc = on_disc(p);
   const double behind = bilinear_bends_below(p, source.height()), rim = disc ? 0.5 - 1.0 * Level::apron / source.height() : 2;
-  points.clear();
-  corners.clear();
-  latlong_rows = p == Projection::latlong ? source.height() : 0;
-  facet = sides.places[texel * sides.pieces].face;
+  begin(sides.places[texel * sides.pieces].face, p == Projection::latlong ? source.height() : 0);
   std::size_t n = 0;
   if (p == Projection::latlong) {
     LatlongPath path{*this, source, target, sides, texel};

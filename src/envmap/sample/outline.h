@@ -46,12 +46,15 @@ struct Outline {
   int facet = -1;
   std::vector<Point2> points;  ///< The last is the first again.
   std::vector<char> corners;   ///< Where the outline may turn.
-  int latlong_rows = 0;              ///< Of a source that is a latlong map.
+  std::vector<double> lengths;  ///< Of the piece that ends at a point; rows of a latlong map count as narrow as on the sphere.
+  int latlong_rows = 0;        ///< Of a source that is a latlong map.
 
-  void add(const Point2& p, bool corner) {
-    points.push_back(p);
-    corners.push_back(corner);
+  /// Begins anew. @param rows of a source that is a latlong map, else 0.
+  void begin(int on_facet, int rows) {
+    points.clear(), corners.clear(), lengths.clear();
+    facet = on_facet, latlong_rows = rows;
   }
+  void add(const Point2& p, bool corner);
 
   /// Follows the outline of texel `first` + k. False where it is none on one facet, or where bilinear interpolation would
   /// not show the directions themselves.
@@ -69,8 +72,6 @@ struct Outline {
 
  private:
   bool follow_on_octahedron(const PaddedLevel& source, const Sides& sides, std::size_t texel);
-  // How long a step is, where a row of a latlong map counts as narrow as it is on the sphere.
-  [[nodiscard]] double length(const Point2& from, const Point2& to) const;
   // How long a step along a row of the source is, over one at the equator of a latlong map.
   [[nodiscard]] double narrowing(double y) const;
 };
