@@ -104,6 +104,7 @@ void tell_what_is_cut(const Engine& e, const Level& level) {
 int run(Options& o, const Common& common) {
   if (o.list) return list_engines(common);
   if (o.input.empty() || o.folder.empty()) throw UsageError("name a PROBE and a FOLDER, or say --list");
+  if (o.folder == "-") throw UsageError("FOLDER: '-' is standard output, which holds no folder: name one");
   if (!o.engine) throw UsageError("--for: which engine? " + engine_names());
   const Stopwatch watch;
   const Engine& e = *o.engine;

@@ -40,7 +40,7 @@ void add_grade(CLI::App& app, GradeOptions& o) {
   add_triple(app, "--gain", o.gain, "R,G,B", true, "Multiply the channels");
   app.add_option("--white", o.white,
                  "White balance: make grey, at its luminance, what is seen within 1 degree of direction X,Y,Z; or a black body "
-                 "of so many kelvins, 1000 to 25000")
+                 "of so many kelvins, 1000 to 25000, as 5600 or 5600K")
       ->type_name("X,Y,Z|KELVIN");
   app.add_option("--saturation", o.saturation,
                  "0: grey; above 1 more colourful, as far as no channel falls below 0; luminance stays (default: 1)")
@@ -69,7 +69,8 @@ std::optional<double> number_of(const std::string& text) {
 }
 
 Flux white_gain(const EnvironmentMap& map, const std::string& white, const Primaries& primaries) {
-  if (const auto kelvin = number_of(white)) {
+  const bool unit = white.size() > 1 && white.ends_with('K');
+  if (const auto kelvin = number_of(unit ? white.substr(0, white.size() - 1) : white)) {
     if (*kelvin < 1000 || *kelvin > 25000) throw UsageError(fmt::format("--white {}: a temperature is 1000 to 25000 kelvins", white));
     return white_balance(*kelvin, primaries);
   }

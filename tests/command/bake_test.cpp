@@ -145,6 +145,11 @@ TEST_F(Bake, BevysDiffuseMapIsTheIrradianceMirroredInZ) {
     EXPECT_NEAR(at(found, d[0], d[1], -d[2]), at(wanted, d[0], d[1], d[2]), 4e-3 * at(wanted, d[0], d[1], d[2]));
 }
 
+TEST_F(Bake, StandardOutputHoldsNoFolder) {
+  succeeds({"generate", "sky", "probe.exr", "--size", "8"});
+  fails(2, {"bake", "probe.exr", "-", "--for", "unity"}, {"standard output", "no folder"});
+}
+
 // Of Filament's nine colours: what they give is the irradiance over pi of the map, here itself a polynomial to degree 2.
 TEST_F(Bake, FilamentsHarmonicsAreTheIrradiance) {
   succeeds({"generate", "sh", "probe.exr", "--to", "cube", "--size", "64", "--degree", "2", "--order", "1", "--amplitude", "0.3"});

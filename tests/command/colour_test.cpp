@@ -126,6 +126,9 @@ TEST_F(Colours, LightIsScaledToPhotometricUnits) {
   expect_mean("gain.exr", 0.2, 1, 0.35);
   fails(2, {"convert", "in.exr", "x.exr", "--scale-to", "lumens=3"}, {"lumens=3", "lux=E"});
   fails(2, {"convert", "in.exr", "x.exr", "--scale-to", "lux=3", "--exposure", "1"}, {"--exposure"});
+  succeeds({"convert", "in.exr", "warm.exr", "--white", "3200"});
+  succeeds({"convert", "in.exr", "same.exr", "--white", "3200K"});
+  EXPECT_TRUE(read("warm.exr") == read("same.exr"));
   fails(2, {"convert", "in.exr", "x.exr", "--white", "blue"}, {"'blue'"});
   fails(2, {"convert", "in.exr", "x.exr", "--white", "50"}, {"1000 to 25000"});
   fails(2, {"convert", "in.exr", "x.exr", "--gain", "1,-1,1"}, {"--gain"});

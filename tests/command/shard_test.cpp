@@ -82,6 +82,15 @@ TEST_F(Shards, OfMipmapJoinToTheBytesOfTheWhole) {
   check({"plain means, three levels", {"mipmap", "from.exr", "--weights", "uniform", "--levels", "3"}, "whole.ktx2"});
 }
 
+TEST_F(Shards, MayComeThroughAPipeWhichIsReadOnce) {
+  make_parts({"", {"convert", "sun.exr", "--to", "cube", "--size", "6"}}, 3);
+  succeeds({"merge", part(1), part(2), part(3), "joined.exr"});
+  const Result r = shell("cat part-2.exr | \"$ENVMAP\" merge part-3.exr - part-1.exr piped.exr");
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(read("piped.exr") == read("joined.exr"));
+  EXPECT_EQ(shell("cat sun.exr | \"$ENVMAP\" merge part-3.exr - part-1.exr no.exr").status, 3);
+}
+
 TEST_F(Shards, ThatAreMissingTwiceThereOrOfAnotherMapAreRefused) {
   const Job job{"", {"convert", "sun.exr", "--to", "cube", "--size", "6"}};
   make_parts(job, 3);

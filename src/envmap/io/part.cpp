@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <memory>
 #include <optional>
 
 #include "envmap/base/error.h"
@@ -24,6 +25,7 @@ struct Head {
   std::string job;
   Metadata data;
   int width, height;  // Of the part.
+  std::shared_ptr<Image> standard;  // Input, which can be read once; of files nothing is kept open.
 };
 
 std::optional<int> number(std::string_view text) {
@@ -37,21 +39,27 @@ std::string take(Facts& facts, const std::string& name) {
   return node ? node.mapped() : std::string();
 }
 
-void open_part(Image& image, const std::string& path) {
-  open(image, path, {});
-  if (!image.reader || image.reader->format != "openexr") image.fail("is no part of a map: parts are .exr files that say which they are");
-  image = {};
-  open(image, path, {.crop = true});
+constexpr const char* no_part = "is no part of a map: parts are .exr files that say which they are";
+
+std::shared_ptr<Image> open_part(const std::string& path) {
+  const auto image = std::make_shared<Image>();
+  try {
+    open(*image, path, {.crop = true});
+  } catch (const UsageError&) {  // A choice of what EXR files alone have.
+    image->fail(no_part);
+  }
+  return image;
 }
 
 Head read_head(const std::string& path) {
-  Image image;
-  open_part(image, path);
+  const auto opened = open_part(path);
+  const Image& image = *opened;
   const ImageFacts& facts = image.reader->facts;
-  Head head{.path = path, .number = {0, 0}, .size = 0, .job = {}, .data = metadata(facts), .width = facts.width, .height = facts.height};
+  Head head{.path = path, .number = {0, 0}, .size = 0, .job = {}, .data = metadata(facts), .width = facts.width, .height = facts.height,
+            .standard = path == "-" ? opened : nullptr};
   Facts& words = head.data.facts;
   const std::string part = take(words, "part");
-  if (part.empty()) image.fail("is no part of a map: parts are .exr files that say which they are");
+  if (part.empty()) image.fail(no_part);
   const auto slash = std::min(part.find('/'), part.size() - 1);
   const auto index = number(std::string_view(part).substr(0, slash)), count = number(std::string_view(part).substr(slash + 1)),
              size = number(take(words, "part-size"));
@@ -88,8 +96,8 @@ void check(std::vector<Head>& parts) {
 }
 
 void read_rows(const Head& head, const Grid& places, Level& level) {
-  Image image;
-  open(image, head.path, {.crop = true});
+  const auto opened = head.standard ? head.standard : open_part(head.path);
+  const Image& image = *opened;
   const RowRange band = band_of(places.rows * level.height(), head.number);
   if (head.width != places.columns * level.width() || head.height != band.end - band.begin)
     image.fail(fmt::format("is {}x{}; {} of such a map is {}x{}: damaged", head.width, head.height, words(head),
