@@ -17,7 +17,7 @@ class CMakeBuild(build_ext):
     def build_extension(self, ext):
         build = pathlib.Path(self.build_temp).resolve()
         build.mkdir(parents=True, exist_ok=True)
-        options = {'CMAKE_BUILD_TYPE': 'Release', 'ENVMAP_PYTHON': 'ON', 'ENVMAP_PYTHON_ALONE': 'ON', 'ENVMAP_TESTS': 'OFF',
+        options = {'CMAKE_BUILD_TYPE': 'Release', 'ENVMAP_PYTHON': 'ON', 'ENVMAP_TESTS': 'OFF',
                    'ENVMAP_SAMPLES': 'OFF', 'Python_EXECUTABLE': sys.executable}
         subprocess.run(['cmake', '-G', 'Ninja', '-S', HERE, '-B', build, *(f'-D{k}={v}' for k, v in options.items()),
                         *shlex.split(os.environ.get('CMAKE_ARGS', ''))], check=True)

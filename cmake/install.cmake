@@ -1,5 +1,6 @@
 # What 'cmake --install' puts where: the program with its pages and completions, and the library for others to build on.
 include(CMakePackageConfigHelpers)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME envmap)
 
 # The program.
 install(TARGETS envmap_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
@@ -43,3 +44,10 @@ list(JOIN OpenEXR_LDFLAGS " " private_libraries)
 string(APPEND private_libraries " ${OpenColorIO_LDFLAGS} ${Png_LDFLAGS} ${Zstd_LDFLAGS} ${Highway_LDFLAGS}")
 configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap.pc.in ${PROJECT_BINARY_DIR}/envmap.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/envmap.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# The Python module, of a package of its own: 'cmake --install' leaves it out, 'pip install .' knows its place.
+if(ENVMAP_PYTHON)
+  install(TARGETS envmap_python LIBRARY DESTINATION lib/python3/dist-packages/envmap COMPONENT python EXCLUDE_FROM_ALL)
+  install(DIRECTORY src/python/envmap DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
+    FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed")
+endif()
