@@ -72,10 +72,11 @@ def turn_round(root, level):
 
 
 def python_module(root):
-    """The module knows the library's public face alone."""
+    """The module knows the library's public face, and render.cpp what draws scenes."""
     for file in sorted((root / 'src/python').glob('*.*')):
         for name in re.findall(r'^\s*#\s*include\s*"(envmap/[^"]+)"', file.read_text(), re.M):
-            if name != 'envmap/envmap.h':
+            draws = file.name == 'render.cpp' and name.startswith(('envmap/render/', 'envmap/scene/'))
+            if name != 'envmap/envmap.h' and not draws:
                 yield str(file.relative_to(root)), f'src/{name}'
 
 

@@ -29,7 +29,22 @@ struct Options {
   WriteOptions write;
   GradeOptions grade;
   Shard shard;
+  std::optional<double> ball_distance, ball_fov;
 };
+
+// What of the world the photo of a ball does not show, which no option fills in.
+std::optional<BallCamera> ball_camera(const Options& o, const EnvironmentMap& source, const Common& common) {
+  if (!o.ball_distance && !o.ball_fov) return std::nullopt;
+  if (source.projection() != Projection::sphere)
+    throw UsageError(fmt::format("--ball-{} is for the photo of a mirror ball (--from sphere); {} is a{} {} map",
+                                 o.ball_fov ? "fov" : "distance", o.input,
+                                 std::string_view("aeo").find(*name(source.projection())) != std::string_view::npos ? "n" : "", name(source.projection())));
+  const BallCamera camera = o.ball_fov ? BallCamera::of_field_of_view(*o.ball_fov) : BallCamera{*o.ball_distance};
+  note(common, fmt::format("envmap convert: {} does not show what is within {:.3g} degrees of -Z, behind the ball, {:.2g}% of all "
+                           "directions: there the colours of the ball's rim are continued",
+                           o.input, camera.blind_angle() * (180 / pi), 100 * camera.blind_part()));
+  return camera;
+}
 
 std::string words(Filter filter, int samples) {
   return std::string(name(filter)) + (samples > 1 ? fmt::format(" --samples {}", samples) : "");
@@ -123,6 +138,7 @@ int run(Options& o, const Common& common) {
     warn(fmt::format("{}: of {} levels {} is converted; say --level 0 if that is meant, and make levels of the result with "
                      "'envmap mipmap'",
                      o.input, source.levels, o.read.level));
+  o.convert.ball = ball_camera(o, source.map, common);
   grade(source, o.grade, o.read.colour, common);
   const Frame from = source.map.frame();
   const Projection to = o.to.value_or(from.projection);
@@ -192,6 +208,10 @@ Command convert_command() {
           "--rotate turns the environment about +Z by the roll, then +X by the pitch, then +Y by the yaw, "
           "right-handed: "
           "with --rotate 90,0,0 what was seen towards +Z is seen towards +X.\n\n"
+          "A sphere map is a mirror ball as seen from infinitely far away. Of a photo by a real camera, cropped to the ball's "
+          "silhouette, --ball-distance or --ball-fov says how near the camera was, whose axis leads through the ball's centre: a "
+          "ball that fills 20 degrees of the view is 5.76 radii away. Towards the camera is +Z. What lies hidden behind the "
+          "ball, within half of that angle of -Z, is told, and gets the colours of the ball's rim.\n\n"
           "--forward names the world axis at the centre of the latlong or angular images that are read without "
           "metadata and that are written; --from-forward names the input's alone.\n\n"
           "Colours are linear Rec.709 in memory, or in the linear space of --output-space, so that nothing that it holds is lost. What "
@@ -213,6 +233,8 @@ Command convert_command() {
                    {"envmap convert probe.exr aces.exr --output-space ACEScg", "for a renderer that works in ACEScg"},
                    {"envmap convert probe.hdr lit.exr --white 0,0,1 --scale-to lux=20000",
                     "a grey card seen towards +Z made grey, and the light that of an overcast noon"},
+                   {"envmap convert photo.hdr probe.exr --from sphere --to latlong --ball-distance 12 --rotate 180,0,0",
+                    "a photo of a ball from 12 radii away, with what was behind the ball in the middle"},
                    {"envmap convert ball.hdr - --from sphere --to angular | envmap info -",
                     "a mirror ball as light probe, through a pipe"}},
       .keys = with_written(keys),
@@ -244,6 +266,14 @@ Command convert_command() {
             ->type_name("E")
             ->check(CLI::Range(1e-6, 10.0));
         add_triple(app, "--rotate", o->turn, "Y,P,R", false, "Turn the environment by yaw, pitch, roll in degrees");
+        app.add_option("--ball-distance", o->ball_distance,
+                       "The input is the photo of a mirror ball by a camera R ball radii from the ball's centre (default: infinitely far)")
+            ->type_name("R")
+            ->check(CLI::Range(BallCamera::nearest, BallCamera::farthest));
+        app.add_option("--ball-fov", o->ball_fov, "The same by the angle that the ball fills at the camera, from one side to the other")
+            ->type_name("DEGREES")
+            ->check(CLI::Range(1.2e-4, 157.0))
+            ->excludes("--ball-distance");
         add_forward(app, "--forward", o->forward,
                     "World axis at the centre of latlong and angular images (default: +z)");
         auto* const exposure = app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS");

@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/render/choose.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
+#include "envmap/render/turn.h"
 #include "scene_options.h"
 
 namespace tools {
@@ -26,22 +25,10 @@ struct Options {
 // From where the map is drawn to a node, or to the scene's first camera; or what is said.
 Direction direction(const Options& o, const Scene& scene, const Pose& pose) {
   if (const auto along = triple_of(o.forward)) return *along;
-  const bool camera = o.forward == "camera";
-  if (camera && scene.cameras.empty()) throw UsageError(fmt::format("--forward: {} has no camera", o.scene.path));
-  const auto node = camera ? std::optional(scene.cameras.front().node) : find_node(scene, o.forward);
-  if (!node)
-    throw UsageError(fmt::format("--forward: '{}' is no axis (+z, -z, +x, -x), no X,Y,Z, no node of {} and not 'camera'",
-                                 o.forward, o.scene.path));
-  return (camera ? Direction(pose[static_cast<std::size_t>(*node)][3]) : centre_of(scene, pose, *node)) - o.from.at;
-}
-
-// Z along a direction, X level.
-Rotation turned_to(const Direction& along) {
-  if (!(glm::length(along) > 0)) throw UsageError("--forward: leads nowhere from where the map is drawn");
-  const Direction z = glm::normalize(along);
-  const Direction up = std::abs(z.y) < 1 - 1e-9 ? Direction(0, 1, 0) : Direction(0, 0, 1);
-  const Direction x = glm::normalize(glm::cross(up, z));
-  return {x, glm::cross(z, x), z};
+  if (const auto there = direction_to(scene, pose, o.from.at, o.forward)) return *there;
+  if (o.forward == "camera") throw UsageError(fmt::format("--forward: {} has no camera", o.scene.path));
+  throw UsageError(fmt::format("--forward: '{}' is no axis (+z, -z, +x, -x), no X,Y,Z, no node of {} and not 'camera'",
+                               o.forward, o.scene.path));
 }
 
 void check(const Options& o) {

@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <array>
 #include <memory>
@@ -78,7 +79,7 @@ py::list views(const Map& map) {
 
 // ---- files -----------------------------------------------------------------------------------------------------------
 
-Map read_file(const std::string& path, const std::optional<std::string>& projection, const std::optional<std::string>& layout,
+Map read_file(const std::filesystem::path& path, const std::optional<std::string>& projection, const std::optional<std::string>& layout,
               const std::optional<std::string>& forward, int level, bool all_levels, bool repair, bool drop_channels,
               const std::string& space, const std::string& working) {
   ReadOptions o;
@@ -89,23 +90,24 @@ Map read_file(const std::string& path, const std::optional<std::string>& project
   o.flaws = repair ? FlawPolicy::repair : FlawPolicy::refuse;
   o.colour.space = space, o.colour.working = working;
   const py::gil_scoped_release others;
-  return shared(std::move(read(path, o).map));
+  return shared(std::move(read(path.string(), o).map));
 }
 
-void write_file(const std::string& path, const Map& map, const std::optional<std::string>& depth,
+void write_file(const std::filesystem::path& path, const Map& map, const std::optional<std::string>& depth,
                 const std::optional<std::string>& layout, const std::string& format, const std::string& compression, bool clamp,
                 bool zstd, const Facts& facts, const py::object& progress) {
   WriteOptions o{.format = format, .clamp = clamp, .compression = compression, .zstd = zstd, .facts = facts};
   if (depth) o.depth = depth_of(*depth);
   if (layout) o.layout = layout_of(*layout);
-  Reporter(progress).run([&](const Progress& p) { return write(path, all_rows_of(*map), o, p); });
+  Reporter(progress).run([&](const Progress& p) { return write(path.string(), all_rows_of(*map), o, p); });
 }
 
 // ---- operations ------------------------------------------------------------------------------------------------------
 
 Map convert_map(const Map& map, const std::optional<std::string>& to, std::optional<int> size,
                 const std::optional<std::string>& filter, int samples, std::optional<double> max_error, const Triple& rotate,
-                double gain, const std::optional<std::string>& forward, const py::object& progress) {
+                double gain, const std::optional<std::string>& forward, std::optional<double> ball_distance,
+                std::optional<double> ball_fov, const py::object& progress) {
   const Frame from = map->frame();
   ConvertOptions o{.to = {to ? projection_of(*to) : from.projection, forward ? forward_of(*forward) : to ? Forward::plus_z : from.forward},
                    .size = size,
@@ -114,6 +116,9 @@ Map convert_map(const Map& map, const std::optional<std::string>& to, std::optio
                    .rotation = rotation(rotate[0], rotate[1], rotate[2]),
                    .gain = gain};
   if (filter) o.filter = filter_of(*filter);
+  if (ball_distance && ball_fov) throw UsageError("say ball_distance= or ball_fov=, not both");
+  if (ball_distance) o.ball = BallCamera{*ball_distance};
+  if (ball_fov) o.ball = BallCamera::of_field_of_view(*ball_fov);
   if (size && *size < 1) throw UsageError("a size is 1 or more");
   if (!(gain >= 0)) throw UsageError("a gain is 0 or more");
   return shared(Reporter(progress).run([&](const Progress& p) { return convert(*map, o, p); }));
@@ -196,9 +201,10 @@ Pattern pattern(const std::string& kind, py::kwargs& k) {
   if (kind == "gradient") return Gradient{take(k, "bottom", Rgb<double>(0.1)), take(k, "top", Rgb<double>(1))};
   if (kind == "checker") return Checker{take(k, "squares", 8), take(k, "even", Rgb<double>(1)), take(k, "odd", Rgb<double>(0.1))};
   if (kind == "directions") return Directions{};
+  if (kind == "faces") return Faces{};
   if (kind == "sky") return Sky{take(k, "zenith", 1.0), take(k, "ground", 0.2)};
   if (kind == "sh") return Harmonic{take(k, "degree", 2), take(k, "order", 0), take(k, "base", 1.0), take(k, "amplitude", 0.5)};
-  if (kind != "sun") throw UsageError("kind '" + kind + "' is none of constant, gradient, checker, directions, sun, sky, sh");
+  if (kind != "sun") throw UsageError("kind '" + kind + "' is none of constant, gradient, checker, directions, faces, sun, sky, sh");
   const Triple to = take(k, "direction", Triple{0, 0, 1});
   const Direction d(to[0], to[1], to[2]);
   if (!(glm::length(d) > 0)) throw UsageError("a direction has a length");
@@ -254,7 +260,10 @@ PYBIND11_MODULE(_envmap, m) {
         "Writes a map with its levels; the file appears whole or not at all.");
   m.def("convert", &convert_map, "map"_a, "to"_a = py::none(), py::kw_only(), "size"_a = py::none(), "filter"_a = py::none(),
         "samples"_a = 1, "max_error"_a = py::none(), "rotate"_a = Triple{0, 0, 0}, "gain"_a = 1.0, "forward"_a = py::none(),
-        "progress"_a = py::none(), "A map in another projection, size or frame.");
+        "ball_distance"_a = py::none(), "ball_fov"_a = py::none(), "progress"_a = py::none(),
+        "A map in another projection, size or frame. ball_distance (from its centre, in radii of the ball) or ball_fov (degrees from "
+        "one side of it to the other): the map is the photo of a mirror ball by a camera so near; what lies hidden behind the ball "
+        "gets the colours of its rim.");
   m.def("mipmap", &mipmap, "map"_a, py::kw_only(), "levels"_a = 0, "weights"_a = "solid-angle",
         "The map with its mip levels, each the solid-angle weighted means of the one before; 0: down to one texel.");
   m.def("prefilter", &prefilter_map, "map"_a, "lobe"_a = "diffuse", py::kw_only(), "exponent"_a = py::none(), "roughness"_a = py::none(),
@@ -264,7 +273,8 @@ PYBIND11_MODULE(_envmap, m) {
         "Coefficients of real spherical harmonics, an array ((order + 1)^2, 3), at l (l + 1) + m.");
   m.def("compare", &compare_maps, "a"_a, "b"_a, "Level 0 of map a against that of the reference b.");
   m.def("generate", &generate_map, "kind"_a, "to"_a = "latlong", "size"_a = 64, "forward"_a = "+z",
-        "An environment with a known answer: constant, gradient, checker, directions, sun, sky or sh, with its parameters.");
+        "An environment with a known answer: constant, gradient, checker, directions, faces, sun, sky or sh, with its parameters.");
+  add_render(m);
   m.def("solid_angles", &solid_angles_of, "projection"_a, "size"_a, "Steradians of each texel of a face, an array (height, width).");
 }
 

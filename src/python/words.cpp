@@ -10,23 +10,6 @@ namespace {
 namespace py = pybind11;
 using namespace envmap;
 
-// The place of a word among those that there are.
-template <class Words>
-std::size_t index_of_word(const std::string& what, const std::string& word, const Words& words) {
-  std::string all;
-  std::size_t k = 0;
-  for (const std::string_view w : words) {
-    if (w == word) return k;
-    all += (k++ == 0 ? "" : ", ") + std::string(w);
-  }
-  throw UsageError(what + " '" + word + "' is none of " + all);
-}
-
-template <class Enum, class Words>
-Enum named(const std::string& what, const std::string& word, const Words& words) {
-  return static_cast<Enum>(index_of_word(what, word, words));
-}
-
 // What would help, in the words of these functions.
 const char* advice(Remedy remedy) {
   switch (remedy) {

@@ -22,8 +22,28 @@ envmap::Shape shape_of(const std::string& word);
 envmap::Method method_of(const std::string& word);
 envmap::Weights weights_of(const std::string& word);
 
+/// The place of a word among those that there are. @throws UsageError that lists them.
+template <class Words>
+std::size_t index_of_word(const std::string& what, const std::string& word, const Words& words) {
+  std::string all;
+  std::size_t k = 0;
+  for (const std::string_view w : words) {
+    if (w == word) return k;
+    all += (k++ == 0 ? "" : ", ") + std::string(w);
+  }
+  throw envmap::UsageError(what + " '" + word + "' is none of " + all);
+}
+
+template <class Enum, class Words>
+Enum named(const std::string& what, const std::string& word, const Words& words) {
+  return static_cast<Enum>(index_of_word(what, word, words));
+}
+
 /// Error and its four kinds, as classes of the module; what() of the library in one line, and what would help.
 void add_errors(pybind11::module_& module);
+
+/// envmap.render(): render.cpp.
+void add_render(pybind11::module_& module);
 
 /// Calls a Python function with the part done, from any thread. What it raises ends the work and is raised again.
 class Reporter {

@@ -44,6 +44,21 @@ TEST_F(Usage, NamesTheArgumentThatIsMissing) {
   fails(usage, {"convert", "in.exr", "out.exr", "third.exr"}, {"third.exr"});
 }
 
+TEST_F(Usage, PhotosOfABallAreSphereMaps) {
+  fails(usage, {"convert", "in.exr", "out.exr", "--ball-distance", "3"}, {"--ball-distance", "--from sphere", "in.exr is a latlong map"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--ball-fov", "30"}, {"--ball-fov", "mirror ball", "in.exr"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--ball-distance", "1"}, {"--ball-distance", "1.02"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--ball-fov", "180"}, {"--ball-fov", "157"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--ball-fov", "30", "--ball-distance", "3"}, {"excludes"});
+}
+
+TEST_F(Usage, TellsWhatThePhotoOfABallDoesNotShow) {
+  succeeds({"convert", "in.exr", "ball.exr", "--to", "sphere"});
+  const Result r = envmap({"convert", "ball.exr", "out.exr", "--to", "latlong", "--ball-fov", "60"});
+  EXPECT_EQ(r.status, 0) << r.err;
+  for (const char* word : {"ball.exr", "30 degrees of -Z", "6.7%", "rim"}) EXPECT_NE(r.err.find(word), std::string::npos) << r.err;
+}
+
 TEST_F(Usage, RefusesSizesThatNoMapHas) {
   for (const char* size : {"0", "-1", "1e9", "1.5", "many"})
     fails(usage, {"convert", "in.exr", "out.exr", "--size", size}, {"--size"});

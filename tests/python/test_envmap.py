@@ -1,4 +1,9 @@
-"""The Python module against formulae of numpy's own."""
+"""The Python module against formulae of numpy's own, and what it draws against the command."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
 import threading
 
 import envmap
@@ -146,6 +151,107 @@ def test_errors_are_one_line(tmp_path):
         envmap.prefilter(noise(4), 'ggx')
     with pytest.raises(envmap.UsageError, match='no parameter radius'):
         envmap.generate('sky', radius=3)
+
+
+def test_faces_are_those_of_a_cube():
+    colours = np.array([(1, 0, 0), (0, 1, 1), (0, 1, 0), (1, 0, 1), (0, 0, 1), (1, 1, 0)], np.float32)
+    np.testing.assert_array_equal(envmap.generate('faces', 'cube', 4).array, np.broadcast_to(colours[:, None, None], (6, 4, 4, 3)))
+
+
+def test_photos_of_a_mirror_ball_are_unwrapped():
+    # Every texel holds the direction that a camera 4 radii away sees in it: the law of sines.
+    n, distance = 400, 4.0
+    s, t = np.meshgrid((2 * np.arange(n) + 1) / n - 1, 1 - (2 * np.arange(n) + 1) / n)
+    r = np.minimum(np.hypot(s, t), 1)
+    a = np.arctan(r * np.tan(np.arcsin(1 / distance)))
+    angle = 2 * np.arcsin(distance * np.sin(a)) - a
+    d = np.stack([np.sin(angle) * s / r, np.sin(angle) * t / r, np.cos(angle)], -1)
+    photo = envmap.Map((d + 1) / 2, 'sphere')
+    wanted = latlong_directions(32)
+    seen = wanted[..., 2] > -0.9
+    for how in ({'ball_distance': distance}, {'ball_fov': np.degrees(2 * np.arcsin(1 / distance))}):
+        made = envmap.convert(photo, 'latlong', size=32, filter='bilinear', **how)
+        np.testing.assert_allclose((2 * made.array - 1)[seen], wanted[seen], atol=0.01)
+    with pytest.raises(envmap.UsageError, match='1.02'):
+        envmap.convert(photo, 'latlong', ball_distance=0.5)
+    with pytest.raises(envmap.UsageError, match='sphere'):
+        envmap.convert(noise(4), 'cube', ball_distance=4)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """Two glowing triangles round a ball's node, and a floor that a light shines on."""
+    floor = np.array([(-9, -1, -9), (-9, -1, 9), (9, -1, -9), (9, -1, 9), (2, 0, -1), (2, 0, 1), (2, 2, 0)], np.float32)
+    indices = np.array([0, 1, 2, 2, 1, 3, 4, 5, 6, 4, 6, 5], np.uint16)
+    (tmp_path / 'data.bin').write_bytes(floor.tobytes() + indices.tobytes())
+    views = [{'buffer': 0, 'byteOffset': 0, 'byteLength': floor.nbytes},
+             {'buffer': 0, 'byteOffset': floor.nbytes, 'byteLength': indices.nbytes}]
+    accessors = [{'bufferView': 0, 'componentType': 5126, 'count': 7, 'type': 'VEC3', 'min': [-9, -1, -9], 'max': [9, 2, 9]},
+                 {'bufferView': 1, 'componentType': 5123, 'count': 6, 'type': 'SCALAR'},
+                 {'bufferView': 1, 'byteOffset': 12, 'componentType': 5123, 'count': 6, 'type': 'SCALAR'}]
+    meshes = [{'primitives': [{'attributes': {'POSITION': 0}, 'indices': k, 'material': k - 1}]} for k in (1, 2)]
+    path = tmp_path / 'scene.gltf'
+    path.write_text(json.dumps({
+        'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0, 1]}],
+        'nodes': [{'name': 'floor', 'mesh': 0}, {'name': 'flag', 'mesh': 1}], 'meshes': meshes,
+        'materials': [{}, {'emissiveFactor': [1, 0.5, 0.25]}], 'accessors': accessors, 'bufferViews': views,
+        'buffers': [{'uri': 'data.bin', 'byteLength': floor.nbytes + indices.nbytes}]}))
+    return path
+
+
+def command(folder, *words):
+    subprocess.run([os.environ['ENVMAP_PROGRAM'], *words, '--quiet'], cwd=folder, check=True)
+
+
+def test_render_is_what_the_command_draws(tmp_path, scene):
+    sky = envmap.generate('sky', 'latlong', 16)
+    envmap.write(tmp_path / 'sky.exr', sky, depth='float')
+    cases = [({'to': 'cube', 'size': 16, 'environment': sky, 'method': 'raycast'},
+              ['--size', '16', '--environment', 'sky.exr', '--method', 'raycast']),
+             ({'to': 'latlong', 'size': 16, 'ambient': (1, 2, 3), 'at': (0, 1, 0.5), 'forward': '-z', 'samples': 4, 'method': 'raycast'},
+              ['--to', 'latlong', '--size', '16', '--ambient', '1,2,3', '--at', '0,1,0.5', '--forward', '-z', '--samples', '4', '--method',
+               'raycast']),
+             ({'to': 'sphere', 'size': 16, 'at': 'flag', 'forward': 'floor', 'environment': sky, 'occlusion': 0, 'method': 'raycast'},
+              ['--to', 'sphere', '--size', '16', '--at', 'flag', '--forward', 'floor', '--environment', 'sky.exr', '--occlusion', '0',
+               '--method', 'raycast']),
+             ({'to': 'paraboloid', 'size': 16, 'environment': sky, 'context': 'osmesa', 'method': 'exact'},
+              ['--to', 'paraboloid', '--size', '16', '--environment', 'sky.exr', '--context', 'osmesa', '--method', 'exact'])]
+    for options, words in cases:
+        made = envmap.render(scene, **options)
+        command(tmp_path, 'render', 'scene.gltf', 'command.exr', '--depth', 'float', *words)
+        read = envmap.read(tmp_path / 'command.exr')
+        assert made.projection == read.projection and made.forward == read.forward
+        np.testing.assert_array_equal(made.array, read.array, err_msg=' '.join(words))
+        assert made.array.max() > 0.1 and made.array.std() > 0.01
+
+
+def test_render_says_what_is_wrong(tmp_path, scene):
+    with pytest.raises(envmap.InputError, match='none.glb') as found:
+        envmap.render(tmp_path / 'none.glb')
+    assert '\n' not in str(found.value)
+    for options, words in (({'at': 'nobody'}, "'nobody' is no node"), ({'method': 'fast'}, 'none of auto, exact'),
+                           ({'forward': '+x'}, 'latlong and angular'), ({'forward': 'camera'}, 'no camera'),
+                           ({'near': 2, 'far': 1}, 'near'), ({'to': 'latlong', 'method': 'distort'}, 'cannot draw'),
+                           ({'size': 0}, 'size'), ({'at': (0, 0, 0), 'forward': (0, 0, 0)}, 'look')):
+        with pytest.raises(envmap.UsageError, match=words):
+            envmap.render(scene, **{'size': 8, **options})
+    text = json.loads(scene.read_text())
+    text['materials'] = [{}, {}]
+    scene.write_text(json.dumps(text))
+    with pytest.warns(UserWarning, match='black'):
+        assert envmap.render(scene, size=4, method='raycast').array.max() == 0
+
+
+def test_the_readme_runs(tmp_path, monkeypatch):
+    top = pathlib.Path(__file__).parents[2]
+    script = (top / 'README.md').read_text().split('```python\n')[1].split('```')[0]
+    subprocess.run([sys.executable, top / 'samples/scenes/make.py', tmp_path], check=True, stdout=subprocess.DEVNULL)
+    monkeypatch.chdir(tmp_path)
+    envmap.write('probe.hdr', envmap.generate('sky', size=64))
+    found = {}
+    exec(script.replace('"latlong", at', '"latlong", size=32, at'), found)  # A small picture of it.
+    assert found['room'].array.shape == (32, 64, 3) and found['coefficients'].shape == (9, 3)
+    assert (tmp_path / 'ggx.exr').exists()
 
 
 def test_progress_is_told_and_ends_the_work():

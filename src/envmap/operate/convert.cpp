@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/choose_filter.h"
@@ -26,13 +27,16 @@ double covered(const Target& target, const Level& source) {
 }
 
 Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
+  if (o.ball && source.projection() != Projection::sphere) throw UsageError("only sphere maps are photos of a ball");
+  if (o.ball && !(o.ball->distance >= BallCamera::nearest && o.ball->distance <= BallCamera::farthest))
+    throw UsageError("a camera is 1.02 to 1e6 radii away from the ball's centre");
   const int size = o.size.value_or(matching_size(source.projection(), source.base().height(), o.to.projection));
   return {o.to.projection, size,
-          glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) * image_to_world(o.to.forward)};
+          glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) * image_to_world(o.to.forward), o.ball};
 }
 
 bool same_grid(const Target& target, const Level& source) {
-  return target.to == source.projection() && target.size == source.height();
+  return !target.ball && target.to == source.projection() && target.size == source.height();
 }
 
 bool near_whole(double x, double tolerance) { return std::abs(x - std::round(x)) <= tolerance; }

@@ -11,6 +11,7 @@
 #include "envmap/base/progress.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/rows.h"
+#include "envmap/projection/ball_camera.h"
 #include "envmap/sample/filter.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -28,6 +29,9 @@ struct ConvertOptions {
   std::optional<double> max_error;
   Rotation rotation{1};               ///< Turns the environment: radiance from d comes out from rotation x d.
   double gain = 1;                    ///< Factor on radiance.
+  /// The camera that took the source, a photo of a mirror ball; absent: one infinitely far away. What the camera does not see gets
+  /// the colours of the ball's rim. Of sphere maps only.
+  std::optional<BallCamera> ball = std::nullopt;
 };
 
 /// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare() has
@@ -50,6 +54,7 @@ struct FilterChoice {
 class Resampler {
  public:
   /// Copies the source's texels.
+  /// @throws UsageError where `ball` is said of another map than a sphere map, or its distance is out of range.
   Resampler(const EnvironmentMap& source, const ConvertOptions& options) : Resampler(source.clone(), options) {}
   /// Takes the source's texels over: no more memory than the map itself.
   Resampler(EnvironmentMap&& source, const ConvertOptions& options);

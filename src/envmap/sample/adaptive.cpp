@@ -21,9 +21,7 @@ constexpr int max_rounds = 12;  // A cell round a pole stays wide however often 
 
 struct Area {
   const PaddedLevel& source;
-  Projection to;
-  int size;
-  Rotation to_source;
+  Target target;
   double tolerance, floor;
 };
 
@@ -60,20 +58,20 @@ struct Workspace {
     locations.resize(points.size());
     colours.resize(points.size());
     densities.resize(points.size());
-    envmap::directions(task.to, face, points, directions);
-    rotate(task.to_source, directions);
+    envmap::directions(task.target.to, face, points, directions);
+    task.target.bring_to_source(directions);
     locate_for_bilinear(task.source.projection(), task.source.height(), directions, locations);
     sample_bilinear(task.source, locations, colours);
     if (weigh)
-      envmap::densities(task.to, points, densities);
+      envmap::densities(task.target.to, points, densities);
     else
       for (std::size_t k = 0; k < points.size(); ++k) {
-        const Derivative d = derivative(task.to, {face, points[k].x, points[k].y}, 0.25 / task.size);
+        const Derivative d = derivative(task.target.to, {face, points[k].x, points[k].y}, 0.25 / task.target.size);
         densities[k] = glm::length(glm::cross(d.du, d.dv));
       }
     for (std::size_t k = 0; k < cells.size(); ++k) {
       gather(task.source, &locations[4 * k], &colours[4 * k], &densities[4 * k], side.x * side.y, cells[k]);
-      cells[k].rim = weigh && on_disc(task.to) ? side.x * side.y * rim_density(task.to, cells[k].centre, side) : 0;
+      cells[k].rim = weigh && on_disc(task.target.to) ? side.x * side.y * rim_density(task.target.to, cells[k].centre, side) : 0;
     }
   }
 
@@ -153,7 +151,7 @@ double error_bound(const Cell& c, const Rgb<double>& mean, double cell_size, boo
 }
 
 Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& fallback, bool weigh, Workspace& ws) {
-  const Jacobian moved = jacobian({task.to, task.size, task.to_source}, task.source.projection(), task.source.height(),
+  const Jacobian moved = jacobian(task.target, task.source.projection(), task.source.height(),
                                   face, {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
   const Point2 covers{glm::length(moved.du), glm::length(moved.dv)};
   const int nu = std::clamp(static_cast<int>(std::ceil(covers.x)), 1, max_cells);
@@ -199,22 +197,23 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
   if (whole > 0) return Colour(mean);
   // A sliver inside the rim that no sample met.
   Location<double> at[1];
-  const Direction d = task.to_source * fallback;
-  locate(task.source.projection(), std::span(&d, 1), at);
+  Direction d[1] = {fallback};
+  task.target.bring_to_source(d);
+  locate(task.source.projection(), d, at);
   return bilinear(task.source, at[0]);
 }
 
 void sample_area(const Area& task, int face, int row, int first, std::span<Colour> out) {
   static thread_local Workspace ws;
-  const double w = task.size * aspect(task.to), h = task.size;
+  const double w = task.target.size * aspect(task.target.to), h = task.target.size;
   std::vector<Direction> centres(out.size());
-  texel_directions(task.to, task.size, face, row, first, centres);
+  texel_directions(task.target.to, task.target.size, face, row, first, centres);
   for (std::size_t k = 0; k < out.size(); ++k) {
     const double i = first + static_cast<double>(k);
     const Rect texel{i / w, row / h, (i + 1) / w, (row + 1) / h};
     // Corners of a paraboloid's square lie outside the disc: no solid angle, but what the projection continues to has.
     const double s = std::clamp(0.5, texel.u0, texel.u1) - 0.5, t = std::clamp(0.5, texel.v0, texel.v1) - 0.5;
-    const bool weigh = !on_disc(task.to) || s * s + t * t < 0.25;
+    const bool weigh = !on_disc(task.target.to) || s * s + t * t < 0.25;
     out[k] = texel_mean(task, face, texel, centres[k], weigh, ws);
   }
 }
@@ -222,7 +221,7 @@ void sample_area(const Area& task, int face, int row, int first, std::span<Colou
 }  // namespace
 
 Sampler adaptive_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
-  const Area task{source, target.to, target.size, target.to_source, tolerance, floor};
+  const Area task{source, target, tolerance, floor};
   return [task](int face, int row, int first, std::span<Colour> out) { sample_area(task, face, row, first, out); };
 }
 

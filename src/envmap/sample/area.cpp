@@ -253,7 +253,8 @@ PaddedLevel divided(const PaddedLevel& source, int times) {
 Sampler area_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
   const Sampler otherwise = adaptive_sampler(source, target, tolerance, floor);
   const int times = division_for(source, tolerance);
-  if (times == 0) return otherwise;
+  // A camera near the ball spreads solid angles over its photo otherwise than the projection.
+  if (times == 0 || target.ball) return otherwise;
   const auto finer = times > 1 ? std::make_shared<const PaddedLevel>(divided(source, times)) : nullptr;
   const Task task{finer ? *finer : source, target, bend_for_error * tolerance, times};
   return [finer, task, otherwise](int face, int row, int first, std::span<Colour> out) {

@@ -17,7 +17,7 @@ namespace envmap {
 /// map it is cut. Texels whose outline meets the rim of a disc in the source, or that look towards -Z of a sphere map, are left to adaptive_sampler(). Where the solid
 /// angle is not linear over a texel to the tolerance (at 1e-4 in latlong maps of less than 140 rows), the texels are
 /// divided first, which changes nothing of the reconstruction; where that would make a source of over 4096 x 4096 texels,
-/// adaptive_sampler() takes them all.
+/// adaptive_sampler() takes them all, as it does of the photo of a ball by a camera near it.
 /// @param source must outlive the sampler.
 /// @param tolerance how far an outline may bend, in source texels, or over its own thickness where that is less. Texels
 /// are right to that, relative to the larger of their value and `floor`, but where a sun is cut in two.

@@ -27,7 +27,7 @@ void sample_row(const PaddedLevel& base, const Target& target, bool inverse_bili
   const std::span directions = std::span(all_directions).first(out.size());
   const std::span locations = std::span(all_locations).first(out.size());
   texel_directions(target.to, size, face, row, first, directions);
-  rotate(target.to_source, directions);
+  target.bring_to_source(directions);
   inverse_bilinear ? locate_for_bilinear(base.projection(), base.height(), directions, locations)
          : locate(base.projection(), directions, locations);
   sample(base, locations, out);

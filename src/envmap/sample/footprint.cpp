@@ -6,6 +6,17 @@
 #include <cmath>
 
 namespace envmap {
+namespace {
+
+// How a direction, turned into the source's frame already, moves there: through the camera by differences over a quarter of the way.
+Direction brought_to_source(const Target& target, const Direction& at, const Direction& move) {
+  if (!target.ball) return move;
+  constexpr double step = 0.25;
+  const auto seen = [&](double part) { return target.ball->seen_from_afar(glm::normalize(at + part * move)); };
+  return (seen(step) - seen(-step)) / (2 * step);
+}
+
+}  // namespace
 
 Jacobian jacobian(const Target& target, Projection source, int source_size, int face, const Point2& at) {
   const double h = target.size, w = h * aspect(target.to);
@@ -18,14 +29,15 @@ Jacobian jacobian(const Target& target, Projection source, int source_size, int 
   Direction d[1];
   Location<double> place[1];
   directions(target.to, face, std::span(&inside, 1), d);
-  d[0] = target.to_source * d[0];
+  const Direction in_frame = target.to_source * d[0];
+  target.bring_to_source(d);
   locate(source, d, place);
   const Derivative in = derivative(source, place[0], 0.25 / source_size);
   const Direction a = in.du / (1.0 * source_size * aspect(source)), b = in.dv / double(source_size);
   const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b), most = std::max(aa, bb);
   const double det = std::max(aa * bb - ab * ab, std::max(1e-6 * most * most, 1e-300));
   const auto moved = [&](const Direction& move) {
-    const Direction m = target.to_source * move;
+    const Direction m = brought_to_source(target, in_frame, target.to_source * move);
     const double ma = glm::dot(a, m), mb = glm::dot(b, m);
     return Point2(bb * ma - ab * mb, aa * mb - ab * ma) / det;
   };

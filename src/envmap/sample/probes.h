@@ -51,7 +51,7 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
   directions.resize(out.size() + points.size());
   envmap::directions(target.to, face, points, std::span(directions).subspan(out.size()));
   std::vector<Location<double>> locations(directions.size());
-  rotate(target.to_source, directions);
+  target.bring_to_source(directions);
   find(directions, locations);
 
   std::vector<Colour> colours;

@@ -1,3 +1,4 @@
+import os
 from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
@@ -11,6 +12,8 @@ Depth = Literal["uint8", "uint16", "bc6h", "rgb9e5", "half", "float"]
 Filter = Literal["nearest", "bilinear", "bicubic", "trilinear", "sat", "ewa", "area"]
 Lobe = Literal["diffuse", "phong", "ggx", "blinn-phong", "charlie"]
 Method = Literal["auto", "exact", "hierarchical", "spectral"]
+DrawMethod = Literal["auto", "exact", "distort", "tessellate", "resample", "raycast"]
+Path = str | os.PathLike[str]
 Triple = tuple[float, float, float]
 Progress = Callable[[float], object] | None
 
@@ -52,21 +55,26 @@ class Difference:
     @property
     def max(self) -> float: ...
 
-def read(path: str, *, projection: Projection | None = None, layout: Layout | None = None, forward: Forward | None = None,
+def read(path: Path, *, projection: Projection | None = None, layout: Layout | None = None, forward: Forward | None = None,
          level: int = 0, all_levels: bool = False, repair: bool = False, drop_channels: bool = False, space: str = "",
          working: str = "") -> Map: ...
-def write(path: str, map: Map | ArrayLike, *, depth: Depth | None = None, layout: Layout | None = None, format: str = "",
+def write(path: Path, map: Map | ArrayLike, *, depth: Depth | None = None, layout: Layout | None = None, format: str = "",
           compression: str = "", clamp: bool = False, zstd: bool = False, facts: Mapping[str, str] = ...,
           progress: Progress = None) -> None: ...
 def convert(map: Map | ArrayLike, to: Projection | None = None, *, size: int | None = None, filter: Filter | None = None,
             samples: int = 1, max_error: float | None = None, rotate: Triple = (0, 0, 0), gain: float = 1.0,
-            forward: Forward | None = None, progress: Progress = None) -> Map: ...
+            forward: Forward | None = None, ball_distance: float | None = None, ball_fov: float | None = None,
+            progress: Progress = None) -> Map: ...
 def mipmap(map: Map | ArrayLike, *, levels: int = 0, weights: Literal["solid-angle", "uniform"] = "solid-angle") -> Map: ...
 def prefilter(map: Map | ArrayLike, lobe: Lobe = "diffuse", *, exponent: float | None = None, roughness: float | None = None,
               to: Projection = "cube", size: int | None = None, method: Method = "auto", max_error: float = 1e-3,
               scale: float | None = None, forward: Forward = "+z", progress: Progress = None) -> Prefiltered: ...
+def render(scene: Path, to: Projection = "cube", *, at: str | Triple | None = None, size: int = 256, samples: int = 1,
+           environment: Map | ArrayLike | None = None, ambient: Triple | None = None, forward: Forward | str | Triple | None = None,
+           near: float = 0.01, far: float = 1000.0, time: float = 0.0, method: DrawMethod = "auto", shadows: bool = True,
+           occlusion: int = 64, context: Literal["auto", "osmesa", "egl"] = "auto", progress: Progress = None) -> Map: ...
 def sh(map: Map | ArrayLike, order: int = 2, *, irradiance: bool = False, progress: Progress = None) -> NDArray[numpy.float64]: ...
 def compare(a: Map | ArrayLike, b: Map | ArrayLike) -> Difference: ...
-def generate(kind: Literal["constant", "gradient", "checker", "directions", "sun", "sky", "sh"], to: Projection = "latlong",
+def generate(kind: Literal["constant", "gradient", "checker", "directions", "faces", "sun", "sky", "sh"], to: Projection = "latlong",
              size: int = 64, forward: Forward = "+z", **parameters: Any) -> Map: ...
 def solid_angles(projection: Projection, size: int) -> NDArray[numpy.float64]: ...
