@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Shards on a real Slurm: a cluster of this machine alone (munged, slurmctld and slurmd, started and stopped here, all that they
 keep in a folder of the test's own) runs what 'envmap batch --slurm' writes: seven shards in mixed order, of which one is
-killed and queued again, and the merge that waits for them. The bytes are those of the whole run.
+killed and queued again, and the merge that waits for them. The bytes are those of the whole run. Then the manual's recipe for a farm.
 
-  slurm.py ENVMAP                where Slurm is not installed, or this is not root, one line says so and nothing is done (77)
+  slurm.py ENVMAP PAGE           PAGE is man/envmap.7; where Slurm is not installed, or this is not root, one line says so and nothing is done (77)
 """
 import hashlib
 import os
 import pathlib
+import re
 import shutil
 import signal
 import socket
@@ -16,7 +17,7 @@ import sys
 import tempfile
 import time
 
-ENVMAP = str(pathlib.Path(sys.argv[1]).resolve())
+ENVMAP, PAGE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2])
 PROGRAMS = ['munged', 'slurmctld', 'slurmd', 'sbatch', 'scontrol', 'squeue']
 COUNT = 7
 
@@ -76,7 +77,7 @@ SlurmctldPidFile={folder}/slurmctld.pid
 SlurmdPidFile={folder}/slurmd.pid
 SlurmctldLogFile={folder}/slurmctld.log
 SlurmdLogFile={folder}/slurmd.log
-NodeName={host} NodeAddr=127.0.0.1 CPUs={os.cpu_count()} State=UNKNOWN
+NodeName={host} NodeAddr=127.0.0.1 CPUs={os.cpu_count()} RealMemory=1024 State=UNKNOWN
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 ''')
         os.environ['SLURM_CONF'] = str(folder / 'slurm.conf')
@@ -162,10 +163,27 @@ def test(folder):
         sys.exit(f'slurm: left behind: {left}')
 
 
+def test_recipe(folder):
+    """Word for word, but for the line that runs all here, by Ninja: tests/recipes.py has it."""
+    work = folder / 'recipe'
+    (work / 'probes').mkdir(parents=True)
+    for name in 'ab':
+        run(ENVMAP, 'generate', 'sky', f'probes/{name}.hdr', '--size', '16', cwd=work)
+    blocks = re.findall(r'^\.nf\n\.RS 4\n(.*?)^\.RE\n\.fi$', PAGE.read_text(), re.M | re.S)
+    recipe, = (b.replace('\\', '').replace('envmap batch maps.txt -k\n', '') for b in blocks if 'farm.sh' in b)
+    run('sh', '-ec', recipe, cwd=work, env={**os.environ, 'PATH': f'{pathlib.Path(ENVMAP).parent}:{os.environ["PATH"]}'})
+    wait_for('the farm', lambda: not ask('squeue', '--noheader').strip(), 120)
+    for name in 'ab':
+        for made in (f'{name}.ktx2', f'{name}-diffuse.exr', f'{name}/background.exr'):
+            if not (work / 'probes' / made).exists():
+                sys.exit(f'slurm: the farm of envmap(7) did not make {made}')
+
+
 folder = pathlib.Path(tempfile.mkdtemp(prefix='envmap-slurm-'))
 try:
     with Cluster(folder):
         test(folder)
+        test_recipe(folder)
     print('slurm: seven shards, one killed and queued again, join to the bytes of the whole')
 except TimeoutError as late:
     logs = '\n'.join(f'{p}: {p.read_text(errors="replace")[-2000:]}' for p in [*folder.glob('*.log'), *folder.glob('*.out')])

@@ -99,8 +99,8 @@ std::string main_page(const std::vector<Command>& commands) {
     list += ".TP\n\\fBenvmap " + c.name + "\\fR\n" + roff(c.summary) + "\n";
     also += fmt::format("{}.BR envmap\\-{} (1)", also.empty() ? "" : ",\n", c.name);
   }
-  for (const char* topic : {"conventions", "files", "accuracy", "prefilter", "scenes", "performance"})
-    also += fmt::format(",\n.BR envmap\\-{} (7)", topic);
+  for (const char* topic : {"", "conventions", "files", "accuracy", "prefilter", "scenes", "performance"})
+    also += fmt::format(",\n.BR envmap{}{} (7)", *topic ? "\\-" : "", topic);
   return title("envmap") + ".SH NAME\nenvmap \\- " + roff("convert, measure and make environment maps") +
          "\n.SH SYNOPSIS\n\\fBenvmap\\fR \\fICOMMAND\\fR [\\fIOPTIONS\\fR] ...\n" + ".SH DESCRIPTION\n" +
          roff(

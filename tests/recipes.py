@@ -1,0 +1,91 @@
+"""Runs what the documents say word for word, on files of the names that they take: every command of README.md that begins with
+`envmap`, in its order, and every recipe of man/envmap.7.
+
+  recipes.py SOURCE_DIR ENVMAP
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+source, program = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
+
+
+def commands():
+    """Indented lines of README.md, comments left out: the shell takes them as they are."""
+    for line in (source / 'README.md').read_text().splitlines():
+        if line.startswith('    envmap '):
+            yield line.strip()
+
+
+def run(command, folder):
+    """@return what is wrong, or nothing."""
+    path = f'{program.parent}{os.pathsep}{os.environ["PATH"]}'
+    done = subprocess.run(['sh', '-c', command], cwd=folder, env={**os.environ, 'PATH': path}, capture_output=True, text=True)
+    if done.returncode == 0:
+        return ''
+    return f'{command}\n  exit status {done.returncode}: {done.stderr.strip()}\n'
+
+
+def prepare(folder):
+    """The reader's own files."""
+    wrong = ''
+    for command in ('envmap generate sky probe.hdr --size 64', 'envmap convert probe.hdr ball.hdr --to sphere',
+                    'envmap convert probe.hdr golden.exr --to cube', 'envmap convert probe.hdr new.exr --to cube'):
+        wrong += run(command, folder)
+    (folder / 'maps.txt').write_text('mipmap probes/*.hdr {stem}.ktx2 --depth half\n')
+    (folder / 'probes').mkdir()
+    for name in 'ab':
+        shutil.copy(folder / 'probe.hdr', folder / f'probes/{name}.hdr')
+    scenes = folder / 'scenes'
+    subprocess.run([sys.executable, source / 'samples/scenes/make.py', scenes], check=True, stdout=subprocess.DEVNULL)
+    shutil.copy(scenes / 'cellar.glb', folder)
+    shutil.copy(scenes / 'ball.glb', folder / 'model.glb')
+    return wrong
+
+
+def recipes(page):
+    """Shell scripts: what stands between .nf and .fi, read as man shows it."""
+    for block in re.findall(r'^\.nf\n\.RS 4\n(.*?)^\.RE\n\.fi$', page.read_text(), re.M | re.S):
+        yield re.sub(r'\\(.)', lambda m: {'e': '\\'}.get(m[1], m[1]), block)
+
+
+def prepare_recipes(folder):
+    (folder / 'probes').mkdir()
+    wrong = ''
+    for command in ('envmap generate sun probe.hdr --size 32 --radius 4 --value 100 --direction 1,2,1', 'envmap convert probe.hdr ball.hdr --to sphere --size 512',
+                    'oiiotool --create 1024x720 3 ball.hdr --paste +256+104 -o frame.hdr && rm ball.hdr',
+                    'for k in a b; do envmap convert probe.hdr probes/$k.hdr --size 16; done'):
+        wrong += run(command, folder)
+    return wrong
+
+
+def check_readme(folder):
+    wrong = prepare(folder)
+    every = list(commands())
+    return wrong + ''.join(run(command, folder) for command in every), len(every)
+
+
+def check_recipes(folder):
+    wrong = prepare_recipes(folder)
+    every = list(recipes(source / 'man/envmap.7'))
+    for recipe in every:
+        alone = re.sub(r'^sh farm.sh .*\n', '', recipe, flags=re.M)  # tests/slurm.py runs that on a cluster.
+        wrong += run('set -e\n' + alone, folder)
+    return wrong, len(every)
+
+
+def main():
+    failed = 0
+    for what, check, least in (('commands of README.md', check_readme, 10), ('recipes of envmap(7)', check_recipes, 7)):
+        with tempfile.TemporaryDirectory() as name:
+            wrong, count = check(pathlib.Path(name))
+        print(wrong or f'{count} {what}')
+        failed |= bool(wrong) or count < least
+    return failed
+
+
+sys.exit(main())
