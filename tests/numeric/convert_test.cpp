@@ -117,9 +117,9 @@ TEST_P(EachPair, FluxOfASmoothEnvironment) {
 }
 
 TEST_P(EachPair, TheSameBytesAtAnyNumberOfThreads) {
+  const EnvironmentMap source = generate(Sun{.radius = 5}, from_, 24);
   const auto bytes = [&](std::size_t threads, Filter filter) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    EnvironmentMap source = generate(Sun{.radius = 5}, from_, 24);
     return convert(source, {.to = to_, .size = 20, .filter = filter});
   };
   for (const Filter filter : {Filter::bilinear, Filter::bicubic, Filter::trilinear, Filter::sat, Filter::ewa, Filter::area}) {

@@ -383,6 +383,38 @@ TEST(Prefilter, ANarrowLobeOnAnEdgeSeesHalfOfEitherSide) {
     EXPECT_NEAR(exact_prefilter(map.base(), lobe, std::span(&d, 1))[0].x, 2, 1e-3);
 }
 
+// Where one half of the sphere is white and the other 0.1: the lobe's sum over rings, of each the part that lies in the white half.
+double at_an_edge(const Prefilter& p, double height) {  // Sine of the angle that the direction is from the edge.
+  double white = 0, whole = 0;
+  constexpr int rings = 200000;
+  for (int k = 0; k < rings; ++k) {  // Equal steps of the logarithm of the angle.
+    const double angle = 1e-7 * std::pow(0.5 * pi / 1e-7, (k + 0.5) / rings);
+    const double weight = angle * std::sin(angle) * kernel(p, std::cos(angle));
+    const double edge = -height / std::sqrt(1 - height * height) / std::tan(angle);
+    whole += weight, white += weight * std::acos(std::clamp(edge, -1.0, 1.0)) / pi;
+  }
+  return 0.1 + 0.9 * white / whole;
+}
+
+TEST(Prefilter, LobesNarrowerThanTheTexelsOfACoarseMapNeedNoExactSum) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::latlong, 32);
+  for (int j = 0; j < 32; ++j)
+    for (int i = 0; i < 64; ++i) *map.base().texel(0, i, j) = Colour(i < 32 ? 1.F : 0.1F);  // x > 0 is white.
+  const PrefilterSource prepared(map);
+  for (Prefilter p : {Prefilter{.shape = Shape::ggx, .parameter = 0.02}, {.shape = Shape::ggx, .parameter = 0.08},
+                      {.shape = Shape::phong, .parameter = 1e5}, {.shape = Shape::blinn_phong, .parameter = 1e4}}) {
+    p.method = Method::hierarchical, p.to = Projection::cube, p.size = 15, p.max_error = 1e-4;
+    const Prefiltered done = prepared.make(p);
+    EXPECT_EQ(done.exact, 0) << words(p);
+    for (int i = 0; i < p.size; ++i) {
+      const Direction d = direction_of(p, 4, i, 5);
+      const double truth = at_an_edge(p, d.x);
+      EXPECT_NEAR(done.map.base().texel(4, i, 5)->x, truth, p.max_error * truth) << words(p) << " " << i;
+    }
+  }
+}
+
 TEST(Prefilter, ExponentNoughtSeesThePartOfASunAboveTheHorizon) {
   // A sun of one texel on the equator, black round it: for exponent 0 a direction on the equator gets what of its longitudes
   // lies within a quarter turn, over 2 pi.

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -92,6 +94,28 @@ struct Border {
   }
 };
 
+/// The border of a rectangle; those made last are kept for the same thread, as neighbouring directions ask for the same.
+template <class P>
+const Border<P>& recent_border(int face, const Rect& rect) {
+  struct Kept {
+    int face;
+    Rect rect;
+    Border<P> border;
+  };
+  thread_local std::vector<std::optional<Kept>> kept(128);
+  std::uint64_t hash = static_cast<std::uint64_t>(face);
+  for (const double x : {rect.u0, rect.v0, rect.u1, rect.v1}) hash = 0x9E3779B97F4A7C15U * (hash ^ std::bit_cast<std::uint64_t>(x));
+  std::optional<Kept>& place = kept[hash >> 57];
+  const auto is_it = [&](const Rect& r) { return r.u0 == rect.u0 && r.v0 == rect.v0 && r.u1 == rect.u1 && r.v1 == rect.v1; };
+  if (!place || place->face != face || !is_it(place->rect)) place.emplace(face, rect, Border<P>(face, rect));
+  return place->border;
+}
+
+/// An integral, and what it may be off: the sum of what halving each of its parts changed, some hundred times the true error.
+struct Integral {
+  double value = 0, error = 0;
+};
+
 /// One direction's integral round a border.
 template <class P, class L>
 class RoundBorder {
@@ -100,8 +124,9 @@ class RoundBorder {
   RoundBorder(const L& lobe, const Direction& r, int face, double nearest)
       : lobe_(lobe), r_(r), face_(face), near_(nearest <= 0 || lobe.missing(nearest) > 0.5) {}
 
-  /// @param solid_angle of the rectangle. @param reach of it from its middle.
-  [[nodiscard]] double operator()(const Border<P>& border, double solid_angle, double reach, double nearest) const {
+  /// @param solid_angle of the rectangle. @param reach of it from its middle. @param enough what a part may be off.
+  [[nodiscard]] Integral operator()(const Border<P>& border, double solid_angle, double reach, double nearest,
+                                    double enough = 0) const {
     thread_local std::vector<Part> parts;
     parts.clear();
     for (const auto& edge : border.edges) add(edge, parts);
@@ -110,10 +135,11 @@ class RoundBorder {
     for (const Part& part : parts) scale += std::abs(part.whole);
     // The sides may cancel: what is left counts beside the mean of the source, of which no texel holds more than 4 pi
     // steradians, and errors are counted from a thousandth of that. Below 1e-14 rounding takes over.
-    const double tolerance = std::clamp(5e-11 * solid_angle, 1e-14 * scale, 1e-8 * scale);
-    double sum = 0;
-    for (const Part& part : parts) sum += integral(part, tolerance);
-    return std::max(0.0, border.right_handed ? sum : -sum);
+    const double tolerance = std::max(enough, std::clamp(5e-11 * solid_angle, 1e-14 * scale, 1e-8 * scale));
+    Integral sum;
+    for (const Part& part : parts) add_integral(part, tolerance, sum);
+    sum.value = std::max(0.0, border.right_handed ? sum.value : -sum.value);
+    return sum;
   }
 
  private:
@@ -182,16 +208,26 @@ class RoundBorder {
     }
     return high;
   }
-  [[nodiscard]] double integral(const Part& p, double tolerance) const {
+  void add_integral(const Part& p, double tolerance, Integral& sum) const {
     const Side& s = p.side;
-    if (!p.halved) return integral(s, s.from, s.to, p.whole, tolerance, 16);
-    if (std::abs(p.first + p.second - p.whole) <= tolerance) return p.first + p.second;
-    return integral(s, s.from, s.at(0.5), p.first, tolerance, 15) + integral(s, s.at(0.5), s.to, p.second, tolerance, 15);
+    if (p.halved)
+      add_halves(s, s.from, s.to, p.whole, p.first, p.second, tolerance, 16, sum);
+    else
+      add_integral(s, s.from, s.to, p.whole, tolerance, 16, sum);
   }
-  [[nodiscard]] double integral(const Side& side, double from, double to, double whole, double tolerance, int depth) const {
-    const double middle = 0.5 * (from + to), a = gauss(side, from, middle), b = gauss(side, middle, to);
-    if (depth == 0 || std::abs(a + b - whole) <= tolerance) return a + b;
-    return integral(side, from, middle, a, tolerance, depth - 1) + integral(side, middle, to, b, tolerance, depth - 1);
+  void add_integral(const Side& side, double from, double to, double whole, double tolerance, int depth, Integral& sum) const {
+    const double middle = 0.5 * (from + to);
+    add_halves(side, from, to, whole, gauss(side, from, middle), gauss(side, middle, to), tolerance, depth, sum);
+  }
+  void add_halves(const Side& side, double from, double to, double whole, double first, double second, double tolerance,
+                  int depth, Integral& sum) const {
+    const double middle = 0.5 * (from + to), off = std::abs(first + second - whole);
+    if (depth == 0 || off <= tolerance) {
+      sum.value += first + second, sum.error += off;
+      return;
+    }
+    add_integral(side, from, middle, first, tolerance, depth - 1, sum);
+    add_integral(side, middle, to, second, tolerance, depth - 1, sum);
   }
 
   const L& lobe_;

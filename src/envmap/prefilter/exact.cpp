@@ -73,7 +73,7 @@ double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, 
   // A few quarters are quicker than the border.
   if (uneven > 4 * most && p.reach < 0.3) {
     if (!border) border.emplace(face, rect);
-    return RoundBorder<P, L>(lobe, r, face, nearest)(*border, p.solid_angle, p.reach, nearest);
+    return RoundBorder<P, L>(lobe, r, face, nearest)(*border, p.solid_angle, p.reach, nearest).value;
   }
   double sum = 0;
   for (const Rect& q : quarters(rect)) {

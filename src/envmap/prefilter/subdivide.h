@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "envmap/prefilter/border.h"
 #include "envmap/prefilter/clip.h"
 #include "envmap/prefilter/tree.h"
 
@@ -85,7 +86,9 @@ class Subdivision {
     judge_all(
         std::span(cells.nodes).first(cells.count),
         [&](std::size_t k) {
-          texel({face, cells.radiance[k]}, cells.rects[k]);
+          Texel part{face, cells.radiance[k]};
+          if (!go_round(part, cells.rects[k], cells.nodes[k])) cut(part, cells.rects[k], 0);
+          found_.add_error(part.error, part.bent);
           return true;
         },
         [&](float error, bool bent) { found_.add_error(error, bent); });
@@ -99,15 +102,47 @@ class Subdivision {
   bool clip(Texel& texel, const Rect& rect) {
     if (!clips_) return false;
     const ClippedMean mean = clipped_mean(*clips_, flat_piece<P>(criterion_.middle, texel.face, rect));
-    const double whole = P::solid_angle(rect), off = whole * mean.error;
-    double worst = off * criterion_.most[3];
-    for (int c = 0; c < 3; ++c) worst = std::max(worst, off * texel.radiance[c] * criterion_.most[static_cast<std::size_t>(c)]);
-    if (!(worst <= criterion_.limit)) return false;
-    ++found_.count;
-    texel.error += worst, texel.bent = true;
-    for (int c = 0; c < 3; ++c) found_.clipped[static_cast<std::size_t>(c)] += whole * mean.value * texel.radiance[c];
-    found_.clipped[3] += whole * mean.value;
+    const double whole = P::solid_angle(rect), off = whole * mean.error * weight(texel.radiance);
+    if (!(off <= criterion_.limit)) return false;
+    texel.bent = true;
+    add(texel, whole * mean.value, off);
     return true;
+  }
+  // Adds a piece of which the lobe is but a small part: round its border. @return false where there is more of it.
+  bool go_round(Texel& texel, const Rect& rect, const Node& node) {
+    if (criterion_.radius > 0) return false;
+    return std::visit([&](const auto& lobe) { return go_round(lobe, texel, rect, node); }, lobe_);
+  }
+  template <class L>
+  bool go_round(const L& lobe, Texel& texel, const Rect& rect, const Node& node) {
+    constexpr double worth = 2;  // e-folds of the lobe over half a piece, from which cutting takes longer.
+    const double d = glm::length(criterion_.middle - node.centre), near = std::max(0.0, d - node.reach), far = d + node.reach;
+    const double nearest = 0.5 * near * near, farthest = 0.5 * far * far;
+    if (farthest >= 1 || std::max(lobe.rate(nearest), lobe.rate(farthest)) * far * node.reach < worth) return false;
+    const double each = weight(texel.radiance);
+    const Integral found = RoundBorder<P, L>(lobe, criterion_.middle, texel.face, nearest)(
+        recent_border<P>(texel.face, rect), P::solid_angle(rect), node.reach, nearest, 0.1 * criterion_.limit / each);
+    if (criterion_.surveying) {
+      const Flux& l = texel.radiance;
+      found_.add_least(criterion_, {static_cast<float>(l.x), static_cast<float>(l.y), static_cast<float>(l.z), 1},
+                       static_cast<float>(std::max(0.0, found.value - found.error)));
+    } else {
+      add(texel, found.value, found.error * each);
+    }
+    return true;
+  }
+  // What a part of the lobe counts for, in such light.
+  [[nodiscard]] double weight(const Flux& radiance) const {
+    double most = criterion_.most[3];
+    for (int c = 0; c < 3; ++c) most = std::max(most, radiance[c] * criterion_.most[static_cast<std::size_t>(c)]);
+    return most;
+  }
+  // A piece as its integral.
+  void add(Texel& texel, double integral, double off) {
+    ++found_.count;
+    texel.error += off;
+    for (int c = 0; c < 3; ++c) found_.integrated[static_cast<std::size_t>(c)] += integral * texel.radiance[c];
+    found_.integrated[3] += integral;
   }
   // What is too large for simple moments is cut without a look at it.
   void cut(Texel& texel, const Rect& rect, int depth) {
@@ -127,7 +162,7 @@ class Subdivision {
     judge_all(
         nodes,
         [&](std::size_t k) {
-          if (clip(texel, parts[k])) return true;
+          if (clip(texel, parts[k]) || go_round(texel, parts[k], nodes[k])) return true;
           if (!last) cut(texel, parts[k], depth + 1);
           return !last;
         },

@@ -104,7 +104,7 @@ struct Traversal {
   double sum, largest;  ///< Of the bounds of others.
   double power;         ///< Sum of the squares of what they are off either way.
   NodeFlux got;                ///< What directions get at least of the nodes.
-  std::array<double, node_channels> clipped;  ///< What the direction gets of pieces that its horizon clips: clip.h.
+  std::array<double, node_channels> integrated;  ///< What the direction gets of pieces that are no nodes.
   std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
 
   /// @param steps whether the lobe breaks off at the horizon. @param alike whether texels are parts of larger ones: see Tree::is_cut().
@@ -113,7 +113,7 @@ struct Traversal {
     steps_ = steps, alike_ = alike;
     stepped = sum = power = largest = 0;
     count = 0;
-    got = {}, clipped = {};
+    got = {}, integrated = {};
   }
   void add_error(double error, bool bent) {
     if (bent && steps_) {

@@ -57,7 +57,7 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
 // round every texel that the horizon of a lobe that breaks off cuts.
 std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
   const Level& s = tree.source();
-  const std::size_t sum = directions * index_of(s, {s.faces(), 0, 0}) / 8;
+  const std::size_t sum = directions * index_of(s, {s.faces(), 0, 0}) / 2;
   const std::size_t least = std::visit([](const auto& l) { return l.breaks_off(); }, lobe) ? 1 << 14 : 1 << 8;
   return std::clamp<std::size_t>(sum, least, directions > 1 ? 1 << 14 : SIZE_MAX);
 }
@@ -82,7 +82,7 @@ class TileNodes {
   }
 
   /// Of the last find(): see Traversal.
-  static const std::array<double, node_channels>& clipped() { return found().clipped; }
+  static const std::array<double, node_channels>& integrated() { return found().integrated; }
 
   /// Opens nodes until their figure is below the error asked for. @param limit of the first try; set to that of the last.
   /// @param add takes the nodes. @return the figure, or nothing where there would be too many.
@@ -138,7 +138,7 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
         limit, [&] { seen.clear(), count = 0; }, [&](const Node& node) { add_seen(node, tile.middle, count, seen); });
     if (!figure) return figure;
     std::array<double, node_channels> sums = evaluate(job.lobe, seen);
-    for (std::size_t c = 0; c < node_channels; ++c) sums[c] += TileNodes::clipped()[c];
+    for (std::size_t c = 0; c < node_channels; ++c) sums[c] += TileNodes::integrated()[c];
     out[0] = radiance(job.tree, {sums[0], sums[1], sums[2]}, sums[3]);
     return figure;
   }
