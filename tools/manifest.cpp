@@ -46,7 +46,7 @@ Words split(const std::string& line, const std::string& where) {
     if (quote == 0 && !open && c == '#') break;
     if (!open) words.emplace_back();
     open = true;
-    if (c == quote)
+    if (quote != 0 && c == quote)
       quote = 0;
     else if (quote == 0 && (c == '\'' || c == '"'))
       quote = c;
@@ -183,6 +183,8 @@ std::vector<Job> jobs_of(const std::vector<Line>& lines) {
   for (Line line : lines) {
     if (!line.words.empty() && line.words.front() == "envmap") line.words.erase(line.words.begin());
     if (line.words.empty()) throw UsageError(line.where + ": holds no command");
+    for (const std::string& word : line.words)
+      if (word.find('\0') != word.npos) throw UsageError(line.where + ": holds a NUL byte, which no argument can");
     for (const Words& words : expanded(line, written)) {
       Job job = job_of(program, line.where, words);
       for (const std::string& file : job.outputs) {
@@ -196,14 +198,20 @@ std::vector<Job> jobs_of(const std::vector<Line>& lines) {
   return jobs;
 }
 
+std::string text_of(const std::string& path) {
+  if (path != "-" && fs::is_directory(path)) throw InputError(path, "is a folder; name a file");
+  std::ifstream file;
+  if (path != "-") file.open(path);
+  std::ostringstream text;
+  text << (path == "-" ? std::cin : file).rdbuf();
+  if (text.bad() || (path != "-" && !file.is_open())) throw InputError(path, "cannot be read");
+  return text.str();
+}
+
 }  // namespace
 
 std::vector<Job> read_manifest(const std::string& path) {
-  std::ifstream file;
-  if (path != "-") file.open(path);
-  std::istream& in = path == "-" ? std::cin : file;
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad() || (path != "-" && !file.is_open())) throw InputError(path, "cannot be read");
+  const std::string text = text_of(path);
   const auto first = text.find_first_not_of(" \t\r\n");
   std::vector<Job> jobs = jobs_of(first != text.npos && text[first] == '[' ? lines_of_json(path, text) : lines_of_text(text));
   if (jobs.empty()) throw InputError(path, "holds no commands");

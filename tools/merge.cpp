@@ -15,6 +15,7 @@ using namespace envmap;
 
 struct Options {
   std::vector<std::string> names;
+  ReadOptions read;  // Its limit of pixels.
   WriteOptions write;
 };
 
@@ -58,7 +59,7 @@ int run(Options& o, const Common& common) {
   const std::string& output = o.names.back();
   const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
   check_files({output}, parts, common);
-  Joined joined = join_parts(parts);
+  Joined joined = join_parts(parts, o.read.max_pixels);
   const WriteOptions how = options_of(joined.write, o.write);
   check_promise(output, joined, how);
   add_levels(joined.map, joined.making, how.border);
@@ -91,6 +92,7 @@ Command merge_command() {
                 ->type_name("");
             add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: as the parts were asked for)");
             add_write_options(app, o->write);
+            add_max_pixels(app, o->read);
             return [o, &common] { return run(*o, common); };
           }};
 }

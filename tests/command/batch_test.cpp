@@ -118,7 +118,10 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   refused("\n# nothing\n", {"wrong.txt"}, 3);
   refused("[1]", {"wrong.txt", "job 1"}, 3);
   refused("[\"convert a.hdr a.exr\"", {"wrong.txt", "JSON"}, 3);
+  refused(std::string("convert a.hdr a.exr\0.hdr\n", 25), {"line 1", "NUL"});
+  refused(R"(["convert a.hdr a.exr\u0000.hdr"])", {"job 1", "NUL"});
   fails(3, {"batch", "none.txt"}, {"none.txt"});
+  fails(3, {"batch", "."}, {"folder"});
   fails(2, {"batch", "a.txt", "b.txt"}, {"b.txt"});
 }
 

@@ -186,5 +186,22 @@ constexpr Kind kinds[] = {{"exr_half_zip", "map.exr", TypeDesc::HALF, "zip"},
 INSTANTIATE_TEST_SUITE_P(Formats, Damage, ::testing::ValuesIn(kinds),
                          [](const auto& test) { return std::string(test.param.name); });
 
+// As numbers in JSON they may be anything; .env files say so where a face lies, .glb files which it is.
+TEST_F(CommandTest, NumbersOfJsonThatAreNoOffsetsAreRefused) {
+  succeeds({"generate", "sky", "sky.exr", "--to", "cube", "--size", "2", "-q"});
+  succeeds({"mipmap", "sky.exr", "sky.env"});
+  const std::string sound = read("sky.env"), zero = "\"position\":0";
+  for (const std::string number : {"-1", "0.5", "1e87", "18446744073709551615", "null", "[]"}) {
+    std::string odd = sound;
+    odd.replace(odd.find(zero), zero.size(), "\"position\":" + number);
+    write("odd.env", odd);
+    fails(3, {"info", "odd.env"}, {"odd.env", "damaged"});
+  }
+  std::string also = sound;
+  also.replace(also.find(zero), zero.size(), "\"position\":0.0");
+  write("also.env", also);
+  EXPECT_EQ(envmap({"info", "also.env"}).status, 0);
+}
+
 }  // namespace
 }  // namespace command_tests

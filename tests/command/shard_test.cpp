@@ -107,6 +107,32 @@ TEST_F(Shards, ThatAreMissingTwiceThereOrOfAnotherMapAreRefused) {
   fails(3, {"merge", part(1), part(2), part(3), "out.exr"}, {"part-2.exr"});
 }
 
+// What parts say of the whole is not believed beyond what they hold, and no memory is taken for it.
+TEST_F(Shards, OfStrangersAreRefused) {
+  succeeds({"convert", "sun.exr", "part.exr", "--to", "octahedral", "--size", "6", "--border", "1", "--shard", "1/1", "-q"});
+  succeeds({"merge", "part.exr", "whole.exr"});
+  const Setting little{.memory = std::uint64_t{1} << 30};
+  const auto refused = [&](const std::string& attribute, const std::string& value, const std::vector<std::string>& words) {
+    SCOPED_TRACE(attribute);
+    ASSERT_EQ(shell("exrstdattr -string envmap:" + attribute + " " + value + " part.exr odd.exr").status, 0);
+    fails(3, {"merge", "odd.exr", "out.exr"}, words, little);
+  };
+  refused("part", "1/2147483647", {"of 2147483647 parts these are missing: 2, 3", "..."});
+  refused("part-size", "65536", {"odd.exr", "damaged"});
+  refused("layout", "cross", {"odd.exr", "damaged"});
+  refused("whole-layout", "cross", {"octahedral", "damaged"});
+  refused("whole-border", "1073741824", {"octahedral", "damaged"});
+  refused("whole-border", "32000", {"octahedral", "damaged"});
+  fails(3, {"merge", "part.exr", "out.exr", "--max-pixels", "15"}, {"part.exr", "4x4", "--max-pixels"});
+
+  // Channels that are not those of a map, and values that are no radiance.
+  ASSERT_EQ(shell("oiiotool part.exr --ch R,G -o odd.exr && oiiotool part.exr --ch R,G,B,A=1 -o more.exr && "
+                  "oiiotool part.exr --addc 1 --mulc 1e38 --mulc 1e38 -o bright.exr").status, 0);
+  fails(3, {"merge", "odd.exr", "out.exr"}, {"odd.exr", "other channels"}, little);
+  fails(3, {"merge", "more.exr", "out.exr"}, {"more.exr", "other channels"}, little);
+  fails(3, {"merge", "bright.exr", "out.exr"}, {"16 infinite", "damaged"});
+}
+
 TEST_F(Shards, ThatCannotBeAreRefusedBeforeAnyWork) {
   for (const std::string odd : {"0/3", "4/3", "2", "a/b", "1/", "-1/3", "1/99999999999"})
     fails(2, {"convert", "sun.exr", "out.exr", "--shard", odd}, {"--shard", odd});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/io/babylon_env.h"
 #include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
 #include "targets.h"
@@ -19,6 +20,8 @@ std::string_view mark_of(std::string_view format) {
   if (format == "hdr") return "#?";
   if (format == "exr") return "\x76\x2f\x31\x01";
   if (format == "ktx") return ktx1_mark;
+  if (format == "env") return env_mark;
+  if (format == "glb") return "glTF";
   return format == "ktx2" ? ktx2_mark : "DDS ";
 }
 

@@ -4,8 +4,10 @@
 #   [ENVMAP=PROGRAM] sh tests/fuzz/run.sh [SECONDS [TARGET...]]
 #
 # SECONDS for each target (default: 60, of all targets). FUZZ_OPTIONS go to libFuzzer. Targets (targets.h):
-#   hdr exr ktx2 ktx dds   a reader of images each, in memory        obj mtl gltf   a reader of scenes each, in memory
-#   read scene         files and pipes of any format             words          what metadata and shapes say
+#   hdr exr ktx2 ktx dds env glb   a reader of images each, in memory     bc6h      blocks, decoded and encoded again
+#   obj mtl gltf                   a reader of scenes each, in memory     words     what metadata and shapes say
+#   read scene                     files and pipes of any format          colours   OpenColorIO configs and names of spaces
+#   command                        commands of the program, whole         part, manifest   what merge and batch read
 # They begin with the corpus of the repository, tests/fuzz/corpus, and with seeds made by ENVMAP (built where it is not
 # given); what is new goes to build/fuzz/corpus, which grows from run to run. What a target finds, it leaves in
 # build/fuzz/found; to look into a find: build/fuzz/fuzz_read FILE. A crash inside malloc can block libFuzzer's report; then
@@ -16,7 +18,7 @@ set -eu
 
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
-[ $# -gt 0 ] || set -- hdr exr ktx2 ktx dds obj mtl gltf words read scene
+[ $# -gt 0 ] || set -- hdr exr ktx2 ktx dds env glb bc6h obj mtl gltf words colours part manifest read scene command
 cd "$(dirname "$0")/../.."
 kept=$PWD/tests/fuzz/corpus
 cmake --preset fuzz
@@ -77,7 +79,7 @@ for target; do
   folders="corpus/$target $kept/$target"
   case $target in
     words) dictionary=-dict=../../tests/fuzz/words.dict ;;
-    read) folders="$folders $kept/hdr $kept/exr $kept/ktx2 $kept/ktx $kept/dds" ;;
+    read | command) folders="$folders $kept/hdr $kept/exr $kept/ktx2 $kept/ktx $kept/dds $kept/env $kept/glb" ;;
     scene) folders="$folders $kept/obj $kept/mtl $kept/gltf" ;;
   esac
   # shellcheck disable=SC2086  # Words.

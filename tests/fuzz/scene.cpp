@@ -8,7 +8,7 @@
 
 using namespace envmap;
 
-void fuzz_scene(Bytes data) {
+std::string write_scene(Bytes data) {
   const char first = data.empty() ? 'v' : static_cast<char>(data[0]);
   const std::string file = first == 'g'   ? "fuzz_scene.glb"
                            : first == '{' ? "fuzz_scene.gltf"
@@ -19,6 +19,11 @@ void fuzz_scene(Bytes data) {
     std::ofstream(path) << "mtllib fuzz_scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
+  return path;
+}
+
+void fuzz_scene(Bytes data) {
+  const std::string path = write_scene(data);
   try {
     expect_sound(read_scene(path));
   } catch (const InputError& e) {

@@ -1,10 +1,16 @@
 /// @file
-/// What holds of every scene that was read.
+/// Scenes of any bytes: the file, and what holds of every one that was read.
 #pragma once
 
 #include <cstdlib>
+#include <string>
 
 #include "envmap/scene/scene.h"
+#include "targets.h"
+
+/// As a file where the process runs. The first byte tells GLB and glTF from OBJ; with 'n', as in newmtl, they are the
+/// materials of an OBJ file. @return the scene's name.
+std::string write_scene(Bytes bytes);
 
 /// Ends the process where an index leads nowhere.
 inline void expect_sound(const envmap::Scene& scene) {

@@ -11,16 +11,25 @@
 
 using Bytes = std::span<const std::byte>;
 
-/// Behind the mark of one format, in memory: hdr, exr, ktx2, ktx, dds; the other targets go through files.
+/// Behind the mark of one format, in memory: hdr, exr, ktx2, ktx, dds, env, glb (its light).
 void fuzz_image(std::string_view format, Bytes bytes);
+/// Blocks of BC6H as they are, and what the encoder makes of their texels.
+void fuzz_bc6h(Bytes bytes);
+/// An OpenColorIO config; without a line break, the name of a built-in space.
+void fuzz_colours(Bytes bytes);
 /// The text or document of a scene, in memory: obj, mtl, gltf (GLB by its mark).
 void fuzz_text(std::string_view format, Bytes bytes);
 /// An image of any format as a file or from standard input. The last byte chooses the options; every format can do without
 /// it, so seeds and finds are plain image files.
 void fuzz_read(Bytes bytes);
-/// A scene of any format as a file. The first byte tells GLB and glTF from OBJ; with 'n', as in newmtl, they are the
-/// materials of an OBJ file.
+/// A scene of any format as a file: write_scene() in sound_scene.h.
 void fuzz_scene(Bytes bytes);
+/// Parts of a map, EXR files one after the other.
+void fuzz_part(Bytes bytes);
+/// A manifest of `batch`; no command is run.
+void fuzz_manifest(Bytes bytes);
+/// A file as a command of the program takes it, from its options to the file it writes. The last byte chooses the command.
+void fuzz_command(Bytes bytes);
 /// An image description, attribute values and a shape: what the metadata says and what is recognised in it.
 void fuzz_words(Bytes bytes);
 
@@ -28,6 +37,11 @@ inline void fuzz(std::string_view target, Bytes bytes) {
   if (target == "read") return fuzz_read(bytes);
   if (target == "scene") return fuzz_scene(bytes);
   if (target == "words") return fuzz_words(bytes);
+  if (target == "bc6h") return fuzz_bc6h(bytes);
+  if (target == "colours") return fuzz_colours(bytes);
+  if (target == "part") return fuzz_part(bytes);
+  if (target == "manifest") return fuzz_manifest(bytes);
+  if (target == "command") return fuzz_command(bytes);
   if (target == "obj" || target == "mtl" || target == "gltf") return fuzz_text(target, bytes);
   fuzz_image(target, bytes);
 }

@@ -8,6 +8,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/rgbd.h"
+#include "envmap/io/whole_number.h"
 
 namespace envmap {
 namespace {
@@ -31,7 +32,7 @@ std::string header_of(const InputFile& file) {
 std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uint64_t end) {
   std::vector<FilePart> parts;
   for (const Json& image : header.at("specular").at("mipmaps")) {
-    const auto position = image.at("position").get<std::uint64_t>(), length = image.at("length").get<std::uint64_t>();
+    const std::uint64_t position = whole_number(image.at("position")), length = whole_number(image.at("length"));
     if (position > end || start + position > end) throw InputError("truncated or damaged: a face lies beyond its end");
     parts.push_back({start + position, length});
   }
@@ -70,7 +71,7 @@ TextureFile open_env(const InputFile& file) {
   const std::string text = header_of(file);
   try {
     const Json header = Json::parse(text);
-    const int version = header.at("version").get<int>();
+    const std::uint64_t version = whole_number(header.at("version"));
     if (version < 1 || version > 2) throw InputError(fmt::format(".env of version {}: 1 and 2 are read", version));
     if (const std::string type = header.value("imageType", "image/png"); type != "image/png")
       throw InputError(fmt::format(".env with faces as {}: image/png is read", type));

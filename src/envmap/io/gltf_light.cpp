@@ -7,6 +7,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/rgbd.h"
+#include "envmap/io/whole_number.h"
 
 namespace envmap {
 namespace {
@@ -96,10 +97,11 @@ TextureFile open_gltf_light(const InputFile& file) {
     std::vector<FilePart> parts;
     for (const Json& level : gltf["extensions"][extension].at("lights").at(0).at("specularImages"))
       for (const Json& index : level) {
-        const Json& view = gltf.at("bufferViews").at(gltf.at("images").at(index.get<std::size_t>()).at("bufferView").get<std::size_t>());
-        const auto offset = view.value("byteOffset", std::uint64_t{0});
-        if (view.value("buffer", 0) != 0 || offset > file.size()) throw InputError("damaged: an image lies beyond its end");
-        parts.push_back({start + offset, view.at("byteLength").get<std::uint64_t>()});
+        const Json& image = gltf.at("images").at(whole_number(index));
+        const Json& view = gltf.at("bufferViews").at(whole_number(image.at("bufferView")));
+        const std::uint64_t offset = view.contains("byteOffset") ? whole_number(view["byteOffset"]) : 0;
+        if ((view.contains("buffer") && whole_number(view["buffer"]) != 0) || offset > file.size()) throw InputError("damaged: an image lies beyond its end");
+        parts.push_back({start + offset, whole_number(view.at("byteLength"))});
       }
     return rgbd_texture(file, "glb", std::move(parts));
   } catch (const Json::exception&) {

@@ -11,11 +11,13 @@
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
 #include "envmap/map/page.h"
+#include "envmap/operate/measure.h"
 
 namespace envmap {
 namespace {
 
 constexpr std::string_view whole = "whole-";
+constexpr int largest = 65536;  // Height of a face.
 
 // A part's header.
 struct Head {
@@ -64,9 +66,11 @@ Head read_head(const std::string& path) {
   const auto index = number(std::string_view(part).substr(0, slash)), count = number(std::string_view(part).substr(slash + 1)),
              size = number(take(words, "part-size"));
   head.job = take(words, "part-of");
-  constexpr int largest = 65536;
-  if (!index || !count || !size || *index > *count || *size > largest || !head.data.projection)
+  if (!index || !count || !size || *index > *count || *size > largest || !head.data.projection ||
+      (head.data.layout && *head.data.projection != Projection::cube))
     image.fail("says that it is a part of a map, but not of which: damaged");
+  if (!facts.flat || facts.channels != std::vector<std::string>{"R", "G", "B"})
+    image.fail("says that it is a part of a map, but holds other channels than R, G and B: damaged");
   head.number = {*index, *count}, head.size = *size;
   return head;
 }
@@ -84,24 +88,48 @@ void check(std::vector<Head>& parts) {
     if (parts[k].number.index == parts[k - 1].number.index)
       throw InputError(parts[k].path, fmt::format("is {}, as {} is: name each once", words(parts[k]), parts[k - 1].path));
   std::string missing;
-  int expected = 1;
-  for (const Head& h : parts) {
-    for (; expected < h.number.index; ++expected) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", expected);
-    expected = h.number.index + 1;
+  auto next = parts.begin();
+  // Of billions that a file speaks of, some are enough.
+  for (int k = 1; k <= first.number.count; ++k) {
+    constexpr std::size_t line = 200;
+    if (next != parts.end() && next->number.index == k) {
+      ++next;
+    } else if (missing.size() < line) {
+      missing += fmt::format("{}{}", missing.empty() ? "" : ", ", k);
+    } else {
+      missing += " ...";
+      break;
+    }
   }
-  for (; expected <= first.number.count; ++expected) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", expected);
-  constexpr std::size_t line = 200;
-  if (missing.size() > line) missing = missing.substr(0, missing.find_last_of(',', line)) + " ...";
   if (!missing.empty()) throw InputError(fmt::format("of {} parts these are missing: {}", first.number.count, missing));
+}
+
+// Before memory is taken for the map: parts hold what they say, so that it is no larger than they are. @throws InputError.
+void check_sizes(const std::vector<Head>& parts, const Grid& places, std::uint64_t max_pixels) {
+  const Head& first = parts.front();
+  const int width = places.columns * first.size * aspect(*first.data.projection), height = places.rows * first.size;
+  for (const Head& h : parts) {
+    const RowRange band = height < h.number.count ? RowRange{0, 0} : band_of(height, h.number);
+    if (h.width != width || h.height != band.end - band.begin)
+      throw InputError(h.path, fmt::format("is {}x{}; {} of such a map is {}x{}: damaged", h.width, h.height, words(h), width,
+                                           band.end - band.begin));
+  }
+  if (static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > max_pixels)
+    throw InputError(first.path, fmt::format("is part of a map of {}x{}, over {} pixels", width, height, max_pixels), Remedy::allow_pixels);
+}
+
+// Those of a map are sound where they were made.
+void check_radiance(const Level& level) {
+  const Flaws flaws = find_flaws(level);
+  if (flaws.nan + flaws.infinite > 0)
+    throw InputError(fmt::format("the parts hold {} texels that are no radiance ({} NaN, {} infinite): damaged",
+                                 flaws.nan + flaws.infinite, flaws.nan, flaws.infinite));
 }
 
 void read_rows(const Head& head, const Grid& places, Level& level) {
   const auto opened = head.standard ? head.standard : open_part(head.path);
   const Image& image = *opened;
   const RowRange band = band_of(places.rows * level.height(), head.number);
-  if (head.width != places.columns * level.width() || head.height != band.end - band.begin)
-    image.fail(fmt::format("is {}x{}; {} of such a map is {}x{}: damaged", head.width, head.height, words(head),
-                           places.columns * level.width(), band.end - band.begin));
   std::vector<Colour> rows(static_cast<std::size_t>(head.width) * static_cast<std::size_t>(head.height));
   try {
     image.reader->read(0, 0, head.height, 0, 3, std::span(&rows.data()->x, 3 * rows.size()));
@@ -118,7 +146,7 @@ std::optional<Enum> named(const std::string_view (&names)[N], const std::string&
 }
 
 // What part_options() put down.
-void restore(Facts& facts, Joined& joined) {
+void restore(Facts& facts, Joined& joined, std::uint64_t max_pixels) {
   Facts& making = joined.making;
   for (const auto& [name, text] : Facts(facts))
     if (name.starts_with(whole)) making[name.substr(whole.size())] = take(facts, name);
@@ -130,6 +158,11 @@ void restore(Facts& facts, Joined& joined) {
   w.clamp = !take(making, "clamp").empty();
   w.openexr_envmap = !take(making, "openexr-envmap").empty();
   w.border = number(take(making, "border")).value_or(0);
+  const Projection projection = joined.map.projection();
+  const std::uint64_t whole_size = static_cast<std::uint64_t>(joined.map.base().height()) + 2 * static_cast<std::uint64_t>(w.border);
+  if ((w.layout && projection != Projection::cube) ||
+      (w.border > 0 && (!is_octahedral(projection) || whole_size > largest || whole_size * whole_size > max_pixels)))
+    throw InputError(fmt::format("the parts ask for what a {} map of this size has not: damaged", name(projection)));
 }
 
 }  // namespace
@@ -167,15 +200,17 @@ WriteOptions part_options(const WriteOptions& options, const Rows& rows, const P
   return o;
 }
 
-Joined join_parts(std::span<const std::string> paths) {
+Joined join_parts(std::span<const std::string> paths, std::uint64_t max_pixels) {
   std::vector<Head> parts;
   for (const std::string& path : paths) parts.push_back(read_head(path));
   check(parts);
   Metadata& data = parts.front().data;
-  Joined joined{.map = blank_map({*data.projection, data.forward.value_or(Forward::plus_z)}, parts.front().size)};
   const Grid places = grid(data.layout.value_or(default_layout(*data.projection)));
+  check_sizes(parts, places, max_pixels);
+  Joined joined{.map = blank_map({*data.projection, data.forward.value_or(Forward::plus_z)}, parts.front().size)};
   for (const Head& head : parts) read_rows(head, places, joined.map.base());
-  restore(data.facts, joined);
+  check_radiance(joined.map.base());
+  restore(data.facts, joined, max_pixels);
   joined.write.facts = data.facts;
   joined.write.provenance = data.provenance;
   if (!data.space.empty()) joined.write.facts["space"] = data.space;

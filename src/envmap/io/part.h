@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "envmap/io/read.h"
 #include "envmap/io/write.h"
 
 namespace envmap {
@@ -31,7 +32,8 @@ struct Joined {
   Facts making = {};   ///< Facts `whole-NAME` of the parts that are for what goes on with the map, without the prefix.
 };
 
-/// Reads parts in any order. @throws InputError where one is missing, twice there, or of another map.
-Joined join_parts(std::span<const std::string> paths);
+/// Reads parts in any order. @param max_pixels of the whole; larger ones are refused before memory is taken.
+/// @throws InputError where a part is missing, twice there, damaged, or of another map.
+Joined join_parts(std::span<const std::string> paths, std::uint64_t max_pixels = default_max_pixels);
 
 }  // namespace envmap

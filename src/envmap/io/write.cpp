@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <ranges>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -52,7 +51,8 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
   const std::span<const Depth> held = format.depths;
   if (options.depth) {
     if (std::ranges::find(held, *options.depth) != held.end()) return *options.depth;
-    const auto names = held | std::views::transform([](Depth d) { return name(d); });
+    std::vector<std::string_view> names;  // A view of them is beyond clang 14 with GCC's library.
+    for (const Depth d : held) names.push_back(name(d));
     throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title,
                                  fmt::join(names, " or ")));
   }

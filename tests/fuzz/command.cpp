@@ -1,0 +1,83 @@
+// The program in one process, but for main(): an exception that is no Error is what main() calls a fault of envmap.
+#include "command.h"
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "envmap/base/error.h"
+#include "manifest.h"
+#include "sound_scene.h"
+#include "targets.h"
+
+using namespace envmap;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+const std::string image = "fuzz_command.tga";  // Targa alone goes by the name.
+
+// Of small outputs: what is large is refused, not waited for.
+const std::vector<Words>& commands_of_images() {
+  static const std::vector<Words> all{
+      {"info", image, "--json"},
+      {"convert", image, "fuzz_command.exr", "--to", "cube", "--size", "3"},
+      {"convert", image, "fuzz_command.hdr", "--to", "latlong", "--size", "4", "--repair", "--clamp", "--drop-channels"},
+      {"convert", image, "fuzz_command.env", "--to", "cube", "--size", "4", "--repair", "--clamp", "--drop-channels"},
+      {"mipmap", image, "fuzz_command.ktx2", "--depth", "half", "--repair", "--clamp", "--drop-channels"},
+      {"mipmap", image, "fuzz_command.dds", "--depth", "bc6h", "--repair", "--clamp", "--drop-channels"},
+      {"prefilter", image, "fuzz_command.exr", "--size", "2", "--method", "hierarchical", "--repair", "--drop-channels", "--clamp"},
+      {"sh", image, "--irradiance", "--json", "--repair", "--drop-channels"},
+      {"compare", image, image, "--json", "--difference", "fuzz_command.exr"},
+  };
+  return all;
+}
+
+const std::vector<Words> commands_of_scenes{
+    {"render", "", "fuzz_command.exr", "--at", "0.1,0.2,0.3", "--size", "3", "--samples", "1", "--method", "raycast", "--to", "cube"},
+    {"render", "", "fuzz_command.exr", "--at", "0.1,0.2,0.3", "--size", "3", "--samples", "1", "--method", "raycast", "--time", "0.5"},
+};
+
+void run(Words words) {
+  words.insert(words.end(), {"--quiet", "--max-pixels", "100000"});
+  std::ranges::reverse(words);
+  tools::Program program;
+  try {
+    program.app->parse(words);
+    (void)program.run();
+  } catch (const Error&) {
+  } catch (const CLI::ParseError&) {
+    std::abort();  // The words are ours.
+  }
+}
+
+}  // namespace
+
+void fuzz_command(Bytes data) {
+  if (data.empty()) return;
+  const std::vector<Words>& of_images = commands_of_images();
+  const std::size_t choice = std::to_integer<std::size_t>(data.back()) % (of_images.size() + commands_of_scenes.size());
+  if (choice < of_images.size()) {
+    std::ofstream(image, std::ios::binary)
+        .write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
+    return run(of_images[choice]);
+  }
+  Words words = commands_of_scenes[choice - of_images.size()];
+  words[1] = write_scene(data);
+  run(words);
+}
+
+void fuzz_manifest(Bytes data) {
+  // No patterns over all that the machine holds.
+  std::string text(reinterpret_cast<const char*>(data.data()), data.size());
+  std::ranges::replace(text, '/', '-');
+  const std::string path = "fuzz_manifest.txt";
+  std::ofstream(path, std::ios::binary) << text;
+  try {
+    for (const tools::Job& job : tools::read_manifest(path))
+      if (job.words.empty() || job.outputs.empty()) std::abort();
+  } catch (const Error&) {
+  }
+}
