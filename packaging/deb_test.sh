@@ -1,6 +1,6 @@
 #!/bin/sh
-# Makes the .deb, has lintian look at it, installs it in a bare Debian 12 and works with it there: the program, its formats and
-# completions, and a program of others built on its library. Needs 'sh packages.sh deb', root or user namespaces, and a mirror.
+# Makes the two packages, has lintian look at them, installs them in a bare Debian 12 and works with them there: the program, its formats
+# and completions, the Python module, and a program of others built on the library. Needs 'sh packages.sh deb', root or user namespaces, and a mirror.
 #
 #   sh packaging/deb_test.sh
 set -eu
@@ -8,14 +8,15 @@ cd "$(dirname "$0")/.."
 
 cmake --preset deb >/dev/null
 cmake --build --preset deb
-rm -f build/deb/envmap_*.deb
+rm -f build/deb/*.deb
 cpack --preset deb >/dev/null
 deb=$(echo build/deb/envmap_*.deb)
+python=$(echo build/deb/python3-envmap_*.deb)
 
-found=$(lintian --fail-on none "$deb" 2>/dev/null)
+found=$(lintian --fail-on none "$deb" "$python" 2>/dev/null)
 printf '%s\n' "$found"
 if printf '%s\n' "$found" | grep -q '^E:'; then
-  echo "deb_test: lintian finds errors in $deb" >&2
+  echo "deb_test: lintian finds errors" >&2
   exit 1
 fi
 
@@ -31,6 +32,16 @@ envmap compare back.exr white.exr --max-error 1e-6
 test -f /usr/share/man/man1/envmap-convert.1.gz
 test -f /usr/share/bash-completion/completions/envmap
 ldconfig -p | grep -q libenvmap.so.1
+cat >own.py <<'PYTHON'
+import envmap
+white = envmap.read("white.exr")
+cube = envmap.convert(white.array, "cube", size=8)
+assert abs(cube.array - 1).max() < 1e-6
+envmap.write("cube.tif", cube)  # By the module of the other package.
+assert envmap.read("cube.tif").projection == "cube"
+PYTHON
+python3 own.py
+test -d /usr/lib/python3/dist-packages/envmap/__pycache__
 cat >own.cpp <<'CPP'
 #include <envmap/envmap.h>
 int main() { return envmap::read("white.exr").map.base().height() == 16 ? 0 : 1; }
@@ -44,14 +55,15 @@ printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(own CXX)' 'find_pa
 cmake -S project -B project/build >/dev/null
 cmake --build project/build >/dev/null
 project/build/own
-apt-get -qq -y remove envmap >/dev/null
+apt-get -qq -y remove envmap python3-envmap >/dev/null
 test ! -e /usr/bin/envmap
+test ! -e /usr/lib/python3/dist-packages/envmap
 echo "deb_test: installed, used and removed"
 INSIDE
 
 mmdebstrap --quiet --variant=apt \
-  --customize-hook="copy-in $deb build/deb/inside.sh /tmp" \
-  --customize-hook='chroot "$1" sh -c "apt-get -qq -y --no-install-recommends install /tmp/envmap_*.deb >/dev/null 2>&1 && envmap --version"' \
-  --customize-hook='chroot "$1" sh -c "apt-get -qq -y --no-install-recommends install g++ cmake make pkg-config libglm-dev >/dev/null 2>&1"' \
+  --customize-hook="copy-in $deb $python build/deb/inside.sh /tmp" \
+  --customize-hook='chroot "$1" sh -c "apt-get -qq -y --no-install-recommends install /tmp/*.deb >/dev/null && envmap --version"' \
+  --customize-hook='chroot "$1" sh -c "apt-get -qq -y --no-install-recommends install g++ cmake make pkg-config libglm-dev >/dev/null"' \
   --customize-hook='chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin sh /tmp/inside.sh' \
   bookworm /dev/null

@@ -120,7 +120,8 @@ envmap::Progress progress_line(const Common& common, const std::string& what) {
     const double seconds = std::chrono::duration<double>(Clock::now() - state->start).count();
     if (percent <= state->shown || seconds < 1) return;
     state->shown = percent;
-    const std::string left = percent > 0 ? ", " + in_words(seconds * (1 - part) / part) + " left" : "";
+    const std::string left =
+        percent > 0 ? fmt::format(", {:.2g}%/s, {} left", 100 * part / seconds, in_words(seconds * (1 - part) / part)) : "";
     std::fputs(fmt::format("\r{} {:3d}%{}\033[K", what, percent, left).c_str(), stderr);
   };
 }

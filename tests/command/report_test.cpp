@@ -292,6 +292,20 @@ TEST_F(Help, IsWhatTheRepositorysPagesSay) {
   EXPECT_EQ(kept, files()) << "run 'envmap manual man' in the repository";
 }
 
+// A terminal made by script(1) sees how far the work is, how fast it goes and how long it will take; a file sees nothing.
+TEST_F(Help, LongWorkTellsATerminalHowLongItTakes) {
+#ifdef ENVMAP_SANITIZED
+  GTEST_SKIP() << "too slow to get anywhere in time";
+#endif
+  if (shell("command -v script").status != 0) GTEST_SKIP() << "script is not installed";
+  succeeds({"generate", "sky", "sky.exr", "--size", "512"});
+  const std::string job = "timeout 4 \"$ENVMAP\" prefilter sky.exr x.exr --method exact --size 24";
+  const Result seen = shell("script -qec '" + job + "' /dev/null");
+  EXPECT_TRUE(std::regex_search(seen.out, std::regex(R"(prefilter diffuse +\d+%, [\d.e-]+%/s, [\d:]+ (s|min|h) left)"))) << seen.out;
+  EXPECT_EQ(shell(job).err, "");
+  EXPECT_EQ(names(), std::vector<std::string>{"sky.exr"});
+}
+
 TEST_F(Help, HasPagesThatMandocAccepts) {
   if (shell("command -v mandoc").status != 0) GTEST_SKIP() << "mandoc is not installed";
   succeeds({"manual", "."});
