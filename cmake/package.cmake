@@ -47,11 +47,11 @@ set(CPACK_DEBIAN_ENVMAP_PACKAGE_SUGGESTS "libglm-dev, ninja-build, cmake, python
 
 if(ENVMAP_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
-  math(EXPR next "${Python_VERSION_MINOR} + 1")
+  math(EXPR next "${ENVMAP_PYTHON_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-envmap)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   # A module is of one version of Python. The other package holds what reads the formats that are opened at run time.
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${next}), python3-numpy, envmap (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${ENVMAP_PYTHON_MINOR}~), python3 (<< 3.${next}), python3-numpy, envmap (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "libosmesa6, libegl1")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "environment maps as numpy arrays in Python
 ${about}The package holds the Python module, on numpy arrays.")
