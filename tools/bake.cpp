@@ -7,9 +7,12 @@
 #include "command.h"
 #include "depfile.h"
 #include "engine_maps.h"
+#include "engine_options.h"
 #include "engines.h"
 #include "envmap/base/error.h"
-#include "envmap/operate/measure.h"
+#include "envmap/io/rounding.h"
+#include "envmap/maths/portable.h"
+#include "envmap/operate/grade.h"
 #include "output_folder.h"
 
 namespace tools {
@@ -24,27 +27,10 @@ struct Options {
   bool list = false;
   const Engine* engine = nullptr;
   ReadOptions read;
-  std::optional<int> size, chain_size;
+  double exposure = 0;
+  MapOptions maps;
   WriteOptions write;
 };
-
-const Engine* engine_named(std::string_view word) {
-  const auto found = std::ranges::find(engines(), word, &Engine::name);
-  return found == engines().end() ? nullptr : &*found;
-}
-
-std::string engine_names() {
-  std::vector<std::string_view> names;
-  for (const Engine& e : engines()) names.push_back(e.name);
-  return joined(names);
-}
-
-std::string words(const Frame& frame) {
-  const std::string projection = name(frame.projection);
-  return has_forward(frame.projection)
-             ? fmt::format("{}, {} at the centre", projection, forward_names[static_cast<std::size_t>(frame.forward)])
-             : projection;
-}
 
 std::vector<std::string_view> map_names(const Engine& e) {
   std::vector<std::string_view> names;
@@ -52,7 +38,7 @@ std::vector<std::string_view> map_names(const Engine& e) {
   return names;
 }
 
-int list_engines(const Common& common) {
+int list(const Common& common) {
   if (common.json) {
     nlohmann::ordered_json report;
     for (const Engine& e : engines())
@@ -60,15 +46,13 @@ int list_engines(const Common& common) {
                                    {"title", e.title},
                                    {"version", e.version},
                                    {"maps", map_names(e)},
-                                   {"frame", words(e.maps.front().frame)},
+                                   {"frame", frame_words(e.maps.front().frame)},
                                    {"turns", e.turns},
                                    {"light", e.light}});
     print_report(report);
     return 0;
   }
-  for (const Engine& e : engines())
-    print(fmt::format("{:10}{} ({})\n{:10}{}: {}; {}\n{:10}rough and diffuse light: {}\n", e.name, e.title, e.version, "",
-                      fmt::join(map_names(e), ", "), words(e.maps.front().frame), e.turns, "", e.light));
+  list_engines();
   return 0;
 }
 
@@ -79,30 +63,65 @@ std::vector<std::string_view> files_of(const Engine& e) {
   return files;
 }
 
-std::string readme_text(const Engine& e) {
-  return fmt::format("Light for {} ({}).\n\n{}: the environment, {}, linear RGB radiance.\nFrame: {}.\nRough and diffuse light: {}.\n\n{}\n",
-                     e.title, e.version, e.maps.front().file, words(e.maps.front().frame), e.turns, e.light, e.steps);
+// A map of the folder, as the README tells of it.
+struct Baked {
+  const EngineMap& map;
+  std::string size, depth, accuracy;
+};
+
+std::string readme_text(const Engine& e, const std::vector<Baked>& maps, double exposure) {
+  std::string text = fmt::format("Light for {} ({}): linear RGB radiance{}.\n\n", e.title, e.version,
+                                 exposure == 0 ? "" : fmt::format(", multiplied by 2^{:g}", exposure));
+  for (const Baked& b : maps)
+    text += fmt::format("{}: {}, {}, {}; {}.\n", b.map.file, frame_words(b.map.frame), b.size, b.depth, b.accuracy);
+  return text + fmt::format("Frame: {}.\nRough and diffuse light: {}.\n\n{}\n", e.turns, e.light, e.steps);
 }
 
-// What the engine's loader would cut off without a word.
-void tell_what_is_cut(const Engine& e, const Level& level) {
-  if (e.largest == 0) return;
-  std::int64_t texels = 0;
-  float most = 0;
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < level.height(); ++j)
-      for (const Colour& c : level.row(face, j)) {
-        const float value = std::max({c.x, c.y, c.z});
-        texels += value > e.largest;
-        most = std::max(most, value);
-      }
-  if (texels > 0)
-    warn(fmt::format("envmap bake: {} keeps values up to {:g}: {} texels up to {:.3g} are cut off by its loader", e.title, e.largest,
-                     texels, most));
+std::string size_of(const std::vector<Rows>& levels) {
+  const Rows& base = levels.front();
+  return fmt::format("{}x{}{}", base.width(), base.size, levels.size() > 1 ? fmt::format(" in {} levels", levels.size()) : "");
+}
+
+// The probe in the light that was asked for.
+Source read_probe(const Options& o, const Common& common) {
+  Source source = read_map(o.input, o.read, common);
+  const double gain = portable::exp2(o.exposure);
+  if (gain != 1) apply(Grade{.gain = Flux(gain)}, source.map.base());
+  if (auto& luminance = source.provenance.white_luminance) luminance = static_cast<float>(*luminance / gain);
+  return source;
+}
+
+// Makes and writes one map. @param shown the file as it will be called.
+Baked bake_map(const Options& o, const EngineMap& map, MapMaker& maker, const OutputFolder& folder, nlohmann::ordered_json& report,
+               const Common& common) {
+  const std::string file = folder.file(map.file), shown = o.folder + "/" + std::string(map.file);
+  WriteOptions how = o.write;
+  how.commit = common.commit;
+  if (!how.depth) how.depth = map.depth;
+  check_output(file, how, map.frame.projection, map.chain.has_value());
+  try {
+    const MadeMap made = maker.make(map, rounding_of(file, how));
+    how.pairs = made.pairs;
+    how.facts = made.facts;
+    const Written written = write(file, made.rows, how, progress_line(common, "bake"));
+    if (written.clamped > 0)
+      warn(fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", shown, written.clamped, 100 * written.flux_lost));
+    nlohmann::ordered_json one{{"size", made.rows.front().size}, {"levels", made.rows.size()}, {"accuracy", made.accuracy}};
+    add_written(one, shown, written);
+    report["maps"].push_back(one);
+    return {map, size_of(made.rows), std::string(name(written.depth)), made.accuracy};
+  } catch (const OutputError& e) {  // Named as it shall be, not as it is until the folder is whole.
+    if (e.file() != file) throw;
+    throw OutputError(shown, std::string(e.what()).substr(file.size() + 2), e.remedy());
+  } catch (const NotReached& e) {
+    const std::string depth = depth_that_holds(file, how, *o.maps.max_error);
+    throw NotReached(fmt::format("{}: --max-error {:g} is not held by {}: allow more{}", shown, *o.maps.max_error, e.what(),
+                                 depth.empty() ? "" : ", or say " + depth));
+  }
 }
 
 int run(Options& o, const Common& common) {
-  if (o.list) return list_engines(common);
+  if (o.list) return list(common);
   if (o.input.empty() || o.folder.empty()) throw UsageError("name a PROBE and a FOLDER, or say --list");
   if (o.folder == "-") throw UsageError("FOLDER: '-' is standard output, which holds no folder: name one");
   if (!o.engine) throw UsageError("--for: which engine? " + engine_names());
@@ -112,31 +131,23 @@ int run(Options& o, const Common& common) {
   std::vector<std::string> outputs;
   for (const std::string_view file : files_of(e)) outputs.push_back(o.folder + "/" + std::string(file));
   check_files(outputs, {o.input}, common);
-  Source source = read_map(o.input, o.read, common);
+  const Source source = read_probe(o, common);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   o.write.provenance = source.provenance;
-  tell_what_is_cut(e, source.map.base());
+  tell_what_is_cut(e, source.map.base(), "bake");
 
   OutputFolder folder(o.folder, files_of(e), common.commit);
   const auto depfile = open_depfile(outputs, {o.input}, common);
-  nlohmann::ordered_json report{{"input", o.input}, {"engine", e.name}, {"frame", words(e.maps.front().frame)}, {"turns", e.turns}};
-  MapMaker maker(source.map, o.size, o.chain_size, common);
-  for (const EngineMap& map : e.maps) {
-    const MadeMap made = maker.make(map);
-    WriteOptions write = o.write;
-    if (map.depth) write.depth = map.depth;
-    write.pairs = made.pairs;
-    write.facts = made.facts;
-    const Written written = write_one_map(folder.file(map.file), made.rows, write, "bake", common);
-    nlohmann::ordered_json one{{"size", made.rows.front().size}, {"levels", made.rows.size()}};
-    add_written(one, o.folder + "/" + std::string(map.file), written);
-    report["maps"].push_back(one);
-  }
+  nlohmann::ordered_json report{{"input", o.input}, {"quality", o.maps.quality.name}};
+  add_frame(report, e, e.maps.front());
+  MapMaker maker(source.map, o.maps, common);
+  std::vector<Baked> baked;
+  for (const EngineMap& map : e.maps) baked.push_back(bake_map(o, map, maker, folder, report, common));
   if (!e.text.name.empty()) folder.write(e.text.name, e.text.text);
-  folder.write(readme, readme_text(e));
+  folder.write(readme, readme_text(e, baked, o.exposure));
   folder.commit();
   if (depfile) depfile->commit();
-  note(common, fmt::format("{}: {}: {}", o.folder, words(e.maps.front().frame), e.turns));
+  tell_frame(o.folder, e, e.maps.front(), common);
   for (const std::string& file : outputs) report["files"].push_back(file);
   report["seconds"] = watch.seconds();
   if (common.json) print_report(report);
@@ -155,17 +166,29 @@ Command bake_command() {
           "engine's world. How directions stand there is printed; only a left-handed world gets a mirrored map, and that is said. "
           "The environment is resampled as 'envmap convert' does by itself.\n\n"
           "Some engines make rough and diffuse light of the environment themselves. Others get a chain of levels, each as 'envmap "
-          "prefilter --lobe ggx' makes it, of the roughness that the engine's shader looks for in it. --list prints them, with "
-          "what was read or run to know what they load.\n\n"
+          "prefilter --lobe ggx' makes it, of the roughness that the engine's shader looks for in it; the first shows the environment "
+          "itself. --list prints them, with what was read or run to know what they load. 'convert', 'mipmap' and 'prefilter' take --for, "
+          "too: 'convert --for' makes the same file as the environment here, 'prefilter --for' the same as the chain or, with --lobe "
+          "diffuse, the diffuse map.\n\n"
+          "--quality draft halves the sizes of all maps and makes each texel of rough and diffuse light within 1e-2; normal makes it "
+          "within 1e-3, high within 1e-4 and doubles the sizes of chains. What the depth of the file rounds by comes on top. --max-error E "
+          "holds for all that is read back from the files, rounding included: in every texel of rough and diffuse light as 'prefilter' "
+          "does, in the texels where it was measured of environments as 'convert' does. Where a depth rounds by more than E (half by "
+          "5e-4, rgb9e5 and Radiance by 2e-3 and 4e-3 of the largest channel, rgbd by 6e-3 and more), nothing is written, the exit status is 1, and "
+          "the message says what does hold it.\n\n"
+          "Suns beyond 65504 do not fit half: choose --depth float where the engine's loader takes it, lower --exposure and raise the "
+          "light's intensity in the engine, or say --clamp.\n\n"
           "The folder appears whole, or not at all. One of that name is replaced if it holds nothing but files of the same names.",
       .examples = {{"envmap bake probe.exr lights --for blender", "lights/background.exr and lights/world.py"},
                    {"envmap bake probe.hdr public/probe --for three --size 1024", "a panorama of 2048x1024 for EXRLoader"},
+                   {"envmap bake probe.hdr lights --for filament --max-error 1e-2", "files whose every texel is right to 1%"},
                    {"envmap bake --list", "the engines"}},
       .keys = {{"input", "PROBE"},
                             {"engine", "as --for says"},
                             {"frame", "projection, and the axis at the centre"},
                             {"turns", "how directions stand in the engine's world"},
-                            {"maps[]", "size and levels of each map, and its output, depth, clamped and flux_lost as of 'convert'"},
+                            {"quality", "as --quality says"},
+                            {"maps[]", "size, levels and accuracy of each map, and its output, depth, clamped and flux_lost as of 'convert'"},
                             {"files[]", "what the folder holds"},
                             {"engines[]", "with --list, alone: name, title, version, maps, frame, turns and light of each"},
                             {"seconds", "from start to end"}},
@@ -175,19 +198,24 @@ Command bake_command() {
         auto o = std::make_shared<Options>();
         app.add_option("PROBE", o->input, "File to read, '-' for standard input; {face} in the name reads six files");
         app.add_option("FOLDER", o->folder, "Folder to write");
-        app.add_option_function<std::string>(
-               "--for",
-               [o](const std::string& word) {
-                 o->engine = engine_named(word);
-                 if (!o->engine) throw CLI::ValidationError("--for", "'" + word + "' is none of " + engine_names());
-               },
-               "The engine")
-            ->type_name(engine_names());
+        add_engine(app, o->engine, "The engine; 'list' prints them", &o->list);
         app.add_flag("--list", o->list, "Print the engines and what they load");
-        add_size(app, o->size, "Height of the environment's map (default: the input's degrees per texel); chains have a size of their own");
-        app.add_option("--chain-size", o->chain_size, "Height of a chain's first level (default: what the engine's shader was made for)")
+        const auto quality = [](std::string_view word) -> std::optional<Quality> {
+          const auto found = std::ranges::find(qualities, word, &Quality::name);
+          return found == qualities.end() ? std::nullopt : std::optional(*found);
+        };
+        add_choice(app, "--quality", o->maps.quality, "draft|normal|high", quality, "Sizes, and errors of rough and diffuse light (default: normal)");
+        app.add_option("--max-error", o->maps.max_error,
+                       "Largest error of a texel of any of the files, relative to it or to 0.001 x the mean (default: by the quality, and "
+                       "what the depth rounds by)")
+            ->type_name("E")
+            ->check(CLI::Range(1e-6, 10.0));
+        add_size(app, o->maps.size, "Height of the environment's map (default: the input's degrees per texel); chains have a size of their own");
+        app.add_option("--chain-size", o->maps.chain_size, "Height of a chain's first level (default: what the engine's shader was made for)")
             ->type_name("N")
             ->check(CLI::Range(1, 4096));
+        app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        add_depth(app, o->write.depth)->description("What the files store for each value (default: what the engine wants, else as the input)");
         add_clamp(app, o->write);
         add_read_options(app, o->read);
         add_repair(app, o->read);

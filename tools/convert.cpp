@@ -5,6 +5,8 @@
 #include "colour_options.h"
 #include "command.h"
 #include "depfile.h"
+#include "engine_maps.h"
+#include "engine_options.h"
 #include "envmap/base/error.h"
 #include "envmap/io/rounding.h"
 #include "envmap/maths/portable.h"
@@ -19,6 +21,7 @@ using namespace envmap;
 
 struct Options {
   std::string input, output;
+  const Engine* engine = nullptr;
   ReadOptions read;
   std::optional<Projection> to;
   std::optional<Forward> forward;
@@ -131,6 +134,8 @@ int run(Options& o, const Common& common) {
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
+  const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
+  if (engine) settle(*o.engine, *engine, o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.output, o.write, *o.to);
   check_files({o.output}, {o.input}, common);
   Source source = read_map(o.input, o.read, common);
@@ -140,6 +145,7 @@ int run(Options& o, const Common& common) {
                      o.input, source.levels, o.read.level));
   o.convert.ball = ball_camera(o, source.map, common);
   grade(source, o.grade, o.read.colour, common);
+  if (engine) tell_what_is_cut(*o.engine, source.map.base(), "convert");
   const Frame from = source.map.frame();
   const Projection to = o.to.value_or(from.projection);
   o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
@@ -154,7 +160,8 @@ int run(Options& o, const Common& common) {
     luminance = static_cast<float>(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
   check_output(o.output, o.write, to);
   const std::optional<double> max_error = o.convert.max_error;
-  const std::optional<Rounding> rounding = rounding_of(o.output, o.write);
+  const Mirror mirror = engine ? engine->mirror : Mirror::none;
+  const std::optional<Rounding> rounding = mirrored(rounding_of(o.output, o.write), mirror);
   if (max_error && !leave_to_filter(o, rounding)) return 1;
 
   if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
@@ -164,6 +171,7 @@ int run(Options& o, const Common& common) {
   const Resampler resampler(std::move(source.map), o.convert);
   const auto& choice = resampler.choice();
   nlohmann::ordered_json report = report_of(o, resampler);
+  if (engine) add_frame(report, *o.engine, *engine);
   bool within = !choice || tell_choice(*choice, *max_error, common);
   Rows rows = resampler.rows();
   std::optional<Level> made;
@@ -185,7 +193,8 @@ int run(Options& o, const Common& common) {
                              std::sqrt(1e-4 / *error)));
   if (max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
   const WriteOptions how = part_or_whole(o.shard, o.write, rows, made_of);
-  add_written(report, o.output, write_map(o.output, rows, how, {o.input}, "convert", common));
+  add_written(report, o.output, write_map(o.output, mirrored({rows}, mirror), how, {o.input}, "convert", common));
+  if (engine) tell_frame(o.output, *o.engine, *engine, common);
   report["seconds"] = watch.seconds();
   if (common.json) print_report(report);
   return 0;
@@ -214,6 +223,9 @@ Command convert_command() {
           "ball, within half of that angle of -Z, is told, and gets the colours of the ball's rim.\n\n"
           "--forward names the world axis at the centre of the latlong or angular images that are read without "
           "metadata and that are written; --from-forward names the input's alone.\n\n"
+          "--for ENGINE makes the file that 'envmap bake' writes as the environment of that engine: projection, frame, file type and "
+          "depth are its own, left-handed worlds get their mirrored map, and what is done to the frame is printed. --depth beside it is "
+          "obeyed, another --to, --forward or file type is refused.\n\n"
           "Colours are linear Rec.709 in memory, or in the linear space of --output-space, so that nothing that it holds is lost. What "
           "an EXR file's chromaticities, an ACES container or Radiance's PRIMARIES say of the input is believed unless "
           "--input-space says another; 'envmap info' shows it. White points are adapted by Bradford's cones; XYZ are relative to "
@@ -230,6 +242,7 @@ Command convert_command() {
                     "from a cube cross to a panorama with -Z at its centre"},
                    {"envmap convert probe.exr small.exr --to cube --size 64 --max-error 1e-3",
                     "the cheapest filter that is found right to 0.1%, rounding to the depth of the file counted"},
+                   {"envmap convert probe.hdr sky.dds --for babylon", "a cube of halves, mirrored for its left-handed world"},
                    {"envmap convert probe.exr aces.exr --output-space ACEScg", "for a renderer that works in ACEScg"},
                    {"envmap convert probe.hdr lit.exr --white 0,0,1 --scale-to lux=20000",
                     "a grey card seen towards +Z made grey, and the light that of an overcast noon"},
@@ -237,7 +250,7 @@ Command convert_command() {
                     "a photo of a ball from 12 radii away, with what was behind the ball in the middle"},
                    {"envmap convert ball.hdr - --from sphere --to angular | envmap info -",
                     "a mirror ball as light probe, through a pipe"}},
-      .keys = with_written(keys),
+      .keys = with_frame(with_written(keys)),
       .reports = true,
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -246,6 +259,8 @@ Command convert_command() {
         app.add_option("OUTPUT", o->output,
                        "File to write, '-' for standard output; {face} in the name writes six files")
             ->required();
+        add_engine(app, o->engine,
+                   "Make what this engine loads as its environment: projection, frame, file type and depth; 'list' prints the engines");
         add_projection(app, "--to", o->to, "Projection of the output (default: as the input)");
         add_size(app, o->convert.size, "Height of a face (default: the input's degrees per texel)");
         add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");

@@ -10,9 +10,10 @@
 #include "envmap/operate/convert.h"
 
 namespace tools {
-namespace {
 
 using namespace envmap;
+
+namespace {
 
 // A cube with X or Z negated: the two faces of that axis change places, and images are mirrored along the other axes' faces:
 // left to right but for the faces of Y under Z, which has their up there.
@@ -27,59 +28,102 @@ Rows mirrored(const Rows& rows, Mirror mirror) {
   return turned;
 }
 
+int scaled(int size, int doublings) { return std::max(1, doublings < 0 ? size >> -doublings : size << doublings); }
+
+std::string of_lobes(const FileError& error, double max_error) {
+  return error.asked ? fmt::format("every texel read from it within {:g}", *error.asked)
+                     : fmt::format("every texel within {:g} before its depth rounds it", max_error);
+}
+
 }  // namespace
 
-MapMaker::MapMaker(const EnvironmentMap& source, std::optional<int> size, std::optional<int> chain_size, const Common& common)
-    : source_(source), size_(size), chain_size_(chain_size), common_(common) {}
+std::vector<Rows> mirrored(std::vector<Rows> levels, Mirror mirror) {
+  if (mirror != Mirror::none)
+    for (Rows& rows : levels) rows = mirrored(rows, mirror);
+  return levels;
+}
 
-MadeMap MapMaker::environment(const Frame& frame, std::optional<int> size) const {
+std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, Mirror mirror) {
+  if (mirror == Mirror::none || !rounding || !rounding->read_back) return rounding;
+  const auto turn = [mirror](const Level& level) { return level_of(mirrored(rows_of(level, Forward::plus_z), mirror)); };
+  Rounding turned = *rounding;
+  turned.read_back = [turn, read_back = rounding->read_back](const Level& level) { return turn(read_back(turn(level))); };
+  return turned;
+}
+
+std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional<int> levels, std::string_view option) {
+  const int possible = std::bit_width(static_cast<unsigned>(size)), fixed = levels.value_or(map.chain->levels);
+  const int count = fixed > 0 ? fixed : possible;
+  if (count > possible) throw UsageError(fmt::format("{} {}: {} has {} levels", option, size, map.file, count));
+  std::vector<double> roughnesses;
+  for (int k = 0; k < count; ++k) roughnesses.push_back(count > 1 ? map.chain->roughness(k, count, size) : 0);
+  return roughnesses;
+}
+
+std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source, const Common& common) {
+  if (!map.chain || map.chain->irradiance == IrradianceForm::none) return {};
+  return {harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress_line(common, "spherical harmonics")))};
+}
+
+MapMaker::MapMaker(const EnvironmentMap& source, const MapOptions& options, const Common& common)
+    : source_(source), options_(options), common_(common) {}
+
+MadeMap MapMaker::environment(const EngineMap& wanted, const FileError& error) const {
+  const Projection to = wanted.frame.projection;
+  const int dense = matching_size(source_.projection(), source_.base().height(), to);
+  const int size = options_.size.value_or(scaled(dense, options_.quality.environment));
   MadeMap made;
-  made.rows.push_back(Resampler(source_, {.to = frame, .size = size}).rows());
+  if (!error.asked) {
+    made.rows.push_back(Resampler(source_, {.to = wanted.frame, .size = size}).rows());
+    made.accuracy = "resampled as 'envmap convert' does by itself";
+    return made;
+  }
+  MadeLevel level = resample_level(source_, wanted.frame, size, error, true);
+  made.levels = std::move(level.done.map);
+  made.rows = all_rows_of(made.levels);
+  made.accuracy = fmt::format("read from it within {:g}, by {} and its depth, in the texels where that was measured", *error.asked, level.method());
   return made;
 }
 
-MadeMap MapMaker::chain(const EngineMap& wanted) {
-  const Chain& chain = *wanted.chain;
+MadeMap MapMaker::chain(const EngineMap& wanted, const FileError& error) {
+  const int base = options_.chain_size.value_or(scaled(wanted.chain->size, options_.quality.chain));
   MadeMap made{.facts = {{"lobe", "ggx"}}};
-  const int base = chain_size_.value_or(chain.size);
-  const int possible = std::bit_width(static_cast<unsigned>(base)), count = chain.levels > 0 ? chain.levels : possible;
-  if (count > possible) throw UsageError(fmt::format("--chain-size {}: {} has {} levels", base, wanted.file, count));
-  for (int k = 0; k < count; ++k) {
-    const double roughness = chain.roughness(k, count, base);
+  for (int k = 0; const double roughness : roughnesses_of(wanted, base, {}, "--chain-size")) {
     const int size = base >> k;
-    made.facts["roughness"] += fmt::format("{}{:g}", k == 0 ? "" : ",", roughness);
-    if (roughness == 0) {
-      made.levels.levels.push_back(level_of(environment(wanted.frame, size).rows.front()));
-      continue;
-    }
-    const Prefilter lobe{.shape = Shape::ggx, .parameter = roughness, .to = wanted.frame.projection, .size = size, .max_error = 2e-3};
-    const Progress progress = progress_line(common_, fmt::format("bake roughness {:.2f}", roughness));
-    made.levels.levels.push_back(std::move(prepared().make(lobe, progress).map.base()));
+    made.facts["roughness"] += fmt::format("{}{:g}", k++ == 0 ? "" : ",", roughness);
+    MadeLevel level = roughness == 0
+                          ? resample_level(source_, wanted.frame, size, error, false)
+                          : lobe({.shape = Shape::ggx, .parameter = roughness, .to = wanted.frame.projection, .size = size}, error);
+    made.levels.levels.push_back(std::move(level.done.map.base()));
   }
   made.rows = all_rows_of(made.levels);
-  if (chain.irradiance != IrradianceForm::none)
-    made.pairs.insert(harmonics_pair(chain.irradiance, irradiance_polynomial(source_, progress_line(common_, "bake harmonics"))));
+  made.pairs = irradiance_pairs(wanted, source_, common_);
+  made.accuracy = of_lobes(error, options_.quality.max_error);
   return made;
 }
 
-MadeMap MapMaker::diffuse(const EngineMap& wanted) {
+MadeMap MapMaker::diffuse(const EngineMap& wanted, const FileError& error) {
   MadeMap made{.facts = {{"lobe", "diffuse"}}};
-  const Prefilter lobe{.to = wanted.frame.projection, .size = wanted.diffuse, .forward = wanted.frame.forward};
-  made.levels = prepared().make(lobe, progress_line(common_, "bake diffuse")).map;
+  const int size = scaled(wanted.diffuse, options_.quality.chain);
+  made.levels = std::move(lobe({.to = wanted.frame.projection, .size = size, .forward = wanted.frame.forward}, error).done.map);
   made.rows = all_rows_of(made.levels);
+  made.accuracy = of_lobes(error, options_.quality.max_error);
   return made;
 }
 
-MadeMap MapMaker::make(const EngineMap& wanted) {
-  MadeMap made = wanted.chain ? chain(wanted) : wanted.diffuse > 0 ? diffuse(wanted) : environment(wanted.frame, size_);
-  if (wanted.mirror != Mirror::none)
-    for (Rows& rows : made.rows) rows = mirrored(rows, wanted.mirror);
-  return made;
-}
-
-const PrefilterSource& MapMaker::prepared() {
+MadeLevel MapMaker::lobe(const Prefilter& wanted, const FileError& error) {
   if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
-  return *prepared_;
+  Prefilter within = wanted;
+  within.max_error = error.asked ? left_to_prefilter(error) : options_.quality.max_error;
+  const Progress progress = progress_line(common_, fmt::format("bake roughness {:.2f}", wanted.parameter));
+  return make_level(*prepared_, within, error, false, progress);
+}
+
+MadeMap MapMaker::make(const EngineMap& wanted, const std::optional<Rounding>& rounding) {
+  const FileError error{options_.max_error, mirrored(rounding, wanted.mirror)};
+  MadeMap made = wanted.chain ? chain(wanted, error) : wanted.diffuse > 0 ? diffuse(wanted, error) : environment(wanted, error);
+  made.rows = mirrored(std::move(made.rows), wanted.mirror);
+  return made;
 }
 
 }  // namespace tools

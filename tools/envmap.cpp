@@ -12,11 +12,12 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "error_in_file.h"
 #include "suggest.h"
 
 namespace {
 
-enum Status { done = 0, usage = 2, bad_input = 3, not_written = 4, no_renderer = 5 };
+enum Status { done = 0, not_reached = 1, usage = 2, bad_input = 3, not_written = 4, no_renderer = 5 };
 
 Status status_of(envmap::ErrorCode code) {
   switch (code) {
@@ -92,6 +93,8 @@ int main(int argc, char** argv) {
     return status;
   } catch (const CLI::ParseError& e) {
     return complain(who, e.what(), usage);
+  } catch (const tools::NotReached& e) {
+    return complain(who, e.what(), not_reached);
   } catch (const envmap::Error& e) {
     return complain(who, e.what() + std::string(advice(e.remedy())), status_of(e.code()));
   } catch (const std::bad_alloc&) {

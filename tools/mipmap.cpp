@@ -3,7 +3,10 @@
 #include "colour_options.h"
 #include "command.h"
 #include "depfile.h"
+#include "engine_maps.h"
+#include "engine_options.h"
 #include "envmap/base/error.h"
+#include "envmap/operate/convert.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 #include "shard.h"
@@ -13,9 +16,9 @@ namespace {
 
 using namespace envmap;
 
-
 struct Options {
   std::string input, output;
+  const Engine* engine = nullptr;
   ReadOptions read;
   int levels = 0;  // 0: all.
   bool keep = false;
@@ -34,14 +37,25 @@ void make_part(Options& o, const EnvironmentMap& map, const Common& common) {
   write_map(o.output, rows, part_or_whole(o.shard, o.write, rows, digest(map)), {o.input}, "write", common);
 }
 
+// The map in the frame that an engine wants, resampled where it stands in another.
+EnvironmentMap in_frame(EnvironmentMap map, const Frame& frame, const Common& common) {
+  const Frame is = map.frame();
+  if (is.projection == frame.projection && is.forward == frame.forward) return map;
+  return convert(map, {.to = frame}, progress_line(common, "convert"));
+}
+
 int run(Options& o, const Common& common) {
+  if (o.keep && o.engine) throw UsageError("--for makes levels anew: leave out --keep");
   if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: leave out --level");
   const Stopwatch watch;
   check_report(o.output, common);
   check_files({o.output}, {o.input}, common);
   o.read.all_levels = o.keep;
   choose_working_space(o.read, o.write);
+  const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
+  if (engine) settle(*o.engine, *engine, o.output, o.write);
   Source source = read_map(o.input, o.read, common);
+  if (engine) source.map = in_frame(std::move(source.map), engine->frame, common);
   EnvironmentMap& map = source.map;
   o.write.source_depth = source.depth;
   o.write.provenance = source.provenance;
@@ -57,10 +71,13 @@ int run(Options& o, const Common& common) {
     add_levels_with_border(map.levels, o.write.border, o.weights, o.levels);
   else
     add_levels(map.levels, o.weights, o.levels);
-  const Written written = write_map(o.output, all_rows_of(map), o.write, {o.input}, "write", common);
+  const std::vector<Rows> rows = mirrored(all_rows_of(map), engine ? engine->mirror : Mirror::none);
+  const Written written = write_map(o.output, rows, o.write, {o.input}, "write", common);
+  if (engine) tell_frame(o.output, *o.engine, *engine, common);
   if (!common.json) return 0;
   nlohmann::ordered_json report;
   report["input"] = o.input;
+  if (engine) add_frame(report, *o.engine, *engine);
   report["weights"] = weight_names[static_cast<std::size_t>(o.weights)];
   for (const Level& level : map.levels)
     report["levels"].push_back({{"face_width", level.width()},
@@ -85,19 +102,21 @@ Command mipmap_command() {
               "white stays white. Of texels on the rim of a disc the part inside counts. Beyond the disc of a "
               "paraboloid map "
               "each level goes on with what its other half shows; of sphere and angular maps texels there are 0.\n\n"
+              "--for ENGINE resamples the map as 'envmap convert --for' does and gives it levels; those of rough surfaces, which some "
+              "engines want instead, 'envmap prefilter --for' makes.\n\n"
               "--weights uniform takes plain means of the image instead, as glGenerateMipmap does: for comparison.\n\n"
               "EXR files hold levels as tiled mip-maps. Other formats take a file for each: put {level} into the name.",
           .examples = {{"envmap mipmap probe.hdr probe.exr", "a tiled EXR file with all levels, for renderers"},
                        {"envmap mipmap cube.exr 'cube_{level}.hdr'", "cube_0.hdr, cube_1.hdr ..."},
                        {"envmap mipmap cube.exr plain.exr --weights uniform && envmap info plain.exr --levels",
                         "how far plain means are off"}},
-          .keys = with_written({{"input", "INPUT"},
+          .keys = with_frame(with_written({{"input", "INPUT"},
                                 {"weights", "solid-angle or uniform"},
                                 {"levels[].face_width", "in texels"},
                                 {"levels[].face_height", "in texels"},
                                 {"levels[].flux_difference",
                                  "of each channel, relative to level 0: how far the light is off"},
-                                {"seconds", "from start to end"}}),
+                                {"seconds", "from start to end"}})),
           .reports = true,
           .writes = true,
           .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -110,6 +129,9 @@ Command mipmap_command() {
                    "OUTPUT", o->output,
                    "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level")
                 ->required();
+            add_engine(app, o->engine,
+                       "Make what this engine loads as its environment, with levels: projection, frame, file type and depth; 'list' prints "
+                       "the engines");
             app.add_option("--levels", o->levels, "How many, with the map itself (default: down to one texel)")
                 ->type_name("N")
                 ->check(CLI::Range(1, 32));

@@ -7,6 +7,8 @@
 #include "colour_options.h"
 #include "command.h"
 #include "depfile.h"
+#include "engine_maps.h"
+#include "engine_options.h"
 #include "envmap/base/error.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
@@ -24,8 +26,11 @@ struct Options {
   std::string input, output, table;
   ReadOptions read;
   WriteOptions write;
+  const Engine* engine = nullptr;
+  std::optional<Shape> lobe;
   Prefilter map;
-  int size = 0, levels = 1, table_size = 128;
+  std::optional<int> size, levels;
+  int table_size = 128;
   std::optional<Projection> to;
   std::optional<Forward> forward;
   std::optional<double> exponent, roughness, scale, max_error;
@@ -47,6 +52,7 @@ double exponent_of(double first, int k, int levels) {
 
 // What to make for each level: as many as were asked for, or as parameters were given.
 std::vector<Prefilter> levels_of(const Options& o) {
+  const int levels = o.levels.value_or(1);
   std::vector<double> parameters = has_exponent(o.map.shape) ? o.exponents : o.roughnesses;
   const auto only = [&](bool given, const char* option, bool has, const char* lobes) {
     if (given && !has) throw UsageError(fmt::format("{} is for --lobe {}", option, lobes));
@@ -60,23 +66,23 @@ std::vector<Prefilter> levels_of(const Options& o) {
   if (!parameters.empty() && (o.exponent || o.roughness))
     throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
                                 : "--roughness and --roughnesses: give one of them");
-  if (o.map.shape == Shape::diffuse && o.levels > 1) throw UsageError("--levels: a diffuse map has one");
-  if (!parameters.empty() && o.levels > 1 && o.levels != static_cast<int>(parameters.size()))
-    throw UsageError(fmt::format("--levels {}: {} parameters are given", o.levels, parameters.size()));
+  if (o.map.shape == Shape::diffuse && levels > 1) throw UsageError("--levels: a diffuse map has one");
+  if (!parameters.empty() && levels > 1 && levels != static_cast<int>(parameters.size()))
+    throw UsageError(fmt::format("--levels {}: {} parameters are given", levels, parameters.size()));
   if (parameters.empty()) {
-    for (int k = 0; k < o.levels; ++k) {
+    for (int k = 0; k < levels; ++k) {
       if (has_exponent(o.map.shape))
-        parameters.push_back(exponent_of(o.exponent.value_or(0), k, o.levels));
-      else if (o.roughness || o.levels == 1)
+        parameters.push_back(exponent_of(o.exponent.value_or(0), k, levels));
+      else if (o.roughness || levels == 1)
         parameters.push_back(o.roughness.value_or(0));
       else
-        parameters.push_back(static_cast<double>(k) / (o.levels - 1));
+        parameters.push_back(static_cast<double>(k) / (levels - 1));
     }
     if (has_exponent(o.map.shape) && !o.exponent)
       throw UsageError(fmt::format("--lobe {}: say --exponent M or --exponents A,B,...", name_of(o.map.shape)));
-    if (has_roughness(o.map.shape) && !o.roughness && o.levels == 1)
+    if (has_roughness(o.map.shape) && !o.roughness && levels == 1)
       throw UsageError(fmt::format("--lobe {}: say --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
-    if (o.roughness && o.levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
+    if (o.roughness && levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
   }
   std::vector<Prefilter> all;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
@@ -105,43 +111,24 @@ Facts record(const std::vector<Prefilter>& levels) {
   return facts;
 }
 
-// What readers find a level to be off: what it was made with, over the truth, and what was lost since, over what was made.
-double in_file(const Prefiltered& done, double rounded) { return done.error + rounded * (1 + done.error); }
-
 // The file does not hold what --max-error asks for: says which depth does.
-void refuse(const Options& o, const std::string& what) {
-  std::string others;
-  for (const Depth d : {Depth::half, Depth::single}) {
-    WriteOptions options = o.write;
-    options.depth = d, options.compression.clear(), options.openexr_envmap = false;
-    try {
-      if (const auto rounding = rounding_of(o.output, options); rounding && rounding->largest.value_or(1) < *o.max_error) {
-        others = fmt::format("--depth {}{}{}", name(d), o.write.compression.empty() ? "" : " and no --compression",
-                             o.write.openexr_envmap ? " and no --openexr-envmap" : "");
-        break;
-      }
-    } catch (const UsageError&) {  // Not of this format.
-    }
-  }
-  if (others.empty()) others = ".exr of --depth float";
-  warn(fmt::format("envmap prefilter: {}: --max-error {:g} is not held by {}; by {} it is", o.output, *o.max_error, what,
-                   others));
+[[noreturn]] void refuse(const Options& o, const std::string& what) {
+  const std::string depth = depth_that_holds(o.output, o.write, *o.max_error);
+  throw NotReached(fmt::format("{}: --max-error {:g} is not held by {}; by {} it is", o.output, *o.max_error, what,
+                               depth.empty() ? ".exr of --depth float" : depth));
 }
 
-std::string words(const Rounding& r, double rounded) {
-  return fmt::format("{}, which rounds by up to {:.1e}", name(r), rounded);
-}
-
-void report(const Prefilter& p, const Prefiltered& done, const Common& common) {
-  std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size,
-                                 method_names[static_cast<std::size_t>(done.method)], done.seconds);
+void report(const Prefilter& p, const MadeLevel& made, const Common& common) {
+  const Prefiltered& done = made.done;
+  std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size, made.method(), done.seconds);
   if (done.method != Method::exact) line += fmt::format(", every texel to {:.1e}", done.error);
   if (done.method != Method::exact && done.exact > 0) line += fmt::format(", {} summed exactly", done.exact);
   note(common, line);
 }
 
-nlohmann::ordered_json report_of(const Prefilter& p, const Prefiltered& done) {
-  nlohmann::ordered_json level{{"parameter", nullptr}, {"size", p.size}, {"method", method_names[static_cast<std::size_t>(done.method)]},
+nlohmann::ordered_json report_of(const Prefilter& p, const MadeLevel& made) {
+  const Prefiltered& done = made.done;
+  nlohmann::ordered_json level{{"parameter", nullptr}, {"size", p.size}, {"method", made.method()},
                                {"seconds", done.seconds}, {"max", nullptr}, {"exact", done.exact}};
   if (p.shape != Shape::diffuse) level["parameter"] = p.parameter;
   if (done.method != Method::exact) level["max"] = done.error;
@@ -160,37 +147,13 @@ int table_alone(const Options& o, const Common& common) {
   return 0;
 }
 
-struct MadeLevel {
-  Prefiltered done;
-  double rounded;  // What the file's depth takes from it.
-};
-
-// A level, again where the file's depth takes more of it than was left to it: dark channels under a shared exponent.
-MadeLevel make_level(const PrefilterSource& source, const Prefilter& wanted, const std::optional<Rounding>& rounding,
-                     std::optional<double> max_error, const Common& common) {
-  const Progress progress = progress_line(common, "prefilter " + words(wanted));
-  MadeLevel made{source.make(wanted, progress), 0};
-  if (!rounding || !(max_error || common.verbose)) return made;
-  const auto rounded = [&] { return rounding_error(*rounding, made.done.map.base(), made.done.floor); };
-  made.rounded = rounded();
-  if (max_error && in_file(made.done, made.rounded) > *max_error && made.rounded < *max_error) {
-    Prefilter closer = wanted;
-    closer.max_error = 0.9 * (*max_error - made.rounded);
-    made.done = source.make(closer, progress);
-    made.rounded = rounded();
+// What the file is asked to hold, less what its depth rounds by.
+void leave_to_prefilter(Options& o, const FileError& error) {
+  try {
+    if (o.max_error) o.map.max_error = left_to_prefilter(error);
+  } catch (const NotReached& e) {
+    refuse(o, e.what());
   }
-  return made;
-}
-
-// What the file is asked to hold, less what its depth rounds by. False, with a message, where that is more.
-bool leave_to_prefilter(Options& o, const std::optional<Rounding>& rounding) {
-  if (!o.max_error) return true;
-  if (rounding && rounding->largest.value_or(0) < *o.max_error) {
-    o.map.max_error = std::max(0.1 * *o.max_error, *o.max_error - rounding->largest.value_or(0));
-    return true;
-  }
-  refuse(o, rounding ? words(*rounding, *rounding->largest) : "integers, a compression that loses, or --openexr-envmap");
-  return false;
 }
 
 // Of the one map that is made, what --shard leaves to this run.
@@ -205,6 +168,64 @@ void choose_rows(const Options& o, const std::optional<Rounding>& rounding, std:
   p.rows = shown_rows(grid, p.size, band_of(grid.rows * p.size, *o.shard.part));
 }
 
+// What an engine's row settles: the frame and the file, and the roughness of its levels where no others were asked for.
+const EngineMap* settle_engine(Options& o) {
+  if (!o.engine) return nullptr;
+  const EngineMap& map = prefiltered_of(*o.engine, o.lobe == Shape::diffuse);
+  settle(*o.engine, map, o.output, o.to, o.forward, o.write);
+  if (map.diffuse > 0 && !o.size) o.size = map.diffuse;
+  if (!map.chain) return &map;
+  if (o.scale) throw UsageError(fmt::format("--for {}: its levels keep white as it is: leave out --scale", o.engine->name));
+  if (!o.size) o.size = map.chain->size;
+  o.map.shape = o.lobe.value_or(Shape::ggx);
+  if (o.map.shape == Shape::ggx && !o.roughness && o.roughnesses.empty())
+    o.roughnesses = roughnesses_of(map, *o.size, o.levels, "--size");
+  return &map;
+}
+
+// Sizes and frame, now that the source is known.
+void choose_frame(Options& o, const EnvironmentMap& source) {
+  o.map.size = o.size ? *o.size
+               : o.map.shape == Shape::diffuse
+                   ? matching_size(Projection::cube, 64, o.map.to)
+                   : matching_size(source.projection(), source.base().height(), o.map.to);
+  o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
+}
+
+struct Making {
+  const Options& o;
+  const EngineMap* engine;
+  const EnvironmentMap& source;
+  FileError error;
+  const Common& common;
+};
+
+// All levels. A mirror's level of an engine's chain is the environment as `convert` makes it: what the engine shows is then no
+// sharper than its texels.
+EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted, nlohmann::ordered_json& told) {
+  const Options& o = m.o;
+  const PrefilterSource prepared(m.source);
+  if (const EnvironmentMap& cube = prepared.source(); m.common.verbose && &cube != &m.source)
+    note(m.common, fmt::format("{}: prefiltered as the cube of {} that 'convert --filter area' makes of it; errors count from that",
+                               o.input, cube.base().height()));
+  EnvironmentMap made{.levels = {}, .forward = o.map.forward};
+  for (const Prefilter& p : wanted) {
+    try {
+      MadeLevel level = m.engine && is_mirror(p)
+                            ? resample_level(m.source, {p.to, p.forward}, p.size, m.error, m.common.verbose)
+                            : make_level(prepared, p, m.error, m.common.verbose, progress_line(m.common, "prefilter " + words(p)));
+      report(p, level, m.common);
+      told["levels"].push_back(report_of(p, level));
+      if (level.rounded > 0 && m.common.verbose)
+        note(m.common, fmt::format("{}: in the file as {}", words(p), rounding_words(*m.error.rounding, level.rounded)));
+      made.levels.push_back(std::move(level.done.map.base()));
+    } catch (const NotReached& e) {
+      refuse(o, fmt::format("{} in {}", words(p), e.what()));
+    }
+  }
+  return made;
+}
+
 int run(Options& o, const Common& common) {
   if (o.input.empty() != o.output.empty() || (o.input.empty() && o.table.empty()))
     throw UsageError("name an INPUT and an OUTPUT, or --brdf-table FILE alone");
@@ -216,52 +237,39 @@ int run(Options& o, const Common& common) {
   check_files({o.output, o.table}, {o.input}, common);
   choose_working_space(o.read, o.write);
   if (out_of_working(o.write.colour).apply) throw UsageError("--output-space: light that was averaged is written to a linear space");
+  o.read.assumed_forward = o.forward;
+  o.map.shape = o.lobe.value_or(Shape::diffuse);
+  const EngineMap* engine = settle_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
   check_output(o.output, o.write, o.map.to);
-  o.read.assumed_forward = o.forward;
   const Source source = read_map(o.input, o.read, common);
-  o.map.size = o.size > 0 ? o.size
-               : o.map.shape == Shape::diffuse
-                   ? matching_size(Projection::cube, 64, o.map.to)
-                   : matching_size(source.map.projection(), source.map.base().height(), o.map.to);
-  o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
+  choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
-  const std::optional<Rounding> rounding = rounding_of(o.output, o.write);
-  if (!leave_to_prefilter(o, rounding)) return 1;
+  const Mirror mirror = engine ? engine->mirror : Mirror::none;
+  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
+  leave_to_prefilter(o, error);
   std::vector<Prefilter> wanted = levels_of(o);
-  choose_rows(o, rounding, wanted);
+  choose_rows(o, error.rounding, wanted);
   check_output(o.output, o.write, o.map.to, wanted.size() > 1);
 
-  const PrefilterSource prepared(source.map);
-  if (const EnvironmentMap& cube = prepared.source(); common.verbose && &cube != &source.map)
-    note(common, fmt::format("{}: prefiltered as the cube of {} that 'convert --filter area' makes of it; errors count from that",
-                             o.input, cube.base().height()));
   nlohmann::ordered_json told{{"input", o.input},
                               {"lobe", name_of(o.map.shape)},
                               {"max_error", o.max_error.value_or(o.map.max_error)}};
-  EnvironmentMap made{.levels = {}, .forward = o.map.forward};
-  for (const Prefilter& p : wanted) {
-    auto [done, rounded] = make_level(prepared, p, rounding, o.max_error, common);
-    report(p, done, common);
-    told["levels"].push_back(report_of(p, done));
-    if (rounded > 0 && common.verbose) note(common, fmt::format("{}: in the file as {}", words(p), words(*rounding, rounded)));
-    if (o.max_error && in_file(done, rounded) > *o.max_error) {
-      refuse(o, fmt::format("{} in {}", words(p), words(*rounding, rounded)));
-      return 1;
-    }
-    made.levels.push_back(std::move(done.map.base()));
-  }
+  if (engine) add_frame(told, *o.engine, *engine);
+  const EnvironmentMap made = make_levels({o, engine, source.map, error, common}, wanted, told);
   o.write.facts = record(wanted);
   o.write.provenance = source.provenance;
   if (o.scale) o.write.provenance.white_luminance.reset();
+  if (engine) o.write.pairs = irradiance_pairs(*engine, source.map, common);
   const auto depfile = open_depfile({o.output, o.table}, {o.input}, common, static_cast<int>(made.levels.size()));
   if (o.max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
-  const std::vector<Rows> rows = all_rows_of(made);
+  const std::vector<Rows> rows = mirrored(all_rows_of(made), mirror);
   const WriteOptions how = part_or_whole(o.shard, o.write, rows.front(), o.shard.part ? digest(source.map) : "");
   add_written(told, o.output, write_one_map(o.output, rows, how, "write", common));
   if (!o.table.empty()) write_brdf_table(o, common);
   if (depfile) depfile->commit();
+  if (engine) tell_frame(o.output, *o.engine, *engine, common);
   told["seconds"] = watch.seconds();
   if (common.json) print_report(told);
   return 0;
@@ -292,6 +300,10 @@ Command prefilter_command() {
           "Lambert's cosine, takes equal "
           "ratios that end there: 2048, 790, 304, 117, 45, 17, 6.7, 2.6 and 1 for 9 levels. An M below 1 is that of all levels. "
           "ggx and charlie take roughness 0 to 1 over the levels. --exponents and --roughnesses list them instead.\n\n"
+          "--for ENGINE makes the chain that 'envmap bake' writes for it: frame, file type, depth, size, the roughness that its shader "
+          "looks for in each level, the environment itself as the first, and irradiance beside them where its file holds that. With "
+          "--lobe diffuse it is the engine's diffuse map. For engines that make rough light themselves it sets frame, file type and "
+          "depth. --size, --levels, --roughnesses, --lobe and --depth beside it are obeyed, another --to, --forward or file type is refused.\n\n"
           "Maps other than cubes and latlong maps are prefiltered as the cube that 'convert --to cube --filter area' makes "
           "of them: the two commands by hand give the same bytes, and errors count from that cube.\n\n"
           "Methods: 'hierarchical' is a treecode, which sums over a quad-tree of the input, coarse where the lobe is faint and "
@@ -316,17 +328,18 @@ Command prefilter_command() {
                     "what a renderer of glTF materials wants: roughness 0 to 1 over six levels, and the table"},
                    {"envmap prefilter probe.exr 'phong_{level}.hdr' --lobe phong --exponent 2048 --size 256 --levels 9",
                     "a file for each level: exponents 2048, 790, 304 ... 1"},
+                   {"envmap prefilter probe.exr ibl.ktx --for filament", "the levels and the irradiance that Filament lights with"},
                    {"envmap prefilter --brdf-table brdf.exr", "the table that goes with every GGX map"}},
-      .keys = with_written({{"input", "INPUT"},
+      .keys = with_frame(with_written({{"input", "INPUT"},
                             {"lobe", "diffuse, phong, ggx, blinn-phong or charlie"},
                             {"max_error", "what --max-error says"},
                             {"levels[].parameter", "exponent of phong and blinn-phong, roughness of ggx and charlie, null of diffuse"},
                             {"levels[].size", "height of a face"},
-                            {"levels[].method", "how it was worked out"},
+                            {"levels[].method", "how it was worked out; of a mirror's level of an engine, the filter"},
                             {"levels[].seconds", "that this took"},
                             {"levels[].max", "the largest figure of a texel, of |a-b| / max(|b|, 0.001 x mean of b); null of exact, the reference"},
                             {"levels[].exact", "texels that were summed exactly, as nothing faster was sure of them"},
-                            {"seconds", "from start to end"}}),
+                            {"seconds", "from start to end"}})),
       .reports = true,
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -336,8 +349,11 @@ Command prefilter_command() {
         app.add_option(
             "OUTPUT", o->output,
             "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level");
-        add_choice(app, "--lobe", o->map.shape, joined(shape_names), one_of<Shape>(shape_names),
-                   "The material's lobe (default: diffuse)");
+        add_engine(app, o->engine,
+                   "Make what this engine loads: its frame, file type and depth, and its levels of GGX or, with --lobe diffuse, its "
+                   "diffuse map; 'list' prints the engines");
+        add_choice(app, "--lobe", o->lobe, joined(shape_names), one_of<Shape>(shape_names),
+                   "The material's lobe (default: diffuse; ggx for engines that take a chain of it)");
         app.add_option("--exponent", o->exponent, "M of phong and blinn-phong, 0 to 1e9")->type_name("M")->check(CLI::Range(0.0, 1e9));
         app.add_option("--exponents", o->exponents, "One for each level")
             ->type_name("M,...")
@@ -348,11 +364,11 @@ Command prefilter_command() {
             ->type_name("R,...")
             ->delimiter(',')
             ->check(CLI::Range(0.0, 1.0));
-        app.add_option("--levels", o->levels, "Levels of the chain (default: 1)")->type_name("N")->check(CLI::Range(1, 17));
+        app.add_option("--levels", o->levels, "Levels of the chain (default: 1; with --for as many as the engine takes)")->type_name("N")->check(CLI::Range(1, 17));
         app.add_option("--scale", o->scale, "The factor k (default: white stays 1)")->type_name("K")->check(CLI::Range(0.0, 1e30));
         add_projection(app, "--to", o->to, "Projection of the output (default: cube)");
         add_size(app, o->size,
-                 "Height of a face (default: 64 a cube's face for diffuse, else the input's degrees per texel)");
+                 "Height of a face (default: 64 a cube's face for diffuse, the engine's for --for, else the input's degrees per texel)");
         add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
         add_forward(app, "--forward", o->forward,
                     "World axis at the centre of latlong and angular images (default: +z)");

@@ -1,0 +1,47 @@
+// --for ENGINE of commands that write one map: what the engine's row of the table settles.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "command.h"
+#include "engines.h"
+
+namespace tools {
+
+/// --for. 'list' sets `list`; where that is null it prints the engines and ends the program.
+CLI::Option* add_engine(CLI::App& app, const Engine*& engine, const std::string& help, bool* list = nullptr);
+
+/// "babylon|bevy|...".
+std::string engine_names();
+
+/// The engines, what they load, and how the map's directions stand there.
+void list_engines();
+
+/// "latlong, +x at the centre".
+std::string frame_words(const envmap::Frame& frame);
+
+/// The map that shows the environment. @throws UsageError where the engine takes it as a chain of rising roughness alone.
+const EngineMap& environment_of(const Engine& engine);
+
+/// The map that holds the environment seen through a lobe, of those that the engine takes; else the one that shows it.
+const EngineMap& prefiltered_of(const Engine& engine, bool diffuse);
+
+/// Projection, forward axis, file type and depth of the engine's map, where nothing else was asked for. A depth that was asked for
+/// stays. @throws UsageError where another of the options contradicts.
+void settle(const Engine& engine, const EngineMap& map, const std::string& output, std::optional<envmap::Projection>& to,
+            std::optional<envmap::Forward>& forward, envmap::WriteOptions& write);
+/// The same for a command that has neither --to nor --forward.
+void settle(const Engine& engine, const EngineMap& map, const std::string& output, envmap::WriteOptions& write);
+
+/// Says how the map's directions stand in the engine's world.
+void tell_frame(const std::string& path, const Engine& engine, const EngineMap& map, const Common& common);
+/// The same in a report.
+void add_frame(nlohmann::ordered_json& report, const Engine& engine, const EngineMap& map);
+/// The keys of add_frame().
+std::vector<Key> with_frame(std::vector<Key> keys);
+
+/// Says what the engine's loader would cut off without a word.
+void tell_what_is_cut(const Engine& engine, const envmap::Level& level, const std::string& command);
+
+}  // namespace tools

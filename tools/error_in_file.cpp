@@ -1,0 +1,101 @@
+#include "error_in_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "envmap/base/error.h"
+#include "envmap/map/rows.h"
+#include "envmap/operate/measure.h"
+
+namespace tools {
+
+using namespace envmap;
+
+namespace {
+
+[[noreturn]] void refuse(const FileError& error) {
+  throw NotReached(error.rounding ? rounding_words(*error.rounding, *error.rounding->largest)
+                                  : "integers, a compression that loses, or --openexr-envmap");
+}
+
+void check(const MadeLevel& made, const FileError& error) {
+  if (error.asked && made.in_file() > *error.asked)
+    throw NotReached(error.rounding->read_back ? rounding_words(*error.rounding, made.rounded)
+                                               : fmt::format("what was found: {:.1e}", made.done.error));
+}
+
+}  // namespace
+
+std::string depth_that_holds(const std::string& path, const WriteOptions& options, double max_error) {
+  for (const Depth depth : {Depth::half, Depth::single}) {
+    WriteOptions other = options;
+    other.depth = depth, other.compression.clear(), other.openexr_envmap = false;
+    try {
+      const std::optional<Rounding> rounding = rounding_of(path, other);
+      if (!rounding || rounding->largest.value_or(1) >= max_error) continue;
+      return fmt::format("--depth {}{}{}", name(depth), options.compression.empty() ? "" : " and no --compression",
+                         options.openexr_envmap ? " and no --openexr-envmap" : "");
+    } catch (const UsageError&) {  // Not of this format.
+    }
+  }
+  return "";
+}
+
+std::string rounding_words(const Rounding& rounding, double rounded) {
+  return fmt::format("{}, which rounds by up to {:.1e}", name(rounding), rounded);
+}
+
+std::string_view MadeLevel::method() const {
+  return resampled ? name(resampled->filter) : method_names[static_cast<std::size_t>(done.method)];
+}
+
+double left_to_prefilter(const FileError& error) {
+  const double rounded = error.rounding ? error.rounding->largest.value_or(0) : *error.asked;
+  if (rounded >= *error.asked) refuse(error);
+  return std::max(0.1 * *error.asked, *error.asked - rounded);
+}
+
+double left_to_filter(const FileError& error) {
+  const double rounded = error.rounding ? error.rounding->largest.value_or(0.5 * *error.asked) : *error.asked;
+  if (rounded >= *error.asked) refuse(error);
+  return (*error.asked - rounded) / (1 + rounded);
+}
+
+MadeLevel make_level(const PrefilterSource& source, const Prefilter& wanted, const FileError& error, bool measure,
+                     const Progress& progress) {
+  MadeLevel made{source.make(wanted, progress)};
+  if (!error.rounding || !(error.asked || measure)) return made;
+  const auto rounded = [&] { return rounding_error(*error.rounding, made.done.map.base(), made.done.floor); };
+  made.rounded = rounded();
+  if (error.asked && made.in_file() > *error.asked && made.rounded < *error.asked) {
+    Prefilter closer = wanted;
+    closer.max_error = 0.9 * (*error.asked - made.rounded);
+    made.done = source.make(closer, progress);
+    made.rounded = rounded();
+  }
+  check(made, error);
+  return made;
+}
+
+MadeLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size, const FileError& error,
+                         bool measure) {
+  ConvertOptions how{.to = frame, .size = size};
+  if (error.asked) how.max_error = left_to_filter(error);
+  const Resampler resampler(source, how);
+  MadeLevel made{.done = {.map = {}, .method = Method::exact}, .resampled = resampler.filter()};
+  if (const auto& choice = resampler.choice()) {
+    made.done.error = choice->trials.back().maximum;
+    if (!choice->reached) throw NotReached(fmt::format("the area filter's own error, {:.1e}", made.done.error));
+  }
+  made.done.map.forward = frame.forward;
+  made.done.map.levels.push_back(level_of(resampler.rows()));
+  if (error.rounding && (measure || error.asked)) {
+    const Level& level = made.done.map.base();
+    made.rounded = rounding_error(*error.rounding, level, 0.001 * mean_radiance(level));
+    check(made, error);
+  }
+  return made;
+}
+
+}  // namespace tools
