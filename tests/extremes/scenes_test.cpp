@@ -69,10 +69,10 @@ TEST(SceneSizes, FarFromTheOrigin) {
 TEST(SceneSuns, OfTheLargestFloat) {
   constexpr float sun = 3e38F;
   EnvironmentMap map;
-  map.levels.emplace_back(Projection::latlong, 32);
-  for (int j = 0; j < 32; ++j)
+  map.levels.emplace_back(Projection::latlong, 8);
+  for (int j = 0; j < 8; ++j)
     for (Colour& c : map.base().row(0, j)) c = Colour(1);
-  *map.base().texel(0, 40, 9) = Colour(sun);
+  *map.base().texel(0, 10, 2) = Colour(sun);
   const Environment sky(std::move(map));
   for (const auto& [metallic, roughness] : {std::pair{1.F, 0.F}, {1.F, 0.3F}, {0.F, 1.F}}) {
     SCOPED_TRACE(::testing::Message() << "metallic " << metallic << ", roughness " << roughness);

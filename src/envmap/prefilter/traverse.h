@@ -107,7 +107,7 @@ struct Traversal {
   std::array<double, node_channels> integrated;  ///< What the direction gets of pieces that are no nodes.
   std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
 
-  /// @param steps whether the lobe breaks off at the horizon. @param alike whether texels are parts of larger ones: see Tree::is_cut().
+  /// @param steps whether the lobe breaks off at the horizon. @param alike whether texels are parts of larger ones: see Tree::parts().
   void clear(bool steps, bool alike) {
     nodes.clear(), opened.clear();
     steps_ = steps, alike_ = alike;

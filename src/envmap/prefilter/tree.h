@@ -60,11 +60,11 @@ class Tree {
     }
   };
 
-  /// @param source must outlive the tree. @param is_cut whether its texels are parts of larger ones: see refined().
-  explicit Tree(const Level& source, bool is_cut = false);
+  /// @param source must outlive the tree. @param parts of larger texels that its own are, each way: see refined().
+  explicit Tree(const Level& source, int parts = 1);
 
   [[nodiscard]] const Level& source() const { return source_; }
-  [[nodiscard]] bool is_cut() const { return is_cut_; }
+  [[nodiscard]] int parts() const { return parts_; }
   /// Least radiance of each channel, in units of the mean.
   [[nodiscard]] const Colour& darkest() const { return darkest_; }
   [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
@@ -77,7 +77,7 @@ class Tree {
 
  private:
   const Level& source_;
-  bool is_cut_;
+  int parts_;
   double mean_;
   Colour darkest_;
   int first_ = 0;
