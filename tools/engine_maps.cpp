@@ -115,7 +115,8 @@ MadeLevel MapMaker::lobe(const Prefilter& wanted, const FileError& error) {
   if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
   Prefilter within = wanted;
   within.max_error = error.asked ? left_to_prefilter(error) : options_.quality.max_error;
-  const Progress progress = progress_line(common_, fmt::format("bake roughness {:.2f}", wanted.parameter));
+  const Progress progress = progress_line(
+      common_, wanted.shape == Shape::diffuse ? "bake diffuse" : fmt::format("bake roughness {:.2f}", wanted.parameter));
   return make_level(*prepared_, within, error, false, progress);
 }
 

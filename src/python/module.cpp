@@ -4,8 +4,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <array>
-#include <memory>
 
 #include "words.h"
 
@@ -16,8 +14,6 @@ namespace py = pybind11;
 using namespace py::literals;
 using namespace envmap;
 
-using Map = std::shared_ptr<EnvironmentMap>;
-using Triple = std::array<double, 3>;
 using Array = py::array_t<float, py::array::forcecast>;
 
 Map shared(EnvironmentMap&& map) { return std::make_shared<EnvironmentMap>(std::move(map)); }

@@ -11,7 +11,6 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <variant>
 
@@ -24,8 +23,6 @@ namespace py = pybind11;
 using namespace py::literals;
 using namespace envmap;
 
-using Map = std::shared_ptr<EnvironmentMap>;
-using Triple = std::array<double, 3>;
 using Place = std::variant<std::monostate, std::string, Triple>;  // Of the scene: a node, or where it is.
 
 Direction direction(const Triple& t) { return {t[0], t[1], t[2]}; }

@@ -4,13 +4,18 @@
 
 #include <pybind11/pybind11.h>
 
+#include <array>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "envmap/envmap.h"
 
 namespace envmap_python {
+
+using Map = std::shared_ptr<envmap::EnvironmentMap>;  ///< As Python holds one.
+using Triple = std::array<double, 3>;
 
 /// @throws UsageError that lists the words.
 envmap::Projection projection_of(const std::string& word);
