@@ -14,7 +14,6 @@
 #include <fstream>
 #include <iterator>
 
-#include "envmap/base/error.h"
 #include "envmap/base/remove_on_signal.h"
 #include "envmap/io/output_file.h"
 
@@ -70,10 +69,20 @@ OutputFolder::~OutputFolder() {
 
 std::string OutputFolder::file(std::string_view name) const { return hidden_ + "/" + std::string(name); }
 
+OutputError OutputFolder::as_it_will_be(const OutputError& e, std::string_view name) const {
+  const std::string hidden = file(name);
+  if (e.file() != hidden) return e;
+  return {path_ + "/" + std::string(name), std::string(e.what()).substr(hidden.size() + 2), e.remedy()};
+}
+
 void OutputFolder::write(std::string_view name, std::string_view text) const {
-  OutputFile out(file(name), how_);
-  out.write(text.data(), text.size());
-  out.commit();
+  try {
+    OutputFile out(file(name), how_);
+    out.write(text.data(), text.size());
+    out.commit();
+  } catch (const OutputError& e) {
+    throw as_it_will_be(e, name);
+  }
 }
 
 bool OutputFolder::is_there_already() const {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/error.h"
 #include "envmap/io/commit.h"
 
 namespace tools {
@@ -24,6 +25,8 @@ class OutputFolder {
 
   /// Where to write a file of it.
   [[nodiscard]] std::string file(std::string_view name) const;
+  /// An error of writing it, with the name that the file shall have.
+  [[nodiscard]] envmap::OutputError as_it_will_be(const envmap::OutputError& e, std::string_view name) const;
   /// Writes a text as one.
   void write(std::string_view name, std::string_view text) const;
 

@@ -368,6 +368,7 @@ TEST_F(Output, WantsAFolderThatIsThere) {
 
 TEST_F(Output, IsNotThereWithoutItsDepfile) {
   fails(not_written, {"convert", "in.exr", "out.exr", "--depfile", "missing/out.d"}, {"missing/out.d"});
+  fails(not_written, {"convert", "in.exr", "out.exr", "--depfile", std::string(256, 'd')}, {"ddd: not written: ", "too long"});
 }
 
 TEST_F(Output, LeavesNothingOnAFullDisk) {

@@ -65,6 +65,8 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (path != "-" && fs::is_directory(status)) throw OutputError(path, "is a folder; name a file");
+  // A file without a name would show it only at the end, when other outputs are there.
+  if (ignored == std::errc::filename_too_long) throw OutputError(path, "not written: " + ignored.message());
   stream_ = path == "-" || (fs::exists(status) && !fs::is_regular_file(status));
   // Through links to what they name, which need not exist: renaming over a link would cut it.
   for (int links = 0; !stream_ && links < 40 && fs::is_symlink(fs::symlink_status(target_, ignored)); ++links)
@@ -188,6 +190,10 @@ bool OutputFile::is_there_already() const {
 }
 
 void OutputFile::commit() {
+  const std::string name = path_ == "-" ? "standard output" : path_;
+  if (error_ != 0 && stream_)
+    throw OutputError(name, fmt::format("cannot be held in {}: {}; name another folder in TMPDIR", temporary_folder(),
+                                        std::strerror(error_)));
   if (error_ == 0 && stream_) {
     copy_to_stream();
   } else if (error_ == 0) {
@@ -199,8 +205,7 @@ void OutputFile::commit() {
   }
   if (::close(descriptor_) != 0 && error_ == 0) error_ = errno;
   descriptor_ = -1;
-  if (error_ != 0)
-    throw OutputError(fmt::format("{}: not written: {}", path_ == "-" ? "standard output" : path_, std::strerror(error_)));
+  if (error_ != 0) throw OutputError(name, fmt::format("not written: {}", std::strerror(error_)));
 }
 
 }  // namespace envmap
