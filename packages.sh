@@ -9,14 +9,15 @@ set -eu
 
 # For the tests: libgtest-dev, libbenchmark-dev (CI builds the benchmarks too), libopenexr-dev and openexr (files as
 # OpenEXR itself makes them), openimageio-tools, python3 and zstd (tests/ktx2_check.py), mandoc (checks the man pages), zsh and
-# fish (their completions), make (reads depfiles); python3-dev, pybind11-dev, numpy and pytest: the Python module.
+# fish (their completions), make (reads depfiles), python3-jsonschema (tests/schemas.py); python3-dev, pybind11-dev, numpy and
+# pytest: the Python module.
 # fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
 packages='
   g++ cmake ninja-build pkg-config
   libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libpng-dev libzstd-dev
   nlohmann-json3-dev
   libdraco-dev libembree-dev libosmesa6-dev libegl-dev python3-glad
-  libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 python3-dev pybind11-dev python3-numpy python3-pytest zstd mandoc fonts-dejavu-core zsh fish
+  libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 python3-dev pybind11-dev python3-numpy python3-pytest python3-jsonschema zstd mandoc fonts-dejavu-core zsh fish
   make'
 
 fail() {

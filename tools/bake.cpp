@@ -110,9 +110,8 @@ Baked bake_map(const Options& o, const EngineMap& map, MapMaker& maker, const Ou
     add_written(one, shown, written);
     report["maps"].push_back(one);
     return {map, size_of(made.rows), std::string(name(written.depth)), made.accuracy};
-  } catch (const OutputError& e) {  // Named as it shall be, not as it is until the folder is whole.
-    if (e.file() != file) throw;
-    throw OutputError(shown, std::string(e.what()).substr(file.size() + 2), e.remedy());
+  } catch (const OutputError& e) {
+    throw folder.as_it_will_be(e, map.file);
   } catch (const NotReached& e) {
     const std::string depth = depth_that_holds(file, how, *o.maps.max_error);
     throw NotReached(fmt::format("{}: --max-error {:g} is not held by {}: allow more{}", shown, *o.maps.max_error, e.what(),
@@ -183,15 +182,29 @@ Command bake_command() {
                    {"envmap bake probe.hdr public/probe --for three --size 1024", "a panorama of 2048x1024 for EXRLoader"},
                    {"envmap bake probe.hdr lights --for filament --max-error 1e-2", "files whose every texel is right to 1%"},
                    {"envmap bake --list", "the engines"}},
-      .keys = {{"input", "PROBE"},
-                            {"engine", "as --for says"},
-                            {"frame", "projection, and the axis at the centre"},
-                            {"turns", "how directions stand in the engine's world"},
-                            {"quality", "as --quality says"},
-                            {"maps[]", "size, levels and accuracy of each map, and its output, depth, clamped and flux_lost as of 'convert'"},
-                            {"files[]", "what the folder holds"},
-                            {"engines[]", "with --list, alone: name, title, version, maps, frame, turns and light of each"},
-                            {"seconds", "from start to end"}},
+      .keys = {{"input", "text?", "PROBE; absent with --list, as all but 'engines'"},
+               {"engine", "text?", "as --for says"},
+               {"frame", "text?", "projection, and the axis at the centre"},
+               {"turns", "text?", "how directions stand in the engine's world"},
+               {"quality", "text?", "as --quality says"},
+               {"maps[]", "object?", "what was written for the engine to load"},
+               {"maps[].size", "count", "height of a face"},
+               {"maps[].levels", "count", "how many"},
+               {"maps[].accuracy", "text", "of its texels, in words"},
+               {"maps[].output", "text", "the file"},
+               {"maps[].depth", "text", "what it holds: uint8, uint16, bc6h, rgb9e5, half or float"},
+               {"maps[].clamped", "count", "texels that --clamp changed"},
+               {"maps[].flux_lost", "number", "part of the flux that this took"},
+               {"files", "texts?", "what the folder holds"},
+               {"engines[]", "object?", "with --list, alone"},
+               {"engines[].name", "text", "as --for takes it"},
+               {"engines[].title", "text", "its own name"},
+               {"engines[].version", "text", "of which what is said here was read or run"},
+               {"engines[].maps", "texts", "the files that it loads"},
+               {"engines[].frame", "text", "of the first of them"},
+               {"engines[].turns", "text", "how directions stand in its world"},
+               {"engines[].light", "text", "how it makes rough and diffuse light"},
+               {"seconds", "number?", "from start to end"}},
       .reports = true,
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -209,12 +222,12 @@ Command bake_command() {
                        "Largest error of a texel of any of the files, relative to it or to 0.001 x the mean (default: by the quality, and "
                        "what the depth rounds by)")
             ->type_name("E")
-            ->check(CLI::Range(1e-6, 10.0));
+            ->check(number_in({1e-6, 10.0}));
         add_size(app, o->maps.size, "Height of the environment's map (default: the input's degrees per texel); chains have a size of their own");
         app.add_option("--chain-size", o->maps.chain_size, "Height of a chain's first level (default: what the engine's shader was made for)")
             ->type_name("N")
             ->check(CLI::Range(1, 4096));
-        app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(number_in({-100.0, 100.0}));
         add_depth(app, o->write.depth)->description("What the files store for each value (default: what the engine wants, else as the input)");
         add_clamp(app, o->write);
         add_read_options(app, o->read);

@@ -45,7 +45,7 @@ void add_grade(CLI::App& app, GradeOptions& o) {
   app.add_option("--saturation", o.saturation,
                  "0: grey; above 1 more colourful, as far as no channel falls below 0; luminance stays (default: 1)")
       ->type_name("S")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(number_in({0.0, 100.0}));
   app.add_option("--scale-to", o.scale_to,
                  "Scale the light so that a plane facing --towards receives lux=E, or so that the luminance seen within 1 degree "
                  "of --towards is nits=L; values are then candelas a square metre")

@@ -121,6 +121,15 @@ CLI::Option* add_display(CLI::App& app, std::optional<Display>& value, Display o
                                 display_names[static_cast<std::size_t>(otherwise)]));
 }
 
+CLI::Validator number_in(const CLI::Range& range) {
+  const auto check = [range](std::string& text) {
+    double number = 0;
+    const bool is_nan = CLI::detail::lexical_cast(text, number) && std::isnan(number);
+    return is_nan ? "Value " + text + " is no number" : range(text);
+  };
+  return {check, range.get_description()};
+}
+
 CLI::Option* add_size(CLI::App& app, int& size, const std::string& help) {
   return app.add_option("--size", size, help)->type_name("N")->check(CLI::Range(1, 65536));
 }

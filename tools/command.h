@@ -35,9 +35,9 @@ struct Example {
   std::string command, what;
 };
 
-/// A key of what --json prints: `levels[].flux` is in each element of an array.
+/// A key of what --json prints: `levels[].flux` is in each element of an array. @see schema_of for the types.
 struct Key {
-  std::string path, what;
+  std::string path, type, what;
 };
 
 struct Command {
@@ -122,6 +122,9 @@ CLI::Option* add_forward(CLI::App& app, const std::string& flag, std::optional<e
 CLI::Option* add_depth(CLI::App& app, std::optional<envmap::Depth>& value);
 /// @param otherwise what it is without the option, for the help.
 CLI::Option* add_display(CLI::App& app, std::optional<envmap::Display>& value, envmap::Display otherwise);
+/// A check of a number: CLI::Range itself lets NaN through, as that is neither too small nor too large.
+CLI::Validator number_in(const CLI::Range& range);
+
 CLI::Option* add_size(CLI::App& app, int& size, const std::string& help);
 CLI::Option* add_size(CLI::App& app, std::optional<int>& size, const std::string& help);
 void add_format(CLI::App& app, envmap::WriteOptions& options);
@@ -201,6 +204,12 @@ void check_report(const std::string& output, const Common& common);
 void add_written(nlohmann::ordered_json& report, const std::string& path, const envmap::Written& written);
 /// Its keys after those of the command.
 std::vector<Key> with_written(std::vector<Key> keys);
+
+/// The keys of a command with those that every report has.
+std::vector<Key> all_keys(const Command& command);
+/// A JSON Schema of what a command's --json prints. Types: text, texts, words (an object of texts), number, count, boolean,
+/// triple, triples, texel, object; "?" after one: may be absent; " or null".
+nlohmann::ordered_json schema_of(const Command& command);
 
 /// One line on standard error, of what makes the result another than was asked for: --quiet does not hide it.
 void warn(std::string_view line);

@@ -83,15 +83,15 @@ nlohmann::ordered_json report_of(const Options& o, const Resampler& resampler) {
   return report;
 }
 
-const std::vector<Key> keys{{"input", "INPUT"},
-                            {"filter", "how it was sampled"},
-                            {"samples", "N x N in a texel"},
-                            {"error", "null without --max-error"},
-                            {"error.max", "against 'area': largest |a-b| / max(|b|, 0.001 x mean of b)"},
-                            {"error.rms", "against 'area': root of sum w |a-b|^2 / sum w |b|^2"},
-                            {"error.texels", "in how many texels that was measured"},
-                            {"error.within", "whether it is below --max-error; false: exit status 1, nothing is written"},
-                            {"seconds", "from start to end"}};
+const std::vector<Key> keys{{"input", "text", "INPUT"},
+                            {"filter", "text", "how it was sampled"},
+                            {"samples", "count", "N x N in a texel"},
+                            {"error", "object or null", "null without --max-error"},
+                            {"error.max", "number", "against 'area': largest |a-b| / max(|b|, 0.001 x mean of b)"},
+                            {"error.rms", "number", "against 'area': root of sum w |a-b|^2 / sum w |b|^2"},
+                            {"error.texels", "count", "in how many texels that was measured"},
+                            {"error.within", "boolean", "whether it is below --max-error; false: exit status 1, nothing is written. Where the depth alone rounds by more nothing is printed either"},
+                            {"seconds", "number", "from start to end"}};
 
 void refuse(const Options& o, double max_error, const std::string& what) {
   warn(fmt::format("envmap convert: {}: --max-error {:g} is not held by the file: {}; --depth float in .exr holds it", o.output,
@@ -273,26 +273,26 @@ Command convert_command() {
                        "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4; 1e-3 where "
                        "'auto' chose it); 1e-6 takes some 10 times as long")
             ->type_name("E")
-            ->check(CLI::Range(1e-7, 1.0));
+            ->check(number_in({1e-7, 1.0}));
         app.add_option(
                "--max-error", o->convert.max_error,
                "Take the cheapest filter whose max and rms errors against 'area', measured in some texels of this map, and "
                "what the file's depth rounds the largest channel by are together below E; exit status 1 where none is")
             ->type_name("E")
-            ->check(CLI::Range(1e-6, 10.0));
+            ->check(number_in({1e-6, 10.0}));
         add_triple(app, "--rotate", o->turn, "Y,P,R", false, "Turn the environment by yaw, pitch, roll in degrees");
         app.add_option("--ball-distance", o->ball_distance,
                        "The input is the photo of a mirror ball by a camera R ball radii from the ball's centre (default: infinitely far)")
             ->type_name("R")
-            ->check(CLI::Range(BallCamera::nearest, BallCamera::farthest));
+            ->check(number_in({BallCamera::nearest, BallCamera::farthest}));
         app.add_option("--ball-fov", o->ball_fov, "The same by the angle that the ball fills at the camera, from one side to the other")
             ->type_name("DEGREES")
-            ->check(CLI::Range(1.2e-4, 157.0))
+            ->check(number_in({1.2e-4, 157.0}))
             ->excludes("--ball-distance");
         add_forward(app, "--forward", o->forward,
                     "World axis at the centre of latlong and angular images (default: +z)");
         auto* const exposure = app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS");
-        exposure->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        exposure->type_name("STOPS")->check(number_in({-100.0, 100.0}));
         add_grade(app, o->grade);
         app.get_option("--scale-to")->excludes(exposure);
         add_border(app, o->write, "--size counts them");

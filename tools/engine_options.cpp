@@ -106,9 +106,9 @@ void add_frame(nlohmann::ordered_json& report, const Engine& engine, const Engin
 }
 
 std::vector<Key> with_frame(std::vector<Key> keys) {
-  keys.insert(keys.end(), {{"engine", "with --for: its name"},
-                           {"frame", "with --for: projection, and the axis at the centre"},
-                           {"turns", "with --for: how directions stand in the engine's world"}});
+  keys.insert(keys.end(), {{"engine", "text?", "with --for: its name"},
+                           {"frame", "text?", "with --for: projection, and the axis at the centre"},
+                           {"turns", "text?", "with --for: how directions stand in the engine's world"}});
   return keys;
 }
 

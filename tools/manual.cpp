@@ -80,12 +80,9 @@ std::string command_page(const Command& command, const CLI::App& app) {
   std::string keys;
   if (command.reports) {
     keys = ".SH JSON\n" + roff("--json prints one object. A number that is not finite is null there. 'levels[].flux' below "
-                               "is the key flux of each object in the array levels.") + "\n";
-    const std::vector<Key> always{{"version", "1; another where a key changes its meaning or is gone"}},
-        at_end{{"not_finite", "absent, or for each number that is not finite its JSON pointer and what it is: infinite, "
-                              "-infinite or nan"}};
-    for (const auto* list : {&always, &command.keys, &at_end})
-      for (const Key& key : *list) keys += ".TP\n\\fB" + roff(key.path) + "\\fR\n" + roff(key.what) + "\n";
+                               "is the key flux of each object in the array levels. 'envmap manual --schemas FOLDER' writes "
+                               "the JSON Schema of it.") + "\n";
+    for (const Key& key : all_keys(command)) keys += ".TP\n\\fB" + roff(key.path) + "\\fR\n" + roff(key.what) + "\n";
   }
   return title("envmap-" + command.name) + ".SH NAME\nenvmap\\-" + command.name + " \\- " + roff(command.summary) +
          "\n.SH SYNOPSIS\n" + synopsis + "\n.SH DESCRIPTION\n" + paragraphs(command.description) + ".SH ARGUMENTS\n" +
@@ -119,6 +116,12 @@ std::string main_page(const std::vector<Command>& commands) {
          ".TP\nENVMAP_THREADS\nhow many threads to use where \\-\\-threads does not say\n" ".SH SEE ALSO\n" + also + "\n";
 }
 
+int write_schemas(const std::string& folder) {
+  for (const Command& c : all_commands())
+    if (c.reports) write_text(std::filesystem::path(folder) / (c.name + ".json"), schema_of(c).dump(2) + "\n");
+  return 0;
+}
+
 int write_pages(const std::string& folder) {
   const Program all;
   write_text(std::filesystem::path(folder) / "envmap.1", main_page(all.commands));
@@ -134,13 +137,18 @@ Command manual_command() {
           .summary = "Write the man pages",
           .description =
               "Writes envmap.1 and a page for each command into a folder. They hold what --help shows, from the same "
-              "definitions.",
+              "definitions. With --schemas it writes instead a JSON Schema (2020-12) for each command that has --json, to check its "
+              "reports with or to make types of: info.json, compare.json ...",
           .examples = {{"envmap manual man", "refresh the pages kept in the repository"},
-                       {"envmap manual /tmp && man /tmp/envmap-convert.1", "read a page without installing it"}},
+                       {"envmap manual /tmp && man /tmp/envmap-convert.1", "read a page without installing it"},
+                       {"envmap manual --schemas . && envmap info probe.exr --json > probe.json && jsonschema -i probe.json info.json",
+                        "a report held against its schema"}},
           .define = [](CLI::App& app, const Common&) -> std::function<int()> {
             auto folder = std::make_shared<std::string>();
             app.add_option("FOLDER", *folder, "Where to write them")->required();
-            return [folder] { return write_pages(*folder); };
+            auto schemas = std::make_shared<bool>(false);
+            app.add_flag("--schemas", *schemas, "Write JSON Schemas of what --json prints instead");
+            return [folder, schemas] { return *schemas ? write_schemas(*folder) : write_pages(*folder); };
           }};
 }
 

@@ -330,16 +330,16 @@ Command prefilter_command() {
                     "a file for each level: exponents 2048, 790, 304 ... 1"},
                    {"envmap prefilter probe.exr ibl.ktx --for filament", "the levels and the irradiance that Filament lights with"},
                    {"envmap prefilter --brdf-table brdf.exr", "the table that goes with every GGX map"}},
-      .keys = with_frame(with_written({{"input", "INPUT"},
-                            {"lobe", "diffuse, phong, ggx, blinn-phong or charlie"},
-                            {"max_error", "what --max-error says"},
-                            {"levels[].parameter", "exponent of phong and blinn-phong, roughness of ggx and charlie, null of diffuse"},
-                            {"levels[].size", "height of a face"},
-                            {"levels[].method", "how it was worked out; of a mirror's level of an engine, the filter"},
-                            {"levels[].seconds", "that this took"},
-                            {"levels[].max", "the largest figure of a texel, of |a-b| / max(|b|, 0.001 x mean of b); null of exact, the reference"},
-                            {"levels[].exact", "texels that were summed exactly, as nothing faster was sure of them"},
-                            {"seconds", "from start to end"}})),
+      .keys = with_frame(with_written({{"input", "text", "INPUT"},
+                            {"lobe", "text", "diffuse, phong, ggx, blinn-phong or charlie"},
+                            {"max_error", "number", "what --max-error says"},
+                            {"levels[].parameter", "number", "exponent of phong and blinn-phong, roughness of ggx and charlie, null of diffuse"},
+                            {"levels[].size", "count", "height of a face"},
+                            {"levels[].method", "text", "how it was worked out; of a mirror's level of an engine, the filter"},
+                            {"levels[].seconds", "number", "that this took"},
+                            {"levels[].max", "number", "the largest figure of a texel, of |a-b| / max(|b|, 0.001 x mean of b); null of exact, the reference"},
+                            {"levels[].exact", "count", "texels that were summed exactly, as nothing faster was sure of them"},
+                            {"seconds", "number", "from start to end"}})),
       .reports = true,
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -354,18 +354,18 @@ Command prefilter_command() {
                    "diffuse map; 'list' prints the engines");
         add_choice(app, "--lobe", o->lobe, joined(shape_names), one_of<Shape>(shape_names),
                    "The material's lobe (default: diffuse; ggx for engines that take a chain of it)");
-        app.add_option("--exponent", o->exponent, "M of phong and blinn-phong, 0 to 1e9")->type_name("M")->check(CLI::Range(0.0, 1e9));
+        app.add_option("--exponent", o->exponent, "M of phong and blinn-phong, 0 to 1e9")->type_name("M")->check(number_in({0.0, 1e9}));
         app.add_option("--exponents", o->exponents, "One for each level")
             ->type_name("M,...")
             ->delimiter(',')
-            ->check(CLI::Range(0.0, 1e9));
-        app.add_option("--roughness", o->roughness, "Perceptual roughness of ggx and charlie, 0 to 1")->type_name("R")->check(CLI::Range(0.0, 1.0));
+            ->check(number_in({0.0, 1e9}));
+        app.add_option("--roughness", o->roughness, "Perceptual roughness of ggx and charlie, 0 to 1")->type_name("R")->check(number_in({0.0, 1.0}));
         app.add_option("--roughnesses", o->roughnesses, "One for each level")
             ->type_name("R,...")
             ->delimiter(',')
-            ->check(CLI::Range(0.0, 1.0));
+            ->check(number_in({0.0, 1.0}));
         app.add_option("--levels", o->levels, "Levels of the chain (default: 1; with --for as many as the engine takes)")->type_name("N")->check(CLI::Range(1, 17));
-        app.add_option("--scale", o->scale, "The factor k (default: white stays 1)")->type_name("K")->check(CLI::Range(0.0, 1e30));
+        app.add_option("--scale", o->scale, "The factor k (default: white stays 1)")->type_name("K")->check(number_in({0.0, 1e30}));
         add_projection(app, "--to", o->to, "Projection of the output (default: cube)");
         add_size(app, o->size,
                  "Height of a face (default: 64 a cube's face for diffuse, the engine's for --for, else the input's degrees per texel)");
@@ -378,7 +378,7 @@ Command prefilter_command() {
                        "Largest error of a texel of the file, relative to it or to 0.001 x the mean (default: 1e-3, and what "
                        "the file's depth rounds by)")
             ->type_name("E")
-            ->check(CLI::Range(1e-7, 10.0));
+            ->check(number_in({1e-7, 10.0}));
         app.add_option("--brdf-table", o->table, "Write the split sum's table of scale and bias, too")
             ->type_name("FILE");
         app.add_option("--table-size", o->table_size, "Texels a side of that table (default: 128)")

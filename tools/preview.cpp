@@ -202,11 +202,11 @@ void add_exposure(CLI::App& app, Options& o) {
                                        "Multiply radiance by 2^STOPS before the tone curve (default: the mean becomes middle grey; "
                                        "0 where the first file is of 8 or 16 bits)")
                             ->type_name("STOPS")
-                            ->check(CLI::Range(-100.0, 100.0));
+                            ->check(number_in({-100.0, 100.0}));
   app.add_option("--percentile", o.percentile,
                  "Expose so that P percent of the sphere are at most 1 before the tone curve, to a sixteenth of a stop")
       ->type_name("P")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(number_in({0.0, 100.0}))
       ->excludes(exposure);
   const auto display = add_display(app, o.display, Display::reinhard);
   app.add_option("--view", o.view,

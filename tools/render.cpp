@@ -147,10 +147,10 @@ Command render_command() {
             app.add_option("--samples", o->from.samples, "Rays a texel (default: 1)")->type_name("N")->check(CLI::Range(1, 1024));
             app.add_option("--near", o->from.near, "Nothing nearer is drawn (default: 0.01)")
                 ->type_name("METRES")
-                ->check(CLI::Range(1e-9, 1e9));
+                ->check(number_in({1e-9, 1e9}));
             app.add_option("--far", o->from.far, "Nothing further is drawn (default: 1000)")
                 ->type_name("METRES")
-                ->check(CLI::Range(1e-9, 1e12));
+                ->check(number_in({1e-9, 1e12}));
             add_choice(app, "--method", o->method, joined(draw_method_names), one_of<DrawMethod>(draw_method_names),
                        "How it is drawn (default: auto)");
             app.add_option("--forward", o->forward,
@@ -162,7 +162,7 @@ Command render_command() {
                            "Of distort and tessellate: how near to the singularity a vertex may come, in z (default: 0.5 of "
                            "paraboloids, 0.05 of others)")
                 ->type_name("Z")
-                ->check(CLI::Range(1e-6, 1.0));
+                ->check(number_in({1e-6, 1.0}));
             add_layout(app, "--layout", o->write.layout, "Where cube faces lie (default: column)");
             add_write_options(app, o->write);
             return [o, &common] { return run(*o, common); };

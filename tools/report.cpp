@@ -90,10 +90,10 @@ void add_written(ordered_json& report, const std::string& path, const envmap::Wr
 }
 
 std::vector<Key> with_written(std::vector<Key> keys) {
-  keys.insert(keys.end(), {{"output", "OUTPUT; null where nothing was written"},
-                           {"depth", "what it holds: uint8, uint16, bc6h, rgb9e5, half or float"},
-                           {"clamped", "texels that --clamp changed"},
-                           {"flux_lost", "part of the flux that this took"}});
+  keys.insert(keys.end(), {{"output", "text or null", "OUTPUT; null where nothing was written"},
+                           {"depth", "text?", "what it holds: uint8, uint16, bc6h, rgb9e5, half or float; absent, as the next two, where nothing was written"},
+                           {"clamped", "count?", "texels that --clamp changed"},
+                           {"flux_lost", "number?", "part of the flux that this took"}});
   return keys;
 }
 

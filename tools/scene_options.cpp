@@ -24,9 +24,9 @@ void add_scene(CLI::App& app, SceneOptions& o) {
                  "through everything (default: 64)")
       ->type_name("N")
       ->check(CLI::Range(0, most_distant_lights));
-  app.add_option("--time", o.time, "Of animations, in seconds (default: 0)")->type_name("T")->check(CLI::Range(-1e6, 1e6));
+  app.add_option("--time", o.time, "Of animations, in seconds (default: 0)")->type_name("T")->check(number_in({-1e6, 1e6}));
   app.add_option("--frames", o.frames, "Draw the frames A to B, a file each")->type_name("A:B");
-  app.add_option("--fps", o.rate, "Frames a second (default: 24)")->type_name("F")->check(CLI::Range(1e-3, 1e6));
+  app.add_option("--fps", o.rate, "Frames a second (default: 24)")->type_name("F")->check(number_in({1e-3, 1e6}));
   add_max_pixels(app, o.read);
   add_repair(app, o.read);
 }

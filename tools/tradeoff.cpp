@@ -214,22 +214,22 @@ Command tradeoff_command() {
                    {"envmap tradeoff probe.hdr --task ggx:0.4 --plot ggx.svg", "time against error, as a picture"},
                    {"envmap tradeoff cellar.glb --task render:sphere --environment probe.hdr", "how a scene's map is drawn best"},
                    {"envmap tradeoff probe.hdr --task depth --by max --json", "file size against error, for programs"}},
-      .keys = {{"input", "INPUT"},
-               {"task", "as it was given"},
-               {"reference.what", "what errors are counted from"},
-               {"reference.seconds", "how long it took, once"},
-               {"by", "the metric that 'front' is judged by"},
-               {"trials[].method", "a filter, a method or a file format"},
-               {"trials[].setting", "its options"},
-               {"trials[].seconds", "median of its runs"},
-               {"trials[].noise", "how far other runs were from it at most, relative to it"},
-               {"trials[].runs", "how many, the first apart"},
-               {"trials[].bytes", "size of the file; of the task depth alone"},
-               {"trials[].max", "largest |a-b| / max(|b|, 0.001 x mean of b)"},
-               {"trials[].rms", "root of sum w |a-b|^2 / sum w |b|^2"},
-               {"trials[].flux", "largest |flux a - flux b| / flux b of a channel"},
-               {"trials[].front", "whether nothing else is both faster (of depth: smaller) and closer"},
-               {"left_out", "ways for which --budget left no time"}},
+      .keys = {{"input", "text", "INPUT"},
+               {"task", "text", "as it was given"},
+               {"reference.what", "text", "what errors are counted from"},
+               {"reference.seconds", "number", "how long it took, once"},
+               {"by", "text", "the metric that 'front' is judged by"},
+               {"trials[].method", "text", "a filter, a method or a file format"},
+               {"trials[].setting", "text", "its options"},
+               {"trials[].seconds", "number", "median of its runs"},
+               {"trials[].noise", "number", "how far other runs were from it at most, relative to it"},
+               {"trials[].runs", "count", "how many, the first apart"},
+               {"trials[].bytes", "count?", "size of the file; of the task depth alone"},
+               {"trials[].max", "number", "largest |a-b| / max(|b|, 0.001 x mean of b)"},
+               {"trials[].rms", "number", "root of sum w |a-b|^2 / sum w |b|^2"},
+               {"trials[].flux", "number", "largest |flux a - flux b| / flux b of a channel"},
+               {"trials[].front", "boolean", "whether nothing else is both faster (of depth: smaller) and closer"},
+               {"left_out", "count", "ways for which --budget left no time"}},
       .reports = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
@@ -239,7 +239,7 @@ Command tradeoff_command() {
                    "The error that stars and plot are about (default: rms)");
         app.add_option("--budget", o->budget, "Time for all ways together, the reference apart (default: 60)")
             ->type_name("SECONDS")
-            ->check(CLI::Range(0.0, 1e6));
+            ->check(number_in({0.0, 1e6}));
         app.add_option("--at", o->at, "Of scenes: the node or the point X,Y,Z that is drawn from (default: 0,0,0)")->type_name("NODE|X,Y,Z");
         app.add_option("--environment", o->environment, "Of scenes: map that is the background and a light")->type_name("FILE");
         app.add_flag("--csv", o->csv, "Print the table as comma-separated values");

@@ -278,11 +278,11 @@ Command view_command() {
                    "Point in the middle of the picture (default: where the camera looks; of a point, the middle of the scene)");
         app.add_option("--fov", o->from.fov, "Angle from the bottom to the top of the picture (default: the camera's, or 40)")
             ->type_name("DEGREES")
-            ->check(CLI::Range(0.01, 179.0));
+            ->check(number_in({0.01, 179.0}));
         app.add_option("--orbit", o->from.orbit,
                        "Over all --frames, carry the camera round what it looks at, or the middle of the scene (default: 0)")
             ->type_name("DEGREES")
-            ->check(CLI::Range(-36000.0, 36000.0));
+            ->check(number_in({-36000.0, 36000.0}));
         app.add_option("--width", o->width, "Of the picture (default: 640)")->type_name("N")->check(CLI::Range(1, 16384));
         app.add_option("--height", o->height, "Of the picture (default: 480)")->type_name("N")->check(CLI::Range(1, 16384));
         app.add_option("--samples", o->samples, "Rays a pixel (default: 4)")->type_name("N")->check(CLI::Range(1, 1024));
@@ -294,7 +294,7 @@ Command view_command() {
               return std::nullopt;
             },
             "How mirrors find what they show: in dynamic maps, or by rays, the reference (default: maps)");
-        app.add_option("--exposure", o->exposure, "Stops (default: 0)")->type_name("STOPS")->check(CLI::Range(-100.0, 100.0));
+        app.add_option("--exposure", o->exposure, "Stops (default: 0)")->type_name("STOPS")->check(number_in({-100.0, 100.0}));
         add_display(app, o->display, Display::clip);
         add_choice(
             app, "--maps", o->maps, joined(map_names),
@@ -318,10 +318,10 @@ Command view_command() {
             ->check(CLI::Range(1, 64));
         app.add_option("--near", o->drawing.near, "Nothing nearer to a mirror's middle is in its map (default: 0.01)")
             ->type_name("METRES")
-            ->check(CLI::Range(1e-9, 1e9));
+            ->check(number_in({1e-9, 1e9}));
         app.add_option("--far", o->drawing.far, "Nothing further is (default: 1000)")
             ->type_name("METRES")
-            ->check(CLI::Range(1e-9, 1e12));
+            ->check(number_in({1e-9, 1e12}));
         add_choice(app, "--lookup", o->lookup, joined(mirror_lookup_names), one_of<MirrorLookup>(mirror_lookup_names),
                    "How maps are looked up: by direction, as if all were far away; where rays meet what is at a distance; "
                    "by direction at vertices, as it used to be done (default: distance)");
@@ -334,7 +334,7 @@ Command view_command() {
                        "Two eyes so far apart; both see the same at 30 times the distance. {eye} in OUTPUT writes three files: left, "
                        "right and both")
             ->type_name("METRES")
-            ->check(CLI::Range(1e-9, 1e9));
+            ->check(number_in({1e-9, 1e9}));
         app.add_flag("--all", o->drawing.all, "Draw all of every map, needed or not");
         return [o, &common] { return run(*o, common); };
       }};

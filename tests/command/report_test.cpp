@@ -277,6 +277,20 @@ TEST_F(Help, OfEachCommandHasTwoExamples) {
   }
 }
 
+// Which is neither below nor above any limit: `compare --golden --max-rms nan` would find everything alike.
+TEST_F(Help, NoNumberOfARangeMayBeNan) {
+  static const std::regex option(R"(\\fB(\\-\\-[a-z\\-]+)\\fR \\fI[^\n]*(FLOAT in|NONNEGATIVE))");
+  int options = 0;
+  for (const std::string& command : commands()) {
+    const std::string page = read("envmap-" + command + ".1");
+    for (std::sregex_iterator found(page.begin(), page.end(), option); found != std::sregex_iterator(); ++found, ++options) {
+      const std::string flag = std::regex_replace((*found)[1].str(), std::regex(R"(\\)"), "");
+      for (const char* nan : {"nan", "-NaN"}) fails(2, {command, flag + "=" + nan}, {flag, "no number"});
+    }
+  }
+  EXPECT_GE(options, 30);
+}
+
 TEST_F(Help, KnowsTheVersion) {
   const Result r = envmap({"--version"});
   EXPECT_EQ(r.status, 0);

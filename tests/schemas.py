@@ -1,0 +1,161 @@
+"""What --json prints, of every command that has it, against the JSON Schemas that `envmap manual --schemas` writes: maps of every
+projection and kind, black, flawed and one texel large. A schema that lets everything through is found by reports that are
+damaged: without a key, with one more, with a value of another kind.
+
+  schemas.py ENVMAP          ends with 77 where there is no python3-jsonschema
+"""
+import copy
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+
+try:
+    import jsonschema
+except ImportError:
+    sys.exit(77)
+
+ENVMAP = sys.argv[1]
+NAN, INFINITY = float('nan'), float('inf')
+
+
+def run(*arguments, statuses=(0,)):
+    done = subprocess.run([ENVMAP, *arguments], capture_output=True, text=True)
+    assert done.returncode in statuses, (arguments, done.returncode, done.stderr)
+    return done.stdout
+
+
+def exr(name, width, height, texel):
+    """Floats without compression; envmap itself writes neither NaN nor infinities."""
+    box = struct.pack('<4i', 0, 0, width - 1, height - 1)
+    channels = b''.join(c + b'\0' + struct.pack('<4i', 2, 0, 1, 1) for c in (b'B', b'G', b'R')) + b'\0'
+    header = b'\x76\x2f\x31\x01\x02\0\0\0'
+    for key, kind, value in ((b'channels', b'chlist', channels), (b'compression', b'compression', b'\0'), (b'dataWindow', b'box2i', box),
+                             (b'displayWindow', b'box2i', box), (b'lineOrder', b'lineOrder', b'\0'),
+                             (b'pixelAspectRatio', b'float', struct.pack('<f', 1)), (b'screenWindowCenter', b'v2f', struct.pack('<2f', 0, 0)),
+                             (b'screenWindowWidth', b'float', struct.pack('<f', 1))):
+        header += key + b'\0' + kind + b'\0' + struct.pack('<i', len(value)) + value
+    line = 12 * width
+    begin = len(header) + 1 + 8 * height
+    offsets = struct.pack(f'<{height}Q', *(begin + y * (8 + line) for y in range(height)))
+    rows = b''.join(struct.pack('<2i', y, line) + b''.join(struct.pack('<f', texel(x, y)[c]) for c in (2, 1, 0) for x in range(width))
+                    for y in range(height))
+    pathlib.Path(name).write_bytes(header + b'\0' + offsets + rows)
+
+
+def places(value, path=''):
+    """Every value in a report by its JSON pointer."""
+    yield path, value
+    for key, member in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
+        yield from places(member, f'{path}/{key}')
+
+
+def check(schemas, tried, command, *arguments, statuses=(0,)):
+    text = run(command, *arguments, '--json', statuses=statuses)
+    report = json.loads(text, parse_constant=lambda word: sys.exit(f'{command} {arguments}: {word} is no JSON'))
+    try:
+        schemas[command].validate(report)
+    except jsonschema.ValidationError as e:
+        sys.exit(f'envmap {command} {" ".join(arguments)}: {e.json_path}: {e.message}')
+    there = dict(places(report))
+    for place in report.get('not_finite', {}):
+        assert there[place] is None, (command, arguments, place)
+    tried.setdefault(command, []).append(report)
+    return report
+
+
+def refuses_damage(schema, report):
+    damaged = [dict(report, surprise=1), dict(report, version=2)]
+    for key, value in report.items():
+        if key in schema.schema['required']:
+            damaged.append({k: v for k, v in report.items() if k != key})
+        damaged.append(dict(report, **{key: [value] if key != 'metadata' else 1}))
+        if isinstance(value, dict) and key not in ('metadata', 'not_finite'):
+            damaged += [dict(report, **{key: {k: v for k, v in value.items() if k != gone}}) for gone in value]
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            for gone in value[0]:
+                one = copy.deepcopy(report)
+                del one[key][0][gone]
+                if not (gone == 'bytes'):
+                    damaged.append(one)
+    for one in damaged:
+        assert not schema.is_valid(one), (schema.schema['title'], one)
+
+
+def main():
+    run('manual', '--schemas', '.')
+    schemas, tried = {}, {}
+    for file in pathlib.Path().glob('*.json'):
+        text = json.loads(file.read_text())
+        jsonschema.Draft202012Validator.check_schema(text)
+        schemas[file.stem] = jsonschema.Draft202012Validator(text)
+
+    def tell(*arguments, **how):
+        return check(schemas, tried, *arguments, **how)
+
+    for projection in ('latlong', 'cube', 'sphere', 'paraboloid', 'angular', 'octahedral', 'equal-area'):
+        run('generate', 'directions', f'{projection}.exr', '--to', projection, '--size', '8')
+        tell('info', f'{projection}.exr', '--levels', '--sampling')
+        tell('compare', f'{projection}.exr', 'latlong.exr')
+    run('convert', 'cube.exr', 'border.exr', '--openexr-envmap', '--depth', 'float')
+    tell('info', 'border.exr')
+    run('generate', 'constant', '{face}.exr', '--to', 'cube', '--size', '1')
+    tell('info', '{face}.exr', '--levels', '--sampling')
+
+    # Black, dark to the last bit, bright to the last, and what is no number.
+    tiny = struct.unpack('<f', b'\1\0\0\0')[0]
+    largest = struct.unpack('<f', b'\xff\xff\x7f\x7f')[0]
+    for name, light in {'black': 0, 'tiny': tiny, 'largest': largest, 'one': 1}.items():
+        exr(f'{name}.exr', 4, 2, lambda x, y: (light, light, light))
+    exr('flawed.exr', 4, 2, lambda x, y: (NAN if x == 1 else INFINITY if x == 2 else -1, 0, 1))
+    exr('nothing.exr', 4, 2, lambda x, y: (NAN, NAN, NAN))
+    exr('endless.exr', 4, 2, lambda x, y: (INFINITY, -INFINITY, INFINITY))
+    exr('texel.exr', 1, 1, lambda x, y: (1, 2, 3))
+    for name in ('black', 'tiny', 'largest', 'flawed', 'nothing', 'endless'):
+        tell('info', f'{name}.exr', '--levels', '--sampling')
+    tell('info', 'texel.exr', '--from', 'sphere', '--sampling')
+    assert tell('info', 'nothing.exr')['nan'] == 8
+    assert 'not_finite' in tell('info', 'black.exr')
+    sound = ('black', 'tiny', 'largest', 'one')
+    for name in sound:
+        tell('compare', f'{name}.exr', 'black.exr')
+        tell('compare', 'black.exr', f'{name}.exr')
+        tell('sh', f'{name}.exr')
+        tell('sh', f'{name}.exr', '--irradiance', '--window', 'auto', statuses=(0, 3) if name == 'largest' else (0,))
+        tell('mipmap', f'{name}.exr', 'levels.exr', '--depth', 'float')
+        tell('convert', f'{name}.exr', 'out.exr', '--to', 'cube', '--size', '2', '--max-error', '1', '--depth', 'float')
+        tell('prefilter', f'{name}.exr', 'out.exr', '--size', '2', '--depth', 'float')
+    tell('mipmap', 'latlong.exr', 'levels.exr')
+    tell('compare', 'levels.exr', 'levels.exr')
+    tell('compare', 'levels.exr', 'latlong.exr', statuses=(0, 1))
+    tell('compare', 'latlong.exr', 'cube.exr', '--golden', '--max-flux', '0', '--max-rms', '0', statuses=(1,))
+    tell('info', 'levels.exr', '--levels')
+    tell('sh', 'latlong.exr', '--order', '3', '--window', 'hann')
+    run('generate', 'sun', 'sun.exr', '--to', 'latlong', '--size', '16')
+    assert tell('convert', 'sun.exr', 'out.exr', '--to', 'cube', '--size', '64', '--max-error', '1e-5', '--depth', 'float',
+                statuses=(0, 1))['error'] is not None
+    tell('convert', 'largest.exr', 'out.exr', '--depth', 'half', '--clamp')
+    tell('convert', 'latlong.exr', 'out.dds', '--for', 'babylon')
+    tell('mipmap', 'latlong.exr', 'out.dds', '--for', 'babylon')
+    tell('prefilter', 'latlong.exr', 'out.ktx', '--for', 'filament', '--size', '16', '--max-error', '0.1')
+    for lobe in (['phong', '--exponent', '3'], ['ggx', '--levels', '3', '--method', 'exact'], ['charlie', '--roughness', '0.5'], ['blinn-phong', '--exponent', '3']):
+        tell('prefilter', 'latlong.exr', 'out.exr', '--size', '4', '--lobe', *lobe)
+    tell('bake', '--list')
+    tell('bake', 'latlong.exr', 'folder', '--for', 'gltf', '--chain-size', '16', '--max-error', '0.1')
+    tell('bake', 'latlong.exr', 'other', '--for', 'blender')
+    for task in ('convert:cube:2', 'mipmap:1', 'diffuse:cube:2', 'depth'):
+        tell('tradeoff', 'latlong.exr', '--task', task, '--budget', '0.1')
+    tell('tradeoff', 'black.exr', '--task', 'convert:cube:2', '--budget', '0.1')
+
+    assert set(tried) == set(schemas), set(tried) ^ set(schemas)
+    for command, reports in tried.items():
+        refuses_damage(schemas[command], max(reports, key=len))
+    print(f'{sum(map(len, tried.values()))} reports of {len(tried)} commands')
+
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    main()
