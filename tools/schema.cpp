@@ -22,7 +22,7 @@ ordered_json object() {
 
 // Any number may be one that is not finite, and then is null.
 ordered_json schema_of_word(std::string_view word) {
-  const ordered_json text{{"type", "string"}}, number{{"type", {"number", "null"}}}, count{{"type", "integer"}, {"minimum", 0}};
+  ordered_json text{{"type", "string"}}, number{{"type", {"number", "null"}}}, count{{"type", "integer"}, {"minimum", 0}};
   if (word == "text") return text;
   if (word == "texts") return array_of(text);
   if (word == "words") return {{"type", "object"}, {"additionalProperties", text}};

@@ -210,7 +210,7 @@ TEST_F(Bake, FoldersAppearWholeOrNotAtAll) {
 TEST_F(Bake, ASignalLeavesNothing) {
   succeeds({"generate", "sun", "probe.exr", "--size", "512"});
   const auto before = names();
-  for (const int signal : {SIGTERM, SIGINT}) {
+  for (const int signal : {SIGTERM, SIGINT, SIGXCPU, SIGUSR1}) {  // The last two by batch systems.
     Background run(*this, {ENVMAP_PROGRAM, "bake", "probe.exr", "lights", "--for", "pbrt", "--size", "8192"});
     interrupt(run, signal, [&] { return names() != before; });
     EXPECT_EQ(names(), before);

@@ -135,6 +135,21 @@ def test_files_come_back(tmp_path):
     assert envmap.read(str(tmp_path / 'c_{face}.exr')).array.dtype == np.float32
 
 
+def test_interrupts_stay_python_s(tmp_path):
+    """A file that is replaced has a temporary name, which a signal removes; Python's own handlers are not given up for that."""
+    program = """if True:
+        import envmap, os, signal
+        for _ in range(2):
+            envmap.write('a.exr', envmap.generate('sky', size=8))
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            while True: pass
+        except KeyboardInterrupt:
+            print('interrupted')"""
+    done = subprocess.run([sys.executable, '-c', program], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, 'interrupted\n'), done
+
+
 def test_errors_are_one_line(tmp_path):
     with pytest.raises(envmap.InputError, match='none.hdr') as found:
         envmap.read(str(tmp_path / 'none.hdr'))

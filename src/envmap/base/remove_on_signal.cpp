@@ -23,8 +23,9 @@ extern "C" void remove_pending(int signal) {
 
 void handle_signals() {
   static const bool installed = [] {
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE})
-      if (std::signal(signal, remove_pending) == SIG_IGN) std::signal(signal, SIG_IGN);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ})
+      // What the program around the library does with a signal, it goes on doing: Python's Ctrl-C is an exception.
+      if (const auto before = std::signal(signal, remove_pending); before != SIG_DFL) std::signal(signal, before);
     return true;
   }();
   (void)installed;
