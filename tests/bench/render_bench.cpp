@@ -2,12 +2,15 @@
 // is the six faces of its cube, read back and converted).
 //
 //   METHOD/PROJECTION/edge:E/size:N    the box of tests/render/rooms.h, 12 (E-1)^2 triangles
+//   view/PROJECTION/mirrors:N          frames of so many mirror balls in that box, one of which moves: all maps drawn once, at
+//                                      256 (cube: 128), and a picture of 320x240
 //
-// Beside the time, the part of texels that show another surface than a ray in float64 meets, in %.
+// Beside the time of a map, the part of texels that show another surface than a ray in float64 meets, in %.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
 #include "envmap/render/context.h"
+#include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "render/rooms.h"
@@ -39,6 +42,39 @@ void measure(benchmark::State& state, DrawMethod method, Projection to) {
   state.counters["wrong"] = 100 * (faults.holes + faults.surface);
 }
 
+// Balls of 24 rings in rows of four before the camera.
+Scene hall(int mirrors) {
+  Scene scene = rooms::room(21);
+  scene.materials.push_back({.metallic = 1, .roughness = 0});
+  scene.meshes.push_back(rooms::ball(24, 0.1));
+  scene.meshes.back().material = static_cast<int>(scene.materials.size()) - 1;
+  for (int k = 0; k < mirrors; ++k)
+    scene.nodes.push_back({.local = glm::translate(Matrix(1), Direction(-0.45 + 0.3 * (k % 4), 0.45 - 0.3 * (k / 4), -0.2 * (k % 3))),
+                           .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+  return scene;
+}
+
+void measure_view(benchmark::State& state, Projection to) {
+  static Context context(ContextKind::osmesa);
+  const Scene scene = hall(static_cast<int>(state.range(0)));
+  const std::vector<Mirror> found = find_mirrors(scene, to);
+  std::vector<int> nodes;
+  for (const Mirror& mirror : found) nodes.push_back(mirror.node);
+  Renderer renderer(scene, nullptr, nodes);
+  Mirrors mirrors(scene, found);
+  Shot shot{scene, pose(scene, 0)};
+  const Viewpoint from{.size = 240, .at = {0.1, 0.05, 0.95}, .lens = Lens{320, {0.8, 0.6}, 0}};
+  for (auto _ : state) {
+    shot.pose[static_cast<std::size_t>(nodes.front())][3].z += 1e-3;
+    shot.mirrors = {};
+    mirrors.update(renderer, shot, {{.at = from.at, .pixel = 1.2 / from.size}},
+                   {.size = to == Projection::cube ? 128 : 256, .bounces = 1}, [](const std::string&) {});
+    shot.mirrors = mirrors.maps();
+    benchmark::DoNotOptimize(draw_picture(renderer, from, shot));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -54,6 +90,15 @@ int main(int argc, char** argv) {
           ->Unit(benchmark::kMillisecond)
           ->UseRealTime();
     }
+  for (const Projection to : {Projection::sphere, Projection::paraboloid, Projection::cube})
+    benchmark::RegisterBenchmark(fmt::format("view/{}", name(to)).c_str(), measure_view, to)
+        ->ArgName("mirrors")
+        ->Arg(1)
+        ->Arg(4)
+        ->Arg(16)
+        ->Unit(benchmark::kMillisecond)
+        ->MeasureProcessCPUTime()
+        ->UseRealTime();
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -183,20 +183,36 @@ std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axe
 Cap enclosing(std::span<const Cap> caps) {
   Direction sum(0);
   for (const Cap& cap : caps) sum += cap.axis;
-  Cap best{unit(sum), pi};
-  const auto widest = [&](const Direction& axis) {
-    const Cap* far = &caps.front();
-    double angle = -1;
-    for (const Cap& cap : caps)
-      if (const double a = angle_between(axis, cap.axis) + cap.angle; a > angle) angle = a, far = &cap;
-    return std::pair(std::min(angle, pi), far);
+  struct Bounded {
+    Direction axis;
+    double cosine, sine;
   };
+  std::vector<Bounded> all;
+  for (const Cap& cap : caps) all.push_back({cap.axis, std::cos(cap.angle), std::sin(cap.angle)});
+  // The cosine of how far the widest reaches from an axis, -1 where it reaches all round: angles by atan2 took longer than
+  // drawing.
+  const auto widest = [&](const Direction& axis) {
+    const Bounded* far = &all.front();
+    double least = 2;
+    for (const Bounded& cap : all) {
+      const double along = glm::dot(axis, cap.axis);
+      const double cosine =
+          along < -cap.cosine ? -1 : along * cap.cosine - std::sqrt(std::max(0.0, 1 - along * along)) * cap.sine;
+      if (cosine < least) least = cosine, far = &cap;
+    }
+    return std::pair(least, far);
+  };
+  Cap best{unit(sum), pi};
+  double highest = -1;
   Direction centre = best.axis;
   for (int step = 2; step < 64; ++step) {
-    const auto [angle, far] = widest(centre);
-    if (angle < best.angle) best = {centre, angle};
+    const auto [cosine, far] = widest(centre);
+    if (cosine > highest) best.axis = centre, highest = cosine;
     centre = unit(centre + (far->axis - centre) / double(step));
   }
+  best.angle = 0;
+  for (const Cap& cap : caps) best.angle = std::max(best.angle, angle_between(best.axis, cap.axis) + cap.angle);
+  best.angle = std::min(best.angle, pi);
   return best;
 }
 
