@@ -4,6 +4,7 @@
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/render/choose.h"
+#include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "envmap/render/turn.h"
@@ -19,7 +20,40 @@ struct Options {
   std::optional<Projection> to;
   Viewpoint from;
   DrawMethod method = DrawMethod::automatic;
+  int bounces = 0;
   WriteOptions write;
+};
+
+// Draws maps with OpenGL, mirrors in them through maps of their own.
+class Painter {
+ public:
+  Painter(const Options& o, const Common& common, const LoadedScene& loaded, const std::vector<Mirror>& mirrors)
+      : options_(o),
+        common_(common),
+        context_(o.scene.context),
+        renderer_(loaded.scene, loaded.environment.get(), nodes_of(mirrors)),
+        mirrors_(loaded.scene, mirrors) {
+    if (common.verbose) note(common, context_.renderer());
+  }
+
+  [[nodiscard]] Drawn paint(Shot shot, DrawMethod method) {
+    const Viewpoint& from = options_.from;
+    if (options_.bounces > 0) {
+      const Viewer viewer{.at = from.at, .node = from.without, .pixel = 0.5 * pi / from.size};
+      mirrors_.update(renderer_, shot, {viewer}, {.bounces = options_.bounces, .far = from.far}, [&](const std::string& line) {
+        if (common_.verbose) note(common_, line);
+      });
+      shot.mirrors = mirrors_.maps();
+    }
+    return draw(renderer_, from, shot, method);
+  }
+
+ private:
+  const Options& options_;
+  const Common& common_;
+  Context context_;
+  Renderer renderer_;
+  Mirrors mirrors_;
 };
 
 // From where the map is drawn to a node, or to the scene's first camera; or what is said.
@@ -60,21 +94,18 @@ int run(Options& o, const Common& common) {
   const bool turned = !o.forward.empty() && !forward_named(o.forward);
   const DrawMethod method =
       o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene)) : o.method;
-  std::optional<Context> context;
-  std::optional<Renderer> renderer;
-  if (method != DrawMethod::raycast) {
-    context.emplace(o.scene.context);
-    renderer.emplace(loaded.scene, loaded.environment.get());
-    if (common.verbose) note(common, context->renderer());
-  }
+  const std::vector<Mirror> mirrors =
+      o.bounces > 0 ? find_mirrors(loaded.scene, Projection::paraboloid) : std::vector<Mirror>{};
+  std::optional<Painter> painter;
+  if (method != DrawMethod::raycast) painter.emplace(o, common, loaded, mirrors);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const Shot shot = loaded.shot(frames.time(frame), o.scene);
     if (o.from.without >= 0) o.from.at = centre_of(loaded.scene, shot.pose, o.from.without);
     if (turned) o.from.axes = turned_to(direction(o, loaded.scene, shot.pose));
     const Stopwatch watch;
-    Drawn drawn = method == DrawMethod::raycast ? raycast(shot, o.from, progress_line(common, "cast"))
-                                                : draw(*renderer, o.from, shot, method);
+    Drawn drawn = painter ? painter->paint(shot, method)
+                          : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far}, progress_line(common, "cast"));
     const double took = watch.seconds();
     seconds += took;
     drawn.radiance.forward = forward;
@@ -151,6 +182,11 @@ Command render_command() {
             app.add_option("--far", o->from.far, "Nothing further is drawn (default: 1000)")
                 ->type_name("METRES")
                 ->check(number_in({1e-9, 1e12}));
+            app.add_option("--bounces", o->bounces,
+                           "Mirrors and glass show what is round them, and each other: so many rounds of their maps, or so often a "
+                           "ray is followed (default: 0; they show the environment alone)")
+                ->type_name("N")
+                ->check(CLI::Range(0, 64));
             add_choice(app, "--method", o->method, joined(draw_method_names), one_of<DrawMethod>(draw_method_names),
                        "How it is drawn (default: auto)");
             app.add_option("--forward", o->forward,

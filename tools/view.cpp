@@ -193,8 +193,7 @@ int run(Options& o, const Common& common) {
   const Viewpoints viewpoints(o.from, static_cast<double>(o.width) / o.height, scene, o.scene.path,
                               pose(scene, frames.time(frames.first)));
   const std::vector<Mirror> mirrors = mirrors_of(scene, o.mirrors, o.maps.value_or(Projection::paraboloid));
-  std::vector<int> nodes;
-  for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
+  const std::vector<int> nodes = nodes_of(mirrors);
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
   std::optional<MapPainter> painter;
   if (o.method == Through::maps) painter.emplace(o, common, loaded, mirrors, nodes);

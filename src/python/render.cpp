@@ -76,7 +76,7 @@ DrawMethod method_for(const std::string& word, const Viewpoint& from, const Scen
 }
 
 Drawn drawn(const Shot& shot, const Viewpoint& from, DrawMethod method, ContextKind kind, const Progress& progress) {
-  if (method == DrawMethod::raycast) return raycast(shot, from, progress);
+  if (method == DrawMethod::raycast) return raycast(shot, from, {}, progress);
   const Context context(kind);
   Renderer renderer(shot.scene, shot.environment);
   return draw(renderer, from, shot, method);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 
@@ -48,6 +49,9 @@ unsigned all_faces(Projection p) { return (1U << faces(p)) - 1; }
 // More texels than this many a pixel that looks them up are not drawn, however fine those could show them: a bottle a few
 // pixels wide does not get the map of a flat mirror that fills the picture.
 constexpr double texels_a_pixel = 64;
+
+// Down to 4 texels.
+int level_count(int size) { return std::max(1, static_cast<int>(std::bit_width(static_cast<unsigned>(size))) - 2); }
 
 // As fine as the pixels are, or as they can afford. @param step radians between texels.
 int fitting_size(const Mirror& mirror, double step, double pixels) {
@@ -96,6 +100,12 @@ std::vector<Mirror> find_mirrors(const Scene& scene, Projection to) {
     if (!known) mirrors.push_back(make_mirror(scene, instance.node, to));
   }
   return mirrors;
+}
+
+std::vector<int> nodes_of(const std::vector<Mirror>& mirrors) {
+  std::vector<int> nodes;
+  for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
+  return nodes;
 }
 
 Mirrors::Mirrors(const Scene& scene, std::vector<Mirror> mirrors)
@@ -234,11 +244,13 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
   with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup};
   if (map.texture && map.texture->size == plan.size && map.axes == plan.axes) {
     renderer.draw(from, with_maps, options.method, *map.texture);
+    renderer.make_levels(*map.texture, needed);
   } else {
-    MapTexture other(mirror.to, plan.size);
+    MapTexture other(mirror.to, plan.size, level_count(plan.size));
     renderer.draw(from, with_maps, options.method, other);
     from.which = ~needed;
     renderer.draw_background(from, with_maps, other);
+    renderer.make_levels(other, all_faces(mirror.to));
     map.texture = std::move(other);
     map.axes = plan.axes;
   }

@@ -27,6 +27,8 @@ struct Mirror {
 /// @param to sphere, paraboloid or cube.
 std::vector<Mirror> find_mirrors(const Scene& scene, Projection to);
 
+std::vector<int> nodes_of(const std::vector<Mirror>& mirrors);
+
 /// @param node may have any material. @return as find_mirrors() would have it.
 Mirror make_mirror(const Scene& scene, int node, Projection to);
 

@@ -120,16 +120,24 @@ gl::Program adding_program() {
                           constants());
 }
 
+gl::Program level_program(Projection map) {
+  return gl::make_program({{GL_VERTEX_SHADER, {"everywhere.vert.glsl"}},
+                           {GL_FRAGMENT_SHADER, {fmt::format("texel_{}.glsl", identifier(map)), "level.frag.glsl"}}},
+                          constants());
+}
+
 gl::Program shading_program(const Shading& s) {
   gl::Definitions definitions = constants();
   definitions["TEXTURES"] = std::to_string(s.textures);
   definitions["BY_VERTEX"] = number(s.mirror && s.lookup == MirrorLookup::vertex);
+  definitions["HAS_FOOTPRINT"] = number(s.mirror && s.lookup != MirrorLookup::vertex);
   definitions["BY_DISTANCE"] = number(s.mirror && s.lookup == MirrorLookup::distance);
   std::vector<std::string> files = files_of({s.environment, s.mirror});
   const auto add = [&](std::initializer_list<std::string> more) { files.insert(files.end(), more); };
-  add({"ray.glsl", "triangle.glsl", "environment.glsl"});
+  add({"ray.glsl", "triangle.glsl", "turned.glsl", "environment.glsl"});
   if (s.mirror)
-    add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), "meet_map.glsl", "reflect_mirror.glsl"});
+    add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), fmt::format("texel_{}.glsl", identifier(*s.mirror)),
+         "meet_map.glsl", "footprint.glsl", "reflect_mirror.glsl"});
   else
     add({"reflect_environment.glsl"});
   add({"lights.glsl", "light_image.glsl", "light_faces.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl", "shade.frag.glsl"});

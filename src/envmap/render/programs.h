@@ -52,6 +52,9 @@ gl::Program background_program(Projection environment);
 /// Adds Layers::sample to a map.
 gl::Program adding_program();
 
+/// Makes a level of a mirror's map. @param map cube, sphere or paraboloid.
+gl::Program level_program(Projection map);
+
 /// What lights the texels of a group.
 struct Shading {
   Projection environment;

@@ -4,7 +4,7 @@
 
 #include "envmap/base/parallel.h"
 #include "envmap/map/image_view.h"
-#include "envmap/render/ray_tree.h"
+#include "envmap/render/tracer.h"
 
 namespace envmap {
 namespace {
@@ -16,13 +16,13 @@ struct Seen {
 };
 
 // Through what is blended to the first that is not: the surface, and its distance.
-Seen look(const RayTree& tree, const Lighting& lighting, const Viewpoint& from, const Direction& ray) {
+Seen look(const RayTree& tree, const Tracer& tracer, const Lighting& lighting, const Viewpoint& from, const Direction& ray) {
   Seen seen;
   float left = 1;  // Of what is behind.
   double near = from.near;
   while (const auto hit = tree.find(Direction(0), ray, near, from.far)) {
     const float part = left * hit->surface.opacity;
-    if (part > 0) seen.radiance += part * shade(hit->surface, -ray, lighting);
+    if (part > 0) seen.radiance += part * Colour(tracer.from_surface(*hit, ray));
     if (!hit->blended) {
       seen.distance = static_cast<float>(hit->distance);
       seen.surface = static_cast<std::uint32_t>(hit->instance + 1);
@@ -37,9 +37,13 @@ Seen look(const RayTree& tree, const Lighting& lighting, const Viewpoint& from, 
 
 }  // namespace
 
-Drawn raycast(const Shot& shot, const Viewpoint& from, const Progress& progress) {
+Drawn raycast(const Shot& shot, const Viewpoint& from, const RayPaths& paths, const Progress& progress) {
   const RayTree tree(shot, from.at, from.without);
   const Lighting light = lighting(shot, &tree);
+  // What the map leaves out, mirrors show.
+  std::optional<RayTree> all;
+  if (from.without >= 0 && !paths.mirrors.empty()) all.emplace(shot, from.at, -1);
+  const Tracer tracer(all ? *all : tree, light, shot, from, paths);
   Drawn drawn{.radiance = blank_map(from.to, from.size)};
   Level& level = drawn.radiance.base();
   drawn.distances.assign(ImageView<float>::count(level.width(), level.height(), level.faces()),
@@ -57,7 +61,7 @@ Drawn raycast(const Shot& shot, const Viewpoint& from, const Progress& progress)
     for (int k = 0; k < from.samples; ++k) {
       sample_directions(from.to, from.size, face, row, sample_offset(k, from.samples), rays);
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Seen seen = look(tree, light, from, from.axes * rays[i]);
+        const Seen seen = look(tree, tracer, light, from, from.axes * rays[i]);
         sums[i] += Flux(seen.radiance);
         if (k > 0) continue;
         distance[i] = seen.distance;

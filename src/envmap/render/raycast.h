@@ -7,16 +7,17 @@
 
 namespace envmap {
 
-/// Each texel shows what its own ray meets first between the spheres `near` and `far`, lit by shade(). The same bytes at any
-/// number of threads. @param progress may be empty. @throws UsageError where there is no memory for the scene's tree.
-Drawn raycast(const Shot& shot, const Viewpoint& from, const Progress& progress = {});
-
-/// How far rays are followed in a picture.
+/// How far rays are followed.
 struct RayPaths {
   std::vector<int> mirrors;  ///< Nodes whose smooth surfaces (is_smooth()) reflect and let through what is there.
   int bounces = 32;          ///< So often a ray leaves a mirror or a lens; after that these show the environment.
   double far = 1000;         ///< Nothing further from the last surface.
 };
+
+/// Each texel shows what its own ray meets first between the spheres `near` and `far`, lit by shade(), and from mirrors goes on
+/// as in pictures. The same bytes at any number of threads. @param progress may be empty. @throws UsageError where there is no
+/// memory for the scene's tree.
+Drawn raycast(const Shot& shot, const Viewpoint& from, const RayPaths& paths = {}, const Progress& progress = {});
 
 /// The picture through from.lens, rows from the top: rays go on from smooth mirrors, through thin walls, and through solids,
 /// which they leave by refraction and by reflection inside. All that Embree meets is lit as scatter() says; what counts for

@@ -1,115 +1,13 @@
-#include <algorithm>
-#include <cmath>
-
 #include "envmap/base/parallel.h"
-#include "envmap/render/ray_tree.h"
-#include "envmap/render/raycast.h"
+#include "envmap/render/tracer.h"
 
 namespace envmap {
-namespace {
-
-// Parts of a pixel below this are not followed; how often a ray may be reflected inside a solid.
-constexpr double negligible = 1e-4;
-constexpr int most_inside = 16;
-
-double largest(const Flux& part) { return std::max(part.x, std::max(part.y, part.z)); }
-
-// Schlick 1994 from the side of the air.
-double reflectance(double ior, double cosine) {
-  const double normal = (ior - 1) / (ior + 1), f0 = normal * normal;
-  return ior > 1 ? f0 + (1 - f0) * std::pow(1 - std::clamp(cosine, 0.0, 1.0), 5) : 0;
-}
-
-// A ray on its way.
-struct Ray {
-  Direction origin, along;  // The origin from the viewpoint.
-  int bounces;              // That may follow.
-  double weight;            // What it counts for in the pixel.
-  bool of_eye = false;      // Nothing turned it yet: behind all surfaces it sees the background.
-};
-
-class Tracer {
- public:
-  Tracer(const Shot& shot, const Viewpoint& from, const RayPaths& paths)
-      : tree_(shot, from.at, from.without), light_(lighting(shot, &tree_)), from_(from), far_(paths.far) {
-    for (const Instance& instance : instances(shot.scene)) {
-      const Mesh& mesh = shot.scene.meshes[instance.mesh];
-      const bool named = std::ranges::any_of(
-          paths.mirrors, [&](int node) { return lies_under(shot.scene, instance.node, node); });
-      followed_.push_back(named && is_smooth(shot.scene.materials[mesh.material]));
-    }
-  }
-
-  [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray, int bounces) const {
-    const Ray first{origin, ray, bounces, 1, true};
-    const auto hit = tree_.find(origin, ray, from_.near, from_.far);
-    return hit ? leaving(*hit, first) : missing(first);
-  }
-
- private:
-  // What a ray from a surface brings back.
-  [[nodiscard]] Flux along(const Ray& ray) const {
-    const auto hit = tree_.find(ray.origin, ray.along, RayTree::clearance(ray.origin), far_);
-    return hit ? leaving(*hit, ray) : missing(ray);
-  }
-
-  [[nodiscard]] Flux missing(const Ray& ray) const {
-    if (!ray.of_eye) return glossy_radiance(light_, ray.along, 0);
-    return Flux(background(light_.environment, ray.along) + (from_.show_ambient ? light_.ambient : Colour(0)));
-  }
-
-  [[nodiscard]] Flux leaving(const RayHit& hit, const Ray& ray) const {
-    const double covered = hit.surface.opacity;
-    const Ray onwards{ray.origin + hit.distance * ray.along, ray.along, ray.bounces, ray.weight * (1 - covered), ray.of_eye};
-    Flux sum = covered > 0 ? covered * scattered(hit, ray) : Flux(0);
-    if (covered < 1) sum += (1 - covered) * along(onwards);
-    return sum;
-  }
-
-  [[nodiscard]] Flux scattered(const RayHit& hit, const Ray& ray) const {
-    const Surface& s = hit.surface;
-    const Scattered out = scatter(s, -ray.along, light_);
-    const Direction place = ray.origin + hit.distance * ray.along;
-    const auto beyond = [&](const Flux& part, const Direction& where, bool inside) {
-      if (part == Flux(0)) return Flux(0);
-      const Ray next{place, where, ray.bounces - 1, ray.weight * largest(part)};
-      if (!followed_[hit.instance] || ray.bounces == 0 || next.weight < negligible)
-        return part * glossy_radiance(light_, where, s.roughness);
-      return part * (inside ? through(next, s.ior, 0) : along(next));
-    };
-    return out.radiance + beyond(out.reflected, out.mirrored, false) + beyond(out.transmitted, out.refracted, s.solid);
-  }
-
-  // What a ray brings back that is inside a solid. The colour of the glass was counted where it entered.
-  [[nodiscard]] Flux through(const Ray& ray, double ior, int reflections) const {
-    const auto hit = tree_.find(ray.origin, ray.along, RayTree::clearance(ray.origin), far_, Medium::solid);
-    if (!hit) return glossy_radiance(light_, ray.along, 0);
-    if (!hit->back) return leaving(*hit, ray);  // Something in the glass.
-    const Direction& n = hit->surface.normal;
-    const Direction place = ray.origin + hit->distance * ray.along, out = glm::refract(ray.along, n, ior);
-    const double reflected = out == Direction(0) ? 1 : reflectance(ior, -glm::dot(out, n));
-    Flux sum(0);
-    if (reflected < 1) sum += (1 - reflected) * along({place, out, ray.bounces, ray.weight * (1 - reflected)});
-    if (reflected > 0) {
-      const Ray back{place, glm::reflect(ray.along, n), ray.bounces, ray.weight * reflected};
-      const bool end = reflections == most_inside || back.weight < negligible;
-      sum += reflected * (end ? glossy_radiance(light_, back.along, 0) : through(back, ior, reflections + 1));
-    }
-    return sum;
-  }
-
-  RayTree tree_;
-  Lighting light_;
-  const Viewpoint& from_;
-  double far_;
-  std::vector<bool> followed_;  // By instance.
-};
-
-}  // namespace
 
 std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, const RayPaths& paths,
                                     const Progress& progress) {
-  const Tracer tracer(shot, from, paths);
+  const RayTree tree(shot, from.at, from.without);
+  const Lighting light = lighting(shot, &tree);
+  const Tracer tracer(tree, light, shot, from, paths);
   const Lens& lens = *from.lens;
   std::vector<Colour> picture(static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(from.size));
   for_each_row(1, from.size, progress, [&](int, int row) {
@@ -118,7 +16,7 @@ std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, con
       for (int k = 0; k < from.samples; ++k) {
         const Vec2<double> offset = sample_offset(k, from.samples);
         const double u = (i + 0.5 + offset.x) / lens.width, v = (row + 0.5 + offset.y) / from.size;
-        sum += tracer.from_eye(from.axes * lens.origin(u, v), from.axes * lens.ray(u, v), paths.bounces);
+        sum += tracer.from_eye(from.axes * lens.origin(u, v), from.axes * lens.ray(u, v));
       }
       picture[static_cast<std::size_t>(row) * static_cast<std::size_t>(lens.width) + static_cast<std::size_t>(i)] =
           Colour(sum / static_cast<double>(from.samples));

@@ -37,17 +37,19 @@ void finish_drawing() {
 
 }  // namespace
 
-MapTexture::MapTexture(Projection p, int n)
+MapTexture::MapTexture(Projection p, int n, int count)
     : projection(p),
       width(n * aspect(p)),
       size(n),
+      levels(count),
       texture(gl::make_texture(p == Projection::cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D_ARRAY)) {
   check_face(width, n);
   if (p == Projection::cube)
-    glTextureStorage2D(texture, 1, GL_RGBA32F, n, n);
+    glTextureStorage2D(texture, levels, GL_RGBA32F, n, n);
   else
-    glTextureStorage3D(texture, 1, GL_RGBA32F, width, n, faces(p));
+    glTextureStorage3D(texture, levels, GL_RGBA32F, width, n, faces(p));
   gl::interpolate(texture);
+  if (levels > 1) glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glClearTexImage(texture, 0, GL_RGBA, GL_FLOAT, nullptr);
   gl::check("map");
 }

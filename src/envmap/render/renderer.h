@@ -19,7 +19,8 @@ namespace envmap {
 
 /// A drawn map that stays where it was drawn, a layer a face: what mirrors look up.
 struct MapTexture {
-  MapTexture(Projection projection, int size);
+  /// @param levels of detail, each half as wide as the one before; of make_levels().
+  MapTexture(Projection projection, int size, int levels = 1);
   /// A picture. @param size its height.
   MapTexture(int width, int size);
 
@@ -28,7 +29,7 @@ struct MapTexture {
   [[nodiscard]] int layer(int face) const { return projection == Projection::cube && face >= 4 ? 9 - face : face; }
 
   Projection projection;
-  int width, size;
+  int width, size, levels = 1;
   gl::Texture texture;  ///< Radiance, and 1 / distance, which is linear along planes: 0 where nothing was hit.
 };
 
@@ -55,6 +56,9 @@ class Renderer {
 
   /// The environment alone in the faces of `from.which`.
   void draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to);
+
+  /// From the level that was drawn, in the faces of `which`. @param map cube, sphere or paraboloid.
+  void make_levels(const MapTexture& map, unsigned which);
 
   [[nodiscard]] const GpuScene& scene() const { return gpu_; }
 
@@ -92,6 +96,7 @@ class Renderer {
   gl::Texture sample_rays_;
   std::map<Shading, gl::Program> shading_;
   gl::Program background_, adding_;
+  std::map<Projection, gl::Program> levels_;
 };
 
 /// The map in memory, by any method but raycast: `resample` draws a cube of the same size and converts it.

@@ -4,7 +4,6 @@
 // Of the point (1 - s) p + s |p| r, up to a factor: s from 0 to 1 goes from p along r to infinity, in steps of about the same
 // angle seen from the middle. excess() is how far it lies behind what the map shows, times (1 - s) / its distance: linear in s
 // where that is a plane, and 0 at infinity where there is nothing.
-#if BY_DISTANCE
 const float steps_a_radian = 8;
 const float jump = 0.1;  // Of the distance, within a sixteenth of a step: no surface is that steep.
 
@@ -14,10 +13,9 @@ float excess(vec3 p, vec3 to, float s) {
   return far_off * nearness_at(x / far_off) - (1 - s);
 }
 
-// All in the frame of the map. @param p from its middle. @param r unit. @return towards the place, of any length.
-vec3 met(vec3 p, vec3 r) {
-  vec3 to = max(length(p), 1e-20) * r;
-  float angle = acos(clamp(dot(normalize(p + 1e-20 * r), r), -1, 1));
+// All in the frame of the map. @param p from its middle. @param to |p| r. @return s.
+float met(vec3 p, vec3 to) {
+  float angle = acos(clamp(dot(normalize(p + to * 1e-20), normalize(to)), -1, 1));
   int steps = int(4 + steps_a_radian * angle);
   float low = 0, below = excess(p, to, 0), hidden = 1;
   for (int k = 1; k <= steps; ++k) {
@@ -29,11 +27,10 @@ vec3 met(vec3 p, vec3 r) {
         else high = middle, above = there;
       }
       // Where the map jumps the ray passes behind something: it may come out again. Nothing hides infinity.
-      if (high == 1 || above - below < jump * (1 - low) + 1e-6) return mix(p, to, mix(low, high, below / (below - above)));
+      if (high == 1 || above - below < jump * (1 - low) + 1e-6) return mix(low, high, below / (below - above));
       if (hidden == 1) hidden = low;
     }
     low = next, below = beyond;
   }
-  return mix(p, to, hidden);
+  return hidden;
 }
-#endif

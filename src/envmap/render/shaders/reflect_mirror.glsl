@@ -6,19 +6,28 @@ uniform vec3 from_middle;  // Of the map to the viewpoint.
 #if BY_VERTEX
 vec3 place_by_vertex;  // Where the surface was interpolated to look.
 bool reflects_only;    // Not so for lenses.
-#endif
-
-#if BY_DISTANCE
-vec3 seen_from;  // The surface, in the frame of the map.
-#endif
-
-vec3 reflected(vec3 from) {
-#if BY_VERTEX
-  if (reflects_only) return mirror_at_place(place_by_vertex);
-#endif
-#if BY_DISTANCE
-  return mirror_at(normalize(met(seen_from, to_mirror * from)));
 #else
-  return mirror_at(to_mirror * from);
+// The surface here, and how it goes on to the next texels across and down.
+struct Beside {
+  vec3 position, normal, ray;
+};
+Beside here, beside[2];
+
+// From the middle of the map, in its frame.
+vec3 from_map(vec3 position) { return to_mirror * (from_middle + position); }
+#endif
+
+vec3 reflected(vec3 from, float bend) {
+#if BY_VERTEX
+  return reflects_only ? mirror_at_place(place_by_vertex, 0) : mirror_at(to_mirror * from, 0);
+#else
+  vec3 d[3];
+  vec3 p = from_map(here.position), r = to_mirror * from;
+  float far_off = max(length(p), 1e-20), part = BY_DISTANCE != 0 ? met(p, far_off * r) : 1;
+  d[0] = normalize(mix(p, far_off * r, part));
+  for (int k = 0; k < 2; ++k)
+    d[k + 1] = normalize(mix(from_map(beside[k].position),
+                             far_off * to_mirror * turned(beside[k].ray, beside[k].normal, bend), part));
+  return mirror_over(d[0], d[1] - d[0], d[2] - d[0]);
 #endif
 }

@@ -21,6 +21,35 @@ vec2 change(Triangle t, Ray ray, ivec2 at, ivec2 step, vec2 here) {
   return sum > 0 ? spread * (t.places * weights / sum - here) : vec2(1e3);
 }
 
+#if HAS_FOOTPRINT
+// The same of the surface itself, in the world. A ball ends at its outline: of the neighbours on both sides the one counts
+// where the normal changes less.
+Beside next_to(Triangle t, mat3 turn, ivec2 at, ivec2 step, vec3 mapped) {
+  ivec2 size = textureSize(rays, 0);
+  Ray whole = ray_at(at);
+  Beside best = here;
+  float least = 1e9;
+  for (int way = -1; way <= 1; way += 2) {
+    ivec2 there = at + way * step;
+    if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
+    Ray next = ray_at(there);
+    vec3 aside = next.from - whole.from;
+    float far_off = (t.height - dot(t.normal, aside)) / dot(t.normal, next.along);
+    vec3 place = aside + far_off * next.along, weights = weights_at(t, place);
+    float sum = weights.x + weights.y + weights.z;
+    if (next.along == vec3(0) || !(far_off > 0) || !(sum > 0)) continue;
+    vec3 normal = t.normals * (weights / sum) * turn;
+    normal = (dot(normal, normal) > 0 ? normalize(normal) : here.normal) - here.normal;
+    if (dot(normal, normal) >= least) continue;
+    least = dot(normal, normal);
+    best.position = here.position + way * spread * (to_world * (whole.from + place) - here.position);
+    best.normal = normalize(mapped + way * spread * normal);
+    best.ray = normalize(here.ray + way * spread * (to_world * next.along - here.ray));
+  }
+  return best;
+}
+#endif
+
 // From a place on a triangle to the mean of where the planes of its corners have it: Surface::lifted of shading.h.
 // @param turn to the world's normals, on the side that is seen.
 vec3 lift(Triangle t, vec3 place, vec3 weights, mat3 turn) {
@@ -102,8 +131,11 @@ void main() {
 #if (TEXTURES & 16) != 0
   surface.reached += more.z * (textureGrad(occlusions, place, along, down).r - 1);
 #endif
-#if BY_DISTANCE
-  seen_from = to_mirror * (from_middle + surface.position);
+#if HAS_FOOTPRINT
+  here = Beside(surface.position, surface.smooth_normal, to_world * ray);
+  mat3 turn = side * mat3(x.xyz, y.xyz, z.xyz);
+  beside[0] = next_to(t, turn, at, ivec2(1, 0), surface.normal);
+  beside[1] = next_to(t, turn, at, ivec2(0, 1), surface.normal);
 #endif
 #if BY_VERTEX
   // The classic way: reflected directions at the corners, places in the map between them, all in the first one's face.

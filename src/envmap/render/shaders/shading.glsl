@@ -32,10 +32,12 @@ vec3 irradiance_over_pi(vec3 n, vec3 reached) {
   return ambient + reached * max(sum, 0);
 }
 
-vec3 glossy_radiance(vec3 from, float roughness) {
+// @param v away from the surface. @param bend as turned() has it.
+vec3 glossy_radiance(vec3 v, vec3 n, float bend, float roughness) {
+  vec3 from = turned(-v, n, bend);
   float level = clamp(blur * roughness, 0, 1) * GLOSSY_LEVELS;
   int lower = min(int(level), GLOSSY_LEVELS - 1);
-  vec3 below = lower == 0 ? reflected(from) : textureLod(glossy, vec4(from, lower - 1), 0).rgb;
+  vec3 below = lower == 0 ? reflected(from, bend) : textureLod(glossy, vec4(from, lower - 1), 0).rgb;
   return reflected_ambient + mix(below, textureLod(glossy, vec4(from, lower), 0).rgb, level - lower);
 }
 
@@ -88,9 +90,9 @@ vec3 shade(Surface s, vec3 v) {
   vec3 sum = s.emissive + rest * dielectric * (1 - s.transmission) * even +
              mix(later(plain, edge, table), later(base, 1, table), s.metallic) * even +
              s.reached * mix(once(plain, edge, table), once(base, 1, table), s.metallic) *
-                 glossy_radiance(2 * dot(n, v) * n - v, s.roughness);
+                 glossy_radiance(v, n, 0, s.roughness);
   if (s.transmission > 0)
-    sum += rest * dielectric * s.transmission * glossy_radiance(refract(-v, n, s.bend), s.roughness);
+    sum += rest * dielectric * s.transmission * glossy_radiance(v, n, s.bend, s.roughness);
 
   float alpha = max(1e-3, s.roughness * s.roughness);
   for (int k = 0; k < light_count; ++k) {

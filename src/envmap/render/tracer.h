@@ -1,0 +1,46 @@
+/// @file
+/// Rays that go on: from mirrors, through thin walls, and through solids.
+#pragma once
+
+#include <vector>
+
+#include "envmap/render/ray_tree.h"
+#include "envmap/render/raycast.h"
+
+namespace envmap {
+
+/// Follows rays through a shot as RayPaths says. What it is made of must outlive it.
+class Tracer {
+ public:
+  /// @param tree of the shot, its centre the viewpoint's.
+  Tracer(const RayTree& tree, const Lighting& light, const Shot& shot, const Viewpoint& from, const RayPaths& paths);
+
+  /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world.
+  [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray) const;
+
+  /// What the surface that it met sends back along it.
+  [[nodiscard]] Flux from_surface(const RayHit& hit, const Direction& ray) const;
+
+ private:
+  // A ray on its way.
+  struct Ray {
+    Direction origin, along;  // The origin from the viewpoint.
+    int bounces;              // That may follow.
+    double weight;            // What it counts for in the pixel.
+    bool of_eye = false;      // Nothing turned it yet: behind all surfaces it sees the background.
+  };
+  [[nodiscard]] Flux along(const Ray& ray) const;
+  [[nodiscard]] Flux missing(const Ray& ray) const;
+  [[nodiscard]] Flux leaving(const RayHit& hit, const Ray& ray) const;
+  [[nodiscard]] Flux scattered(const RayHit& hit, const Ray& ray) const;
+  [[nodiscard]] Flux through(const Ray& ray, double ior, int reflections) const;
+
+  const RayTree& tree_;
+  const Lighting& light_;
+  const Viewpoint& from_;
+  int bounces_;
+  double far_;
+  std::vector<bool> followed_;  // By instance.
+};
+
+}  // namespace envmap
