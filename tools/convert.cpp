@@ -1,6 +1,9 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "colour_options.h"
 #include "command.h"
@@ -12,6 +15,7 @@
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
+#include "photograph.h"
 #include "shard.h"
 
 namespace tools {
@@ -33,7 +37,48 @@ struct Options {
   GradeOptions grade;
   Shard shard;
   std::optional<double> ball_distance, ball_fov;
+  // Where --to is a lens:
+  std::optional<Lens> lens;
+  std::optional<Direction> look_at;
+  std::optional<double> fov;
+  std::optional<int> width, samples;
+  std::optional<Display> display;
 };
+
+// What --to says: a projection, or a lens for a picture.
+struct To {
+  std::optional<Projection> projection;
+  std::optional<Lens> lens;
+};
+
+std::optional<To> to_named(std::string_view word) {
+  if (const auto lens = one_of<Lens>(lens_names)(word)) return To{.projection = std::nullopt, .lens = lens};
+  if (const auto projection = projection_named(word)) return To{.projection = projection, .lens = std::nullopt};
+  return std::nullopt;
+}
+
+// Options that only maps have, or only pictures.
+constexpr std::array of_maps{"--for", "--layout", "--area-error", "--max-error", "--ball-distance", "--ball-fov", "--forward", "--depth",
+                             "--border", "--openexr-envmap", "--compression", "--clamp", "--shard", "--output-space", "--max-memory"};
+constexpr std::array of_pictures{"--look-at", "--fov", "--width", "--display"};
+
+void refuse_options(const CLI::App& app, bool picture) {
+  const std::span<const char* const> others = picture ? std::span<const char* const>(of_maps) : of_pictures;
+  const char* const why = picture ? "is for maps; --to perspective, fisheye and cylinder make pictures"
+                                  : "is for pictures: --to perspective, fisheye or cylinder";
+  for (const char* option : others)
+    if (app.get_option(option)->count() > 0) throw UsageError(fmt::format("{} {}", option, why));
+}
+
+int run_photograph(const Options& o, const Common& common) {
+  PhotographJob job{.input = o.input, .output = o.output, .format = o.write.format, .read = o.read, .grade = o.grade,
+                    .photograph = {.lens = *o.lens, .samples = o.samples, .gain = portable::exp2(o.exposure)},
+                    .field = o.fov, .width = o.width, .height = o.convert.size, .display = o.display};
+  job.photograph.filter = o.convert.filter.value_or(Filter::bilinear);
+  if (o.look_at) job.photograph.towards = *o.look_at;
+  if (o.turn) job.photograph.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
+  return take_photograph(job, common);
+}
 
 // What of the world the photo of a ball does not show, which no option fills in.
 std::optional<BallCamera> ball_camera(const Options& o, const EnvironmentMap& source, const Common& common) {
@@ -91,6 +136,9 @@ const std::vector<Key> keys{{"input", "text", "INPUT"},
                             {"error.rms", "number", "against 'area': root of sum w |a-b|^2 / sum w |b|^2"},
                             {"error.texels", "count", "in how many texels that was measured"},
                             {"error.within", "boolean", "whether it is below --max-error; false: exit status 1, nothing is written. Where the depth alone rounds by more nothing is printed either"},
+                            {"lens", "text?", "of a picture"},
+                            {"width", "count?", "of a picture"},
+                            {"height", "count?", "of a picture"},
                             {"seconds", "number", "from start to end"}};
 
 void refuse(const Options& o, double max_error, const std::string& what) {
@@ -124,6 +172,30 @@ std::string filter_words() {
   std::string text;
   for (const FilterInfo& f : filters()) text += fmt::format(" '{}' {}.", f.name, f.summary);
   return text;
+}
+
+void add_to(CLI::App& app, Options& o) {
+  std::string words;
+  for (const Projection p : all_projections) words += fmt::format("{}|", name(p));
+  words += fmt::format("{}", fmt::join(lens_names, "|"));
+  app.add_option_function<std::string>(
+         "--to",
+         [&o, words](const std::string& word) {
+           const auto to = to_named(word);
+           if (!to) throw CLI::ValidationError("--to", "'" + word + "' is none of " + words);
+           o.to = to->projection, o.lens = to->lens;
+         },
+         "Projection of the output (default: as the input), or the lens of a picture")
+      ->type_name(words);
+  add_triple(app, "--look-at", o.look_at, "X,Y,Z", false, "Of pictures: world direction in the middle (default: 0,0,1)");
+  app.add_option("--fov", o.fov,
+                 "Of pictures: angle from the bottom to the top (default: perspective 60, fisheye 180, cylinder 90)")
+      ->type_name("DEGREES")
+      ->check(number_in({0.01, 360.0}));
+  app.add_option("--width", o.width, "Of pictures; --size is their height, 480 if nothing is said (default: 4 to 3; square; once round)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65536));
+  add_display(app, o.display, Display::clip);
 }
 
 int run(Options& o, const Common& common) {
@@ -221,6 +293,9 @@ Command convert_command() {
           "silhouette, --ball-distance or --ball-fov says how near the camera was, whose axis leads through the ball's centre: a "
           "ball that fills 20 degrees of the view is 5.76 radii away. Towards the camera is +Z. What lies hidden behind the "
           "ball, within half of that angle of -Z, is told, and gets the colours of the ball's rim.\n\n"
+          "--to perspective, fisheye (equidistant) or cylinder takes a picture, which is no map: what a camera in the middle sees "
+          "towards --look-at, --fov degrees from the bottom to the top, in a .png, .jpg, .exr or .hdr. Pixels are means of N x N "
+          "places (--samples; by itself two for each texel that a pixel spans), as --filter nearest, bilinear or bicubic has them.\n\n"
           "--forward names the world axis at the centre of the latlong or angular images that are read without "
           "metadata and that are written; --from-forward names the input's alone.\n\n"
           "--for ENGINE makes the file that 'envmap bake' writes as the environment of that engine: projection, frame, file type and "
@@ -242,6 +317,8 @@ Command convert_command() {
                     "from a cube cross to a panorama with -Z at its centre"},
                    {"envmap convert probe.exr small.exr --to cube --size 64 --max-error 1e-3",
                     "the cheapest filter that is found right to 0.1%, rounding to the depth of the file counted"},
+                   {"envmap convert probe.hdr view.png --to perspective --fov 50 --look-at 1,0.2,0 --exposure 1",
+                    "a picture of what lies towards +X"},
                    {"envmap convert probe.hdr sky.dds --for babylon", "a cube of halves, mirrored for its left-handed world"},
                    {"envmap convert probe.exr aces.exr --output-space ACEScg", "for a renderer that works in ACEScg"},
                    {"envmap convert probe.hdr lit.exr --white 0,0,1 --scale-to lux=20000",
@@ -261,11 +338,11 @@ Command convert_command() {
             ->required();
         add_engine(app, o->engine,
                    "Make what this engine loads as its environment: projection, frame, file type and depth; 'list' prints the engines");
-        add_projection(app, "--to", o->to, "Projection of the output (default: as the input)");
+        add_to(app, *o);
         add_size(app, o->convert.size, "Height of a face (default: the input's degrees per texel)");
         add_layout(app, "--layout", o->write.layout, "Where the output's cube faces lie (default: column)");
         add_filter(app, o->convert.filter, "How the input is sampled (default: auto)");
-        app.add_option("--samples", o->convert.samples,
+        app.add_option("--samples", o->samples,
                        "N x N samples a texel, of nearest, bilinear and bicubic (default: 1; of auto as above)")
             ->type_name("N")
             ->check(CLI::Range(1, 64));
@@ -304,6 +381,9 @@ Command convert_command() {
         add_repair(app, o->read);
         return [o, &app, &common] {
           o->one_level = app.count("--level") > 0;
+          refuse_options(app, o->lens.has_value());
+          if (o->lens) return run_photograph(*o, common);
+          o->convert.samples = o->samples.value_or(1);
           return run(*o, common);
         };
       }};

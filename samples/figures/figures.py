@@ -1,13 +1,17 @@
 """Draws the plots of the manual from what `envmap` measures, as SVG.
 
-  figures.py sampling|mipmap|sh OUT.svg [ENVMAP]
+  figures.py sampling|mipmap|filters|sh OUT.svg [ENVMAP]
 
 sampling: solid angle and anisotropy of texels from the centre of a face to its worst place, by projection.
 mipmap:   flux that plain means of four texels (glGenerateMipmap) gain or lose, level by level, under a sky with a sun.
+filters:  error of each filter where the texels of a mirror ball grow long: from its middle, where four of them make one of
+          the result, to its rim, where one of them spans many.
 sh:       what is lost of a sun by spherical harmonics: of its radiance, and of the diffuse light that it makes.
 """
 import json
 import math
+import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -85,6 +89,39 @@ def mipmap(run):
     return Plot('Plain mip levels change the light', [('largest change of flux of a channel', 'level', (0, 8), (-6, 0), panels)])
 
 
+def read_pfm(path):
+    """@return rows of red, from the top."""
+    with open(path, 'rb') as file:
+        wide, high = map(int, (file.readline(), file.readline())[1].split())
+        order = '<' if float(file.readline()) < 0 else '>'
+        numbers = struct.unpack(f'{order}{3 * wide * high}f', file.read())
+    return [numbers[3 * wide * j:3 * wide * (j + 1):3] for j in reversed(range(high))]
+
+
+def filters(run):
+    high, rings = 64, 18
+    run('generate', 'checker', 'ball.exr', '--to', 'sphere', '--size', '256', '--squares', '32')
+
+    def converted(*words):
+        run('convert', 'ball.exr', 'made.pfm', '--to', 'latlong', '--size', str(high), '-q', *words)
+        return read_pfm(os.path.join(run.folder, 'made.pfm'))
+
+    right = converted('--filter', 'area', '--area-error', '1e-5')
+    curves = {}
+    for words in ('nearest', 'bilinear', 'bicubic', 'trilinear', 'sat', 'ewa', 'bilinear --samples 4'):
+        lost, all_of_it = [0] * rings, [0] * rings
+        for j, (row, truth) in enumerate(zip(converted('--filter', *words.split()), right)):
+            up = math.pi * (0.5 - (j + 0.5) / high)
+            for i, (a, b) in enumerate(zip(row, truth)):
+                z = math.cos(math.pi * (2 * i + 1) / (2 * high) - math.pi) * math.cos(up)
+                ring = min(int(math.acos(z) / math.pi * rings), rings - 1)
+                lost[ring] += math.cos(up) * (a - b) ** 2
+                all_of_it[ring] += math.cos(up) * b * b
+        curves['bilinear, 4 x 4' if 'samples' in words else words] = [((k + 0.5) * 180 / rings, math.sqrt(a / b)) for k, (a, b) in enumerate(zip(lost, all_of_it))]
+    return Plot('Filters where texels grow long', [('rms error of a ring about +Z', 'degrees from +Z, the middle of the ball; -Z is its rim', (0, 180),
+                                                    (-3, 0), curves)])
+
+
 def sh(run):
     orders = (0, 1, 2, 3, 4, 6, 8, 12)
     radiance, diffuse = {}, {}
@@ -106,8 +143,11 @@ def main():
     kind, path = sys.argv[1:3]
     envmap = sys.argv[3] if len(sys.argv) > 3 else 'envmap'
     with tempfile.TemporaryDirectory() as folder:
-        run = lambda *words: subprocess.run([envmap, *words], cwd=folder, check=True, capture_output=True, text=True).stdout
-        text = {'sampling': sampling, 'mipmap': mipmap, 'sh': sh}[kind](run).svg()
+        def run(*words):
+            return subprocess.run([envmap, *words], cwd=folder, check=True, capture_output=True, text=True).stdout
+
+        run.folder = folder
+        text = {'sampling': sampling, 'mipmap': mipmap, 'filters': filters, 'sh': sh}[kind](run).svg()
     with open(path, 'w') as file:
         file.write(text)
 

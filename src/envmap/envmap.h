@@ -19,6 +19,7 @@
 #include "envmap/operate/grade.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
+#include "envmap/operate/photograph.h"
 #include "envmap/prefilter/brdf_table.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"

@@ -130,5 +130,25 @@ TEST_F(Preview, ShowsAViewOfAConfig) {
   fails(2, {"preview", "in.exr", "out2.png", "--ocio", "builtin", "--view", "Film"}, {"has no views"});
 }
 
+TEST_F(Preview, PicturesOfMapsAreTakenByConvert) {
+  save(path("map.exr"), cube_directions("column", 64));
+  // Towards +X, its right is +Z: a field of 90 degrees shows the face, as any other reader of the file finds it.
+  succeeds({"convert", "map.exr", "view.exr", "--to", "perspective", "--fov", "90", "--look-at", "1,0,0", "--size", "64", "--width", "64",
+            "--samples", "1"});
+  EXPECT_LT(difference(load(path("view.exr")), face_directions(0, 64)), 1e-6);
+  succeeds({"convert", "map.exr", "view.png", "--to", "fisheye", "--size", "40"});
+  const Picture fish = load(path("view.png"));
+  EXPECT_EQ(fish.width, 40);
+  expect_colour(fish.at(0, 0), {0, 0, 0});
+  expect_colour(fish.at(20, 20), of_direction({0, 0, 1}), 0.02);
+  succeeds({"convert", "map.exr", "round.jpg", "--to", "cylinder", "--size", "40"});
+  EXPECT_EQ(load(path("round.jpg")).width, 125);  // 40 pi.
+  fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--layout", "row"}, {"--layout is for maps"});
+  fails(2, {"convert", "map.exr", "out.exr", "--to", "latlong", "--fov", "40"}, {"--fov is for pictures"});
+  fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--fov", "180"}, {"less than 180"});
+  fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--filter", "area"}, {"nearest, bilinear and bicubic"});
+  fails(2, {"convert", "map.exr", "view.ktx2", "--to", "perspective"}, {"view.ktx2", ".png, .jpg, .exr or .hdr"});
+}
+
 }  // namespace
 }  // namespace command_tests

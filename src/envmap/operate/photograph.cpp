@@ -1,0 +1,123 @@
+#include "envmap/operate/photograph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
+#include "envmap/maths/portable.h"
+#include "envmap/projection/visit.h"
+#include "envmap/sample/bicubic.h"
+#include "envmap/sample/inverse_bilinear.h"
+#include "envmap/sample/point.h"
+
+namespace envmap {
+namespace {
+
+constexpr int most_samples = 32;
+
+// Half the picture's height at a distance of 1, or half its angle.
+double half_height(const PhotographOptions& o) {
+  return o.lens == Lens::fisheye ? 0.5 * o.field : portable::sin(0.5 * o.field) / portable::cos(0.5 * o.field);
+}
+
+void check(const PhotographOptions& o) {
+  if (!(o.field > 0 && (o.lens == Lens::fisheye ? o.field <= 2 * pi : o.field < pi)))
+    throw UsageError("a fisheye sees more than 0 and up to 360 degrees from bottom to top, other pictures less than 180");
+  if (o.filter != Filter::nearest && o.filter != Filter::bilinear && o.filter != Filter::bicubic)
+    throw UsageError("pictures take the filters nearest, bilinear and bicubic");
+  if (o.lens == Lens::cylinder && angle_across(o) > 2 * pi * (1 + 1e-12))
+    throw UsageError("a cylinder of that width goes round more than once");
+  if (!(glm::length(o.towards) > 0)) throw UsageError("a camera looks towards a direction that is not 0");
+}
+
+// From a camera that looks along +Z, with +X to the left, to the world.
+Rotation turn_to(const Direction& towards) {
+  const Direction z = glm::normalize(towards);
+  const bool upright = std::abs(z.y) < 1 - 1e-12;
+  const Direction x = glm::normalize(glm::cross(upright ? Direction(0, 1, 0) : Direction(0, 0, z.y > 0 ? -1 : 1), z));
+  return {x, glm::cross(z, x), z};
+}
+
+// Where places in the picture look, in the frame of the source's image.
+struct Camera {
+  Lens lens;
+  double half, aspect;
+  int width, height, samples;
+  Rotation to_image;
+
+  // Before the camera, at x to the right and y up in half heights. 0 beyond a fisheye's circle.
+  [[nodiscard]] Direction direction(double x, double y) const {
+    if (lens == Lens::perspective) return glm::normalize(Direction(-x * half, y * half, 1));
+    if (lens == Lens::cylinder) return glm::normalize(Direction(-portable::sin(x * half), y * half, portable::cos(x * half)));
+    const double r = portable::hypot(x, y), angle = r * half;
+    if (r > 1) return Direction(0);
+    const double k = r > 0 ? portable::sin(angle) / r : 0;
+    return {-x * k, y * k, portable::cos(angle)};
+  }
+
+  // Of all samples of a pixel that lie in the picture.
+  void look(int i, int row, std::vector<Direction>& directions) const {
+    directions.clear();
+    for (int b = 0; b < samples; ++b)
+      for (int a = 0; a < samples; ++a) {
+        const double u = (i + (a + 0.5) / samples) / width, v = (row + (b + 0.5) / samples) / height;
+        const Direction d = direction(aspect * (2 * u - 1), 1 - 2 * v);
+        if (d != Direction(0)) directions.push_back(to_image * d);
+      }
+  }
+};
+
+void sample(const PaddedLevel& base, Filter filter, std::span<const Direction> directions, std::span<Location<double>> at,
+            std::span<Colour> out) {
+  if (filter == Filter::nearest) {
+    locate(base.projection(), directions, at);
+    return sample_nearest(base, at, out);
+  }
+  locate_for_bilinear(base.projection(), base.height(), directions, at);
+  filter == Filter::bilinear ? sample_bilinear(base, at, out) : sample_bicubic(base, at, out);
+}
+
+}  // namespace
+
+double angle_across(const PhotographOptions& o) { return 2 * half_height(o) * o.width / o.height; }
+
+int samples_of(const PhotographOptions& o, const Level& source) {
+  if (o.samples) return *o.samples;
+  const double texel = visit(source.projection(), [](auto p) { return decltype(p)::span; }) * pi / 180 / source.height();
+  const double pixel = 2 * half_height(o) / o.height;  // In the middle, where it is widest.
+  return std::clamp(static_cast<int>(std::ceil(2 * pixel / texel)), 1, most_samples);
+}
+
+std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o) {
+  check(o);
+  const Camera camera{.lens = o.lens,
+                      .half = half_height(o),
+                      .aspect = static_cast<double>(o.width) / o.height,
+                      .width = o.width,
+                      .height = o.height,
+                      .samples = samples_of(o, source.base()),
+                      .to_image = glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) * turn_to(o.towards)};
+  const PaddedLevel base(std::move(source.base()));
+  const auto width = static_cast<std::size_t>(o.width), each = static_cast<std::size_t>(camera.samples * camera.samples);
+  std::vector<Colour> picture(width * static_cast<std::size_t>(o.height));
+  for_each_row(1, o.height, {}, [&](int, int row) {
+    std::vector<Direction> directions;
+    std::vector<Location<double>> places(each);
+    std::vector<Colour> found(each);
+    const std::span<Colour> pixels = std::span(picture).subspan(static_cast<std::size_t>(row) * width, width);
+    for (int i = 0; i < o.width; ++i) {
+      camera.look(i, row, directions);
+      const std::span<Colour> colours = std::span(found).first(directions.size());
+      sample(base, o.filter, directions, std::span(places).first(directions.size()), colours);
+      Rgb<double> sum(0);
+      for (const Colour& c : colours) sum += Rgb<double>(c);
+      pixels[static_cast<std::size_t>(i)] = Colour(sum * (o.gain / static_cast<double>(each)));
+    }
+    base.trim();
+  });
+  return picture;
+}
+
+}  // namespace envmap

@@ -1,0 +1,44 @@
+/// @file
+/// What a camera in the middle of an environment map takes: pictures, which are no maps.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "envmap/base/export.h"
+#include "envmap/map/environment_map.h"
+#include "envmap/sample/filter.h"
+
+namespace ENVMAP_EXPORT envmap {
+
+/// How the angle from the axis becomes a place in the picture:
+/// - perspective: straight lines stay straight, the distance from the middle goes with the tangent.
+/// - fisheye: equidistant, the distance from the middle goes with the angle; a circle as high as the picture, black around it.
+/// - cylinder: columns are turns about the vertical, heights go with the tangent.
+enum class Lens { perspective, fisheye, cylinder };
+inline constexpr std::array<std::string_view, 3> lens_names{"perspective", "fisheye", "cylinder"};
+
+struct PhotographOptions {
+  Lens lens = Lens::perspective;
+  double field = pi / 3;        ///< Angle in radians from the bottom to the top of the picture; in (0, pi), of fisheyes up to 2 pi.
+  int width = 640, height = 480;
+  Direction towards{0, 0, 1};   ///< World direction in the middle; not 0. +Y is up, or -Z of what looks up, +Z of what looks down.
+  Filter filter = Filter::bilinear;  ///< nearest, bilinear or bicubic.
+  std::optional<int> samples;   ///< Along each side of a pixel; absent: as samples_of() says.
+  Rotation rotation{1};         ///< Turns the environment before the picture is taken, as ConvertOptions::rotation.
+  double gain = 1;              ///< Factor on radiance.
+};
+
+/// The angle in radians that a cylinder's picture spans from left to right, for square pixels.
+double angle_across(const PhotographOptions& options);
+
+/// Along each side of a pixel: `samples`, or two for each texel of the source that the widest pixel spans, up to 32.
+int samples_of(const PhotographOptions& options, const Level& source);
+
+/// Radiance, rows from the top: plain means of samples x samples places in each pixel.
+/// @throws UsageError where the field or the filter is out of range, or a cylinder would be more than one turn.
+std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& options);
+
+}  // namespace envmap

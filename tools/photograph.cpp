@@ -1,0 +1,60 @@
+#include "photograph.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "depfile.h"
+#include "envmap/base/error.h"
+#include "envmap/io/picture.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+PhotographOptions settled(const PhotographJob& job) {
+  constexpr double degree = pi / 180;
+  PhotographOptions o = job.photograph;
+  o.field = degree * job.field.value_or(o.lens == Lens::fisheye ? 180 : o.lens == Lens::cylinder ? 90 : 60);
+  o.height = job.height.value_or(480);
+  const double once_round = o.height * pi / std::tan(0.5 * o.field);
+  o.width = job.width.value_or(o.lens == Lens::fisheye       ? o.height
+                               : o.lens == Lens::perspective ? (4 * o.height + 2) / 3
+                                                             : static_cast<int>(std::clamp(once_round, 1.0, 65536.0)));
+  return o;
+}
+
+}  // namespace
+
+int take_photograph(const PhotographJob& job, const Common& common) {
+  const Stopwatch watch;
+  check_report(job.output, common);
+  const PictureOptions how{job.format, job.display.value_or(Display::clip), common.commit};
+  if (!is_picture(job.output, how)) throw UsageError(job.output, "the picture must be a .png, .jpg, .exr or .hdr");
+  if (job.display && is_linear_picture(job.output, how))
+    throw UsageError(job.output, "holds radiance as it is: leave out --display");
+  check_files({job.output}, {job.input}, common);
+  Source source = read_map(job.input, job.read, common);
+  grade(source, job.grade, job.read.colour, common);
+  PhotographOptions options = settled(job);
+  options.samples = samples_of(options, source.map.base());
+  const auto depfile = open_depfile({job.output}, {job.input}, common);
+  write_picture(job.output, options.width, photograph(std::move(source.map), options), how);
+  if (depfile) depfile->commit();
+  if (!common.json) return 0;
+  print_report({{"input", job.input},
+                {"filter", name(options.filter)},
+                {"samples", *options.samples},
+                {"error", nullptr},
+                {"lens", lens_names[static_cast<std::size_t>(options.lens)]},
+                {"width", options.width},
+                {"height", options.height},
+                {"output", job.output},
+                {"seconds", watch.seconds()}});
+  return 0;
+}
+
+}  // namespace tools
