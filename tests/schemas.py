@@ -139,6 +139,7 @@ def main():
                 statuses=(0, 1))['error'] is not None
     tell('convert', 'largest.exr', 'out.exr', '--depth', 'half', '--clamp')
     tell('convert', 'latlong.exr', 'out.dds', '--for', 'babylon')
+    tell('convert', 'latlong.exr', 'out.png', '--to', 'fisheye', '--size', '8')
     tell('mipmap', 'latlong.exr', 'out.dds', '--for', 'babylon')
     tell('prefilter', 'latlong.exr', 'out.ktx', '--for', 'filament', '--size', '16', '--max-error', '0.1')
     for lobe in (['phong', '--exponent', '3'], ['ggx', '--levels', '3', '--method', 'exact'], ['charlie', '--roughness', '0.5'], ['blinn-phong', '--exponent', '3']):
