@@ -12,6 +12,6 @@ shift
 here=$judge/../../tests/engines
 . "$here/install.sh"
 cp "$judge"/*.mjs "$folder"
+rm -rf "$folder/asked"  # Where a folder is kept.
 cp -r "$asked" "$folder/asked"
 node ask.mjs "$@"
-rm -rf "$folder/asked"
