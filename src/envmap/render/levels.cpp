@@ -20,6 +20,7 @@ gl::Texture level_of(const MapTexture& map, int level) {
 void Renderer::make_levels(const MapTexture& map, unsigned which) {
   gl::Program& program = levels_[map.projection];
   if (program == 0) program = level_program(map.projection);
+  gpu_.bind();  // Nothing is drawn without an array of vertices.
   const gl::Framebuffer to = gl::make_framebuffer();
   glBindFramebuffer(GL_FRAMEBUFFER, to);
   glDisable(GL_STENCIL_TEST);
