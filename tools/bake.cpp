@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "command.h"
+#include "costs_file.h"
 #include "depfile.h"
 #include "engine_maps.h"
 #include "engine_options.h"
@@ -23,7 +24,7 @@ using namespace envmap;
 constexpr std::string_view readme = "README.txt";
 
 struct Options {
-  std::string input, folder;
+  std::string input, folder, costs;
   bool list = false;
   const Engine* engine = nullptr;
   ReadOptions read;
@@ -130,6 +131,7 @@ int run(Options& o, const Common& common) {
   std::vector<std::string> outputs;
   for (const std::string_view file : files_of(e)) outputs.push_back(o.folder + "/" + std::string(file));
   check_files(outputs, {o.input}, common);
+  o.maps.costs = read_costs(o.costs, common);
   const Source source = read_probe(o, common);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   o.write.provenance = source.provenance;
@@ -230,6 +232,7 @@ Command bake_command() {
         app.add_option("--exposure", o->exposure, "Multiply radiance by 2^STOPS")->type_name("STOPS")->check(number_in({-100.0, 100.0}));
         add_depth(app, o->write.depth)->description("What the files store for each value (default: what the engine wants, else as the input)");
         add_clamp(app, o->write);
+        add_costs(app, o->costs);
         add_read_options(app, o->read);
         add_repair(app, o->read);
         return [o, &common] { return run(*o, common); };

@@ -7,6 +7,7 @@
 
 #include "colour_options.h"
 #include "command.h"
+#include "costs_file.h"
 #include "depfile.h"
 #include "engine_maps.h"
 #include "engine_options.h"
@@ -24,7 +25,7 @@ namespace {
 using namespace envmap;
 
 struct Options {
-  std::string input, output;
+  std::string input, output, costs;
   const Engine* engine = nullptr;
   ReadOptions read;
   std::optional<Projection> to;
@@ -203,6 +204,7 @@ int run(Options& o, const Common& common) {
   const Stopwatch watch;
   // What can be known to fail is said before any work is done.
   check_report(o.output, common);
+  o.convert.costs = read_costs(o.costs, common);
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
@@ -373,6 +375,7 @@ Command convert_command() {
         add_grade(app, o->grade);
         app.get_option("--scale-to")->excludes(exposure);
         add_border(app, o->write, "--size counts them");
+        add_costs(app, o->costs);
         add_write_options(app, o->write);
         add_shard(app, o->shard);
         add_read_options(app, o->read);

@@ -114,6 +114,7 @@ MadeMap MapMaker::diffuse(const EngineMap& wanted, const FileError& error) {
 MadeLevel MapMaker::lobe(const Prefilter& wanted, const FileError& error) {
   if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
   Prefilter within = wanted;
+  within.costs = options_.costs;
   within.max_error = error.asked ? left_to_prefilter(error) : options_.quality.max_error;
   const Progress progress = progress_line(
       common_, wanted.shape == Shape::diffuse ? "bake diffuse" : fmt::format("bake roughness {:.2f}", wanted.parameter));
@@ -121,7 +122,7 @@ MadeLevel MapMaker::lobe(const Prefilter& wanted, const FileError& error) {
 }
 
 MadeMap MapMaker::make(const EngineMap& wanted, const std::optional<Rounding>& rounding) {
-  const FileError error{options_.max_error, mirrored(rounding, wanted.mirror)};
+  const FileError error{options_.max_error, mirrored(rounding, wanted.mirror), options_.costs};
   MadeMap made = wanted.chain ? chain(wanted, error) : wanted.diffuse > 0 ? diffuse(wanted, error) : environment(wanted, error);
   made.rows = mirrored(std::move(made.rows), wanted.mirror);
   return made;

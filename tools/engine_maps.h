@@ -30,6 +30,7 @@ struct MapOptions {
   std::optional<int> chain_size;  ///< Of the first level of chains. Absent: the engine's, by the quality.
   Quality quality = qualities[1];
   std::optional<double> max_error;  ///< Of all maps, as they are read from their files.
+  envmap::Costs costs = {};         ///< That methods are chosen by.
 };
 
 /// A map as it goes into its file. The rows may read `levels`.

@@ -80,7 +80,7 @@ MadeLevel make_level(const PrefilterSource& source, const Prefilter& wanted, con
 
 MadeLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size, const FileError& error,
                          bool measure) {
-  ConvertOptions how{.to = frame, .size = size};
+  ConvertOptions how{.to = frame, .size = size, .costs = error.costs};
   if (error.asked) how.max_error = left_to_filter(error);
   const Resampler resampler(source, how);
   MadeLevel made{.done = {.map = {}, .method = Method::exact}, .resampled = resampler.filter()};

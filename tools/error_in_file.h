@@ -22,6 +22,7 @@ class NotReached : public std::runtime_error {
 struct FileError {
   std::optional<double> asked;               ///< Of all; else what is made errs by its own default, and rounding comes on top.
   std::optional<envmap::Rounding> rounding;  ///< Of its depth; nothing where that has no bound.
+  envmap::Costs costs = {};                  ///< That a filter is chosen by.
 };
 
 /// What is left for making a map. Half of what is asked where rounding is known of the result alone.

@@ -6,6 +6,7 @@
 
 #include "colour_options.h"
 #include "command.h"
+#include "costs_file.h"
 #include "depfile.h"
 #include "engine_maps.h"
 #include "engine_options.h"
@@ -23,7 +24,7 @@ namespace {
 using namespace envmap;
 
 struct Options {
-  std::string input, output, table;
+  std::string input, output, table, costs;
   ReadOptions read;
   WriteOptions write;
   const Engine* engine = nullptr;
@@ -242,12 +243,13 @@ int run(Options& o, const Common& common) {
   const EngineMap* engine = settle_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
+  o.map.costs = read_costs(o.costs, common);
   check_output(o.output, o.write, o.map.to);
   const Source source = read_map(o.input, o.read, common);
   choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   const Mirror mirror = engine ? engine->mirror : Mirror::none;
-  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
+  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror), o.map.costs};
   leave_to_prefilter(o, error);
   std::vector<Prefilter> wanted = levels_of(o);
   choose_rows(o, error.rounding, wanted);
@@ -390,6 +392,7 @@ Command prefilter_command() {
         add_clamp(app, o->write);
         add_shard(app, o->shard);
         add_file_options(app, o->write);
+        add_costs(app, o->costs);
         add_read_options(app, o->read);
         add_output_space(app, o->write);
         add_repair(app, o->read);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "costs_file.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/render/choose.h"
@@ -16,7 +17,7 @@ namespace {
 using namespace envmap;
 struct Options {
   SceneOptions scene;
-  std::string output, at, forward;
+  std::string output, at, forward, costs;
   std::optional<Projection> to;
   Viewpoint from;
   DrawMethod method = DrawMethod::automatic;
@@ -86,6 +87,7 @@ int run(Options& o, const Common& common) {
   check_output(frames.path(o.output, frames.first), o.write, o.from.to);
   const std::vector<std::string> outputs = frames.paths(o.output);
   check_files(outputs, {o.scene.path, o.scene.environment}, common);
+  const Costs costs = read_costs(o.costs, common);
   const LoadedScene loaded = load(o.scene, common);
   check_files(outputs, loaded.inputs, common);
   const auto depfile = open_depfile(outputs, loaded.inputs, common);
@@ -93,7 +95,7 @@ int run(Options& o, const Common& common) {
   o.from.at = place.at, o.from.without = place.without;
   const bool turned = !o.forward.empty() && !forward_named(o.forward);
   const DrawMethod method =
-      o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene)) : o.method;
+      o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene), costs) : o.method;
   const std::vector<Mirror> mirrors =
       o.bounces > 0 ? find_mirrors(loaded.scene, Projection::paraboloid) : std::vector<Mirror>{};
   std::optional<Painter> painter;
@@ -200,6 +202,7 @@ Command render_command() {
                 ->type_name("Z")
                 ->check(number_in({1e-6, 1.0}));
             add_layout(app, "--layout", o->write.layout, "Where cube faces lie (default: column)");
+            add_costs(app, o->costs);
             add_write_options(app, o->write);
             return [o, &common] { return run(*o, common); };
           }};

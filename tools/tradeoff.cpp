@@ -6,13 +6,18 @@
 #include <limits>
 #include <utility>
 
+#include "calibrate.h"
 #include "command.h"
+#include "costs_file.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
+#include "envmap/io/picture.h"
 #include "envmap/operate/measure.h"
+#include "tradeoff_bake.h"
 #include "tradeoff_plot.h"
 #include "tradeoff_scene.h"
 #include "tradeoff_tasks.h"
+#include "tradeoff_view.h"
 
 namespace tools {
 namespace {
@@ -23,9 +28,9 @@ enum class Metric { rms, maximum, flux };
 constexpr std::string_view metric_names[] = {"rms", "max", "flux"};
 
 struct Options {
-  std::string input, task, plot, at, environment;
+  std::string input, task, only, plot, at, camera, environment, costs, saved;
   ReadOptions read;
-  bool csv = false;
+  bool csv = false, calibrate = false;
   Metric by = Metric::rms;
   double budget = 60;
 };
@@ -52,21 +57,21 @@ struct Study {
   std::size_t left_out = 0;  // Ways for which there was no time.
 };
 
-// Runs until there are five, or this way's part of the time is over. The first of several only warms the caches up.
-Trial measured(const Way& way, const Level& truth, double seconds) {
+// Runs until there are five, or this way's part of the time is over. The first of several only warms caches up and compiles shaders: where
+// that is little of the rest of the time there is a second.
+Trial measured(const Way& way, double seconds, double rest, Outcome& out) {
   constexpr std::size_t enough = 6;
   const Stopwatch whole;
   std::vector<double> times;
-  Outcome out{Level(Projection::latlong, 1)};
   do {
     const Stopwatch watch;
     out = way.run();
     times.push_back(watch.seconds());
-  } while (times.size() < enough && whole.seconds() + times.back() < seconds);
+  } while (times.size() < enough && (whole.seconds() + times.back() < seconds || (times.size() == 1 && times.back() < 0.05 * rest)));
   if (times.size() > 1) times.erase(times.begin());
   std::ranges::sort(times);
   const double median = times[times.size() / 2], off = std::max(median - times.front(), times.back() - median);
-  return {way.method, way.setting, median, off / median, static_cast<int>(times.size()), compare(out.level, truth), out.bytes};
+  return {way.method, way.setting, median, off / median, static_cast<int>(times.size()), {}, out.bytes};
 }
 
 // By cost, and at the same cost by error: then what is closer than all before it is beaten by none. NaN never is.
@@ -81,17 +86,28 @@ void mark_front(std::vector<Trial>& trials, Metric by) {
 
 Study study_of(const Task& task, const Options& o, const Common& common) {
   const Progress progress = progress_line(common, "measuring");
-  const Stopwatch watch;
   Study study{task};
-  const Outcome truth = task.truth();
-  study.reference_seconds = watch.seconds();
+  const auto as_reference = [&study](const auto& work) {
+    const Stopwatch watch;
+    auto result = work();
+    study.reference_seconds += watch.seconds();
+    return result;
+  };
+  std::optional<Outcome> truth;
+  if (task.truth) truth = as_reference(task.truth);
+  double rest = o.budget;
   for (std::size_t k = 0; k < task.ways.size(); ++k) {
-    const double rest = o.budget + study.reference_seconds - watch.seconds();
     if (rest <= 0 && k > 0) {
       study.left_out = task.ways.size() - k;
       break;
     }
-    study.trials.push_back(measured(task.ways[k], truth.level, rest / static_cast<double>(task.ways.size() - k)));
+    const Way& way = task.ways[k];
+    const Stopwatch watch;
+    Outcome out{Level(Projection::latlong, 1)};
+    Trial trial = measured(way, rest / static_cast<double>(task.ways.size() - k), rest, out);
+    rest -= watch.seconds();
+    trial.error = way.judge ? as_reference([&] { return way.judge(out); }) : compare(out.level, truth->level);
+    study.trials.push_back(trial);
     if (progress) progress(static_cast<double>(k + 1) / static_cast<double>(task.ways.size()));
   }
   mark_front(study.trials, o.by);
@@ -137,22 +153,34 @@ nlohmann::ordered_json report_of(const Study& study, const Options& o) {
   return report;
 }
 
+bool is_png(const std::string& path) { return path.ends_with(".png") || path.ends_with(".PNG"); }
+
 void write_plot(const Study& study, const Options& o, const Common& common) {
   std::vector<PlotPoint> points;
   for (const Trial& t : study.trials) points.push_back({t.cost(), t.value(o.by), t.method, t.label(), t.front});
   const bool files = !study.trials.empty() && study.trials[0].bytes;
-  const std::string svg = plot(points, fmt::format("{} of {}", o.task, printable(o.input)), files ? "bytes" : "seconds",
+  const Drawing drawing = plot(points, fmt::format("{} of {}", o.task, printable(o.input)), files ? "bytes" : "seconds",
                                fmt::format("{} error", metric_names[static_cast<std::size_t>(o.by)]));
-  write_text(o.plot, svg, common.commit);
+  if (!is_png(o.plot)) return write_text(o.plot, svg_of(drawing), common.commit);
+  try {
+    const Picture picture = picture_of(drawing, 2);
+    write_stored(o.plot, picture.size.width, picture.pixels, Depth::uint8, {.commit = common.commit});
+  } catch (const OutputError& e) {
+    if (!e.file().empty()) throw;
+    throw OutputError(o.plot, e.what());
+  }
 }
 
 void check(const Options& o, const Common& common) {
   if (o.csv && common.json) throw UsageError("--csv and --json: choose one");
-  if (!is_of_scene(o.task) && (!o.at.empty() || !o.environment.empty())) throw UsageError("--at and --environment are for scenes");
+  const bool of_view = parts_of(o.task)[0] == "view";
+  if (!is_of_scene(o.task) && !o.environment.empty()) throw UsageError("--environment is for scenes");
+  if (!o.at.empty() && (of_view || !is_of_scene(o.task))) throw UsageError("--at is for --task render");
+  if (!o.camera.empty() && !of_view) throw UsageError("--camera is for --task view");
   if (o.plot.empty()) return;
   check_report(o.plot, common);
   check_files({o.plot}, {o.input}, common);
-  if (o.plot != "-" && !o.plot.ends_with(".svg")) throw UsageError(o.plot, "--plot writes .svg");
+  if (o.plot != "-" && !o.plot.ends_with(".svg") && !is_png(o.plot)) throw UsageError(o.plot, "--plot writes .svg and .png");
   if (o.plot == "-" && o.csv) throw UsageError("--csv and --plot both go to standard output");
 }
 
@@ -169,18 +197,51 @@ void tell(const Study& study, const Options& o, const Common& common) {
                      study.task.ways.size(), o.budget));
 }
 
+// Leaves the ways whose method and setting hold the words. @throws UsageError where there is none.
+Task only(Task task, const std::string& words) {
+  const auto label = [](const Way& way) { return way.setting.empty() ? way.method : way.method + " " + way.setting; };
+  std::string all;
+  for (const Way& way : task.ways) all += (all.empty() ? "" : ", ") + label(way);
+  std::erase_if(task.ways, [&](const Way& way) { return label(way).find(words) == std::string::npos; });
+  if (task.ways.empty()) throw UsageError(fmt::format("--only: '{}' is in none of {}", words, all));
+  return task;
+}
+
+// The figures that automatic choices rest on, measured here, beside the defaults.
+int calibrate(const Options& o, const Common& common) {
+  if (common.json) throw UsageError("--calibrate: --save FILE writes JSON, and --save - prints it");
+  const Costs costs = calibrated(common);
+  if (!o.saved.empty()) write_text(o.saved, text_of(costs), common.commit);
+  std::string table = fmt::format("{:18}  {:>10}  {:>10}  nanoseconds\n", "", "default", "here");
+  for (std::size_t k = 0; k < cost_count; ++k) {
+    const CostFact& fact = cost_facts()[k];
+    table += fmt::format("{:18}  {:>10.0f}  {:>10.0f}  {}\n", fact.name, fact.nanoseconds, costs.nanoseconds[k], fact.what);
+  }
+  if (o.saved == "-") return 0;
+  print(table);
+  if (!o.saved.empty()) note(common, fmt::format("{}: say --costs {}, or ENVMAP_COSTS in the environment", o.saved, o.saved));
+  return 0;
+}
+
 int run(Options& o, const Common& common) {
+  if (o.calibrate != o.input.empty() || o.calibrate == !o.task.empty())
+    throw UsageError("name an INPUT and a --task, or say --calibrate alone");
+  if (o.calibrate) return calibrate(o, common);
+  if (!o.saved.empty()) throw UsageError("--save is for --calibrate");
   check(o, common);
+  const Costs costs = read_costs(o.costs, common);
   if (is_of_scene(o.task)) {
     SceneOptions scene{.path = o.input, .environment = o.environment};
     scene.read.max_pixels = o.read.max_pixels;
     const LoadedScene loaded = load(scene, common);
-    const Task task = make_scene_task(o.task, loaded, scene, o.at);
+    const Task all = parts_of(o.task)[0] == "view" ? make_view_task(o.task, loaded, scene, o.camera)
+                                                   : make_scene_task(o.task, loaded, scene, o.at);
+    const Task task = only(all, o.only);
     tell(study_of(task, o, common), o, common);
     tell_darkness(loaded, scene);
   } else {
     const Source source = read_map(o.input, o.read, common);
-    const Task task = make_task(o.task, source.map);
+    const Task task = only(parts_of(o.task)[0] == "bake" ? make_bake_task(o.task, source, costs, common) : make_task(o.task, source.map, costs), o.only);
     tell(study_of(task, o, common), o, common);
   }
   return 0;
@@ -199,51 +260,70 @@ Command tradeoff_command() {
           "what no other way beats in both.\n\n"
           "Times are medians of at most five runs after one that warms up; a way that would take more than its part of "
           "--budget is run once. One after the other they have all threads (--threads).\n\n"
+          "--calibrate measures the times by which other commands choose a method: filters of 'convert --max-error', lobes of "
+          "'prefilter' and 'bake', ways of 'render'. They are read where --costs or ENVMAP_COSTS names their file, and nowhere else: "
+          "without, the same command gives the same bytes on every machine.\n\n"
           "Tasks, P a projection and N the height of a face:\n"
           "  convert:P[:N]      all filters; the reference is 'area' to 1e-6\n"
           "  mipmap:K           level K by solid angle and by plain means, as glGenerateMipmap takes them; the reference is the "
           "mean over level 0\n"
           "  diffuse[:P:N], phong:M[:P:N], ggx:R[:P:N], blinn-phong:M[:P:N], charlie:R[:P:N]\n"
           "                     the methods of prefilter at errors of 1e-1 to 1e-4; a cube of 16 if nothing is said; the "
-          "reference is the exact sum, which takes longest\n"
+          "reference is the exact sum where that takes seconds, else the tree to 1e-5\n"
           "  depth              file formats, depths and compressions: size of the file, time to write and read it (in "
           "TMPDIR), and what is lost; stars are by size\n"
+          "  bake:ENGINE        what 'bake --for ENGINE' writes, in every quality and in every depth that its files hold: time to make "
+          "and write all of them, their size, and the worst error of all levels that are read back, each at its own size (what "
+          "fewer texels do not show is not counted: see convert); stars are by size\n"
           "  render:P[:N]       INPUT is a scene (glTF, OBJ): the methods of render, lit by --environment, from --at; 256 high if "
-          "nothing is said; the reference is raycast",
+          "nothing is said; the reference is raycast\n"
+          "  view[:N]           INPUT is a scene with mirrors: pictures of N x N pixels (256) of --camera, by 'view --maps' of each "
+          "projection, lookup and size, and by rays; every pixel counts the same; the reference is raycast, whose rays "
+          "go through the same points of each pixel",
       .examples = {{"envmap tradeoff probe.hdr --task convert:cube:256", "which filter is worth its time"},
-                   {"envmap tradeoff probe.hdr --task ggx:0.4 --plot ggx.svg", "time against error, as a picture"},
+                   {"envmap tradeoff probe.hdr --task ggx:0.4 --plot ggx.png", "time against error, as a picture"},
+                   {"envmap tradeoff probe.hdr --task bake:filament", "what qualities and depths cost an engine's files, and what they lose"},
+                   {"envmap tradeoff cellar.glb --task view --camera entrance --only cube", "how cubes of mirrors are drawn best"},
                    {"envmap tradeoff cellar.glb --task render:sphere --environment probe.hdr", "how a scene's map is drawn best"},
+                   {"envmap tradeoff --calibrate --save costs.json", "for --costs of convert, prefilter, bake and render"},
                    {"envmap tradeoff probe.hdr --task depth --by max --json", "file size against error, for programs"}},
       .keys = {{"input", "text", "INPUT"},
                {"task", "text", "as it was given"},
                {"reference.what", "text", "what errors are counted from"},
-               {"reference.seconds", "number", "how long it took, once"},
+               {"reference.seconds", "number", "how long it took"},
                {"by", "text", "the metric that 'front' is judged by"},
                {"trials[].method", "text", "a filter, a method or a file format"},
                {"trials[].setting", "text", "its options"},
                {"trials[].seconds", "number", "median of its runs"},
                {"trials[].noise", "number", "how far other runs were from it at most, relative to it"},
                {"trials[].runs", "count", "how many, the first apart"},
-               {"trials[].bytes", "count?", "size of the file; of the task depth alone"},
+               {"trials[].bytes", "count?", "size of the files; of the tasks depth and bake alone"},
                {"trials[].max", "number", "largest |a-b| / max(|b|, 0.001 x mean of b)"},
                {"trials[].rms", "number", "root of sum w |a-b|^2 / sum w |b|^2"},
                {"trials[].flux", "number", "largest |flux a - flux b| / flux b of a channel"},
-               {"trials[].front", "boolean", "whether nothing else is both faster (of depth: smaller) and closer"},
+               {"trials[].front", "boolean", "whether nothing else is both faster (of depth and bake: smaller) and closer"},
                {"left_out", "count", "ways for which --budget left no time"}},
       .reports = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
-        app.add_option("INPUT", o->input, "Map, or scene where the task is render, '-' for standard input; {face} in the name reads six files")->required();
-        app.add_option("--task", o->task, "What to measure: " + task_words())->type_name("TASK")->required();
+        app.add_option("INPUT", o->input, "Map, or scene where the task is render, '-' for standard input; {face} in the name reads six files");
+        app.add_option("--task", o->task, "What to measure: " + task_words())->type_name("TASK");
+        app.add_flag("--calibrate", o->calibrate, "Measure the times that automatic choices rest on, about a minute, and print them beside the defaults");
+        app.add_option("--save", o->saved, "Write what --calibrate measures, for --costs; '-' for standard output")->type_name("FILE");
+        add_costs(app, o->costs);
+        app.add_option("--only", o->only, "Measure only the ways whose method and options, as the table shows them, hold these words")
+            ->type_name("WORDS");
         add_choice(app, "--by", o->by, joined(metric_names), one_of<Metric>(metric_names),
                    "The error that stars and plot are about (default: rms)");
         app.add_option("--budget", o->budget, "Time for all ways together, the reference apart (default: 60)")
             ->type_name("SECONDS")
             ->check(number_in({0.0, 1e6}));
-        app.add_option("--at", o->at, "Of scenes: the node or the point X,Y,Z that is drawn from (default: 0,0,0)")->type_name("NODE|X,Y,Z");
+        app.add_option("--camera", o->camera, "Of view: camera of the scene, or a point, as 'view' takes it (default: as of 'view')")
+            ->type_name("NAME|X,Y,Z");
+        app.add_option("--at", o->at, "Of render: the node or the point X,Y,Z that is drawn from (default: 0,0,0)")->type_name("NODE|X,Y,Z");
         app.add_option("--environment", o->environment, "Of scenes: map that is the background and a light")->type_name("FILE");
         app.add_flag("--csv", o->csv, "Print the table as comma-separated values");
-        app.add_option("--plot", o->plot, "Write an SVG, '-' for standard output: cost against error on logarithmic axes")->type_name("FILE");
+        app.add_option("--plot", o->plot, "Write a picture of cost against error on logarithmic axes: .svg ('-' for standard output) or .png")->type_name("FILE");
         add_read_options(app, o->read);
         add_repair(app, o->read);
         return [o, &common] { return run(*o, common); };

@@ -4,6 +4,8 @@
 #include <span>
 #include <string>
 
+#include "drawing.h"
+
 namespace tools {
 
 struct PlotPoint {
@@ -12,7 +14,8 @@ struct PlotPoint {
   bool front;
 };
 
-// An SVG of points on logarithmic axes, those of the front joined and labelled; series differ in their marks, not in colour alone.
-std::string plot(std::span<const PlotPoint> points, const std::string& title, const std::string& x_axis, const std::string& y_axis);
+// Points on logarithmic axes, those of the front joined. All of the front are labelled, and others where there is room; series differ in
+// their marks, not in colour alone.
+Drawing plot(std::span<const PlotPoint> points, const std::string& title, const std::string& x_axis, const std::string& y_axis);
 
 }  // namespace tools

@@ -32,7 +32,10 @@ std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, ContextKind kind) {
 
 }  // namespace
 
-bool is_of_scene(const std::string& task) { return parts_of(task)[0] == "render"; }
+bool is_of_scene(const std::string& task) {
+  const std::string first = parts_of(task)[0];
+  return first == "render" || first == "view";
+}
 
 Task make_scene_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options, const std::string& at) {
   const std::vector<std::string> parts = parts_of(name);

@@ -8,7 +8,7 @@
 
 namespace tools {
 
-// Whether a task is about a scene: render:P[:N].
+// Whether a task is about a scene: render:P[:N] or view[:N].
 bool is_of_scene(const std::string& task);
 
 // The methods of `envmap render`. @param at NODE, X,Y,Z or nothing: the origin. @param loaded must outlive the task.

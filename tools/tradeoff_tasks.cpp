@@ -1,8 +1,6 @@
 #include "tradeoff_tasks.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,12 +9,12 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/base/remove_on_signal.h"
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/levels.h"
 #include "envmap/prefilter/prefilter.h"
+#include "scratch_file.h"
 
 namespace tools {
 namespace {
@@ -75,10 +73,14 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
                            fmt::format("--max-error {:g}", error), [&map, how] { return prefiltered(map, how); }});
     }
   }
-  task.reference = "--method exact";
-  Prefilter exact = wanted;
-  exact.method = Method::exact;
-  task.truth = [&map, exact] { return prefiltered(map, exact); };
+  // Products of texels that the exact sum takes: some seconds of them.
+  constexpr double few = 1e8;
+  const auto texels = [](Projection p, int size) { return 1.0 * faces(p) * aspect(p) * size * size; };
+  const bool summed = texels(wanted.to, wanted.size) * texels(map.projection(), map.base().height()) <= few;
+  task.reference = summed ? "--method exact" : "--method hierarchical --max-error 1e-5, within 1e-5 of the exact sum in every texel";
+  Prefilter reference = wanted;
+  reference.method = summed ? Method::exact : Method::hierarchical, reference.max_error = 1e-5;
+  task.truth = [&map, reference] { return prefiltered(map, reference); };
 }
 
 // ---- mipmap -----------------------------------------------------------------------------------------------------------
@@ -98,29 +100,6 @@ void add_mipmaps(const EnvironmentMap& map, int level, Task& task) {
 }
 
 // ---- depth ------------------------------------------------------------------------------------------------------------
-
-// A file in the folder for temporary ones, gone when this is, and where a signal ends the program.
-class ScratchFile {
- public:
-  explicit ScratchFile(const std::string& extension)
-      : path_((std::filesystem::temp_directory_path() / ("envmap-XXXXXX." + extension)).string()) {
-    const int descriptor = ::mkstemps(path_.data(), static_cast<int>(extension.size() + 1));
-    if (descriptor < 0) throw OutputError(path_, "not written; TMPDIR names another folder");
-    ::close(descriptor);
-    remove_on_signal(path_.c_str());
-  }
-  ~ScratchFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-    keep_on_signal(path_.c_str());
-  }
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 Outcome written(const EnvironmentMap& map, const std::string& extension, const WriteOptions& options) {
   const ScratchFile file(extension);
@@ -178,11 +157,11 @@ Projection projection_of(const std::string& task, const std::string& text) {
 int size_of(const std::string& task, const std::string& text) { return number_of(task, text, 1, 1 << 15); }
 
 std::string task_words() {
-  return "convert:P[:N] mipmap:K diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] depth; of scenes "
-         "render:P[:N]";
+  return "convert:P[:N] mipmap:K diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] depth bake:ENGINE; of scenes "
+         "render:P[:N] view[:N]";
 }
 
-Task make_task(const std::string& name, const EnvironmentMap& map) {
+Task make_task(const std::string& name, const EnvironmentMap& map, const Costs& costs) {
   const std::vector<std::string> parts = parts_of(name);
   Task task{.name = name};
   const auto expect = [&](bool right) {
@@ -191,7 +170,7 @@ Task make_task(const std::string& name, const EnvironmentMap& map) {
   if (const auto shape = one_of<Shape>(shape_names)(parts[0])) {
     const std::size_t first = *shape == Shape::diffuse ? 1 : 2;
     expect(parts.size() == first || parts.size() == first + 2);
-    Prefilter wanted{.shape = *shape, .size = 16};
+    Prefilter wanted{.shape = *shape, .size = 16, .costs = costs};
     if (first == 2) wanted.parameter = number_of(name, parts[1], 0.0, 1e9);
     if (parts.size() > first)
       wanted.to = projection_of(name, parts[first]), wanted.size = size_of(name, parts[first + 1]);

@@ -3,31 +3,38 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "envmap/base/costs.h"
 #include "envmap/map/environment_map.h"
+#include "envmap/operate/measure.h"
+#include "scratch_file.h"
 
 namespace tools {
 
-// What came out of a way: its texels, and the size of the file where the task is to write one.
+// What came out of a way: its texels, or files; and their size where the task is to write some.
 struct Outcome {
   envmap::Level level;
   std::optional<std::int64_t> bytes = {};
+  std::vector<std::shared_ptr<const ScratchFile>> files = {};
 };
 
 // A method with its parameters, from a map in memory to a result.
 struct Way {
   std::string method, setting;
   std::function<Outcome()> run;
+  // How far off it is, where that is not a comparison with the task's truth.
+  std::function<envmap::Difference(const Outcome&)> judge = {};
 };
 
 struct Task {
   std::string name;          // As the user gave it.
   std::string reference;     // What errors are counted from, in words.
-  std::function<Outcome()> truth;
-  std::vector<Way> ways;
+  std::function<Outcome()> truth = {};  // Absent where every way has a judge.
+  std::vector<Way> ways = {};
 };
 
 // What stands between the colons of a task's name.
@@ -40,6 +47,7 @@ int size_of(const std::string& task, const std::string& text);
 std::string task_words();
 
 // @param map must outlive the task. @throws UsageError where the name is none of them, or a number is out of its range.
-Task make_task(const std::string& name, const envmap::EnvironmentMap& map);
+// @param costs that `auto` chooses by.
+Task make_task(const std::string& name, const envmap::EnvironmentMap& map, const envmap::Costs& costs);
 
 }  // namespace tools

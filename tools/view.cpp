@@ -13,6 +13,7 @@
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
 #include "envmap/scene/read/read_scene.h"
+#include "eyes.h"
 #include "mirror_options.h"
 #include "scene_options.h"
 #include "viewpoints.h"
@@ -42,47 +43,6 @@ struct Options {
 };
 
 constexpr std::string_view method_names[] = {"maps", "raycast"};
-
-struct Eye {
-  Viewpoint from;
-  Viewer viewer;
-};
-
-// What is seen from beside a view by `aside` metres; at `still` metres both eyes see the same.
-Eye eye_of(const Options& o, const View& view, double aside, double still) {
-  const Rotation& axes = view.axes;
-  const bool parallel = view.half_height > 0;
-  if (parallel && aside != 0) throw UsageError("--anaglyph: the camera is orthographic, and both eyes see the same");
-  const double up = parallel ? view.half_height : std::tan(0.5 * view.vertical_field), across = up * o.width / o.height;
-  Eye eye;
-  eye.from = {.size = o.height,
-              .at = view.at + aside * axes[0],
-              .axes = axes,
-              .near = std::max(view.near, 1e-6),
-              .far = view.far,
-              .samples = o.samples,
-              .cull = !o.drawing.all,
-              .lens = Lens{o.width, {across, up}, aside == 0 ? 0 : aside / (still * across), parallel}};
-  // The sides of the picture as planes through the eye, a little outside of them.
-  const auto side = [&](const Direction& inwards, double beyond = 0) {
-    const Direction normal = glm::normalize(axes * inwards);
-    return glm::vec<4, double, glm::highp>(normal, -glm::dot(normal, eye.from.at) + 1e-3 + beyond);
-  };
-  if (parallel) {
-    const double distance = 1e4 * std::hypot(across, up);  // As good as from infinity.
-    eye.viewer = {.at = view.at + distance * axes[2],
-                  .planes = {side({1, 0, 0}, across), side({-1, 0, 0}, across), side({0, 1, 0}, up), side({0, -1, 0}, up),
-                             side({0, 0, -1})},
-                  .pixel = 2 * up / o.height / distance};
-    return eye;
-  }
-  const double shift = eye.from.lens->shift;
-  eye.viewer = {.at = eye.from.at,
-                .planes = {side({1, 0, -across * (1 + shift)}), side({-1, 0, -across * (1 - shift)}), side({0, 1, -up}),
-                           side({0, -1, -up}), side({0, 0, -1})},
-                .pixel = 2 * up / o.height};
-  return eye;
-}
 
 // Red of the left eye, green and blue of the right: for red and cyan glasses.
 std::vector<Colour> anaglyph(std::vector<Colour> left, const std::vector<Colour>& right) {
@@ -205,7 +165,7 @@ int run(Options& o, const Common& common) {
     const View view = viewpoints.view(shot.pose, static_cast<double>(frame - frames.first) / frames.count());
     std::vector<Eye> eyes;
     for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
-      eyes.push_back(eye_of(o, view, aside, 30 * separation));
+      eyes.push_back(eye_of({o.width, o.height, o.samples, !o.drawing.all}, view, aside, 30 * separation));
     const Stopwatch watch;
     Pictures pictures = painter ? painter->paint(shot, eyes) : cast(o, common, nodes, shot, eyes);
     seconds += watch.seconds();

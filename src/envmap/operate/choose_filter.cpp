@@ -18,12 +18,21 @@ constexpr std::int64_t searched = 1 << 20;  // Texels among which the worst are 
 struct Candidate {
   Filter filter;
   int samples;
+  Cost cost;
 };
 
-// In the order of their cost a texel where the result is coarser (tests/bench), as far as they are below that of `area`.
-constexpr Candidate candidates[] = {{Filter::nearest, 1},  {Filter::bilinear, 1}, {Filter::bicubic, 1},
-                                    {Filter::bilinear, 2}, {Filter::bilinear, 4}, {Filter::ewa, 1},
-                                    {Filter::bilinear, 8}};
+constexpr Candidate candidates[] = {{Filter::nearest, 1, Cost::nearest},     {Filter::bilinear, 1, Cost::bilinear},
+                                    {Filter::bicubic, 1, Cost::bicubic},     {Filter::bilinear, 2, Cost::bilinear_2},
+                                    {Filter::bilinear, 4, Cost::bilinear_4}, {Filter::ewa, 1, Cost::ewa},
+                                    {Filter::bilinear, 8, Cost::bilinear_8}};
+
+// The cheapest first, as far as they are below `area`.
+std::vector<Candidate> by_cost(const Costs& costs) {
+  std::vector<Candidate> order(std::begin(candidates), std::end(candidates));
+  std::erase_if(order, [&](const Candidate& c) { return costs[c.cost] >= costs[Cost::area]; });
+  std::ranges::stable_sort(order, {}, [&](const Candidate& c) { return costs[c.cost]; });
+  return order;
+}
 
 // The filter's own result in single texels.
 std::vector<Colour> sampled(const Sampler& sampler, std::span<const Texel> texels) {
@@ -103,7 +112,8 @@ FilterTrial measured(const Candidate& candidate, std::span<const Colour> result,
 
 }  // namespace
 
-FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target& target, double max_error, double floor) {
+FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target& target, double max_error, double floor,
+                           const Costs& costs) {
   std::vector<Texel> texels = every(static_cast<std::int64_t>(spread), target.to, target.size);
   texels.resize(std::min(texels.size(), spread));
   const std::size_t even = texels.size();
@@ -127,9 +137,9 @@ FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target&
     choice.reached = trial.rms <= max_error && trial.maximum <= max_error;
     return choice.reached;
   };
-  for (const Candidate& candidate : candidates)
+  for (const Candidate& candidate : by_cost(costs))
     if (attempt(candidate)) return choice;
-  attempt({Filter::area, 1});
+  attempt({Filter::area, 1, Cost::area});
   return choice;
 }
 

@@ -16,6 +16,7 @@ namespace envmap {
 /// where a filter fails, it fails there. The truth is the area filter at a tenth of the error; the area filter as a choice
 /// runs at a quarter of it.
 /// @param levels the source, down to one texel. @param floor 0.001 x the mean radiance of the source.
-FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target& target, double max_error, double floor);
+FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target& target, double max_error, double floor,
+                           const Costs& costs);
 
 }  // namespace envmap

@@ -117,7 +117,7 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
   if (options.max_error || reads_levels(filter.filter)) add_levels(source.levels);
   for (Level& level : source.levels) levels.emplace_back(std::move(level));
   if (options.max_error) {
-    choice = choose_filter(levels, target, *options.max_error, filter.floor);
+    choice = choose_filter(levels, target, *options.max_error, filter.floor, options.costs);
     filter = choice->filter;
   }
   sampler = make_sampler(levels, target, filter);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "envmap/base/costs.h"
 #include "envmap/base/export.h"
 #include "envmap/base/progress.h"
 #include "envmap/map/environment_map.h"
@@ -32,6 +33,7 @@ struct ConvertOptions {
   /// The camera that took the source, a photo of a mirror ball; absent: one infinitely far away. What the camera does not see gets
   /// the colours of the ball's rim. Of sphere maps only.
   std::optional<BallCamera> ball = std::nullopt;
+  Costs costs = {};                   ///< What `max_error` chooses by.
 };
 
 /// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare() has

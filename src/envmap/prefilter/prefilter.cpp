@@ -47,8 +47,11 @@ double texels_of(const Prefilter& p) { return 1.0 * p.size * p.size * aspect(p.t
 
 // Whether a spectrum may be cheaper than the tree: for many texels, of a lobe that is not bent at its horizon, which would
 // take more degrees than there are.
-bool may_be_spectral(const Prefilter& p, const Lobe& lobe) {
-  return texels_of(p) >= 2000 && std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
+bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source) {
+  const auto texels = static_cast<double>(index_of(source, {source.faces(), 0, 0}));
+  const double of_source = p.costs[source.projection() == Projection::latlong ? Cost::spectral_row_source : Cost::spectral_source];
+  const double transform = p.costs[Cost::spectral_start] + p.costs[Cost::spectral_texel] * texels_of(p) + of_source * texels;
+  return transform < p.costs[Cost::tree_texel] * texels_of(p) && std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
 }
 
 }  // namespace
@@ -96,7 +99,7 @@ struct Making {
       return;
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
-    if (wanted.method == Method::spectral || (any && may_be_spectral(wanted, lobe)))
+    if (wanted.method == Method::spectral || (any && may_be_spectral(wanted, lobe, source)))
       spectral_prefilter(source, lobe, target, wanted.max_error, spectrum, out, figures, progress);
     const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); };
     done.method = 2 * static_cast<std::size_t>(std::ranges::count_if(all, known)) > all.size() ? Method::spectral : Method::hierarchical;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/costs.h"
 #include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
@@ -40,6 +41,7 @@ struct Prefilter {
   /// Which rows of the result to make, `size` for each face, true or false; empty: all. They come out as in the whole map.
   std::vector<char> rows = {};
   double max_error = 1e-3;  ///< Metric `max` of compare(): of every texel.
+  Costs costs = {};         ///< What Method::automatic chooses by.
 };
 
 /// What was done, and how far any texel is off.

@@ -9,20 +9,21 @@ double texels(Projection p, int size) { return static_cast<double>(faces(p)) * a
 
 }  // namespace
 
-double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles) {
+double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles, const Costs& costs) {
   const auto count = static_cast<double>(triangles);
-  if (method == DrawMethod::raycast) return 3.1e-4 * texels(to, size) + 0.8e-3 * count;
+  if (method == DrawMethod::raycast) return costs[Cost::ray_texel] * texels(to, size) + costs[Cost::ray_triangle] * count;
   if (method == DrawMethod::resample)
-    return 1e-4 * texels(Projection::cube, size) + 1e-3 * count + (to == Projection::cube ? 0 : 1e-4 * texels(to, size));
+    return costs[Cost::cube_texel] * texels(Projection::cube, size) + costs[Cost::cube_triangle] * count +
+           (to == Projection::cube ? 0 : costs[Cost::resample_texel] * texels(to, size));
   // Of a cube's faces, about half see a given part of the scene.
-  return 1.7e-4 * texels(to, size) + 1.2e-3 * count * (to == Projection::cube ? 3 : faces(to));
+  return costs[Cost::draw_texel] * texels(to, size) + costs[Cost::draw_triangle] * count * (to == Projection::cube ? 3 : faces(to));
 }
 
-DrawMethod cheapest(Projection to, int size, std::size_t triangles) {
+DrawMethod cheapest(Projection to, int size, std::size_t triangles, const Costs& costs) {
+  const auto cost = [&](DrawMethod m) { return estimated_cost(m, to, size, triangles, costs); };
   DrawMethod best = DrawMethod::exact;
   for (const DrawMethod m : {DrawMethod::resample, DrawMethod::raycast})
-    if (!can_draw(best, to) || estimated_cost(m, to, size, triangles) < estimated_cost(best, to, size, triangles))
-      best = m;
+    if (!can_draw(best, to) || cost(m) < cost(best)) best = m;
   return best;
 }
 

@@ -2,17 +2,18 @@
 /// Which way of drawing is the cheapest that is right.
 #pragma once
 
+#include "envmap/base/costs.h"
 #include "envmap/render/method.h"
 
 namespace envmap {
 
-/// Milliseconds that a map takes on two cores of llvmpipe, by a straight line through measurements (tests/bench/README.md):
+/// Nanoseconds that a map takes, by a straight line through measurements (tests/bench/README.md):
 /// so much for each texel drawn, and so much for each triangle in each face it is sent to. Ratios carry over to other
 /// machines, not the figures.
 /// @param method exact, resample or raycast.
-double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles);
+double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles, const Costs& costs = {});
 
 /// exact, resample or raycast, whichever costs least.
-DrawMethod cheapest(Projection to, int size, std::size_t triangles);
+DrawMethod cheapest(Projection to, int size, std::size_t triangles, const Costs& costs = {});
 
 }  // namespace envmap

@@ -1,0 +1,13 @@
+// Measures envmap::Costs on this machine.
+#pragma once
+
+#include "command.h"
+#include "envmap/base/costs.h"
+#include "envmap/render/context.h"
+
+namespace tools {
+
+// Takes about a minute. Without a renderer the figures of OpenGL stay as they are, with a warning.
+envmap::Costs calibrated(const Common& common);
+
+}  // namespace tools
