@@ -96,7 +96,7 @@ void measure_lobes(Costs& costs) {
   const double more = texels_of(Projection::cube, many) - texels_of(Projection::cube, few);
   const double sources = texels_of(Projection::latlong, 1024) - texels_of(Projection::latlong, 256);
   const double of_few = lobe_time(large, Method::spectral, few);
-  costs[Cost::tree_texel] = slope(lobe_time(large, Method::hierarchical, many), lobe_time(large, Method::hierarchical, few), more);
+  costs[Cost::tree_texel] = lobe_time(large, Method::hierarchical, 16) / texels_of(Projection::cube, 16);  // As few as it is worth it for.
   costs[Cost::spectral_texel] = slope(lobe_time(large, Method::spectral, many), of_few, more);
   const double of_small = lobe_time(small, Method::spectral, few), made = costs[Cost::spectral_texel] * texels_of(Projection::cube, few);
   costs[Cost::spectral_row_source] = slope(of_few, of_small, sources);

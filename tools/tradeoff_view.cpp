@@ -27,12 +27,6 @@ Outcome as_level(const std::vector<Colour>& pixels, int size) {
   return {std::move(level)};
 }
 
-std::vector<int> nodes_of(const std::vector<Mirror>& mirrors) {
-  std::vector<int> nodes;
-  for (const Mirror& mirror : mirrors) nodes.push_back(mirror.node);
-  return nodes;
-}
-
 // What a picture is drawn of, once for all ways.
 struct Stage {
   const LoadedScene& loaded;

@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+"""How far automatic choices are from the best there is, in time: the table of envmap-accuracy(7).
+
+    python3 tests/bench/choices.py PROBE... [--envmap build/bench/envmap] [--costs FILE] [--runs 3]
+
+Give probes that nothing was fitted to. Times are processor time of whole processes, the least of the runs, in rounds, less what reading
+alone takes; a choice is as good as its time over that of the quickest method that keeps the error.
+"""
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+FILTERS = [('nearest', 1), ('bilinear', 1), ('bicubic', 1), ('bilinear', 2), ('bilinear', 4), ('ewa', 1), ('bilinear', 8)]
+
+
+def used(command):
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    if os.waitstatus_to_exitcode(status) not in (0, 1):
+        sys.exit(f'choices: {" ".join(map(str, command))} failed')
+    return usage.ru_utime + usage.ru_stime
+
+
+def least(commands, runs):
+    found = [float('inf')] * len(commands)
+    for _ in range(runs):
+        found = [min(old, used(command)) for old, command in zip(found, commands)]
+    return found
+
+
+def report(command):
+    return json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)
+
+
+def lobes(envmap, probe, costs, runs, out):
+    """Ratios of prefilter's own choice to the better of tree and transform."""
+    for height in (128, 512):
+        source = out / 'source.exr'
+        used([envmap, 'convert', probe, source, '--to', 'latlong', '--size', str(height), '--clamp', '-q'])
+        for size in (8, 16, 64):
+            for exponent in (20, 200):
+                base = [envmap, 'prefilter', source, out / 'out.exr', '--lobe', 'phong', '-q', '--size', str(size)]
+                lobe = base + ['--exponent', str(exponent)]
+                tiny = base[:-1] + ['1', '--exponent', '20', '--method', 'hierarchical']
+                read, auto, *others = least([tiny, lobe + costs] + [lobe + ['--method', m] for m in ('hierarchical', 'spectral')], runs)
+                yield f'{height} {size} {exponent}', max(auto - read, 0.002) / max(min(others) - read, 0.002), auto - min(others)
+
+
+def conversions(envmap, probe, costs, runs, out):
+    """Ratios of convert --max-error to the quickest filter that is found to keep the error in every texel."""
+    for size in (64, 256):
+        to = [envmap, 'convert', probe, out / 'out.exr', '--to', 'cube', '--size', str(size), '--depth', 'float', '-q']
+        truth = out / 'truth.exr'
+        used(to[:3] + [truth] + to[4:] + ['--filter', 'area', '--area-error', '1e-6'])
+        ways = [to + ['--filter', f, '--samples', str(n)] if n > 1 else to + ['--filter', f] for f, n in FILTERS]
+        ways += [to + ['--filter', 'area', '--area-error', '2.5e-3']]
+        errors = []
+        for way in ways:
+            used(way)
+            difference = report([envmap, 'compare', out / 'out.exr', truth, '--json'])
+            errors.append(max(difference['max'], difference['rms']))
+        for error in (0.1, 1e-2):
+            auto, *others = least([to + ['--max-error', str(error)] + costs] + ways, runs)
+            good = [t for t, e in zip(others, errors) if e <= error]
+            yield f'{size} {error:g}', auto / min(good), auto - min(good)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
+    parser.add_argument('probes', nargs='+', type=Path)
+    parser.add_argument('--envmap', default=str(ROOT / 'build/bench/envmap'))
+    parser.add_argument('--costs')
+    parser.add_argument('--runs', type=int, default=3)
+    o = parser.parse_args()
+    costs = ['--costs', o.costs] if o.costs else []
+    with tempfile.TemporaryDirectory() as out:
+        for name, jobs in (('prefilter', lobes), ('convert --max-error', conversions)):
+            ratios, late = [], []
+            for probe in o.probes:
+                for job, ratio, seconds in jobs(o.envmap, probe, costs, o.runs, Path(out)):
+                    print(f'{name:20} {probe.stem:24} {job:14} {ratio:6.2f} {seconds:7.3f} s', flush=True)
+                    ratios.append(ratio), late.append(seconds)
+            ratios.sort()
+            print(f'{name}: {len(ratios)} jobs, median {statistics.median(ratios):.2f}, nine in ten below '
+                  f'{ratios[len(ratios) * 9 // 10]:.2f}, worst {ratios[-1]:.2f}; at most {max(late):.2f} s late', flush=True)
+
+
+if __name__ == '__main__':
+    main()
