@@ -415,6 +415,19 @@ TEST(Prefilter, LobesNarrowerThanTheTexelsOfACoarseMapNeedNoExactSum) {
   }
 }
 
+// Such a cube is what stands in scenes for no environment at all.
+TEST(Prefilter, ACubeOfSixTexelsNeedsNoExactSum) {
+  const EnvironmentMap map = generate(Directions{}, {Projection::cube}, 1);
+  const PrefilterSource prepared(map);
+  for (const double roughness : {0.1, 0.3, 0.7}) {
+    Prefilter p{.shape = Shape::ggx, .parameter = roughness, .to = Projection::cube, .size = 3, .max_error = 1e-3};
+    const Prefiltered done = prepared.make(p);
+    EXPECT_EQ(done.exact, 0) << roughness;
+    p.method = Method::exact;
+    EXPECT_LE(compare(done.map.base(), prepared.make(p).map.base()).maximum, 1e-3) << roughness;
+  }
+}
+
 TEST(Prefilter, ExponentNoughtSeesThePartOfASunAboveTheHorizon) {
   // A sun of one texel on the equator, black round it: for exponent 0 a direction on the equator gets what of its longitudes
   // lies within a quarter turn, over 2 pi.

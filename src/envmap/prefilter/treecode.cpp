@@ -54,12 +54,14 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
 }
 
 // Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are. The exact sum goes
-// round every texel that the horizon of a lobe that breaks off cuts, and round many of a coarse map.
+// round every texel that the horizon of a lobe that breaks off cuts, and cuts those of a coarse map: a face of one texel takes it
+// as long as thousands of nodes.
 std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
   const Level& s = tree.source();
   const std::size_t texels = index_of(s, {s.faces(), 0, 0}), parts = static_cast<std::size_t>(tree.parts());
   const std::size_t sum = directions * (parts > 1 ? 8 * texels / (parts * parts) : texels / 8);
-  const std::size_t least = std::visit([](const auto& l) { return l.breaks_off(); }, lobe) ? 1 << 14 : 1 << 8;
+  const bool breaks_off = std::visit([](const auto& l) { return l.breaks_off(); }, lobe);
+  const std::size_t least = breaks_off ? 1 << 14 : parts > 1 ? 1 << 12 : 1 << 8;
   return std::clamp<std::size_t>(sum, least, directions > 1 ? 1 << 14 : SIZE_MAX);
 }
 
