@@ -39,7 +39,7 @@ struct Options {
   Shard shard;
   std::optional<double> ball_distance, ball_fov;
   // Where --to is a lens:
-  std::optional<Lens> lens;
+  std::optional<CameraModel> lens;
   std::optional<Direction> look_at;
   std::optional<double> fov;
   std::optional<int> width, samples;
@@ -49,11 +49,11 @@ struct Options {
 // What --to says: a projection, or a lens for a picture.
 struct To {
   std::optional<Projection> projection;
-  std::optional<Lens> lens;
+  std::optional<CameraModel> lens;
 };
 
 std::optional<To> to_named(std::string_view word) {
-  if (const auto lens = one_of<Lens>(lens_names)(word)) return To{.projection = std::nullopt, .lens = lens};
+  if (const auto lens = one_of<CameraModel>(camera_model_names)(word)) return To{.projection = std::nullopt, .lens = lens};
   if (const auto projection = projection_named(word)) return To{.projection = projection, .lens = std::nullopt};
   return std::nullopt;
 }
@@ -178,7 +178,7 @@ std::string filter_words() {
 void add_to(CLI::App& app, Options& o) {
   std::string words;
   for (const Projection p : all_projections) words += fmt::format("{}|", name(p));
-  words += fmt::format("{}", fmt::join(lens_names, "|"));
+  words += fmt::format("{}", fmt::join(camera_model_names, "|"));
   app.add_option_function<std::string>(
          "--to",
          [&o, words](const std::string& word) {

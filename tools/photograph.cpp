@@ -18,11 +18,11 @@ using namespace envmap;
 PhotographOptions settled(const PhotographJob& job) {
   constexpr double degree = pi / 180;
   PhotographOptions o = job.photograph;
-  o.field = degree * job.field.value_or(o.lens == Lens::fisheye ? 180 : o.lens == Lens::cylinder ? 90 : 60);
+  o.field = degree * job.field.value_or(o.lens == CameraModel::fisheye ? 180 : o.lens == CameraModel::cylinder ? 90 : 60);
   o.height = job.height.value_or(480);
   const double once_round = o.height * pi / std::tan(0.5 * o.field);
-  o.width = job.width.value_or(o.lens == Lens::fisheye       ? o.height
-                               : o.lens == Lens::perspective ? (4 * o.height + 2) / 3
+  o.width = job.width.value_or(o.lens == CameraModel::fisheye       ? o.height
+                               : o.lens == CameraModel::perspective ? (4 * o.height + 2) / 3
                                                              : static_cast<int>(std::clamp(once_round, 1.0, 65536.0)));
   return o;
 }
@@ -49,7 +49,7 @@ int take_photograph(const PhotographJob& job, const Common& common) {
                 {"filter", name(options.filter)},
                 {"samples", *options.samples},
                 {"error", nullptr},
-                {"lens", lens_names[static_cast<std::size_t>(options.lens)]},
+                {"lens", camera_model_names[static_cast<std::size_t>(options.lens)]},
                 {"width", options.width},
                 {"height", options.height},
                 {"output", job.output},

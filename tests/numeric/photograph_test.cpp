@@ -42,14 +42,14 @@ TEST(Photograph, PlacesInThePictureLookWhereTheLensSays) {
     const EnvironmentMap map = directions_map(p, 256);
     PhotographOptions o{.width = 41, .height = 31, .towards = {2, 0, 0}, .samples = 1};
     const auto shown = [&](int i, int row) { return pixel(photograph(map.clone(), o), o, i, row); };
-    o.lens = Lens::perspective, o.field = pi / 2;
+    o.lens = CameraModel::perspective, o.field = pi / 2;
     EXPECT_LT(off(shown(20, 15), {1, 0, 0}), 0.05);
     EXPECT_LT(off(shown(40, 0), glm::normalize(Direction(1, 30.0 / 31, 40.0 / 31))), 0.05);
-    o.lens = Lens::fisheye, o.field = pi, o.width = 31;
+    o.lens = CameraModel::fisheye, o.field = pi, o.width = 31;
     EXPECT_LT(off(shown(30, 15), {std::cos(pi / 2 * 30 / 31), 0, std::sin(pi / 2 * 30 / 31)}), 0.05);
     EXPECT_LT(off(shown(15, 0), {std::cos(pi / 2 * 30 / 31), std::sin(pi / 2 * 30 / 31), 0}), 0.05);
     EXPECT_EQ(shown(0, 0), Colour(0));
-    o.lens = Lens::cylinder, o.field = pi / 2, o.width = 97;
+    o.lens = CameraModel::cylinder, o.field = pi / 2, o.width = 97;
     const double turn = 96.0 / 31;
     EXPECT_NEAR(angle_across(o), 2 * 97.0 / 31, 1e-12);
     EXPECT_LT(off(shown(96, 0), glm::normalize(Direction(std::cos(turn), 30.0 / 31, std::sin(turn)))), 0.05);
@@ -85,10 +85,10 @@ TEST(Photograph, RefusesWhatNoLensShows) {
   const auto refuses = [&](const PhotographOptions& o) { EXPECT_THROW(photograph(map.clone(), o), UsageError); };
   refuses({.field = pi});
   refuses({.field = std::nan("")});
-  refuses({.lens = Lens::fisheye, .field = 7});
+  refuses({.lens = CameraModel::fisheye, .field = 7});
   refuses({.towards = Direction(0)});
   refuses({.filter = Filter::area});
-  refuses({.lens = Lens::cylinder, .field = pi / 2, .width = 2000, .height = 480});
+  refuses({.lens = CameraModel::cylinder, .field = pi / 2, .width = 2000, .height = 480});
 }
 
 }  // namespace

@@ -19,15 +19,15 @@ constexpr int most_samples = 32;
 
 // Half the picture's height at a distance of 1, or half its angle.
 double half_height(const PhotographOptions& o) {
-  return o.lens == Lens::fisheye ? 0.5 * o.field : portable::sin(0.5 * o.field) / portable::cos(0.5 * o.field);
+  return o.lens == CameraModel::fisheye ? 0.5 * o.field : portable::sin(0.5 * o.field) / portable::cos(0.5 * o.field);
 }
 
 void check(const PhotographOptions& o) {
-  if (!(o.field > 0 && (o.lens == Lens::fisheye ? o.field <= 2 * pi : o.field < pi)))
+  if (!(o.field > 0 && (o.lens == CameraModel::fisheye ? o.field <= 2 * pi : o.field < pi)))
     throw UsageError("a fisheye sees more than 0 and up to 360 degrees from bottom to top, other pictures less than 180");
   if (o.filter != Filter::nearest && o.filter != Filter::bilinear && o.filter != Filter::bicubic)
     throw UsageError("pictures take the filters nearest, bilinear and bicubic");
-  if (o.lens == Lens::cylinder && angle_across(o) > 2 * pi * (1 + 1e-12))
+  if (o.lens == CameraModel::cylinder && angle_across(o) > 2 * pi * (1 + 1e-12))
     throw UsageError("a cylinder of that width goes round more than once");
   if (!(glm::length(o.towards) > 0)) throw UsageError("a camera looks towards a direction that is not 0");
 }
@@ -42,15 +42,15 @@ Rotation turn_to(const Direction& towards) {
 
 // Where places in the picture look, in the frame of the source's image.
 struct Camera {
-  Lens lens;
+  CameraModel lens;
   double half, aspect;
   int width, height, samples;
   Rotation to_image;
 
   // Before the camera, at x to the right and y up in half heights. 0 beyond a fisheye's circle.
   [[nodiscard]] Direction direction(double x, double y) const {
-    if (lens == Lens::perspective) return glm::normalize(Direction(-x * half, y * half, 1));
-    if (lens == Lens::cylinder) return glm::normalize(Direction(-portable::sin(x * half), y * half, portable::cos(x * half)));
+    if (lens == CameraModel::perspective) return glm::normalize(Direction(-x * half, y * half, 1));
+    if (lens == CameraModel::cylinder) return glm::normalize(Direction(-portable::sin(x * half), y * half, portable::cos(x * half)));
     const double r = portable::hypot(x, y), angle = r * half;
     if (r > 1) return Direction(0);
     const double k = r > 0 ? portable::sin(angle) / r : 0;

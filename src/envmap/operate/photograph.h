@@ -17,11 +17,11 @@ namespace ENVMAP_EXPORT envmap {
 /// - perspective: straight lines stay straight, the distance from the middle goes with the tangent.
 /// - fisheye: equidistant, the distance from the middle goes with the angle; a circle as high as the picture, black around it.
 /// - cylinder: columns are turns about the vertical, heights go with the tangent.
-enum class Lens { perspective, fisheye, cylinder };
-inline constexpr std::array<std::string_view, 3> lens_names{"perspective", "fisheye", "cylinder"};
+enum class CameraModel { perspective, fisheye, cylinder };
+inline constexpr std::array<std::string_view, 3> camera_model_names{"perspective", "fisheye", "cylinder"};
 
 struct PhotographOptions {
-  Lens lens = Lens::perspective;
+  CameraModel lens = CameraModel::perspective;
   double field = pi / 3;        ///< Angle in radians from the bottom to the top of the picture; in (0, pi), of fisheyes up to 2 pi.
   int width = 640, height = 480;
   Direction towards{0, 0, 1};   ///< World direction in the middle; not 0. +Y is up, or -Z of what looks up, +Z of what looks down.
