@@ -338,7 +338,7 @@ TEST_F(Help, CompletesInBash) {
     return shell("bash try.bash").out;
   };
   EXPECT_EQ(completed("envmap conv", 1), "convert\n");
-  EXPECT_EQ(completed("envmap convert --to c", 3), "cube\n");
+  EXPECT_EQ(completed("envmap convert --to cu", 3), "cube\n");
   EXPECT_EQ(completed("envmap convert --repa", 2), "--repair\n");
   EXPECT_EQ(completed("envmap generate di", 2), "directions\n");
   EXPECT_EQ(completed("envmap convert --size ''", 3), "\n") << "a number is expected, no option";
@@ -352,7 +352,7 @@ TEST_F(Help, CompletesInFish) {
     return shell("HOME=$PWD fish --no-config -c 'source envmap.fish; complete -C \"" + line + "\"' | cut -f 1").out;
   };
   EXPECT_EQ(completed("envmap conv"), "convert\n");
-  EXPECT_EQ(completed("envmap convert --to c"), "cube\n");
+  EXPECT_EQ(completed("envmap convert --to cu"), "cube\n");
   EXPECT_EQ(completed("envmap convert --repa"), "--repair\n");
   EXPECT_EQ(completed("envmap generate directi"), "directions\n");
 }
@@ -373,7 +373,7 @@ zpty -r -m shell text '*<*>*'
     return shell("HOME=$PWD timeout 20 zsh -f try.zsh").out;
   };
   EXPECT_EQ(completed("envmap conv"), "envmap convert \n");
-  EXPECT_EQ(completed("envmap convert --to c"), "envmap convert --to cube \n");
+  EXPECT_EQ(completed("envmap convert --to cu"), "envmap convert --to cube \n");
   EXPECT_EQ(completed("envmap convert --repa"), "envmap convert --repair \n");
   EXPECT_EQ(completed("envmap generate directi"), "envmap generate directions \n");
 }

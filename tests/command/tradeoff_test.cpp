@@ -289,5 +289,23 @@ TEST_F(Tradeoff, PlotsAndRefuses) {
   fails(2, {"tradeoff", "in.exr", "--task", "depth", "--plot", "out.gif"}, {".svg", ".png"});
 }
 
+// What it measures, every command takes: each time once, above 0, and more work never quicker by far.
+TEST_F(Tradeoff, CalibratedCostsAreReadBack) {
+#ifdef ENVMAP_SANITIZED
+  GTEST_SKIP() << "times under the sanitizers are none";
+#endif
+  const Result r = envmap({"tradeoff", "--calibrate", "--save", "costs.json"});
+  ASSERT_EQ(r.status, 0) << r.err;
+  const json found = json::parse(read("costs.json"))["nanoseconds"];
+  for (const auto& [name, value] : found.items()) {
+    EXPECT_GT(value.get<double>(), 0) << name;
+    EXPECT_NE(r.out.find(name), std::string::npos) << name;
+  }
+  EXPECT_EQ(found.size(), json::parse(costs_with(json::object()))["nanoseconds"].size());
+  EXPECT_GT(found["filter area"].get<double>(), found["filter nearest"].get<double>());
+  succeeds({"prefilter", "in.exr", "out.exr", "--size", "8", "--costs", "costs.json", "-q"});
+  succeeds({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "4", "--max-error", "0.5", "--costs", "costs.json", "-q"});
+}
+
 }  // namespace
 }  // namespace command_tests
