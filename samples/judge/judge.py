@@ -175,6 +175,9 @@ def judged(job, command, lies, maps, truths, folder):
     return found
 
 
+NAMES = {'three': 'three.js', 'babylon_own': 'Babylon.js'}  # By their modules.
+
+
 # ---- the table -------------------------------------------------------------------------------------------------------
 
 def cell(errors, metric):
@@ -200,9 +203,9 @@ def in_browser(maps, folder):
     right, weights = answer(job, maps, 'centre')
     for k, case in enumerate(CASES):
         (asked / case).mkdir(parents=True)
-        turned = np.roll(maps[..., k], HIGH // 2, 1)  # +X in the middle, as glTF viewers have it.
-        for kind in ('exr', 'hdr'):
-            write_map(asked / case / f'background.{kind}', turned)
+        # What three.js and Babylon.js have in the middle: +X, and +Z where its world is left-handed (found by trying all turns).
+        write_map(asked / case / 'background.exr', np.roll(maps[..., k], HIGH // 2, 1))
+        write_map(asked / case / 'background.hdr', maps[..., k])
     (asked / 'asked.json').write_text(json.dumps({'directions': ggx_directions().tolist(), 'roughness': ROUGHNESS}))
     done = subprocess.run(['sh', HERE / 'engines.sh', asked, *CASES], stdout=subprocess.PIPE, text=True)
     rows = []
@@ -211,7 +214,7 @@ def in_browser(maps, folder):
             print(line, file=sys.stderr)
             continue
         said = json.loads(line)
-        rows.append((job, said['engine'], None, {case: truth.errors(np.array(said['found'][case]), right[:, k], weights)
+        rows.append((job, NAMES[said['engine']], None, {case: truth.errors(np.array(said['found'][case]), right[:, k], weights)
                                                 for k, case in enumerate(CASES)}))
     return rows
 
