@@ -15,6 +15,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/projection/cube.h"
+#include "envmap/render/context.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 
@@ -64,8 +65,6 @@ EnvironmentMap landscape(int height) {
   return map;
 }
 
-double texels_of(Projection p, int size) { return static_cast<double>(faces(p)) * aspect(p) * size * size; }
-
 // ---- filters ----------------------------------------------------------------------------------------------------------
 
 void measure_filters(Costs& costs) {
@@ -75,7 +74,7 @@ void measure_filters(Costs& costs) {
     ConvertOptions how{.to = {Projection::cube}, .size = size, .filter = filter, .samples = samples};
     if (filter == Filter::area) how.area_error = 1e-4;
     const Resampler resampler(source, how);
-    costs[cost] = quickest([&] { (void)level_of(resampler.rows()); }) / texels_of(Projection::cube, size);
+    costs[cost] = quickest([&] { (void)level_of(resampler.rows()); }) / texel_count(Projection::cube, size);
   };
   measure(Cost::nearest, Filter::nearest, 1);
   measure(Cost::bilinear, Filter::bilinear, 1);
@@ -104,16 +103,16 @@ void measure_lobes(Costs& costs) {
   constexpr int few = 32, many = 96;
   const EnvironmentMap small = landscape(256), large = landscape(1024);
   const EnvironmentMap cube = convert(large, {.to = {Projection::cube}, .size = 256});
-  const double more = texels_of(Projection::cube, many) - texels_of(Projection::cube, few);
-  const double sources = texels_of(Projection::latlong, 1024) - texels_of(Projection::latlong, 256);
+  const double more = texel_count(Projection::cube, many) - texel_count(Projection::cube, few);
+  const double sources = texel_count(Projection::latlong, 1024) - texel_count(Projection::latlong, 256);
   const double of_few = lobe_time(large, Method::spectral, few);
-  costs[Cost::tree_texel] = lobe_time(large, Method::hierarchical, 16) / texels_of(Projection::cube, 16);  // As few as it is worth it for.
+  costs[Cost::tree_texel] = lobe_time(large, Method::hierarchical, 16) / texel_count(Projection::cube, 16);  // As few as it is worth it for.
   costs[Cost::spectral_texel] = slope(lobe_time(large, Method::spectral, many), of_few, more);
-  const double of_small = lobe_time(small, Method::spectral, few), made = costs[Cost::spectral_texel] * texels_of(Projection::cube, few);
+  const double of_small = lobe_time(small, Method::spectral, few), made = costs[Cost::spectral_texel] * texel_count(Projection::cube, few);
   costs[Cost::spectral_row_source] = slope(of_few, of_small, sources);
-  const double rows = costs[Cost::spectral_row_source] * texels_of(Projection::latlong, 256);
+  const double rows = costs[Cost::spectral_row_source] * texel_count(Projection::latlong, 256);
   costs[Cost::spectral_start] = slope(of_small, made + rows, 1);
-  costs[Cost::spectral_source] = slope(lobe_time(cube, Method::spectral, few), made + costs[Cost::spectral_start], texels_of(Projection::cube, 256));
+  costs[Cost::spectral_source] = slope(lobe_time(cube, Method::spectral, few), made + costs[Cost::spectral_start], texel_count(Projection::cube, 256));
 }
 
 // ---- scenes -----------------------------------------------------------------------------------------------------------
@@ -156,7 +155,7 @@ Times times_of(const Scene& plain, const Scene& cut, Draw&& draw) {
 void measure_drawing(Costs& costs) {
   const Scene plain = box(2), cut = box(66);
   const auto triangles_more = static_cast<double>(triangles(cut) - triangles(plain));
-  const auto texels_more = [](Projection p) { return texels_of(p, fine) - texels_of(p, coarse); };
+  const auto texels_more = [](Projection p) { return texel_count(p, fine) - texel_count(p, coarse); };
   const auto view = [](Projection to, int size) { return Viewpoint{.to = to, .size = size}; };
   const Times rays = times_of(plain, cut, [&](const Scene& scene, int size) { (void)raycast({scene, pose(scene, 0)}, view(Projection::sphere, size)); });
   costs[Cost::ray_texel] = slope(rays.many, rays.few, texels_more(Projection::sphere));
@@ -174,7 +173,7 @@ void measure_drawing(Costs& costs) {
   costs[Cost::draw_triangle] = slope(exact.cut, exact.few, triangles_more);
   costs[Cost::cube_texel] = slope(cube.many, cube.few, texels_more(Projection::cube));
   costs[Cost::cube_triangle] = slope(cube.cut, cube.few, triangles_more);
-  costs[Cost::resample_texel] = slope(resampled.many, cube.many, texels_of(Projection::sphere, fine));
+  costs[Cost::resample_texel] = slope(resampled.many, cube.many, texel_count(Projection::sphere, fine));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include "command.h"
 #include "envmap/base/costs.h"
-#include "envmap/render/context.h"
 
 namespace tools {
 

@@ -189,6 +189,9 @@ class Stopwatch {
 /// Names come from users and from files: without what a terminal would obey, and what is no UTF-8. Line breaks stay.
 std::string printable(std::string_view text);
 
+/// The same inside SVG or HTML, as text or between double quotes.
+std::string in_markup(std::string_view text);
+
 /// Text on standard output, printable. Whether all of it could be written is asked once, at the end (not fmt::print, which
 /// throws).
 void print(std::string_view text);

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
@@ -24,11 +23,17 @@ namespace {
 
 using namespace envmap;
 
+// What --to says: a projection, or a lens for a picture.
+struct To {
+  std::optional<Projection> projection;
+  std::optional<CameraModel> lens;
+};
+
 struct Options {
   std::string input, output, costs;
   const Engine* engine = nullptr;
   ReadOptions read;
-  std::optional<Projection> to;
+  To to;
   std::optional<Forward> forward;
   bool one_level = false;  // --level was given.
   std::optional<Direction> turn;  // Yaw, pitch, roll.
@@ -38,18 +43,11 @@ struct Options {
   GradeOptions grade;
   Shard shard;
   std::optional<double> ball_distance, ball_fov;
-  // Where --to is a lens:
-  std::optional<CameraModel> lens;
+  // Of pictures:
   std::optional<Direction> look_at;
   std::optional<double> fov;
   std::optional<int> width, samples;
   std::optional<Display> display;
-};
-
-// What --to says: a projection, or a lens for a picture.
-struct To {
-  std::optional<Projection> projection;
-  std::optional<CameraModel> lens;
 };
 
 std::optional<To> to_named(std::string_view word) {
@@ -73,7 +71,7 @@ void refuse_options(const CLI::App& app, bool picture) {
 
 int run_photograph(const Options& o, const Common& common) {
   PhotographJob job{.input = o.input, .output = o.output, .format = o.write.format, .read = o.read, .grade = o.grade,
-                    .photograph = {.lens = *o.lens, .samples = o.samples, .gain = portable::exp2(o.exposure)},
+                    .photograph = {.lens = *o.to.lens, .samples = o.samples, .gain = portable::exp2(o.exposure)},
                     .field = o.fov, .width = o.width, .height = o.convert.size, .display = o.display};
   job.photograph.filter = o.convert.filter.value_or(Filter::bilinear);
   if (o.look_at) job.photograph.towards = *o.look_at;
@@ -176,18 +174,10 @@ std::string filter_words() {
 }
 
 void add_to(CLI::App& app, Options& o) {
-  std::string words;
-  for (const Projection p : all_projections) words += fmt::format("{}|", name(p));
-  words += fmt::format("{}", fmt::join(camera_model_names, "|"));
-  app.add_option_function<std::string>(
-         "--to",
-         [&o, words](const std::string& word) {
-           const auto to = to_named(word);
-           if (!to) throw CLI::ValidationError("--to", "'" + word + "' is none of " + words);
-           o.to = to->projection, o.lens = to->lens;
-         },
-         "Projection of the output (default: as the input), or the lens of a picture")
-      ->type_name(words);
+  std::vector<std::string_view> words;
+  for (const Projection p : all_projections) words.emplace_back(name(p));
+  words.insert(words.end(), camera_model_names.begin(), camera_model_names.end());
+  add_choice(app, "--to", o.to, joined(words), to_named, "Projection of the output (default: as the input), or the lens of a picture");
   add_triple(app, "--look-at", o.look_at, "X,Y,Z", false, "Of pictures: world direction in the middle (default: 0,0,1)");
   app.add_option("--fov", o.fov,
                  "Of pictures: angle from the bottom to the top (default: perspective 60, fisheye 180, cylinder 90)")
@@ -209,8 +199,8 @@ int run(Options& o, const Common& common) {
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
-  if (engine) settle(*o.engine, *engine, o.output, o.to, o.forward, o.write);
-  if (o.to) check_output(o.output, o.write, *o.to);
+  if (engine) settle(*o.engine, *engine, o.output, o.to.projection, o.forward, o.write);
+  if (o.to.projection) check_output(o.output, o.write, *o.to.projection);
   check_files({o.output}, {o.input}, common);
   Source source = read_map(o.input, o.read, common);
   if (source.levels > 1 && !o.one_level)
@@ -221,8 +211,8 @@ int run(Options& o, const Common& common) {
   grade(source, o.grade, o.read.colour, common);
   if (engine) tell_what_is_cut(*o.engine, source.map.base(), "convert");
   const Frame from = source.map.frame();
-  const Projection to = o.to.value_or(from.projection);
-  o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
+  const Projection to = o.to.projection.value_or(from.projection);
+  o.convert.to = {to, o.forward.value_or(o.to.projection ? Forward::plus_z : from.forward)};
   if (o.forward && !has_forward(to) && !has_forward(from.projection))
     throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
   if (o.turn) o.convert.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
@@ -384,8 +374,8 @@ Command convert_command() {
         add_repair(app, o->read);
         return [o, &app, &common] {
           o->one_level = app.count("--level") > 0;
-          refuse_options(app, o->lens.has_value());
-          if (o->lens) return run_photograph(*o, common);
+          refuse_options(app, o->to.lens.has_value());
+          if (o->to.lens) return run_photograph(*o, common);
           o->convert.samples = o->samples.value_or(1);
           return run(*o, common);
         };

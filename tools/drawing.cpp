@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 
@@ -16,17 +17,6 @@ using namespace envmap;
 
 constexpr std::uint32_t ink = 0x222222;
 constexpr double rim = 1.5, dash = 4, gap = 3;
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else out += c;
-  }
-  return out;
-}
 
 std::string paint(const std::optional<std::uint32_t>& colour) { return colour ? fmt::format("#{:06X}", *colour) : "none"; }
 
@@ -43,7 +33,7 @@ std::string svg_of(const Words& w) {
                                       : fmt::format("x=\"{:.1f}\" y=\"{:.1f}\"", w.at.x, w.at.y);
   return fmt::format(
       "<text {} font-size=\"{:g}\" text-anchor=\"{}\" stroke=\"white\" stroke-width=\"{:g}\" paint-order=\"stroke\">{}</text>\n", place,
-      w.size, anchors[static_cast<std::size_t>(w.anchor)], 2 * rim, escaped(w.text));
+      w.size, anchors[static_cast<std::size_t>(w.anchor)], 2 * rim, in_markup(w.text));
 }
 
 // ---- as pixels --------------------------------------------------------------------------------------------------------

@@ -98,13 +98,6 @@ double azimuth_of(Forward forward) {
   return degrees[static_cast<std::size_t>(forward)];
 }
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : printable(text))
-    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-  return out;
-}
-
 // {{name}} becomes the text of that name.
 std::string filled(std::string_view page, const std::vector<std::pair<std::string_view, std::string>>& texts) {
   std::string out;
@@ -144,7 +137,7 @@ std::string html_page(const Source& source, const PageOptions& o) {
   data["textures"]["ggx"] = levels_of_ggx(prefilter, o.size, scale);
   const Prefiltered diffuse = prefilter.make({.shape = Shape::diffuse, .size = 32, .max_error = 1e-2});
   data["textures"]["diffuse"]["levels"].push_back(level_of_page("diffuse light, white", diffuse.map.base(), scale));
-  return filled(page_source("page.html"), {{"title", escaped(o.file)},
+  return filled(page_source("page.html"), {{"title", in_markup(o.file)},
                                            {"style", std::string(page_source("page.css"))},
                                            {"shader", std::string(page_source("page.glsl"))},
                                            {"script", std::string(page_source("page.js"))},

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "depfile.h"
@@ -20,7 +19,8 @@ PhotographOptions settled(const PhotographJob& job) {
   PhotographOptions o = job.photograph;
   o.field = degree * job.field.value_or(o.lens == CameraModel::fisheye ? 180 : o.lens == CameraModel::cylinder ? 90 : 60);
   o.height = job.height.value_or(480);
-  const double once_round = o.height * pi / std::tan(0.5 * o.field);
+  o.width = 1;
+  const double once_round = 2 * pi / angle_across(o);
   o.width = job.width.value_or(o.lens == CameraModel::fisheye       ? o.height
                                : o.lens == CameraModel::perspective ? (4 * o.height + 2) / 3
                                                              : static_cast<int>(std::clamp(once_round, 1.0, 65536.0)));

@@ -66,6 +66,13 @@ std::string printable(std::string_view text) {
   return out;
 }
 
+std::string in_markup(std::string_view text) {
+  std::string out;
+  for (const char c : printable(text))
+    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  return out;
+}
+
 void print(std::string_view text) { std::fputs(printable(text).c_str(), stdout); }
 
 void print_report(ordered_json report) {

@@ -35,6 +35,8 @@ struct Options {
   double budget = 60;
 };
 
+std::string label_of(const std::string& method, const std::string& setting) { return setting.empty() ? method : method + " " + setting; }
+
 struct Trial {
   std::string method, setting;
   double seconds, noise;  // The median of its runs, and how far the others are from it at most, over it.
@@ -47,7 +49,7 @@ struct Trial {
   [[nodiscard]] double value(Metric m) const {
     return m == Metric::rms ? error.rms : m == Metric::maximum ? error.maximum : error.largest_flux();
   }
-  [[nodiscard]] std::string label() const { return setting.empty() ? method : method + " " + setting; }
+  [[nodiscard]] std::string label() const { return label_of(method, setting); }
 };
 
 struct Study {
@@ -199,10 +201,9 @@ void tell(const Study& study, const Options& o, const Common& common) {
 
 // Leaves the ways whose method and setting hold the words. @throws UsageError where there is none.
 Task only(Task task, const std::string& words) {
-  const auto label = [](const Way& way) { return way.setting.empty() ? way.method : way.method + " " + way.setting; };
   std::string all;
-  for (const Way& way : task.ways) all += (all.empty() ? "" : ", ") + label(way);
-  std::erase_if(task.ways, [&](const Way& way) { return label(way).find(words) == std::string::npos; });
+  for (const Way& way : task.ways) all += (all.empty() ? "" : ", ") + label_of(way.method, way.setting);
+  std::erase_if(task.ways, [&](const Way& way) { return label_of(way.method, way.setting).find(words) == std::string::npos; });
   if (task.ways.empty()) throw UsageError(fmt::format("--only: '{}' is in none of {}", words, all));
   return task;
 }

@@ -13,6 +13,7 @@
 #include "engine_options.h"
 #include "engines.h"
 #include "envmap/base/error.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/rounding.h"
 #include "envmap/operate/convert.h"
 #include "scratch_file.h"
@@ -23,8 +24,6 @@ namespace {
 using namespace envmap;
 
 constexpr double closer = 0.1;  // The reference is, than what a quality asks for.
-
-std::string extension_of(const EngineMap& map) { return std::string(map.file.substr(map.file.rfind('.') + 1)); }
 
 // ---- the reference ----------------------------------------------------------------------------------------------------
 
@@ -86,7 +85,7 @@ struct Baking {
     MapMaker maker(source.map, wanted, common);
     Outcome out{.level = Level(Projection::latlong, 1), .bytes = 0};
     for (const EngineMap& map : engine.maps) {
-      auto file = std::make_shared<const ScratchFile>(extension_of(map));
+      auto file = std::make_shared<const ScratchFile>(extension_of(map.file));
       WriteOptions options = how(map, depth);
       const MadeMap made = maker.make(map, rounding_of(file->path(), options));
       options.pairs = made.pairs, options.facts = made.facts;

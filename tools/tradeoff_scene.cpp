@@ -2,35 +2,22 @@
 
 #include <fmt/format.h>
 
-#include <memory>
-
 #include "envmap/base/error.h"
 #include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
 
 namespace tools {
-namespace {
 
 using namespace envmap;
 
-// What OpenGL draws with; made once.
-struct Gl {
-  Context context;
-  Renderer renderer;
-  Gl(const LoadedScene& loaded, ContextKind kind) : context(kind), renderer(loaded.scene, loaded.environment.get()) {}
-};
-
-std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, ContextKind kind) {
+std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, ContextKind kind, const std::vector<int>& mirrors, const char* what) {
   try {
-    return std::make_shared<Gl>(loaded, kind);
+    return std::make_shared<Gl>(loaded, kind, mirrors);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::renderer) throw;
-    warn(fmt::format("envmap tradeoff: the methods of OpenGL are left out: {}", e.what()));
+    warn(fmt::format("envmap tradeoff: {} are left out: {}", what, e.what()));
     return nullptr;
   }
 }
-
-}  // namespace
 
 bool is_of_scene(const std::string& task) {
   const std::string first = parts_of(task)[0];
@@ -47,7 +34,7 @@ Task make_scene_task(const std::string& name, const LoadedScene& loaded, const S
   if (from.without >= 0) from.at = centre_of(loaded.scene, shot.pose, from.without);
   const auto cast = [shot, from] { return Outcome{std::move(raycast(shot, from).radiance.base())}; };
   Task task{.name = name, .reference = "--method raycast", .truth = cast};
-  const std::shared_ptr<Gl> gl = open_gl(loaded, options.context);
+  const std::shared_ptr<Gl> gl = open_gl(loaded, options.context, {}, "the methods of OpenGL");
   for (const DrawMethod method : {DrawMethod::distort, DrawMethod::tessellate, DrawMethod::exact, DrawMethod::resample})
     if (gl && can_draw(method, from.to))
       task.ways.push_back({std::string(draw_method_names[static_cast<std::size_t>(method)]), "",

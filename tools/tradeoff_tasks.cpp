@@ -75,8 +75,7 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
   }
   // Products of texels that the exact sum takes: some seconds of them.
   constexpr double few = 1e8;
-  const auto texels = [](Projection p, int size) { return 1.0 * faces(p) * aspect(p) * size * size; };
-  const bool summed = texels(wanted.to, wanted.size) * texels(map.projection(), map.base().height()) <= few;
+  const bool summed = texel_count(wanted.to, wanted.size) * texel_count(map.projection(), map.base().height()) <= few;
   task.reference = summed ? "--method exact" : "--method hierarchical --max-error 1e-5, within 1e-5 of the exact sum in every texel";
   Prefilter reference = wanted;
   reference.method = summed ? Method::exact : Method::hierarchical, reference.max_error = 1e-5;

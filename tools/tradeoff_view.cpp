@@ -11,6 +11,7 @@
 #include "envmap/render/raycast.h"
 #include "eyes.h"
 #include "mirror_options.h"
+#include "tradeoff_scene.h"
 #include "viewpoints.h"
 
 namespace tools {
@@ -39,22 +40,16 @@ struct Stage {
   [[nodiscard]] Outcome cast() const { return as_level(raycast_picture(shot, eye().from, {mirrors}), size); }
 };
 
-struct Gl {
-  Context context;
-  Renderer renderer;
-  Gl(const Stage& stage, ContextKind kind) : context(kind), renderer(stage.loaded.scene, stage.loaded.environment.get(), stage.mirrors) {}
-
-  // From empty maps on, as of a single picture.
-  Outcome draw(const Stage& stage, Projection maps, MirrorLookup lookup, const MirrorOptions& how) {
-    const Eye eye = stage.eye();
-    Mirrors mirrors(stage.loaded.scene, mirrors_of(stage.loaded.scene, {}, maps));
-    Shot shot = stage.shot;
-    shot.look.lookup = lookup;
-    mirrors.update(renderer, shot, {eye.viewer}, how, [](const std::string&) {});
-    shot.mirrors = mirrors.maps();
-    return as_level(draw_picture(renderer, eye.from, shot), stage.size);
-  }
-};
+// From empty maps on, as of a single picture.
+Outcome draw_once(Gl& gl, const Stage& stage, Projection maps, MirrorLookup lookup, const MirrorOptions& how) {
+  const Eye eye = stage.eye();
+  Mirrors mirrors(stage.loaded.scene, mirrors_of(stage.loaded.scene, {}, maps));
+  Shot shot = stage.shot;
+  shot.look.lookup = lookup;
+  mirrors.update(gl.renderer, shot, {eye.viewer}, how, [](const std::string&) {});
+  shot.mirrors = mirrors.maps();
+  return as_level(draw_picture(gl.renderer, eye.from, shot), stage.size);
+}
 
 std::string setting_of(MirrorLookup lookup, const MirrorOptions& how) {
   std::string text;
@@ -75,18 +70,12 @@ std::vector<std::pair<MirrorLookup, MirrorOptions>> ways_of_maps() {
 }
 
 void add_maps(const std::shared_ptr<const Stage>& stage, ContextKind kind, Task& task) {
-  std::shared_ptr<Gl> gl;
-  try {
-    gl = std::make_shared<Gl>(*stage, kind);
-  } catch (const Error& e) {
-    if (e.code() != ErrorCode::renderer) throw;
-    warn(fmt::format("envmap tradeoff: maps are left out: {}", e.what()));
-    return;
-  }
+  const auto gl = open_gl(stage->loaded, kind, stage->mirrors, "maps");
+  if (!gl) return;
   for (const auto& [lookup, how] : ways_of_maps())
     for (const std::string_view maps : map_names)
       task.ways.push_back({fmt::format("--maps {}", maps), setting_of(lookup, how), [gl, stage, to = *projection_named(maps), lookup, how] {
-                             return gl->draw(*stage, to, lookup, how);
+                             return draw_once(*gl, *stage, to, lookup, how);
                            }});
 }
 

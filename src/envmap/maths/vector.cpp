@@ -35,6 +35,12 @@ Rotation rotation(double yaw, double pitch, double roll) {
   return about_y * about_x * about_z;
 }
 
+Rotation upright_about(const Direction& z) {
+  const bool upright = std::abs(z.y) < 1 - 1e-12;
+  const Direction x = glm::normalize(glm::cross(upright ? Direction(0, 1, 0) : Direction(0, 0, z.y > 0 ? -1 : 1), z));
+  return {x, glm::cross(z, x), z};
+}
+
 double angle_between(const Direction& a, const Direction& b) {
   return 2 * portable::atan2(glm::length(a - b), glm::length(a + b));
 }

@@ -32,6 +32,10 @@ inline constexpr double pi = std::numbers::pi;
 /// @param yaw,pitch,roll angles in degrees. @return Ry(yaw) Rx(pitch) Rz(roll).
 Rotation rotation(double yaw, double pitch, double roll);
 
+/// Columns x, y, z, right-handed: z as it is given, a unit vector, and y as near to +Y as can be; where z is +Y or -Y, y is
+/// -Z or +Z.
+Rotation upright_about(const Direction& z);
+
 /// Turns many directions in place: each as turn * direction, to the last bit.
 void rotate(const Rotation& turn, std::span<Direction> directions);
 

@@ -119,7 +119,7 @@ FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target&
   const std::size_t even = texels.size();
   std::ranges::copy(hardest(levels, target, floor), std::back_inserter(texels));
   const std::vector<double> w = weights(target, texels);
-  const double all = static_cast<double>(faces(target.to)) * target.size * target.size * aspect(target.to);
+  const double all = texel_count(target.to, target.size);
   const double share = std::max(1.0, all / static_cast<double>(even));
   const auto truth = sampled(make_sampler(levels, target, {Filter::area, 1, std::max(1e-7, 0.1 * max_error), floor}), texels);
 

@@ -32,15 +32,7 @@ void check(const PhotographOptions& o) {
   if (!(glm::length(o.towards) > 0)) throw UsageError("a camera looks towards a direction that is not 0");
 }
 
-// From a camera that looks along +Z, with +X to the left, to the world.
-Rotation turn_to(const Direction& towards) {
-  const Direction z = glm::normalize(towards);
-  const bool upright = std::abs(z.y) < 1 - 1e-12;
-  const Direction x = glm::normalize(glm::cross(upright ? Direction(0, 1, 0) : Direction(0, 0, z.y > 0 ? -1 : 1), z));
-  return {x, glm::cross(z, x), z};
-}
-
-// Where places in the picture look, in the frame of the source's image.
+// Where places in the picture look, in the frame of the source's image. Before the turn the camera looks along +Z, +X to its left.
 struct Camera {
   CameraModel lens;
   double half, aspect;
@@ -98,7 +90,8 @@ std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o
                       .width = o.width,
                       .height = o.height,
                       .samples = samples_of(o, source.base()),
-                      .to_image = glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) * turn_to(o.towards)};
+                      .to_image = glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) *
+                                  upright_about(glm::normalize(o.towards))};
   const PaddedLevel base(std::move(source.base()));
   const auto width = static_cast<std::size_t>(o.width), each = static_cast<std::size_t>(camera.samples * camera.samples);
   std::vector<Colour> picture(width * static_cast<std::size_t>(o.height));

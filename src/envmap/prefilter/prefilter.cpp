@@ -43,15 +43,14 @@ double factor(const Prefilter& p) {
 
 // ---- which method: no figure here decides what is right, only what is quick --------------------------------------------
 
-double texels_of(const Prefilter& p) { return 1.0 * p.size * p.size * aspect(p.to) * faces(p.to); }
-
 // Whether a spectrum may be cheaper than the tree: for many texels, of a lobe that is not bent at its horizon, which would
 // take more degrees than there are.
 bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source) {
   const auto texels = static_cast<double>(index_of(source, {source.faces(), 0, 0}));
   const double of_source = p.costs[source.projection() == Projection::latlong ? Cost::spectral_row_source : Cost::spectral_source];
-  const double transform = p.costs[Cost::spectral_start] + p.costs[Cost::spectral_texel] * texels_of(p) + of_source * texels;
-  return transform < p.costs[Cost::tree_texel] * texels_of(p) && std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
+  const double made = texel_count(p.to, p.size);
+  const double transform = p.costs[Cost::spectral_start] + p.costs[Cost::spectral_texel] * made + of_source * texels;
+  return transform < p.costs[Cost::tree_texel] * made && std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
 }
 
 }  // namespace
@@ -90,7 +89,7 @@ struct Making {
   // What is decided for the map is decided from all of it; what is then made are the rows wanted.
   void make(Prefiltered& done) const {
     Level& out = done.map.base();
-    std::vector<Texel> all = envmap::texels_of(out);
+    std::vector<Texel> all = texels_of(out);
     std::erase_if(all, [&](const Texel& t) { return !is_wanted(t); });
     const bool any = wanted.method == Method::automatic;
     if (wanted.method == Method::exact || wanted.max_error < finest) {

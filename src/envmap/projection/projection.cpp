@@ -26,6 +26,8 @@ int aspect(Projection p) {
   return visit(p, [](auto q) { return decltype(q)::aspect; });
 }
 
+double texel_count(Projection p, int size) { return 1.0 * faces(p) * aspect(p) * size * size; }
+
 bool on_disc(Projection p) {
   return visit(p, [](auto q) { return decltype(q)::on_disc; });
 }

@@ -31,6 +31,8 @@ const char* name(Projection p);        ///< As users type it.
 std::string identifier(Projection p);  ///< The same as a name in GLSL or C: equal_area.
 int faces(Projection p);
 int aspect(Projection p);        ///< Width over height of a face.
+/// Texels of a map whose faces are `size` high, as an image of all of them holds: outside of discs, too.
+double texel_count(Projection p, int size);
 bool on_disc(Projection p);      ///< Only the unit disc of a face carries weight.
 bool is_octahedral(Projection p);  ///< A square folded onto itself: octahedron.h.
 bool has_forward(Projection p);  ///< The image has a centre that can be chosen.

@@ -46,11 +46,7 @@ Ball bounds(const Scene& scene, const Pose& pose) {
 View looking_at(View view, const Direction& point) {
   const Direction back = view.at - point;
   if (!(glm::length(back) > 0)) throw UsageError("a camera cannot look at the point that it stands on");
-  const Direction z = glm::normalize(back);
-  const bool upright = std::abs(z.y) < 1 - 1e-12;
-  const Direction up = upright ? Direction(0, 1, 0) : Direction(0, 0, z.y > 0 ? -1 : 1);
-  const Direction x = glm::normalize(glm::cross(up, z));
-  view.axes = Rotation(x, glm::cross(z, x), z);
+  view.axes = upright_about(glm::normalize(back));
   return view;
 }
 
