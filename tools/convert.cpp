@@ -58,7 +58,7 @@ std::optional<To> to_named(std::string_view word) {
 
 // Options that only maps have, or only pictures.
 constexpr std::array of_maps{"--for", "--layout", "--area-error", "--max-error", "--ball-distance", "--ball-fov", "--forward", "--depth",
-                             "--border", "--openexr-envmap", "--compression", "--clamp", "--shard", "--output-space", "--max-memory"};
+                             "--border", "--zstd", "--openexr-envmap", "--compression", "--clamp", "--shard", "--output-space", "--max-memory"};
 constexpr std::array of_pictures{"--look-at", "--fov", "--width", "--display"};
 
 void refuse_options(const CLI::App& app, bool picture) {

@@ -144,6 +144,7 @@ TEST_F(Preview, PicturesOfMapsAreTakenByConvert) {
   succeeds({"convert", "map.exr", "round.jpg", "--to", "cylinder", "--size", "40"});
   EXPECT_EQ(load(path("round.jpg")).width, 125);  // 40 pi.
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--layout", "row"}, {"--layout is for maps"});
+  fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--zstd"}, {"--zstd is for maps"});
   fails(2, {"convert", "map.exr", "out.exr", "--to", "latlong", "--fov", "40"}, {"--fov is for pictures"});
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--fov", "180"}, {"less than 180"});
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--filter", "area"}, {"nearest, bilinear and bicubic"});
