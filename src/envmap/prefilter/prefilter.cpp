@@ -155,7 +155,7 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
         .make(done);
   }
   done.seconds = seconds_since(start);
-  done.floor = 1e-3 * mean_radiance(from.base()) * factor(wanted);
+  done.floor = 1e-3 * prepared_->tree.mean() * factor(wanted);
   scale(done.map.base(), factor(wanted));
   return done;
 }
