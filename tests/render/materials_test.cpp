@@ -48,6 +48,15 @@ const Lit materials[] = {
     {"Bumpy", {.roughness = 0.8F, .normal_texture = 3, .normal_scale = 0.5F}, true},
     {"BumpyMetal", {.metallic = 1, .roughness = 0.35F, .normal_texture = 3, .normal_scale = 0.05F}, true},
     {"Occluded", {.roughness = 0.6F, .occlusion_texture = 4, .occlusion_strength = 0.1F}, false},
+    {"Lacquer", {.roughness = 0.8F, .coat = 1, .coat_roughness = 0.1F}, true},
+    {"CarPaint", {.base_colour = {0.6F, 0.05F, 0.1F, 1}, .metallic = 0.8F, .roughness = 0.5F, .coat = 1}, false},
+    {"CoatedGlass", {.roughness = 0, .transmission = 1, .coat = 0.5F, .coat_roughness = 0.6F}, true},
+    {"CoatedLamp", {.roughness = 1, .emissive = Colour(2), .emissive_texture = 0, .coat = 0.7F, .coat_roughness = 0.3F}, false},
+    {"SmoothCoatOnBumps", {.roughness = 0.8F, .normal_texture = 3, .normal_scale = 0.5F, .coat = 1, .coat_roughness = 0.2F}, true},
+    {"WornCoat",
+     {.roughness = 0.8F, .coat = 1, .coat_roughness = 1, .coat_texture = 4, .coat_roughness_texture = 1,
+      .coat_normal_texture = 3, .coat_normal_scale = 0.1F},
+     true},
     {"Masked", {.base_colour_texture = 2, .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, true},
 };
 
@@ -73,7 +82,7 @@ Scene scene_of(const Material& material) {
   }
   if (material.name == "painted")
     for (const glm::vec3& n : scene.meshes[0].normals) scene.meshes[0].colours.emplace_back(0.5F + 0.5F * n, 0.5F + n.y);
-  if (material.normal_texture >= 0) add_tangents(scene.meshes[0]);
+  if (is_bumpy(material)) add_tangents(scene.meshes[0]);
   scene.nodes = {{.name = "ball", .meshes = {0}}};
   return scene;
 }
@@ -267,6 +276,25 @@ TEST(ClosedForms, OcclusionKeepsThatMuchOfAnEvenLight) {
       if (map.surfaces[k] == 0) return;
       EXPECT_LT(difference(rooms::colour_at(map, k), Colour(1 + 0.5F * (0.2F - 1))), 2e-3);
     });
+}
+
+// A clear coat on black that has no interface, on a lamp: Schlick's part of white, and what it leaves of the lamp, at every
+// angle, whatever its roughness (KHR_materials_clearcoat: Fresnel's term is that of the view). At the ball's middle 0.04.
+TEST(ClosedForms, CoatsReflectByFresnelAndDarkenWhatTheyCover) {
+  for (const float roughness : {0.0F, 0.7F})
+    for (const float glow : {0.0F, 2.0F}) {
+      const Scene scene = scene_of({.base_colour = {0, 0, 0, 1}, .emissive = Colour(glow), .ior = 1, .coat = 0.75F,
+                                    .coat_roughness = roughness});
+      const Viewpoint from = camera();
+      for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})
+        for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
+          if (map.surfaces[k] == 0) return;
+          const Direction normal = glm::normalize(from.at + static_cast<double>(map.distances[k]) * ray);
+          const double cosine = -glm::dot(normal, ray), part = 0.75 * (0.04 + 0.96 * std::pow(1 - cosine, 5));
+          if (cosine < 0.2) return;  // The ball has corners.
+          EXPECT_NEAR(rooms::colour_at(map, k).y, part + (1 - part) * glow, 3e-3);
+        });
+    }
 }
 
 // Colours of vertices are interpolated: in white, what has no interface shows them.

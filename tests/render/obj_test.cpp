@@ -82,7 +82,7 @@ TEST_F(SceneTest, OptionsAndExtensionsOfMaterials) {
       "newmtl metal\nPm 1\nPr 0.25\naniso 0\nillum 3\nKs 0.5 0.5 0.5\nmap_Ke -blendu on -clamp on -o 0 -s 1 1 1 -mm 0 "
       "1 my map.ppm\n"
       "newmtl matte\nKd 0.5\nKs 0 0 0\nNs 1000\nillum 2\nTr 0\nd 1\nTf 1 1 1\nKa 0 0 0\nmap_Kd -s 2 2 2 my map.ppm\n"
-      "newmtl window\nd -halo 0.5\nbump -bm 0.1 x.png\nmap_Pr x.png\nPc 0.5\nKd spectral x.rfl\n");
+      "newmtl window\nd -halo 0.5\nbump -bm 0.1 x.png\nmap_Pr x.png\nPc 0.5\nPcr 0.25\nPs 1\nKd spectral x.rfl\n");
   put("a.obj",
       "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl metal\nf 1 2 3\nusemtl matte\nf 1 2 3\nusemtl window\nf 1 2 "
       "3\n");
@@ -97,10 +97,12 @@ TEST_F(SceneTest, OptionsAndExtensionsOfMaterials) {
   EXPECT_EQ(matte.base_colour, glm::vec4(0.5F, 0.5F, 0.5F, 1)) << "one number is grey";
   EXPECT_EQ(matte.ior, 1) << "no highlight";
   ASSERT_EQ(matte.base_colour_texture, 1) << "not clamped, so another";
+  EXPECT_EQ(scene.materials[2].coat, 0.5F);
+  EXPECT_EQ(scene.materials[2].coat_roughness, 0.25F);
   EXPECT_EQ(scene.unmodelled,
             (std::vector<std::string>{"scaled textures", "alpha blending", "normal maps",
                                       "textures of roughness, metalness and highlights",
-                                      "sheen, clearcoat and anisotropy", "colours as spectra or CIE XYZ"}));
+                                      "sheen and anisotropy", "colours as spectra or CIE XYZ"}));
 }
 
 // A cube in one smoothing group: at a corner three faces meet at right angles, so the normal is (1,1,1)/sqrt(3), however the

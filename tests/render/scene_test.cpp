@@ -57,6 +57,7 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
                                   {{"KHR_materials_emissive_strength", {{"emissiveStrength", 100}}},
                                    {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}},
                                    {"KHR_materials_ior", {{"ior", 1.33}}},
+                                   {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.125}}},
                                    {"KHR_materials_volume", {{"thicknessFactor", 0.1}}}}}},
                                 {{"alphaMode", "BLEND"}}};
   file.document["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_sheen"};
@@ -71,6 +72,8 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   EXPECT_FLOAT_EQ(m.metallic, 0.25F);
   EXPECT_FLOAT_EQ(m.transmission, 0.75F);
   EXPECT_TRUE(m.solid);
+  EXPECT_EQ(m.coat, 0.5F);
+  EXPECT_EQ(m.coat_roughness, 0.125F);
   EXPECT_FLOAT_EQ(m.ior, 1.33F);
   EXPECT_FLOAT_EQ(m.alpha_cutoff, 0.5F);
   EXPECT_TRUE(m.double_sided);

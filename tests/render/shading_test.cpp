@@ -64,6 +64,24 @@ TEST(Shading, LightsFollowAppendixB) {
     }
 }
 
+// KHR_materials_clearcoat: mix(base, D V of the coat, coat x Fresnel of the view), the coat with a normal of its own.
+TEST(Shading, CoatsFollowTheirExtension) {
+  Surface s{.base_colour = glm::vec4(0.5F), .roughness = 0.6F, .coat = 0.8F, .coat_roughness = 0.3F};
+  s.coat_normal = tilted(0.2);
+  for (const double angle : {0.1, 0.6, 1.2})
+    for (const double other : {-1.3, -0.5, 0.3}) {
+      const Direction v = tilted(angle), l = tilted(other);
+      Lighting lit;
+      lit.lights = {{PunctualLight::Kind::point, 2.0 * l, {0, 0, -1}, Colour(8), 0, 1, 0}};
+      Surface over = s;
+      over.normal = s.coat_normal, over.roughness = s.coat_roughness;
+      const double part = 0.8 * (0.04 + 0.96 * std::pow(1 - glm::dot(over.normal, v), 5));
+      const double mixed = (1 - part) * appendix_b(s, v, l, 0.04, 0.5) +
+                           (glm::dot(over.normal, l) > 0 ? part * appendix_b(over, v, l, 1, 0) : 0);
+      EXPECT_NEAR(shade(s, v, lit).x, 2 * mixed, 1e-5) << angle << ' ' << other;
+    }
+}
+
 TEST(Shading, RangeConeAndSun) {
   const Surface s{.metallic = 1, .roughness = 1};
   const auto from = [&](const PlacedLight& light) {

@@ -22,8 +22,8 @@ std::size_t triangles(const Scene& scene) {
 
 bool is_smooth(const Material& m) {
   // Glass is seldom given a roughness of 0, and shows little of a small one.
-  constexpr float metal = 0.001F, glass = 0.2F;
-  return m.roughness < (m.transmission > 0 ? glass : metal);
+  constexpr float metal = 0.001F;
+  return m.roughness < (m.transmission > 0 ? smooth_glass : metal);
 }
 
 bool casts_shadow(const Material& m) { return m.transmission == 0; }

@@ -87,6 +87,12 @@ std::vector<Instance> instances(const Scene& scene);
 /// Of all instances.
 std::size_t triangles(const Scene& scene);
 
+/// Glass and coats of less roughness are taken for smooth.
+inline constexpr float smooth_glass = 0.2F;
+
+/// Whether normals of this material come from an image.
+inline bool is_bumpy(const Material& m) { return m.normal_texture >= 0 || m.coat_normal_texture >= 0; }
+
 /// Whether a mirror or a lens of this material shows things sharply: metal without roughness, glass of less than 0.2.
 bool is_smooth(const Material& material);
 

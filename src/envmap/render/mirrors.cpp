@@ -129,7 +129,7 @@ void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, 
       want.spacing = std::min(want.spacing, viewer.pixel * shown.widening);
       want.pixels += shown.solid_angle / (viewer.pixel * viewer.pixel);
     }
-    if (material_of(scene_, instance).normal_texture >= 0 && !shown.caps.empty())
+    if (is_bumpy(material_of(scene_, instance)) && !shown.caps.empty())
       want.caps.push_back({Direction(0, 0, 1), pi});  // Where a normal map may send rays.
     if (mirror.optics.refracts() && !middle) add({0, mirror.optics.double_sided});  // A lens reflects, too.
   }
@@ -140,7 +140,7 @@ std::optional<Direction> Mirrors::front_of(const Mirror& mirror, const Shot& sho
   if (mirror.optics.refracts() || mirror.optics.double_sided) return {};
   for (const Instance& instance : instances(scene_)) {
     if (!lies_under(scene_, instance.node, mirror.node)) continue;
-    if (normal || material_of(scene_, instance).normal_texture >= 0) return {};
+    if (normal || is_bumpy(material_of(scene_, instance))) return {};
     normal = flat_normal(scene_.meshes[instance.mesh], shot.pose[instance.node]);
     if (!normal) return {};
   }

@@ -28,6 +28,9 @@ gl::Definitions constants() {
           {"UNIT_EMISSIVE", number(unit_emissive)},
           {"UNIT_NORMAL", number(unit_normal)},
           {"UNIT_OCCLUSION", number(unit_occlusion)},
+          {"UNIT_COAT", number(unit_coat)},
+          {"UNIT_COAT_ROUGHNESS", number(unit_coat_roughness)},
+          {"UNIT_COAT_NORMAL", number(unit_coat_normal)},
           {"UNIT_TANGENTS", number(unit_tangents)},
           {"UNIT_ENVIRONMENT", number(unit_environment)},
           {"UNIT_SURFACES", number(unit_surfaces)},
@@ -44,6 +47,8 @@ gl::Definitions constants() {
           {"BLOCK_DISTANT_FACES", number(block_distant_faces)},
           {"BLOCK_DISTANT_LIGHTS", number(block_distant_lights)},
           {"CORNER", number(corner_texels)},
+          {"MATERIAL", number(material_texels)},
+          {"SMOOTH_GLASS", fmt::format("{}", smooth_glass)},
           {"BUFFER_LIGHTS", number(buffer_lights)},
           {"BUFFER_LIGHT_FACES", number(buffer_light_faces)}};
 }
@@ -129,6 +134,7 @@ gl::Program level_program(Projection map) {
 gl::Program shading_program(const Shading& s) {
   gl::Definitions definitions = constants();
   definitions["TEXTURES"] = std::to_string(s.textures);
+  definitions["COATED"] = number(s.coated);
   definitions["BY_VERTEX"] = number(s.mirror && s.lookup == MirrorLookup::vertex);
   definitions["HAS_FOOTPRINT"] = number(s.mirror && s.lookup != MirrorLookup::vertex);
   definitions["BY_DISTANCE"] = number(s.mirror && s.lookup == MirrorLookup::distance);

@@ -18,6 +18,9 @@ enum Unit : GLuint {
   unit_emissive,
   unit_normal,
   unit_occlusion,
+  unit_coat,
+  unit_coat_roughness,
+  unit_coat_normal,
   unit_environment,
   unit_surfaces,
   unit_glossy,
@@ -38,6 +41,8 @@ enum Unit : GLuint {
 
 /// Texels of four floats that a corner takes in its buffer.
 inline constexpr unsigned corner_texels = 3;
+/// The same of a material.
+inline constexpr unsigned material_texels = 5;
 
 /// What finds the surface of each texel. @param method exact, distort or tessellate, as far as can_draw(). @param holes
 /// whether the material has an alpha_cutoff. @param layered whether the layer behind is left out (visible.glsl).
@@ -59,6 +64,7 @@ gl::Program level_program(Projection map);
 struct Shading {
   Projection environment;
   int textures = 0;                  ///< A bit each: Group::textures.
+  bool coated = false;
   std::optional<Projection> mirror;  ///< Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
   MirrorLookup lookup = MirrorLookup::direction;
   auto operator<=>(const Shading&) const = default;

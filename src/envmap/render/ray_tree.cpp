@@ -141,15 +141,13 @@ Direction lift(const Placed& p, const Meeting& m, const Direction& place, double
   return sum;
 }
 
-// What the normal map makes of the normal of the front (glTF 2.0, 3.9.3).
-Direction mapped_normal(const Placed& p, const Meeting& m, const glm::vec2& at, const Direction& normal) {
-  const Material& material = *p.material;
-  if (material.normal_texture < 0) return normal;
+// What a map makes of the normal of the front (glTF 2.0, 3.9.3).
+Direction mapped_normal(const Placed& p, const Meeting& m, int texture, double scale, const Direction& normal) {
+  if (texture < 0) return normal;
   const glm::vec4 interpolated = m.of(p.mesh->tangents);
   const Direction along = unit(p.tangents * Direction(interpolated), Direction(0));
   const Direction across = glm::cross(normal, along) * (interpolated.w < 0 ? -p.handed : p.handed);
-  const Direction texel = 2.0 * Direction(sample(p, material.normal_texture, at)) - 1.0;
-  const double scale = material.normal_scale;
+  const Direction texel = 2.0 * Direction(sample(p, texture, m.of(p.mesh->coordinates))) - 1.0;
   return unit(scale * texel.x * along + scale * texel.y * across + texel.z * normal, normal);
 }
 
@@ -165,7 +163,7 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, c
   const glm::vec4 colour = base_colour(p, m);
   const float open = sample(p, material.occlusion_texture, at).x;
   return {.position = position,
-          .normal = side * mapped_normal(p, m, at, front),
+          .normal = side * mapped_normal(p, m, material.normal_texture, material.normal_scale, front),
           .smooth_normal = side * front,
           .base_colour = colour,
           .metallic = material.metallic * rough.z,
@@ -175,6 +173,9 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, c
           .ior = material.ior,
           .opacity = material.blended ? std::clamp(colour.w, 0.0F, 1.0F) : 1,
           .solid = material.solid,
+          .coat = material.coat * sample(p, material.coat_texture, at).x,
+          .coat_roughness = material.coat_roughness * sample(p, material.coat_roughness_texture, at).y,
+          .coat_normal = side * mapped_normal(p, m, material.coat_normal_texture, material.coat_normal_scale, front),
           .reached = 1 + material.occlusion_strength * (open - 1),
           .lifted = position + lift(p, m, place, side)};
 }

@@ -74,7 +74,7 @@ Renderer::Renderer(const Scene& scene, const Environment* environment, std::vect
 const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   int textures = 0;
   for (std::size_t k = 0; k < group.textures.size(); ++k) textures |= group.textures[k] >= 0 ? 1 << k : 0;
-  Shading wanted{.environment = environment_.projection, .textures = textures};
+  Shading wanted{.environment = environment_.projection, .textures = textures, .coated = group.coated};
   if (const MirrorMap* mirror = map_of(group, shot)) {
     wanted.mirror = mirror->texture->projection;
     wanted.lookup = shot.look.lookup;

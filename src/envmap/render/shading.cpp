@@ -103,6 +103,57 @@ double specular(double alpha, const Direction& n, const Direction& h, double nv,
   return a2 / (pi * q * q) * 0.5 / masking;
 }
 
+// A smooth surface shows a punctual light as a spot of finite size.
+double alpha_of(float roughness) { return std::max(1e-3, static_cast<double>(roughness) * roughness); }
+
+// Schlick's part of the way from what is reflected straight on to what is at grazing angles (1994).
+double grazing(double cosine) { return std::pow(1 - std::clamp(cosine, 0.0, 1.0), 5); }
+
+// ---- layers of the material ------------------------------------------------------------------------------------------
+
+struct Base {
+  double nv;
+  Flux colour, dielectric, plain;  // What plain dielectrics reflect straight on, and at grazing angles: where nothing is
+  double edge;                     // refracted nothing is.
+};
+
+Base base_of(const Surface& s, const Direction& v) {
+  const Flux colour(s.base_colour.x, s.base_colour.y, s.base_colour.z);
+  return {std::clamp(glm::dot(s.normal, v), 1e-3, 1.0), colour, colour * (1.0 - s.metallic),
+          Flux(std::pow((s.ior - 1.0) / (s.ior + 1.0), 2)), s.ior > 1 ? 1.0 : 0.0};
+}
+
+// What leaves towards v of light of 1 across its way.
+Flux lit(const Base& b, const Surface& s, const Direction& v, const Direction& from) {
+  const double nl = glm::dot(s.normal, from);
+  if (nl <= 0) return Flux(0);
+  const Direction h = glm::normalize(from + v);
+  const double side = grazing(glm::dot(v, h));
+  const Flux of_plain = b.plain + (b.edge - b.plain) * side;
+  const Flux fresnel = glm::mix(of_plain, b.colour + (1.0 - b.colour) * side, static_cast<double>(s.metallic));
+  const Flux diffuse = (1.0 - of_plain) * (1.0 - s.transmission) / pi;
+  return nl * (diffuse * b.dielectric + fresnel * specular(alpha_of(s.roughness), s.normal, h, b.nv, nl));
+}
+
+// White microfacets, of which `part` counts and covers the base: by the extension's text Fresnel's term is that of the
+// view. What they do not reflect at once they diffuse, so that white stays white.
+struct Coat {
+  double nv, part, once;
+};
+
+Coat coat_of(const Surface& s, const Direction& v) {
+  if (s.coat == 0) return {1, 0, 0};
+  constexpr double straight = 0.04;
+  const double nv = std::clamp(glm::dot(s.coat_normal, v), 1e-3, 1.0);
+  const ScaleBias table = split_sum(nv, s.coat_roughness);
+  return {nv, s.coat * (straight + (1 - straight) * grazing(nv)), table.scale + table.bias};
+}
+
+double lit(const Coat& c, const Surface& s, const Direction& v, const Direction& from) {
+  const double nl = glm::dot(s.coat_normal, from);
+  return nl <= 0 ? 0 : nl * specular(alpha_of(s.coat_roughness), s.coat_normal, glm::normalize(from + v), c.nv, nl);
+}
+
 }  // namespace
 
 Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness) {
@@ -159,14 +210,12 @@ Flux unoccluded(const RayTree& obstacles, const Surface& s, std::span<const Dist
 
 Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Direction& n = s.normal;
-  const double nv = std::clamp(glm::dot(n, v), 1e-3, 1.0), metallic = s.metallic;
-  const Flux base(s.base_colour.x, s.base_colour.y, s.base_colour.z);
-  const double smooth = std::pow((s.ior - 1.0) / (s.ior + 1.0), 2), transmitted = s.transmission;
-  const double edge = s.ior > 1 ? 1 : 0;  // Reflected at grazing angles: where nothing is refracted nothing is.
-  const Flux dielectric = base * (1 - metallic);
+  const Base base = base_of(s, v);
+  const Coat coat = coat_of(s, v);
+  const double metallic = s.metallic, transmitted = s.transmission, under = 1 - coat.part;
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
-  const ScaleBias table = split_sum(nv, s.roughness);
+  const ScaleBias table = split_sum(base.nv, s.roughness);
   const double more = 1 - table.scale - table.bias;
   const auto once = [&](const Flux& f0, double f90) { return f0 * table.scale + f90 * table.bias; };
   const auto later = [&](const Flux& f0, double f90) {
@@ -174,29 +223,24 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
     return once(f0, f90) * mean / (1.0 - more * mean) * more;
   };
   const Flux reached = l.obstacles != nullptr ? unoccluded(*l.obstacles, s, l.distant) : Flux(1);
-  const Flux plain(smooth), rest = 1.0 - once(plain, edge) - later(plain, edge);
+  const Flux &plain = base.plain, rest = 1.0 - once(plain, base.edge) - later(plain, base.edge);
   const Flux irradiance = static_cast<double>(s.reached) * irradiance_over_pi(l, n, reached);
-  Scattered out{.radiance = Flux(s.emissive) + rest * dielectric * (1 - transmitted) * irradiance +
-                            glm::mix(later(plain, edge), later(base, 1), metallic) * irradiance,
-                .reflected = static_cast<double>(s.reached) * glm::mix(once(plain, edge), once(base, 1), metallic),
-                .transmitted = rest * dielectric * transmitted,
+  const Flux even = rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
+  Scattered out{.radiance = under * (Flux(s.emissive) + even * irradiance) + coat.part * (1 - coat.once) * irradiance,
+                .reflected = under * s.reached * glm::mix(once(plain, base.edge), once(base.colour, 1), metallic),
+                .transmitted = under * rest * base.dielectric * transmitted,
+                .coat = Flux(coat.part * coat.once * s.reached),
                 .mirrored = 2 * glm::dot(n, v) * n - v,
-                .refracted = s.solid ? glm::refract(-v, n, 1.0 / std::max(1.0F, s.ior)) : -v};
+                .refracted = s.solid ? glm::refract(-v, n, 1.0 / std::max(1.0F, s.ior)) : -v,
+                .coat_mirrored = 2 * glm::dot(s.coat_normal, v) * s.coat_normal - v};
 
-  // A smooth surface shows a punctual light as a spot of finite size.
-  const double alpha = std::max(1e-3, static_cast<double>(s.roughness) * s.roughness);
   for (const PlacedLight& light : l.lights) {
     Direction from;
     const Flux there = arriving(light, s.position, from);
-    const double nl = glm::dot(n, from);
-    if (nl <= 0 || glm::dot(s.smooth_normal, from) <= 0) continue;
-    if (l.obstacles != nullptr && l.shadows && in_shadow(*l.obstacles, s, light)) continue;
-    const Direction h = glm::normalize(from + v);
-    const double grazing = std::pow(1 - std::clamp(glm::dot(v, h), 0.0, 1.0), 5);
-    const Flux of_plain = plain + (edge - plain) * grazing;
-    const Flux fresnel = glm::mix(of_plain, base + (1.0 - base) * grazing, metallic);
-    const Flux diffuse = (1.0 - of_plain) * (1 - transmitted) / pi;
-    out.radiance += there * nl * (diffuse * dielectric + fresnel * specular(alpha, n, h, nv, nl));
+    if (glm::dot(s.smooth_normal, from) <= 0) continue;
+    const Flux part = under * lit(base, s, v, from) + (coat.part > 0 ? coat.part * lit(coat, s, v, from) : 0);
+    if (part == Flux(0) || (l.obstacles != nullptr && l.shadows && in_shadow(*l.obstacles, s, light))) continue;
+    out.radiance += there * part;
   }
   return out;
 }
@@ -205,6 +249,7 @@ Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
   const Scattered out = scatter(s, v, l);
   Flux sum = out.radiance + out.reflected * glossy_radiance(l, out.mirrored, s.roughness);
   if (s.transmission > 0) sum += out.transmitted * glossy_radiance(l, out.refracted, s.roughness);
+  if (s.coat > 0) sum += out.coat * glossy_radiance(l, out.coat_mirrored, s.coat_roughness);
   return Colour(sum);
 }
 

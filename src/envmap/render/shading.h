@@ -3,10 +3,9 @@
 /// ambient light and an environment. shaders/shading.glsl is the same for the graphics card.
 ///
 /// Punctual lights cast shadows. Of the environment's light surfaces keep what is diffused from each other; they light each
-/// other only through maps. Sources: "glTF 2.0 Specification", appendix B;
-/// KHR_lights_punctual; KHR_materials_transmission, _ior and _volume; Karis 2013 (the split sum); Fdez-Aguera 2019, "A
-/// multiple-scattering microfacet model for real-time image-based lighting", so that white surfaces of any roughness in a
-/// white environment stay white.
+/// other only through maps. Sources: "glTF 2.0 Specification", appendix B; KHR_lights_punctual; KHR_materials_transmission,
+/// _ior, _volume and _clearcoat; Karis 2013 (the split sum); Fdez-Aguera 2019, "A multiple-scattering microfacet model for
+/// real-time image-based lighting", so that white surfaces of any roughness in a white environment stay white.
 #pragma once
 
 #include <array>
@@ -32,6 +31,8 @@ struct Surface {
   float transmission = 0, ior = 1.5F;
   float opacity = 1;   ///< The part of what is behind that it covers: alpha of blended materials.
   bool solid = false;  ///< Material::solid.
+  float coat = 0, coat_roughness = 0;  ///< Material::coat, with its own normal.
+  Direction coat_normal{0, 0, 1};
   float reached = 1;   ///< Part of the light from all round that does reach it: by the occlusion map.
   /// Where shadows are found: on the curved surface that the normals of the triangle's corners tell of, which surrounds
   /// triangles that are convex, so that these do not shade themselves (Hanika 2021, "Hacking the shadow terminator").
@@ -98,11 +99,12 @@ bool in_shadow(const RayTree& obstacles, const Surface& surface, const PlacedLig
 /// The part of the environment's diffuse light that reaches the surface: of its distant lights on that side.
 Flux unoccluded(const RayTree& obstacles, const Surface& surface, std::span<const DistantLight> distant);
 
-/// What leaves a surface towards the viewer: light of its own and of lights, and parts of what comes from two directions.
+/// What leaves a surface towards the viewer: light of its own and of lights, and parts of what comes from three directions.
 struct Scattered {
   Flux radiance{0};
-  Flux reflected{0}, transmitted{0};
-  Direction mirrored{0}, refracted{0};  ///< Where that comes from, away from the surface. A thin wall does not bend it.
+  Flux reflected{0}, transmitted{0}, coat{0};
+  /// Where that comes from, away from the surface. A thin wall does not bend it.
+  Direction mirrored{0}, refracted{0}, coat_mirrored{0};
 };
 
 /// @param towards_viewer unit vector.

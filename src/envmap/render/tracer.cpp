@@ -26,7 +26,8 @@ Tracer::Tracer(const RayTree& tree, const Lighting& light, const Shot& shot, con
     const Mesh& mesh = shot.scene.meshes[instance.mesh];
     const bool named = std::ranges::any_of(
         paths.mirrors, [&](int node) { return lies_under(shot.scene, instance.node, node); });
-    followed_.push_back(named && is_smooth(shot.scene.materials[mesh.material]));
+    const Material& material = shot.scene.materials[mesh.material];
+    followed_.push_back({named && is_smooth(material), named && material.coat_roughness < smooth_glass});
   }
 }
 
@@ -63,14 +64,16 @@ Flux Tracer::scattered(const RayHit& hit, const Ray& ray) const {
   const Surface& s = hit.surface;
   const Scattered out = scatter(s, -ray.along, light_);
   const Direction place = ray.origin + hit.distance * ray.along;
-  const auto beyond = [&](const Flux& part, const Direction& where, bool inside) {
+  const auto beyond = [&](const Flux& part, const Direction& where, bool followed, float roughness, bool inside) {
     if (part == Flux(0)) return Flux(0);
     const Ray next{place, where, ray.bounces - 1, ray.weight * largest(part)};
-    if (!followed_[hit.instance] || ray.bounces == 0 || next.weight < negligible)
-      return part * glossy_radiance(light_, where, s.roughness);
+    if (!followed || ray.bounces == 0 || next.weight < negligible) return part * glossy_radiance(light_, where, roughness);
     return part * (inside ? through(next, s.ior, 0) : along(next));
   };
-  return out.radiance + beyond(out.reflected, out.mirrored, false) + beyond(out.transmitted, out.refracted, s.solid);
+  const Followed& followed = followed_[hit.instance];
+  return out.radiance + beyond(out.reflected, out.mirrored, followed.base, s.roughness, false) +
+         beyond(out.transmitted, out.refracted, followed.base, s.roughness, s.solid) +
+         beyond(out.coat, out.coat_mirrored, followed.coat, s.coat_roughness, false);
 }
 
 // What a ray brings back that is inside a solid. The colour of the glass was counted where it entered.

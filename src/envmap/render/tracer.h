@@ -40,7 +40,10 @@ class Tracer {
   const Viewpoint& from_;
   int bounces_;
   double far_;
-  std::vector<bool> followed_;  // By instance.
+  struct Followed {
+    bool base, coat;
+  };
+  std::vector<Followed> followed_;  // By instance.
 };
 
 }  // namespace envmap

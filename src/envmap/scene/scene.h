@@ -39,6 +39,10 @@ struct Material {
   int occlusion_texture = -1;    ///< Red: how much of the light from all round reaches the surface.
   float occlusion_strength = 1;  ///< How far that counts.
   float transmission = 0, ior = 1.5F;  ///< KHR_materials_transmission, KHR_materials_ior.
+  float coat = 0, coat_roughness = 0;   ///< KHR_materials_clearcoat: how much of a layer of index 1.5 lies over all else.
+  int coat_texture = -1, coat_roughness_texture = -1;  ///< Red; green.
+  int coat_normal_texture = -1;  ///< Without one the coat is smooth, whatever the normal map below it says.
+  float coat_normal_scale = 1;
   bool solid = false;                   ///< Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
   float alpha_cutoff = 0;              ///< Above 0: what is below it in alpha is a hole.
   bool blended = false;  ///< Covers what is behind as far as alpha says; then holes are those of shadows alone.
@@ -46,7 +50,7 @@ struct Material {
 };
 
 /// Triangles of one material. All vectors but indices have one element a vertex; colours none where all are white, tangents
-/// none where the material has no normal map.
+/// none where the material has no map of normals.
 struct Mesh {
   int material = 0;
   std::vector<glm::vec3> positions, normals;

@@ -5,9 +5,9 @@ uniform bool textured;
 
 // @param weights of the corners.
 bool is_hole(uint triangle, Triangle t, vec3 weights) {
-  float alpha = texelFetch(materials, 4 * material).a * colour_of(triangle, weights).a;
+  float alpha = texelFetch(materials, MATERIAL * material).a * colour_of(triangle, weights).a;
   if (textured) alpha *= textureLod(base_colours, t.places * weights, 0).a;
-  return alpha < texelFetch(materials, 4 * material + 1).a;
+  return alpha < texelFetch(materials, MATERIAL * material + 1).a;
 }
 
 bool is_hole(uint triangle, Ray ray) {

@@ -1,2 +1,2 @@
 // What surfaces without a map of their own reflect.
-vec3 reflected(vec3 from, float bend) { return environment_at(from); }
+vec3 reflected(vec3 from, vec3 normal, float bend) { return environment_at(from); }

@@ -7,7 +7,7 @@ uniform vec3 from_middle;  // Of the map to the viewpoint.
 vec3 place_by_vertex;  // Where the surface was interpolated to look.
 bool reflects_only;    // Not so for lenses.
 #else
-// The surface here, and how it goes on to the next texels across and down.
+// The surface here, and how it goes on to the next texels across and down; there the normal is how it changes.
 struct Beside {
   vec3 position, normal, ray;
 };
@@ -17,7 +17,8 @@ Beside here, beside[2];
 vec3 from_map(vec3 position) { return to_mirror * (from_middle + position); }
 #endif
 
-vec3 reflected(vec3 from, float bend) {
+// @param normal that turned the ray there.
+vec3 reflected(vec3 from, vec3 normal, float bend) {
 #if BY_VERTEX
   return reflects_only ? mirror_at_place(place_by_vertex, 0) : mirror_at(to_mirror * from, 0);
 #else
@@ -27,7 +28,7 @@ vec3 reflected(vec3 from, float bend) {
   d[0] = normalize(mix(p, far_off * r, part));
   for (int k = 0; k < 2; ++k)
     d[k + 1] = normalize(mix(from_map(beside[k].position),
-                             far_off * to_mirror * turned(beside[k].ray, beside[k].normal, bend), part));
+                             far_off * to_mirror * turned(beside[k].ray, normalize(normal + beside[k].normal), bend), part));
   return mirror_over(d[0], d[1] - d[0], d[2] - d[0]);
 #endif
 }

@@ -1,6 +1,7 @@
 // Each texel once, whatever lay behind it: the surface that it sees, met by its own ray, lit. After Burns and Hunt 2013,
 // "The visibility buffer". The stencil chooses the texels of one group of materials; TEXTURES are the ones they have
-// (Group::textures): 1 base colour, 2 metallic and roughness, 4 emissive, 8 normal, 16 occlusion.
+// (Group::textures): 1 base colour, 2 metallic and roughness, 4 emissive, 8 normal, 16 occlusion; of the coat 32 how much,
+// 64 roughness, 128 normal.
 layout(early_fragment_tests) in;
 layout(location = 0) out vec4 colour;  // Radiance, and 1 / distance; of blended surfaces the part that they cover.
 layout(binding = UNIT_SURFACES) uniform usampler2D surfaces;
@@ -24,10 +25,10 @@ vec2 change(Triangle t, Ray ray, ivec2 at, ivec2 step, vec2 here) {
 #if HAS_FOOTPRINT
 // The same of the surface itself, in the world. A ball ends at its outline: of the neighbours on both sides the one counts
 // where the normal changes less.
-Beside next_to(Triangle t, mat3 turn, ivec2 at, ivec2 step, vec3 mapped) {
+Beside next_to(Triangle t, mat3 turn, ivec2 at, ivec2 step) {
   ivec2 size = textureSize(rays, 0);
   Ray whole = ray_at(at);
-  Beside best = here;
+  Beside best = Beside(here.position, vec3(0), here.ray);
   float least = 1e9;
   for (int way = -1; way <= 1; way += 2) {
     ivec2 there = at + way * step;
@@ -43,7 +44,7 @@ Beside next_to(Triangle t, mat3 turn, ivec2 at, ivec2 step, vec3 mapped) {
     if (dot(normal, normal) >= least) continue;
     least = dot(normal, normal);
     best.position = here.position + way * spread * (to_world * (whole.from + place) - here.position);
-    best.normal = normalize(mapped + way * spread * normal);
+    best.normal = way * spread * normal;
     best.ray = normalize(here.ray + way * spread * (to_world * next.along - here.ray));
   }
   return best;
@@ -61,8 +62,8 @@ vec3 lift(Triangle t, vec3 place, vec3 weights, mat3 turn) {
   return sum;
 }
 
-#if (TEXTURES & 8) != 0
-// What the normal map makes of the normal of the front (glTF 2.0, 3.9.3). @param handed -1: mirrored.
+#if (TEXTURES & 136) != 0
+// What a map makes of the normal of the front (glTF 2.0, 3.9.3). @param handed -1: mirrored.
 vec3 mapped_normal(vec3 normal, vec4 tangent, float handed, float scale, vec3 texel) {
   vec3 along = dot(tangent.xyz, tangent.xyz) > 0 ? normalize(tangent.xyz) : vec3(0);
   vec3 across = cross(normal, along) * (tangent.w < 0 ? -handed : handed);
@@ -92,7 +93,7 @@ void main() {
   float side = t.height * y.w > 0 ? -1 : 1;
   normal *= side;
 
-  int material = 4 * int(x.w);
+  int material = MATERIAL * int(x.w);
   vec4 glow = texelFetch(materials, material + 1), rest = texelFetch(materials, material + 2);
   Surface surface;
   surface.position = to_world * (whole.from + far_off * ray);
@@ -122,20 +123,38 @@ void main() {
 #if (TEXTURES & 4) != 0
   surface.emissive *= textureGrad(emissives, place, along, down).rgb;
 #endif
-#if (TEXTURES & 8) != 0
+#if (TEXTURES & 136) != 0
   vec4 tangent = tangent_of(number, seen.y, weights);
   tangent.xyz = to_world * tangent.xyz;
+#endif
+#if (TEXTURES & 8) != 0
   surface.normal = side * mapped_normal(side * surface.normal, tangent, y.w, more.y,
                                         textureGrad(normal_maps, place, along, down).xyz);
 #endif
 #if (TEXTURES & 16) != 0
   surface.reached += more.z * (textureGrad(occlusions, place, along, down).r - 1);
 #endif
+#if COATED
+  vec4 coat = texelFetch(materials, material + 4);
+  surface.coat = coat.x;
+  surface.coat_roughness = coat.y;
+  surface.coat_normal = surface.smooth_normal;
+#endif
+#if (TEXTURES & 32) != 0
+  surface.coat *= textureGrad(coats, place, along, down).r;
+#endif
+#if (TEXTURES & 64) != 0
+  surface.coat_roughness *= textureGrad(coat_roughnesses, place, along, down).g;
+#endif
+#if (TEXTURES & 128) != 0
+  surface.coat_normal = side * mapped_normal(side * surface.smooth_normal, tangent, y.w, coat.z,
+                                             textureGrad(coat_normal_maps, place, along, down).xyz);
+#endif
 #if HAS_FOOTPRINT
   here = Beside(surface.position, surface.smooth_normal, to_world * ray);
   mat3 turn = side * mat3(x.xyz, y.xyz, z.xyz);
-  beside[0] = next_to(t, turn, at, ivec2(1, 0), surface.normal);
-  beside[1] = next_to(t, turn, at, ivec2(0, 1), surface.normal);
+  beside[0] = next_to(t, turn, at, ivec2(1, 0));
+  beside[1] = next_to(t, turn, at, ivec2(0, 1));
 #endif
 #if BY_VERTEX
   // The classic way: reflected directions at the corners, places in the map between them, all in the first one's face.

@@ -11,7 +11,7 @@ layout(binding = UNIT_SPLIT_SUM) uniform sampler2D split_sum;  // split_sum_tabl
 uniform vec3 irradiance[9];
 layout(binding = UNIT_GLOSSY) uniform samplerCubeArray glossy;  // Its levels as GL turns faces (Layout::api).
 uniform vec3 reflected_ambient;  // Beside what is reflected: 0 where a map holds it.
-uniform float blur;              // 1; 0: all is reflected sharply.
+uniform float blur;              // 1; 0: the base reflects all sharply, and a smooth coat, too.
 
 struct Surface {
   vec3 position, normal, smooth_normal;
@@ -22,6 +22,10 @@ struct Surface {
   float bend;    // Of what is let through: 1 / ior of solids, 1 of thin walls.
   float reached; // Part of the light from all round that does: by the occlusion map.
   vec3 lifted;   // Where shadows are found.
+#if COATED
+  float coat, coat_roughness;
+  vec3 coat_normal;
+#endif
 };
 
 // @param reached the part of the environment's light that does.
@@ -32,13 +36,15 @@ vec3 irradiance_over_pi(vec3 n, vec3 reached) {
   return ambient + reached * max(sum, 0);
 }
 
+vec3 blurred(vec3 from, int level) { return ambient + textureLod(glossy, vec4(from, level - 1), 0).rgb; }
+
 // @param v away from the surface. @param bend as turned() has it.
 vec3 glossy_radiance(vec3 v, vec3 n, float bend, float roughness) {
   vec3 from = turned(-v, n, bend);
-  float level = clamp(blur * roughness, 0, 1) * GLOSSY_LEVELS;
+  float level = clamp(roughness, 0, 1) * GLOSSY_LEVELS;
   int lower = min(int(level), GLOSSY_LEVELS - 1);
-  vec3 below = lower == 0 ? reflected(from, bend) : textureLod(glossy, vec4(from, lower - 1), 0).rgb;
-  return reflected_ambient + mix(below, textureLod(glossy, vec4(from, lower), 0).rgb, level - lower);
+  vec3 below = lower == 0 ? reflected_ambient + reflected(from, n, bend) : blurred(from, lower);
+  return mix(below, blurred(from, lower + 1), level - lower);
 }
 
 // KHR_lights_punctual: what arrives across the light, and from where.
@@ -76,34 +82,78 @@ vec3 later(vec3 f0, float f90, vec2 table) {
   return once(f0, f90, table) * mean / (1 - more * mean) * more;
 }
 
+float alpha_of(float roughness) { return max(1e-3, roughness * roughness); }
+float grazing(float cosine) { return pow(1 - clamp(cosine, 0, 1), 5); }
+
+struct Base {
+  float nv;
+  vec3 colour, dielectric, plain;
+  float edge;
+};
+
+Base base_of(Surface s, vec3 v) {
+  float part = (s.ior - 1) / (s.ior + 1);
+  return Base(clamp(dot(s.normal, v), 1e-3, 1), s.base_colour.rgb, s.base_colour.rgb * (1 - s.metallic), vec3(part * part),
+              s.ior > 1 ? 1 : 0);
+}
+
+vec3 lit(Base b, Surface s, vec3 v, vec3 from) {
+  float nl = dot(s.normal, from);
+  if (nl <= 0) return vec3(0);
+  vec3 h = normalize(from + v);
+  float side = grazing(dot(v, h));
+  vec3 of_plain = b.plain + (b.edge - b.plain) * side, fresnel = mix(of_plain, b.colour + (1 - b.colour) * side, s.metallic);
+  vec3 diffuse = (1 - of_plain) * (1 - s.transmission) / PI;
+  return nl * (diffuse * b.dielectric + fresnel * specular(alpha_of(s.roughness), s.normal, h, b.nv, nl));
+}
+
+#if COATED
+struct Coat {
+  float nv, part, once;
+};
+
+Coat coat_of(Surface s, vec3 v) {
+  float nv = clamp(dot(s.coat_normal, v), 1e-3, 1);
+  vec2 table = textureLod(split_sum, vec2(nv, s.coat_roughness), 0).rg;
+  return Coat(nv, s.coat * (0.04 + 0.96 * grazing(nv)), table.x + table.y);
+}
+
+float lit(Coat c, Surface s, vec3 v, vec3 from) {
+  float nl = dot(s.coat_normal, from);
+  return nl <= 0 ? 0 : nl * specular(alpha_of(s.coat_roughness), s.coat_normal, normalize(from + v), c.nv, nl);
+}
+#endif
+
 vec3 shade(Surface s, vec3 v) {
   vec3 n = s.normal;
-  float nv = clamp(dot(n, v), 1e-3, 1);
-  float smooth_part = (s.ior - 1) / (s.ior + 1);
-  vec3 plain = vec3(smooth_part * smooth_part), base = s.base_colour.rgb, dielectric = base * (1 - s.metallic);
-  float edge = s.ior > 1 ? 1 : 0;  // Reflected at grazing angles: where nothing is refracted nothing is.
+  Base b = base_of(s, v);
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
-  vec2 table = textureLod(split_sum, vec2(nv, s.roughness), 0).rg;
+  vec2 table = textureLod(split_sum, vec2(b.nv, s.roughness), 0).rg;
   vec3 even = s.reached * irradiance_over_pi(n, unoccluded(s.lifted, s.smooth_normal));
-  vec3 rest = 1 - once(plain, edge, table) - later(plain, edge, table);
-  vec3 sum = s.emissive + rest * dielectric * (1 - s.transmission) * even +
-             mix(later(plain, edge, table), later(base, 1, table), s.metallic) * even +
-             s.reached * mix(once(plain, edge, table), once(base, 1, table), s.metallic) *
-                 glossy_radiance(v, n, 0, s.roughness);
+  vec3 rest = 1 - once(b.plain, b.edge, table) - later(b.plain, b.edge, table);
+  vec3 sum = s.emissive + rest * b.dielectric * (1 - s.transmission) * even +
+             mix(later(b.plain, b.edge, table), later(b.colour, 1, table), s.metallic) * even +
+             s.reached * mix(once(b.plain, b.edge, table), once(b.colour, 1, table), s.metallic) *
+                 glossy_radiance(v, n, 0, blur * s.roughness);
   if (s.transmission > 0)
-    sum += rest * dielectric * s.transmission * glossy_radiance(v, n, s.bend, s.roughness);
+    sum += rest * b.dielectric * s.transmission * glossy_radiance(v, n, s.bend, blur * s.roughness);
+#if COATED
+  Coat c = coat_of(s, v);
+  float coat_blur = s.coat_roughness < SMOOTH_GLASS ? blur : 1;
+  sum = (1 - c.part) * sum + c.part * (1 - c.once) * even +
+        c.part * c.once * s.reached * glossy_radiance(v, s.coat_normal, 0, coat_blur * s.coat_roughness);
+#endif
 
-  float alpha = max(1e-3, s.roughness * s.roughness);
   for (int k = 0; k < light_count; ++k) {
     vec3 from, there = arriving(lights[k], s.position, from);
-    float nl = dot(n, from);
-    if (nl <= 0 || dot(s.smooth_normal, from) <= 0 || in_shadow(lights[k], s.lifted, s.smooth_normal)) continue;
-    vec3 h = normalize(from + v);
-    float grazing = pow(1 - clamp(dot(v, h), 0, 1), 5);
-    vec3 of_plain = plain + (edge - plain) * grazing, fresnel = mix(of_plain, base + (1 - base) * grazing, s.metallic);
-    vec3 diffuse = (1 - of_plain) * (1 - s.transmission) / PI;
-    sum += there * nl * (diffuse * dielectric + fresnel * specular(alpha, n, h, nv, nl));
+    if (dot(s.smooth_normal, from) <= 0) continue;
+    vec3 part = lit(b, s, v, from);
+#if COATED
+    part = (1 - c.part) * part + c.part * lit(c, s, v, from);
+#endif
+    if (part == vec3(0) || in_shadow(lights[k], s.lifted, s.smooth_normal)) continue;
+    sum += there * part;
   }
   return sum;
 }

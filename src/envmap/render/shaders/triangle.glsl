@@ -9,6 +9,9 @@ layout(binding = UNIT_METALLIC_ROUGHNESS) uniform sampler2D metallic_roughnesses
 layout(binding = UNIT_EMISSIVE) uniform sampler2D emissives;
 layout(binding = UNIT_NORMAL) uniform sampler2D normal_maps;
 layout(binding = UNIT_OCCLUSION) uniform sampler2D occlusions;
+layout(binding = UNIT_COAT) uniform sampler2D coats;
+layout(binding = UNIT_COAT_ROUGHNESS) uniform sampler2D coat_roughnesses;
+layout(binding = UNIT_COAT_NORMAL) uniform sampler2D coat_normal_maps;
 
 struct Triangle {
   vec3 a, b, c;    // In the frame of the map, from where rays start.

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength", "KHR_lights_punctual",
                                          "KHR_materials_transmission",      "KHR_materials_ior",
-                                         "KHR_materials_volume",
+                                         "KHR_materials_volume",            "KHR_materials_clearcoat",
                                          "KHR_mesh_quantization",           "KHR_draco_mesh_compression",
                                          "KHR_materials_unlit",             "KHR_texture_transform"};
 
@@ -122,8 +122,19 @@ void make_unlit(Material& m) {
   m.emissive = Colour(m.base_colour);
   m.emissive_texture = m.base_colour_texture;
   m.base_colour = {0, 0, 0, m.base_colour.w};
-  m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = -1;
-  m.metallic = 0, m.roughness = 1, m.transmission = 0, m.ior = 1;
+  m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = m.coat_normal_texture = -1;
+  m.metallic = 0, m.roughness = 1, m.transmission = 0, m.ior = 1, m.coat = 0;
+}
+
+// KHR_materials_clearcoat.
+void read_coat(Reader& r, const Field& coat, Material& m) {
+  m.coat = static_cast<float>(coat["clearcoatFactor"].number(0, 0, 1));
+  m.coat_roughness = static_cast<float>(coat["clearcoatRoughnessFactor"].number(0, 0, 1));
+  if (m.coat == 0) return;
+  m.coat_texture = texture(r, coat["clearcoatTexture"], false);
+  m.coat_roughness_texture = texture(r, coat["clearcoatRoughnessTexture"], false);
+  m.coat_normal_texture = texture(r, coat["clearcoatNormalTexture"], false);
+  m.coat_normal_scale = static_cast<float>(coat["clearcoatNormalTexture"]["scale"].number(1, -1e6, 1e6));
 }
 
 Material material(Reader& r, const Field& field) {
@@ -158,8 +169,11 @@ Material material(Reader& r, const Field& field) {
   m.normal_scale = static_cast<float>(normal["scale"].number(1, -1e6, 1e6));
   m.occlusion_texture = texture(r, occlusion, false);
   m.occlusion_strength = static_cast<float>(occlusion["strength"].number(1, 0, 1));
+  const Field coat = extensions["KHR_materials_clearcoat"];
+  read_coat(r, coat, m);
   r.transforms.push_back(transform_of(r, {metallic["baseColorTexture"], metallic["metallicRoughnessTexture"],
-                                          field["emissiveTexture"], normal, occlusion}));
+                                          field["emissiveTexture"], normal, occlusion, coat["clearcoatTexture"],
+                                          coat["clearcoatRoughnessTexture"], coat["clearcoatNormalTexture"]}));
   if (extensions["KHR_materials_unlit"].there()) make_unlit(m);
   return m;
 }
@@ -257,7 +271,7 @@ Mesh compressed(const GltfDocument& document, const Field& primitive) {
 
 // Where a normal map asks for them: those of the file, or as MikkTSpace makes them.
 void complete_tangents(Mesh& mesh, const Material& material) {
-  if (material.normal_texture < 0) return mesh.tangents.clear();
+  if (material.normal_texture < 0 && material.coat_normal_texture < 0) return mesh.tangents.clear();
   const auto is_none = [](const glm::vec4& t) { return glm::vec3(t) == glm::vec3(0) || std::abs(t.w) != 1; };
   if (mesh.tangents.empty() || std::ranges::any_of(mesh.tangents, is_none)) add_tangents(mesh);
 }

@@ -86,15 +86,19 @@ bool read_number(const std::string& key, Words& words, Statements& s) {
     s.roughness = bounded(0, 1);
   } else if (key == "pm") {
     m.metallic = bounded(0, 1);
+  } else if (key == "pc") {
+    m.coat = bounded(0, 1);
+  } else if (key == "pcr") {
+    m.coat_roughness = bounded(0, 1);
   } else if (key == "tr") {
     if (words.number() > 0) s.lacks("alpha blending");
   } else if (key == "d") {
     if (lower(words.peek()) == "-halo") words.word();
     if (words.number() < 1) s.lacks("alpha blending");
-  } else if (key == "ps" || key == "pc" || key == "aniso") {
-    if (words.number() != 0) s.lacks("sheen, clearcoat and anisotropy");
+  } else if (key == "ps" || key == "aniso") {
+    if (words.number() != 0) s.lacks("sheen and anisotropy");
   } else {
-    return key == "pcr" || key == "anisor" || key == "sharpness";
+    return key == "anisor" || key == "sharpness";
   }
   return true;
 }
