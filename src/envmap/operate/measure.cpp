@@ -218,13 +218,14 @@ std::size_t index_of(const Level& level, const Texel& texel) {
   return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(texel.face) * level.height() + texel.j) * level.width() + texel.i);
 }
 
-Flux flux(const Level& level) { return flux_sum(level).value(); }
-
-double mean_radiance(const Level& level) {
+Totals totals(const Level& level) {
   const FluxSum sum = flux_sum(level);
   const Flux f = sum.value();
-  return sum.weight.value() > 0 ? (f.x + f.y + f.z) / (3 * sum.weight.value()) : 0;
+  return {f, sum.weight.value() > 0 ? (f.x + f.y + f.z) / (3 * sum.weight.value()) : 0};
 }
+
+Flux flux(const Level& level) { return totals(level).flux; }
+double mean_radiance(const Level& level) { return totals(level).mean; }
 
 Flux flux_difference(const Level& a, const Level& b) {
   const Flux fa = flux(a), fb = flux(b);

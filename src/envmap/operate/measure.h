@@ -53,6 +53,13 @@ Flux flux(const Level& level);
 /// Mean of the three channels over the sphere, of the sound texels.
 double mean_radiance(const Level& level);
 
+/// Both at once.
+struct Totals {
+  Flux flux;
+  double mean;
+};
+Totals totals(const Level& level);
+
 /// Of a against the reference b: the metrics of every command. Infinite where b is black and a is not.
 struct Difference {
   Flux flux;       ///< (flux a - flux b) / flux b, per channel.

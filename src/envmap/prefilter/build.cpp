@@ -227,7 +227,7 @@ void Tree::Blocks::set_quads(int face, int j) {
         to[i / 2].set(static_cast<std::size_t>(2 * (y % 2) + i % 2), one);
 }
 
-Tree::Tree(const Level& source, int parts) : source_(source), parts_(parts), mean_(mean_radiance(source)), darkest_(0) {
+Tree::Tree(const Level& source, double mean, int parts) : source_(source), parts_(parts), mean_(mean), darkest_(0) {
   if (mean_ > 0) darkest_ = Colour(Flux(darkest_of(source)) / mean_);
   const int width = source.width(), height = source.height(), faces = source.faces();
   const auto blocks = [&] { return static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_); };

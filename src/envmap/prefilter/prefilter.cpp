@@ -58,6 +58,7 @@ bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source) 
 struct PrefilterSource::Prepared {
   const std::optional<EnvironmentMap> cube;
   const EnvironmentMap& source;
+  const Totals light;
   const std::optional<Level> fine;
   const Tree tree;
   mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
@@ -65,8 +66,9 @@ struct PrefilterSource::Prepared {
   explicit Prepared(const EnvironmentMap& map)
       : cube(source_cube(map)),
         source(cube ? *cube : map),
+        light(totals(source.base())),
         fine(refined(source.base())),
-        tree(fine ? *fine : source.base(), fine ? fine->height() / source.base().height() : 1) {}
+        tree(fine ? *fine : source.base(), light.mean, fine ? fine->height() / source.base().height() : 1) {}
 };
 
 namespace {
@@ -75,6 +77,7 @@ namespace {
 
 struct Making {
   const Level& source;
+  const Totals& light;
   const Tree& tree;
   std::unique_ptr<Spectrum>& spectrum;
   const Prefilter& wanted;
@@ -99,7 +102,7 @@ struct Making {
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
     if (wanted.method == Method::spectral || (any && may_be_spectral(wanted, lobe, source)))
-      spectral_prefilter(source, lobe, target, wanted.max_error, spectrum, out, figures, progress);
+      spectral_prefilter(source, light, lobe, target, wanted.max_error, spectrum, out, figures, progress);
     const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); };
     done.method = 2 * static_cast<std::size_t>(std::ranges::count_if(all, known)) > all.size() ? Method::spectral : Method::hierarchical;
     treecode_prefilter(tree, lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
@@ -149,13 +152,12 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
     done.map = convert(from, {.to = {wanted.to, wanted.forward}, .size = wanted.size, .filter = Filter::nearest});
   } else {
     const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(wanted.forward);
-    Making{from.base(), prepared_->tree, prepared_->spectrum,
-           wanted,      lobe_of(wanted), {wanted.to, wanted.size, turn},
-           progress}
+    Making{from.base(), prepared_->light, prepared_->tree,                 prepared_->spectrum,
+           wanted,      lobe_of(wanted),  {wanted.to, wanted.size, turn}, progress}
         .make(done);
   }
   done.seconds = seconds_since(start);
-  done.floor = 1e-3 * prepared_->tree.mean() * factor(wanted);
+  done.floor = 1e-3 * prepared_->light.mean * factor(wanted);
   scale(done.map.base(), factor(wanted));
   return done;
 }

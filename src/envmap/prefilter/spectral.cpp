@@ -9,7 +9,6 @@
 #include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
-#include "envmap/operate/measure.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/on_rings.h"
 
@@ -401,10 +400,10 @@ double interpolation_error(std::span<const double> factors, int columns) {
 
 }  // namespace
 
-void spectral_prefilter(const Level& source, const Lobe& lobe, const Target& target, double max_error,
+void spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target, double max_error,
                         std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures, const Progress& progress) {
-  const Flux total = flux(source);
-  const double brightest = std::max({total.x, total.y, total.z}), mean = mean_radiance(source);
+  const auto& [total, mean] = light;
+  const double brightest = std::max({total.x, total.y, total.z});
   if (brightest <= 0) return;
   const Cut cut = spectral_cut(zonal(lobe, most_spectral_order), 0.2 * max_error * 1e-3 * mean / brightest);
   const int order = static_cast<int>(cut.factors.size()) - 1;

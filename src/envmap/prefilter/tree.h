@@ -60,8 +60,9 @@ class Tree {
     }
   };
 
-  /// @param source must outlive the tree. @param parts of larger texels that its own are, each way: see refined().
-  explicit Tree(const Level& source, int parts = 1);
+  /// @param source must outlive the tree. @param mean of its radiance. @param parts of larger texels that its own are, each way: see
+  /// refined().
+  Tree(const Level& source, double mean, int parts);
 
   [[nodiscard]] const Level& source() const { return source_; }
   [[nodiscard]] int parts() const { return parts_; }
