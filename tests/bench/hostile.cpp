@@ -44,6 +44,11 @@ struct Kernel {
     const double a2 = std::pow(parameter, 4), d = a2 * (1 - x / 2) + x / 2;  // n.h^2 = (1 + cos) / 2.
     return norm * (1 - x) / (d * d);
   }
+  // Its largest value from lo to hi: sheen rises to x = k / (1 + k), k its power of x, and all others fall.
+  [[nodiscard]] double most(double lo, double hi) const {
+    const double power = shape == Shape::charlie ? 0.5 / (parameter * parameter) : 0;
+    return (*this)(std::clamp(power / (1 + power), lo, hi));
+  }
 };
 
 // Gauss points of four and of six a side, Abramowitz and Stegun 1964, 25.4.30.
@@ -102,7 +107,7 @@ double adaptive(Projection p, int face, const Panel& in, const Kernel& f, const 
   const double margin = 0.4 * (high - low) + 1e-12;
   if (low - margin >= 1) return 0;
   const bool bent = high + margin > 1;
-  const double at_most = f(std::max(0.0, low - margin)) * 1.5 * in.w * in.h * 20;
+  const double at_most = f.most(std::max(0.0, low - margin), high + margin) * 1.5 * in.w * in.h * 20;
   if (depth == 0 || at_most < tolerance || (!bent && std::abs(a - b) <= tolerance)) return b;
   double total = 0;
   for (int k = 0; k < 4; ++k)
@@ -151,12 +156,12 @@ Flux truth(const std::vector<SourceTexel>& source, Projection p, const Kernel& f
     const double d = glm::length(t.middle - r), near = std::max(0.0, d - t.reach), far = d + t.reach;
     if (0.5 * near * near >= 1) continue;
     const double tolerance = allowed / brightest;
-    const double most = f(0.5 * near * near);
+    const double most = f.most(0.5 * near * near, 0.5 * far * far);
     if (most * 4 * t.reach * t.reach < tolerance) continue;
     const double a = sum(t.points, 0, 16, f, r), b = sum(t.points, 16, 36, f, r);
     const bool bent = 0.5 * far * far > 1;
     // What two rules agree on to 1e-6 the finer has to 1e-8 or so, for a lobe that varies over a texel by so little.
-    const bool sure = !bent && std::abs(a - b) <= std::max(tolerance, 1e-7 * b) && most < 1e3 * f(0.5 * far * far);
+    const bool sure = !bent && std::abs(a - b) <= std::max(tolerance, 1e-7 * b) && most < 1e3 * std::min(f(0.5 * near * near), f(0.5 * far * far));
     total += (sure ? b : adaptive(p, t.face, t.panel, f, r, std::max(tolerance, 1e-8 * b), bent ? 9 : 7)) * t.radiance;
   }
   return total;
