@@ -8,6 +8,7 @@
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "envmap/render/shading.h"
+#include "envmap/render/sheen.h"
 #include "envmap/scene/tangents.h"
 #include "rooms.h"
 
@@ -57,6 +58,12 @@ const Lit materials[] = {
      {.roughness = 0.8F, .coat = 1, .coat_roughness = 1, .coat_texture = 4, .coat_roughness_texture = 1,
       .coat_normal_texture = 3, .coat_normal_scale = 0.1F},
      true},
+    {"Velvet", {.roughness = 1, .sheen = Colour(1), .sheen_roughness = 0.5F}, true},
+    {"Satin", {.metallic = 0.5F, .roughness = 0.4F, .sheen = Colour(0.6F), .sheen_roughness = 0.1F}, true},
+    {"CoatedFelt",
+     {.base_colour = {0.3F, 0.1F, 0.4F, 1}, .roughness = 0.8F, .coat = 0.5F, .sheen = Colour(0.9F, 0.5F, 0.2F),
+      .sheen_roughness = 1, .sheen_texture = 0, .sheen_roughness_texture = 2},
+     false},
     {"Masked", {.base_colour_texture = 2, .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, true},
 };
 
@@ -295,6 +302,31 @@ TEST(ClosedForms, CoatsReflectByFresnelAndDarkenWhatTheyCover) {
           EXPECT_NEAR(rooms::colour_at(map, k).y, part + (1 - part) * glow, 3e-3);
         });
     }
+}
+
+// Of white light sheen on black reflects its albedo, here summed over directions of light by another rule than the table's.
+TEST(ClosedForms, SheenOnBlackReflectsItsAlbedo) {
+  for (const float roughness : {0.3F, 0.7F, 1.0F}) {
+    const Scene scene = scene_of({.base_colour = {0, 0, 0, 1}, .ior = 1, .sheen = Colour(0.8F), .sheen_roughness = roughness});
+    const Viewpoint from = camera();
+    const Drawn map = drawn(scene, white(), from);
+    for (const double wanted : {0.3, 0.6, 0.95}) {
+      double sum = 0, found = 0, nearest = 1;
+      for (double nl = 0.5 / 400; nl < 1; nl += 1.0 / 400)
+        for (double turn = pi / 800; turn < pi; turn += pi / 400) {
+          const Direction l(std::sqrt(1 - nl * nl) * std::cos(turn), std::sqrt(1 - nl * nl) * std::sin(turn), nl);
+          const Direction h = glm::normalize(l + Direction(std::sqrt(1 - wanted * wanted), 0, wanted));
+          sum += 2 * nl * sheen(h.z, wanted, nl, roughness) * pi / 400 / 400;
+        }
+      for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
+        if (map.surfaces[k] == 0) return;
+        const double cosine = -glm::dot(glm::normalize(from.at + static_cast<double>(map.distances[k]) * ray), ray);
+        if (std::abs(cosine - wanted) >= nearest) return;
+        nearest = std::abs(cosine - wanted), found = rooms::colour_at(map, k).y;
+      });
+      EXPECT_NEAR(found, 0.8 * sum, 4e-3) << roughness << ' ' << wanted;
+    }
+  }
 }
 
 // Colours of vertices are interpolated: in white, what has no interface shows them.

@@ -57,10 +57,11 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
                                   {{"KHR_materials_emissive_strength", {{"emissiveStrength", 100}}},
                                    {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}},
                                    {"KHR_materials_ior", {{"ior", 1.33}}},
+                                   {"KHR_materials_sheen", {{"sheenColorFactor", {1, 0.5, 0}}, {"sheenRoughnessFactor", 0.25}}},
                                    {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.125}}},
                                    {"KHR_materials_volume", {{"thicknessFactor", 0.1}}}}}},
                                 {{"alphaMode", "BLEND"}}};
-  file.document["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_sheen"};
+  file.document["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_iridescence"};
   file.document["meshes"][0]["primitives"].push_back(file.document["meshes"][0]["primitives"][0]);
   file.document["meshes"][0]["primitives"][0]["material"] = 0;
   file.write(folder / "a.gltf");
@@ -72,6 +73,8 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   EXPECT_FLOAT_EQ(m.metallic, 0.25F);
   EXPECT_FLOAT_EQ(m.transmission, 0.75F);
   EXPECT_TRUE(m.solid);
+  EXPECT_EQ(m.sheen, Colour(1, 0.5F, 0));
+  EXPECT_EQ(m.sheen_roughness, 0.25F);
   EXPECT_EQ(m.coat, 0.5F);
   EXPECT_EQ(m.coat_roughness, 0.125F);
   EXPECT_FLOAT_EQ(m.ior, 1.33F);
@@ -82,7 +85,7 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   EXPECT_EQ(plain.metallic, 1);
   EXPECT_EQ(plain.roughness, 1);
   EXPECT_EQ(scene.unmodelled,
-            (std::vector<std::string>{"the extension KHR_materials_sheen"}));
+            (std::vector<std::string>{"the extension KHR_materials_iridescence"}));
   EXPECT_FALSE(m.blended);
   EXPECT_TRUE(scene.materials[1].blended);
 }

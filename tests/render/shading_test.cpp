@@ -1,5 +1,6 @@
 // Surfaces under light, against integrals of their own and white rooms.
 #include "envmap/render/shading.h"
+#include "envmap/render/sheen.h"
 
 #include <gtest/gtest.h>
 
@@ -79,6 +80,33 @@ TEST(Shading, CoatsFollowTheirExtension) {
       const double mixed = (1 - part) * appendix_b(s, v, l, 0.04, 0.5) +
                            (glm::dot(over.normal, l) > 0 ? part * appendix_b(over, v, l, 1, 0) : 0);
       EXPECT_NEAR(shade(s, v, lit).x, 2 * mixed, 1e-5) << angle << ' ' << other;
+    }
+}
+
+// KHR_materials_sheen as it stands there: Estevez and Kulla's distribution and visibility; the base scaled by the lesser of
+// what is left by the view and by the light.
+TEST(Shading, SheenFollowsItsExtension) {
+  const auto f_sheen = [](double nh, double nv, double nl, double roughness) {
+    const double alpha = roughness * roughness, d = (2 + 1 / alpha) * std::pow(1 - nh * nh, 1 / alpha / 2) / (2 * pi);
+    const auto l = [&](double x) {
+      const double t = (1 - alpha) * (1 - alpha);
+      const auto mix = [&](double a, double b) { return a * (1 - t) + b * t; };
+      return mix(21.5473, 25.3245) / (1 + mix(3.82987, 3.32435) * std::pow(x, mix(0.19823, 0.16801))) +
+             mix(-1.97760, -1.27393) * x + mix(-4.32054, -4.85967);
+    };
+    const auto lambda = [&](double c) { return c < 0.5 ? std::exp(l(c)) : std::exp(2 * l(0.5) - l(1 - c)); };
+    return d / ((1 + lambda(nv) + lambda(nl)) * 4 * nv * nl);
+  };
+  Surface s{.base_colour = glm::vec4(0.5F), .roughness = 0.6F, .sheen = Colour(0.9F, 0.5F, 0.1F), .sheen_roughness = 0.6F};
+  for (const double angle : {0.1, 0.6, 1.2})
+    for (const double other : {-1.3, -0.5, 0.3}) {
+      const Direction v = tilted(angle), l = tilted(other);
+      Lighting lit;
+      lit.lights = {{PunctualLight::Kind::point, 2.0 * l, {0, 0, -1}, Colour(8), 0, 1, 0}};
+      const double left = 1 - 0.9 * std::max(sheen_albedo(v.z, 0.6), sheen_albedo(l.z, 0.6));
+      const double base = left * appendix_b(s, v, l, 0.04, 0.5);
+      for (int k = 0; k < 3; ++k)
+        EXPECT_NEAR(shade(s, v, lit)[k], 2 * (base + s.sheen[k] * l.z * f_sheen(glm::normalize(v + l).z, v.z, l.z, 0.6)), 1e-5);
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include "envmap/operate/convert.h"
 #include "envmap/render/programs.h"
+#include "envmap/render/sheen.h"
 #include "envmap/sample/lookup.h"
 
 namespace envmap {
@@ -25,6 +26,14 @@ gl::Texture upload_split_sum() {
   gl::Texture table = gl::make_texture(GL_TEXTURE_2D);
   glTextureStorage2D(table, 1, GL_RGB32F, split_sum_size, split_sum_size);
   glTextureSubImage2D(table, 0, 0, 0, split_sum_size, split_sum_size, GL_RGB, GL_FLOAT, split_sum_table().data());
+  gl::interpolate(table);
+  return table;
+}
+
+gl::Texture upload_sheen_table() {
+  gl::Texture table = gl::make_texture(GL_TEXTURE_2D);
+  glTextureStorage2D(table, 1, GL_R32F, sheen_table_size, sheen_table_size);
+  glTextureSubImage2D(table, 0, 0, 0, sheen_table_size, sheen_table_size, GL_RED, GL_FLOAT, sheen_table().data());
   gl::interpolate(table);
   return table;
 }

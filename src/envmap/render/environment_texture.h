@@ -23,8 +23,9 @@ struct LightTexture {
 };
 LightTexture upload(const EnvironmentLight& light);
 
-/// split_sum_table().
+/// split_sum_table(), sheen_table().
 gl::Texture upload_split_sum();
+gl::Texture upload_sheen_table();
 
 /// Level 0, as it is. As a cube of its density: a sphere map, which plain filtering does not do justice at its rim, and
 /// maps that no shader can look up.

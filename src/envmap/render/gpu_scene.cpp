@@ -30,7 +30,8 @@ struct GpuMaterial {
   glm::vec4 base_colour, emissive;
   float metallic, roughness, transmission, ior;
   glm::vec4 rest;  // How light bends (shading.glsl), Material::normal_scale, occlusion_strength.
-  glm::vec4 coat;  // How much, its roughness, Material::coat_normal_scale.
+  glm::vec4 sheen;  // And its roughness.
+  glm::vec4 coat;   // How much, its roughness, Material::coat_normal_scale.
 };
 static_assert(sizeof(GpuMaterial) == material_texels * sizeof(glm::vec4));
 struct GpuLight {
@@ -85,7 +86,7 @@ std::vector<GpuMaterial> materials_of(const Scene& scene) {
   for (const Material& m : scene.materials)
     all.push_back({m.base_colour, {m.emissive, m.alpha_cutoff}, m.metallic, m.roughness, m.transmission, m.ior,
                    glm::vec4(m.solid ? 1 / std::max(1.0F, m.ior) : 1, m.normal_scale, m.occlusion_strength, 0),
-                   glm::vec4(m.coat, m.coat_roughness, m.coat_normal_scale, 0)});
+                   glm::vec4(m.sheen, m.sheen_roughness), glm::vec4(m.coat, m.coat_roughness, m.coat_normal_scale, 0)});
   return all;
 }
 
@@ -97,10 +98,12 @@ int mirror_of(const Scene& scene, int node, std::span<const int> mirrors) {
 
 int group_of(const Material& m, int mirror, std::vector<Group>& groups) {
   const Group group{{m.base_colour_texture, m.metallic_roughness_texture, m.emissive_texture, m.normal_texture,
-                     m.occlusion_texture, m.coat_texture, m.coat_roughness_texture, m.coat_normal_texture},
+                     m.occlusion_texture, m.coat_texture, m.coat_roughness_texture, m.coat_normal_texture,
+                     m.sheen_texture, m.sheen_roughness_texture},
                     mirror,
                     m.blended,
-                    m.coat > 0};
+                    m.coat > 0,
+                    m.sheen != Colour(0)};
   const auto known = std::ranges::find(groups, group);
   const auto number = static_cast<int>(known - groups.begin());
   if (known == groups.end()) groups.push_back(group);

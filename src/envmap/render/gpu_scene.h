@@ -29,11 +29,11 @@ struct Part {
 
 /// Materials with the same textures on the same mirror, which are shaded together.
 struct Group {
-  /// Base colour, metallic and roughness, emissive, normal, occlusion, coat, its roughness, its normal: indices into
-  /// Scene::textures or -1. In this order they are bound, and are bits of Shading::textures.
-  std::array<int, 8> textures;
+  /// Base colour, metallic and roughness, emissive, normal, occlusion, coat, its roughness, its normal, sheen, its
+  /// roughness: indices into Scene::textures or -1. In this order they are bound, and are bits of Shading::textures.
+  std::array<int, 10> textures;
   int mirror;  ///< Index of the mirror it is part of, or -1.
-  bool blended, coated;
+  bool blended, coated, sheen;
   bool operator==(const Group&) const = default;
 
   [[nodiscard]] bool is_painted() const { return textures[0] >= 0; }

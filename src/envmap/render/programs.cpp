@@ -6,6 +6,7 @@
 #include "envmap/render/image.h"
 #include "envmap/render/shaders.h"
 #include "envmap/render/shading.h"
+#include "envmap/render/sheen.h"
 
 namespace envmap {
 namespace {
@@ -31,6 +32,9 @@ gl::Definitions constants() {
           {"UNIT_COAT", number(unit_coat)},
           {"UNIT_COAT_ROUGHNESS", number(unit_coat_roughness)},
           {"UNIT_COAT_NORMAL", number(unit_coat_normal)},
+          {"UNIT_SHEEN", number(unit_sheen)},
+          {"UNIT_SHEEN_ROUGHNESS", number(unit_sheen_roughness)},
+          {"UNIT_SHEEN_TABLE", number(unit_sheen_table)},
           {"UNIT_TANGENTS", number(unit_tangents)},
           {"UNIT_ENVIRONMENT", number(unit_environment)},
           {"UNIT_SURFACES", number(unit_surfaces)},
@@ -48,6 +52,7 @@ gl::Definitions constants() {
           {"BLOCK_DISTANT_LIGHTS", number(block_distant_lights)},
           {"CORNER", number(corner_texels)},
           {"MATERIAL", number(material_texels)},
+          {"LEAST_SHEEN_ROUGHNESS", fmt::format("{}", least_sheen_roughness)},
           {"SMOOTH_GLASS", fmt::format("{}", smooth_glass)},
           {"BUFFER_LIGHTS", number(buffer_lights)},
           {"BUFFER_LIGHT_FACES", number(buffer_light_faces)}};
@@ -135,6 +140,7 @@ gl::Program shading_program(const Shading& s) {
   gl::Definitions definitions = constants();
   definitions["TEXTURES"] = std::to_string(s.textures);
   definitions["COATED"] = number(s.coated);
+  definitions["SHEEN"] = number(s.sheen);
   definitions["BY_VERTEX"] = number(s.mirror && s.lookup == MirrorLookup::vertex);
   definitions["HAS_FOOTPRINT"] = number(s.mirror && s.lookup != MirrorLookup::vertex);
   definitions["BY_DISTANCE"] = number(s.mirror && s.lookup == MirrorLookup::distance);
@@ -146,6 +152,7 @@ gl::Program shading_program(const Shading& s) {
          "meet_map.glsl", "footprint.glsl", "reflect_mirror.glsl"});
   else
     add({"reflect_environment.glsl"});
+  if (s.sheen) add({"sheen.glsl"});
   add({"lights.glsl", "light_image.glsl", "light_faces.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl", "shade.frag.glsl"});
   return lighting(files, definitions, s.environment);
 }

@@ -21,10 +21,13 @@ enum Unit : GLuint {
   unit_coat,
   unit_coat_roughness,
   unit_coat_normal,
+  unit_sheen,
+  unit_sheen_roughness,
   unit_environment,
   unit_surfaces,
   unit_glossy,
   unit_split_sum,
+  unit_sheen_table,
   unit_corners,
   unit_tangents,
   unit_instances,
@@ -42,7 +45,7 @@ enum Unit : GLuint {
 /// Texels of four floats that a corner takes in its buffer.
 inline constexpr unsigned corner_texels = 3;
 /// The same of a material.
-inline constexpr unsigned material_texels = 5;
+inline constexpr unsigned material_texels = 6;
 
 /// What finds the surface of each texel. @param method exact, distort or tessellate, as far as can_draw(). @param holes
 /// whether the material has an alpha_cutoff. @param layered whether the layer behind is left out (visible.glsl).
@@ -64,7 +67,7 @@ gl::Program level_program(Projection map);
 struct Shading {
   Projection environment;
   int textures = 0;                  ///< A bit each: Group::textures.
-  bool coated = false;
+  bool coated = false, sheen = false;
   std::optional<Projection> mirror;  ///< Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
   MirrorLookup lookup = MirrorLookup::direction;
   auto operator<=>(const Shading&) const = default;

@@ -176,6 +176,8 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, c
           .coat = material.coat * sample(p, material.coat_texture, at).x,
           .coat_roughness = material.coat_roughness * sample(p, material.coat_roughness_texture, at).y,
           .coat_normal = side * mapped_normal(p, m, material.coat_normal_texture, material.coat_normal_scale, front),
+          .sheen = material.sheen * Colour(sample(p, material.sheen_texture, at)),
+          .sheen_roughness = material.sheen_roughness * sample(p, material.sheen_roughness_texture, at).w,
           .reached = 1 + material.occlusion_strength * (open - 1),
           .lifted = position + lift(p, m, place, side)};
 }

@@ -68,13 +68,15 @@ Renderer::Renderer(const Scene& scene, const Environment* environment, std::vect
       light_(upload((environment != nullptr ? *environment : darkness()).light)),
       split_sum_(upload_split_sum()),
       background_(background_program(environment_.projection)) {
+  if (std::ranges::any_of(gpu_.groups(), &Group::sheen)) sheen_table_ = upload_sheen_table();
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
 }
 
 const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   int textures = 0;
   for (std::size_t k = 0; k < group.textures.size(); ++k) textures |= group.textures[k] >= 0 ? 1 << k : 0;
-  Shading wanted{.environment = environment_.projection, .textures = textures, .coated = group.coated};
+  Shading wanted{.environment = environment_.projection, .textures = textures, .coated = group.coated,
+                 .sheen = group.sheen};
   if (const MirrorMap* mirror = map_of(group, shot)) {
     wanted.mirror = mirror->texture->projection;
     wanted.lookup = shot.look.lookup;
@@ -140,6 +142,7 @@ void Renderer::begin_shading() const {
   glBindTextureUnit(unit_environment, environment_.texture);
   glBindTextureUnit(unit_surfaces, canvas_->surfaces);
   glBindTextureUnit(unit_split_sum, split_sum_);
+  glBindTextureUnit(unit_sheen_table, sheen_table_);
 }
 
 void Renderer::light(const gl::Program& program, const Viewpoint& from, int stencil) const {

@@ -88,7 +88,7 @@ class Renderer {
   gl::Buffer distant_lights_;
   EnvironmentTexture environment_;
   LightTexture light_;
-  gl::Texture split_sum_;
+  gl::Texture split_sum_, sheen_table_;  // The last of scenes that have any.
   std::optional<Canvas> canvas_;
   std::optional<Layers> layers_;  // Where something is blended.
   std::map<std::tuple<DrawMethod, Projection, bool, bool>, gl::Program> visibility_;

@@ -8,6 +8,7 @@
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/projection/visit.h"
 #include "envmap/render/ray_tree.h"
+#include "envmap/render/sheen.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
@@ -154,6 +155,26 @@ double lit(const Coat& c, const Surface& s, const Direction& v, const Direction&
   return nl <= 0 ? 0 : nl * specular(alpha_of(s.coat_roughness), s.coat_normal, glm::normalize(from + v), c.nv, nl);
 }
 
+// Fibres over the base: it keeps what they leave of light that comes, or of light that goes, whichever is less.
+struct Sheen {
+  double nv, most, albedo;  // The largest of the colour's components.
+};
+
+Sheen sheen_of(const Surface& s, const Direction& v) {
+  const double most = std::max(s.sheen.x, std::max(s.sheen.y, s.sheen.z));
+  if (most <= 0) return {1, 0, 0};
+  const double nv = std::clamp(glm::dot(s.normal, v), 1e-3, 1.0);
+  return {nv, most, sheen_albedo(nv, s.sheen_roughness)};
+}
+
+Flux lit(const Sheen& f, const Surface& s, const Direction& v, const Direction& from, const Flux& base) {
+  const double nl = glm::dot(s.normal, from);
+  if (nl <= 0) return Flux(0);
+  const double left = 1 - f.most * std::max(f.albedo, sheen_albedo(nl, s.sheen_roughness));
+  const double nh = glm::dot(s.normal, glm::normalize(from + v));
+  return left * base + nl * sheen(nh, f.nv, nl, s.sheen_roughness) * Flux(s.sheen);
+}
+
 }  // namespace
 
 Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness) {
@@ -212,7 +233,9 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Direction& n = s.normal;
   const Base base = base_of(s, v);
   const Coat coat = coat_of(s, v);
-  const double metallic = s.metallic, transmitted = s.transmission, under = 1 - coat.part;
+  const Sheen fibres = sheen_of(s, v);
+  const double metallic = s.metallic, transmitted = s.transmission, through = 1 - coat.part;
+  const double under = through * (1 - fibres.most * fibres.albedo);
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
   const ScaleBias table = split_sum(base.nv, s.roughness);
@@ -226,7 +249,8 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Flux &plain = base.plain, rest = 1.0 - once(plain, base.edge) - later(plain, base.edge);
   const Flux irradiance = static_cast<double>(s.reached) * irradiance_over_pi(l, n, reached);
   const Flux even = rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
-  Scattered out{.radiance = under * (Flux(s.emissive) + even * irradiance) + coat.part * (1 - coat.once) * irradiance,
+  const Flux cloth = through * fibres.albedo * Flux(s.sheen);
+  Scattered out{.radiance = through * Flux(s.emissive) + (under * even + cloth + coat.part * (1 - coat.once)) * irradiance,
                 .reflected = under * s.reached * glm::mix(once(plain, base.edge), once(base.colour, 1), metallic),
                 .transmitted = under * rest * base.dielectric * transmitted,
                 .coat = Flux(coat.part * coat.once * s.reached),
@@ -238,7 +262,9 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
     Direction from;
     const Flux there = arriving(light, s.position, from);
     if (glm::dot(s.smooth_normal, from) <= 0) continue;
-    const Flux part = under * lit(base, s, v, from) + (coat.part > 0 ? coat.part * lit(coat, s, v, from) : 0);
+    Flux part = lit(base, s, v, from);
+    if (fibres.most > 0) part = lit(fibres, s, v, from, part);
+    if (coat.part > 0) part = through * part + coat.part * lit(coat, s, v, from);
     if (part == Flux(0) || (l.obstacles != nullptr && l.shadows && in_shadow(*l.obstacles, s, light))) continue;
     out.radiance += there * part;
   }

@@ -4,7 +4,7 @@
 ///
 /// Punctual lights cast shadows. Of the environment's light surfaces keep what is diffused from each other; they light each
 /// other only through maps. Sources: "glTF 2.0 Specification", appendix B; KHR_lights_punctual; KHR_materials_transmission,
-/// _ior, _volume and _clearcoat; Karis 2013 (the split sum); Fdez-Aguera 2019, "A multiple-scattering microfacet model for
+/// _ior, _volume, _clearcoat and _sheen; Karis 2013 (the split sum); Fdez-Aguera 2019, "A multiple-scattering microfacet model for
 /// real-time image-based lighting", so that white surfaces of any roughness in a white environment stay white.
 #pragma once
 
@@ -33,6 +33,8 @@ struct Surface {
   bool solid = false;  ///< Material::solid.
   float coat = 0, coat_roughness = 0;  ///< Material::coat, with its own normal.
   Direction coat_normal{0, 0, 1};
+  Colour sheen{0};  ///< Material::sheen.
+  float sheen_roughness = 0;
   float reached = 1;   ///< Part of the light from all round that does reach it: by the occlusion map.
   /// Where shadows are found: on the curved surface that the normals of the triangle's corners tell of, which surrounds
   /// triangles that are convex, so that these do not shade themselves (Hanika 2021, "Hacking the shadow terminator").

@@ -43,6 +43,9 @@ struct Material {
   int coat_texture = -1, coat_roughness_texture = -1;  ///< Red; green.
   int coat_normal_texture = -1;  ///< Without one the coat is smooth, whatever the normal map below it says.
   float coat_normal_scale = 1;
+  Colour sheen{0};            ///< KHR_materials_sheen: of cloth, under the coat.
+  float sheen_roughness = 0;
+  int sheen_texture = -1, sheen_roughness_texture = -1;  ///< A colour; alpha.
   bool solid = false;                   ///< Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
   float alpha_cutoff = 0;              ///< Above 0: what is below it in alpha is a hole.
   bool blended = false;  ///< Covers what is behind as far as alpha says; then holes are those of shadows alone.

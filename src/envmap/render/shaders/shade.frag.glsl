@@ -1,7 +1,7 @@
 // Each texel once, whatever lay behind it: the surface that it sees, met by its own ray, lit. After Burns and Hunt 2013,
 // "The visibility buffer". The stencil chooses the texels of one group of materials; TEXTURES are the ones they have
 // (Group::textures): 1 base colour, 2 metallic and roughness, 4 emissive, 8 normal, 16 occlusion; of the coat 32 how much,
-// 64 roughness, 128 normal.
+// 64 roughness, 128 normal; of sheen 256 colour, 512 roughness.
 layout(early_fragment_tests) in;
 layout(location = 0) out vec4 colour;  // Radiance, and 1 / distance; of blended surfaces the part that they cover.
 layout(binding = UNIT_SURFACES) uniform usampler2D surfaces;
@@ -134,8 +134,19 @@ void main() {
 #if (TEXTURES & 16) != 0
   surface.reached += more.z * (textureGrad(occlusions, place, along, down).r - 1);
 #endif
+#if SHEEN
+  vec4 sheen = texelFetch(materials, material + 4);
+  surface.sheen = sheen.rgb;
+  surface.sheen_roughness = sheen.a;
+#endif
+#if (TEXTURES & 256) != 0
+  surface.sheen *= textureGrad(sheens, place, along, down).rgb;
+#endif
+#if (TEXTURES & 512) != 0
+  surface.sheen_roughness *= textureGrad(sheen_roughnesses, place, along, down).a;
+#endif
 #if COATED
-  vec4 coat = texelFetch(materials, material + 4);
+  vec4 coat = texelFetch(materials, material + 5);
   surface.coat = coat.x;
   surface.coat_roughness = coat.y;
   surface.coat_normal = surface.smooth_normal;

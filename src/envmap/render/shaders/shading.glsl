@@ -22,6 +22,10 @@ struct Surface {
   float bend;    // Of what is let through: 1 / ior of solids, 1 of thin walls.
   float reached; // Part of the light from all round that does: by the occlusion map.
   vec3 lifted;   // Where shadows are found.
+#if SHEEN
+  vec3 sheen;
+  float sheen_roughness;
+#endif
 #if COATED
   float coat, coat_roughness;
   vec3 coat_normal;
@@ -107,6 +111,24 @@ vec3 lit(Base b, Surface s, vec3 v, vec3 from) {
   return nl * (diffuse * b.dielectric + fresnel * specular(alpha_of(s.roughness), s.normal, h, b.nv, nl));
 }
 
+#if SHEEN
+struct Sheen {
+  float nv, most, albedo;
+};
+
+Sheen sheen_of(Surface s, vec3 v) {
+  float nv = clamp(dot(s.normal, v), 1e-3, 1);
+  return Sheen(nv, max(s.sheen.r, max(s.sheen.g, s.sheen.b)), sheen_albedo(nv, s.sheen_roughness));
+}
+
+vec3 lit(Sheen f, Surface s, vec3 v, vec3 from, vec3 base) {
+  float nl = dot(s.normal, from);
+  if (nl <= 0) return vec3(0);
+  float left = 1 - f.most * max(f.albedo, sheen_albedo(nl, s.sheen_roughness));
+  return left * base + nl * sheen(s.normal, normalize(from + v), f.nv, nl, s.sheen_roughness) * s.sheen;
+}
+#endif
+
 #if COATED
 struct Coat {
   float nv, part, once;
@@ -132,12 +154,17 @@ vec3 shade(Surface s, vec3 v) {
   vec2 table = textureLod(split_sum, vec2(b.nv, s.roughness), 0).rg;
   vec3 even = s.reached * irradiance_over_pi(n, unoccluded(s.lifted, s.smooth_normal));
   vec3 rest = 1 - once(b.plain, b.edge, table) - later(b.plain, b.edge, table);
-  vec3 sum = s.emissive + rest * b.dielectric * (1 - s.transmission) * even +
+  vec3 sum = rest * b.dielectric * (1 - s.transmission) * even +
              mix(later(b.plain, b.edge, table), later(b.colour, 1, table), s.metallic) * even +
              s.reached * mix(once(b.plain, b.edge, table), once(b.colour, 1, table), s.metallic) *
                  glossy_radiance(v, n, 0, blur * s.roughness);
   if (s.transmission > 0)
     sum += rest * b.dielectric * s.transmission * glossy_radiance(v, n, s.bend, blur * s.roughness);
+#if SHEEN
+  Sheen f = sheen_of(s, v);
+  sum = (1 - f.most * f.albedo) * sum + f.albedo * s.sheen * even;
+#endif
+  sum += s.emissive;
 #if COATED
   Coat c = coat_of(s, v);
   float coat_blur = s.coat_roughness < SMOOTH_GLASS ? blur : 1;
@@ -149,6 +176,9 @@ vec3 shade(Surface s, vec3 v) {
     vec3 from, there = arriving(lights[k], s.position, from);
     if (dot(s.smooth_normal, from) <= 0) continue;
     vec3 part = lit(b, s, v, from);
+#if SHEEN
+    part = lit(f, s, v, from, part);
+#endif
 #if COATED
     part = (1 - c.part) * part + c.part * lit(c, s, v, from);
 #endif

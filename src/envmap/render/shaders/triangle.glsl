@@ -11,6 +11,8 @@ layout(binding = UNIT_NORMAL) uniform sampler2D normal_maps;
 layout(binding = UNIT_OCCLUSION) uniform sampler2D occlusions;
 layout(binding = UNIT_COAT) uniform sampler2D coats;
 layout(binding = UNIT_COAT_ROUGHNESS) uniform sampler2D coat_roughnesses;
+layout(binding = UNIT_SHEEN) uniform sampler2D sheens;
+layout(binding = UNIT_SHEEN_ROUGHNESS) uniform sampler2D sheen_roughnesses;
 layout(binding = UNIT_COAT_NORMAL) uniform sampler2D coat_normal_maps;
 
 struct Triangle {

@@ -22,6 +22,7 @@ namespace {
 constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength", "KHR_lights_punctual",
                                          "KHR_materials_transmission",      "KHR_materials_ior",
                                          "KHR_materials_volume",            "KHR_materials_clearcoat",
+                                         "KHR_materials_sheen",
                                          "KHR_mesh_quantization",           "KHR_draco_mesh_compression",
                                          "KHR_materials_unlit",             "KHR_texture_transform"};
 
@@ -123,7 +124,7 @@ void make_unlit(Material& m) {
   m.emissive_texture = m.base_colour_texture;
   m.base_colour = {0, 0, 0, m.base_colour.w};
   m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = m.coat_normal_texture = -1;
-  m.metallic = 0, m.roughness = 1, m.transmission = 0, m.ior = 1, m.coat = 0;
+  m.metallic = 0, m.roughness = 1, m.transmission = 0, m.ior = 1, m.coat = 0, m.sheen = Colour(0);
 }
 
 // KHR_materials_clearcoat.
@@ -135,6 +136,16 @@ void read_coat(Reader& r, const Field& coat, Material& m) {
   m.coat_roughness_texture = texture(r, coat["clearcoatRoughnessTexture"], false);
   m.coat_normal_texture = texture(r, coat["clearcoatNormalTexture"], false);
   m.coat_normal_scale = static_cast<float>(coat["clearcoatNormalTexture"]["scale"].number(1, -1e6, 1e6));
+}
+
+// KHR_materials_sheen.
+void read_sheen(Reader& r, const Field& sheen, Material& m) {
+  const auto colour = sheen["sheenColorFactor"].numbers({0, 0, 0});
+  for (int k = 0; k < 3; ++k) m.sheen[k] = static_cast<float>(std::clamp(colour[static_cast<std::size_t>(k)], 0.0, 1.0));
+  m.sheen_roughness = static_cast<float>(sheen["sheenRoughnessFactor"].number(0, 0, 1));
+  if (m.sheen == Colour(0)) return;
+  m.sheen_texture = texture(r, sheen["sheenColorTexture"], true);
+  m.sheen_roughness_texture = texture(r, sheen["sheenRoughnessTexture"], false);
 }
 
 Material material(Reader& r, const Field& field) {
@@ -169,11 +180,13 @@ Material material(Reader& r, const Field& field) {
   m.normal_scale = static_cast<float>(normal["scale"].number(1, -1e6, 1e6));
   m.occlusion_texture = texture(r, occlusion, false);
   m.occlusion_strength = static_cast<float>(occlusion["strength"].number(1, 0, 1));
-  const Field coat = extensions["KHR_materials_clearcoat"];
+  const Field coat = extensions["KHR_materials_clearcoat"], sheen = extensions["KHR_materials_sheen"];
   read_coat(r, coat, m);
+  read_sheen(r, sheen, m);
   r.transforms.push_back(transform_of(r, {metallic["baseColorTexture"], metallic["metallicRoughnessTexture"],
                                           field["emissiveTexture"], normal, occlusion, coat["clearcoatTexture"],
-                                          coat["clearcoatRoughnessTexture"], coat["clearcoatNormalTexture"]}));
+                                          coat["clearcoatRoughnessTexture"], coat["clearcoatNormalTexture"],
+                                          sheen["sheenColorTexture"], sheen["sheenRoughnessTexture"]}));
   if (extensions["KHR_materials_unlit"].there()) make_unlit(m);
   return m;
 }
