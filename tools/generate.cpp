@@ -21,12 +21,20 @@ struct Options {
   std::optional<Projection> to;
   std::optional<Forward> forward;
   int size = 256;
-  std::optional<Vec3<double>> value, value2, towards;
+  std::optional<Vec3<double>> value, value2, towards, zenith, horizon, ground;
   int squares = 8;
   Sun sun;
   Harmonic harmonic;
   WriteOptions write;
 };
+
+Sky sky_of(const Options& o) {
+  Sky sky;
+  if (o.zenith) sky.zenith = Rgb<double>(*o.zenith);
+  if (o.ground) sky.ground = Rgb<double>(*o.ground);
+  if (o.horizon) sky.horizon = Rgb<double>(*o.horizon);
+  return sky;
+}
 
 Pattern pattern(const Options& o) {
   switch (o.kind) {
@@ -35,11 +43,12 @@ Pattern pattern(const Options& o) {
     case Kind::checker: return Checker{o.squares, Rgb<double>(o.value.value_or(Vec3<double>(1))), Rgb<double>(o.value2.value_or(Vec3<double>(0.1)))};
     case Kind::directions: return Directions{};
     case Kind::faces: return Faces{};
-    case Kind::sky: return Sky{o.sun.zenith, o.sun.ground};
+    case Kind::sky: return sky_of(o);
     case Kind::sh: return o.harmonic;
     case Kind::sun: break;
   }
   Sun sun = o.sun;
+  sun.sky = sky_of(o);
   if (o.towards == Direction(0)) throw UsageError("--direction: not 0,0,0");
   if (o.towards) {
     // First by its largest part: squares of 1e-200 are 0, those of 1e200 infinite.
@@ -83,6 +92,8 @@ Command generate_command() {
                     "colours that tell the direction, to look for flips"},
                    {"envmap generate sun sun.exr --size 1024 --radius 0.27 --value 1e6 --direction 1,2,1",
                     "a sun over an overcast sky"},
+                   {"envmap generate sun day.exr --direction 1,1,1 --value 20000,18000,15000 --zenith 0.15,0.35,0.9 --horizon 0.75,0.85,1",
+                    "a sun in a blue sky"},
                    {"envmap generate sh y20.exr --degree 2 --order 0", "one spherical harmonic on a grey ground"}},
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -99,8 +110,10 @@ Command generate_command() {
         add_triple(app, "--direction", o->towards, "X,Y,Z", false, "sun: where it stands (default: 0,0,1)");
         app.add_option("--radius", o->sun.radius, "sun: its angular radius in degrees (default: 0.2666)")
             ->type_name("DEGREES");
-        app.add_option("--zenith", o->sun.zenith, "sun, sky: radiance of the zenith (default: 1)")->type_name("L");
-        app.add_option("--ground", o->sun.ground, "sun, sky: radiance of the ground (default: 0.2)")->type_name("L");
+        add_triple(app, "--zenith", o->zenith, "R,G,B", true, "sun, sky: radiance of the zenith (default: 1)");
+        add_triple(app, "--horizon", o->horizon, "R,G,B", true,
+                   "sun, sky: radiance at the horizon, linear in y from there to the zenith (default: a third of the zenith's)");
+        add_triple(app, "--ground", o->ground, "R,G,B", true, "sun, sky: radiance of the ground (default: 0.2)");
         app.add_option("--degree", o->harmonic.degree, "sh: degree of the harmonic (default: 2)")->type_name("L");
         app.add_option("--order", o->harmonic.order, "sh: order of the harmonic, -L to L (default: 0)")->type_name("M");
         app.add_option("--base", o->harmonic.base, "sh: radiance the harmonic is added to (default: 1)")

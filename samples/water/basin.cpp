@@ -2,109 +2,203 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <glm/gtc/matrix_transform.hpp>
 
 namespace water {
 namespace {
 
-constexpr double eta = 0.75;  // Air to water.
+using namespace envmap;
 
-struct Place {
-  double x, y;  // In columns.
-};
-
-Place place(const View& v, const Direction& p) {
-  return {(p.x / v.basin.wide + 1) * 0.5 * (v.field.columns() - 1), (p.z / v.basin.deep + 1) * 0.5 * (v.field.rows() - 1)};
+// Where column (x, y) of the field stands.
+Direction place(const Basin& b, const HeightField& field, double x, double y) {
+  return {(2 * x / (field.columns() - 1) - 1) * b.wide, field.at(x, y), (2 * y / (field.rows() - 1) - 1) * b.deep};
 }
 
-Direction normal_at(const Basin& basin, const HeightField& field, double x, double y) {
-  const double dx = (field.at(x + 1, y) - field.at(x - 1, y)) * (field.columns() - 1) / (4 * basin.wide);
-  const double dz = (field.at(x, y + 1) - field.at(x, y - 1)) * (field.rows() - 1) / (4 * basin.deep);
+Direction normal_at(const Basin& b, const HeightField& field, double x, double y) {
+  const double dx = (field.at(x + 1, y) - field.at(x - 1, y)) * (field.columns() - 1) / (4 * b.wide);
+  const double dz = (field.at(x, y + 1) - field.at(x, y - 1)) * (field.rows() - 1) / (4 * b.deep);
   return glm::normalize(Direction(-dx, 1, -dz));
 }
 
-Flux sky_at(const View& v, const Direction& d) {
-  const bool in_disc = envmap::angle_between(d, v.sun) < 2 * envmap::pi / 180;
-  return Flux(v.sky(glm::transpose(sky_axes()) * d)) + (in_disc ? v.disc : Flux(0));
+// Beer's law on the way down and up again, as if both were upright.
+glm::vec4 under_water(const Basin& b, double y) {
+  return {glm::exp(2 * static_cast<float>(std::min(y, 0.0)) * b.tint), 1};
 }
 
-// Tiles of 10 cm with joints, in the two coordinates of a side.
-Flux tiles(double a, double b) {
-  const double u = a * 10, w = b * 10, fu = u - std::floor(u), fw = w - std::floor(w);
-  if (std::min({fu, fw, 1 - fu, 1 - fw}) < 0.04) return Flux(0.75, 0.75, 0.7);
-  const int kind = static_cast<int>(std::floor(u)) * 7 + static_cast<int>(std::floor(w)) * 13;
-  const double shade = 0.85 + 0.05 * (((kind % 5) + 5) % 5);
-  return Flux(0.12, 0.5, 0.62) * shade;
+// A parallelogram from its upper left corner, cut into columns and rows; texture coordinates in metres.
+Mesh wall(int material, const Direction& corner, const Direction& right, const Direction& down, int columns = 1, int rows = 1) {
+  Mesh mesh{.material = material};
+  const Direction normal = glm::normalize(glm::cross(down, right));
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i) {
+      const double u = double(i) / columns, v = double(j) / rows;
+      mesh.positions.emplace_back(corner + u * right + v * down);
+      mesh.normals.emplace_back(normal);
+      mesh.coordinates.emplace_back(u * glm::length(right), v * glm::length(down));
+    }
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const auto a = static_cast<std::uint32_t>(j * (columns + 1) + i), b = a + static_cast<std::uint32_t>(columns) + 1;
+      for (const std::uint32_t k : {a, b, b + 1, a, b + 1, a + 1}) mesh.indices.push_back(k);
+    }
+  return mesh;
 }
 
-// Where a ray from inside leaves the walls and the floor, and what is there in even light and sun.
-Flux inside(const View& v, const Direction& from, const Direction& d, bool under_water) {
-  const Basin& b = v.basin;
-  const auto reach = [](double at, double along, double lo, double hi) {
-    return along > 0 ? (hi - at) / along : along < 0 ? (lo - at) / along : 1e30;
-  };
-  const double tx = reach(from.x, d.x, -b.wide, b.wide), tz = reach(from.z, d.z, -b.deep, b.deep);
-  const double ty = reach(from.y, d.y, b.floor, 1e30), t = std::max(0.0, std::min({tx, ty, tz}));
-  const Direction p = from + t * d;
-  Flux colour;
-  double sunlight = 0.35;
-  if (ty <= tx && ty <= tz) {
-    const Place at = place(v, p);
-    const auto column = [](double k, int size) {
-      return static_cast<std::size_t>(std::clamp(static_cast<int>(k + 0.5), 0, size - 1));
-    };
-    sunlight =
-        v.caustics[column(at.y, v.field.rows()) * static_cast<std::size_t>(v.field.columns()) + column(at.x, v.field.columns())];
-    colour = tiles(p.x, p.z);
-  } else {
-    colour = tx < tz ? tiles(p.z, p.y) : tiles(p.x, p.y);
+void append(Mesh& mesh, const Mesh& more) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
+  mesh.normals.insert(mesh.normals.end(), more.normals.begin(), more.normals.end());
+  mesh.coordinates.insert(mesh.coordinates.end(), more.coordinates.begin(), more.coordinates.end());
+  for (const std::uint32_t k : more.indices) mesh.indices.push_back(first + k);
+}
+
+// Seen from outside.
+Mesh box(int material, const Direction& low, const Direction& high) {
+  const Direction s = high - low, x(s.x, 0, 0), y(0, -s.y, 0), z(0, 0, s.z), corner(low.x, high.y, low.z);
+  Mesh mesh = wall(material, corner + z, x, y);
+  append(mesh, wall(material, corner + x, -x, y));
+  append(mesh, wall(material, corner, z, y));
+  append(mesh, wall(material, corner + x + z, -z, y));
+  append(mesh, wall(material, corner, x, z));
+  return mesh;
+}
+
+Mesh ball(int material, const Direction& centre, double radius) {
+  constexpr int rows = 24;
+  Mesh mesh = wall(material, {0, 0, 0}, {2, 0, 0}, {0, -1, 0}, 2 * rows, rows);
+  for (std::size_t k = 0; k < mesh.positions.size(); ++k) {
+    const double a = pi * mesh.positions[k].x, b = -pi * mesh.positions[k].y;
+    const Direction n(std::sin(b) * std::sin(a), std::cos(b), std::sin(b) * std::cos(a));
+    mesh.positions[k] = centre + radius * n;
+    mesh.normals[k] = n;
   }
-  colour *= 0.35 + 0.65 * sunlight;
-  if (!under_water) return colour;
-  // Beer's law on the way up and down again; red goes first.
-  const double way = t + std::max(0.0, -p.y);
-  return colour * glm::exp(-way * Flux(0.7, 0.16, 0.1));
+  return mesh;
 }
 
-// The first place on a ray where it is below the surface: steps of half a column through the layer of waves, then halving.
-std::optional<double> meet_water(const View& v, const Direction& from, const Direction& d, double begin, double end) {
-  const auto above = [&](double t) {
-    const Direction p = from + t * d;
-    const Place at = place(v, p);
-    return p.y - v.field.at(at.x, at.y);
-  };
-  constexpr double highest = 0.08;
-  if (d.y < 0) begin = std::max(begin, (highest - from.y) / d.y);
-  const double step = v.basin.wide / v.field.columns();
-  for (double t = begin; t < end; t += step) {
-    if (above(t + step) > 0) continue;
-    double lo = t, hi = t + step;
-    for (int k = 0; k < 24; ++k) (above(0.5 * (lo + hi)) > 0 ? lo : hi) = 0.5 * (lo + hi);
-    return hi < end ? std::optional(hi) : std::nullopt;
+// Four by four tiles with joints, each of a shade of its own.
+Texture tiles(const Colour& tile, const Colour& joint, float spread) {
+  constexpr int side = 32, count = 4;
+  Texture texture{.width = side * count, .height = side * count};
+  for (int j = 0; j < texture.height; ++j)
+    for (int i = 0; i < texture.width; ++i) {
+      const bool between = i % side < 2 || j % side < 2;
+      const int kind = (i / side * 7 + j / side * 13 + i / side * (j / side)) % 5;
+      const Colour c = between ? joint : tile * (1 - spread * static_cast<float>(kind) / 4);
+      texture.texels.emplace_back(glm::u8vec4(255.0F * glm::pow(c, Colour(1 / 2.2F)) + 0.5F, 255));
+    }
+  return texture;
+}
+
+struct Builder {
+  Pool pool;
+
+  int material(const char* name, const Colour& colour, float roughness, int texture = -1) {
+    pool.scene.materials.push_back(
+        {.name = name, .base_colour = glm::vec4(colour, 1), .base_colour_texture = texture, .roughness = roughness});
+    return static_cast<int>(pool.scene.materials.size()) - 1;
   }
-  return std::nullopt;
+
+  // @return the mesh's number.
+  int add(const char* name, Mesh mesh) {
+    const int number = static_cast<int>(pool.scene.meshes.size());
+    pool.scene.meshes.push_back(std::move(mesh));
+    pool.scene.nodes.push_back({.name = name, .meshes = {number}});
+    return number;
+  }
+
+  int texture(Texture image) {
+    pool.scene.textures.push_back(std::move(image));
+    return static_cast<int>(pool.scene.textures.size()) - 1;
+  }
+};
+
+// A wall of the basin from the rim to the floor, darker the deeper.
+Mesh inner_wall(const Basin& b, int material, const Direction& corner, const Direction& right) {
+  constexpr int rows = 24;
+  Mesh mesh = wall(material, corner, right, {0, b.floor - b.rim, 0}, 1, rows);
+  for (const glm::vec3& p : mesh.positions) mesh.colours.push_back(under_water(b, p.y));
+  for (glm::vec2& at : mesh.coordinates) at /= 0.4F;  // Tiles of 10 cm.
+  return mesh;
 }
 
-Flux surface(const View& v, const Direction& p, const Direction& d) {
-  const Place at = place(v, p);
-  const Direction n = normal_at(v.basin, v.field, at.x, at.y);
-  const double cosine = std::max(1e-3, -glm::dot(n, d)), reflected = fresnel(cosine, eta);
-  Direction up = glm::reflect(d, n);
-  up.y = std::max(up.y, 0.0);  // A wave's back, reflected downwards, would see the next wave.
-  return reflected * sky_at(v, glm::normalize(up)) + (1 - reflected) * inside(v, p, glm::refract(d, n, eta), true);
+void add_basin(Builder& to, const Basin& b, const HeightField& field) {
+  const double x = b.wide, z = b.deep, top = b.rim;
+  const int blue = to.material("tiles", Colour(1), 0.6F, to.texture(tiles({0.07F, 0.3F, 0.42F}, {0.55F, 0.58F, 0.56F}, 0.35F)));
+  Mesh walls = inner_wall(b, blue, {-x, top, -z}, {2 * x, 0, 0});
+  for (const auto& [corner, right] : {std::pair(Direction(x, top, z), Direction(-2 * x, 0, 0)),
+                                      {Direction(x, top, -z), Direction(0, 0, 2 * z)},
+                                      {Direction(-x, top, z), Direction(0, 0, -2 * z)}}) {
+    const Mesh more = inner_wall(b, blue, corner, right);
+    append(walls, more);
+    walls.colours.insert(walls.colours.end(), more.colours.begin(), more.colours.end());
+  }
+  to.add("walls", std::move(walls));
+  Mesh floor = wall(blue, {-x, b.floor, -z}, {2 * x, 0, 0}, {0, 0, 2 * z}, field.columns() - 1, field.rows() - 1);
+  for (glm::vec2& at : floor.coordinates) at /= 0.4F;
+  floor.colours.assign(floor.positions.size(), under_water(b, b.floor));
+  to.pool.floor = to.add("floor", std::move(floor));
+}
+
+// Four slabs round a hole, from |x| <= wide, |z| <= deep outwards.
+Mesh frame(int material, double height, double wide, double deep, double border, double unit) {
+  const double x = wide + border, z = deep + border;
+  Mesh mesh = wall(material, {-x, height, -z}, {2 * x, 0, 0}, {0, 0, border});
+  append(mesh, wall(material, {-x, height, deep}, {2 * x, 0, 0}, {0, 0, border}));
+  append(mesh, wall(material, {-x, height, -deep}, {border, 0, 0}, {0, 0, 2 * deep}));
+  append(mesh, wall(material, {wide, height, -deep}, {border, 0, 0}, {0, 0, 2 * deep}));
+  for (glm::vec2& at : mesh.coordinates) at /= unit;
+  return mesh;
+}
+
+// What else is reflected: paving, a row of pillars under a beam, and two balls.
+void add_surroundings(Builder& to, const Basin& b) {
+  const int paving =
+      to.material("paving", Colour(1), 0.8F, to.texture(tiles({0.62F, 0.55F, 0.45F}, {0.4F, 0.36F, 0.3F}, 0.2F)));
+  const int white = to.material("white", {0.8F, 0.78F, 0.74F}, 0.9F);
+  const int red = to.material("red", {0.7F, 0.06F, 0.03F}, 0.8F), yellow = to.material("yellow", {0.85F, 0.5F, 0.05F}, 0.8F);
+  to.add("paving", frame(paving, b.rim, b.wide, b.deep, 1.4, 1.6));
+  const double z = -b.deep - 0.55;
+  Mesh pergola = box(white, {-1.9, b.rim + 1.15, z - 0.13}, {1.9, b.rim + 1.35, z + 0.13});
+  for (const double x : {-1.7, -0.85, 0.0, 0.85, 1.7}) append(pergola, box(white, {x - 0.1, b.rim, z - 0.1}, {x + 0.1, b.rim + 1.15, z + 0.1}));
+  to.add("pergola", std::move(pergola));
+  to.add("red ball", ball(red, {-0.75, b.rim + 0.2, -b.deep - 0.25}, 0.2));
+  to.add("yellow ball", ball(yellow, {1.2, b.rim + 0.14, -b.deep - 0.2}, 0.14));
+}
+
+void add_water(Builder& to, const Basin& b, const HeightField& field) {
+  to.pool.scene.materials.push_back({.name = "water",
+                                     .roughness = 0,
+                                     .transmission = 1,
+                                     .ior = static_cast<float>(1 / b.eta),
+                                     .solid = true});
+  const int material = static_cast<int>(to.pool.scene.materials.size()) - 1;
+  to.pool.water = to.add("water", wall(material, {-b.wide, 0, -b.deep}, {2 * b.wide, 0, 0}, {0, 0, 2 * b.deep},
+                                       field.columns() - 1, field.rows() - 1));
+  to.pool.water_node = static_cast<int>(to.pool.scene.nodes.size()) - 1;
 }
 
 }  // namespace
 
-envmap::Rotation sky_axes() { return envmap::rotation(0, -90, 0); }
+Pool make_pool(const Basin& basin, const HeightField& field) {
+  Builder builder;
+  add_basin(builder, basin, field);
+  add_surroundings(builder, basin);
+  add_water(builder, basin, field);
+  return std::move(builder.pool);
+}
 
-double fresnel(double cosine, double ratio) {
-  const double sine2 = ratio * ratio * (1 - cosine * cosine);
-  if (sine2 >= 1) return 1;
-  const double within = std::sqrt(1 - sine2);
-  const double across = (ratio * cosine - within) / (ratio * cosine + within);
-  const double along = (ratio * within - cosine) / (ratio * within + cosine);
-  return 0.5 * (across * across + along * along);
+void set_waves(Pool& pool, const Basin& basin, const HeightField& field, const Direction& sun) {
+  Mesh& water = pool.scene.meshes[static_cast<std::size_t>(pool.water)];
+  Mesh& floor = pool.scene.meshes[static_cast<std::size_t>(pool.floor)];
+  const std::vector<float> light = caustics(basin, field, sun);
+  const auto sunlight = static_cast<float>(basin.sunlight);
+  std::size_t k = 0;
+  for (int j = 0; j < field.rows(); ++j)
+    for (int i = 0; i < field.columns(); ++i, ++k) {
+      water.positions[k] = place(basin, field, i, j);
+      water.normals[k] = normal_at(basin, field, i, j);
+      floor.colours[k] = under_water(basin, basin.floor) * glm::vec4(Colour(1 - sunlight + sunlight * light[k]), 1);
+    }
 }
 
 std::vector<float> caustics(const Basin& basin, const HeightField& field, const Direction& sun) {
@@ -127,33 +221,11 @@ std::vector<float> caustics(const Basin& basin, const HeightField& field, const 
   for (int j = 0; j < rows * fine; ++j)
     for (int i = 0; i < columns * fine; ++i) {
       const double x = (i + 0.5) / fine - 0.5, y = (j + 0.5) / fine - 0.5;
-      const Direction n = normal_at(basin, field, x, y), d = glm::refract(-sun, n, eta);
+      const Direction n = normal_at(basin, field, x, y), d = glm::refract(-sun, n, basin.eta);
       const double t = (basin.floor - field.at(x, y)) / d.y;
       splat(x + t * d.x / basin.wide * 0.5 * (columns - 1), y + t * d.z / basin.deep * 0.5 * (rows - 1), 1.0 / (fine * fine));
     }
   return light;
-}
-
-Flux look(const View& v, const Direction& from, const Direction& d) {
-  const Basin& b = v.basin;
-  if (d.y >= 0) return sky_at(v, d);
-  const double top = (b.rim - from.y) / d.y;
-  const Direction p = from + top * d;
-  const double x = std::abs(p.x), z = std::abs(p.z);
-  if (x <= b.wide && z <= b.deep) {
-    const double end = std::min(d.x == 0 ? 1e30 : ((d.x > 0 ? b.wide : -b.wide) - from.x) / d.x,
-                                d.z == 0 ? 1e30 : ((d.z > 0 ? b.deep : -b.deep) - from.z) / d.z);
-    if (const auto t = meet_water(v, from, d, top, end)) return surface(v, from + *t * d, d);
-    return inside(v, p, d, false);
-  }
-  if (x <= b.wide + b.border && z <= b.deep + b.border) {
-    const double joint = std::abs(std::remainder(x > b.wide ? p.z : p.x, 0.4));
-    return Flux(0.62, 0.58, 0.52) * (joint < 0.006 ? 0.6 : 1.0);
-  }
-  // The outer side of the rim, and the ground around.
-  return p.z > 0 && x <= b.wide + b.border && p.z + (b.rim + 0.25) / -d.y * d.z < b.deep + b.border
-             ? Flux(0.4, 0.37, 0.33)
-             : Flux(0.2, 0.26, 0.12);
 }
 
 }  // namespace water

@@ -1,44 +1,38 @@
-// A tiled basin of water under a sky, seen by rays.
+// A tiled basin with water in it, as a scene that the library draws: the water is a mesh of glass whose vertices are the
+// columns of a height field, and mirrors and lenses are looked up in dynamic maps.
 #pragma once
 
-#include <envmap/envmap.h>
-
-#include <vector>
-
+#include "envmap/scene/scene.h"
 #include "height_field.h"
 
 namespace water {
 
+using envmap::Colour;
 using envmap::Direction;
-using envmap::Flux;
 
 /// Lengths in metres; the still surface is y = 0 and |x| <= wide, |z| <= deep are inside.
 struct Basin {
   double wide = 1.6, deep = 1.0, floor = -0.7;
-  double rim = 0.12, border = 0.22;  ///< The rim's height and how far it reaches outwards.
+  double rim = 0.22;                 ///< Of the ground that it is sunk in.
+  double eta = 0.75;                 ///< n outside / n inside: from air into water.
+  Colour tint{0.7F, 0.16F, 0.1F};    ///< What water absorbs a metre; red goes first.
+  double sunlight = 0.65;            ///< Part of the floor's light that waves gather and spread.
 };
 
-/// What a ray needs. The sky is a dual-paraboloid map, its axis up: one half holds all that water reflects.
-struct View {
-  const Basin& basin;
-  const HeightField& field;
-  const envmap::EnvironmentLookup& sky;  ///< In the frame of sky_axes().
-  Direction sun;                         ///< Towards it.
-  Flux disc;                             ///< Radiance of the sun's disc, 2 degrees in radius, on top of the sky.
-  std::vector<float> caustics;  ///< Of the floor, a value a column: sunlight that waves gather, 1 under still water.
+/// The basin, what stands round it, and the water.
+struct Pool {
+  envmap::Scene scene;
+  int water = 0, floor = 0;  ///< Meshes that change.
+  int water_node = 0;
 };
 
-/// From the map's frame to the world: the map's +Z is up.
-envmap::Rotation sky_axes();
+/// Of still water.
+Pool make_pool(const Basin& basin, const HeightField& field);
 
-/// Where the light of each column goes: refracted to the floor and gathered there.
+/// Takes the water's mesh and the light on the floor from the field. @param sun towards it.
+void set_waves(Pool& pool, const Basin& basin, const HeightField& field, const Direction& sun);
+
+/// Where the sunlight of each column goes, refracted to the floor and gathered there: a value a column, 1 under still water.
 std::vector<float> caustics(const Basin& basin, const HeightField& field, const Direction& sun);
-
-/// Radiance along a ray from outside of the basin. @param towards unit vector.
-Flux look(const View& view, const Direction& from, const Direction& towards);
-
-/// The part of unpolarised light that is reflected (Fresnel's equations). @param cosine of the angle of arrival.
-/// @param eta n outside / n inside: 0.75 from air into water.
-double fresnel(double cosine, double eta);
 
 }  // namespace water

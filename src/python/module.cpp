@@ -189,7 +189,18 @@ T take(py::kwargs& given, const char* name, const T& otherwise) {
   return value;
 }
 
-Rgb<double> take(py::kwargs& given, const char* name, const Rgb<double>& otherwise) { return rgb(take(given, name, triple(otherwise))); }
+// A number is all three channels.
+Rgb<double> take(py::kwargs& given, const char* name, const Rgb<double>& otherwise) {
+  if (given.contains(name) && (py::isinstance<py::float_>(given[name]) || py::isinstance<py::int_>(given[name])))
+    return Rgb<double>(take(given, name, 0.0));
+  return rgb(take(given, name, triple(otherwise)));
+}
+
+Sky sky_of(py::kwargs& k) {
+  Sky sky{take(k, "zenith", Rgb<double>(1)), take(k, "ground", Rgb<double>(0.2))};
+  if (k.contains("horizon")) sky.horizon = take(k, "horizon", Rgb<double>(0));
+  return sky;
+}
 
 Pattern pattern(const std::string& kind, py::kwargs& k) {
   if (kind == "constant") return Constant{take(k, "radiance", Rgb<double>(1))};
@@ -197,13 +208,13 @@ Pattern pattern(const std::string& kind, py::kwargs& k) {
   if (kind == "checker") return Checker{take(k, "squares", 8), take(k, "even", Rgb<double>(1)), take(k, "odd", Rgb<double>(0.1))};
   if (kind == "directions") return Directions{};
   if (kind == "faces") return Faces{};
-  if (kind == "sky") return Sky{take(k, "zenith", 1.0), take(k, "ground", 0.2)};
+  if (kind == "sky") return sky_of(k);
   if (kind == "sh") return Harmonic{take(k, "degree", 2), take(k, "order", 0), take(k, "base", 1.0), take(k, "amplitude", 0.5)};
   if (kind != "sun") throw UsageError("kind '" + kind + "' is none of constant, gradient, checker, directions, faces, sun, sky, sh");
   const Triple to = take(k, "direction", Triple{0, 0, 1});
   const Direction d(to[0], to[1], to[2]);
   if (!(glm::length(d) > 0)) throw UsageError("a direction has a length");
-  return Sun{glm::normalize(d), take(k, "radius", 0.2666), take(k, "radiance", Rgb<double>(1e5)), take(k, "zenith", 1.0), take(k, "ground", 0.2)};
+  return Sun{glm::normalize(d), take(k, "radius", 0.2666), take(k, "radiance", Rgb<double>(1e5)), sky_of(k)};
 }
 
 Map generate_map(const std::string& kind, const std::string& to, int size, const std::string& forward, py::kwargs parameters) {

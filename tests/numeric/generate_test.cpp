@@ -7,6 +7,7 @@
 #include "envmap/maths/sum.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
+#include "envmap/sample/lookup.h"
 #include "formulae.h"
 
 namespace envmap {
@@ -34,8 +35,17 @@ double irradiance_of_floor(const Level& level) {
 }
 
 TEST_P(EachGenerated, OvercastSkyLightsAFloorBySevenNinthsPi) {
-  const EnvironmentMap map = generate(Sky{.zenith = 2, .ground = 0.1}, GetParam(), 256);
+  const EnvironmentMap map = generate(Sky{.zenith = Rgb<double>(2), .ground = Rgb<double>(0.1)}, GetParam(), 256);
   EXPECT_NEAR(irradiance_of_floor(map.base()) / (2 * 7 * pi / 9), 1, 3e-4);
+}
+
+// Of a floor: pi (horizon / 3 + 2 zenith / 3).
+TEST_P(EachGenerated, AClearSkyRisesFromItsHorizon) {
+  const EnvironmentMap map = generate(Sky{.zenith = {1, 2, 3}, .ground = Rgb<double>(9), .horizon = Rgb<double>(4, 2, 1)}, GetParam(), 256);
+  EXPECT_NEAR(irradiance_of_floor(map.base()) / (pi * (4.0 / 3 + 2.0 / 3)), 1, 1e-3);
+  const Colour top = EnvironmentLookup(map)(Direction(0, 1, 0));
+  EXPECT_NEAR(top.x, 1, 0.05);
+  EXPECT_NEAR(top.z, 3, 0.05);
 }
 
 TEST_P(EachGenerated, GradientHasTheMeanOfItsEnds) {
@@ -52,7 +62,7 @@ TEST_P(EachGenerated, SunHasItsFluxAtAnySizeAndPlace) {
     for (const int size : {1, 4, 33})
       for (const Direction towards :
            {Direction(0, 0, -1), Direction(0, 1, 0), glm::normalize(Direction(1, 1, 1))}) {
-        const EnvironmentMap map = generate(Sun{towards, radius, Direction(1e4), 0, 0}, GetParam(), size);
+        const EnvironmentMap map = generate(Sun{towards, radius, Direction(1e4), {Rgb<double>(0), Rgb<double>(0)}}, GetParam(), size);
         const double flux = 2 * pi * (1 - std::cos(radius * pi / 180)) * 1e4;
         EXPECT_NEAR(measure(map).flux.x / flux, 1, 2e-3)
             << radius << " at " << size << " towards " << towards.x << "," << towards.y << "," << towards.z;

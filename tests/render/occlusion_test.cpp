@@ -19,7 +19,7 @@ const Environment& white() {
   return sky;
 }
 const Environment& clear() {
-  static const Environment sky(generate(Sky{1, 0.2}, Projection::latlong, 64), 8);
+  static const Environment sky(generate(Sky{}, Projection::latlong, 64), 8);
   return sky;
 }
 
@@ -63,7 +63,7 @@ TEST(DistantLights, GiveItsIrradiance) {
 
 TEST(DistantLights, StandWhereASunDoes) {
   const Direction towards = glm::normalize(Direction(1, 2, 3));
-  const Environment sun(generate(Sun{.towards = towards, .radius = 3, .radiance = Direction(1000), .zenith = 0, .ground = 0}, Projection::cube, 128), 8);
+  const Environment sun(generate(Sun{.towards = towards, .radius = 3, .radiance = Direction(1000), .sky = {Rgb<double>(0), Rgb<double>(0)}}, Projection::cube, 128), 8);
   double near = 0, all = 0;
   for (const DistantLight& light : distant_lights(sun.map, 32)) {
     all += light.irradiance.y;

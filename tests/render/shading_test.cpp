@@ -136,7 +136,7 @@ TEST(Shading, RangeConeAndSun) {
 // A diffuse floor under the CIE overcast sky: E = 7 pi / 9 of the zenith (generate.h). Of a gradient harmonics are exact.
 TEST(Shading, DiffuseLightOfTheEnvironment) {
   Surface floor{.normal = {0, 1, 0}, .roughness = 1, .ior = 1};  // No interface: all is diffuse.
-  const Room sky(Sky{1, 0});
+  const Room sky(Sky{Rgb<double>(1), Rgb<double>(0)});
   EXPECT_NEAR(shade(floor, {0, 1, 0}, sky.lighting()).x, 7.0 / 9, 0.03);
   const Room gradient(Gradient{Direction(0), Direction(1)});
   // L = (1 + y) / 2: E / pi = 1/2 + y / 3.

@@ -142,6 +142,23 @@ TEST(Shadows, OfALampAreNotCastByWhatHangsOnIt) {
   }
 }
 
+// Its vertices, colours and shadow are those that it has now; so is what it needs in memory.
+TEST(Shadows, OfAMeshThatChangesAreThoseItHasNow) {
+  drawing::context();
+  Scene scene = still_life();
+  add(scene, {.kind = Kind::point, .intensity = Colour(9)}, {-0.8, 2, 0.7}, {0, -1, 0});
+  Renderer renderer(scene, nullptr);
+  const Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  const Picture before = draw_picture(renderer, camera(), shot);
+  Mesh& ball = scene.meshes[1];
+  for (glm::vec3& p : ball.positions) p = 0.8F * p + glm::vec3(-0.9F, 0.2F, 0.6F);
+  ball.colours.assign(ball.positions.size(), glm::vec4(0.9F, 0.3F, 0.1F, 1));
+  renderer.update(scene, 1);
+  const Picture after = draw_picture(renderer, camera(), shot);
+  EXPECT_EQ(after, drawn(scene, camera()));
+  EXPECT_NE(after, before);
+}
+
 // A map drawn from inside of a ball, without it, shows the shadow of the ball.
 TEST(Shadows, OfWhatIsLeftOutStay) {
   Scene scene;

@@ -40,7 +40,8 @@ Rgb<double> radiance(const Faces&, const Direction& d) {
 }
 
 Rgb<double> radiance(const Sky& p, const Direction& d) {
-  return Rgb<double>(d.y < 0 ? p.ground : p.zenith * (1 + 2 * d.y) / 3);
+  if (d.y < 0) return p.ground;
+  return p.horizon ? glm::mix(*p.horizon, p.zenith, d.y) : p.zenith * (1 + 2 * d.y) / 3.0;
 }
 
 Rgb<double> radiance(const Harmonic& p, const Direction& d) {
@@ -183,7 +184,7 @@ void add_coverage(const Cone& cone, Level& coverage) {
 }
 
 void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
-  fill(Sky{sun.zenith, sun.ground}, map, progress);
+  fill(sun.sky, map, progress);
   Level& level = map.base();
   const Cone cone{glm::transpose(image_to_world(map.forward)) * sun.towards, sun.radius * pi / 180};
   Level coverage(level.projection(), level.height());

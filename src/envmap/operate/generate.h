@@ -2,6 +2,7 @@
 /// Environments with a known answer.
 #pragma once
 
+#include <optional>
 #include <variant>
 
 #include "envmap/base/export.h"
@@ -34,19 +35,20 @@ struct Directions {};
 /// -Z yellow. Coverage by 8 x 8 samples a texel.
 struct Faces {};
 
-/// A disc of even radiance over a CIE overcast sky. Each texel holds its mean, so that the sun's flux is
+/// CIE standard overcast sky (Moon and Spencer 1942): L = zenith (1 + 2 y) / 3 above, `ground` below the horizon.
+/// Irradiance of a floor: 7 pi / 9 x zenith. With a horizon of its own: linear in y from there to the zenith.
+struct Sky {
+  Rgb<double> zenith{1}, ground{0.2};
+  std::optional<Rgb<double>> horizon = {};
+};
+
+/// A disc of even radiance over a sky. Each texel holds its mean, so that the sun's flux is
 /// 2 pi (1 - cos radius) x radiance at any size.
 struct Sun {
   Direction towards{0, 0, 1};  ///< Unit vector, world frame.
   double radius = 0.2666;      ///< Degrees.
   Rgb<double> radiance{1e5};
-  double zenith = 1, ground = 0.2;  ///< Of the sky.
-};
-
-/// CIE standard overcast sky (Moon and Spencer 1942): L = zenith (1 + 2 y) / 3 above, `ground` below the horizon.
-/// Irradiance of a floor: 7 pi / 9 x zenith.
-struct Sky {
-  double zenith = 1, ground = 0.2;
+  Sky sky = {};
 };
 
 /// base + amplitude x Y_l^m, the real orthonormal spherical harmonic with +Y as its polar axis, longitude from +Z to

@@ -110,13 +110,33 @@ int group_of(const Material& m, int mirror, std::vector<Group>& groups) {
   return number;
 }
 
+void add_corners(const Mesh& mesh, std::vector<GpuCorner>& corners) {
+  for (const std::uint32_t k : mesh.indices)
+    corners.push_back({mesh.positions[k], mesh.coordinates[k].x, mesh.normals[k], mesh.coordinates[k].y,
+                       mesh.colours.empty() ? glm::vec4(1) : mesh.colours[k]});
+}
+
+void add_tangents(const Mesh& mesh, std::vector<glm::vec4>& tangents) {
+  for (const std::uint32_t k : mesh.indices) tangents.push_back(mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[k]);
+}
+
+bool has_tangents(const Scene& scene) {
+  return std::ranges::any_of(scene.meshes, [](const Mesh& mesh) { return !mesh.tangents.empty(); });
+}
+
 // Of all corners where a mesh has any.
 std::vector<glm::vec4> tangents_of(const Scene& scene) {
   std::vector<glm::vec4> tangents;
-  if (std::ranges::all_of(scene.meshes, [](const Mesh& mesh) { return mesh.tangents.empty(); })) return tangents;
-  for (const Mesh& mesh : scene.meshes)
-    for (const std::uint32_t k : mesh.indices) tangents.push_back(mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[k]);
+  if (!has_tangents(scene)) return tangents;
+  for (const Mesh& mesh : scene.meshes) add_tangents(mesh, tangents);
   return tangents;
+}
+
+// Elements of a buffer from a first one on.
+template <class T>
+void replace(const gl::Buffer& buffer, std::size_t first, const std::vector<T>& by) {
+  glNamedBufferSubData(buffer, static_cast<GLintptr>(first * sizeof(T)), static_cast<GLsizeiptr>(by.size() * sizeof(T)),
+                       by.data());
 }
 
 // Four floats a texel.
@@ -139,16 +159,12 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
   std::vector<glm::vec3> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<GpuCorner> corners;
-  std::vector<std::size_t> first_index;
   for (const Mesh& mesh : scene.meshes) {
     const auto base = static_cast<std::uint32_t>(vertices.size());
-    first_index.push_back(indices.size());
+    first_.push_back({vertices.size(), indices.size()});
     vertices.insert(vertices.end(), mesh.positions.begin(), mesh.positions.end());
-    for (const std::uint32_t k : mesh.indices) {
-      indices.push_back(base + k);
-      corners.push_back({mesh.positions[k], mesh.coordinates[k].x, mesh.normals[k], mesh.coordinates[k].y,
-                         mesh.colours.empty() ? glm::vec4(1) : mesh.colours[k]});
-    }
+    for (const std::uint32_t k : mesh.indices) indices.push_back(base + k);
+    add_corners(mesh, corners);
   }
   for (const Instance& instance : instances(scene)) {
     const Mesh& mesh = at(scene.meshes, instance.mesh);
@@ -157,7 +173,7 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
     Part part{.node = instance.node,
               .mesh = instance.mesh,
               .indices = static_cast<GLsizei>(mesh.indices.size()),
-              .first_index = at(first_index, instance.mesh),
+              .first_index = at(first_, instance.mesh).index,
               .stencil = static_cast<std::uint8_t>(1 + group),
               .material = mesh.material,
               .group = group,
@@ -175,10 +191,10 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
     throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / (3 * corner_texels)));
   if (groups_.size() > 255)
     throw UsageError(fmt::format("materials with {} sets of textures and mirrors: this renderer takes 255", groups_.size()));
-  vertices_ = gl::make_buffer(vertices);
+  vertices_ = gl::make_buffer(vertices, GL_DYNAMIC_STORAGE_BIT);
   indices_ = gl::make_buffer(indices);
-  corners_ = gl::make_buffer(corners);
-  tangents_ = gl::make_buffer(tangents_of(scene));
+  corners_ = gl::make_buffer(corners, GL_DYNAMIC_STORAGE_BIT);
+  tangents_ = gl::make_buffer(tangents_of(scene), GL_DYNAMIC_STORAGE_BIT);
   materials_ = gl::make_buffer(materials_of(scene));
   instances_ = gl::make_buffer(nullptr, parts_.size() * sizeof(GpuInstance), GL_DYNAMIC_STORAGE_BIT);
   light_buffer_ = gl::make_buffer(nullptr, scene.lights.size() * sizeof(GpuLight), GL_DYNAMIC_STORAGE_BIT);
@@ -194,6 +210,23 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
   glVertexArrayAttribFormat(layout_, 0, 3, GL_FLOAT, GL_FALSE, 0);
   glVertexArrayAttribBinding(layout_, 0, 0);
   gl::check("upload of the scene");
+}
+
+void GpuScene::update(const Scene& scene, int number) {
+  const Mesh& mesh = at(scene.meshes, number);
+  const First& first = at(first_, number);
+  std::vector<GpuCorner> corners;
+  add_corners(mesh, corners);
+  replace(vertices_, first.vertex, mesh.positions);
+  replace(corners_, first.index, corners);
+  if (has_tangents(scene)) {
+    std::vector<glm::vec4> tangents;
+    add_tangents(mesh, tangents);
+    replace(tangents_, first.index, tangents);
+  }
+  for (Part& part : parts_)
+    if (part.mesh == number) set_bounds(mesh, part);
+  gl::check("upload of a mesh");
 }
 
 void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye, const Rotation& axes) {

@@ -1,5 +1,6 @@
 /// @file
-/// A scene where the graphics card can read it. What does not move is uploaded once; a frame sends matrices and lights.
+/// A scene where the graphics card can read it. What does not move is uploaded once; a frame sends matrices and lights, and
+/// meshes that change their shape.
 #pragma once
 
 #include <algorithm>
@@ -58,6 +59,9 @@ class GpuScene {
   [[nodiscard]] std::size_t triangles() const { return triangles_; }
   [[nodiscard]] int lights() const { return lights_; }
 
+  /// A mesh whose vertices are others now, as many and joined as before: positions, normals, coordinates, colours, tangents.
+  void update(const Scene& scene, int mesh);
+
   /// Where everything is, seen from `at` in a frame of `axes`: one element a part.
   void place(const Scene& scene, const Pose& pose, const Direction& at, const Rotation& axes);
   [[nodiscard]] const std::vector<Placed>& placed() const { return placed_; }
@@ -70,7 +74,13 @@ class GpuScene {
   void draw_patches(const Part& part) const;
 
  private:
+  // Where a mesh begins in the buffers.
+  struct First {
+    std::size_t vertex, index;
+  };
+
   std::vector<Part> parts_;
+  std::vector<First> first_;  // By mesh.
   std::vector<Placed> placed_;
   std::vector<Group> groups_;
   std::size_t triangles_ = 0;

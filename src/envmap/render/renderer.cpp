@@ -72,6 +72,13 @@ Renderer::Renderer(const Scene& scene, const Environment* environment, std::vect
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
 }
 
+void Renderer::update(const Scene& scene, int mesh) {
+  gpu_.update(scene, mesh);
+  if (!casts_shadow(scene.materials[scene.meshes[mesh].material])) return;
+  shadows_.forget();
+  distant_shadows_.forget();
+}
+
 const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   int textures = 0;
   for (std::size_t k = 0; k < group.textures.size(); ++k) textures |= group.textures[k] >= 0 ? 1 << k : 0;

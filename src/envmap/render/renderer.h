@@ -60,6 +60,10 @@ class Renderer {
   /// From the level that was drawn, in the faces of `which`. @param map cube, sphere or paraboloid.
   void make_levels(const MapTexture& map, unsigned which);
 
+  /// Takes over a mesh of the scene whose vertices are others now, as many and joined as before. Maps of mirrors stay as they
+  /// are until they are drawn again: MirrorOptions::all.
+  void update(const Scene& scene, int mesh);
+
   [[nodiscard]] const GpuScene& scene() const { return gpu_; }
 
  private:

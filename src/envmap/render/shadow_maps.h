@@ -21,6 +21,9 @@ class ShadowMaps {
   /// Whether they are of this moment.
   [[nodiscard]] bool are_of(const Pose& pose) const { return pose == pose_; }
 
+  /// That something in them changed.
+  void forget() { pose_.clear(); }
+
   /// For shading, seen from `eye`: maps to a unit, faces to a binding of GL_SHADER_STORAGE_BUFFER or GL_UNIFORM_BUFFER.
   void bind(const Direction& eye, Unit unit, GLenum target, Unit binding) const;
 

@@ -4,7 +4,7 @@
 // Of the point (1 - s) p + s |p| r, up to a factor: s from 0 to 1 goes from p along r to infinity, in steps of about the same
 // angle seen from the middle. excess() is how far it lies behind what the map shows, times (1 - s) / its distance: linear in s
 // where that is a plane, and 0 at infinity where there is nothing.
-const float steps_a_radian = 8;
+const float steps_a_radian = 32;  // What is thinner is missed.
 const float jump = 0.1;  // Of the distance, within a sixteenth of a step: no surface is that steep.
 
 float excess(vec3 p, vec3 to, float s) {
