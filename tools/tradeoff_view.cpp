@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "choose_maps.h"
 #include "envmap/base/error.h"
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
@@ -40,15 +41,10 @@ struct Stage {
   [[nodiscard]] Outcome cast() const { return as_level(raycast_picture(shot, eye().from, {mirrors}), size); }
 };
 
-// From empty maps on, as of a single picture.
 Outcome draw_once(Gl& gl, const Stage& stage, Projection maps, MirrorLookup lookup, const MirrorOptions& how) {
-  const Eye eye = stage.eye();
-  Mirrors mirrors(stage.loaded.scene, mirrors_of(stage.loaded.scene, {}, maps));
   Shot shot = stage.shot;
   shot.look.lookup = lookup;
-  mirrors.update(gl.renderer, shot, {eye.viewer}, how, [](const std::string&) {});
-  shot.mirrors = mirrors.maps();
-  return as_level(draw_picture(gl.renderer, eye.from, shot), stage.size);
+  return as_level(picture_through_maps(gl.renderer, shot, mirrors_of(stage.loaded.scene, {}, maps), stage.eye(), how), stage.size);
 }
 
 std::string setting_of(MirrorLookup lookup, const MirrorOptions& how) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <ranges>
+#include <set>
 
+#include "choose_maps.h"
 #include "command.h"
 #include "depfile.h"
 #include "envmap/base/error.h"
@@ -40,6 +42,7 @@ struct Options {
   std::optional<MirrorLookup> lookup;
   MirrorLook look;
   MirrorOptions drawing;
+  std::optional<double> max_error;
 };
 
 constexpr std::string_view method_names[] = {"maps", "raycast"};
@@ -89,11 +92,15 @@ class MapPainter {
     }
   }
 
+  [[nodiscard]] MapChoice choose(const std::vector<Mirror>& mirrors, std::vector<Moment> moments) {
+    return choose_maps(renderer_, mirrors, std::move(moments), options_.drawing, *options_.max_error);
+  }
+
   [[nodiscard]] Pictures paint(Shot shot, const std::vector<Eye>& eyes) {
     std::vector<Viewer> viewers;
     for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
     MirrorOptions drawing = options_.drawing;
-    if (!drawing.bounces && !first_) drawing.bounces = 1;
+    if (!drawing.bounces && !first_ && !options_.max_error) drawing.bounces = 1;
     first_ = false;
     shot.look = options_.look;
     shot.look.lookup = options_.lookup.value_or(shot.look.lookup);
@@ -125,14 +132,60 @@ Pictures cast(const Options& o, const Common& common, const std::vector<int>& mi
 }
 
 void check(const Options& o) {
-  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.all || o.lookup || o.look.tinted || !o.saved.empty() ||
+  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.largest != MirrorOptions{}.largest || o.drawing.all || o.lookup || o.look.tinted || !o.saved.empty() ||
                        std::ranges::any_of(o.mirrors, [](const std::string& m) {
                          return m.find(':') != m.npos && !m.ends_with(":off");
                        });
   if (o.method == Through::rays && of_maps)
     throw UsageError(
-        "--method raycast draws no maps: leave out --maps, --size, --lookup, --show-maps, --save-maps, --all and NODE:MAP");
+        "--method raycast draws no maps: leave out --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all and NODE:MAP");
+  if (o.max_error && (of_maps || o.method == Through::rays || o.drawing.bounces))
+    throw UsageError(
+        "--max-error chooses how mirrors are drawn: leave out --method, --maps, --size, --max-size, --lookup, --bounces, --show-maps, --save-maps, "
+        "--all and NODE:MAP");
   if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
+}
+
+// What is drawn of a frame.
+struct Scenery {
+  const Options& o;
+  const LoadedScene& loaded;
+  const Viewpoints& viewpoints;
+  const Frames& frames;
+
+  [[nodiscard]] Shot shot(int frame) const { return loaded.shot(frames.time(frame), o.scene); }
+  // One, or two of an anaglyph.
+  [[nodiscard]] std::vector<Eye> eyes(int frame, const Pose& pose) const {
+    const View view = viewpoints.view(pose, static_cast<double>(frame - frames.first) / frames.count());
+    const double separation = o.anaglyph.value_or(0);
+    std::vector<Eye> eyes;
+    for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
+      eyes.push_back(eye_of({o.width, o.height, o.samples, !o.drawing.all}, view, aside, 30 * separation));
+    return eyes;
+  }
+};
+
+// For --max-error: tries maps in the first frame, the middle one and the last.
+void choose(Options& o, const Scenery& scenery, const std::vector<Mirror>& mirrors, std::optional<MapPainter>& painter,
+            const Common& common) {
+  if (mirrors.empty()) return;
+  const int first = scenery.frames.first, last = scenery.frames.last;
+  std::vector<Moment> moments;
+  for (const int frame : std::set{first, first + (last - first) / 2, last}) {
+    const Shot shot = scenery.shot(frame);
+    moments.push_back({shot, scenery.eyes(frame, shot.pose)[0]});
+  }
+  const MapChoice choice = painter->choose(mirrors, std::move(moments));
+  if (choice.rays) {
+    note(common, fmt::format("mirrors by rays: maps are off by {:.2g} of the picture (rms), more than {:g}", choice.error, *o.max_error));
+    o.method = Through::rays;
+    painter.reset();
+    return;
+  }
+  note(common, fmt::format("mirrors by --lookup {} --max-size {}{}: off by {:.2g} of the picture (rms) against rays",
+                           mirror_lookup_names[static_cast<std::size_t>(choice.lookup)], choice.drawing.largest,
+                           choice.drawing.bounces ? fmt::format(" --bounces {}", *choice.drawing.bounces) : "", choice.error));
+  o.lookup = choice.lookup, o.drawing = choice.drawing;
 }
 
 int run(Options& o, const Common& common) {
@@ -158,14 +211,12 @@ int run(Options& o, const Common& common) {
   std::optional<MapPainter> painter;
   if (o.method == Through::maps) painter.emplace(o, common, loaded, mirrors, nodes);
   if (viewpoints.is_framed()) note(common, fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
-  const double separation = o.anaglyph.value_or(0);
+  const Scenery scenery{o, loaded, viewpoints, frames};
+  if (o.max_error) choose(o, scenery, mirrors, painter, common);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
-    const Shot shot = loaded.shot(frames.time(frame), o.scene);
-    const View view = viewpoints.view(shot.pose, static_cast<double>(frame - frames.first) / frames.count());
-    std::vector<Eye> eyes;
-    for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
-      eyes.push_back(eye_of({o.width, o.height, o.samples, !o.drawing.all}, view, aside, 30 * separation));
+    const Shot shot = scenery.shot(frame);
+    const std::vector<Eye> eyes = scenery.eyes(frame, shot.pose);
     const Stopwatch watch;
     Pictures pictures = painter ? painter->paint(shot, eyes) : cast(o, common, nodes, shot, eyes);
     seconds += watch.seconds();
@@ -219,6 +270,7 @@ Command view_command() {
                     "any model, turned round once"},
                    {"envmap view cellar.glb halves.png --show-maps --mirror 'mirror ball:sphere'",
                     "which half of a map shows what; one mirror by a sphere map"},
+                   {"envmap view cellar.glb cellar.png --max-error 0.02", "the cheapest maps that show what rays do, to 2%"},
                    {"envmap view cellar.glb 3d.png --anaglyph 0.065", "for red and cyan glasses"}},
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
@@ -264,6 +316,9 @@ Command view_command() {
         app.add_option("--size", o->drawing.size, "Height of a face of the maps (default: what the picture needs)")
             ->type_name("N")
             ->check(CLI::Range(4, 8192));
+        app.add_option("--max-size", o->drawing.largest, "The most that it may be (default: 1024)")
+            ->type_name("N")
+            ->check(CLI::Range(4, 8192));
         app.add_option("--mirror", o->mirrors,
                        "A node that is a mirror, too; with :sphere, :paraboloid or :cube behind it "
                        "mapped so; with :off no mirror, though its material says so: it shows the environment. May be given "
@@ -284,6 +339,11 @@ Command view_command() {
         add_choice(app, "--lookup", o->lookup, joined(mirror_lookup_names), one_of<MirrorLookup>(mirror_lookup_names),
                    "How maps are looked up: by direction, as if all were far away; where rays meet what is at a distance; "
                    "by direction at vertices, as it used to be done (default: distance)");
+        app.add_option("--max-error", o->max_error,
+                       "Draw mirrors by the smallest maps whose picture is off by E at most, as the rms of the difference over that of "
+                       "the picture by rays, or by rays: tried in all of it, of --frames in the first, the middle and the last one")
+            ->type_name("E")
+            ->check(number_in({1e-6, 10.0}));
         app.add_flag("--show-maps", o->look.tinted, "Tint what mirrors show by the face of the map");
         app.add_option("--save-maps", o->saved,
                        "Write the map of each mirror that is drawn into this folder, too: NODE.exr, of frames NODE.0001.exr, along "

@@ -197,6 +197,46 @@ TEST_F(View, AnOrthographicCameraSeesMetres) {
   fails(2, {"view", "scene.gltf", "a.png", "--anaglyph", "0.1"}, {"orthographic"});
 }
 
+// The figure is that of the files; what it took is what the words say; and where no maps will do the picture is that of rays.
+TEST_F(View, MaxErrorTakesTheCheapestMapsThatDoOrRays) {
+  const std::vector<std::string> size{"--width", "48", "--height", "40", "--samples", "1"};
+  const auto view = [&](const std::string& out, std::vector<std::string> more) {
+    more.insert(more.begin(), {"view", "scene.gltf", out});
+    more.insert(more.end(), size.begin(), size.end());
+    return envmap(more);
+  };
+  ASSERT_EQ(view("rays.exr", {"--method", "raycast"}).status, 0);
+  const Result loose = view("loose.exr", {"--max-error", "0.5"});
+  ASSERT_EQ(loose.status, 0) << loose.err;
+  const Picture picture = load(path("loose.exr")), rays = load(path("rays.exr"));
+  double off = 0, all = 0;
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 48; ++x)
+      for (int c = 0; c < 3; ++c) {
+        off += std::pow(double(picture.at(x, y)[c]) - rays.at(x, y)[c], 2);
+        all += std::pow(rays.at(x, y)[c], 2);
+      }
+  const std::size_t at = loose.err.find("off by ");
+  ASSERT_NE(at, std::string::npos) << loose.err;
+  EXPECT_NEAR(std::stod(loose.err.substr(at + 7)), std::sqrt(off / all), 0.005 + 0.05 * std::sqrt(off / all));
+  EXPECT_LE(std::sqrt(off / all), 0.5);
+  const std::size_t first = loose.err.find("--lookup"), end = loose.err.find(": off");
+  ASSERT_LT(first, end) << loose.err;
+  ASSERT_EQ(shell("\"$ENVMAP\" view scene.gltf again.exr --width 48 --height 40 --samples 1 " + loose.err.substr(first, end - first)).status, 0);
+  EXPECT_EQ(read("again.exr"), read("loose.exr"));
+
+  const Result strict = view("strict.exr", {"--max-error", "1e-6"});
+  ASSERT_EQ(strict.status, 0) << strict.err;
+  EXPECT_NE(strict.err.find("by rays"), std::string::npos) << strict.err;
+  EXPECT_EQ(read("strict.exr"), read("rays.exr"));
+  for (const std::vector<std::string>& chosen :
+       {std::vector<std::string>{"--method", "raycast"}, {"--size", "64"}, {"--max-size", "64"}, {"--lookup", "direction"}, {"--bounces", "1"}, {"--save-maps", "."}}) {
+    std::vector<std::string> line{"--max-error", "0.5"};
+    line.insert(line.end(), chosen.begin(), chosen.end());
+    EXPECT_EQ(view("no.exr", line).status, 2) << chosen[0];
+  }
+}
+
 TEST_F(View, WhatMakesNoSense) {
   fails(2, {"view", "scene.gltf", "a.png", "--camera", "Nobody"}, {"Nobody", "front", "X,Y,Z"});
   fails(2, {"view", "scene.gltf", "a.png", "--mirror", "Nobody"}, {"Nobody"});
