@@ -37,11 +37,13 @@ class Painter {
     if (common.verbose) note(common, context_.renderer());
   }
 
-  [[nodiscard]] Drawn paint(Shot shot, DrawMethod method) {
+  // @param moved meshes whose vertices are others than in the last shot.
+  [[nodiscard]] Drawn paint(Shot shot, const std::vector<int>& moved, DrawMethod method) {
+    for (const int mesh : moved) renderer_.update(shot.scene, mesh);
     const Viewpoint& from = options_.from;
     if (options_.bounces > 0) {
       const Viewer viewer{.at = from.at, .node = from.without, .pixel = 0.5 * pi / from.size};
-      mirrors_.update(renderer_, shot, {viewer}, {.bounces = options_.bounces, .far = from.far}, [&](const std::string& line) {
+      mirrors_.update(renderer_, shot, {viewer}, {.bounces = options_.bounces, .moved = !moved.empty(), .far = from.far}, [&](const std::string& line) {
         if (common_.verbose) note(common_, line);
       });
       shot.mirrors = mirrors_.maps();
@@ -88,7 +90,7 @@ int run(Options& o, const Common& common) {
   const std::vector<std::string> outputs = frames.paths(o.output);
   check_files(outputs, {o.scene.path, o.scene.environment}, common);
   const Costs costs = read_costs(o.costs, common);
-  const LoadedScene loaded = load(o.scene, common);
+  LoadedScene loaded = load(o.scene, common);
   check_files(outputs, loaded.inputs, common);
   const auto depfile = open_depfile(outputs, loaded.inputs, common);
   const Viewpoint place = viewpoint_of(o.at, loaded.scene, o.scene.path);
@@ -102,11 +104,12 @@ int run(Options& o, const Common& common) {
   if (method != DrawMethod::raycast) painter.emplace(o, common, loaded, mirrors);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
+    const std::vector<int> moved = loaded.move_to(frames.time(frame));
     const Shot shot = loaded.shot(frames.time(frame), o.scene);
     if (o.from.without >= 0) o.from.at = centre_of(loaded.scene, shot.pose, o.from.without);
     if (turned) o.from.axes = turned_to(direction(o, loaded.scene, shot.pose));
     const Stopwatch watch;
-    Drawn drawn = painter ? painter->paint(shot, method)
+    Drawn drawn = painter ? painter->paint(shot, moved, method)
                           : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far}, progress_line(common, "cast"));
     const double took = watch.seconds();
     seconds += took;

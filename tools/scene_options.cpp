@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "envmap/base/error.h"
+#include "envmap/scene/deform.h"
 #include "envmap/scene/read/read_scene.h"
 
 namespace tools {
@@ -56,6 +57,8 @@ Frames frames_of(const SceneOptions& o) {
   return {std::stoi(parts[1]), std::stoi(parts[2]), true, o.time, o.rate};
 }
 
+std::vector<int> LoadedScene::move_to(double time) { return deform(scene, pose(scene, time), time); }
+
 Shot LoadedScene::shot(double time, const SceneOptions& options) const {
   return {.scene = scene,
           .pose = pose(scene, time),
@@ -67,6 +70,7 @@ Shot LoadedScene::shot(double time, const SceneOptions& options) const {
 
 LoadedScene load(const SceneOptions& o, const Common& common) {
   LoadedScene loaded{.scene = read_scene(o.path, o.read.max_pixels)};
+  loaded.move_to(frames_of(o).time(frames_of(o).first));
   const Scene& scene = loaded.scene;
   loaded.inputs = scene.files;
   for (const std::string& what : scene.remarks) warn(fmt::format("{}: {}", o.path, what));

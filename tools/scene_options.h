@@ -47,6 +47,8 @@ struct LoadedScene {
   std::vector<envmap::DistantLight> distant;         ///< Of it.
   std::vector<std::string> inputs;
 
+  /// Puts skins and morph targets where they are then; load() did for the first moment. @return meshes that changed.
+  std::vector<int> move_to(double time);
   [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;
 };
 LoadedScene load(const SceneOptions& options, const Common& common);

@@ -96,10 +96,13 @@ class MapPainter {
     return choose_maps(renderer_, mirrors, std::move(moments), options_.drawing, *options_.max_error);
   }
 
-  [[nodiscard]] Pictures paint(Shot shot, const std::vector<Eye>& eyes) {
+  // @param moved meshes whose vertices are others than in the last shot.
+  [[nodiscard]] Pictures paint(Shot shot, const std::vector<int>& moved, const std::vector<Eye>& eyes) {
+    for (const int mesh : moved) renderer_.update(shot.scene, mesh);
     std::vector<Viewer> viewers;
     for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
     MirrorOptions drawing = options_.drawing;
+    drawing.moved = !moved.empty();
     if (!drawing.bounces && !first_ && !options_.max_error) drawing.bounces = 1;
     first_ = false;
     shot.look = options_.look;
@@ -199,7 +202,7 @@ int run(Options& o, const Common& common) {
   std::vector<std::string> outputs;
   for (const std::string& path : frames.paths(o.output)) std::ranges::copy(eye_files(path), std::back_inserter(outputs));
   check_files(outputs, {o.scene.path, o.scene.environment}, common);
-  const LoadedScene loaded = load(o.scene, common);
+  LoadedScene loaded = load(o.scene, common);
   check_files(outputs, loaded.inputs, common);
   const auto depfile = open_depfile(outputs, loaded.inputs, common);
   const Scene& scene = loaded.scene;
@@ -215,10 +218,11 @@ int run(Options& o, const Common& common) {
   if (o.max_error) choose(o, scenery, mirrors, painter, common);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
+    const std::vector<int> moved = loaded.move_to(frames.time(frame));
     const Shot shot = scenery.shot(frame);
     const std::vector<Eye> eyes = scenery.eyes(frame, shot.pose);
     const Stopwatch watch;
-    Pictures pictures = painter ? painter->paint(shot, eyes) : cast(o, common, nodes, shot, eyes);
+    Pictures pictures = painter ? painter->paint(shot, moved, eyes) : cast(o, common, nodes, shot, eyes);
     seconds += watch.seconds();
     if (!maps.empty()) painter->save(frames.sequence ? numbered(maps, frame) : maps);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));

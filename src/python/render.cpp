@@ -4,6 +4,7 @@
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "envmap/render/turn.h"
+#include "envmap/scene/deform.h"
 #include "envmap/scene/read/read_scene.h"
 
 #include <pybind11/pybind11.h>
@@ -96,10 +97,11 @@ Map render(const std::filesystem::path& file, const std::string& to, const Place
   check(from, occlusion);
   const std::string path = file.string();
   const auto kind = named<ContextKind>("context", context, context_names);
-  const Scene scene = [&] {
+  Scene scene = [&] {
     const py::gil_scoped_release others;
     return read_scene(path);
   }();
+  deform(scene, pose(scene, time), time);
   tell_shortcomings(scene, path, environment || ambient);
   Shot shot{.scene = scene, .pose = pose(scene, time), .ambient = Colour(direction(ambient.value_or(Triple{}))), .shadows = shadows};
   stand_at(from, at, scene, shot.pose, path);

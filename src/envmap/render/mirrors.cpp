@@ -183,7 +183,7 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   const int size = options.size > 0 ? options.size : std::min(fitting_size(mirror, want.spacing, want.pixels), largest);
   const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
                                                      : map.texture->size >= size && map.texture->size <= 2 * size);
-  const bool moved = !fits || want.at != drawn.at || shot.look.lookup != drawn.lookup ||
+  const bool moved = !fits || options.moved || want.at != drawn.at || shot.look.lookup != drawn.lookup ||
                      !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
   Plan plan{.size = fits ? map.texture->size : size, .axes = map.axes, .anew = moved};
   if (mirror.rough || mirror.to == Projection::cube) return plan;

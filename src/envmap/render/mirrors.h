@@ -39,6 +39,7 @@ struct MirrorOptions {
   /// than 1/255 of white, or of itself where it is brighter; at most most_rounds.
   std::optional<int> bounces;
   bool all = false;  ///< Draw every face of every map in every frame.
+  bool moved = false;  ///< Vertices of meshes did: what shows them is drawn again.
   double near = 0.01, far = 1000;
   DrawMethod method = DrawMethod::exact;
 };

@@ -41,6 +41,10 @@ void complete(Mesh& mesh) {
   mesh.coordinates.resize(mesh.positions.size(), glm::vec2(0));
 }
 
+void make_normals_flat(Mesh& mesh) {
+  for (std::size_t k = 0; k < mesh.indices.size(); ++k) mesh.normals[mesh.indices[k]] = triangle_normal(mesh, k - k % 3);
+}
+
 void note_unmodelled(Scene& scene, const std::string& what) {
   if (std::ranges::find(scene.unmodelled, what) == scene.unmodelled.end()) scene.unmodelled.push_back(what);
 }

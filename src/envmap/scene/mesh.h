@@ -12,6 +12,9 @@ namespace envmap {
 /// unit vectors; those of length 0 become that of a triangle. Texture coordinates 0 where there are none.
 void complete(Mesh& mesh);
 
+/// Makes the normal of each corner that of its triangle. Vertices are not shared.
+void make_normals_flat(Mesh& mesh);
+
 /// More corners of triangles and vertices no scene is read with.
 inline constexpr std::size_t most_corners = std::size_t{1} << 27;
 

@@ -4,32 +4,20 @@
 #define GLM_ENABLE_EXPERIMENTAL
 #include <glm/gtx/matrix_decompose.hpp>
 
+#include "envmap/scene/keys.h"
+
 namespace envmap {
 namespace {
-
-Direction between(const Direction& a, const Direction& b, double t) { return a + (b - a) * t; }
-Quaternion between(const Quaternion& a, const Quaternion& b, double t) { return glm::slerp(a, b, t); }
-
-// The value at a time; `rest` where there are no keys.
-template <class T>
-T at(const std::vector<Motion::Key<T>>& keys, double time, const T& rest) {
-  if (keys.empty()) return rest;
-  const auto next = std::ranges::upper_bound(keys, time, {}, &Motion::Key<T>::time);
-  if (next == keys.begin()) return keys.front().value;
-  const auto last = std::prev(next);
-  if (next == keys.end()) return last->value;
-  return between(last->value, next->value, (time - last->time) / (next->time - last->time));
-}
 
 Matrix moved(const Matrix& rest, const Motion& motion, double time) {
   Direction scale, skew, translation;
   Quaternion rotation;
   glm::vec<4, double, glm::highp> perspective;
   if (!glm::decompose(rest, scale, rotation, translation, skew, perspective)) scale = Direction(0);
-  Matrix local = glm::mat4_cast(glm::normalize(at(motion.rotations, time, rotation)));
-  const Direction size = at(motion.scales, time, scale);
+  Matrix local = glm::mat4_cast(glm::normalize(value_at(motion.rotations, time, rotation)));
+  const Direction size = value_at(motion.scales, time, scale);
   for (int axis = 0; axis < 3; ++axis) local[axis] *= size[axis];
-  local[3] = {at(motion.translations, time, translation), 1};
+  local[3] = {value_at(motion.translations, time, translation), 1};
   return local;
 }
 

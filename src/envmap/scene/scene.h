@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
 #include <string>
+#include <valarray>
 #include <vector>
 
 #include "envmap/maths/vector.h"
@@ -103,6 +104,26 @@ struct Motion {
   std::vector<Key<Quaternion>> rotations;
 };
 
+/// Of a mesh, or what is added to them.
+struct Vertices {
+  std::vector<glm::vec3> positions, normals;
+  std::vector<glm::vec4> tangents;
+};
+
+/// What changes the shape of a mesh, which is one node's alone (deform.h).
+struct Deformation {
+  int node = 0, mesh = 0;
+  Vertices rest;
+  bool flat = false;                                ///< Normals are those of the triangles.
+  std::vector<Vertices> targets;                    ///< Added as often as their weights say; no vectors: nothing.
+  std::valarray<double> weights;                    ///< One a target, where there are no keys.
+  std::vector<Motion::Key<std::valarray<double>>> keys;
+  std::vector<int> joints;                          ///< Nodes; none: no skin.
+  std::vector<Matrix> inverse_bind;                 ///< Of each joint: from the mesh to its frame, at rest.
+  std::vector<glm::u16vec4> influences;             ///< Of each vertex: four of the joints.
+  std::vector<glm::vec4> parts;                     ///< What those count for, 1 in all.
+};
+
 struct Scene {
   std::vector<Node> nodes;
   std::vector<Mesh> meshes;
@@ -111,6 +132,7 @@ struct Scene {
   std::vector<PunctualLight> lights;
   std::vector<Camera> cameras;
   std::vector<Motion> motions;
+  std::vector<Deformation> deformations;
   std::vector<std::string> unmodelled;  ///< What the file uses and this does not draw, each named once.
   std::vector<std::string> remarks;     ///< Sentences on what else the file leaves open, such as a material library that is missing.
   std::vector<std::string> files;       ///< Paths of all that was read: the scene, its buffers, materials and images.

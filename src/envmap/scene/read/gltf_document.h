@@ -3,6 +3,8 @@
 /// 2.0.1. Everything here throws InputError, without the name of the file, where the file breaks it.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -86,5 +88,19 @@ Accessor open_accessor(const GltfDocument& document, const Field& accessor);
 
 /// All its numbers as they are meant: sparse ones put in place, normalised integers divided. @param components it must have.
 std::vector<double> accessor_numbers(const GltfDocument& document, const Field& accessor, int components);
+
+/// The same as vectors; none where it is absent. @param expected how many; 0: any.
+template <class V>
+std::vector<V> vectors(const GltfDocument& document, const Field& accessor, std::size_t expected) {
+  std::vector<V> found;
+  if (!accessor.there()) return found;
+  const std::vector<double> numbers = accessor_numbers(document, accessor, V::length());
+  found.resize(numbers.size() / static_cast<std::size_t>(V::length()));
+  if (expected > 0 && found.size() != expected)
+    accessor.fail(fmt::format("has {} values for {} vertices", found.size(), expected));
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    found[k / static_cast<std::size_t>(V::length())][static_cast<int>(k) % V::length()] = static_cast<float>(numbers[k]);
+  return found;
+}
 
 }  // namespace envmap

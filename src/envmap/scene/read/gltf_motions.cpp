@@ -11,17 +11,21 @@ namespace {
 // Pieces that a cubic spline between two keys is drawn in: straight ones, off by 1/500 of its bow.
 constexpr int pieces = 16;
 
-Quaternion as(const std::vector<double>& v, std::size_t at, const Quaternion*) {
+Quaternion as(const std::vector<double>& v, std::size_t at, std::size_t, const Quaternion*) {
   return Quaternion(v[at + 3], v[at], v[at + 1], v[at + 2]);
 }
-Direction as(const std::vector<double>& v, std::size_t at, const Direction*) { return {v[at], v[at + 1], v[at + 2]}; }
+Direction as(const std::vector<double>& v, std::size_t at, std::size_t, const Direction*) { return {v[at], v[at + 1], v[at + 2]}; }
 
+std::valarray<double> as(const std::vector<double>& v, std::size_t at, std::size_t wide, const std::valarray<double>*) {
+  return {v.data() + at, wide};
+}
+
+// @param wide numbers of a value, which are in the accessor as elements of so many components.
 template <class T>
-std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field& sampler) {
+std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field& sampler, std::size_t wide, int components) {
   constexpr const T* kind = nullptr;
-  constexpr std::size_t wide = T::length();
   const std::vector<double> times = accessor_numbers(document, sampler["input"], 1);
-  const std::vector<double> values = accessor_numbers(document, sampler["output"], T::length());
+  const std::vector<double> values = accessor_numbers(document, sampler["output"], components);
   const std::string between = sampler["interpolation"].text("LINEAR");
   const bool cubic = between == "CUBICSPLINE", steps = between == "STEP";
   if (!cubic && !steps && between != "LINEAR") sampler["interpolation"].fail("is '" + between + "', no interpolation");
@@ -33,18 +37,26 @@ std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field&
     if (k > 0 && steps) keys.push_back({times[k], keys.back().value});
     if (k > 0 && cubic) {
       // Hermite's spline (specification, appendix C.4); in tangent, value and out tangent stand together.
-      const T p0 = as(values, (3 * k - 2) * wide, kind), m0 = as(values, (3 * k - 1) * wide, kind);
-      const T p1 = as(values, (3 * k + 1) * wide, kind), m1 = as(values, 3 * k * wide, kind);
+      const T p0 = as(values, (3 * k - 2) * wide, wide, kind), m0 = as(values, (3 * k - 1) * wide, wide, kind);
+      const T p1 = as(values, (3 * k + 1) * wide, wide, kind), m1 = as(values, 3 * k * wide, wide, kind);
       const double span = times[k] - times[k - 1];
       for (int piece = 1; piece < pieces; ++piece) {
         const double t = static_cast<double>(piece) / pieces, t2 = t * t, t3 = t2 * t;
-        keys.push_back({times[k - 1] + t * span, p0 * (2 * t3 - 3 * t2 + 1) + m0 * (span * (t3 - 2 * t2 + t)) +
-                                                     p1 * (3 * t2 - 2 * t3) + m1 * (span * (t3 - t2))});
+        keys.push_back({times[k - 1] + t * span, T(p0 * (2 * t3 - 3 * t2 + 1) + m0 * (span * (t3 - 2 * t2 + t)) +
+                                                     p1 * (3 * t2 - 2 * t3) + m1 * (span * (t3 - t2)))});
       }
     }
-    keys.push_back({times[k], as(values, (cubic ? 3 * k + 1 : k) * wide, kind)});
+    keys.push_back({times[k], as(values, (cubic ? 3 * k + 1 : k) * wide, wide, kind)});
   }
   return keys;
+}
+
+void read_weights(const GltfDocument& document, const Field& sampler, int node, Scene& scene) {
+  for (Deformation& d : scene.deformations)
+    if (d.node == node && !d.targets.empty()) {
+      if (!d.keys.empty()) return note_unmodelled(scene, "several animations of one node");
+      d.keys = read_keys<std::valarray<double>>(document, sampler, d.targets.size(), 1);
+    }
 }
 
 }  // namespace
@@ -68,14 +80,17 @@ void read_motions(const GltfDocument& document, std::span<const int> placed, Sce
       const std::size_t at = target["node"].index(nodes.size());
       const Field sampler = samplers[channels[c]["sampler"].index(samplers.size())];
       const std::string path = target["path"].text();
-      if (path == "weights") note_unmodelled(scene, "morph targets");
-      if (path == "weights" || placed[at] < 0) continue;
+      if (placed[at] < 0) continue;
+      if (path == "weights") {
+        read_weights(document, sampler, placed[at], scene);
+        continue;
+      }
       if (nodes[at]["matrix"].there()) target.fail("moves a node that has a matrix");
       Motion& motion = moving[placed[at]];
       const auto fill = [&](auto& keys) {
         using T = decltype(keys.front().value);
         if (!keys.empty()) return note_unmodelled(scene, "several animations of one node");
-        keys = read_keys<std::remove_reference_t<T>>(document, sampler);
+        keys = read_keys<std::remove_reference_t<T>>(document, sampler, T::length(), T::length());
       };
       if (path == "translation")
         fill(motion.translations);

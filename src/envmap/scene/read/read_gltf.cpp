@@ -9,10 +9,12 @@
 #include <string_view>
 
 #include "envmap/base/error.h"
+#include "envmap/scene/deform.h"
 #include "envmap/scene/mesh.h"
 #include "envmap/scene/read/draco.h"
 #include "envmap/scene/read/gltf_document.h"
 #include "envmap/scene/read/gltf_motions.h"
+#include "envmap/scene/read/gltf_shapes.h"
 #include "envmap/scene/read/read_texture.h"
 #include "envmap/scene/tangents.h"
 
@@ -43,6 +45,7 @@ struct Reader {
   std::uint64_t pixels_left;  // Of textures.
   Scene scene = {};
   std::vector<std::vector<int>> meshes = {};                  // Of scene.meshes, for each mesh of the document.
+  std::map<int, Deformation> shapes = {};                     // Of scene.meshes that move.
   std::vector<TextureTransform> transforms = {};              // Of each material's textures.
   std::vector<int> nodes = {};                                // In scene.nodes, for each node; -1: not in the scene.
   std::map<std::pair<std::size_t, bool>, int> textures = {};  // By index and whether they are colours.
@@ -202,19 +205,6 @@ int material_of(Reader& r, const Field& index) {
 
 // ---- meshes ----------------------------------------------------------------------------------------------------------
 
-template <class V>
-std::vector<V> vectors(const GltfDocument& document, const Field& accessor, std::size_t expected) {
-  std::vector<V> found;
-  if (!accessor.there()) return found;
-  const std::vector<double> numbers = accessor_numbers(document, accessor, V::length());
-  found.resize(numbers.size() / static_cast<std::size_t>(V::length()));
-  if (expected > 0 && found.size() != expected)
-    accessor.fail(fmt::format("has {} values for {} vertices", found.size(), expected));
-  for (std::size_t k = 0; k < numbers.size(); ++k)
-    found[k / static_cast<std::size_t>(V::length())][static_cast<int>(k) % V::length()] = static_cast<float>(numbers[k]);
-  return found;
-}
-
 std::vector<std::uint32_t> corners(const GltfDocument& document, const Field& accessor, std::size_t vertices) {
   std::vector<std::uint32_t> found;
   if (!accessor.there()) {
@@ -298,11 +288,15 @@ void read_mesh(Reader& r, const Field& field) {
       r.lacks("points and lines");
       continue;
     }
-    if (primitive["targets"].size() > 0) r.lacks("morph targets");
     const bool draco = primitive["extensions"]["KHR_draco_mesh_compression"].there();
     Mesh mesh = draco ? compressed(r.document, primitive) : plain(r.document, primitive);
     if (draco && attributes["COLOR_0"].there()) r.lacks("colours of Draco's vertices");
     if (mesh.indices.empty()) continue;
+    const bool moves = primitive["targets"].size() > 0 || attributes["JOINTS_0"].there();
+    if (draco && moves) r.lacks("skins and morph targets of Draco's vertices");
+    std::optional<Deformation> shape;
+    if (moves && !draco) shape = read_shape(r.document, primitive, mesh.positions.size(), r.scene);
+    const std::vector<std::uint32_t> before = mesh.indices;
     mesh.material = material_of(r, primitive["material"]);
     const bool unlit = primitive["material"].there() &&
                        r.document.refer(primitive["material"], "materials")["extensions"]["KHR_materials_unlit"].there();
@@ -316,6 +310,10 @@ void read_mesh(Reader& r, const Field& field) {
     complete(mesh);
     complete_tangents(mesh, r.scene.materials[static_cast<std::size_t>(mesh.material)]);
     made.push_back(static_cast<int>(r.scene.meshes.size()));
+    if (shape) {
+      finish_shape(*shape, before, mesh);
+      r.shapes.emplace(made.back(), std::move(*shape));
+    }
     r.scene.meshes.push_back(std::move(mesh));
   }
 }
@@ -329,6 +327,9 @@ void check_corners(const GltfDocument& document) {
       const Field primitive = meshes[m]["primitives"][k];
       for (const Field& list : {primitive["indices"], primitive["attributes"]["POSITION"]})
         if (list.there()) corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
+      for (std::size_t t = 0; t < primitive["targets"].size(); ++t)
+        if (const Field list = primitive["targets"][t]["POSITION"]; list.there())
+          corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
       if (corners > most_corners)
         primitive.fail(fmt::format("is one too many: over {} million corners", most_corners / 1000000));
     }
@@ -441,7 +442,6 @@ void read_nodes(Reader& r) {
     r.nodes[order[next]] = index;
     Node node{.name = field["name"].text(), .local = local_matrix(field)};
     if (above >= 0) node.parent = r.nodes[above];
-    if (field["skin"].there()) r.lacks("skins");
     if (field["mesh"].there()) node.meshes = r.meshes[field["mesh"].index(r.meshes.size())];
     r.scene.nodes.push_back(std::move(node));
     read_light(r, field, index);
@@ -476,7 +476,9 @@ Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std:
   }
   for (std::size_t k = 0; k < meshes.size(); ++k) read_mesh(r, meshes[k]);
   read_nodes(r);
+  read_deformations(document, r.nodes, r.shapes, r.scene);
   read_motions(document, r.nodes, r.scene);
+  deform(r.scene, pose(r.scene, 0), 0);
   return std::move(r.scene);
 }
 

@@ -1,0 +1,76 @@
+#include "envmap/scene/deform.h"
+
+#include <cmath>
+
+#include "envmap/scene/keys.h"
+#include "envmap/scene/mesh.h"
+
+namespace envmap {
+namespace {
+
+using Linear = glm::mat<3, 3, double, glm::highp>;
+
+glm::vec3 unit_or(const Direction& v, const glm::vec3& otherwise) {
+  const double length = glm::length(v);
+  return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : otherwise;
+}
+
+void add(std::vector<glm::vec3>& to, const std::vector<glm::vec3>& displacements, double weight) {
+  for (std::size_t k = 0; k < displacements.size(); ++k) to[k] += static_cast<float>(weight) * displacements[k];
+}
+
+void morph(const Deformation& d, double time, Vertices& v) {
+  const std::valarray<double> weights = value_at(d.keys, time, d.weights);
+  for (std::size_t k = 0; k < d.targets.size(); ++k) {
+    const Vertices& target = d.targets[k];
+    if (weights[k] == 0) continue;
+    add(v.positions, target.positions, weights[k]);
+    add(v.normals, target.normals, weights[k]);
+    for (std::size_t n = 0; n < std::min(v.tangents.size(), target.tangents.size()); ++n)
+      v.tangents[n] += static_cast<float>(weights[k]) * glm::vec4(glm::vec3(target.tangents[n]), 0);
+  }
+  for (std::size_t n = 0; n < v.normals.size(); ++n) v.normals[n] = unit_or(Direction(v.normals[n]), d.rest.normals[n]);
+}
+
+// The node's own matrix moves nothing: what the joints say is brought into its frame.
+void skin(const Deformation& d, const Pose& pose, Vertices& v) {
+  const Matrix& own = pose[static_cast<std::size_t>(d.node)];
+  if (d.joints.empty() || glm::determinant(own) == 0) return;
+  const Matrix from_world = glm::inverse(own);
+  std::vector<Matrix> of_joint;
+  for (std::size_t k = 0; k < d.joints.size(); ++k)
+    of_joint.push_back(from_world * pose[static_cast<std::size_t>(d.joints[k])] * d.inverse_bind[k]);
+  for (std::size_t n = 0; n < v.positions.size(); ++n) {
+    Matrix m(0);
+    for (int k = 0; k < 4; ++k)
+      if (d.parts[n][k] != 0) m += of_joint[d.influences[n][k]] * static_cast<double>(d.parts[n][k]);
+    const Linear turn(m);
+    // The cofactors are the inverse transposed but for its scale.
+    const Linear normals(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1]));
+    v.positions[n] = glm::vec3(m * glm::dvec4(v.positions[n], 1));
+    const double sign = glm::determinant(turn) < 0 ? -1 : 1;
+    v.normals[n] = unit_or(sign * (normals * Direction(v.normals[n])), v.normals[n]);
+    if (!v.tangents.empty()) v.tangents[n] = glm::vec4(glm::vec3(turn * Direction(v.tangents[n])), v.tangents[n].w);
+  }
+}
+
+}  // namespace
+
+std::vector<int> deform(Scene& scene, const Pose& pose, double time) {
+  std::vector<int> moved;
+  for (const Deformation& d : scene.deformations) {
+    Mesh& mesh = scene.meshes[static_cast<std::size_t>(d.mesh)];
+    Vertices now = d.rest;
+    morph(d, time, now);
+    skin(d, pose, now);
+    const bool is_other = now.positions != mesh.positions || (!d.flat && now.normals != mesh.normals);
+    mesh.positions = std::move(now.positions);
+    if (!d.flat) mesh.normals = std::move(now.normals);
+    mesh.tangents = std::move(now.tangents);
+    if (d.flat) make_normals_flat(mesh);
+    if (is_other) moved.push_back(d.mesh);
+  }
+  return moved;
+}
+
+}  // namespace envmap
