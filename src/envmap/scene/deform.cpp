@@ -63,6 +63,8 @@ std::vector<int> deform(Scene& scene, const Pose& pose, double time) {
     Vertices now = d.rest;
     morph(d, time, now);
     skin(d, pose, now);
+    for (std::size_t n = 0; n < now.positions.size(); ++n)  // Weights and matrices may be of any size.
+      if (!std::isfinite(glm::length(Direction(now.positions[n])))) now.positions[n] = d.rest.positions[n];
     const bool is_other = now.positions != mesh.positions || (!d.flat && now.normals != mesh.normals);
     mesh.positions = std::move(now.positions);
     if (!d.flat) mesh.normals = std::move(now.normals);

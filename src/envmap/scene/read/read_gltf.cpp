@@ -328,8 +328,9 @@ void check_corners(const GltfDocument& document) {
       for (const Field& list : {primitive["indices"], primitive["attributes"]["POSITION"]})
         if (list.there()) corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
       for (std::size_t t = 0; t < primitive["targets"].size(); ++t)
-        if (const Field list = primitive["targets"][t]["POSITION"]; list.there())
-          corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
+        for (const char* what : {"POSITION", "NORMAL", "TANGENT"})
+          if (const Field list = primitive["targets"][t][what]; list.there())
+            corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
       if (corners > most_corners)
         primitive.fail(fmt::format("is one too many: over {} million corners", most_corners / 1000000));
     }
