@@ -324,9 +324,9 @@ Command convert_command() {
       .writes = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
         auto o = std::make_shared<Options>();
-        app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
+        app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files, {half} a paraboloid's two")->required();
         app.add_option("OUTPUT", o->output,
-                       "File to write, '-' for standard output; {face} in the name writes six files")
+                       "File to write, '-' for standard output; {face} in the name writes six files, {half} a paraboloid's two")
             ->required();
         add_engine(app, o->engine,
                    "Make what this engine loads as its environment: projection, frame, file type and depth; 'list' prints the engines");

@@ -6,7 +6,7 @@
 
 namespace tools {
 
-/// Of a name with {face} and {level} all of its files, else the name; none of '-' and of no name.
+/// Of a name with {face}, {half} and {level} all of its files, else the name; none of '-' and of no name.
 /// @param levels that there are.
 std::vector<std::string> files_of(const std::string& path, int levels);
 

@@ -173,7 +173,7 @@ Command render_command() {
             add_scene(app, o->scene);
             app.add_option(
                    "OUTPUT", o->output,
-                   "File to write, '-' for standard output; {face} in the name writes six files, {frame} or %04d one "
+                   "File to write, '-' for standard output; {face} in the name writes six files, {half} a paraboloid's two, {frame} or %04d one "
                    "a frame")
                 ->required();
             add_projection(app, "--to", o->to, "Projection of the map (default: cube)");

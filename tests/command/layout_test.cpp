@@ -59,6 +59,29 @@ TEST_F(Layouts, OfSixFilesAreNamedByFace) {
   EXPECT_EQ(names().size(), 6U);
 }
 
+// Paraboloid maps have two: front (+Z) and back, as halves of one image have them.
+TEST_F(Layouts, OfTwoHalvesAreNamedFrontAndBack) {
+  succeeds({"generate", "directions", "both.exr", "--to", "paraboloid", "--size", "8"});
+  succeeds({"generate", "directions", "a_{half}.exr", "--to", "paraboloid", "--size", "8"});
+  const Picture both = load(path("both.exr")), front = load(path("a_front.exr")), back = load(path("a_back.exr"));
+  ASSERT_EQ(front.width, 8);
+  ASSERT_EQ(back.height, 8);
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 8; ++i)
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_EQ(front.at(i, j)[c], both.at(i, j)[c]);
+        EXPECT_EQ(back.at(i, j)[c], both.at(8 + i, j)[c]);
+      }
+  succeeds({"convert", "both.exr", "one.exr", "--to", "latlong"});
+  succeeds({"convert", "a_{half}.exr", "two.exr", "--to", "latlong"});
+  EXPECT_EQ(load(path("two.exr")), load(path("one.exr")));
+  succeeds({"convert", "one.exr", "b_{half}.hdr", "--to", "paraboloid", "--depfile", "out.d"});
+  EXPECT_NE(read("out.d").find("b_front.hdr b_back.hdr"), std::string::npos) << read("out.d");
+  fails(2, {"convert", "one.exr", "b_{half}.exr", "--to", "cube"}, {"{half}"});
+  fails(2, {"convert", "one.exr", "b_{face}.exr", "--to", "paraboloid"}, {"{face}"});
+  fails(2, {"convert", "a_{half}.exr", "two.exr", "--from", "cube"}, {"{half}"});
+}
+
 TEST_F(Layouts, AreKnownByTheirShapeAlone) {
   const Picture column = cube_directions("column", size);
   for (const std::string layout : layouts)

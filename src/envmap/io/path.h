@@ -1,5 +1,5 @@
 /// @file
-/// `{face}` and `{level}` in file names.
+/// `{face}`, `{half}` and `{level}` in file names.
 #pragma once
 
 #include <filesystem>
@@ -10,14 +10,23 @@
 
 namespace envmap {
 
-inline constexpr std::string_view face_mark = "{face}", level_mark = "{level}";
+inline constexpr std::string_view face_mark = "{face}", half_mark = "{half}", level_mark = "{level}";
+inline constexpr std::string_view half_names[] = {"front", "back"};
 
-inline bool has_face(const std::string& path) { return path.find(face_mark) != std::string::npos; }
+/// Whether it names paraboloids, a file for each half.
+inline bool has_half(const std::string& path) {
+  return path.find(half_mark) != std::string::npos && path.find(face_mark) == std::string::npos;
+}
+/// Whether it names a file for each face of a cube or a paraboloid.
+inline bool has_face(const std::string& path) { return path.find(face_mark) != std::string::npos || has_half(path); }
+inline Projection projection_of_faces(const std::string& path) { return has_half(path) ? Projection::paraboloid : Projection::cube; }
 inline bool has_level(const std::string& path) { return path.find(level_mark) != std::string::npos; }
 
-/// The name of one face's file: px nx py ny pz nz for faces 0 to 5.
+/// The name of one face's file: px nx py ny pz nz for faces 0 to 5, front and back for halves.
 inline std::string face_path(std::string path, int face) {
-  return path.replace(path.find(face_mark), face_mark.size(), cube_face_names[static_cast<std::size_t>(face)]);
+  const auto k = static_cast<std::size_t>(face);
+  if (has_half(path)) return path.replace(path.find(half_mark), half_mark.size(), half_names[k]);
+  return path.replace(path.find(face_mark), face_mark.size(), cube_face_names[k]);
 }
 
 /// The name of one level's file: its number, from 0; the path itself where it has no mark.

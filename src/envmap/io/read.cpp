@@ -248,17 +248,18 @@ Source read_image(const std::string& path, const ReadOptions& options) {
   return source;
 }
 
-// One level out of six files, of a cube that is `size` high at its base; 0: what the first file says.
+// One level out of a file for each face, of a map that is `size` high at its base; 0: what the first file says.
 Level read_face_files(const std::string& path, const ReadOptions& options, int number, int size, Source& source) {
+  const Projection projection = projection_of_faces(path);
   std::optional<Level> level;
-  for (int face = 0; face < 6; ++face) {
+  for (int face = 0; face < faces(projection); ++face) {
     Image image;
     open(image, face_path(level_path(path, number), face), options.choice);
     Metadata recorded;
     const Source head = read_head(image, options, recorded);
     const int w = head.image_width, h = head.image_height;
-    if (w != h) image.fail(fmt::format("a cube face must be square, not {}x{}", w, h));
-    check_pixels(image, options, w, h, 6);
+    if (w != h) image.fail(fmt::format("a face must be square, not {}x{}", w, h));
+    check_pixels(image, options, w, h, faces(projection));
     if (image.texture && image.texture->cube) image.fail("holds a whole cube map, not one face");
     if (size == 0) {
       size = h;
@@ -276,7 +277,7 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
       image.fail(number == 0 ? fmt::format("{}x{}, but the first face is {}x{}", w, h, wanted, wanted)
                              : fmt::format("{}x{}, but level {} of faces of {}x{} is {}x{}", w, h, number, size, size,
                                            wanted, wanted));
-    if (!level) level.emplace(Projection::cube, wanted);
+    if (!level) level.emplace(projection, wanted);
     // Any projection of one square face.
     const Level one = read_level(image, options, 0, {Projection::sphere, Layout::single, wanted}, 0);
     for (int j = 0; j < wanted; ++j) std::ranges::copy(one.row(0, j), level->row(face, j).begin());
@@ -285,14 +286,16 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
 }
 
 Source read_faces(const std::string& path, const ReadOptions& options) {
-  if (options.projection && *options.projection != Projection::cube)
-    throw UsageError(fmt::format("{{face}} in a file name is for cube maps, not for a {} map", name(*options.projection)));
+  const Projection projection = projection_of_faces(path);
+  if (options.projection && *options.projection != projection)
+    throw UsageError(fmt::format("{} in a file name is for {} maps, not for a {} map", has_half(path) ? half_mark : face_mark,
+                                 name(projection), name(*options.projection)));
   Source source{.map = {}, .layout = Layout::files};
   // Level 0 even where another is wanted: it tells how large that one must be.
   source.map.levels.push_back(read_face_files(path, options, 0, 0, source));
   const int size = source.map.base().height();
   source.levels =
-      has_level(path) ? std::min(complete_levels({Projection::cube, Layout::files, size}), count_level_files(path)) : 1;
+      has_level(path) ? std::min(complete_levels({projection, Layout::files, size}), count_level_files(path)) : 1;
   for (const int k : wanted_levels(path, options, source.levels))
     if (k > 0) source.map.levels.push_back(read_face_files(path, options, k, size, source));
   if (options.level > 0) source.map.levels.erase(source.map.levels.begin());

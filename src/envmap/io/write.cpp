@@ -68,9 +68,11 @@ Layout choose_layout(const std::string& path, const FileFormat& format, const Wr
   if (p != Projection::cube) {
     if (format.cubes_alone) throw UsageError(path, fmt::format("{} files hold cube maps; this is a {} map", format.title, name(p)));
     if (options.layout) throw UsageError(fmt::format("a layout is for cube maps; this is a {} map", name(p)), Remedy::leave_out_layout);
-    if (has_face(path)) throw UsageError("{face} in a file name is for cube maps");
-    return default_layout(p);
+    if (has_face(path) && p != projection_of_faces(path))
+      throw UsageError(fmt::format("{} in a file name is for {} maps", has_half(path) ? half_mark : face_mark, name(projection_of_faces(path))));
+    return has_half(path) ? Layout::files : default_layout(p);
   }
+  if (has_half(path)) throw UsageError("{half} in a file name is for paraboloid maps; of a cube {face} writes six files");
   if (format.texture) {
     if (options.layout || has_face(path))
       throw UsageError(path, fmt::format("{} files hold cube faces as the APIs define them", format.title),

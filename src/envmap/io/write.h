@@ -50,7 +50,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 /// Writes a map with its levels as their rows are made; every file appears whole or not at all, and holds no date, host
 /// or user. EXR holds levels, in tiles (down to one texel: a chain that ends early is gone on with, and envmap:levels
 /// says where it ended), as do KTX, KTX2 and DDS; for other formats and for files of one face the name must have `{level}`.
-/// @param path a file, `-` for standard output, or a name with `{face}` for six files and `{level}` for one a level.
+/// @param path a file, `-` for standard output, or a name with `{face}` for six files, `{half}` for a paraboloid's two and `{level}` for one a level.
 /// @param levels the base first; each half the one before, rounded down (see half_level()); with their border, where there
 /// shall be one. @param progress may be empty.
 /// @throws OutputError where it cannot be written, or values do not fit and `clamp` is not set.
