@@ -224,17 +224,18 @@ def balls():
 
 
 def facing():
-    """Two mirrors of 2 x 2 m, 2 m apart along X, in a lit room of 6 m."""
+    """Two mirrors of 2 x 2 m, 2 m apart along X, in a lit room of 6 x 5 x 6 m."""
     scene = Scene()
     mirror = scene.material("mirror", (0.95, 0.95, 0.95), metallic=1.0, roughness=0.0)
     wax = scene.material("wax", (0.9, 0.3, 0.2), roughness=0.5)
     wall_colour = scene.material("wall", (0.3, 0.4, 0.5), roughness=0.9)
     scene.node("floor", scene.mesh(wall((-3, -1, -3), (6, 0, 0), (0, 0, 6), 8), scene.material("floor", (0.4, 0.35, 0.3), roughness=0.9)))
     for angle in (0, 90, 180, 270):
-        scene.node(f"wall {angle}", scene.mesh(wall((-3, 2, -3), (6, 0, 0), (0, -3, 0)), wall_colour), rotation=turn((0, 1, 0), angle))
+        scene.node(f"wall {angle}", scene.mesh(wall((-3, 4, -3), (6, 0, 0), (0, -5, 0)), wall_colour), rotation=turn((0, 1, 0), angle))
+    scene.node("ceiling", scene.mesh(wall((-3, 4, 3), (6, 0, 0), (0, 0, -6)), wall_colour))
     scene.node("left", scene.mesh(wall((-1, 1, 1), (0, 0, -2), (0, -2, 0)), mirror))
     scene.node("right", scene.mesh(wall((1, 1, -1), (0, 0, 2), (0, -2, 0)), mirror))
-    scene.node("candle", scene.mesh(moved(box(0.2, 0.8, 0.2), 0.2, -0.4, -0.2), wax))
+    scene.node("candle", scene.mesh(moved(box(0.2, 0.7, 0.2), 0.2, -0.65, -0.2), wax))
     scene.light("lamp", "point", 25, translation=[0, 1.5, 0])
     scene.camera("between", (0.85, 0.3, 0.8), (-1, -0.1, -0.2), 0.9)
     return scene

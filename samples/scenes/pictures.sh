@@ -1,39 +1,96 @@
 #!/bin/sh
-# Makes cellar.jpg: two views of the cellar through dynamic maps; lookup.jpg: a mirror ball on a table, its map looked up by direction alone, by distance, and the truth by rays;
-# and balls.jpg: mirror, glass, metals and plastics under a sunny sky, by rays (two minutes on two cores).
+# Makes the pictures of the README, all of generated scenes, skies and rooms:
+#   cellar.jpg    two views of the cellar through dynamic maps
+#   lookup.jpg    a mirror ball on a table, its map looked up by vertex, by direction and by distance, and the truth by rays
+#   facing.jpg    two mirrors that face each other: 1, 2 and 4 rounds of maps, below them as many reflections by rays
+#   vertices.jpg  a sphere map of a room whose walls have 2, 4 and 21 vertices an edge, drawn by distort, tessellate and exact
+#   balls.jpg     mirror, glass, metals and plastics under a sunny sky, or in a probe of yours, by rays (minutes)
+#   turn.webp     the balls, seen from all sides (or turn.mp4; where there is ffmpeg)
 #
-#   sh samples/scenes/pictures.sh [ENVMAP]        (default: build/release/envmap)
+#   sh samples/scenes/pictures.sh [-o FOLDER] [ENVMAP [PROBE]]      (default: samples/scenes, build/release/envmap, a blue sky)
 #
 # Needs oiiotool (openimageio-tools), to lay pictures side by side.
 set -eu
 cd "$(dirname "$0")/../.."
+out=samples/scenes
+if [ "${1:-}" = -o ]; then
+  out=$2
+  shift 2
+fi
 envmap=${1:-build/release/envmap}
+probe=${2:-}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 python3 samples/scenes/make.py "$work"
+
+# side_by_side COLUMNSxROWS NAME QUALITY PICTURE...
+side_by_side() {
+  shape=$1 name=$2 quality=$3
+  shift 3
+  oiiotool "$@" --mosaic:pad=4 "$shape" --compression "jpeg:$quality" -o "$out/$name"
+  echo "$out/$name"
+}
+
 "$envmap" generate sky "$work/sky.exr" --size 256 -q
 for camera in entrance table; do
   "$envmap" view "$work/cellar.glb" "$work/$camera.png" --camera $camera --width 500 --height 375 --samples 8 --ambient 0.12 \
     --display neutral --exposure 0.3 -q
 done
-oiiotool "$work/entrance.png" "$work/table.png" --mosaic 2x1 --compression jpeg:88 -o samples/scenes/cellar.jpg
-echo samples/scenes/cellar.jpg
+side_by_side 2x1 cellar.jpg 88 "$work/entrance.png" "$work/table.png"
+
 look() {
   name=$1
   shift
-  "$envmap" view "$work/ball.glb" "$work/$name.png" --environment "$work/sky.exr" --width 480 --height 360 --samples 4 -q "$@"
+  "$envmap" view "$work/ball.glb" "$work/$name.png" --environment "$work/sky.exr" --width 400 --height 300 --samples 4 -q "$@"
 }
+look vertex --lookup vertex
 look direction --lookup direction
 look distance --lookup distance
 look rays --method raycast
-oiiotool "$work/direction.png" "$work/distance.png" "$work/rays.png" --mosaic 3x1 \
-  --compression jpeg:88 -o samples/scenes/lookup.jpg
-echo samples/scenes/lookup.jpg
+side_by_side 4x1 lookup.jpg 88 "$work/vertex.png" "$work/direction.png" "$work/distance.png" "$work/rays.png"
 
-"$envmap" generate sun "$work/sun.exr" --direction=-0.75,0.8,-0.25 --radius 1 --value 7000,6200,5000 --zenith 1.2 \
-  --ground 0.35 --size 512 -q
-"$envmap" view "$work/balls.glb" "$work/balls.png" --environment "$work/sun.exr" --method raycast --width 1600 --height 900 \
-  --samples 9 --occlusion 96 --display neutral --exposure -0.7 -q
-oiiotool "$work/balls.png" --compression jpeg:85 -o samples/scenes/balls.jpg
-echo samples/scenes/balls.jpg
+# In each round both mirrors are drawn: the second one with what the first has just got.
+face() {
+  name=$1
+  shift
+  "$envmap" view "$work/facing.glb" "$work/$name.png" --width 400 --height 300 --samples 4 --ambient 0.1 -q "$@"
+}
+for rounds in 1 2 4; do
+  face maps-$rounds --bounces $rounds
+  face rays-$rounds --method raycast --bounces $((2 * rounds - 1))
+done
+side_by_side 3x2 facing.jpg 85 "$work/maps-1.png" "$work/maps-2.png" "$work/maps-4.png" "$work/rays-1.png" "$work/rays-2.png" \
+  "$work/rays-4.png"
+
+set --
+for method in distort tessellate exact; do
+  for vertices in 2 4 21; do
+    map=$work/$method-$vertices
+    "$envmap" render "$work/room-$vertices.glb" "$map.exr" --to sphere --method $method --size 300 --ambient 0.25 --samples 4 -q
+    oiiotool "$map.exr" --ch R,G,B --mulc 0.5 --colorconvert linear sRGB -d uint8 -o "$map.png"
+    set -- "$@" "$map.png"
+  done
+done
+side_by_side 3x3 vertices.jpg 85 "$@"
+
+if [ -z "$probe" ]; then
+  probe=$work/day.exr
+  "$envmap" generate sun "$probe" --direction=-0.75,0.8,0.35 --radius 1 --value 7000,6200,5000 --zenith 0.12,0.32,0.85 \
+    --horizon 0.75,0.85,0.95 --ground 0.4,0.38,0.36 --size 512 -q
+fi
+"$envmap" view "$work/balls.glb" "$work/balls.png" --environment "$probe" --method raycast --width 1600 --height 900 \
+  --samples 9 --occlusion 96 --display neutral --exposure -0.3 -q
+side_by_side 1x1 balls.jpg 82 "$work/balls.png"
+
+if command -v ffmpeg >/dev/null; then
+  mkdir "$work/turn"
+  "$envmap" view "$work/balls.glb" "$work/turn/{frame}.png" --environment "$probe" --frames 0:47 --orbit 360 --width 384 --height 216 \
+    --samples 4 --display neutral --exposure -0.3 -q
+  clip=$out/turn.webp
+  ffmpeg -loglevel error -y -framerate 16 -i "$work/turn/%04d.png" -loop 0 -quality 50 "$clip" 2>/dev/null || {
+    clip=$out/turn.mp4
+    ffmpeg -loglevel error -y -framerate 16 -i "$work/turn/%04d.png" -pix_fmt yuv420p "$clip"
+  }
+  echo "$clip"
+fi

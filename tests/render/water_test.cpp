@@ -90,7 +90,7 @@ std::vector<std::vector<Colour>> both(const Pool& pool, const Environment* sky) 
 // Where a ray of the picture meets still water; none where it misses it.
 std::optional<Direction> still_water(const Basin& basin, const Direction& ray) {
   const Direction at = camera().at - camera().at.y / ray.y * ray;
-  if (ray.y >= 0 || std::abs(at.x) > 0.99 * basin.wide || std::abs(at.z) > 0.99 * basin.deep) return {};
+  if (ray.y >= 0 || std::abs(at.x) > 0.95 * basin.wide || std::abs(at.z) > 0.92 * basin.deep) return {};
   return at;
 }
 

@@ -5,6 +5,7 @@
 // angle seen from the middle. excess() is how far it lies behind what the map shows, times (1 - s) / its distance: linear in s
 // where that is a plane, and 0 at infinity where there is nothing.
 const float steps_a_radian = 32;  // What is thinner is missed.
+const float aside = 2;   // Texels: what is next to the edge of something does not show it.
 const float jump = 0.1;  // Of the distance, within a sixteenth of a step: no surface is that steep.
 
 float excess(vec3 p, vec3 to, float s) {
@@ -28,7 +29,8 @@ float met(vec3 p, vec3 to) {
       }
       // Where the map jumps the ray passes behind something: it may come out again. Nothing hides infinity.
       if (high == 1 || above - below < jump * (1 - low) + 1e-6) return mix(low, high, below / (below - above));
-      if (hidden == 1) hidden = low;
+      if (hidden == 1)
+        hidden = max(0, low - aside * texel_angle(normalize(mix(p, to, low)), 2.0 / textureSize(mirror, 0).x) / max(angle, 1e-3));
     }
     low = next, below = beyond;
   }
