@@ -14,6 +14,7 @@ std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, c
   Mirrors maps(shot.scene, mirrors);
   maps.update(renderer, shot, {eye.viewer}, drawing, [](const std::string&) {});
   Shot with_maps = shot;
+  with_maps.look.pictures = drawing.bounces.value_or(shot.look.pictures);
   with_maps.mirrors = maps.maps();
   return draw_picture(renderer, eye.from, with_maps);
 }

@@ -107,6 +107,7 @@ class MapPainter {
     first_ = false;
     shot.look = options_.look;
     shot.look.lookup = options_.lookup.value_or(shot.look.lookup);
+    shot.look.pictures = options_.drawing.bounces.value_or(shot.look.pictures);
     maps_.update(renderer_, shot, viewers, drawing, [&](const std::string& line) {
       if (common_.verbose) note(common_, line);
     });

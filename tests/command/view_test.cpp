@@ -199,6 +199,12 @@ TEST_F(View, AnOrthographicCameraSeesMetres) {
 
 // The figure is that of the files; what it took is what the words say; and where no maps will do the picture is that of rays.
 TEST_F(View, MaxErrorTakesTheCheapestMapsThatDoOrRays) {
+  // A pane of glass: a flat mirror would be shown without a map.
+  std::string scene = read("scene.gltf");
+  const std::string metal = R"({"pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":0}})";
+  ASSERT_NE(scene.find(metal), std::string::npos);
+  write("scene.gltf", scene.replace(scene.find(metal), metal.size(), R"({"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0},
+    "extensions":{"KHR_materials_transmission":{"transmissionFactor":1}}})"));
   const std::vector<std::string> size{"--width", "48", "--height", "40", "--samples", "1"};
   const auto view = [&](const std::string& out, std::vector<std::string> more) {
     more.insert(more.begin(), {"view", "scene.gltf", out});

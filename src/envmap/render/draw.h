@@ -32,6 +32,9 @@ struct Lens {
   }
 };
 
+/// (x, y, z, 1) lies before it where the product is above 0.
+using Plane = glm::vec<4, double, glm::highp>;
+
 /// One map to draw.
 struct Viewpoint {
   Projection to = Projection::cube;
@@ -48,11 +51,13 @@ struct Viewpoint {
   double epsilon = 0;
   bool show_ambient = false;       ///< Behind all surfaces, too: as mirrors show it.
   std::optional<Lens> lens;        ///< Then it is a picture of one face, and `to` is not looked at.
+  Plane before{0, 0, 0, 1};        ///< Of pictures that OpenGL draws: nothing behind it is drawn. World.
 };
 
 struct DistantLight;
 struct Environment;
 struct MirrorMap;
+struct MapTexture;
 
 /// How mirrors look their maps up. direction: as if all in them were far away. distance: where the ray meets what the map
 /// shows. vertex: by direction, at vertices, places in the map interpolated between them, as was done before 2000.
@@ -62,6 +67,7 @@ inline constexpr std::string_view mirror_lookup_names[] = {"direction", "distanc
 struct MirrorLook {
   MirrorLookup lookup = MirrorLookup::distance;
   bool tinted = false;     ///< Each face of a map in a colour of its own.
+  int pictures = 16;       ///< So often at most flat mirrors show each other by pictures: draw_picture().
 };
 
 /// The scene at one moment.
@@ -75,6 +81,9 @@ struct Shot {
   /// none: it shines through everything.
   std::span<const DistantLight> distant{};
   std::span<const MirrorMap> mirrors{};      ///< In the order of the renderer's; empty: they show the environment.
+  /// What flat mirrors show of a picture, as the eye mirrored in each sees it, right and left exchanged; in the order of `mirrors`, null
+  /// for all others. Empty: none has one.
+  std::span<const MapTexture* const> reflections{};
   MirrorLook look{};
 };
 

@@ -23,6 +23,9 @@ const Material& material_of(const Scene& scene, const Instance& instance) {
   return scene.materials[mesh.material];
 }
 
+// Of a flat mirror's map that is looked up in other mirrors alone.
+constexpr int flat_size = 256;
+
 // What lies round a mirror stands still.
 bool same_surroundings(const Scene& scene, int mirror, const Pose& a, const Pose& b) {
   if (a.size() != b.size()) return false;
@@ -135,9 +138,9 @@ void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, 
   }
 }
 
-std::optional<Direction> Mirrors::front_of(const Mirror& mirror, const Shot& shot) const {
+std::optional<Direction> Mirrors::normal_of(const Mirror& mirror, const Shot& shot) const {
   std::optional<Direction> normal;
-  if (mirror.optics.refracts() || mirror.optics.double_sided) return {};
+  if (mirror.optics.refracts()) return {};
   for (const Instance& instance : instances(scene_)) {
     if (!lies_under(scene_, instance.node, mirror.node)) continue;
     if (normal || is_bumpy(material_of(scene_, instance))) return {};
@@ -147,13 +150,29 @@ std::optional<Direction> Mirrors::front_of(const Mirror& mirror, const Shot& sho
   return normal;
 }
 
+void Mirrors::set_flat(std::size_t k, const Shot& shot, const Wanted& want) {
+  MirrorMap& map = maps_[k];
+  map.flat.reset(), map.radius = 0, map.centre = want.at;
+  if (!want.normal || mirrors_[k].rough) return;
+  map.double_sided = mirrors_[k].optics.double_sided;
+  for (const Instance& instance : instances(scene_)) {
+    if (!lies_under(scene_, instance.node, mirrors_[k].node)) continue;
+    for (const glm::vec3& p : scene_.meshes[instance.mesh].positions) {
+      const Direction place(shot.pose[instance.node] * Plane(p, 1));
+      map.flat = Plane(*want.normal, -glm::dot(*want.normal, place));
+      map.radius = std::max(map.radius, glm::length(place - map.centre));
+    }
+  }
+}
+
 // First what the viewers see, then what is seen in mirrors that are seen, and so on. Pictures say how large maps are;
 // where a mirror is in none of them, the first map does that it is seen in.
 std::vector<Mirrors::Wanted> Mirrors::wanted(const Shot& shot, const std::vector<Viewer>& viewers) const {
   std::vector<Wanted> want(mirrors_.size());
   for (std::size_t k = 0; k < want.size(); ++k) {
     want[k].at = centre_of(scene_, shot.pose, mirrors_[k].node);
-    if (shot.look.lookup == MirrorLookup::distance) want[k].front = front_of(mirrors_[k], shot);
+    if (shot.look.lookup == MirrorLookup::distance) want[k].normal = normal_of(mirrors_[k], shot);
+    if (!mirrors_[k].optics.double_sided) want[k].front = want[k].normal;
     for (const Viewer& viewer : viewers) add_wanted(k, shot, viewer, want[k]);
   }
   std::vector<bool> looked_from(want.size());
@@ -179,7 +198,8 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   const Mirror& mirror = mirrors_[k];
   const MirrorMap& map = maps_[k];
   const Drawn& drawn = drawn_[k];
-  const int largest = mirror.rough ? std::min(rough_size, options.largest) : options.largest;
+  const bool in_maps_only = want.normal && !viewer.planes.empty();  // Pictures show what lies in it otherwise: draw_picture().
+  const int most = mirror.rough ? rough_size : in_maps_only ? flat_size : options.largest, largest = std::min(most, options.largest);
   const int size = options.size > 0 ? options.size : std::min(fitting_size(mirror, want.spacing, want.pixels), largest);
   const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
                                                      : map.texture->size >= size && map.texture->size <= 2 * size);
@@ -270,6 +290,7 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
   std::vector<Plan> plans(want.size());
   std::vector<unsigned> needed(want.size());
   for (std::size_t k = 0; k < want.size(); ++k) {
+    set_flat(k, shot, want[k]);
     if (want[k].caps.empty()) {
       tell(fmt::format("{}: not seen, not drawn", name_of(k)));
       continue;

@@ -74,7 +74,8 @@ class Mirrors {
     std::vector<Cap> caps;
     double spacing = pi;  // Radians between texels.
     double pixels = 0;    // That look it up.
-    std::optional<Direction> front;  // Of a flat mirror: nothing behind it is looked up.
+    std::optional<Direction> normal;  // Of a flat mirror.
+    std::optional<Direction> front;   // The same where it shows one side: nothing behind that is looked up.
   };
   struct Plan {
     int size = 0;
@@ -85,8 +86,10 @@ class Mirrors {
   [[nodiscard]] const std::string& name_of(std::size_t k) const {
     return scene_.nodes[mirrors_[k].node].name;
   }
-  // The normal of a mirror that is flat; none of others, and of those that show both sides.
-  [[nodiscard]] std::optional<Direction> front_of(const Mirror& mirror, const Shot& shot) const;
+  // The normal of a mirror that is flat.
+  [[nodiscard]] std::optional<Direction> normal_of(const Mirror& mirror, const Shot& shot) const;
+  // For pictures of flat mirrors.
+  void set_flat(std::size_t k, const Shot& shot, const Wanted& want);
   void add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, Wanted& want) const;
   [[nodiscard]] std::vector<Wanted> wanted(const Shot& shot, const std::vector<Viewer>& viewers) const;
   [[nodiscard]] Plan plan(std::size_t k, const Shot& shot, const Wanted& want, const Viewer& viewer,

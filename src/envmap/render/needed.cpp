@@ -153,7 +153,7 @@ std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world) {
     const Direction way = Direction(mesh.positions[k]) - place;
     size = std::max(size, glm::length(way));
     off = std::max(off, std::abs(glm::dot(way, normal)));
-    if (glm::dot(Direction(mesh.normals[k]), normal) < 1 - 1e-9) return {};
+    if (glm::length(Direction(mesh.normals[k]) - normal) > 1e-5) return {};  // Floats are no unit vectors to the last digit.
   }
   if (off > 1e-5 * size) return {};
   const Rotation turn(world);

@@ -151,7 +151,7 @@ gl::Program shading_program(const Shading& s) {
     add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), fmt::format("texel_{}.glsl", identifier(*s.mirror)),
          "meet_map.glsl", "footprint.glsl", "reflect_mirror.glsl"});
   else
-    add({"reflect_environment.glsl"});
+    add({s.by_picture ? "reflect_picture.glsl" : "reflect_environment.glsl"});
   if (s.sheen) add({"sheen.glsl"});
   add({"lights.glsl", "light_image.glsl", "light_faces.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl", "shade.frag.glsl"});
   return lighting(files, definitions, s.environment);

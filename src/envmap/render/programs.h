@@ -70,6 +70,7 @@ struct Shading {
   bool coated = false, sheen = false;
   std::optional<Projection> mirror;  ///< Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
   MirrorLookup lookup = MirrorLookup::direction;
+  bool by_picture = false;           ///< Of Shot::reflections, and no map.
   auto operator<=>(const Shading&) const = default;
 };
 gl::Program shading_program(const Shading& shading);

@@ -19,6 +19,11 @@ const MirrorMap* map_of(const Group& group, const Shot& shot) {
   return map.texture ? &map : nullptr;
 }
 
+// What it shows in this picture; null for what shows a map or the environment.
+const MapTexture* reflection_of(const Group& group, const Shot& shot) {
+  return group.mirror < 0 || shot.reflections.empty() ? nullptr : shot.reflections[group.mirror];
+}
+
 // What there is where there is no environment.
 const Environment& darkness() {
   static const Environment black = [] {
@@ -84,7 +89,9 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   for (std::size_t k = 0; k < group.textures.size(); ++k) textures |= group.textures[k] >= 0 ? 1 << k : 0;
   Shading wanted{.environment = environment_.projection, .textures = textures, .coated = group.coated,
                  .sheen = group.sheen};
-  if (const MirrorMap* mirror = map_of(group, shot)) {
+  if (reflection_of(group, shot) != nullptr) {
+    wanted.by_picture = true;
+  } else if (const MirrorMap* mirror = map_of(group, shot)) {
     wanted.mirror = mirror->texture->projection;
     wanted.lookup = shot.look.lookup;
   }
@@ -94,7 +101,9 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
 }
 
 // What shines on a group from all round: the environment and ambient light, or the group's own map as far as that goes.
-void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, const Viewpoint& from, const Shot& shot) const {
+void Renderer::set_light(const gl::Program& program, const Group& group, const Viewpoint& from, const Shot& shot) const {
+  const MapTexture* picture = reflection_of(group, shot);
+  const MirrorMap* mirror = picture == nullptr ? map_of(group, shot) : nullptr;
   const bool own = mirror != nullptr && mirror->glossy;
   const LightTexture& light = own ? *mirror->glossy : light_;
   const Colour none(0);
@@ -102,10 +111,11 @@ void Renderer::set_light(const gl::Program& program, const MirrorMap* mirror, co
   // A map of its own shows what is round it.
   gl::set(program, "distant_count", own ? 0 : static_cast<int>(shot.distant.size()));
   gl::set(program, "ambient", own ? none : shot.ambient);
-  gl::set(program, "reflected_ambient", mirror != nullptr ? none : shot.ambient);
-  gl::set(program, "blur", mirror != nullptr && !own ? 0.0F : 1.0F);
+  gl::set(program, "reflected_ambient", mirror != nullptr || picture != nullptr ? none : shot.ambient);
+  gl::set(program, "blur", (mirror != nullptr && !own) || picture != nullptr ? 0.0F : 1.0F);
   glProgramUniform3fv(program, glGetUniformLocation(program, "irradiance"), 9, &light.irradiance[0].x);
   glBindTextureUnit(unit_glossy, light.glossy);
+  if (picture != nullptr) glBindTextureUnit(unit_mirror, picture->texture);
   if (mirror == nullptr) return;
   gl::set(program, "to_mirror", glm::transpose(mirror->axes));
   gl::set(program, "from_middle", Colour(from.at - mirror->at));
@@ -176,7 +186,7 @@ void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t 
     return;
   gpu_.bind(group);
   const gl::Program& program = shading(group, shot);
-  set_light(program, map_of(group, shot), from, shot);
+  set_light(program, group, from, shot);
   gl::set(program, "blended", blended ? 1 : 0);
   light(program, from, static_cast<int>(1 + k));
 }

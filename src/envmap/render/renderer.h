@@ -39,6 +39,10 @@ struct MirrorMap {
   Direction at{0};                     ///< Where it was drawn from.
   Rotation axes{1};                    ///< From the map's frame to the world's.
   std::optional<LightTexture> glossy;  ///< Of rough mirrors, from the texture.
+  std::optional<Plane> flat;           ///< What a flat mirror lies in, its front before it; only where pictures are to be drawn so.
+  bool double_sided = false;           ///< It mirrors behind it, too.
+  Direction centre{0};                 ///< Of the flat mirror, and how far it reaches from there.
+  double radius = 0;
 };
 
 /// Needs a current context, and goes before it.
@@ -65,6 +69,7 @@ class Renderer {
   void update(const Scene& scene, int mesh);
 
   [[nodiscard]] const GpuScene& scene() const { return gpu_; }
+  [[nodiscard]] const std::vector<int>& mirrors() const { return mirrors_; }  ///< Nodes.
 
  private:
   const gl::Program& visibility(DrawMethod method, Projection p, bool holes, bool layered);
@@ -73,7 +78,7 @@ class Renderer {
   void begin_finding(GLuint into, bool blended) const;
   void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample, GLuint into,
                      bool blended);
-  void set_light(const gl::Program& program, const MirrorMap* mirror, const Viewpoint& from, const Shot& shot) const;
+  void set_light(const gl::Program& program, const Group& group, const Viewpoint& from, const Shot& shot) const;
   void bind_map(const MapTexture& to, int face, int sample) const;
   void bind_sample() const;
   void begin_shading() const;
@@ -106,7 +111,13 @@ class Renderer {
 /// The map in memory, by any method but raycast: `resample` draws a cube of the same size and converts it.
 Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMethod method);
 
-/// The picture through from.lens, rows from the top.
+/// Whether a sphere in the world may be in the picture.
+bool is_in_picture(const Viewpoint& from, const Direction& centre, double radius);
+
+/// The picture through from.lens, rows from the top. Flat mirrors (MirrorMap::flat) show what the mirrored eye sees, and flat mirrors
+/// in those: as deep as MirrorLook::pictures where there are two of them, once or twice where there are more. Beyond that, and in all
+/// others, they look their maps up.
+/// Source: Diefenbach 1996, "Pipeline rendering: interaction and realism through hardware-based multi-pass rendering".
 std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const Shot& shot);
 
 /// What is in the texture, with distances if asked for.

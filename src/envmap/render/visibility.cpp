@@ -35,7 +35,18 @@ bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
   return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= reach(p) + 0.01;
 }
 
+// Of the world, as the frame of a map has it.
+glm::vec4 in_frame(const Plane& plane, const Viewpoint& from) {
+  const Direction normal(plane);
+  return {glm::transpose(from.axes) * normal, plane.w + glm::dot(normal, from.at)};
+}
+
 }  // namespace
+
+bool is_in_picture(const Viewpoint& from, const Direction& centre, double radius) {
+  const Direction seen = glm::transpose(from.axes) * (centre - from.at);
+  return in_face(from, {seen.x, seen.y, -seen.z}, radius);
+}
 
 const gl::Program& Renderer::visibility(DrawMethod method, Projection p, bool holes, bool layered) {
   gl::Program& program = visibility_[{method, p, holes, layered}];
@@ -73,6 +84,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
   const glm::vec4 frame(1.0 / tangents.x, 1.0 / tangents.y, from.lens ? from.lens->shift : 0, nearest);
   const bool parallel = from.lens && from.lens->parallel;
   begin_finding(into, blended);
+  (from.lens ? glEnable : glDisable)(GL_CLIP_DISTANCE0);
   const std::array<float, 2> range{static_cast<float>(from.near), static_cast<float>(from.far)};
   const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
   const Vec2<double> offset = sample_offset(sample, from.samples);
@@ -94,6 +106,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
         gl::set(*program, "to_face", to_face);
         gl::set(*program, "frame", frame);
         gl::set(*program, "parallel", parallel ? 1 : 0);
+        gl::set(*program, "before", in_frame(from.before, from));
         gl::set(*program, "singularity", from.epsilon > 0 ? static_cast<float>(from.epsilon) : singularity(image));
         gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
         glUseProgram(*program);
@@ -116,6 +129,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
     }
   }
   glDisable(GL_CULL_FACE);
+  glDisable(GL_CLIP_DISTANCE0);
 }
 
 }  // namespace envmap
