@@ -299,6 +299,44 @@ TEST_P(View, AFlatMirrorShowsTheMirroredRoom) {
     }
 }
 
+// A second mirror in the plane z = 0.9 that faces the first one. In the map of the first, what it reflects of the walls is as far
+// away as their image, and a lamp leaves no glint, which would be smeared over texels.
+TEST(Views, AMirrorInAMapIsAsFarAwayAsItsImage) {
+  Scene scene = plate(1);
+  Mesh second = scene.meshes[6];
+  for (glm::vec3& p : second.positions) p = {-3 * p.x, 3 * p.y, 0.9F};
+  for (glm::vec3& n : second.normals) n.z = -1;
+  scene.meshes.push_back(second);
+  scene.nodes.push_back({.name = "second", .meshes = {7}});
+  scene.nodes.push_back({.name = "lamp", .local = glm::translate(Matrix(1), Direction(0.1, 0.3, 0.2))});
+  scene.lights.push_back({.node = static_cast<int>(scene.nodes.size()) - 1});
+  Stage stage(scene, Projection::paraboloid);
+  stage.picture({.size = 128, .bounces = 2});
+  const MirrorMap& map = stage.mirrors->maps()[0];
+  std::vector<float> distances;
+  const EnvironmentMap seen = read_back(*map.texture, &distances);
+  const Direction from(0, 0, -0.5);
+  int images = 0;
+  float brightest = 0;
+  std::vector<Direction> rays(128);
+  for (int j = 0; j < 128; ++j) {
+    sample_directions(Projection::paraboloid, 128, 0, j, Vec2<double>(0), rays);
+    for (int i = 0; i < 128; ++i) {
+      const Direction ray = map.axes * rays[static_cast<std::size_t>(i)], place = from + 1.4 / ray.z * ray;
+      const Direction back(ray.x, ray.y, -ray.z), end = place + 1.4 / ray.z * back;
+      const bool meets = ray.z > 0 && std::max(std::abs(place.x), std::abs(place.y)) < 0.87;
+      if (!meets || std::max(std::abs(end.x), std::abs(end.y)) < 0.5) continue;
+      const double image = 1.4 / ray.z + rooms::hit(place, back).distance;
+      const float distance = distances[static_cast<std::size_t>(j) * 128 + static_cast<std::size_t>(i)];
+      images += std::abs(distance - image) < 0.03 * image;
+      images -= std::abs(distance - image) > 0.1 * image;
+      brightest = std::max(brightest, seen.base().texel(0, i, j)->x);
+    }
+  }
+  EXPECT_GT(images, 1000);
+  EXPECT_LT(brightest, 3);
+}
+
 TEST(Views, LooksOfMaps) {
   Stage stage(hall({{0.1, -0.2, -0.3}}), Projection::paraboloid);
   const std::vector<Colour> plain = stage.picture();

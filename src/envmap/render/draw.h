@@ -68,6 +68,8 @@ struct MirrorLook {
   MirrorLookup lookup = MirrorLookup::distance;
   bool tinted = false;     ///< Each face of a map in a colour of its own.
   int pictures = 16;       ///< So often at most flat mirrors show each other by pictures: draw_picture().
+  /// What flat mirrors reflect is as far away as its image, which lies behind them: as maps that are looked up want it.
+  bool images = false;
 };
 
 /// The scene at one moment.

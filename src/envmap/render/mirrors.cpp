@@ -26,6 +26,12 @@ const Material& material_of(const Scene& scene, const Instance& instance) {
 // Of a flat mirror's map that is looked up in other mirrors alone.
 constexpr int flat_size = 256;
 
+bool is_metal(const Scene& scene, int node) {
+  return std::ranges::all_of(instances(scene), [&](const Instance& instance) {
+    return !lies_under(scene, instance.node, node) || material_of(scene, instance).metallic > 0.999F;
+  });
+}
+
 // What lies round a mirror stands still.
 bool same_surroundings(const Scene& scene, int mirror, const Pose& a, const Pose& b) {
   if (a.size() != b.size()) return false;
@@ -154,7 +160,7 @@ void Mirrors::set_flat(std::size_t k, const Shot& shot, const Wanted& want) {
   MirrorMap& map = maps_[k];
   map.flat.reset(), map.radius = 0, map.centre = want.at;
   if (!want.normal || mirrors_[k].rough) return;
-  map.double_sided = mirrors_[k].optics.double_sided;
+  map.double_sided = mirrors_[k].optics.double_sided, map.metal = is_metal(scene_, mirrors_[k].node);
   for (const Instance& instance : instances(scene_)) {
     if (!lies_under(scene_, instance.node, mirrors_[k].node)) continue;
     for (const glm::vec3& p : scene_.meshes[instance.mesh].positions) {
@@ -261,7 +267,7 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                  .show_ambient = true};
   Shot with_maps = shot;
   with_maps.mirrors = maps_;
-  with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup};
+  with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup, .images = true};
   if (map.texture && map.texture->size == plan.size && map.axes == plan.axes) {
     renderer.draw(from, with_maps, options.method, *map.texture);
     renderer.make_levels(*map.texture, needed);

@@ -24,6 +24,11 @@ const MapTexture* reflection_of(const Group& group, const Shot& shot) {
   return group.mirror < 0 || shot.reflections.empty() ? nullptr : shot.reflections[group.mirror];
 }
 
+// Whether what a group reflects counts as its image in the map that is drawn, whether it has a map itself yet or not.
+bool shows_image(const Group& group, const Shot& shot) {
+  return shot.look.images && group.mirror >= 0 && !shot.mirrors.empty() && shot.mirrors[group.mirror].metal && shot.mirrors[group.mirror].flat;
+}
+
 // What there is where there is no environment.
 const Environment& darkness() {
   static const Environment black = [] {
@@ -104,9 +109,12 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
 void Renderer::set_light(const gl::Program& program, const Group& group, const Viewpoint& from, const Shot& shot) const {
   const MapTexture* picture = reflection_of(group, shot);
   const MirrorMap* mirror = picture == nullptr ? map_of(group, shot) : nullptr;
+  const bool image = shows_image(group, shot);
   const bool own = mirror != nullptr && mirror->glossy;
   const LightTexture& light = own ? *mirror->glossy : light_;
   const Colour none(0);
+  // Of punctual lights a mirror without roughness shows glints that are smaller than texels, and not where the image is.
+  gl::set(program, "light_count", image ? 0 : gpu_.lights());
   gl::set(program, "shadows", shot.shadows ? 1 : 0);
   // A map of its own shows what is round it.
   gl::set(program, "distant_count", own ? 0 : static_cast<int>(shot.distant.size()));
@@ -119,6 +127,7 @@ void Renderer::set_light(const gl::Program& program, const Group& group, const V
   if (mirror == nullptr) return;
   gl::set(program, "to_mirror", glm::transpose(mirror->axes));
   gl::set(program, "from_middle", Colour(from.at - mirror->at));
+  gl::set(program, "images", image ? 1 : 0);
   gl::set(program, "tinted", shot.look.tinted ? 1 : 0);
   glBindTextureUnit(unit_mirror, mirror->texture->texture);
 }
@@ -167,7 +176,6 @@ void Renderer::light(const gl::Program& program, const Viewpoint& from, int sten
   gl::set(program, "to_environment", environment_.to_map);
   gl::set(program, "weight", layers_ ? 1.0F : static_cast<float>(1.0 / from.samples));
   gl::set(program, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
-  gl::set(program, "light_count", gpu_.lights());
   glUseProgram(program);
   glStencilFunc(GL_EQUAL, stencil, 0xff);
   glDrawArrays(GL_TRIANGLES, 0, 3);

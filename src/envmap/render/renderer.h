@@ -41,6 +41,7 @@ struct MirrorMap {
   std::optional<LightTexture> glossy;  ///< Of rough mirrors, from the texture.
   std::optional<Plane> flat;           ///< What a flat mirror lies in, its front before it; only where pictures are to be drawn so.
   bool double_sided = false;           ///< It mirrors behind it, too.
+  bool metal = false;                  ///< It shows nothing but what it reflects.
   Direction centre{0};                 ///< Of the flat mirror, and how far it reaches from there.
   double radius = 0;
 };

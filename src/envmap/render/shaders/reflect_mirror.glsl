@@ -2,6 +2,9 @@
 // the ray meets it (meet_map.glsl).
 uniform mat3 to_mirror;    // From the world.
 uniform vec3 from_middle;  // Of the map to the viewpoint.
+uniform int images;        // 1: a flat mirror, seen by another mirror's map (MirrorLook::images).
+
+float beyond = 0;  // How far behind the surface the image of what it reflects is.
 
 #if BY_VERTEX
 vec3 place_by_vertex;  // Where the surface was interpolated to look.
@@ -25,6 +28,7 @@ vec3 reflected(vec3 from, vec3 normal, float bend) {
   vec3 d[3];
   vec3 p = from_map(here.position), r = to_mirror * from;
   float far_off = max(length(p), 1e-20), part = BY_DISTANCE != 0 ? met(p, far_off * r) : 1;
+  if (images != 0 && bend == 0) beyond = far_off * part / max(1 - part, 1e-9);
   d[0] = normalize(mix(p, far_off * r, part));
   for (int k = 0; k < 2; ++k)
     d[k + 1] = normalize(mix(from_map(beside[k].position),

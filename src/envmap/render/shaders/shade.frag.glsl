@@ -181,5 +181,5 @@ void main() {
   }
   place_by_vertex = in_face(place_by_vertex, face);
 #endif
-  colour = vec4(weight * shade(surface, to_world * -ray), blended != 0 ? clamp(surface.base_colour.a, 0, 1) : 1 / far_off);
+  colour = vec4(weight * shade(surface, to_world * -ray), blended != 0 ? clamp(surface.base_colour.a, 0, 1) : 1 / (far_off + beyond));
 }
