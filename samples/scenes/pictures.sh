@@ -2,7 +2,7 @@
 # Makes the pictures of the README, all of generated scenes, skies and rooms:
 #   cellar.jpg    two views of the cellar through dynamic maps
 #   lookup.jpg    a mirror ball on a table, its map looked up by vertex, by direction and by distance, and the truth by rays
-#   facing.jpg    two mirrors that face each other: 1, 2 and 4 rounds of maps, below them as many reflections by rays
+#   facing.jpg    two mirrors that face each other: 1, 2 and 4 rounds of pictures in pictures and maps, and by rays
 #   vertices.jpg  a sphere map of a room whose walls have 2, 4 and 21 vertices an edge, drawn by distort, tessellate and exact
 #   balls.jpg     mirror, glass, metals and plastics under a sunny sky, or in a probe of yours, by rays (minutes)
 #   turn.webp     the balls, seen from all sides (or turn.mp4; where there is ffmpeg)
@@ -50,18 +50,16 @@ look distance --lookup distance
 look rays --method raycast
 side_by_side 4x1 lookup.jpg 88 "$work/vertex.png" "$work/direction.png" "$work/distance.png" "$work/rays.png"
 
-# In each round both mirrors are drawn: the second one with what the first has just got.
 face() {
   name=$1
   shift
   "$envmap" view "$work/facing.glb" "$work/$name.png" --width 400 --height 300 --samples 4 --ambient 0.1 -q "$@"
 }
 for rounds in 1 2 4; do
-  face maps-$rounds --bounces $rounds
-  face rays-$rounds --method raycast --bounces $((2 * rounds - 1))
+  face facing-$rounds --bounces $rounds
 done
-side_by_side 3x2 facing.jpg 85 "$work/maps-1.png" "$work/maps-2.png" "$work/maps-4.png" "$work/rays-1.png" "$work/rays-2.png" \
-  "$work/rays-4.png"
+face facing-rays --method raycast
+side_by_side 4x1 facing.jpg 88 "$work/facing-1.png" "$work/facing-2.png" "$work/facing-4.png" "$work/facing-rays.png"
 
 set --
 for method in distort tessellate exact; do
