@@ -9,6 +9,7 @@
 #include "envmap/prefilter/evaluate.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/traverse.h"
+#include "envmap/prefilter/treecode.h"
 #include "every_target.h"
 
 namespace envmap::prefiltering {
@@ -171,6 +172,40 @@ TEST_P(EachLobe, NoNodeIsFartherOffThanItsBound) {
     }
     EXPECT_GT(worst.ratio(), 0.3) << "an idle bound";
   });
+}
+
+// A band of even cells along a horizon, which crosses all of them in the same place.
+TEST(Figure, OfPartsAlongTheHorizonHoldsWhatTheyAreOffTogether) {
+  constexpr double side = 0.02;
+  constexpr int cells = 200, points = 16;
+  const Lobe lobe = Cosine{};
+  const Direction r(0, 0, 1);
+  bool alone_is_too_little = false;
+  for (double above = -0.9; above <= 0.9; above += 0.1) {
+    Traversal found;
+    found.clear(false, true);
+    double off = 0;
+    for (int n = 0; n < cells; ++n) {
+      std::vector<Node> all;
+      for (int k = 0; k < points * points; ++k) {
+        const double azimuth = side * (n + (k % points + 0.5) / points), height = side * (0.5 * above + (k / points + 0.5) / points - 0.5);
+        all.push_back(point({std::cos(azimuth) * std::cos(height), std::sin(azimuth) * std::cos(height), std::sin(height)}, {1, 1, 1, 1}));
+      }
+      const Node node = united(all);
+      NodeGroup group = NodeGroup::none();
+      group.set(0, node, r);
+      const Judged judged = judge(lobe, {.middle = r, .most = {1, 1, 1, 1}, .limit = 1e30F}, group, 1);
+      if (judged.visible & 1) found.add_error(judged.error[0], judged.bent & 1);
+      std::vector<SeenNodes> seen;
+      std::size_t count = 0;
+      add_seen(node, r, count, seen);
+      off += evaluate(lobe, seen)[0] - truth_of(lobe, all, r, node.reach).sums[0];
+    }
+    EXPECT_LE(std::abs(off), error_figure(found)) << above;
+    EXPECT_LE(std::abs(off), EitherWay::together * found.sum) << above;
+    alone_is_too_little |= std::abs(off) > found.largest + std::sqrt(found.power);
+  }
+  EXPECT_TRUE(alone_is_too_little) << "nothing would be missed without their sum";
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
 }  // namespace
 
 double error_figure(const Traversal& found) {
-  return found.stepped + std::min(found.sum, found.largest + std::sqrt(found.power));
+  return found.stepped + std::min(found.sum, found.largest + std::sqrt(found.power) + found.together);
 }
 
 void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error,

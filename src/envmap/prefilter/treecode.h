@@ -24,7 +24,7 @@
 namespace envmap::prefiltering {
 
 /// What nodes together are off, by their bounds: the sum of them or, where that is less, those that a step of the lobe cuts,
-/// the largest of the others for certain, and all of those as errors of either sign (EitherWay). A step that runs along texels
+/// the largest of the others for certain, all of those as errors of either sign, and a share of parts of one texel (EitherWay). A step that runs along texels
 /// is off the same way in all of them.
 double error_figure(const Traversal& found);
 
