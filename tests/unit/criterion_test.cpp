@@ -202,7 +202,7 @@ TEST(Figure, OfPartsAlongTheHorizonHoldsWhatTheyAreOffTogether) {
       off += evaluate(lobe, seen)[0] - truth_of(lobe, all, r, node.reach).sums[0];
     }
     EXPECT_LE(std::abs(off), error_figure(found)) << above;
-    EXPECT_LE(std::abs(off), EitherWay::together * found.sum) << above;
+    EXPECT_LE(std::abs(off), EitherWay::together_bent * found.sum) << above;
     alone_is_too_little |= std::abs(off) > found.largest + std::sqrt(found.power);
   }
   EXPECT_TRUE(alone_is_too_little) << "nothing would be missed without their sum";

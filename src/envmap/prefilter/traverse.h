@@ -94,9 +94,9 @@ struct OpenBlock {
 /// them, where it is not, and of parts of one texel, which are lit alike and may be off the same way. Measured: see treecode.h.
 /// Parts that lie along the horizon may all be off the same way, by 0.06 of their bounds: two points at one standard deviation s to
 /// either side miss at most 0.077 s of a kink of 1 in the lobe over an even interval of half-width 3^(1/2) s, whose bound is half its
-/// reach at least. So of parts a share of the sum of their bounds counts, too.
+/// reach at least. So of parts a share of the sum of their bounds counts, too: derived for those, measured for smooth ones.
 struct EitherWay {
-  static constexpr double smooth = 0.05, bent = 0.1, alike = 0.2, together = 0.1;
+  static constexpr double smooth = 0.05, bent = 0.1, alike = 0.2, together_bent = 0.1, together_smooth = 0.02;
 };
 
 /// What a traversal found. Kept between traversals for its memory.
@@ -126,7 +126,7 @@ struct Traversal {
     }
     const double either = (alike_ ? EitherWay::alike : bent ? EitherWay::bent : EitherWay::smooth) * error;
     sum += error;
-    if (alike_) together += EitherWay::together * error;
+    if (alike_) together += (bent ? EitherWay::together_bent : EitherWay::together_smooth) * error;
     power += either * either;
     largest = std::max(largest, error);
   }
