@@ -25,7 +25,7 @@ Eye eye_of(const PictureSize& picture, const View& view, double aside, double st
   // The sides of the picture as planes through the eye, a little outside of them.
   const auto side = [&](const Direction& inwards, double beyond = 0) {
     const Direction normal = glm::normalize(axes * inwards);
-    return glm::vec<4, double, glm::highp>(normal, -glm::dot(normal, eye.from.at) + 1e-3 + beyond);
+    return Plane(normal, -glm::dot(normal, eye.from.at) + 1e-3 + beyond);
   };
   if (parallel) {
     const double distance = 1e4 * std::hypot(across, up);  // As good as from infinity.

@@ -20,23 +20,19 @@ std::vector<Colour> as_gl_turns(const PaddedLevel& cube, int face) {
   return all;
 }
 
+// Square, of floats.
+gl::Texture upload_table(int size, GLenum stored, GLenum given, const void* values) {
+  gl::Texture table = gl::make_texture(GL_TEXTURE_2D);
+  glTextureStorage2D(table, 1, stored, size, size);
+  glTextureSubImage2D(table, 0, 0, 0, size, size, given, GL_FLOAT, values);
+  gl::interpolate(table);
+  return table;
+}
+
 }  // namespace
 
-gl::Texture upload_split_sum() {
-  gl::Texture table = gl::make_texture(GL_TEXTURE_2D);
-  glTextureStorage2D(table, 1, GL_RGB32F, split_sum_size, split_sum_size);
-  glTextureSubImage2D(table, 0, 0, 0, split_sum_size, split_sum_size, GL_RGB, GL_FLOAT, split_sum_table().data());
-  gl::interpolate(table);
-  return table;
-}
-
-gl::Texture upload_sheen_table() {
-  gl::Texture table = gl::make_texture(GL_TEXTURE_2D);
-  glTextureStorage2D(table, 1, GL_R32F, sheen_table_size, sheen_table_size);
-  glTextureSubImage2D(table, 0, 0, 0, sheen_table_size, sheen_table_size, GL_RED, GL_FLOAT, sheen_table().data());
-  gl::interpolate(table);
-  return table;
-}
+gl::Texture upload_split_sum() { return upload_table(split_sum_size, GL_RGB32F, GL_RGB, split_sum_table().data()); }
+gl::Texture upload_sheen_table() { return upload_table(sheen_table_size, GL_R32F, GL_RED, sheen_table().data()); }
 
 LightTexture upload(const EnvironmentLight& light) {
   LightTexture out{gl::make_texture(GL_TEXTURE_CUBE_MAP_ARRAY), light.irradiance};

@@ -9,10 +9,9 @@ namespace {
 // picture's middle.
 Viewpoint mirrored(const Viewpoint& from, const Plane& mirror, int node, const Ball& scene) {
   const Direction normal(mirror);
-  const auto turned = [&](const Direction& d) { return d - 2 * glm::dot(normal, d) * normal; };
   Viewpoint other = from;
   other.at = from.at - 2 * (glm::dot(normal, from.at) + mirror.w) * normal;
-  other.axes = Rotation(-turned(from.axes[0]), turned(from.axes[1]), turned(from.axes[2]));
+  other.axes = Rotation(-glm::reflect(from.axes[0], normal), glm::reflect(from.axes[1], normal), glm::reflect(from.axes[2], normal));
   other.lens->shift = -from.lens->shift;
   other.near = std::min(from.near, 0.5 * std::abs(glm::dot(mirror, Plane(from.at, 1))));
   other.far = std::max(from.far, glm::length(scene.centre - other.at) + scene.radius);  // A camera's far plane is not its mirrors'.
@@ -33,8 +32,8 @@ int depth_of(const Shot& shot) {
   return flat <= 2 ? shot.look.pictures : std::min(shot.look.pictures, flat <= 4 ? 2 : 1);
 }
 
-// Pictures in mirrors first. @param depth how often mirrors show mirrors so.
-void draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, int depth, MapTexture& to) {
+// Pictures in mirrors first. @param ball round the scene. @param depth how often mirrors show mirrors so.
+void draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, const Ball& ball, int depth, MapTexture& to) {
   std::vector<std::optional<MapTexture>> pictures(shot.mirrors.size());
   std::vector<const MapTexture*> reflections(shot.mirrors.size());
   for (std::size_t k = 0; depth > 0 && k < pictures.size(); ++k) {
@@ -44,7 +43,7 @@ void draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, int depth
     const Plane plane = mirror.double_sided && !is_before(*mirror.flat, from) ? -*mirror.flat : *mirror.flat;
     if (!is_before(plane, from)) continue;
     if (!is_in_picture(from, mirror.centre, mirror.radius)) continue;
-    draw(renderer, mirrored(from, plane, node, bounds(shot.scene, shot.pose)), shot, depth - 1, pictures[k].emplace(from.lens->width, from.size));
+    draw(renderer, mirrored(from, plane, node, ball), shot, ball, depth - 1, pictures[k].emplace(from.lens->width, from.size));
     reflections[k] = &*pictures[k];
   }
   Shot with_pictures = shot;
@@ -56,7 +55,7 @@ void draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, int depth
 
 std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
   MapTexture picture(from.lens->width, from.size);
-  draw(renderer, from, shot, depth_of(shot), picture);
+  draw(renderer, from, shot, bounds(shot.scene, shot.pose), depth_of(shot), picture);
   std::vector<glm::vec4> texels(ImageView<glm::vec4>::count(picture.width, picture.size));
   glGetTextureImage(picture.texture, 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(texels.size() * sizeof(glm::vec4)),
                     texels.data());
