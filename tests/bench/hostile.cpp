@@ -4,7 +4,8 @@
 //   hostile [FIRST COUNT [quick]]
 //
 // Map number N has a random projection, size, content (suns of 1e4 to 1e9 at poles, corners, seams and rims, noise,
-// checkers, one lit texel), lobe, error and target. The truth is summed here in float64, by adaptive Gauss panels over every
+// checkers, one lit texel; every fourth map has two halves or blocks that repeat, whose horizons run along texels), lobe, error
+// and target. The truth is summed here in float64, by adaptive Gauss panels over every
 // texel of the source, from the definitions in envmap-prefilter(7): nothing of the library has a part in it. `quick` takes the
 // library's own exact sum instead, which the slow way is there to check. A line is printed for each map above half its
 // error, and at the end the worst.
@@ -189,16 +190,36 @@ struct Case {
   std::string words;
 };
 
+// Light in which nodes along a horizon are off alike: two halves, cut along the axes or diagonals or a little beside, or blocks of
+// 2^n texels, each lit as the others.
+template <class Any, class Even>
+void set_pattern(Level& level, Any&& any, Even&& even) {
+  const Direction normals[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 2, 0}, {0, 1, 1}};
+  const double tilt = any(2) ? 0.1 * std::pow(even(), 4) : 0, shift = any(2) ? 0 : 0.1 * std::pow(even(), 2);
+  const Direction normal = normals[any(6)] + tilt * Direction(even() - 0.5, even() - 0.5, even() - 0.5);
+  const auto dark = static_cast<float>(even()), bright = static_cast<float>(std::pow(10, 6 * even()));
+  const int side = any(2) ? 0 : 1 << (1 + any(4));
+  std::vector<Colour> block(static_cast<std::size_t>(side * side));
+  for (Colour& c : block) c = Colour(static_cast<float>(std::exp(8 * even() * even())));
+  for (const Texel& t : texels_of(level)) {
+    const double u = (t.i + 0.5) / level.width(), v = (t.j + 0.5) / level.height();
+    const Direction d = formulae::rounded(formulae::direction(level.projection(), t.face, u, v));
+    Colour& c = *level.texel(t.face, t.i, t.j);
+    c = side ? block[static_cast<std::size_t>(t.j % side * side + t.i % side)] : Colour(glm::dot(d, normal) > shift ? bright : dark);
+  }
+}
+
 Case make_case(int number) {
   std::mt19937_64 random(static_cast<std::uint64_t>(number) * 7919 + 13);
   const auto any = [&](int n) { return static_cast<int>(random() % static_cast<std::uint64_t>(n)); };
   const auto even = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   Case c;
   const Projection from = all_projections[any(5)];
-  const int size = from == Projection::cube ? 4 + any(21) : 8 + any(33);
+  const bool pattern = number % 4 == 3;
+  const int size = pattern ? 1 << (from == Projection::cube ? 2 + any(5) : 3 + any(5)) : from == Projection::cube ? 4 + any(21) : 8 + any(33);
   c.map.levels.emplace_back(from, size);
   Level& level = c.map.base();
-  const int content = any(5);
+  const int content = any(5);  // What a pattern leaves.
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < size; ++j) {
       const Columns in = columns(from, size, j);
@@ -236,7 +257,11 @@ Case make_case(int number) {
   p.to = all_projections[any(2)];
   p.size = p.to == Projection::cube ? 1 + any(10) : 2 + any(15);
   if (any(8) == 0) p.size *= 3;
-  c.words = fmt::format("{} {} content {} suns {}, {} {:.4g}, {:g}, {} {}", name(from), size, content, suns,
+  if (pattern) {
+    set_pattern(level, any, even);
+    p.size = p.to == Projection::cube ? 1 + 2 * any(5) : p.size;  // With directions along the axes.
+  }
+  c.words = fmt::format("{} {} {} {} suns {}, {} {:.4g}, {:g}, {} {}", name(from), size, pattern ? "pattern" : "content", content, suns,
                         shape_names[static_cast<std::size_t>(p.shape)], p.parameter, p.max_error, name(p.to), p.size);
   return c;
 }

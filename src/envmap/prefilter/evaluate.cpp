@@ -16,6 +16,15 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
+// What a lobe with a kink of 1 at the horizon comes to over a node of this mean and deviation s, beyond what two points have of
+// it: as over an even interval of half-width 3^(1/2) s, ((r^2 + 3) / (4 3^(1/2)) - max(1, r) / 2) s with r = |1 - mean| / s.
+template <class D, class V>
+HWY_INLINE V rounded_kink(D d, V versine, V deviation, V inverse) {
+  const V far = hn::Mul(hn::Abs(hn::Sub(set(d, 1), versine)), inverse), r = hn::Min(far, set(d, 1.7320508075688772));
+  const V even = hn::Mul(set(d, 0.14433756729740643), hn::Add(hn::Mul(r, r), set(d, 3)));
+  return hn::Mul(deviation, hn::Sub(even, hn::Mul(set(d, 0.5), hn::Max(r, set(d, 1)))));
+}
+
 // What a channel has of a node: the lobe at two points with weights that make its mean right. Those are kept between 0 and
 // 1 where the lobe is not convex: see judge().
 template <class L, class D, class V>
@@ -31,7 +40,7 @@ template <class L>
 void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) {
   const hn::CappedTag<float, Tile::most> d;
   using V = hn::Vec<decltype(d)>;
-  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d);
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), bend = set(d, kink(lobe));
   for (std::size_t k = 0; k < tile.count; k += hn::Lanes(d)) {
     const V x = hn::Load(d, &tile.x[k]), y = hn::Load(d, &tile.y[k]), z = hn::Load(d, &tile.z[k]);
     const V xx = hn::Mul(x, x), xy = hn::Mul(x, y), xz = hn::Mul(x, z);
@@ -55,8 +64,10 @@ void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) 
       const V deviation = hn::Sqrt(hn::Max(hn::Min(variance, most), least));
       const V near = value(lobe, d, hn::Sub(versine, deviation));
       const V far = value(lobe, d, hn::Add(versine, deviation));
-      const V sum = hn::Mul(half, hn::Add(near, far));
-      const V difference = hn::Div(hn::Mul(half, hn::Sub(near, far)), deviation);
+      const V inverse = hn::Div(set(d, 1), deviation);
+      V sum = hn::Mul(half, hn::Add(near, far));
+      if (node.near_horizon) sum = hn::Add(sum, hn::Mul(bend, rounded_kink(d, versine, deviation, inverse)));
+      const V difference = hn::Mul(hn::Mul(half, hn::Sub(near, far)), inverse);
       const auto add = [&](std::size_t c, V& total) HWY_ATTR {
         const V lean = hn::Add(hn::Set(d, node.lean[c]), dot(node.dipole[c]));
         total = hn::Add(total, two_points(lobe, d, hn::Set(d, node.flux[c]), lean, sum, difference, deviation));
@@ -74,15 +85,17 @@ template <class L>
 std::array<double, node_channels> evaluate_seen(const L& lobe, std::span<const SeenNodes> seen) {
   const hn::CappedTag<float, SeenNodes::most> d;
   using V = hn::Vec<decltype(d)>;
-  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d);
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), bend = set(d, kink(lobe));
   alignas(64) std::array<std::array<float, SeenNodes::most>, node_channels> sums;
   for (std::size_t k = 0; k < SeenNodes::most; k += hn::Lanes(d)) {
     V red = zero, green = zero, blue = zero, white = zero;
     for (const SeenNodes& s : seen) {
       const V versine = hn::Load(d, &s.versine[k]), deviation = hn::Sqrt(hn::Load(d, &s.variance[k]));
       const V near = value(lobe, d, hn::Sub(versine, deviation)), far = value(lobe, d, hn::Add(versine, deviation));
-      const V sum = hn::Mul(half, hn::Add(near, far));
-      const V difference = hn::Div(hn::Mul(half, hn::Sub(near, far)), deviation);
+      const V inverse = hn::Div(set(d, 1), deviation);
+      const V bent = hn::Mul(bend, rounded_kink(d, versine, deviation, inverse));
+      const V sum = hn::Add(hn::Mul(half, hn::Add(near, far)), bent);
+      const V difference = hn::Mul(hn::Mul(half, hn::Sub(near, far)), inverse);
       const auto add = [&](std::size_t c, V& total) HWY_ATTR {
         total = hn::Add(total, two_points(lobe, d, hn::Load(d, &s.flux[c][k]), hn::Load(d, &s.lean[c][k]), sum, difference,
                                           deviation));
@@ -166,7 +179,9 @@ TileNode seen_from_tile(const Node& node, const Direction& middle, double radius
   TileNode seen{};
   seen.sag = static_cast<float>(1 - glm::dot(node.centre, node.centre));
   seen.variance = static_cast<float>(glm::dot(middle, slope));
-  seen.most_variance = most_variance(node, glm::length(at) + radius);
+  const double far = glm::length(at) + radius;
+  seen.most_variance = most_variance(node, far);
+  seen.near_horizon = 0.5 * far * far + 1.74 * node.spread + 0.5 * node.spread * node.spread >= 1;
   for (std::size_t k = 0; k < 3; ++k) {
     seen.centre[k] = static_cast<float>(at[static_cast<int>(k)]);
     seen.slope[k] = static_cast<float>(2 * slope[static_cast<int>(k)]);

@@ -19,6 +19,7 @@ struct TileNode {
   std::array<float, 3> centre;
   float sag;
   float variance, most_variance;
+  bool near_horizon;  ///< For some direction of the tile.
   std::array<float, 3> slope;
   std::array<float, 6> covariance;
   NodeFlux flux;
@@ -41,7 +42,8 @@ struct Tile {
 
 /// Sets the sums of a tile. Each node is taken as two nodes one standard deviation of the cosine to either side, which
 /// have its flux, mean and variance (two-point Gauss-Hermite quadrature); what each has of a channel follows from the
-/// channel's own mean. Nothing is ever negative.
+/// channel's own mean. The kink of a lobe at the horizon is taken over an even interval instead, or all nodes that lie in the
+/// same way along a horizon would be off alike. Nothing is ever negative.
 void evaluate(const Lobe& lobe, std::span<const TileNode> nodes, Tile& tile);
 
 /// Sixteen nodes as one direction sees them: 1 - cos of the mean, the variance of the cosine, and a channel's flux and

@@ -182,6 +182,7 @@ class Subdivision {
       } else {
         ++found_.count;
         add_error(v.error[k], v.bent >> k & 1);
+        if (v.crossed >> k & 1) found_.add_crossed(nodes[k], criterion_.middle, v.error[k]);
         add_(nodes[k]);
       }
     }

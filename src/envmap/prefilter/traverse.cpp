@@ -43,11 +43,6 @@ HWY_INLINE V lowest(const BlinnPhong& l) { return set(D(), -1.38 / std::max(1e-3
 HWY_INLINE V lowest(const Charlie&) { return set(D(), 1e-9); }
 HWY_INLINE V lowest(const Ggx& l) { return set(D(), -0.5 * l.a / l.b); }
 
-// How much the slope of a lobe that does not break off changes at the horizon.
-template <class L>
-HWY_INLINE V kink(const L& /*lobe*/) { return hn::Zero(D()); }
-HWY_INLINE V kink(const Charlie& l) { return set(D(), l.scale()); }
-
 // As many as a vector has, from lane n on. @param middle what centres are counted from. @param slack what they may be off.
 template <class L>
 HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const NodeGroup& b, std::size_t n,
@@ -105,15 +100,19 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
     const auto range = range_over(lobe, d, lo, hi);
     any = hn::Sub(range.most, range.least);
     if (!lobe.breaks_off()) {
-      const V turned = hn::Add(hn::Mul(bent, hn::Sub(end, lo)), hn::IfThenElseZero(hn::Ge(hi, one), kink(lobe)));
+      const V turned = hn::Add(hn::Mul(bent, hn::Sub(end, lo)), hn::IfThenElseZero(hn::Ge(hi, one), set(d, kink(lobe))));
       any = hn::IfThenElse(known, hn::Min(any, hn::Add(hn::Mul(a, turned), beyond)), any);
     }
   }
   // Not where a derivative is beyond what floats hold.
   const auto finite = hn::And(hn::Lt(bent, set(d, 1e36)), hn::Lt(twisted, set(d, 1e36)));
   const auto taylor = hn::And(hn::And(hn::Lt(hi, one), known), finite);
-  const V series = hn::Max(zero, hn::IfThenElse(taylor, hn::Min(any, smooth), any));
+  // off is a or more, and so is hi - X0: with 0.74 a more that is 3^(1/2) s.
+  const auto near_kink = hn::Ge(hn::Add(hi, hn::Mul(set(d, 0.74), a)), one);
+  const V rounded = hn::IfThenElseZero(near_kink, hn::Mul(set(d, 0.0774 * kink(lobe)), a));
+  const V series = hn::Add(rounded, hn::Max(zero, hn::IfThenElse(taylor, hn::Min(any, smooth), any)));
   found.bent |= bits_of(hn::Ge(series, any)) << n;
+  found.crossed |= bits_of(hn::Ge(hi, one)) << n;
   const V error = hn::Mul(hn::Mul(flux, set(d, rounding)), series);
   hn::Store(error, d, &found.error[n]);
   found.good |= bits_of(hn::And(visible, hn::Le(error, limit))) << n;
@@ -167,6 +166,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
           ++found.count;
           found.add_error(v.error[n], v.bent >> n & 1);
           found.nodes.push_back(&tree.blocks(e.k).node(e.face, i, j));
+          if (v.crossed >> n & 1) found.add_crossed(*found.nodes.back(), criterion.middle, v.error[n]);
           fetch(found.nodes.back());
         }
       } else if (v.visible >> n & 1) {
@@ -205,7 +205,7 @@ Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& node
 }
 
 void traverse(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found) {
-  found.clear(std::visit([](const auto& l) { return l.breaks_off(); }, lobe), tree.parts() > 1);
+  found.clear(lobe, tree.parts() > 1);
   HWY_DYNAMIC_DISPATCH(Traverse)(lobe, tree, criterion, found);
 }
 

@@ -56,6 +56,7 @@ struct Judged {
   unsigned visible = 0;                ///< Above the horizon.
   unsigned good = 0;                   ///< And good enough.
   unsigned bent = 0;                   ///< The lobe is no smooth function over the node: the horizon crosses it, or it is wide.
+  unsigned crossed = 0;                ///< The horizon may cross the node.
   alignas(64) NodeGroup::Lanes error;  ///< Bounds of what good ones are off, relative to the result.
   alignas(64) NodeGroup::Lanes least;  ///< The lobe, at least, while surveying.
 };
@@ -77,6 +78,8 @@ struct Judged {
 ///  - else weights are kept between 0 and 1, and either lies between the least and the most of f. Then the mean of the points
 ///    may be off by sqrt(m), which adds max|f'| sqrt(m) to the first of these bounds. Where f has no step, it differs from a line
 ///    by half the range G of f' x |X - X0|, which is at most a in the mean, both ways: G a + max|f'| sqrt(m).
+/// Where a kink K of f, at the horizon, is within 3^(1/2) s of X0, evaluate() rounds it as an even interval does, which adds at most
+/// 0.0774 s K to all of these: (1 / 3^(1/2) - 1/2) s K, what it differs from two points by.
 /// @param nodes their centres from the middle of the tile. @param count of them that are asked for.
 Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& nodes, std::size_t count);
 
@@ -92,11 +95,25 @@ struct OpenBlock {
 
 /// What many nodes are off together, as a part of the root of the sum of squares of their bounds: where the lobe is smooth over
 /// them, where it is not, and of parts of one texel, which are lit alike and may be off the same way. Measured: see treecode.h.
-/// Parts that lie along the horizon may all be off the same way, by 0.06 of their bounds: two points at one standard deviation s to
-/// either side miss at most 0.077 s of a kink of 1 in the lobe over an even interval of half-width 3^(1/2) s, whose bound is half its
-/// reach at least. So of parts a share of the sum of their bounds counts, too: derived for those, measured for smooth ones.
 struct EitherWay {
-  static constexpr double smooth = 0.05, bent = 0.1, alike = 0.2, together_bent = 0.1, together_smooth = 0.02;
+  static constexpr double smooth = 0.05, bent = 0.05, alike = 0.2;
+};
+
+/// Nodes that the horizon crosses may all be off the same way: where it runs along the rows of a grid, or its diagonals, it
+/// crosses all of them in the same place. Evenly lit ones are then off by up to 0.007 of their bounds, those with the same light
+/// in all of them by 0.017 (99 of 100 random lights), and by 0.07 under lobes that have no kink there but nearly one:
+/// tests/unit/criterion_test.cpp. So this share of the sum of their bounds counts, too.
+template <class L>
+double together(const L& /*lobe*/) {
+  return 0.015;
+}
+inline double together(const Phong& l) { return l.exponent < 1.5 ? 0.07 : 0.015; }
+
+/// A node that the horizon of directions of a tile may cross: where |offset - centre|^2 / 2 is within `reach` of `horizon`.
+struct CrossedNode {
+  Vec3<float> centre;  ///< From the middle of the tile.
+  float horizon, reach;
+  float error;  ///< Bound.
 };
 
 /// What a traversal found. Kept between traversals for its memory.
@@ -106,16 +123,18 @@ struct Traversal {
   double stepped;       ///< Sum of the bounds of nodes that a step of the lobe may cut, all off the same way.
   double sum, largest;  ///< Of the bounds of others.
   double power;         ///< Sum of the squares of what they are off either way.
-  double together;      ///< What they are off the same way.
+  std::vector<CrossedNode> crossed;  ///< But for stepped ones.
   NodeFlux got;                ///< What directions get at least of the nodes.
   std::array<double, node_channels> integrated;  ///< What the direction gets of pieces that are no nodes.
   std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
 
-  /// @param steps whether the lobe breaks off at the horizon. @param alike whether texels are parts of larger ones: see Tree::parts().
-  void clear(bool steps, bool alike) {
-    nodes.clear(), opened.clear();
-    steps_ = steps, alike_ = alike;
-    stepped = sum = power = together = largest = 0;
+  /// @param alike whether texels are parts of larger ones: see Tree::parts().
+  void clear(const Lobe& lobe, bool alike) {
+    steps_ = std::visit([](const auto& l) { return l.breaks_off(); }, lobe);
+    together_ = std::visit([](const auto& l) { return together(l); }, lobe);
+    nodes.clear(), opened.clear(), crossed.clear();
+    alike_ = alike;
+    stepped = sum = power = largest = 0;
     count = 0;
     got = {}, integrated = {};
   }
@@ -126,9 +145,17 @@ struct Traversal {
     }
     const double either = (alike_ ? EitherWay::alike : bent ? EitherWay::bent : EitherWay::smooth) * error;
     sum += error;
-    if (alike_) together += (bent ? EitherWay::together_bent : EitherWay::together_smooth) * error;
     power += either * either;
     largest = std::max(largest, error);
+  }
+  void add_crossed(const Node& node, const Direction& middle, float error) {
+    if (steps_) return;
+    const double sag = 1 - glm::dot(node.centre, node.centre);
+    crossed.push_back({Vec3<float>(node.centre - middle), static_cast<float>(1 - 0.5 * sag), node.reach, error});
+  }
+  /// What all nodes together are off. @param crossed_sum of the bounds of those that the horizon crosses.
+  [[nodiscard]] double figure(double crossed_sum) const {
+    return stepped + std::min(sum, largest + std::sqrt(power) + together_ * crossed_sum);
   }
   void add_least(Criterion& criterion, const NodeFlux& flux, float value) {
     for (std::size_t c = 0; c < node_channels; ++c) {
@@ -139,6 +166,7 @@ struct Traversal {
 
  private:
   bool steps_ = false, alike_ = false;
+  double together_ = 0;
 };
 
 /// Goes down from the largest blocks until they are good, or the lowest. @param criterion while surveying `most` falls with

@@ -68,7 +68,7 @@ std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t direction
 // The nodes of a tile, and what they are off.
 class TileNodes {
  public:
-  TileNodes(const Job& job, const Tile& tile) : job_(job) {
+  TileNodes(const Job& job, const Tile& tile) : job_(job), tile_(tile) {
     constexpr auto least = static_cast<float>(1 / floor_of_error);
     criterion_ = {.middle = tile.middle, .radius = tile.radius, .most = {least, least, least, 1}, .surveying = true};
     // The least that any direction gets, from below: first from afar, then closer.
@@ -97,7 +97,7 @@ class TileNodes {
       criterion_.limit = static_cast<float>(limit);
       go(add);
       if (found().count > criterion_.most_nodes) return std::nullopt;
-      const double figure = error_figure(found());
+      const double figure = error_figure(found(), tile_);
       if (figure <= job_.max_error) {
         for (const Node* node : found().nodes) add(*node);
         return figure;
@@ -122,6 +122,7 @@ class TileNodes {
   }
 
   const Job& job_;
+  const Tile& tile_;
   Criterion criterion_;
 };
 
@@ -199,8 +200,14 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
 
 }  // namespace
 
-double error_figure(const Traversal& found) {
-  return found.stepped + std::min(found.sum, found.largest + std::sqrt(found.power) + found.together);
+double error_figure(const Traversal& found, const Tile& tile) {
+  std::array<float, Tile::most> crossed{};
+  for (const CrossedNode& node : found.crossed)
+    for (std::size_t k = 0; k < tile.count; ++k) {
+      const float x = tile.x[k] - node.centre.x, y = tile.y[k] - node.centre.y, z = tile.z[k] - node.centre.z;
+      crossed[k] += std::abs(0.5F * (x * x + y * y + z * z) - node.horizon) <= node.reach ? node.error : 0.F;
+    }
+  return found.figure(*std::ranges::max_element(crossed));
 }
 
 void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error,

@@ -24,9 +24,10 @@
 namespace envmap::prefiltering {
 
 /// What nodes together are off, by their bounds: the sum of them or, where that is less, those that a step of the lobe cuts,
-/// the largest of the others for certain, all of those as errors of either sign, and a share of parts of one texel (EitherWay). A step that runs along texels
-/// is off the same way in all of them.
-double error_figure(const Traversal& found);
+/// the largest of the others for certain, all of those as errors of either sign (EitherWay), and a share of those that the
+/// horizon crosses as errors of one sign (`together`), for the direction of the tile where that is most. A step that runs along
+/// texels is off the same way in all of them.
+double error_figure(const Traversal& found, const Tile& tile);
 
 /// Sets texels whose figure is not below max_error yet: a tile's nodes are opened until its own figure is. Texels that would
 /// take so many nodes that the exact sum is quicker are left as they are. @param out of the projection and size of the target.
