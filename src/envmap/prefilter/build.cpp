@@ -99,9 +99,9 @@ void set_shifts(const Level& source, int face, std::span<const Span> blocks, std
 
 // Up to sixteen blocks, of two rows and columns or more, of texels that are all much alike. @param omega of a block that
 // they all lie in.
-void plain_blocks(const Level& source, int face, const SolidAngles& omega, std::span<const Span> blocks, double scale,
-                  Node* out) {
+void plain_blocks(const Tree& tree, int face, const SolidAngles& omega, std::span<const Span> blocks, Node* out) {
   if (blocks.empty()) return;
+  const Level& source = tree.source();
   const Span& in = omega.in;
   const std::vector<Direction>& directions = directions_of(source, face, in);
   int width = 0, height = 0;
@@ -130,7 +130,7 @@ void plain_blocks(const Level& source, int face, const SolidAngles& omega, std::
       std::size_t from = in.index(b.left, j), to = row * across;
       for (int i = b.left; i < b.right; ++i, ++from, ++to, ++colours)
         parts[to].set(lane, inside * directions[from] + shifts[lane] - origins[lane], omega.texels[from],
-                      scale * Flux(*colours));
+                      tree.beyond(*colours));
     }
   }
   NodeBatch whole;
@@ -140,19 +140,21 @@ void plain_blocks(const Level& source, int face, const SolidAngles& omega, std::
 
 // Any block, texel by texel.
 template <class P>
-Node any_block(const Level& source, int face, const Span& in, double scale) {
+Node any_block(const Tree& tree, int face, const Span& in) {
+  const Level& source = tree.source();
   thread_local std::vector<Node> texels;
   texels.clear();
   for (int j = in.top; j < in.bottom; ++j)
     for (int i = in.left; i < in.right; ++i) {
       const Moments area = moments<P>(face, texel_rect(i, j, source.width(), source.height()));
-      texels.push_back(node_of(area, scale * Flux(*source.texel(face, i, j))));
+      texels.push_back(node_of(area, tree.beyond(*source.texel(face, i, j))));
     }
   return united(texels);
 }
 
 // Sixteen blocks of `side` texels across, or what there is of them.
-void set_blocks(const Level& source, int face, int side, const SolidAngles& omega, double scale, Node* out) {
+void set_blocks(const Tree& tree, int face, int side, const SolidAngles& omega, Node* out) {
+  const Level& source = tree.source();
   const Span& in = omega.in;
   std::array<Span, batch_size> plain;
   std::array<Node, batch_size> found;
@@ -165,10 +167,10 @@ void set_blocks(const Level& source, int face, int side, const SolidAngles& omeg
       if (is_plain<P>(block, source))
         plain[count] = block, to[count++] = out;
       else
-        *out = any_block<P>(source, face, block, scale);
+        *out = any_block<P>(tree, face, block);
     }
   });
-  plain_blocks(source, face, omega, std::span(plain).first(count), scale, found.data());
+  plain_blocks(tree, face, omega, std::span(plain).first(count), found.data());
   for (std::size_t k = 0; k < count; ++k) *to[k] = found[k];
 }
 
@@ -187,7 +189,7 @@ void unite_rows(std::span<const Node> upper, std::span<const Node> lower, Node* 
       for (std::size_t k = 0; k < 4; ++k) {
         const std::span<const Node> row = k < 2 ? upper : lower;
         const std::size_t from = first + k % 2;
-        if (from >= row.size() || row[from].flux[3] <= 0) continue;
+        if (from >= row.size() || !is_lit(row[from])) continue;
         if (!origin) origin = &row[from];
         parts[k].set(lane, row[from], origin->centre);
       }
@@ -207,7 +209,7 @@ std::optional<std::array<Node, 4>> Tree::quarters(int face, const Span& in) cons
   });
   if (!plain) return std::nullopt;
   std::array<Node, 4> found;
-  plain_blocks(source_, face, {source_, in}, parts, mean_ > 0 ? 1 / mean_ : 0, found.data());
+  plain_blocks(*this, face, {source_, in}, parts, found.data());
   return found;
 }
 
@@ -223,23 +225,22 @@ void Tree::Blocks::set_quads(int face, int j) {
   std::fill_n(to, halves(width), NodeQuad::none());
   for (int y = 2 * j; y < std::min(height, 2 * j + 2); ++y)
     for (int i = 0; i < width; ++i)
-      if (const Node& one = node(face, i, y); one.flux[3] > 0)
+      if (const Node& one = node(face, i, y); is_lit(one))
         to[i / 2].set(static_cast<std::size_t>(2 * (y % 2) + i % 2), one);
 }
 
 Tree::Tree(const Level& source, double mean, int parts) : source_(source), parts_(parts), mean_(mean), darkest_(0) {
-  if (mean_ > 0) darkest_ = Colour(Flux(darkest_of(source)) / mean_);
+  if (mean_ > 0) darkest_ = Flux(darkest_of(source)) / mean_;
   const int width = source.width(), height = source.height(), faces = source.faces();
   const auto blocks = [&] { return static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_); };
   for (const std::int64_t most = most_stored(blocks()); blocks() > most;) ++first_;
   const int side = 1 << first_, at_once = static_cast<int>(batch_size) * side;
-  const double scale = mean_ > 0 ? 1 / mean_ : 0;
   Blocks lowest(faces, (width + side - 1) / side, (height + side - 1) / side);
   for_each_row(1, lowest.height, {}, [&](int, int j) {
     for (int left = 0; left < width; left += at_once) {
       const SolidAngles omega(source, {left, j * side, std::min(width, left + at_once), std::min(height, (j + 1) * side)});
       for (int face = 0; face < faces; ++face)
-        set_blocks(source, face, side, omega, scale, lowest.row(face, j) + left / side);
+        set_blocks(*this, face, side, omega, lowest.row(face, j) + left / side);
     }
   });
   for_each_row(faces, halves(lowest.height), {}, [&](int face, int j) { lowest.set_quads(face, j); });

@@ -48,7 +48,7 @@ void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) 
     const auto dot = [&](const std::array<float, 3>& a) HWY_ATTR {
       return hn::Add(hn::Add(hn::Mul(hn::Set(d, a[0]), x), hn::Mul(hn::Set(d, a[1]), y)), hn::Mul(hn::Set(d, a[2]), z));
     };
-    V red = zero, green = zero, blue = zero, white = zero;
+    V red = zero, green = zero, blue = zero;
     for (const TileNode& node : nodes) {
       const V ox = hn::Sub(x, hn::Set(d, node.centre[0])), oy = hn::Sub(y, hn::Set(d, node.centre[1])),
               oz = hn::Sub(z, hn::Set(d, node.centre[2]));
@@ -72,12 +72,11 @@ void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) 
         const V lean = hn::Add(hn::Set(d, node.lean[c]), dot(node.dipole[c]));
         total = hn::Add(total, two_points(lobe, d, hn::Set(d, node.flux[c]), lean, sum, difference, deviation));
       };
-      add(0, red), add(1, green), add(2, blue), add(3, white);
+      add(0, red), add(1, green), add(2, blue);
     }
     hn::Store(red, d, &tile.sums[0][k]);
     hn::Store(green, d, &tile.sums[1][k]);
     hn::Store(blue, d, &tile.sums[2][k]);
-    hn::Store(white, d, &tile.sums[3][k]);
   }
 }
 
@@ -88,7 +87,7 @@ std::array<double, node_channels> evaluate_seen(const L& lobe, std::span<const S
   const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), bend = set(d, kink(lobe));
   alignas(64) std::array<std::array<float, SeenNodes::most>, node_channels> sums;
   for (std::size_t k = 0; k < SeenNodes::most; k += hn::Lanes(d)) {
-    V red = zero, green = zero, blue = zero, white = zero;
+    V red = zero, green = zero, blue = zero;
     for (const SeenNodes& s : seen) {
       const V versine = hn::Load(d, &s.versine[k]), deviation = hn::Sqrt(hn::Load(d, &s.variance[k]));
       const V near = value(lobe, d, hn::Sub(versine, deviation)), far = value(lobe, d, hn::Add(versine, deviation));
@@ -100,12 +99,11 @@ std::array<double, node_channels> evaluate_seen(const L& lobe, std::span<const S
         total = hn::Add(total, two_points(lobe, d, hn::Load(d, &s.flux[c][k]), hn::Load(d, &s.lean[c][k]), sum, difference,
                                           deviation));
       };
-      add(0, red), add(1, green), add(2, blue), add(3, white);
+      add(0, red), add(1, green), add(2, blue);
     }
     hn::Store(red, d, &sums[0][k]);
     hn::Store(green, d, &sums[1][k]);
     hn::Store(blue, d, &sums[2][k]);
-    hn::Store(white, d, &sums[3][k]);
   }
   std::array<double, node_channels> totals{};
   for (std::size_t c = 0; c < node_channels; ++c)
@@ -161,7 +159,7 @@ void add_seen(const Node& node, const Direction& middle, std::size_t& count, std
   }
   SeenNodes& s = seen.back();
   const Direction at = node.centre - middle, slope = times(node.covariance, middle);
-  s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + (1 - glm::dot(node.centre, node.centre))));
+  s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + sag_of(node)));
   const float most = most_variance(node, glm::length(at));
   s.variance[k] = std::max(std::min(static_cast<float>(glm::dot(middle, slope)), most), least_variance(most));
   for (std::size_t c = 0; c < node_channels; ++c) {
@@ -177,7 +175,7 @@ void evaluate(const Lobe& lobe, std::span<const TileNode> nodes, Tile& tile) {
 TileNode seen_from_tile(const Node& node, const Direction& middle, double radius) {
   const Direction at = node.centre - middle, slope = times(node.covariance, middle);
   TileNode seen{};
-  seen.sag = static_cast<float>(1 - glm::dot(node.centre, node.centre));
+  seen.sag = static_cast<float>(sag_of(node));
   seen.variance = static_cast<float>(glm::dot(middle, slope));
   const double far = glm::length(at) + radius;
   seen.most_variance = most_variance(node, far);

@@ -20,12 +20,7 @@ using V = hn::Vec<D>;
 HWY_INLINE V load(const Lanes& from, std::size_t k) { return hn::Load(D(), &from[k]); }
 HWY_INLINE V over(V a, V b) { return hn::IfThenElseZero(hn::Gt(b, hn::Zero(D())), hn::Div(a, b)); }
 
-// Steradians count a little, so that black parts have a place, too: as much as the least radiance that errors are
-// measured against.
-HWY_INLINE V weighted(V red, V green, V blue, V white) {
-  const D d;
-  return hn::Add(hn::Mul(hn::Set(d, 1.0F / 3), hn::Add(hn::Add(red, green), blue)), hn::Mul(hn::Set(d, 1e-3F), white));
-}
+HWY_INLINE V weighted(V red, V green, V blue) { return hn::Mul(hn::Set(D(), 1.0F / 3), hn::Add(hn::Add(red, green), blue)); }
 
 // Cube root, of 0 to 1e30, 1e-6 above: Newton's steps from a third of the exponent.
 HWY_INLINE V cube_root(V a) {
@@ -59,11 +54,11 @@ template <class Part>
 HWY_INLINE V middle(std::span<const Part> parts, NodeBatch& whole, std::size_t k) {
   const D d;
   V weight = hn::Zero(d), x = weight, y = weight, z = weight;
-  V flux[node_channels] = {weight, weight, weight, weight};
+  V flux[node_channels] = {weight, weight, weight};
   for (const Part& p : parts) {
     V f[node_channels];
     for (std::size_t c = 0; c < node_channels; ++c) f[c] = load(p.flux[c], k), flux[c] = hn::Add(flux[c], f[c]);
-    const V w = weighted(f[0], f[1], f[2], f[3]);
+    const V w = weighted(f[0], f[1], f[2]);
     weight = hn::Add(weight, w);
     x = hn::Add(x, hn::Mul(w, load(p.centre[0], k)));
     y = hn::Add(y, hn::Mul(w, load(p.centre[1], k)));
@@ -113,7 +108,7 @@ HWY_INLINE V reach_of(std::span<const Part> parts, const NodeBatch& whole, std::
   for (const Part& p : parts) {
     const Offset o = offset(p, whole, k);
     const V distance = hn::Sqrt(hn::Add(hn::Add(o.product[0], o.product[3]), o.product[5]));
-    const auto counts = hn::Gt(load(p.flux[3], k), hn::Zero(d));
+    const auto counts = hn::Gt(weighted(load(p.flux[0], k), load(p.flux[1], k), load(p.flux[2], k)), hn::Zero(d));
     reach = hn::Max(reach, hn::IfThenElseZero(counts, hn::Add(distance, load(shape_of(p).reach, k))));
   }
   return reach;
@@ -128,7 +123,7 @@ void unite_lanes(std::span<const Part> parts, NodeBatch& whole) {
     for (std::size_t c = 0; c < node_channels; ++c) moments(parts, whole, c, k, second[c], uneven[c], cube[c]);
     V covariance[6];
     for (std::size_t n = 0; n < 6; ++n) {
-      covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n], second[3][n]), weight);
+      covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n]), weight);
       hn::Store(covariance[n], d, &whole.shape.covariance[n][k]);
     }
     V most_uneven = hn::Zero(d), most_cube = hn::Zero(d);
@@ -168,8 +163,7 @@ void unite(std::span<const NodeBatch> parts, NodeBatch& whole) { HWY_DYNAMIC_DIS
 Node node_of(const Moments& patch, const Flux& radiance) {
   const double w = patch.solid_angle;
   Node node{.centre = patch.centre,
-              .flux = {static_cast<float>(w * radiance.x), static_cast<float>(w * radiance.y),
-                       static_cast<float>(w * radiance.z), static_cast<float>(w)},
+              .flux = {static_cast<float>(w * radiance.x), static_cast<float>(w * radiance.y), static_cast<float>(w * radiance.z)},
               .spread = static_cast<float>(patch.spread),
               .reach = static_cast<float>(patch.reach)};
   for (std::size_t n = 0; n < 6; ++n) node.covariance[n] = static_cast<float>(patch.covariance.m[n]);
@@ -206,12 +200,10 @@ void ShapeBatch::set(std::size_t lane, const Moments& patch) {
 }
 
 void TexelBatch::set(std::size_t lane, const Direction& offset, double solid_angle, const Flux& radiance) {
-  const auto white = static_cast<float>(solid_angle);
   for (std::size_t n = 0; n < 3; ++n) {
     centre[n][lane] = static_cast<float>(offset[static_cast<int>(n)]);
-    flux[n][lane] = white * static_cast<float>(radiance[static_cast<int>(n)]);
+    flux[n][lane] = static_cast<float>(solid_angle * radiance[static_cast<int>(n)]);
   }
-  flux[3][lane] = white;
 }
 
 void NodeBatch::set(std::size_t lane, const Node& node, const Direction& origin) {

@@ -9,21 +9,28 @@
 
 namespace envmap::prefiltering {
 
-/// Red, green and blue flux, in units of the source's mean radiance, and steradians: what a white map would give.
-inline constexpr std::size_t node_channels = 4;
+/// Red, green and blue flux, in units of the source's mean radiance, beyond what the darkest texel gives: see Tree::beyond().
+inline constexpr std::size_t node_channels = 3;
 using NodeFlux = std::array<float, node_channels>;
 
 /// Moments of the flux over a block of texels. Place and spread are those of all channels together; what sets a channel
-/// apart is its dipole, and beyond that a bound. Node{} is none.
+/// apart is its dipole, and beyond that a bound. Without flux it is none.
 struct Node {
   Direction centre;  ///< Mean direction: inside the sphere, by half the variance.
   std::array<float, 6> covariance;
-  NodeFlux flux;                                  ///< No steradians: no node.
+  NodeFlux flux;
   std::array<Vec3<float>, node_channels> dipole;  ///< Of each channel about the centre: sum of flux x offset.
   float uneven;  ///< No channel's second moment, over its flux, is farther than this from the covariance.
   float spread;  ///< Cube root of the mean |offset|^3, that of the channel where it is largest, or above.
   float reach;   ///< No direction is farther from the centre.
 };
+
+inline bool is_lit(const Node& node) { return node.flux[0] + node.flux[1] + node.flux[2] > 0; }
+
+/// 1 - |centre|^2: for directions, which are unit vectors, that is their mean square offset, of which float32 has more digits.
+inline double sag_of(const Node& node) {
+  return static_cast<double>(node.covariance[0]) + node.covariance[3] + node.covariance[5];
+}
 
 /// Even radiance over a patch. @param radiance in units of the mean.
 Node node_of(const Moments& patch, const Flux& radiance);
@@ -61,7 +68,7 @@ struct NodeBatch {
   [[nodiscard]] Node node(std::size_t lane, const Direction& origin) const;
 };
 
-/// The first of all parts as one, the second of all, and so on. Parts without steradians count nothing.
+/// The first of all parts as one, the second of all, and so on. Parts without flux count nothing.
 void unite(std::span<const TexelBatch> parts, NodeBatch& whole);
 void unite(std::span<const NodeBatch> parts, NodeBatch& whole);
 

@@ -54,12 +54,12 @@ class Subdivision {
   }
   void texels(int face, const Span& in) {
     const Level& source = tree_.source();
-    const double scale = tree_.mean() > 0 ? 1 / tree_.mean() : 0;
     Cells cells;
     for (int j = in.top; j < in.bottom; ++j)
       for (int i = in.left; i < in.right; ++i) {
         const Rect rect = texel_rect(i, j, source.width(), source.height());
-        const Flux radiance = scale * Flux(*source.texel(face, i, j));
+        const Flux radiance = tree_.beyond(*source.texel(face, i, j));
+        if (radiance == Flux(0)) continue;
         if (Texel lit{face, radiance}; clip(lit, rect))
           found_.add_error(lit.error, lit.bent);
         else if (const std::optional<Moments> area = small_cell<P>(face, rect))
@@ -124,7 +124,7 @@ class Subdivision {
         recent_border<P>(texel.face, rect), P::solid_angle(rect), node.reach, nearest, 0.1 * criterion_.limit / each);
     if (criterion_.surveying) {
       const Flux& l = texel.radiance;
-      found_.add_least(criterion_, {static_cast<float>(l.x), static_cast<float>(l.y), static_cast<float>(l.z), 1},
+      found_.add_least(criterion_, {static_cast<float>(l.x), static_cast<float>(l.y), static_cast<float>(l.z)},
                        static_cast<float>(std::max(0.0, found.value - found.error)));
     } else {
       add(texel, found.value, found.error * each);
@@ -133,7 +133,7 @@ class Subdivision {
   }
   // What a part of the lobe counts for, in such light.
   [[nodiscard]] double weight(const Flux& radiance) const {
-    double most = criterion_.most[3];
+    double most = 0;
     for (int c = 0; c < 3; ++c) most = std::max(most, radiance[c] * criterion_.most[static_cast<std::size_t>(c)]);
     return most;
   }
@@ -142,7 +142,6 @@ class Subdivision {
     ++found_.count;
     texel.error += off;
     for (int c = 0; c < 3; ++c) found_.integrated[static_cast<std::size_t>(c)] += integral * texel.radiance[c];
-    found_.integrated[3] += integral;
   }
   // What is too large for simple moments is cut without a look at it.
   void cut(Texel& texel, const Rect& rect, int depth) {

@@ -161,7 +161,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
       const int lane = static_cast<int>(n % 4), i = 2 * e.i + lane % 2, j = 2 * e.j + lane / 2;
       if (v.good >> n & 1) {
         if (criterion.surveying) {
-          found.add_least(criterion, {group.flux[0][n], group.flux[1][n], group.flux[2][n], group.flux[3][n]}, v.least[n]);
+          found.add_least(criterion, {group.flux[0][n], group.flux[1][n], group.flux[2][n]}, v.least[n]);
         } else {
           ++found.count;
           found.add_error(v.error[n], v.bent >> n & 1);

@@ -44,7 +44,8 @@ using NodeGroup = NodeHeads<16>;  ///< What is judged at once.
 struct Criterion {
   Direction middle;   ///< A unit vector.
   double radius = 0;  ///< No direction is farther from the middle.
-  NodeFlux most{};    ///< 1 over the least that any direction gets of a channel.
+  NodeFlux darkest{}; ///< What every direction gets of a channel besides.
+  NodeFlux most{};    ///< 1 over the least that any direction gets of it in all.
   float limit = 0;    ///< What a node may be off, relative to that.
   /// Looks for the least that directions get: a node is good where the lobe changes by less than the limit over it.
   bool surveying = false;
@@ -101,7 +102,7 @@ struct EitherWay {
 
 /// Nodes that the horizon crosses may all be off the same way: where it runs along the rows of a grid, or its diagonals, it
 /// crosses all of them in the same place. Evenly lit ones are then off by up to 0.007 of their bounds, those with the same light
-/// in all of them by 0.017 (99 of 100 random lights), and by 0.07 under lobes that have no kink there but nearly one:
+/// in all of them by 0.015 (9 of 10 random lights; the worst 0.023), and by 0.07 under lobes that have no kink there but nearly one:
 /// tests/unit/criterion_test.cpp. So this share of the sum of their bounds counts, too.
 template <class L>
 double together(const L& /*lobe*/) {
@@ -150,8 +151,7 @@ struct Traversal {
   }
   void add_crossed(const Node& node, const Direction& middle, float error) {
     if (steps_) return;
-    const double sag = 1 - glm::dot(node.centre, node.centre);
-    crossed.push_back({Vec3<float>(node.centre - middle), static_cast<float>(1 - 0.5 * sag), node.reach, error});
+    crossed.push_back({Vec3<float>(node.centre - middle), static_cast<float>(1 - 0.5 * sag_of(node)), node.reach, error});
   }
   /// What all nodes together are off. @param crossed_sum of the bounds of those that the horizon crosses.
   [[nodiscard]] double figure(double crossed_sum) const {
@@ -160,7 +160,7 @@ struct Traversal {
   void add_least(Criterion& criterion, const NodeFlux& flux, float value) {
     for (std::size_t c = 0; c < node_channels; ++c) {
       got[c] += value * flux[c];
-      if (c < 3) criterion.most[c] = std::min(criterion.most[c], 1 / got[c]);
+      criterion.most[c] = std::min(criterion.most[c], 1 / (criterion.darkest[c] + got[c]));
     }
   }
 

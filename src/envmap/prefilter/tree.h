@@ -66,8 +66,12 @@ class Tree {
 
   [[nodiscard]] const Level& source() const { return source_; }
   [[nodiscard]] int parts() const { return parts_; }
-  /// Least radiance of each channel, in units of the mean.
-  [[nodiscard]] const Colour& darkest() const { return darkest_; }
+  /// Least radiance of each channel, in units of the mean. It falls from everywhere, which makes as much of every result: only what
+  /// is beyond() it, in the same units, is left to the nodes.
+  [[nodiscard]] const Flux& darkest() const { return darkest_; }
+  [[nodiscard]] Flux beyond(const Colour& radiance) const {
+    return mean_ > 0 ? glm::max(Flux(0), Flux(radiance) / mean_ - darkest_) : Flux(0);
+  }
   [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
   [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
   [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
@@ -80,7 +84,7 @@ class Tree {
   const Level& source_;
   int parts_;
   double mean_;
-  Colour darkest_;
+  Flux darkest_;
   int first_ = 0;
   std::vector<Blocks> blocks_;
 };

@@ -69,8 +69,11 @@ std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t direction
 class TileNodes {
  public:
   TileNodes(const Job& job, const Tile& tile) : job_(job), tile_(tile) {
-    constexpr auto least = static_cast<float>(1 / floor_of_error);
-    criterion_ = {.middle = tile.middle, .radius = tile.radius, .most = {least, least, least, 1}, .surveying = true};
+    criterion_ = {.middle = tile.middle, .radius = tile.radius, .surveying = true};
+    for (std::size_t c = 0; c < node_channels; ++c) {
+      criterion_.darkest[c] = static_cast<float>(job.tree.darkest()[static_cast<int>(c)]);
+      criterion_.most[c] = 1 / std::max(static_cast<float>(floor_of_error), criterion_.darkest[c]);
+    }
     // The least that any direction gets, from below: first from afar, then closer.
     for (const float gap : {1.F, 0.05F}) {
       criterion_.limit = gap;
@@ -78,10 +81,6 @@ class TileNodes {
     }
     criterion_.surveying = false;
     criterion_.most_nodes = most_nodes(job.tree, job.lobe, tile.count);
-    // White counts for as much as radiance() takes of it.
-    criterion_.most[3] = 0;
-    for (std::size_t c = 0; c < 3; ++c)
-      criterion_.most[3] = std::max(criterion_.most[3], criterion_.most[c] * job.tree.darkest()[static_cast<int>(c)]);
   }
 
   /// Of the last find(): see Traversal.
@@ -126,11 +125,8 @@ class TileNodes {
   Criterion criterion_;
 };
 
-// What nodes come to. The darkest radiance falls from everywhere, and its integral is known: what white misses of 1 it is
-// given back. So all of a white map comes out right.
-Colour radiance(const Tree& tree, const Flux& sums, double white) {
-  return Colour(tree.mean() * glm::max(Flux(0), sums + (1 - white) * Flux(tree.darkest())));
-}
+// What nodes come to.
+Colour radiance(const Tree& tree, const Flux& sums) { return Colour(tree.mean() * glm::max(Flux(0), sums + tree.darkest())); }
 
 // Sets the colours of a tile. @return its figure, or nothing where it would take too many nodes.
 std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<Colour> out) {
@@ -143,7 +139,7 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
     if (!figure) return figure;
     std::array<double, node_channels> sums = evaluate(job.lobe, seen);
     for (std::size_t c = 0; c < node_channels; ++c) sums[c] += TileNodes::integrated()[c];
-    out[0] = radiance(job.tree, {sums[0], sums[1], sums[2]}, sums[3]);
+    out[0] = radiance(job.tree, {sums[0], sums[1], sums[2]});
     return figure;
   }
   thread_local std::vector<TileNode> seen;
@@ -152,7 +148,7 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
   if (!figure) return figure;
   evaluate(job.lobe, seen, tile);
   for (std::size_t k = 0; k < tile.count; ++k)
-    out[k] = radiance(job.tree, {tile.sums[0][k], tile.sums[1][k], tile.sums[2][k]}, tile.sums[3][k]);
+    out[k] = radiance(job.tree, {tile.sums[0][k], tile.sums[1][k], tile.sums[2][k]});
   return figure;
 }
 
