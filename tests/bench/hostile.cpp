@@ -200,7 +200,9 @@ void set_pattern(Level& level, Any&& any, Even&& even) {
   const auto dark = static_cast<float>(even()), bright = static_cast<float>(std::pow(10, 6 * even()));
   const int side = any(2) ? 0 : 1 << (1 + any(4));
   std::vector<Colour> block(static_cast<std::size_t>(side * side));
-  for (Colour& c : block) c = Colour(static_cast<float>(std::exp(8 * even() * even())));
+  const bool grey = any(2);
+  for (Colour& c : block)
+    for (int k = 0; k < 3; ++k) c[k] = k > 0 && grey ? c[0] : static_cast<float>(std::exp(8 * even() * even()));
   for (const Texel& t : texels_of(level)) {
     const double u = (t.i + 0.5) / level.width(), v = (t.j + 0.5) / level.height();
     const Direction d = formulae::rounded(formulae::direction(level.projection(), t.face, u, v));

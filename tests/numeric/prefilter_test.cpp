@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "envmap/operate/convert.h"
@@ -557,6 +558,54 @@ TEST(Prefilter, SunsAtPolesCornersSeamsAndRimsAreRightInEveryTexel) {
     double worst = 0;
     for (std::size_t k = 0; k < d.size(); ++k) worst = std::max(worst, relative(found[k], truth[k], floor));
     EXPECT_LT(worst, c.wanted.max_error) << name(c.projection) << " " << words(c.wanted);
+  }
+}
+
+// Of a treecode whose nodes are all off the same way: a horizon along the edge of a lit half, coloured patterns, whose channels
+// spread unlike each other in every node, and a pattern round a pole, as seen from there.
+TEST(Prefilter, LightThatRepeatsIsRightInEveryTexel) {
+  const auto half = [](const Texel& /*t*/, const Direction& d) { return Colour(d.x < 0 ? 1e6F : 0.5F); };
+  const auto checkers = [](const Texel& t, const Direction& /*d*/) { return t.i % 2 == t.j % 2 ? Colour(1, 0, 0.3F) : Colour(0, 1, 0.3F); };
+  const auto stripes = [](const Texel& t, const Direction& /*d*/) { return t.i * 4 % 5 + t.j % 3 < 3 ? Colour(1, 0, 0.3F) : Colour(0, 1, 0.3F); };
+  const auto rows = [](const Texel& t, const Direction& /*d*/) { return Colour(t.j % 8 < 3 ? 100.F : 1.F, t.j % 4 < 1 ? 10.F : 1.F, 1); };
+  const auto beside_a_sun = [](const Texel& t, const Direction& d) {
+    return Colour(t.face == 0 && d.z < -0.68 && std::abs(d.y) < 0.05 ? 1e6F : (t.i + t.j) % 2 ? 1.F : 0.F);
+  };
+  struct Case {
+    Projection from;
+    int size;
+    std::function<Colour(const Texel&, const Direction&)> light;
+    double exponent;
+  };
+  for (const Case& c : {Case{Projection::latlong, 128, half, 1}, {Projection::cube, 32, half, 1}, {Projection::cube, 48, checkers, 2},
+                        {Projection::cube, 24, stripes, 2}, {Projection::latlong, 128, rows, 34}, {Projection::cube, 24, beside_a_sun, 7.35}}) {
+    EnvironmentMap map;
+    map.levels.emplace_back(c.from, c.size);
+    Level& level = map.base();
+    for (const Texel& t : texels_of(level)) {
+      const double u = (t.i + 0.5) / level.width(), v = (t.j + 0.5) / level.height();
+      *level.texel(t.face, t.i, t.j) = c.light(t, formulae::rounded(formulae::direction(c.from, t.face, u, v)));
+    }
+    Prefilter p;
+    p.shape = Shape::phong, p.parameter = c.exponent, p.method = Method::hierarchical;
+    p.to = Projection::cube, p.size = 5;
+    const PrefilterSource source(map);
+    std::vector<Direction> all;
+    const std::vector<Texel> texels = texels_of(Level(p.to, p.size));
+    for (const Texel& t : texels)
+      all.push_back(formulae::rounded(formulae::direction(p.to, t.face, (t.i + 0.5) / p.size, (t.j + 0.5) / p.size)));
+    const std::vector<Flux> truth = exact_prefilter(level, lobe_of(p), all);
+    for (const double error : {1e-3, 1e-4}) {
+      p.max_error = error;
+      const Prefiltered fast = source.make(p);
+      double worst = 0;
+      for (std::size_t n = 0; n < all.size(); ++n) {
+        const Flux found(*fast.map.base().texel(texels[n].face, texels[n].i, texels[n].j)), off = glm::abs(found - truth[n]);
+        for (int k = 0; k < 3; ++k) worst = std::max(worst, off[k] / std::max(truth[n][k], fast.floor));
+      }
+      EXPECT_LE(worst, 0.7 * error) << name(c.from) << " " << c.size << ", exponent " << c.exponent;
+      EXPECT_LT(fast.exact, 5);
+    }
   }
 }
 

@@ -203,7 +203,7 @@ struct Together {
 Together off_together(const Lobe& lobe, const std::vector<std::vector<Node>>& cells, const std::array<float, 16>& light) {
   const Direction r(0, 0, 1);
   Traversal found;
-  found.clear(lobe, false);
+  found.clear(lobe, false, false);
   double off = 0, bounds = 0, one = 0;
   for (std::vector<Node> cell : cells) {
     const auto side = static_cast<std::size_t>(std::lround(std::sqrt(cell.size())));

@@ -47,7 +47,7 @@ Truth truth_of(const std::vector<Node>& nodes) {
     return (static_cast<double>(l.flux[0]) + l.flux[1] + l.flux[2]) / 3;
   };
   const auto add = [](Symmetric& to, const Node& l, const Direction& off, double w) {
-    for (std::size_t n = 0; n < 6; ++n) to.m[n] += w * l.covariance[n];
+    for (std::size_t n = 0; n < 6; ++n) to.m[n] += w * covariance_of(l)[n];
     to.add_square(off, w);
   };
   for (const Node& l : nodes) whole += weight(l), t.centre += weight(l) * l.centre;
@@ -74,7 +74,7 @@ Truth truth_of(const std::vector<Node>& nodes) {
 void expect_moments(const Node& found, const Truth& truth) {
   EXPECT_LT(glm::length(found.centre - truth.centre), 1e-7);
   const double reach = truth.reach;
-  for (std::size_t n = 0; n < 6; ++n) EXPECT_NEAR(found.covariance[n], truth.covariance.m[n], 1e-5 * reach * reach);
+  for (std::size_t n = 0; n < 6; ++n) EXPECT_NEAR(covariance_of(found)[n], truth.covariance.m[n], 1e-5 * reach * reach);
   for (std::size_t c = 0; c < node_channels; ++c) {
     EXPECT_NEAR(found.flux[c], truth.flux[c], 1e-6 * truth.flux[c]);
     EXPECT_LT(glm::length(Direction(found.dipole[c]) - truth.dipole[c]), 1e-5 * reach * truth.flux[c]);

@@ -158,8 +158,9 @@ void add_seen(const Node& node, const Direction& middle, std::size_t& count, std
     seen.back().variance.fill(least_variance(0));
   }
   SeenNodes& s = seen.back();
-  const Direction at = node.centre - middle, slope = times(node.covariance, middle);
-  s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + sag_of(node)));
+  const std::array<float, 6> covariance = covariance_of(node);
+  const Direction at = node.centre - middle, slope = times(covariance, middle);
+  s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + sag_of(covariance)));
   const float most = most_variance(node, glm::length(at));
   s.variance[k] = std::max(std::min(static_cast<float>(glm::dot(middle, slope)), most), least_variance(most));
   for (std::size_t c = 0; c < node_channels; ++c) {
@@ -173,9 +174,10 @@ void evaluate(const Lobe& lobe, std::span<const TileNode> nodes, Tile& tile) {
 }
 
 TileNode seen_from_tile(const Node& node, const Direction& middle, double radius) {
-  const Direction at = node.centre - middle, slope = times(node.covariance, middle);
+  const std::array<float, 6> covariance = covariance_of(node);
+  const Direction at = node.centre - middle, slope = times(covariance, middle);
   TileNode seen{};
-  seen.sag = static_cast<float>(sag_of(node));
+  seen.sag = static_cast<float>(sag_of(covariance));
   seen.variance = static_cast<float>(glm::dot(middle, slope));
   const double far = glm::length(at) + radius;
   seen.most_variance = most_variance(node, far);
@@ -185,7 +187,7 @@ TileNode seen_from_tile(const Node& node, const Direction& middle, double radius
     seen.slope[k] = static_cast<float>(2 * slope[static_cast<int>(k)]);
   }
   for (std::size_t k = 0; k < 6; ++k)
-    seen.covariance[k] = (k == 0 || k == 3 || k == 5 ? 1.0F : 2.0F) * node.covariance[k];
+    seen.covariance[k] = (k == 0 || k == 3 || k == 5 ? 1.0F : 2.0F) * covariance[k];
   seen.flux = node.flux;
   for (std::size_t c = 0; c < node_channels; ++c) {
     const Vec3<float>& d = node.dipole[c];

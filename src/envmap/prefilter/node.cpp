@@ -33,8 +33,12 @@ HWY_INLINE V cube_root(V a) {
   return hn::IfThenElseZero(hn::Gt(a, hn::Set(d, 1e-36F)), hn::Mul(y, hn::Set(d, 1 + 1e-6F)));
 }
 
-HWY_INLINE const ShapeBatch& shape_of(const TexelBatch& t) { return *t.row; }
-HWY_INLINE const ShapeBatch& shape_of(const NodeBatch& l) { return l.shape; }
+HWY_INLINE V spread_of(const TexelBatch& t, std::size_t k) { return load(t.row->spread, k); }
+HWY_INLINE V spread_of(const NodeBatch& n, std::size_t k) { return load(n.spread, k); }
+HWY_INLINE V reach_of(const TexelBatch& t, std::size_t k) { return load(t.row->reach, k); }
+HWY_INLINE V reach_of(const NodeBatch& n, std::size_t k) { return load(n.reach, k); }
+HWY_INLINE V second_of(const TexelBatch& t, std::size_t /*c*/, std::size_t n, std::size_t k) { return load(t.row->covariance[n], k); }
+HWY_INLINE V second_of(const NodeBatch& b, std::size_t c, std::size_t n, std::size_t k) { return load(b.second[c][n], k); }
 
 struct Offset {
   V at[3], product[6];
@@ -71,25 +75,22 @@ HWY_INLINE V middle(std::span<const Part> parts, NodeBatch& whole, std::size_t k
   return weight;
 }
 
-// One channel's moments about the mean place of all. @param second set to its second moment.
-// @param uneven what the parts bring with them of that, with flux. @param cube flux x |offset|^3.
+// One channel's moments about the mean place of all. @param second set to its second moment x flux. @param cube flux x |offset|^3.
 template <class Part>
-HWY_INLINE void moments(std::span<const Part> parts, NodeBatch& whole, std::size_t c, std::size_t k, V (&second)[6],
-                        V& uneven, V& cube) {
+HWY_INLINE void moments(std::span<const Part> parts, NodeBatch& whole, std::size_t c, std::size_t k, V (&second)[6], V& cube) {
   const D d;
   V dipole[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   for (V& s : second) s = hn::Zero(d);
-  uneven = cube = hn::Zero(d);
+  cube = hn::Zero(d);
   for (const Part& p : parts) {
     const Offset o = offset(p, whole, k);
     const V f = load(p.flux[c], k), distance = hn::Sqrt(hn::Add(hn::Add(o.product[0], o.product[3]), o.product[5]));
-    const V far = hn::Add(distance, load(shape_of(p).spread, k));
+    const V far = hn::Add(distance, spread_of(p, k));
     cube = hn::Add(cube, hn::Mul(f, hn::Mul(far, hn::Mul(far, far))));
     for (std::size_t n = 0; n < 3; ++n) dipole[n] = hn::Add(dipole[n], hn::Mul(f, o.at[n]));
     for (std::size_t n = 0; n < 6; ++n)
-      second[n] = hn::Add(second[n], hn::Mul(f, hn::Add(o.product[n], load(shape_of(p).covariance[n], k))));
+      second[n] = hn::Add(second[n], hn::Mul(f, hn::Add(o.product[n], second_of(p, c, n, k))));
     if constexpr (std::is_same_v<Part, NodeBatch>) {
-      uneven = hn::Add(uneven, hn::Mul(f, load(p.uneven, k)));
       V own[3];
       for (std::size_t n = 0; n < 3; ++n) own[n] = load(p.dipole[c][n], k), dipole[n] = hn::Add(dipole[n], own[n]);
       std::size_t to = 0;
@@ -102,14 +103,14 @@ HWY_INLINE void moments(std::span<const Part> parts, NodeBatch& whole, std::size
 }
 
 template <class Part>
-HWY_INLINE V reach_of(std::span<const Part> parts, const NodeBatch& whole, std::size_t k) {
+HWY_INLINE V reach_of_all(std::span<const Part> parts, const NodeBatch& whole, std::size_t k) {
   const D d;
   V reach = hn::Zero(d);
   for (const Part& p : parts) {
     const Offset o = offset(p, whole, k);
     const V distance = hn::Sqrt(hn::Add(hn::Add(o.product[0], o.product[3]), o.product[5]));
     const auto counts = hn::Gt(weighted(load(p.flux[0], k), load(p.flux[1], k), load(p.flux[2], k)), hn::Zero(d));
-    reach = hn::Max(reach, hn::IfThenElseZero(counts, hn::Add(distance, load(shape_of(p).reach, k))));
+    reach = hn::Max(reach, hn::IfThenElseZero(counts, hn::Add(distance, reach_of(p, k))));
   }
   return reach;
 }
@@ -119,28 +120,25 @@ void unite_lanes(std::span<const Part> parts, NodeBatch& whole) {
   const D d;
   for (std::size_t k = 0; k < batch_size; k += hn::Lanes(d)) {
     const V weight = middle(parts, whole, k);
-    V second[node_channels][6], uneven[node_channels], cube[node_channels];
-    for (std::size_t c = 0; c < node_channels; ++c) moments(parts, whole, c, k, second[c], uneven[c], cube[c]);
+    V second[node_channels][6], cube[node_channels];
+    for (std::size_t c = 0; c < node_channels; ++c) moments(parts, whole, c, k, second[c], cube[c]);
     V covariance[6];
-    for (std::size_t n = 0; n < 6; ++n) {
-      covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n]), weight);
-      hn::Store(covariance[n], d, &whole.shape.covariance[n][k]);
-    }
+    for (std::size_t n = 0; n < 6; ++n) covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n]), weight);
     V most_uneven = hn::Zero(d), most_cube = hn::Zero(d);
     for (std::size_t c = 0; c < node_channels; ++c) {
       const V flux = load(whole.flux[c], k);
       V square = hn::Zero(d);
       for (std::size_t n = 0; n < 6; ++n) {
-        const V off = hn::Sub(over(second[c][n], flux), covariance[n]), both = hn::Mul(off, off);
+        const V own = over(second[c][n], flux), off = hn::Sub(own, covariance[n]), both = hn::Mul(off, off);
+        hn::Store(own, d, &whole.second[c][n][k]);
         square = hn::Add(square, n == 0 || n == 3 || n == 5 ? both : hn::Add(both, both));
       }
-      const V more = hn::Add(hn::Sqrt(square), over(uneven[c], flux));
-      most_uneven = hn::Max(most_uneven, hn::IfThenElseZero(hn::Gt(flux, hn::Zero(d)), more));
+      most_uneven = hn::Max(most_uneven, hn::IfThenElseZero(hn::Gt(flux, hn::Zero(d)), hn::Sqrt(square)));
       most_cube = hn::Max(most_cube, over(cube[c], flux));
     }
     hn::Store(most_uneven, d, &whole.uneven[k]);
-    hn::Store(cube_root(most_cube), d, &whole.shape.spread[k]);
-    hn::Store(reach_of(parts, whole, k), d, &whole.shape.reach[k]);
+    hn::Store(cube_root(most_cube), d, &whole.spread[k]);
+    hn::Store(reach_of_all(parts, whole, k), d, &whole.reach[k]);
   }
 }
 
@@ -166,8 +164,30 @@ Node node_of(const Moments& patch, const Flux& radiance) {
               .flux = {static_cast<float>(w * radiance.x), static_cast<float>(w * radiance.y), static_cast<float>(w * radiance.z)},
               .spread = static_cast<float>(patch.spread),
               .reach = static_cast<float>(patch.reach)};
-  for (std::size_t n = 0; n < 6; ++n) node.covariance[n] = static_cast<float>(patch.covariance.m[n]);
+  for (auto& second : node.second)
+    for (std::size_t n = 0; n < 6; ++n) second[n] = static_cast<float>(patch.covariance.m[n]);
   return node;
+}
+
+std::array<float, 6> covariance_of(const Node& node) {
+  const float whole = node.flux[0] + node.flux[1] + node.flux[2];
+  std::array<float, 6> found{};
+  for (std::size_t c = 0; c < node_channels && whole > 0; ++c)
+    for (std::size_t n = 0; n < 6; ++n) found[n] += node.flux[c] / whole * node.second[c][n];
+  return found;
+}
+
+Node channel_of(const Node& node, std::size_t channel) {
+  if (!(node.flux[channel] > 0)) return {};
+  const Vec3<float> d = node.dipole[channel] / node.flux[channel];
+  const float apart = glm::length(d) * (1 + 1e-6F);
+  Node own{.centre = node.centre + Direction(d), .spread = node.spread + apart, .reach = node.reach + apart};
+  own.flux[channel] = node.flux[channel];
+  own.second[channel] = node.second[channel];
+  std::size_t to = 0;
+  for (int m = 0; m < 3; ++m)
+    for (int n = m; n < 3; ++n) own.second[channel][to++] -= d[m] * d[n];
+  return own;
 }
 
 // Sixteen neighbours a lane, until one is left.
@@ -209,23 +229,23 @@ void TexelBatch::set(std::size_t lane, const Direction& offset, double solid_ang
 void NodeBatch::set(std::size_t lane, const Node& node, const Direction& origin) {
   const Vec3<float> at(node.centre - origin);
   for (std::size_t n = 0; n < 3; ++n) centre[n][lane] = at[static_cast<int>(n)];
-  for (std::size_t n = 0; n < 6; ++n) shape.covariance[n][lane] = node.covariance[n];
   for (std::size_t c = 0; c < node_channels; ++c) {
     flux[c][lane] = node.flux[c];
     for (std::size_t n = 0; n < 3; ++n) dipole[c][n][lane] = node.dipole[c][static_cast<int>(n)];
+    for (std::size_t n = 0; n < 6; ++n) second[c][n][lane] = node.second[c][n];
   }
-  uneven[lane] = node.uneven, shape.spread[lane] = node.spread, shape.reach[lane] = node.reach;
+  uneven[lane] = node.uneven, spread[lane] = node.spread, reach[lane] = node.reach;
 }
 
 Node NodeBatch::node(std::size_t lane, const Direction& origin) const {
   Node node{.centre = origin + Direction(centre[0][lane], centre[1][lane], centre[2][lane]),
               .uneven = uneven[lane],
-              .spread = shape.spread[lane],
-              .reach = shape.reach[lane]};
-  for (std::size_t n = 0; n < 6; ++n) node.covariance[n] = shape.covariance[n][lane];
+              .spread = spread[lane],
+              .reach = reach[lane]};
   for (std::size_t c = 0; c < node_channels; ++c) {
     node.flux[c] = flux[c][lane];
     node.dipole[c] = {dipole[c][0][lane], dipole[c][1][lane], dipole[c][2][lane]};
+    for (std::size_t n = 0; n < 6; ++n) node.second[c][n] = second[c][n][lane];
   }
   return node;
 }

@@ -13,24 +13,29 @@ namespace envmap::prefiltering {
 inline constexpr std::size_t node_channels = 3;
 using NodeFlux = std::array<float, node_channels>;
 
-/// Moments of the flux over a block of texels. Place and spread are those of all channels together; what sets a channel
-/// apart is its dipole, and beyond that a bound. Without flux it is none.
+/// Moments of the flux over a block of texels about the mean direction of all channels together. Without flux it is none.
 struct Node {
   Direction centre;  ///< Mean direction: inside the sphere, by half the variance.
-  std::array<float, 6> covariance;
   NodeFlux flux;
-  std::array<Vec3<float>, node_channels> dipole;  ///< Of each channel about the centre: sum of flux x offset.
-  float uneven;  ///< No channel's second moment, over its flux, is farther than this from the covariance.
+  std::array<Vec3<float>, node_channels> dipole;              ///< Sum of flux x offset.
+  std::array<std::array<float, 6>, node_channels> second;  ///< Mean square of offsets: xx, xy, xz, yy, yz, zz.
+  float uneven;  ///< No channel's second moment is farther than this from the covariance.
   float spread;  ///< Cube root of the mean |offset|^3, that of the channel where it is largest, or above.
   float reach;   ///< No direction is farther from the centre.
 };
 
 inline bool is_lit(const Node& node) { return node.flux[0] + node.flux[1] + node.flux[2] > 0; }
 
+/// Of all channels together.
+std::array<float, 6> covariance_of(const Node& node);
+
 /// 1 - |centre|^2: for directions, which are unit vectors, that is their mean square offset, of which float32 has more digits.
-inline double sag_of(const Node& node) {
-  return static_cast<double>(node.covariance[0]) + node.covariance[3] + node.covariance[5];
+inline double sag_of(const std::array<float, 6>& covariance) {
+  return static_cast<double>(covariance[0]) + covariance[3] + covariance[5];
 }
+
+/// One channel of a node as a node, about its own mean direction.
+Node channel_of(const Node& node, std::size_t channel);
 
 /// Even radiance over a patch. @param radiance in units of the mean.
 Node node_of(const Moments& patch, const Flux& radiance);
@@ -60,9 +65,9 @@ struct TexelBatch {
 struct NodeBatch {
   alignas(64) std::array<Lanes, 3> centre;
   alignas(64) std::array<Lanes, node_channels> flux;
-  ShapeBatch shape;
   alignas(64) std::array<std::array<Lanes, 3>, node_channels> dipole;
-  alignas(64) Lanes uneven;
+  alignas(64) std::array<std::array<Lanes, 6>, node_channels> second;
+  alignas(64) Lanes uneven, spread, reach;
 
   void set(std::size_t lane, const Node& node, const Direction& origin);
   [[nodiscard]] Node node(std::size_t lane, const Direction& origin) const;

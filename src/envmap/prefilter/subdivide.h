@@ -179,8 +179,10 @@ class Subdivision {
       if (criterion_.surveying) {
         found_.add_least(criterion_, nodes[k].flux, v.least[k]);
       } else {
+        if (is_uneven(v, k, criterion_) && (add_channels(lobe_, criterion_, nodes[k], found_) || worse(k))) continue;
         ++found_.count;
         add_error(v.error[k], v.bent >> k & 1);
+        found_.uneven += v.uneven[k];
         if (v.crossed >> k & 1) found_.add_crossed(nodes[k], criterion_.middle, v.error[k]);
         add_(nodes[k]);
       }

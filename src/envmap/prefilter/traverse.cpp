@@ -115,6 +115,8 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   found.crossed |= bits_of(hn::Ge(hi, one)) << n;
   const V error = hn::Mul(hn::Mul(flux, set(d, rounding)), series);
   hn::Store(error, d, &found.error[n]);
+  const V unlike = hn::Mul(hn::Mul(half, bent), hn::Mul(hn::Mul(sine, sine), uneven));
+  hn::Store(hn::IfThenElseZero(taylor, hn::Min(error, hn::Mul(flux, unlike))), d, &found.uneven[n]);
   found.good |= bits_of(hn::And(visible, hn::Le(error, limit))) << n;
 }
 
@@ -162,14 +164,21 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
       if (v.good >> n & 1) {
         if (criterion.surveying) {
           found.add_least(criterion, {group.flux[0][n], group.flux[1][n], group.flux[2][n]}, v.least[n]);
-        } else {
+          continue;
+        }
+        const Node& node = tree.blocks(e.k).node(e.face, i, j);
+        if (!is_uneven(v, n, criterion)) {
           ++found.count;
           found.add_error(v.error[n], v.bent >> n & 1);
-          found.nodes.push_back(&tree.blocks(e.k).node(e.face, i, j));
-          if (v.crossed >> n & 1) found.add_crossed(*found.nodes.back(), criterion.middle, v.error[n]);
+          found.uneven += v.uneven[n];
+          found.nodes.push_back(&node);
+          if (v.crossed >> n & 1) found.add_crossed(node, criterion.middle, v.error[n]);
           fetch(found.nodes.back());
+          continue;
         }
-      } else if (v.visible >> n & 1) {
+        if (add_channels(lobe, criterion, node, found)) continue;
+      }
+      if (v.visible >> n & 1) {
         if (e.k == tree.first()) {
           found.opened.push_back({e.face, i, j});
         } else {
@@ -198,6 +207,25 @@ namespace envmap::prefiltering {
 HWY_EXPORT(Judge);
 HWY_EXPORT(Traverse);
 
+bool add_channels(const Lobe& lobe, const Criterion& criterion, const Node& node, Traversal& found) {
+  NodeGroup group = NodeGroup::none();
+  std::array<Node, node_channels> own;
+  for (std::size_t c = 0; c < node_channels; ++c) {
+    own[c] = channel_of(node, c);
+    if (is_lit(own[c])) group.set(c, own[c], criterion.middle);
+  }
+  const Judged v = judge(lobe, criterion, group, node_channels);
+  if ((v.visible & ~v.good) != 0) return false;
+  for (std::size_t c = 0; c < node_channels; ++c) {
+    if (!(v.visible >> c & 1)) continue;
+    ++found.count;
+    found.add_error(v.error[c], v.bent >> c & 1);
+    if (v.crossed >> c & 1) found.add_crossed(own[c], criterion.middle, v.error[c]);
+    found.channels.push_back(own[c]);
+  }
+  return true;
+}
+
 Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& nodes, std::size_t count) {
   Judged found;
   HWY_DYNAMIC_DISPATCH(Judge)(lobe, criterion, nodes, count, found);
@@ -205,7 +233,8 @@ Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& node
 }
 
 void traverse(const Tree& tree, const Lobe& lobe, Criterion& criterion, Traversal& found) {
-  found.clear(lobe, tree.parts() > 1);
+  const bool latlong = tree.source().projection() == Projection::latlong;
+  found.clear(lobe, tree.parts() > 1, latlong && std::abs(criterion.middle.y) > near_pole);
   HWY_DYNAMIC_DISPATCH(Traverse)(lobe, tree, criterion, found);
 }
 

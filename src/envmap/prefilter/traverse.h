@@ -59,6 +59,7 @@ struct Judged {
   unsigned bent = 0;                   ///< The lobe is no smooth function over the node: the horizon crosses it, or it is wide.
   unsigned crossed = 0;                ///< The horizon may cross the node.
   alignas(64) NodeGroup::Lanes error;  ///< Bounds of what good ones are off, relative to the result.
+  alignas(64) NodeGroup::Lanes uneven; ///< Of that, what channels make that spread unlike each other, where the lobe is smooth.
   alignas(64) NodeGroup::Lanes least;  ///< The lobe, at least, while surveying.
 };
 
@@ -110,6 +111,10 @@ double together(const L& /*lobe*/) {
 }
 inline double together(const Phong& l) { return l.exponent < 1.5 ? 0.07 : 0.015; }
 
+/// The rows of a latlong map run round its poles. Light that repeats along them is off the same way in all nodes of a row, as seen
+/// from near a pole: by up to 0.031 of the sum of all bounds, measured over random patterns (tests/bench/hostile.cpp).
+inline constexpr double together_at_pole = 0.035, near_pole = 0.95;  ///< From this height on.
+
 /// A node that the horizon of directions of a tile may cross: where |offset - centre|^2 / 2 is within `reach` of `horizon`.
 struct CrossedNode {
   Vec3<float> centre;  ///< From the middle of the tile.
@@ -120,22 +125,24 @@ struct CrossedNode {
 /// What a traversal found. Kept between traversals for its memory.
 struct Traversal {
   std::vector<const Node*> nodes;
+  std::vector<Node> channels;  ///< Of nodes that were taken apart.
   std::vector<OpenBlock> opened;
   double stepped;       ///< Sum of the bounds of nodes that a step of the lobe may cut, all off the same way.
   double sum, largest;  ///< Of the bounds of others.
+  double uneven;        ///< Sum of what is off because channels spread unlike each other.
   double power;         ///< Sum of the squares of what they are off either way.
   std::vector<CrossedNode> crossed;  ///< But for stepped ones.
   NodeFlux got;                ///< What directions get at least of the nodes.
   std::array<double, node_channels> integrated;  ///< What the direction gets of pieces that are no nodes.
   std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
 
-  /// @param alike whether texels are parts of larger ones: see Tree::parts().
-  void clear(const Lobe& lobe, bool alike) {
+  /// @param alike whether texels are parts of larger ones: see Tree::parts(). @param pole whether the tile is near one of a latlong map.
+  void clear(const Lobe& lobe, bool alike, bool pole) {
     steps_ = std::visit([](const auto& l) { return l.breaks_off(); }, lobe);
     together_ = std::visit([](const auto& l) { return together(l); }, lobe);
-    nodes.clear(), opened.clear(), crossed.clear();
-    alike_ = alike;
-    stepped = sum = power = largest = 0;
+    nodes.clear(), channels.clear(), opened.clear(), crossed.clear();
+    alike_ = alike, at_pole_ = pole ? together_at_pole : 0;
+    stepped = sum = power = largest = uneven = 0;
     count = 0;
     got = {}, integrated = {};
   }
@@ -151,11 +158,11 @@ struct Traversal {
   }
   void add_crossed(const Node& node, const Direction& middle, float error) {
     if (steps_) return;
-    crossed.push_back({Vec3<float>(node.centre - middle), static_cast<float>(1 - 0.5 * sag_of(node)), node.reach, error});
+    crossed.push_back({Vec3<float>(node.centre - middle), static_cast<float>(1 - 0.5 * sag_of(covariance_of(node))), node.reach, error});
   }
   /// What all nodes together are off. @param crossed_sum of the bounds of those that the horizon crosses.
   [[nodiscard]] double figure(double crossed_sum) const {
-    return stepped + std::min(sum, largest + std::sqrt(power) + together_ * crossed_sum);
+    return stepped + std::min(sum, largest + std::sqrt(power) + together_ * crossed_sum + at_pole_ * sum + uneven);
   }
   void add_least(Criterion& criterion, const NodeFlux& flux, float value) {
     for (std::size_t c = 0; c < node_channels; ++c) {
@@ -166,8 +173,17 @@ struct Traversal {
 
  private:
   bool steps_ = false, alike_ = false;
-  double together_ = 0;
+  double together_ = 0, at_pole_ = 0;
 };
+
+/// Whether a node that is good enough is so uneven that its channels are better taken one by one: where the light is a coloured
+/// pattern, what that is off adds up. What is below this counts in full.
+inline constexpr double uneven_part = 0.002;
+inline bool is_uneven(const Judged& judged, std::size_t k, const Criterion& criterion) {
+  return judged.uneven[k] > uneven_part * criterion.limit;
+}
+/// Adds the channels of a node one by one. @return false, and nothing is added, where they are not all good enough.
+bool add_channels(const Lobe& lobe, const Criterion& criterion, const Node& node, Traversal& found);
 
 /// Goes down from the largest blocks until they are good, or the lowest. @param criterion while surveying `most` falls with
 /// what is found. Stops early where there are more nodes than of use.

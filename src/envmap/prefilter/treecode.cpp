@@ -99,6 +99,7 @@ class TileNodes {
       const double figure = error_figure(found(), tile_);
       if (figure <= job_.max_error) {
         for (const Node* node : found().nodes) add(*node);
+        for (const Node& node : found().channels) add(node);
         return figure;
       }
       limit *= std::clamp(0.7 * job_.max_error / figure, 0.05, 0.7);
