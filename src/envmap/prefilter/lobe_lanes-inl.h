@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/maths/portable.h"
 #include "envmap/prefilter/lobe.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -243,7 +244,7 @@ HWY_INLINE V slope(const Charlie& l, D d, V x, V /*value*/) {
 HWY_INLINE double kink(const Cosine&) { return 1 / pi; }
 HWY_INLINE double kink(const Phong&) { return 0; }  // Of exponent 1 it is Cosine.
 HWY_INLINE double kink(const Ggx& l) { return l.scale / ((l.a + l.b) * (l.a + l.b)); }
-HWY_INLINE double kink(const BlinnPhong& l) { return l.scale * std::exp2(-l.power); }
+HWY_INLINE double kink(const BlinnPhong& l) { return l.scale * portable::exp2(-l.power); }
 HWY_INLINE double kink(const Charlie& l) { return l.scale(); }
 
 // ---- over an interval ---------------------------------------------------------------------------------------------------

@@ -95,10 +95,10 @@ struct OpenBlock {
   int face, i, j;
 };
 
-/// What many nodes are off together, as a part of the root of the sum of squares of their bounds: where the lobe is smooth over
-/// them, where it is not, and of parts of one texel, which are lit alike and may be off the same way. Measured: see treecode.h.
+/// What many nodes are off together, as a part of the root of the sum of squares of their bounds: of any, and of parts of one texel,
+/// which are lit alike and may be off the same way. Measured: see treecode.h.
 struct EitherWay {
-  static constexpr double smooth = 0.05, bent = 0.05, alike = 0.2;
+  static constexpr double any = 0.05, alike = 0.2;
 };
 
 /// Nodes that the horizon crosses may all be off the same way: where it runs along the rows of a grid, or its diagonals, it
@@ -151,7 +151,7 @@ struct Traversal {
       stepped += error;
       return;
     }
-    const double either = (alike_ ? EitherWay::alike : bent ? EitherWay::bent : EitherWay::smooth) * error;
+    const double either = (alike_ ? EitherWay::alike : EitherWay::any) * error;
     sum += error;
     power += either * either;
     largest = std::max(largest, error);
