@@ -168,11 +168,8 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
         }
         const Node& node = tree.blocks(e.k).node(e.face, i, j);
         if (!is_uneven(v, n, criterion)) {
-          ++found.count;
-          found.add_error(v.error[n], v.bent >> n & 1);
-          found.uneven += v.uneven[n];
+          found.add(node, v, n, criterion.middle);
           found.nodes.push_back(&node);
-          if (v.crossed >> n & 1) found.add_crossed(node, criterion.middle, v.error[n]);
           fetch(found.nodes.back());
           continue;
         }
@@ -218,9 +215,7 @@ bool add_channels(const Lobe& lobe, const Criterion& criterion, const Node& node
   if ((v.visible & ~v.good) != 0) return false;
   for (std::size_t c = 0; c < node_channels; ++c) {
     if (!(v.visible >> c & 1)) continue;
-    ++found.count;
-    found.add_error(v.error[c], v.bent >> c & 1);
-    if (v.crossed >> c & 1) found.add_crossed(own[c], criterion.middle, v.error[c]);
+    found.add(own[c], v, c, criterion.middle);
     found.channels.push_back(own[c]);
   }
   return true;

@@ -156,6 +156,13 @@ struct Traversal {
     power += either * either;
     largest = std::max(largest, error);
   }
+  /// A node that is good enough, as number k of those judged.
+  void add(const Node& node, const Judged& judged, std::size_t k, const Direction& middle) {
+    ++count;
+    add_error(judged.error[k], judged.bent >> k & 1);
+    uneven += judged.uneven[k];
+    if (judged.crossed >> k & 1) add_crossed(node, middle, judged.error[k]);
+  }
   void add_crossed(const Node& node, const Direction& middle, float error) {
     if (steps_) return;
     crossed.push_back({Vec3<float>(node.centre - middle), static_cast<float>(1 - 0.5 * sag_of(covariance_of(node))), node.reach, error});
