@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 
@@ -43,14 +44,14 @@ double factor(const Prefilter& p) {
 
 // ---- which method: no figure here decides what is right, only what is quick --------------------------------------------
 
-// Whether a spectrum may be cheaper than the tree: for many texels, of a lobe that is not bent at its horizon, which would
+// Whether a spectrum may be cheaper than the tree for so many texels, of a lobe that is not bent at its horizon, which would
 // take more degrees than there are.
-bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source) {
-  const auto texels = static_cast<double>(index_of(source, {source.faces(), 0, 0}));
-  const double of_source = p.costs[source.projection() == Projection::latlong ? Cost::spectral_row_source : Cost::spectral_source];
-  const double made = texel_count(p.to, p.size);
-  const double transform = p.costs[Cost::spectral_start] + p.costs[Cost::spectral_texel] * made + of_source * texels;
-  return transform < p.costs[Cost::tree_texel] * made && std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
+bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source, std::size_t texels) {
+  const auto of_source = static_cast<double>(index_of(source, {source.faces(), 0, 0}));
+  const Cost each = source.projection() == Projection::latlong ? Cost::spectral_row_source : Cost::spectral_source;
+  const double transform = p.costs[Cost::spectral_start] + p.costs[Cost::spectral_texel] * texel_count(p.to, p.size) + p.costs[each] * of_source;
+  return transform < p.costs[Cost::tree_texel] * static_cast<double>(texels) &&
+         std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
 }
 
 }  // namespace
@@ -92,8 +93,9 @@ struct Making {
   // What is decided for the map is decided from all of it; what is then made are the rows wanted.
   void make(Prefiltered& done) const {
     Level& out = done.map.base();
-    std::vector<Texel> all = texels_of(out);
-    std::erase_if(all, [&](const Texel& t) { return !is_wanted(t); });
+    const std::vector<Texel> whole = texels_of(out);
+    std::vector<Texel> all;
+    std::ranges::copy_if(whole, std::back_inserter(all), [&](const Texel& t) { return is_wanted(t); });
     const bool any = wanted.method == Method::automatic;
     if (wanted.method == Method::exact || wanted.max_error < finest) {
       exact_texels(source, lobe, target, all, out, progress);
@@ -101,10 +103,15 @@ struct Making {
       return;
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
-    if (wanted.method == Method::spectral || (any && may_be_spectral(wanted, lobe, source)))
-      spectral_prefilter(source, light, lobe, target, wanted.max_error, spectrum, out, figures, progress);
     const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); };
-    done.method = 2 * static_cast<std::size_t>(std::ranges::count_if(all, known)) > all.size() ? Method::spectral : Method::hierarchical;
+    // On a finer grid where the first leaves many dark texels unknown.
+    std::size_t unknown = whole.size();
+    for (double part = 1; part >= 0.01 && unknown > 0; part *= 0.1) {
+      if (wanted.method != Method::spectral && !(any && may_be_spectral(wanted, lobe, source, unknown))) break;
+      spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out, figures, progress);
+      unknown = whole.size() - static_cast<std::size_t>(std::ranges::count_if(whole, known));
+    }
+    done.method = 2 * unknown < whole.size() ? Method::spectral : Method::hierarchical;
     treecode_prefilter(tree, lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
     std::vector<Texel> left;
     for (const Texel& t : all)

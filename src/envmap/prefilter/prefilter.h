@@ -74,7 +74,8 @@ class PrefilterSource {
 
   /// Makes one map. Every texel has a figure of what it may be off, by the method that made it, and is made again by the
   /// next where that is over the error wanted: `automatic` takes a spherical transform where the result has many texels for
-  /// the lobe's width, `spectral` takes it anyway; then a treecode (`hierarchical`: at once); then the exact sum.
+  /// the lobe's width, `spectral` takes it anyway, on a finer grid where dark texels need one; then a treecode (`hierarchical`: at
+  /// once); then the exact sum.
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 
  private:

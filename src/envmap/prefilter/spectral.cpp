@@ -401,7 +401,8 @@ double interpolation_error(std::span<const double> factors, int columns) {
 }  // namespace
 
 void spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target, double max_error,
-                        std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures, const Progress& progress) {
+                        double grid_error, std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
+                        const Progress& progress) {
   const auto& [total, mean] = light;
   const double brightest = std::max({total.x, total.y, total.z});
   if (brightest <= 0) return;
@@ -409,16 +410,16 @@ void spectral_prefilter(const Level& source, const Totals& light, const Lobe& lo
   const int order = static_cast<int>(cut.factors.size()) - 1;
   // Where most texels would be refused the transform is not worth its time.
   if (cut.tail * brightest > 0.1 * max_error * mean) return;
-  if (!kept || kept->order() < order || kept->error() > max_error)
-    kept = std::make_unique<Spectrum>(source, cut.factors, max_error, progress);
+  if (!kept || kept->order() < order || kept->error() > grid_error)
+    kept = std::make_unique<Spectrum>(source, cut.factors, grid_error, progress);
   kept->convolve(cut.factors, target, out, progress);
 
   const Lobe wide = widened(lobe);
   const double wide_peak = std::visit([](const auto& l) { return l.value(0); }, wide);
   Cut cover = spectral_cut(zonal(wide, order), 1e-6 * wide_peak);
-  const int columns = columns_for(cut.factors, max_error);
-  const Leak leak = leak_of(lobe, wide, source, order, columns, max_error);
-  const double cover_off = cover.tail + interpolation_error(cover.factors, columns_for(cover.factors, max_error));
+  const int columns = columns_for(cut.factors, grid_error);
+  const Leak leak = leak_of(lobe, wide, source, order, columns, grid_error);
+  const double cover_off = cover.tail + interpolation_error(cover.factors, columns_for(cover.factors, grid_error));
   Level wider(out.projection(), out.height());
   kept->convolve(cover.factors, target, wider);
   const double floor = 1e-3 * mean;

@@ -59,10 +59,10 @@ class Spectrum {
 /// (2 l + 1) / (4 pi) |factor| times the flux of the source. What gridding does to light at an angle is, by differences of
 /// the lobe there, below `envelope` x a wider lobe, so that what it does to a texel is below that part of the map of the
 /// wider lobe: little where light is even, too much in dark texels beside bright ones, which are refused. That is derived for
-/// great circles and measured, in every texel, by tests/bench/hostile.cpp. @param light of the source. @param kept of the source;
-/// made anew where it does not do.
+/// great circles and measured, in every texel, by tests/bench/hostile.cpp. @param light of the source. @param grid_error what
+/// the grid and the points are made for: the less, the darker may texels be. @param kept of the source; made anew where it does not do.
 void spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target, double max_error,
-                        std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
+                        double grid_error, std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
                         const Progress& progress = {});
 
 }  // namespace envmap::prefiltering
