@@ -41,6 +41,11 @@ Rotation upright_about(const Direction& z) {
   return {x, glm::cross(z, x), z};
 }
 
+Direction unit(const Direction& v, const Direction& otherwise) {
+  const double length = glm::length(v);
+  return length > 0 && std::isfinite(length) ? v / length : otherwise;
+}
+
 double angle_between(const Direction& a, const Direction& b) {
   return 2 * portable::atan2(glm::length(a - b), glm::length(a + b));
 }

@@ -39,6 +39,9 @@ Rotation upright_about(const Direction& z);
 /// Turns many directions in place: each as turn * direction, to the last bit.
 void rotate(const Rotation& turn, std::span<Direction> directions);
 
+/// v at length 1, or something else where it has no direction: no length, or none that is finite.
+Direction unit(const Direction& v, const Direction& otherwise = Direction(0));
+
 /// Angle between two unit vectors in radians, accurate for tiny and for nearly opposite angles
 /// (Kahan 2006, "How futile are mindless assessments of roundoff", section 12).
 double angle_between(const Direction& a, const Direction& b);

@@ -40,7 +40,7 @@ template <class L>
 void evaluate_lanes(const L& lobe, std::span<const TileNode> nodes, Tile& tile) {
   const hn::CappedTag<float, Tile::most> d;
   using V = hn::Vec<decltype(d)>;
-  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), bend = set(d, kink(lobe));
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), bend = set(d, lobe.kink());
   for (std::size_t k = 0; k < tile.count; k += hn::Lanes(d)) {
     const V x = hn::Load(d, &tile.x[k]), y = hn::Load(d, &tile.y[k]), z = hn::Load(d, &tile.z[k]);
     const V xx = hn::Mul(x, x), xy = hn::Mul(x, y), xz = hn::Mul(x, z);
@@ -84,7 +84,7 @@ template <class L>
 std::array<double, node_channels> evaluate_seen(const L& lobe, std::span<const SeenNodes> seen) {
   const hn::CappedTag<float, SeenNodes::most> d;
   using V = hn::Vec<decltype(d)>;
-  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), bend = set(d, kink(lobe));
+  const V half = hn::Set(d, 0.5F), zero = hn::Zero(d), bend = set(d, lobe.kink());
   alignas(64) std::array<std::array<float, SeenNodes::most>, node_channels> sums;
   for (std::size_t k = 0; k < SeenNodes::most; k += hn::Lanes(d)) {
     V red = zero, green = zero, blue = zero;

@@ -10,6 +10,8 @@ double Phong::value(double x) const { return x < 1 ? scale() * portable::exp(exp
 double Phong::share(double x) const { return x < 1 ? -portable::expm1((exponent + 1) * portable::log1p(-x)) : 1; }
 double Phong::missing(double x) const { return x < 1 ? portable::exp((exponent + 1) * portable::log1p(-x)) : 0; }
 
+BlinnPhong::BlinnPhong(double exponent)
+    : power(0.5 * exponent), scale(1 / (2 * pi * rest(0))), at_horizon(portable::exp(-power * std::numbers::ln2)) {}
 double BlinnPhong::value(double x) const {
   return x < 1 ? scale * (1 - x) * portable::exp(power * portable::log1p(-0.5 * x)) : 0;
 }

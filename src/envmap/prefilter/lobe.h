@@ -30,6 +30,7 @@ concept RadialLobe = requires(const L& l, double x) {
   { l.width() } -> std::same_as<double>;     ///< About how far in x it falls to 1/e.
   { l.convex() } -> std::same_as<bool>;      ///< Of all x: steepest in the middle, not stepped or bent down at the horizon.
   { l.breaks_off() } -> std::same_as<bool>;  ///< At the horizon, by a step or an edge of any steepness.
+  { l.kink() } -> std::same_as<double>;      ///< How much its slope changes at the horizon, where it does not break off.
 };
 
 /// Lambert's cosine: value = cos / pi. A diffuse map is the irradiance over pi of a plane that faces the direction.
@@ -43,6 +44,7 @@ struct Cosine {
   [[nodiscard]] double width() const { return 0.63; }
   [[nodiscard]] bool convex() const { return true; }
   [[nodiscard]] bool breaks_off() const { return false; }
+  [[nodiscard]] double kink() const { return 1 / pi; }
 };
 
 /// Phong's lobe: value = (m+1) / (2 pi) cos^m, m >= 0 (Phong 1975; normalised as Lafortune and Willems 1994).
@@ -59,6 +61,7 @@ struct Phong {
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 2 / (exponent + 1)); }
   [[nodiscard]] bool convex() const { return exponent >= 1; }
   [[nodiscard]] bool breaks_off() const { return exponent < 1; }
+  [[nodiscard]] double kink() const { return 0; }  ///< Of exponent 1 it is Cosine.
 };
 
 /// Trowbridge and Reitz's distribution (1975; "GGX": Walter et al. 2007) as the split sum wants it (Karis 2013, "Real
@@ -91,6 +94,7 @@ struct Ggx {
   [[nodiscard]] double width() const { return std::min(0.63, 0.65 * a); }
   [[nodiscard]] bool convex() const { return true; }
   [[nodiscard]] bool breaks_off() const { return false; }
+  [[nodiscard]] double kink() const { return scale / ((a + b) * (a + b)); }
 
  private:
   /// (t - ln(1+t)) / t^2 = integral of (1-w)/(1+tw)^2 over [0,1]; 1/2 at t = 0.
@@ -108,8 +112,9 @@ struct Ggx {
 struct BlinnPhong {
   static constexpr std::string_view name = "blinn-phong", parameter_name = "exponent";
   double power, scale;  ///< m / 2, and what makes the integral 1.
+  double at_horizon;    ///< D there, over that in the middle.
 
-  explicit BlinnPhong(double exponent) : power(0.5 * exponent), scale(1 / (2 * pi * rest(0))) {}
+  explicit BlinnPhong(double exponent);
   [[nodiscard]] double value(double x) const;
   [[nodiscard]] double share(double x) const;
   [[nodiscard]] double missing(double x) const { return x < 1 ? 2 * pi * scale * rest(std::max(0.0, x)) : 0; }
@@ -118,6 +123,7 @@ struct BlinnPhong {
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 4 / (power + 2)); }
   [[nodiscard]] bool convex() const { return true; }
   [[nodiscard]] bool breaks_off() const { return false; }
+  [[nodiscard]] double kink() const { return scale * at_horizon; }
 
  private:
   /// Integral of (1-x) (1-x/2)^power from x to 1.
@@ -142,6 +148,7 @@ struct Charlie {
   [[nodiscard]] double width() const { return 0.63 / (power + 1); }
   [[nodiscard]] bool convex() const { return false; }
   [[nodiscard]] bool breaks_off() const { return false; }
+  [[nodiscard]] double kink() const { return scale(); }
 };
 
 using Lobe = std::variant<Cosine, Phong, Ggx, BlinnPhong, Charlie>;

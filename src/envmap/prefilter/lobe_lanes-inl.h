@@ -240,13 +240,6 @@ HWY_INLINE V slope(const Charlie& l, D d, V x, V /*value*/) {
   return charlie_most(l, d, x, x, l.power, l.power + 1, 1);
 }
 
-/// How much the slope of a lobe that does not break off changes at the horizon.
-HWY_INLINE double kink(const Cosine&) { return 1 / pi; }
-HWY_INLINE double kink(const Phong&) { return 0; }  // Of exponent 1 it is Cosine.
-HWY_INLINE double kink(const Ggx& l) { return l.scale / ((l.a + l.b) * (l.a + l.b)); }
-HWY_INLINE double kink(const BlinnPhong& l) { return l.scale * portable::exp2(-l.power); }
-HWY_INLINE double kink(const Charlie& l) { return l.scale(); }
-
 // ---- over an interval ---------------------------------------------------------------------------------------------------
 
 /// The largest sizes of the derivatives of a lobe over [lo, hi], hi <= 1.

@@ -100,7 +100,7 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
     const auto range = range_over(lobe, d, lo, hi);
     any = hn::Sub(range.most, range.least);
     if (!lobe.breaks_off()) {
-      const V turned = hn::Add(hn::Mul(bent, hn::Sub(end, lo)), hn::IfThenElseZero(hn::Ge(hi, one), set(d, kink(lobe))));
+      const V turned = hn::Add(hn::Mul(bent, hn::Sub(end, lo)), hn::IfThenElseZero(hn::Ge(hi, one), set(d, lobe.kink())));
       any = hn::IfThenElse(known, hn::Min(any, hn::Add(hn::Mul(a, turned), beyond)), any);
     }
   }
@@ -109,7 +109,7 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   const auto taylor = hn::And(hn::And(hn::Lt(hi, one), known), finite);
   // off is a or more, and so is hi - X0: with 0.74 a more that is 3^(1/2) s.
   const auto near_kink = hn::Ge(hn::Add(hi, hn::Mul(set(d, 0.74), a)), one);
-  const V rounded = hn::IfThenElseZero(near_kink, hn::Mul(set(d, 0.0774 * kink(lobe)), a));
+  const V rounded = hn::IfThenElseZero(near_kink, hn::Mul(set(d, 0.0774 * lobe.kink()), a));
   const V series = hn::Add(rounded, hn::Max(zero, hn::IfThenElse(taylor, hn::Min(any, smooth), any)));
   found.bent |= bits_of(hn::Ge(series, any)) << n;
   found.crossed |= bits_of(hn::Ge(hi, one)) << n;

@@ -31,10 +31,7 @@ Cap cap_of(const std::array<Direction, 3>& v) {
   return cap;
 }
 
-Direction unit(const Direction& v) {
-  const double length = glm::length(v);
-  return length > 0 ? v / length : Direction(0, 0, 1);
-}
+Direction unit_or_z(const Direction& v) { return unit(v, Direction(0, 0, 1)); }
 
 // How much directions turn for what the ray does, at least, and how large the part is that does so.
 struct Widening {
@@ -72,7 +69,7 @@ struct Search {
       if (caps.empty()) caps.push_back({along.axis, pi});
       return;
     }
-    const auto from = [&](int i) { return unit(f[i].position - *middle); };
+    const auto from = [&](int i) { return unit_or_z(f[i].position - *middle); };
     const Cap start = cap_of({from(0), from(1), from(2)});
     const double arc = angle_between(start.axis, along.axis), widest = std::max(start.angle, along.angle);
     if (arc + widest > 3) return caps.push_back({along.axis, pi});
@@ -82,14 +79,14 @@ struct Search {
     for (int k = 0; k < pieces; ++k) {
       const double part = (k + 0.5) / pieces;
       const Direction axis = std::sin((1 - part) * arc) * start.axis + std::sin(part * arc) * along.axis;
-      caps.push_back({arc > 1e-6 ? unit(axis) : along.axis, std::min(radius + 0.5 * arc / pieces, pi)});
+      caps.push_back({arc > 1e-6 ? unit_or_z(axis) : along.axis, std::min(radius + 0.5 * arc / pieces, pi)});
     }
   }
 
   void add(const Facet& f, int depth) {
     if (out_of_sight(f)) return;
-    const auto rays = [&](int i) { return unit(f[i].position - viewer.at); };
-    const auto normals = [&](int i) { return unit(f[i].normal); };
+    const auto rays = [&](int i) { return unit_or_z(f[i].position - viewer.at); };
+    const auto normals = [&](int i) { return unit_or_z(f[i].normal); };
     const Cap view = cap_of({rays(0), rays(1), rays(2)}), normal = cap_of({normals(0), normals(1), normals(2)});
     const double angle = view.angle + 2 * normal.angle;
     if (angle <= fineness || depth == deepest) {
@@ -106,7 +103,7 @@ struct Search {
       // Where some of the rays graze the surface, a normal may turn either way to face the viewer.
       if (optics.refracts() && std::abs(glm::dot(view.axis, normal.axis)) < std::sin(std::min(angle, pi / 2))) {
         const double facing = glm::dot(view.axis, normal.axis) > 0 ? -1 : 1;
-        add_rays(f, {unit(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
+        add_rays(f, {unit_or_z(glm::refract(view.axis, -facing * normal.axis, 1 / optics.ior)), std::min(angle, pi)});
       }
       return;
     }
@@ -120,7 +117,7 @@ struct Search {
 
 Direction Optics::turned(const Direction& view, const Direction& normal) const {
   if (!refracts()) return glm::reflect(view, normal);
-  return unit(glm::refract(view, glm::faceforward(normal, view, normal), 1 / ior));
+  return unit_or_z(glm::refract(view, glm::faceforward(normal, view, normal), 1 / ior));
 }
 
 Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
@@ -129,7 +126,7 @@ Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& wor
   const double handed = glm::determinant(turn) < 0 ? -1 : 1;  // A mirrored node's triangles are wound the other way.
   const auto corner = [&](std::uint32_t index) {
     return Corner{Direction(world * glm::vec<4, double, glm::highp>(mesh.positions[index], 1)),
-                  unit(normals * Direction(mesh.normals[index]))};
+                  unit_or_z(normals * Direction(mesh.normals[index]))};
   };
   Shown shown;
   std::vector<Widening> widenings;
@@ -157,7 +154,7 @@ std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world) {
   }
   if (off > 1e-5 * size) return {};
   const Rotation turn(world);
-  return unit(Rotation(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1])) * normal *
+  return unit_or_z(Rotation(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1])) * normal *
               (glm::determinant(turn) < 0 ? -1.0 : 1.0));
 }
 
@@ -202,13 +199,13 @@ Cap enclosing(std::span<const Cap> caps) {
     }
     return std::pair(least, far);
   };
-  Cap best{unit(sum), pi};
+  Cap best{unit_or_z(sum), pi};
   double highest = -1;
   Direction centre = best.axis;
   for (int step = 2; step < 64; ++step) {
     const auto [cosine, far] = widest(centre);
     if (cosine > highest) best.axis = centre, highest = cosine;
-    centre = unit(centre + (far->axis - centre) / double(step));
+    centre = unit_or_z(centre + (far->axis - centre) / double(step));
   }
   best.angle = 0;
   for (const Cap& cap : caps) best.angle = std::max(best.angle, angle_between(best.axis, cap.axis) + cap.angle);

@@ -125,16 +125,11 @@ void filter(const RTCFilterFunctionNArguments* call) {
   if (!shown) call->valid[0] = 0;
 }
 
-Direction unit(const Direction& v, const Direction& otherwise) {
-  const double length = glm::length(v);
-  return length > 0 ? v / length : otherwise;
-}
-
 // From a place on a triangle to the mean of where the planes of its corners have it; none where those lie below.
 Direction lift(const Placed& p, const Meeting& m, const Direction& place, double side) {
   Direction sum(0);
   for (int k = 0; k < 3; ++k) {
-    const Direction normal = unit(p.normals * Direction(p.mesh->normals[m.corners[k]]) * side, Direction(0));
+    const Direction normal = unit(p.normals * Direction(p.mesh->normals[m.corners[k]]) * side);
     const double above = glm::dot(place - Direction(p.positions[m.corners[k]]), normal);
     sum += m.weights[k] * std::max(0.0, -above) * normal;
   }
@@ -145,7 +140,7 @@ Direction lift(const Placed& p, const Meeting& m, const Direction& place, double
 Direction mapped_normal(const Placed& p, const Meeting& m, int texture, double scale, const Direction& normal) {
   if (texture < 0) return normal;
   const glm::vec4 interpolated = m.of(p.mesh->tangents);
-  const Direction along = unit(p.tangents * Direction(interpolated), Direction(0));
+  const Direction along = unit(p.tangents * Direction(interpolated));
   const Direction across = glm::cross(normal, along) * (interpolated.w < 0 ? -p.handed : p.handed);
   const Direction texel = 2.0 * Direction(sample(p, texture, m.of(p.mesh->coordinates))) - 1.0;
   return unit(scale * texel.x * along + scale * texel.y * across + texel.z * normal, normal);

@@ -10,11 +10,6 @@ namespace {
 
 using Linear = glm::mat<3, 3, double, glm::highp>;
 
-glm::vec3 unit_or(const Direction& v, const glm::vec3& otherwise) {
-  const double length = glm::length(v);
-  return length > 0 && std::isfinite(length) ? glm::vec3(v / length) : otherwise;
-}
-
 void add(std::vector<glm::vec3>& to, const std::vector<glm::vec3>& displacements, double weight) {
   for (std::size_t k = 0; k < displacements.size(); ++k) to[k] += static_cast<float>(weight) * displacements[k];
 }
@@ -29,7 +24,7 @@ void morph(const Deformation& d, double time, Vertices& v) {
     for (std::size_t n = 0; n < std::min(v.tangents.size(), target.tangents.size()); ++n)
       v.tangents[n] += static_cast<float>(weights[k]) * glm::vec4(glm::vec3(target.tangents[n]), 0);
   }
-  for (std::size_t n = 0; n < v.normals.size(); ++n) v.normals[n] = unit_or(Direction(v.normals[n]), d.rest.normals[n]);
+  for (std::size_t n = 0; n < v.normals.size(); ++n) v.normals[n] = glm::vec3(unit(Direction(v.normals[n]), Direction(d.rest.normals[n])));
 }
 
 // The node's own matrix moves nothing: what the joints say is brought into its frame.
@@ -49,7 +44,7 @@ void skin(const Deformation& d, const Pose& pose, Vertices& v) {
     const Linear normals(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1]));
     v.positions[n] = glm::vec3(m * glm::dvec4(v.positions[n], 1));
     const double sign = glm::determinant(turn) < 0 ? -1 : 1;
-    v.normals[n] = unit_or(sign * (normals * Direction(v.normals[n])), v.normals[n]);
+    v.normals[n] = glm::vec3(unit(sign * (normals * Direction(v.normals[n])), Direction(v.normals[n])));
     if (!v.tangents.empty()) v.tangents[n] = glm::vec4(glm::vec3(turn * Direction(v.tangents[n])), v.tangents[n].w);
   }
 }

@@ -8,11 +8,6 @@
 namespace envmap {
 namespace {
 
-Direction unit(const Direction& v) {
-  const double length = glm::length(v);
-  return length > 0 && std::isfinite(length) ? v / length : Direction(0);
-}
-
 Direction without(const Direction& normal, const Direction& v) { return unit(v - glm::dot(normal, v) * normal); }
 
 // Some direction across a normal.

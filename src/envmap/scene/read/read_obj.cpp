@@ -125,11 +125,6 @@ std::vector<Direction> corners_of(const ObjDocument& d, const Face& face) {
   return made;
 }
 
-Direction unit(const Direction& v) {
-  const double length = glm::length(v);
-  return length > 0 && std::isfinite(length) ? v / length : Direction(0);
-}
-
 // Normals for the corners that have none.
 void add_normals(ObjDocument& d) {
   std::map<std::pair<int, int>, int> smooth;  // By position and smoothing group.
