@@ -105,9 +105,11 @@ struct Making {
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
     const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); };
     // On a finer grid where the first leaves many dark texels unknown.
+    const auto worth = [&](std::size_t texels) {
+      return wanted.method == Method::spectral ? 8 * texels > whole.size() : any && may_be_spectral(wanted, lobe, source, texels);
+    };
     std::size_t unknown = whole.size();
-    for (double part = 1; part >= 0.01 && unknown > 0; part *= 0.1) {
-      if (wanted.method != Method::spectral && !(any && may_be_spectral(wanted, lobe, source, unknown))) break;
+    for (double part = 1; part >= 0.01 && worth(unknown); part *= 0.1) {
       spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out, figures, progress);
       unknown = whole.size() - static_cast<std::size_t>(std::ranges::count_if(whole, known));
     }
