@@ -45,8 +45,10 @@ template <class L>
 double most_uneven(const L& lobe) {
   if constexpr (std::is_same_v<L, Phong>)
     if (lobe.exponent >= 8) return 1.2;
-  // A root of x in its middle: rho = 2 / rate is how many times as far that is as a texel reaches, and Gauss's error rho^-8.
-  if constexpr (std::is_same_v<L, Charlie>) return 0.2;
+  // Sheen is a power of x with its root in the middle: from 8 on as Phong's; of 2 to 8 the eighth derivative is below 0.08 of what
+  // that takes, and grows by up to 21 over the texel. Of less, which at 0.5 is 135,000 x that, rho = 2 / fall is how many times as
+  // far the root is as a texel reaches, and Gauss's error rho^-8.
+  if constexpr (std::is_same_v<L, Charlie>) return lobe.power >= 8 ? 1.2 : lobe.power >= 2 ? 0.8 : 0.2;
   return 0.4;
 }
 
@@ -70,8 +72,8 @@ double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, 
   if (p.solid_angle <= 0 || lobe.missing(nearest) < nothing) return 0;
   const double uneven = unevenness(lobe, r, p), most = most_uneven(lobe);
   if (p.reach < 0.2 && uneven <= most) return over_area<P>(lobe, r, face, rect);
-  // A few quarters are quicker than the border.
-  if (uneven > 4 * most && p.reach < 0.3) {
+  // A few quarters are quicker than the border: timed.
+  if (uneven > 0.8 && p.reach < 0.3) {
     if (!border) border.emplace(face, rect);
     return RoundBorder<P, L>(lobe, r, face, nearest)(*border, p.solid_angle, p.reach, nearest).value;
   }
