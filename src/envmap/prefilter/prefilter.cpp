@@ -108,12 +108,11 @@ struct Making {
     const auto worth = [&](std::size_t texels) {
       return wanted.method == Method::spectral ? 8 * texels > whole.size() : any && may_be_spectral(wanted, lobe, source, texels);
     };
-    std::size_t unknown = whole.size();
-    for (double part = 1; part >= 0.01 && worth(unknown); part *= 0.1) {
-      spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out, figures, progress);
-      unknown = whole.size() - static_cast<std::size_t>(std::ranges::count_if(whole, known));
-    }
-    done.method = 2 * unknown < whole.size() ? Method::spectral : Method::hierarchical;
+    std::size_t texels = whole.size();
+    for (double part = 1; part >= 0.01 && worth(texels); part *= 0.1)
+      texels = spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out, figures, progress);
+    const bool mostly = 2 * static_cast<std::size_t>(std::ranges::count_if(whole, known)) > whole.size();
+    done.method = mostly ? Method::spectral : Method::hierarchical;
     treecode_prefilter(tree, lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
     std::vector<Texel> left;
     for (const Texel& t : all)

@@ -365,29 +365,57 @@ struct Leak {
 
 // Eight points interpolate to 1.07e-3 of the eighth difference, along and across the rings, there and back; texels taken as
 // one point are off by 1/24 of the second difference each way, as four by 1/4320 of the fourth. Differences are taken at all
-// angles and in all azimuths, from the lobe itself.
+// angles and in all azimuths, from the lobe itself. At the horizon, where it may have a kink or a step, they are off by up to 1/70 (half
+// a step, whose eighth difference is 35), 1/8 and 1/90 of them; the wider lobe is nothing there, so that this counts as `rest`.
 Leak leak_of(const Lobe& lobe, const Lobe& wide, const Level& source, int order, int columns, double error) {
   const double h = 2 * pi / columns, peak = std::visit([](const auto& l) { return l.value(0); }, wide);
   const double pitch = source.projection() == Projection::cube ? 2.0 / source.height() : pi / source.height();
   const Reaches most = reaches(order, error, false);
   const double one = std::min(pitch, most.one / 1.1), four = std::min(pitch, most.four / 1.41);
   const bool points = !is_on_rings(source, order), single = points && most.one > 0.3 * pitch;
+  const double near = std::max({4 * h, points ? 2 * four : 0, single ? one : 0});
   Leak leak;
   for (double angle = 0; angle < 0.6 * pi; angle += 0.5 * h) {
+    const bool at_horizon = std::abs(angle - 0.5 * pi) < near;
+    const double eighth = at_horizon ? 1.0 / 70 : 1.07e-3, fourth = at_horizon ? 1.0 / 90 : 1.0 / 4320, second = at_horizon ? 1.0 / 8 : 1.0 / 24;
     double off = 0;
     for (const double azimuth : {0.0, 0.25 * pi, 0.4 * pi, 0.5 * pi}) {
-      double sum = 4 * 1.07e-3 * difference(lobe, angle, azimuth, h, 8);
-      if (points) sum += 2.0 / 4320 * difference(lobe, angle, azimuth, four, 4);
-      if (single) sum += 2.0 / 24 * difference(lobe, angle, azimuth, one, 2);
+      double sum = 4 * eighth * difference(lobe, angle, azimuth, h, 8);
+      if (points) sum += 2 * fourth * difference(lobe, angle, azimuth, four, 4);
+      if (single) sum += 2 * second * difference(lobe, angle, azimuth, one, 2);
       off = std::max(off, sum);
     }
     const double x = 1 - portable::cos(angle), cover = std::visit([x](const auto& l) { return l.value(x); }, wide);
-    if (cover > 1e-6 * peak)
+    if (cover > 1e-6 * peak && !at_horizon)
       leak.envelope = std::max(leak.envelope, off / cover);
     else
       leak.rest = std::max(leak.rest, off);
   }
   return leak;
+}
+
+// What a lobe is off without the degrees left out, at most: the lobe itself less the sum of those that are there, at sixteen angles
+// for each half wave of the last, the horizon's among them, and 5% for what lies between. Where a lobe has a kink at its horizon
+// this is some fifty times less than the sizes of the degrees added up, since they are small there and of either sign elsewhere.
+double left_out(const Lobe& lobe, std::span<const double> factors) {
+  const std::size_t count = 16 * factors.size() + 1;
+  std::vector<double> cosine(count), sum(count, 0), now(count, 1), before(count, 0);
+  for (std::size_t k = 0; k < count; ++k) cosine[k] = portable::cos(pi * static_cast<double>(k) / static_cast<double>(count - 1));
+  for (std::size_t l = 0; l < factors.size(); ++l) {
+    const auto degree = static_cast<double>(l);
+    const double factor = (2 * degree + 1) / (4 * pi) * factors[l], a = (2 * degree + 1) / (degree + 1), b = degree / (degree + 1);
+    for (std::size_t k = 0; k < count; ++k) {
+      sum[k] += factor * now[k];
+      before[k] = a * cosine[k] * now[k] - b * before[k];
+    }
+    std::swap(now, before);
+  }
+  double most = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double half = portable::sin(0.5 * pi * static_cast<double>(k) / static_cast<double>(count - 1));
+    most = std::max(most, std::abs(std::visit([&](const auto& l) { return l.value(2 * half * half); }, lobe) - sum[k]));
+  }
+  return 1.05 * most;
 }
 
 // The largest error of interpolation of a lobe's map anywhere, for a flux of 1 (columns_for() has the same sum).
@@ -400,35 +428,41 @@ double interpolation_error(std::span<const double> factors, int columns) {
 
 }  // namespace
 
-void spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target, double max_error,
-                        double grid_error, std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
-                        const Progress& progress) {
+std::size_t spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target, double max_error,
+                               double grid_error, std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
+                               const Progress& progress) {
   const auto& [total, mean] = light;
   const double brightest = std::max({total.x, total.y, total.z});
-  if (brightest <= 0) return;
-  const Cut cut = spectral_cut(zonal(lobe, most_spectral_order), 0.2 * max_error * 1e-3 * mean / brightest);
+  if (brightest <= 0) return 0;
+  const double wanted = 0.2 * max_error * 1e-3 * mean / brightest;
+  Cut cut = spectral_cut(zonal(lobe, most_spectral_order), wanted);
+  if (cut.tail > wanted) cut.tail = std::min(cut.tail, left_out(lobe, cut.factors));
   const int order = static_cast<int>(cut.factors.size()) - 1;
+  const Lobe wide = widened(lobe);
+  const int columns = columns_for(cut.factors, grid_error);
+  const Leak leak = leak_of(lobe, wide, source, order, columns, grid_error);
   // Where most texels would be refused the transform is not worth its time.
-  if (cut.tail * brightest > 0.1 * max_error * mean) return;
+  if ((cut.tail + leak.rest) * brightest > 0.1 * max_error * mean) return 0;
   if (!kept || kept->order() < order || kept->error() > grid_error)
     kept = std::make_unique<Spectrum>(source, cut.factors, grid_error, progress);
   kept->convolve(cut.factors, target, out, progress);
 
-  const Lobe wide = widened(lobe);
   const double wide_peak = std::visit([](const auto& l) { return l.value(0); }, wide);
-  Cut cover = spectral_cut(zonal(wide, order), 1e-6 * wide_peak);
-  const int columns = columns_for(cut.factors, grid_error);
-  const Leak leak = leak_of(lobe, wide, source, order, columns, grid_error);
+  const Cut cover = spectral_cut(zonal(wide, order), 1e-6 * wide_peak);
   const double cover_off = cover.tail + interpolation_error(cover.factors, columns_for(cover.factors, grid_error));
   Level wider(out.projection(), out.height());
   kept->convolve(cover.factors, target, wider);
   const double floor = 1e-3 * mean;
   const Flux everywhere = total * (leak.envelope * cover_off + leak.rest + cut.tail);
+  std::size_t finer = 0;
   for (const Texel& t : texels_of(out)) {
-    const Flux value(*out.texel(t.face, t.i, t.j)), above(*wider.texel(t.face, t.i, t.j));
-    const Flux off = (leak.envelope * above + everywhere) / glm::max(value, Flux(floor));
-    figures[index_of(out, t)] = static_cast<float>(std::max({off.x, off.y, off.z}));
+    const Flux value = glm::max(Flux(*out.texel(t.face, t.i, t.j)), Flux(floor)), above(*wider.texel(t.face, t.i, t.j));
+    const auto largest = [&](const Flux& off) { return std::max({off.x / value.x, off.y / value.y, off.z / value.z}); };
+    float& figure = figures[index_of(out, t)];
+    figure = static_cast<float>(largest(leak.envelope * above + everywhere));
+    if (figure > max_error && largest(total * (cut.tail + leak.rest)) <= 0.5 * max_error) ++finer;
   }
+  return finer;
 }
 
 }  // namespace envmap::prefiltering

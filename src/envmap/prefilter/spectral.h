@@ -56,13 +56,15 @@ class Spectrum {
 /// Sets all texels of a map, each with its figure, or none where the transform is not worth its time.
 ///
 /// A texel's figure is what it may be off, over the texel or 0.001 x the mean. The degrees left out add at most their sum of
-/// (2 l + 1) / (4 pi) |factor| times the flux of the source. What gridding does to light at an angle is, by differences of
+/// (2 l + 1) / (4 pi) |factor| times the flux of the source or, where that is much because the lobe has a kink at its horizon, the
+/// most that the lobe less the degrees kept comes to at any angle. What gridding does to light at an angle is, by differences of
 /// the lobe there, below `envelope` x a wider lobe, so that what it does to a texel is below that part of the map of the
 /// wider lobe: little where light is even, too much in dark texels beside bright ones, which are refused. That is derived for
 /// great circles and measured, in every texel, by tests/bench/hostile.cpp. @param light of the source. @param grid_error what
 /// the grid and the points are made for: the less, the darker may texels be. @param kept of the source; made anew where it does not do.
-void spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target, double max_error,
-                        double grid_error, std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
-                        const Progress& progress = {});
+/// @return texels that are off by more than max_error, but would not be on a finer grid.
+std::size_t spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target, double max_error,
+                               double grid_error, std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
+                               const Progress& progress = {});
 
 }  // namespace envmap::prefiltering
