@@ -5,10 +5,10 @@
 //
 // Map number N has a random projection, size, content (suns of 1e4 to 1e9 at poles, corners, seams and rims, noise,
 // checkers, one lit texel; every fourth map has two halves or blocks that repeat, whose horizons run along texels), lobe, error
-// and target. The truth is summed here in float64, by adaptive Gauss panels over every
-// texel of the source, from the definitions in envmap-prefilter(7): nothing of the library has a part in it. `quick` takes the
-// library's own exact sum instead, which the slow way is there to check. A line is printed for each map above half its
-// error or of more than 5 s, and at the end the worst. METHOD judges that one alone: 'exact' is how the library's own sum is checked, at 1e-5.
+// and target. The truth is summed here in float64, by adaptive Gauss panels over every texel of the source, cut where the horizon
+// crosses, from the definitions in envmap-prefilter(7): nothing of the library has a part in it. `quick` takes the library's own
+// exact sum instead, which METHOD `exact` checks, at 1e-5. A line is printed for each map above half its error or of more than
+// 5 s, and at the end the worst. METHOD judges that one alone.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
