@@ -44,7 +44,7 @@ double factor(const Prefilter& p) {
 
 // ---- which method: no figure here decides what is right, only what is quick --------------------------------------------
 
-// Whether a spectrum may be cheaper than the tree for so many texels, of a lobe that is not bent at its horizon, which would
+// Whether a spectrum may be cheaper than the tree for so many texels, of a lobe that is bent but little at its horizon: more would
 // take more degrees than there are.
 bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source, std::size_t texels) {
   const auto of_source = static_cast<double>(index_of(source, {source.faces(), 0, 0}));
