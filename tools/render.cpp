@@ -59,6 +59,13 @@ class Painter {
   Mirrors mirrors_;
 };
 
+// Says what a map of moved vertices lacks.
+void warn_about_missing(const std::string& path, DrawMethod method, const Drawn& drawn) {
+  if (drawn.missing_solid_angle == 0) return;
+  warn(fmt::format("{}: {} left out surfaces near the singularity, up to {:.2g} sr: use --method exact", path,
+                   draw_method_names[std::size_t(method)], drawn.missing_solid_angle));
+}
+
 // From where the map is drawn to a node, or to the scene's first camera; or what is said.
 Direction direction(const Options& o, const Scene& scene, const Pose& pose) {
   if (const auto along = triple_of(o.forward)) return *along;
@@ -86,6 +93,7 @@ int run(Options& o, const Common& common) {
   o.from.axes = image_to_world(forward);
   check(o);
   const Frames frames = frames_of(o.scene);
+  check_report(o.output, common);
   check_output(frames.path(o.output, frames.first), o.write, o.from.to);
   const std::vector<std::string> outputs = frames.paths(o.output);
   check_files(outputs, {o.scene.path, o.scene.environment}, common);
@@ -103,6 +111,7 @@ int run(Options& o, const Common& common) {
   std::optional<Painter> painter;
   if (method != DrawMethod::raycast) painter.emplace(o, common, loaded, mirrors);
   double seconds = 0;
+  nlohmann::ordered_json report{{"input", o.scene.path}, {"method", draw_method_names[std::size_t(method)]}};
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const std::vector<int> moved = loaded.move_to(frames.time(frame));
     const Shot shot = loaded.shot(frames.time(frame), o.scene);
@@ -123,10 +132,13 @@ int run(Options& o, const Common& common) {
                                draw_method_names[static_cast<std::size_t>(method)], o.from.at.x, o.from.at.y,
                                o.from.at.z, 1e3 * took));
     write_one_map(path, all_rows_of(drawn.radiance), o.write, "write", common);
+    warn_about_missing(path, method, drawn);
+    report["maps"].push_back({{"output", path}, {"seconds", took}, {"missing_solid_angle", drawn.missing_solid_angle}});
   }
   if (depfile) depfile->commit();
   tell_darkness(loaded, o.scene);
   tell_rate(frames, seconds, common);
+  if (common.json) print_report(report);
   return 0;
 }
 
@@ -139,11 +151,11 @@ constexpr std::string_view description =
     "the "
     "triangle itself; right for triangles of any size. 'resample': six faces of a cube of the same size, then the "
     "bilinear filter of envmap convert. 'raycast': the reference, by Embree, without OpenGL. 'distort': vertices are "
-    "moved by the map's formula (Heidrich and Seidel 1998) and sides stay straight: fast, and wrong where triangles "
-    "are "
-    "large. 'tessellate': the same with triangles cut until they are right to a quarter of a pixel; both leave out "
-    "what "
-    "lies near the singularity and draw no latlong maps. 'auto' is the cheapest of exact, resample and raycast by the "
+    "moved by the map's formula (Heidrich and Seidel 1998) and sides stay straight: fast, and wrong where triangles are "
+    "large. 'tessellate': triangles are first cut until they are right to a quarter of a pixel. distort and tessellate "
+    "leave out each triangle (or piece) that holds the singularity: -Z of sphere and angular maps, the axis behind each "
+    "half of a paraboloid map. A warning and --json state the solid angle of these triangles. Neither draws latlong maps. "
+    "'auto' chooses the cheapest of exact, resample and raycast by the "
     "number of triangles and texels.\n\n"
     "Light: emission, KHR_lights_punctual, --ambient and --environment, by glTF's metallic-roughness model. Punctual "
     "lights cast shadows (--no-shadows), and surfaces keep diffuse light of the environment from each other (--occlusion). "
@@ -167,6 +179,14 @@ Command render_command() {
                         "the classic sphere map, turned to who looks at the ball"},
                        {"envmap render room.obj map.exr --to latlong --ambient 1 --samples 8",
                         "base colours alone, eight samples a texel"}},
+          .keys = {{"input", "text", "INPUT"},
+                   {"method", "text", "the drawing method, also if --method auto chose it"},
+                   {"maps[].output", "text", "file name"},
+                   {"maps[].seconds", "number", "time to draw the map, without writing"},
+                   {"maps[].missing_solid_angle", "number",
+                    "solid angle in steradians of the triangles near the singularity that distort or tessellate left out: an "
+                    "upper bound of what the map lacks"}},
+          .reports = true,
           .writes = true,
           .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
             auto o = std::make_shared<Options>();
@@ -200,8 +220,8 @@ Command render_command() {
                            "have it; the map is turned then")
                 ->type_name("AXIS|NODE|X,Y,Z|camera");
             app.add_option("--epsilon", o->from.epsilon,
-                           "Of distort and tessellate: how near to the singularity a vertex may come, in z (default: 0.5 of "
-                           "paraboloids, 0.05 of others)")
+                           "distort, tessellate: move vertices with z < -1 + Z to infinity (default: paraboloids 0.5, other maps "
+                           "0.05 for distort and 0.01 for tessellate)")
                 ->type_name("Z")
                 ->check(number_in({1e-6, 1.0}));
             add_layout(app, "--layout", o->write.layout, "Where cube faces lie (default: column)");

@@ -43,6 +43,7 @@ struct Trial {
   int runs;
   Difference error;
   std::optional<std::int64_t> bytes;
+  double missing_solid_angle = 0;  // Steradians.
   bool front = false;
 
   [[nodiscard]] double cost() const { return bytes ? static_cast<double>(*bytes) : seconds; }
@@ -73,15 +74,16 @@ Trial measured(const Way& way, double seconds, double rest, Outcome& out) {
   if (times.size() > 1) times.erase(times.begin());
   std::ranges::sort(times);
   const double median = times[times.size() / 2], off = std::max(median - times.front(), times.back() - median);
-  return {way.method, way.setting, median, off / median, static_cast<int>(times.size()), {}, out.bytes};
+  return {way.method, way.setting, median, off / median, static_cast<int>(times.size()), {}, out.bytes, out.missing_solid_angle};
 }
 
-// By cost, and at the same cost by error: then what is closer than all before it is beaten by none. NaN never is.
+// By cost, and at the same cost by error: then what is closer than all before it is beaten by none. NaN never is. A map
+// that lacks surfaces is no answer to the task, however close the rest of it is.
 void mark_front(std::vector<Trial>& trials, Metric by) {
   std::ranges::stable_sort(trials, {}, [by](const Trial& t) { return std::pair(t.cost(), t.value(by)); });
   double least = std::numeric_limits<double>::infinity();
   for (Trial& t : trials) {
-    t.front = t.value(by) < least;
+    t.front = t.value(by) < least && t.missing_solid_angle == 0;
     least = t.front ? t.value(by) : least;
   }
 }
@@ -127,16 +129,19 @@ std::string table_of(const Study& study, const Options& o) {
     out += fmt::format("{} {:{}}  {:>10.3g}  {:>4.0f}%{}  {:>8.1e}  {:>8.1e}  {:>8.1e}\n", t.front ? '*' : ' ', t.label(), wide,
                        t.seconds, 100 * t.noise, t.bytes ? fmt::format("{:>12}", *t.bytes) : "", t.error.maximum, t.error.rms,
                        t.error.largest_flux());
+  for (const Trial& t : study.trials)
+    if (t.missing_solid_angle > 0)
+      out += fmt::format("{}: no star: surfaces near the singularity are missing, up to {:.2g} sr\n", t.label(), t.missing_solid_angle);
   out += fmt::format("* nothing else is both {} and closer in {}\n", files ? "smaller" : "faster",
                      metric_names[static_cast<std::size_t>(o.by)]);
   return out;
 }
 
 std::string csv_of(const Study& study) {
-  std::string out = "method,setting,seconds,noise,runs,bytes,max,rms,flux,front\n";
+  std::string out = "method,setting,seconds,noise,runs,bytes,max,rms,flux,front,missing_solid_angle\n";
   for (const Trial& t : study.trials)
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", t.method, t.setting, t.seconds, t.noise, t.runs,
-                       t.bytes ? std::to_string(*t.bytes) : "", t.error.maximum, t.error.rms, t.error.largest_flux(), t.front ? 1 : 0);
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", t.method, t.setting, t.seconds, t.noise, t.runs,
+                       t.bytes ? std::to_string(*t.bytes) : "", t.error.maximum, t.error.rms, t.error.largest_flux(), t.front ? 1 : 0, t.missing_solid_angle);
   return out;
 }
 
@@ -149,6 +154,7 @@ nlohmann::ordered_json report_of(const Study& study, const Options& o) {
     nlohmann::ordered_json one{{"method", t.method}, {"setting", t.setting}, {"seconds", t.seconds}, {"noise", t.noise}, {"runs", t.runs}};
     if (t.bytes) one["bytes"] = *t.bytes;
     one["max"] = t.error.maximum, one["rms"] = t.error.rms, one["flux"] = t.error.largest_flux(), one["front"] = t.front;
+    one["missing_solid_angle"] = t.missing_solid_angle;
     report["trials"].push_back(one);
   }
   report["left_out"] = study.left_out;
@@ -302,7 +308,8 @@ Command tradeoff_command() {
                {"trials[].max", "number", "largest |a-b| / max(|b|, 0.001 x mean of b)"},
                {"trials[].rms", "number", "root of sum w |a-b|^2 / sum w |b|^2"},
                {"trials[].flux", "number", "largest |flux a - flux b| / flux b of a channel"},
-               {"trials[].front", "boolean", "whether nothing else is both faster (of depth and bake: smaller) and closer"},
+               {"trials[].front", "boolean", "whether the map is complete and nothing else is both faster (depth and bake: smaller) and closer"},
+               {"trials[].missing_solid_angle", "number", "render: upper bound in steradians of the surfaces that the map lacks"},
                {"left_out", "count", "ways for which --budget left no time"}},
       .reports = true,
       .define = [](CLI::App& app, const Common& common) -> std::function<int()> {

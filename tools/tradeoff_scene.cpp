@@ -35,10 +35,13 @@ Task make_scene_task(const std::string& name, const LoadedScene& loaded, const S
   const auto cast = [shot, from] { return Outcome{std::move(raycast(shot, from).radiance.base())}; };
   Task task{.name = name, .reference = "--method raycast", .truth = cast};
   const std::shared_ptr<Gl> gl = open_gl(loaded, options.context, {}, "the methods of OpenGL");
+  const auto drawn = [gl, shot, from](DrawMethod method) {
+    Drawn map = draw(gl->renderer, from, shot, method);
+    return Outcome{.level = std::move(map.radiance.base()), .missing_solid_angle = map.missing_solid_angle};
+  };
   for (const DrawMethod method : {DrawMethod::distort, DrawMethod::tessellate, DrawMethod::exact, DrawMethod::resample})
     if (gl && can_draw(method, from.to))
-      task.ways.push_back({std::string(draw_method_names[static_cast<std::size_t>(method)]), "",
-                           [gl, shot, from, method] { return Outcome{std::move(draw(gl->renderer, from, shot, method).radiance.base())}; }});
+      task.ways.push_back({std::string(draw_method_names[std::size_t(method)]), "", [drawn, method] { return drawn(method); }});
   task.ways.push_back({"raycast", "", cast});
   return task;
 }

@@ -20,6 +20,7 @@ struct Outcome {
   envmap::Level level;
   std::optional<std::int64_t> bytes = {};
   std::vector<std::shared_ptr<const ScratchFile>> files = {};
+  double missing_solid_angle = 0;  // Drawn::missing_solid_angle.
 };
 
 // A method with its parameters, from a map in memory to a result.

@@ -2,6 +2,7 @@
 """Writes the sample scenes as glTF 2.0 (.glb): python3 samples/scenes/make.py OUT_DIR
 
 room-2, room-4, room-21   a coloured room whose walls have that many vertices an edge, with a box, a ball and a ring in it
+room-21-two-sided         the room of 21 vertices with doubleSided materials
 wire-cube                 the edges of a cube
 ball                      a mirror ball ("ball") on a table
 balls                     mirror, glass, metals and plastics on tiles, for a sunny sky
@@ -16,7 +17,7 @@ import sys
 from gltf import Scene, arch, ball, box, lathe, moved, png, torus, turn, united, wall
 
 
-def room(vertices):
+def room(vertices, two_sided=False):
     """4 x 3 x 4 m about the origin."""
     scene, cells = Scene(), vertices - 1
     colours = {"+x": (0.8, 0.1, 0.1), "-x": (0.1, 0.6, 0.1), "+y": (0.9, 0.9, 0.85), "-y": (0.35, 0.3, 0.25),
@@ -35,6 +36,8 @@ def room(vertices):
     scene.node("ring", scene.mesh(torus(0.4, 0.13, max(8, cells)), metal), translation=[0.6, 0.2, 1.2], rotation=turn((1, 0, 0), 70))
     scene.light("lamp", "point", 25, translation=[0, 1.2, 0])
     scene.camera("corner", (-1.6, 0.6, 1.7), (0.4, -0.5, -0.6), 1.2)
+    for material in scene.json["materials"] if two_sided else ():
+        material["doubleSided"] = True
     return scene
 
 
@@ -253,9 +256,9 @@ def main():
         sys.exit(__doc__.strip())
     folder = sys.argv[1]
     os.makedirs(folder, exist_ok=True)
-    for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)), ("wire-cube", wire_cube()),
-                        ("ball", ball_on_a_table()), ("balls", balls()), ("facing", facing()),
-                        ("cellar", cellar())):
+    for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)),
+                        ("room-21-two-sided", room(21, True)), ("wire-cube", wire_cube()), ("ball", ball_on_a_table()),
+                        ("balls", balls()), ("facing", facing()), ("cellar", cellar())):
         scene.save(os.path.join(folder, name + ".glb"))
 
 

@@ -3,7 +3,8 @@
 #   cellar.jpg    two views of the cellar through dynamic maps
 #   lookup.jpg    a mirror ball on a table, its map looked up by vertex, by direction and by distance, and the truth by rays
 #   facing.jpg    two mirrors that face each other: 1, 2 and 4 rounds of pictures in pictures and maps, and by rays
-#   vertices.jpg  a sphere map of a room whose walls have 2, 4 and 21 vertices an edge, drawn by distort, tessellate and exact
+#   vertices.jpg  a sphere map of a room whose walls have 2, 4, 21 and 21 vertices an edge, the last with two-sided materials,
+#                 drawn by distort, tessellate and exact
 #   balls.jpg     mirror, glass, metals and plastics under a sunny sky, or in a probe of yours, by rays (minutes)
 #   turn.webp     the balls, seen from all sides (or turn.mp4; where there is ffmpeg)
 #
@@ -63,14 +64,14 @@ side_by_side 4x1 facing.jpg 88 "$work/facing-1.png" "$work/facing-2.png" "$work/
 
 set --
 for method in distort tessellate exact; do
-  for vertices in 2 4 21; do
+  for vertices in 2 4 21 21-two-sided; do
     map=$work/$method-$vertices
     "$envmap" render "$work/room-$vertices.glb" "$map.exr" --to sphere --method $method --size 300 --ambient 0.25 --samples 4 -q
     oiiotool "$map.exr" --ch R,G,B --mulc 0.5 --colorconvert linear sRGB -d uint8 -o "$map.png"
     set -- "$@" "$map.png"
   done
 done
-side_by_side 3x3 vertices.jpg 85 "$@"
+side_by_side 4x3 vertices.jpg 85 "$@"
 
 if [ -z "$probe" ]; then
   probe=$work/day.exr

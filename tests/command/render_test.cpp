@@ -1,5 +1,6 @@
 // envmap render as its users run it.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "run.h"
 
@@ -47,6 +48,28 @@ TEST_F(Render, MapsLookWhereTheyAreToldTo) {
   fails(2, render({"bright.obj", "a.exr", "--forward", "camera"}), {"no camera"});
   fails(2, render({"bright.obj", "a.exr", "--forward", "Nobody"}), {"Nobody"});
   fails(2, render({"bright.obj", "a.exr", "--epsilon", "0.1"}), {"--epsilon", "distort"});
+}
+
+// All faces of the tetrahedron have two sides. Those behind the point share an edge, which holds -Z.
+TEST_F(Render, SaysWhatMovedVerticesLack) {
+  const std::vector<std::string> words{"render", "scene.obj", "a.exr", "--context", "osmesa", "--ambient", "1",
+                                       "--size", "32", "--to", "sphere", "--json", "--method"};
+  const auto render = [&](const std::string& method) {
+    std::vector<std::string> all = words;
+    all.push_back(method);
+    return envmap(all);
+  };
+  const Result distorted = render("distort"), exact = render("exact");
+  ASSERT_EQ(distorted.status, 0) << distorted.err;
+  EXPECT_NE(distorted.err.find("a.exr: distort left out surfaces near the singularity, up to 6.3 sr: use --method exact"),
+            std::string::npos)
+      << distorted.err;
+  EXPECT_EQ(exact.err, "");
+  using nlohmann::json;
+  const json map = json::parse(distorted.out)["maps"][0];
+  EXPECT_EQ(map["output"], "a.exr");
+  EXPECT_NEAR(map["missing_solid_angle"].get<double>(), 6.28319, 1e-3);  // Half of all directions: two faces.
+  EXPECT_EQ(json::parse(exact.out)["maps"][0]["missing_solid_angle"], 0);
 }
 
 TEST_F(Render, ScenesMayComeThroughAPipe) {

@@ -119,6 +119,10 @@ TEST_F(Tradeoff, ScenesAreDrawnByEveryMethod) {
   EXPECT_EQ(trial(all, "raycast", "")["max"], 0);
   EXPECT_LT(trial(all, "exact", "")["rms"].get<double>(), 0.05);
   EXPECT_GT(trial(all, "distort", "")["rms"].get<double>(), 4 * trial(all, "exact", "")["rms"].get<double>());
+  // The fastest way is no answer if it lacks a wall.
+  EXPECT_GT(trial(all, "distort", "")["missing_solid_angle"].get<double>(), 0.1);
+  EXPECT_FALSE(trial(all, "distort", "")["front"]);
+  EXPECT_EQ(trial(all, "exact", "")["missing_solid_angle"], 0);
   fails(2, {"tradeoff", "in.exr", "--task", "depth", "--at", "0,0,0"}, {"--at"});
 }
 

@@ -46,8 +46,8 @@ struct Viewpoint {
   int samples = 1;                 ///< A texel. Distances and surfaces are those of the first.
   unsigned which = ~0U;            ///< Faces to draw, a bit each.
   bool cull = true;                ///< Leave out what lies beyond a face, by spheres round meshes.
-  /// Of distort and tessellate: vertices nearer to a disc's singularity (z < -1 + epsilon) are pushed away from it. 0: 0.5 of
-  /// paraboloids, 0.05 of others.
+  /// distort and tessellate move vertices near a disc's singularity (z < -1 + epsilon) to infinity. 0: 0.5 for paraboloids,
+  /// otherwise 0.05 for distort and 0.01 for tessellate.
   double epsilon = 0;
   bool show_ambient = false;       ///< Behind all surfaces, too: as mirrors show it.
   std::optional<Lens> lens;        ///< Then it is a picture of one face, and `to` is not looked at.
@@ -120,6 +120,9 @@ struct Drawn {
   EnvironmentMap radiance;
   std::vector<float> distances;         ///< From the point, in metres; infinite where nothing was hit.
   std::vector<std::uint32_t> surfaces;  ///< 1 + index into instances(); 0 where nothing was hit.
+  /// Solid angle in steradians of the triangles that distort or tessellate left out round the singularity, whether or not
+  /// others hide them: what the map lacks at most. 0 for other methods.
+  double missing_solid_angle = 0;
 };
 
 /// Where the samples of a texel lie, from its centre: a rank-1 lattice; one sample is the centre.

@@ -7,10 +7,11 @@ namespace envmap {
 void Renderer::blend(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample) {
   const gl::Query query = gl::make_query(GL_ANY_SAMPLES_PASSED);
   const gl::Texture* behind = &canvas_->depth;
-  for (std::size_t turn = 0;; turn = 1 - turn) {
+  bool first = true;
+  for (std::size_t turn = 0;; turn = 1 - turn, first = false) {
     glBindTextureUnit(unit_behind, *behind);
     glBeginQuery(GL_ANY_SAMPLES_PASSED, query);
-    find_surfaces(from, shot, method, face, sample, layers_->seen[turn], true);
+    find_surfaces(from, shot, method, {face, sample, layers_->seen[turn], true, first && sample == 0});
     glEndQuery(GL_ANY_SAMPLES_PASSED);
     GLuint any = 0;
     glGetQueryObjectuiv(query, GL_QUERY_RESULT, &any);

@@ -55,7 +55,8 @@ gl::Definitions constants() {
           {"LEAST_SHEEN_ROUGHNESS", fmt::format("{}", least_sheen_roughness)},
           {"SMOOTH_GLASS", fmt::format("{}", smooth_glass)},
           {"BUFFER_LIGHTS", number(buffer_lights)},
-          {"BUFFER_LIGHT_FACES", number(buffer_light_faces)}};
+          {"BUFFER_LIGHT_FACES", number(buffer_light_faces)},
+          {"BUFFER_MISSING", number(buffer_missing)}};
 }
 
 std::string file_of(Projection p) { return fmt::format("{}.glsl", identifier(p)); }
@@ -101,11 +102,12 @@ gl::Program visibility_program(DrawMethod method, Projection image, bool holes, 
   if (method == DrawMethod::exact)
     return gl::make_program({place, imaging(GL_GEOMETRY_SHADER, {"bounds.glsl", "exact.geom.glsl"}), seen}, definitions);
   if (plain) return gl::make_program({imaging(GL_VERTEX_SHADER, {"raster.vert.glsl"}), seen}, definitions);
-  if (method == DrawMethod::distort)
-    return gl::make_program({imaging(GL_VERTEX_SHADER, {"distort.glsl", "distort.vert.glsl"}), seen}, definitions);
+  const gl::Stage moved = imaging(GL_GEOMETRY_SHADER, {"distort.glsl", "solid_angle.glsl", "distort.geom.glsl"});
+  if (method == DrawMethod::distort) return gl::make_program({place, moved, seen}, definitions);
   return gl::make_program({{GL_VERTEX_SHADER, {"instances.glsl", "triangle.glsl", "patch.vert.glsl"}},
                            imaging(GL_TESS_CONTROL_SHADER, {"distort.glsl", "tessellate.tesc.glsl"}),
-                           imaging(GL_TESS_EVALUATION_SHADER, {"distort.glsl", "tessellate.tese.glsl"}),
+                           {GL_TESS_EVALUATION_SHADER, {"tessellate.tese.glsl"}},
+                           moved,
                            seen},
                           definitions);
 }

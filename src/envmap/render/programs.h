@@ -38,6 +38,7 @@ enum Unit : GLuint {
   unit_behind,
   buffer_lights = 4,
   buffer_light_faces,
+  buffer_missing,
   block_distant_faces = 0,
   block_distant_lights
 };

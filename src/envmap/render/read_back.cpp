@@ -18,7 +18,7 @@ Drawn resample(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
   Viewpoint all_round = from;
   all_round.to = Projection::cube;
   Drawn cube = draw(renderer, all_round, shot, DrawMethod::distort);
-  Drawn out{convert(cube.radiance, {.to = from.to, .size = from.size, .filter = Filter::bilinear}), {}, {}};
+  Drawn out{convert(cube.radiance, {.to = from.to, .size = from.size, .filter = Filter::bilinear}), {}, {}, 0};
   const int width = from.size * aspect(from.to);
   out.distances.assign(ImageView<float>::count(width, from.size, faces(from.to)), nowhere);
   out.surfaces.assign(out.distances.size(), 0);
@@ -70,7 +70,7 @@ Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMeth
   if (method == DrawMethod::resample) method = DrawMethod::distort;
   MapTexture map(from.to, from.size);
   Drawn out;
-  renderer.draw(from, shot, method, map, &out.surfaces);
+  out.missing_solid_angle = renderer.draw(from, shot, method, map, &out.surfaces);
   out.radiance = read_back(map, &out.distances);
   return out;
 }

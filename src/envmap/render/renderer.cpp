@@ -39,6 +39,14 @@ const Environment& darkness() {
   return black;
 }
 
+// What distort.geom.glsl counted, in steradians.
+double counted(const gl::Buffer& missing) {
+  GLuint units = 0;
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glGetNamedBufferSubData(missing, 0, sizeof(units), &units);
+  return std::ldexp(units, -20);
+}
+
 void finish_drawing() {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -232,8 +240,8 @@ void Renderer::prepare_canvas(const Viewpoint& from) {
   if (gpu_.blends() && !layers_) layers_.emplace(*canvas_);
 }
 
-void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
-                    std::vector<std::uint32_t>* surfaces) {
+double Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
+                      std::vector<std::uint32_t>* surfaces) {
   if (!from.lens && !can_draw(method, from.to))
     throw UsageError(
         fmt::format("{} cannot draw {} maps", draw_method_names[static_cast<std::size_t>(method)], name(from.to)));
@@ -244,12 +252,14 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
   gpu_.place(shot.scene, shot.pose, from.at, from.axes);
   gpu_.bind();
   bind_shadows(shot, from.at);
+  missing_ = gl::make_buffer(std::vector<GLuint>{0});
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_missing, missing_);
   const int count = from.lens ? 1 : faces(from.to);
   for (int face = 0; face < count; ++face) {
     if ((from.which >> face & 1U) == 0) continue;
     for (int sample = 0; sample < from.samples; ++sample) {
       glBindTextureUnit(unit_rays, rays(from, face, sample));
-      find_surfaces(from, shot, method, face, sample, canvas_->seen, false);
+      find_surfaces(from, shot, method, {face, sample, canvas_->seen, false, sample == 0});
       if (surfaces != nullptr && sample == 0) {
         seen.resize(texels);
         glGetTextureImage(canvas_->surfaces, 0, GL_RG_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(8 * texels),
@@ -267,6 +277,7 @@ void Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, 
     }
   }
   finish_drawing();
+  return method == DrawMethod::exact ? 0 : counted(missing_);
 }
 
 void Renderer::draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to) {

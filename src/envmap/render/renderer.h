@@ -56,8 +56,9 @@ class Renderer {
   /// Draws the faces of `from.which` and leaves the others alone.
   /// @param method of those that draw: exact, distort or tessellate. @param surfaces of Drawn, if that is asked for.
   /// @throws UsageError where can_draw() says no, and where the face is too large.
-  void draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
-            std::vector<std::uint32_t>* surfaces = nullptr);
+  /// @return Drawn::missing_solid_angle.
+  double draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
+              std::vector<std::uint32_t>* surfaces = nullptr);
 
   /// The environment alone in the faces of `from.which`.
   void draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to);
@@ -77,8 +78,14 @@ class Renderer {
   const gl::Program& shading(const Group& group, const Shot& shot);
   const gl::Texture& rays(const Viewpoint& from, int face, int sample);
   void begin_finding(GLuint into, bool blended) const;
-  void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample, GLuint into,
-                     bool blended);
+  // What one search for surfaces is about.
+  struct Pass {
+    int face, sample;
+    GLuint into;
+    bool blended;  // Of opaque surfaces the nearest are found, of blended ones the furthest.
+    bool counts;   // What is left out is added up.
+  };
+  void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, const Pass& pass);
   void set_light(const gl::Program& program, const Group& group, const Viewpoint& from, const Shot& shot) const;
   void bind_map(const MapTexture& to, int face, int sample) const;
   void bind_sample() const;
@@ -95,7 +102,7 @@ class Renderer {
   std::vector<int> mirrors_;
   GpuScene gpu_;
   ShadowMaps shadows_, distant_shadows_;  // Of punctual lights, and of Shot::distant.
-  gl::Buffer distant_lights_;
+  gl::Buffer distant_lights_, missing_;
   EnvironmentTexture environment_;
   LightTexture light_;
   gl::Texture split_sum_, sheen_table_;  // The last of scenes that have any.

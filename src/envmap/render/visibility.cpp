@@ -10,8 +10,11 @@ namespace {
 
 constexpr double tessellation_tolerance = 0.25;  // Pixels.
 
-// How near to -Z a vertex may come: the figures of Heidrich's and later implementations.
-float singularity(Projection p) { return filled_disc(p) ? 0.5F : 0.05F; }
+// How near to -Z a vertex may come: the values of Heidrich's and later implementations. Small pieces may come nearer.
+float singularity(DrawMethod method, Projection p) {
+  if (filled_disc(p)) return 0.5F;
+  return method == DrawMethod::tessellate ? 0.01F : 0.05F;
+}
 
 // Whether a sphere can be seen in a face at all.
 bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
@@ -73,10 +76,11 @@ void Renderer::begin_finding(GLuint into, bool blended) const {
   glPatchParameteri(GL_PATCH_VERTICES, 3);
 }
 
-void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample, GLuint into,
-                             bool blended) {
+void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, const Pass& pass) {
+  const auto [face, sample, into, blended, counts] = pass;
   const Projection image = from.lens ? Projection::cube : from.to;
   const bool tessellated = method == DrawMethod::tessellate && image_shape(image) == ImageShape::disc;
+  const bool by_triangle = method == DrawMethod::exact || image_shape(image) == ImageShape::disc;
   const Rotation to_face = from.lens ? Rotation(1, 0, 0, 0, 1, 0, 0, 0, -1) : map_to_face(from.to, face);
   const Vec2<double> tangents = from.lens ? from.lens->tangents : Vec2<double>(1);
   // The near plane touches the near sphere from inside, at the corners.
@@ -107,7 +111,8 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
         gl::set(*program, "frame", frame);
         gl::set(*program, "parallel", parallel ? 1 : 0);
         gl::set(*program, "before", in_frame(from.before, from));
-        gl::set(*program, "singularity", from.epsilon > 0 ? static_cast<float>(from.epsilon) : singularity(image));
+        gl::set(*program, "singularity", from.epsilon > 0 ? float(from.epsilon) : singularity(method, image));
+        gl::set(*program, "counts", counts ? 1 : 0);
         gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
         glUseProgram(*program);
       }
@@ -122,8 +127,8 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
       gl::set(*program, "first_triangle", static_cast<int>(part.first_index / 3));
       gl::set(*program, "facing", part.double_sided ? 0 : placed.mirrored ? -1 : 1);
       glStencilFunc(GL_ALWAYS, part.stencil, 0xff);
-      // Exact sees to its sides itself. Images that show the world mirrored turn those of the others round.
-      (method == DrawMethod::exact || part.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
+      // Geometry shaders see to sides themselves. Images that show the world mirrored turn those of the others round.
+      (by_triangle || part.double_sided ? glDisable : glEnable)(GL_CULL_FACE);
       glFrontFace((glm::determinant(to_face) < 0) != placed.mirrored ? GL_CW : GL_CCW);
       tessellated ? gpu_.draw_patches(part) : gpu_.draw(part);
     }

@@ -1,11 +1,10 @@
-
-#if TESSELLATED
 flat in uint triangle;
-#else
-uint triangle = uint(first_triangle + gl_PrimitiveID);
-#endif
 
 void main() {
+#if !FILLED
+  // Triangles that reach to infinity cross the rim of the disc.
+  if (ray_at(ivec2(gl_FragCoord.xy)).along == vec3(0)) discard;
+#endif
   if (gl_FragCoord.z * range.y < range.x) discard;
 #if LAYERED
   if (is_done(gl_FragCoord.z)) discard;
