@@ -242,7 +242,8 @@ int run(Options& o, const Common& common) {
   if (choice && within && !rounding->largest) {
     made = level_of(rows);
     rows = rows_of(*made, rows.forward);
-    within = report["error"]["within"] = holds(o, *rounding, *made, choice->trials.back().maximum, *max_error);
+    within = holds(o, *rounding, *made, choice->trials.back().maximum, *max_error);
+    report["error"]["within"] = within;
   }
   if (!within) {
     if (common.json) print_report(report);

@@ -1,6 +1,6 @@
 #include "suggest.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <vector>
 

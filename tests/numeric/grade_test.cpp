@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 

@@ -1,6 +1,7 @@
 // Real probes, where there are some beside the repository.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "envmap/io/read.h"

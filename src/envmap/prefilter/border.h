@@ -107,7 +107,7 @@ const Border<P>& recent_border(int face, const Rect& rect) {
   for (const double x : {rect.u0, rect.v0, rect.u1, rect.v1}) hash = 0x9E3779B97F4A7C15U * (hash ^ std::bit_cast<std::uint64_t>(x));
   std::optional<Kept>& place = kept[hash >> 57];
   const auto is_it = [&](const Rect& r) { return r.u0 == rect.u0 && r.v0 == rect.v0 && r.u1 == rect.u1 && r.v1 == rect.v1; };
-  if (!place || place->face != face || !is_it(place->rect)) place.emplace(face, rect, Border<P>(face, rect));
+  if (!place || place->face != face || !is_it(place->rect)) place = Kept{face, rect, Border<P>(face, rect)};
   return place->border;
 }
 

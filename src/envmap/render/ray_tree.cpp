@@ -1,12 +1,12 @@
 #include "envmap/render/ray_tree.h"
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/render/embree.h"
 #include "envmap/render/texture_sample.h"
 
 namespace envmap {
@@ -94,7 +94,7 @@ glm::vec4 base_colour(const Placed& p, const Meeting& m) {
 }
 
 // What filters are told of the ray beside what Embree knows.
-struct Query : RTCIntersectContext {
+struct Query : embree::Context {
   Direction origin, ray;
   Medium medium = Medium::air;
   int but = -1;  // Of light: the node that casts no shadow.
@@ -229,7 +229,7 @@ double RayTree::clearance(const Direction& place) { return glm::length(place) / 
 std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ray, double near, double far,
                                     Medium medium) const {
   Query query{};
-  rtcInitIntersectContext(&query);
+  embree::prepare(query);
   query.origin = origin;
   query.ray = ray;
   query.medium = medium;
@@ -238,7 +238,7 @@ std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ra
   hit.ray = {.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = static_cast<float>(near),
              .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = static_cast<float>(far), .mask = ~0U};
   hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(world_->tree.get(), &query, &hit);
+  embree::intersect(world_->tree.get(), query, hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const Placed& p = world_->placed[hit.hit.geomID];
   const Meeting m = meet(p, hit.hit.primID, origin, ray);
@@ -254,7 +254,7 @@ std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ra
 bool RayTree::blocked(const Direction& place, const Direction& normal, const Direction& towards, double distance,
                       int but) const {
   Query query{};
-  rtcInitIntersectContext(&query);
+  embree::prepare(query);
   const Direction from_centre = place - world_->centre;
   query.origin = from_centre + clearance(from_centre) * normal;
   query.ray = towards;
@@ -262,7 +262,7 @@ bool RayTree::blocked(const Direction& place, const Direction& normal, const Dir
   const glm::vec3 from(query.origin), along(towards);
   RTCRay ray{.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = 0,
              .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = static_cast<float>(distance), .mask = ~0U};
-  rtcOccluded1(world_->tree.get(), &query, &ray);
+  embree::occlude(world_->tree.get(), query, ray);
   return ray.tfar < 0;
 }
 
