@@ -11,6 +11,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/path.h"
+#include "version.h"
 
 namespace tools {
 
@@ -24,7 +25,7 @@ std::vector<Command> all_commands() {
 
 std::unique_ptr<CLI::App> make_app(const std::vector<Command>& commands, Common& common, std::function<int()>& run) {
   auto app = std::make_unique<CLI::App>("Convert, measure and make environment maps.", "envmap");
-  app->set_version_flag("--version", version_text());
+  app->set_version_flag("--version", [] { return version_text() + "\n" + renderer_text(); });
   app->require_subcommand(1);
   app->footer(
       "'envmap COMMAND --help' shows the options of a command and examples; 'man envmap-COMMAND' the same and more.");

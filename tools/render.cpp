@@ -79,6 +79,7 @@ void check(const Options& o) {
   if (o.from.near >= o.from.far) throw UsageError("--near: not below --far");
   if (forward_named(o.forward) && !has_forward(o.from.to))
     throw UsageError("--forward: an axis is for latlong and angular maps; others take a node, X,Y,Z or camera");
+  if (o.method == DrawMethod::raycast) check_no_context(o.scene);
   const bool distorts = o.method == DrawMethod::distort || o.method == DrawMethod::tessellate;
   if (o.from.epsilon > 0 && !distorts) throw UsageError("--epsilon is for --method distort and tessellate");
   if (!can_draw(o.method, o.from.to))
@@ -104,8 +105,10 @@ int run(Options& o, const Common& common) {
   const Viewpoint place = viewpoint_of(o.at, loaded.scene, o.scene.path);
   o.from.at = place.at, o.from.without = place.without;
   const bool turned = !o.forward.empty() && !forward_named(o.forward);
+  // Who says what OpenGL is drawn with wants it drawn with OpenGL.
+  const bool rays = o.scene.context == ContextKind::automatic;
   const DrawMethod method =
-      o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene), costs) : o.method;
+      o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene), costs, rays) : o.method;
   const std::vector<Mirror> mirrors =
       o.bounces > 0 ? find_mirrors(loaded.scene, Projection::paraboloid) : std::vector<Mirror>{};
   std::optional<Painter> painter;
@@ -160,8 +163,9 @@ constexpr std::string_view description =
     "Light: emission, KHR_lights_punctual, --ambient and --environment, by glTF's metallic-roughness model. Punctual "
     "lights cast shadows (--no-shadows), and surfaces keep diffuse light of the environment from each other (--occlusion). "
     "Surfaces are seen between the spheres of --near and --far.\n\n"
-    "--context: 'egl' draws on a graphics card without a display, 'osmesa' on the processor; 'auto' takes the card if "
-    "there is one. Exit status 5 where there is neither.\n\n"
+    "--context: 'egl' draws on a graphics card or the processor without a display, 'osmesa' on the processor. 'auto' tries a "
+    "card through EGL, then OSMesa, then the processor through EGL. A --context other than 'auto' excludes raycast from "
+    "--method auto. -v prints what draws. The exit status is 5 if nothing does.\n\n"
     "--frames A:B draws frame k at the time --time + k / --fps into a file each: put {frame} or %04d into the name.";
 
 }  // namespace

@@ -16,7 +16,7 @@ using namespace envmap;
 void add_scene(CLI::App& app, SceneOptions& o) {
   app.add_option("SCENE", o.path, "File to read: .gltf, .glb or .obj, '-' for standard input")->required();
   add_choice(app, "--context", o.context, joined(context_names), one_of<ContextKind>(context_names),
-             "What it is drawn with (default: auto)");
+             "OpenGL through OSMesa (CPU) or through EGL (GPU or CPU) (default: auto)");
   app.add_option("--environment", o.environment, "Map that is the background and a light")->type_name("FILE");
   add_triple(app, "--ambient", o.ambient, "R,G,B", true, "Radiance from everywhere, which nothing keeps off (default: 0)");
   app.add_flag("--no-shadows", o.no_shadows, "Let punctual lights shine through everything");
@@ -30,6 +30,11 @@ void add_scene(CLI::App& app, SceneOptions& o) {
   app.add_option("--fps", o.rate, "Frames a second (default: 24)")->type_name("F")->check(number_in({1e-3, 1e6}));
   add_max_pixels(app, o.read);
   add_repair(app, o.read);
+}
+
+void check_no_context(const SceneOptions& o) {
+  if (o.context != ContextKind::automatic)
+    throw UsageError("--context is for OpenGL, which --method raycast does not use: leave out one of them");
 }
 
 std::string Frames::path(const std::string& output, int frame) const {

@@ -24,6 +24,8 @@ struct SceneOptions {
   envmap::ReadOptions read;
 };
 void add_scene(CLI::App& app, SceneOptions& options);
+/// For --method raycast. @throws UsageError where --context is given, which rays have no use for.
+void check_no_context(const SceneOptions& options);
 
 /// The moments to draw; without --frames one, and one file.
 struct Frames {

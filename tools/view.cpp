@@ -136,6 +136,7 @@ Pictures cast(const Options& o, const Common& common, const std::vector<int>& mi
 }
 
 void check(const Options& o) {
+  if (o.method == Through::rays) check_no_context(o.scene);
   const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.largest != MirrorOptions{}.largest || o.drawing.all || o.lookup || o.look.tinted || !o.saved.empty() ||
                        std::ranges::any_of(o.mirrors, [](const std::string& m) {
                          return m.find(':') != m.npos && !m.ends_with(":off");

@@ -69,11 +69,14 @@ Forward look_towards(Viewpoint& from, const Place& forward, const Scene& scene, 
   return Forward::plus_z;
 }
 
-DrawMethod method_for(const std::string& word, const Viewpoint& from, const Scene& scene) {
+DrawMethod method_for(const std::string& word, const Viewpoint& from, const Scene& scene, ContextKind context) {
   const auto method = named<DrawMethod>("method", word, draw_method_names);
   if (!can_draw(method, from.to))
     throw UsageError("method '" + word + "' cannot draw " + std::string(name(from.to)) + " maps: resample or raycast can");
-  return method == DrawMethod::automatic ? cheapest(from.to, from.size, triangles(scene)) : method;
+  if (method == DrawMethod::raycast && context != ContextKind::automatic)
+    throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");
+  if (method != DrawMethod::automatic) return method;
+  return cheapest(from.to, from.size, triangles(scene), {}, context == ContextKind::automatic);
 }
 
 Drawn drawn(const Shot& shot, const Viewpoint& from, DrawMethod method, ContextKind kind, const Progress& progress) {
@@ -106,7 +109,7 @@ Map render(const std::filesystem::path& file, const std::string& to, const Place
   Shot shot{.scene = scene, .pose = pose(scene, time), .ambient = Colour(direction(ambient.value_or(Triple{}))), .shadows = shadows};
   stand_at(from, at, scene, shot.pose, path);
   const Forward axis = look_towards(from, forward, scene, shot.pose, path);
-  const DrawMethod how = method_for(method, from, scene);
+  const DrawMethod how = method_for(method, from, scene, kind);
   return Reporter(progress).run([&](const Progress& p) {
     std::unique_ptr<const Environment> around;
     std::vector<DistantLight> distant;

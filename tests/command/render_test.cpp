@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "on_processor.h"
 #include "run.h"
 
 namespace command_tests {
@@ -15,7 +16,7 @@ class Render : public CommandTest {
 
 TEST_F(Render, TheSameBytesAtAnyThreads) {
   for (const std::string to : {"cube", "sphere"}) {
-    const std::string line = "\"$ENVMAP\" render scene.obj -q --context osmesa --ambient 1 --size 64 --to " + to + " ";
+    const std::string line = "\"$ENVMAP\" render scene.obj -q --context " + std::string(on_processor()) + " --ambient 1 --size 64 --to " + to + " ";
     ASSERT_EQ(shell("LP_NUM_THREADS=1 " + line + "a.exr").status, 0);
     ASSERT_EQ(shell("LP_NUM_THREADS=2 " + line + "b.exr --threads 1").status, 0);
     ASSERT_EQ(shell(line + "c.exr").status, 0);
@@ -81,6 +82,34 @@ TEST_F(Render, ScenesMayComeThroughAPipe) {
   EXPECT_NE(shell(line + "- c.exr </dev/null").err.find("standard input: is empty"), std::string::npos);
 }
 
+// Newer systems have no OSMesa: a file of its name that is no library stands for that.
+TEST_F(Render, TheProcessorDrawsThroughEglWhereThereIsNoOsMesa) {
+  std::filesystem::create_directory(path("none"));
+  write("none/libOSMesa.so.8", "");
+  const std::string line = "LIBGL_ALWAYS_SOFTWARE=1 \"$ENVMAP\" render scene.obj --ambient 1 --size 64 --method exact ";
+  if (shell(line + "egl.exr -q --context egl").status != 0) GTEST_SKIP() << "no EGL";
+  const Result r = shell("LD_LIBRARY_PATH=none " + line + "auto.exr -v");
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_NE(r.err.find("EGL, llvmpipe"), std::string::npos) << r.err;
+  EXPECT_EQ(read("auto.exr"), read("egl.exr"));
+  if (on_processor() == std::string("egl")) return;
+  succeeds({"render", "scene.obj", "osmesa.exr", "--ambient", "1", "--size", "64", "--method", "exact", "--context", "osmesa"});
+  EXPECT_EQ(envmap({"compare", "osmesa.exr", "egl.exr", "--max-error", "1e-6"}).status, 0);
+}
+
+TEST_F(Render, AContextIsNotIgnored) {
+  const std::vector<std::string> line{"render", "scene.obj", "a.exr", "--ambient", "1", "--size", "8", "-v"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), line.begin(), line.end());
+    return envmap(words);
+  };
+  const std::string to = "equal-area";  // Which 'auto' leaves to rays.
+  EXPECT_NE(with({"--to", to}).err.find("a.exr: raycast"), std::string::npos);
+  EXPECT_NE(with({"--to", to, "--context", on_processor()}).err.find("a.exr: resample"), std::string::npos);
+  fails(2, {"render", "scene.obj", "b.exr", "--method", "raycast", "--context", "egl"}, {"--context", "raycast"});
+  fails(2, {"view", "scene.obj", "b.png", "--method", "raycast", "--context", "osmesa"}, {"--context", "raycast"});
+}
+
 TEST_F(Render, NoRenderer) {
   // What stands before the system's libraries and is none.
   write("libEGL.so.1", "");
@@ -89,8 +118,12 @@ TEST_F(Render, NoRenderer) {
     const Result r = shell("LD_LIBRARY_PATH=. \"$ENVMAP\" render scene.obj a.exr --method exact --context " + context);
     EXPECT_EQ(r.status, 5) << r.err;
     EXPECT_EQ(r.err.rfind("envmap render: no context through ", 0), 0U) << r.err;
+    EXPECT_NE(r.err.find(": install "), std::string::npos) << r.err;
     EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1);
   }
+  const Result version = shell("LD_LIBRARY_PATH=. \"$ENVMAP\" --version");
+  EXPECT_EQ(version.status, 0);
+  EXPECT_NE(version.out.find("draws with raycast alone: no context through "), std::string::npos) << version.out;
   EXPECT_EQ(names(), (std::vector<std::string>{"libEGL.so.1", "libOSMesa.so.8", "scene.obj"}));
 }
 
@@ -101,7 +134,7 @@ TEST_F(Render, WhatMakesNoSense) {
   fails(2, {"render", "scene.obj", "a.exr", "--frames", "1:2"}, {"{frame}"});
   fails(2, {"render", "scene.obj", "a{frame}.exr", "--frames", "2:1"}, {"2:1"});
   fails(2, {"render", "scene.obj", "a.exr", "--forward", "+x"}, {"--forward"});
-  fails(2, {"render", "scene.obj", "a.exr", "--size", "65536", "--method", "exact", "--context", "osmesa"}, {"65536"});
+  fails(2, {"render", "scene.obj", "a.exr", "--size", "65536", "--method", "exact", "--context", on_processor()}, {"65536"});
   fails(3, {"render", "nothing.glb", "a.exr"}, {"nothing.glb"});
 }
 

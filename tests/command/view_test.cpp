@@ -128,7 +128,7 @@ TEST_F(View, StreamsAreAsGoodAsFiles) {
 }
 
 TEST_F(View, TheSameBytesAtAnyThreads) {
-  const std::string line = "\"$ENVMAP\" view scene.gltf -q --context osmesa --width 64 --height 48 ";
+  const std::string line = "\"$ENVMAP\" view scene.gltf -q --context " + std::string(on_processor()) + " --width 64 --height 48 ";
   ASSERT_EQ(shell("LP_NUM_THREADS=1 " + line + "a.png").status, 0);
   ASSERT_EQ(shell("LP_NUM_THREADS=2 " + line + "b.png --threads 1").status, 0);
   ASSERT_EQ(shell(line + "c.png --all").status, 0);

@@ -229,8 +229,8 @@ def test_render_is_what_the_command_draws(tmp_path, scene):
              ({'to': 'sphere', 'size': 16, 'at': 'flag', 'forward': 'floor', 'environment': sky, 'occlusion': 0, 'method': 'raycast'},
               ['--to', 'sphere', '--size', '16', '--at', 'flag', '--forward', 'floor', '--environment', 'sky.exr', '--occlusion', '0',
                '--method', 'raycast']),
-             ({'to': 'paraboloid', 'size': 16, 'environment': sky, 'context': 'osmesa', 'method': 'exact'},
-              ['--to', 'paraboloid', '--size', '16', '--environment', 'sky.exr', '--context', 'osmesa', '--method', 'exact'])]
+             ({'to': 'paraboloid', 'size': 16, 'environment': sky, 'method': 'exact'},
+              ['--to', 'paraboloid', '--size', '16', '--environment', 'sky.exr', '--method', 'exact'])]
     for options, words in cases:
         made = envmap.render(scene, **options)
         command(tmp_path, 'render', 'scene.gltf', 'command.exr', '--depth', 'float', *words)

@@ -13,11 +13,11 @@ double estimated_cost(DrawMethod method, Projection to, int size, std::size_t tr
   return costs[Cost::draw_texel] * texel_count(to, size) + costs[Cost::draw_triangle] * count * (to == Projection::cube ? 3 : faces(to));
 }
 
-DrawMethod cheapest(Projection to, int size, std::size_t triangles, const Costs& costs) {
+DrawMethod cheapest(Projection to, int size, std::size_t triangles, const Costs& costs, bool rays) {
   const auto cost = [&](DrawMethod m) { return estimated_cost(m, to, size, triangles, costs); };
-  DrawMethod best = DrawMethod::exact;
+  DrawMethod best = can_draw(DrawMethod::exact, to) ? DrawMethod::exact : DrawMethod::resample;
   for (const DrawMethod m : {DrawMethod::resample, DrawMethod::raycast})
-    if (!can_draw(best, to) || cost(m) < cost(best)) best = m;
+    if ((rays || m != DrawMethod::raycast) && cost(m) < cost(best)) best = m;
   return best;
 }
 

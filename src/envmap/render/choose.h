@@ -13,7 +13,7 @@ namespace envmap {
 /// @param method exact, resample or raycast.
 double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles, const Costs& costs = {});
 
-/// exact, resample or raycast, whichever costs least.
-DrawMethod cheapest(Projection to, int size, std::size_t triangles, const Costs& costs = {});
+/// exact, resample or raycast, whichever costs least. @param rays whether raycast may be chosen.
+DrawMethod cheapest(Projection to, int size, std::size_t triangles, const Costs& costs = {}, bool rays = true);
 
 }  // namespace envmap

@@ -6,13 +6,15 @@
 // After glad, which stands in for GL's own header.
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <GL/osmesa.h>
 
 #include <array>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/render/osmesa.h"
 
 namespace envmap {
 
@@ -44,33 +46,22 @@ class Library {
 
 struct OsMesa {
   Library library{"libOSMesa.so.8"};
-  decltype(&OSMesaCreateContextAttribs) create =
-      library.function<decltype(OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
-  decltype(&OSMesaMakeCurrent) make_current = library.function<decltype(OSMesaMakeCurrent)>("OSMesaMakeCurrent");
-  decltype(&OSMesaDestroyContext) destroy = library.function<decltype(OSMesaDestroyContext)>("OSMesaDestroyContext");
+  osmesa::Create* create = library.function<osmesa::Create>("OSMesaCreateContextAttribs");
+  osmesa::MakeCurrent* make_current = library.function<osmesa::MakeCurrent>("OSMesaMakeCurrent");
+  osmesa::Destroy* destroy = library.function<osmesa::Destroy>("OSMesaDestroyContext");
   GLADloadfunc load = library.function<GLADapiproc(const char*)>("OSMesaGetProcAddress");
 };
 
 template <class Base>
 struct OsMesaContext : Base {
   OsMesa mesa;
-  OSMesaContext context;
+  osmesa::Context context;
   std::array<GLubyte, 4> pixel{};  // All drawing goes to framebuffer objects, but there must be one.
 
   OsMesaContext() {
-    constexpr std::array<int, 13> wanted{OSMESA_FORMAT,
-                                         OSMESA_RGBA,
-                                         OSMESA_DEPTH_BITS,
-                                         0,
-                                         OSMESA_PROFILE,
-                                         OSMESA_CORE_PROFILE,
-                                         OSMESA_CONTEXT_MAJOR_VERSION,
-                                         4,
-                                         OSMESA_CONTEXT_MINOR_VERSION,
-                                         5,
-                                         0,
-                                         0,
-                                         0};
+    constexpr std::array<int, 11> wanted{osmesa::format,        osmesa::rgba,         osmesa::depth_bits,    0,
+                                         osmesa::profile,       osmesa::core_profile, osmesa::major_version, 4,
+                                         osmesa::minor_version, 5,                    0};
     context = mesa.create(wanted.data(), nullptr);
     if (context == nullptr) throw RendererError("OSMesa gives no OpenGL 4.5 core context");
     if (mesa.make_current(context, pixel.data(), GL_UNSIGNED_BYTE, 1, 1) != GL_TRUE) {
@@ -178,28 +169,43 @@ bool draws_on_processor(const std::string& renderer) {
   return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
 }
 
+// What to do where there is no context. Packages have other names on each family of systems: os-release(5).
+std::string remedy(ContextKind kind) {
+  if (kind == ContextKind::osmesa) return "install libosmesa6, or draw through EGL: Mesa 25.1 removed OSMesa";
+  std::ifstream file("/etc/os-release");
+  const std::string system(std::istreambuf_iterator<char>(file), {});
+  const auto is = [&](const char* word) { return system.find(word) != std::string::npos; };
+  if (kind == ContextKind::automatic && is("VERSION_CODENAME=bookworm")) return "install libosmesa6";
+  if (is("debian")) return "install libegl1 and libgl1-mesa-dri";
+  if (is("fedora") || is("rhel")) return "install mesa-libEGL and mesa-dri-drivers";
+  return "install Mesa with EGL and llvmpipe";
+}
+
+std::string text_of(GLenum name) { return reinterpret_cast<const char*>(glGetString(name)); }
+
 }  // namespace
 
 Context::Context(ContextKind kind) {
-  const auto use = [this](std::unique_ptr<Handle> handle, const char* through) {
-    if (gladLoadGL(handle->loader()) == 0) throw RendererError(fmt::format("{}: no functions of OpenGL", through));
-    const std::string name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-    handle_ = std::move(handle);
-    on_processor_ = draws_on_processor(name);
-    renderer_ = fmt::format("{}, {}", through, name);
-  };
-  if (kind != ContextKind::osmesa) try {
-      use(open_egl<Handle>(kind == ContextKind::automatic), "EGL");
-      if (kind == ContextKind::egl || !on_processor_) return;
+  std::string reasons;
+  const auto opens = [&](const char* through, auto open) {
+    handle_.reset();
+    try {
+      handle_ = open();
+      if (gladLoadGL(handle_->loader()) == 0) throw RendererError("no functions of OpenGL");
     } catch (const RendererError& e) {
-      if (kind == ContextKind::egl) throw RendererError(fmt::format("no context through EGL: {}", e.what()));
+      reasons += fmt::format("{} ({})", reasons.empty() ? through : fmt::format(" or {}", through), e.what());
+      return false;
     }
-  handle_.reset();
-  try {
-    use(std::make_unique<OsMesaContext<Handle>>(), "OSMesa");
-  } catch (const RendererError& e) {
-    throw RendererError(fmt::format("no context through OSMesa: {}", e.what()));
-  }
+    const std::string name = text_of(GL_RENDERER);
+    on_processor_ = draws_on_processor(name);
+    renderer_ = fmt::format("{}, {}, OpenGL {}", through, name, text_of(GL_VERSION));
+    return true;
+  };
+  if (kind == ContextKind::automatic && opens("EGL", [] { return open_egl<Handle>(true); }) && !on_processor_) return;
+  reasons.clear();
+  if (kind != ContextKind::egl && opens("OSMesa", [] { return std::make_unique<OsMesaContext<Handle>>(); })) return;
+  if (kind != ContextKind::osmesa && opens("EGL", [] { return open_egl<Handle>(false); })) return;
+  throw RendererError(fmt::format("no context through {}: {}", reasons, remedy(kind)));
 }
 
 Context::~Context() = default;

@@ -1,6 +1,6 @@
 /// @file
-/// A current OpenGL 4.5 core context without a window: OSMesa on the processor, or EGL on a graphics card. Both are
-/// opened when they are asked for; the program is linked to neither.
+/// A current OpenGL 4.5 core context without a window: through EGL on a graphics card or the processor, or through
+/// OSMesa on the processor. Both libraries are opened when they are asked for; the program is linked to neither.
 #pragma once
 
 #include <memory>
@@ -16,13 +16,14 @@ inline constexpr std::string_view context_names[] = {"auto", "osmesa", "egl"};
 /// belong to the context made last, so there is one at a time.
 class Context {
  public:
-  /// @param kind `automatic`: a graphics card through EGL, else OSMesa.
-  /// @throws RendererError with the reason.
+  /// @param kind `automatic`: a graphics card through EGL, else OSMesa, else the processor through EGL.
+  /// @throws RendererError with the reason and what to install.
   explicit Context(ContextKind kind);
   ~Context();
   Context(Context&&) noexcept;
 
-  [[nodiscard]] const std::string& renderer() const { return renderer_; }  ///< As GL names it, and through what.
+  /// The library, and what GL says of the renderer and its version.
+  [[nodiscard]] const std::string& renderer() const { return renderer_; }
   [[nodiscard]] bool on_processor() const { return on_processor_; }        ///< llvmpipe or softpipe.
 
  private:
