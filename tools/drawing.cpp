@@ -9,6 +9,7 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
+#include "font.h"
 
 namespace tools {
 namespace {
@@ -101,15 +102,17 @@ struct Letters {
   int left, right;  // Of what is covered.
 };
 Letters letters_of(const std::string& text, int height, int margin) {
+  if (font_file().empty()) throw OutputError(fmt::format("no font to write words with: {}, or write .svg", install_font));
   const int room = static_cast<int>(1.4 * width_of(text, height)) + 2 * margin;
   Letters letters{Picture({room, 3 * height / 2 + 2 * margin}, Colour(0)), room, 0};
   Picture& cover = letters.cover;
-  formats().draw_text(cover.pixels, cover.size, margin, margin + height, text, height);
+  formats().draw_text(cover.pixels, cover.size, margin, margin + height, text, height, font_file());
   float most = 0;
   for (int j = 0; j < cover.size.height; ++j)
     for (int i = 0; i < cover.size.width; ++i)
       if (const float c = cover.at(i, j).x; c > 0) most = std::max(most, c), letters.left = std::min(letters.left, i), letters.right = std::max(letters.right, i);
-  if (most == 0) throw OutputError("this machine has no font to write a picture's words with; install one (fonts-dejavu-core), or write .svg");
+  if (most == 0) throw OutputError(fmt::format("{}: the font draws nothing of '{}': {}, or write .svg", font_file(), text,
+                                               install_font));
   for (Colour& c : cover.pixels) c /= most;
   return letters;
 }

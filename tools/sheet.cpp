@@ -1,10 +1,15 @@
 #include "sheet.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <mutex>
 
+#include "command.h"
 #include "envmap/io/formats.h"
+#include "font.h"
 
 namespace tools {
 namespace {
@@ -16,6 +21,12 @@ constexpr int caption_room = 22, caption_height = 14;
 
 void paste(Picture& onto, Picture& from, int x, int y) {
   for (int j = 0; j < from.size.height; ++j) std::copy_n(from.row(0, j), from.size.width, onto.row(x, y + j));
+}
+
+void write(Picture& onto, int x, int y, const std::string& text, int height) {
+  if (!font_file().empty()) return formats().draw_text(onto.pixels, onto.size, x, y, text, height, font_file());
+  static std::once_flag told;
+  std::call_once(told, [] { warn(fmt::format("no font, so the picture has no words: {}", install_font)); });
 }
 
 int height_of(const TileRow& row) {
@@ -56,7 +67,7 @@ Picture sheet_of(std::span<const TileRow> rows) {
     for (Tile tile : row) {
       paste(sheet, tile.picture, x, y);
       Picture caption({tile.picture.size.width, caption_room}, ground);  // Cuts what is too long.
-      formats().draw_text(caption.pixels, caption.size, 2, 16, tile.caption, caption_height);
+      write(caption, 2, 16, tile.caption, caption_height);
       paste(sheet, caption, x, y + tile.picture.size.height);
       x += tile.picture.size.width + sheet_border;
     }
@@ -71,7 +82,7 @@ void draw_label(Picture& picture, int x, int y, const std::string& text, int hei
   const int top = std::clamp(y - height / 2 - 2, 0, std::max(0, picture.size.height - height - 4));
   for (int j = top; j < std::min(top + height + 4, picture.size.height); ++j)
     for (int i = left; i < std::min(left + width, picture.size.width); ++i) picture.at(i, j) *= 0.3F;
-  formats().draw_text(picture.pixels, picture.size, left + 2, top + height, text, height);
+  write(picture, left + 2, top + height, text, height);
 }
 
 void draw_ring(Picture& picture, double x, double y, double radius) {

@@ -83,7 +83,10 @@ void save(const std::string& path, const Picture& picture, OIIO::TypeDesc type, 
 }
 
 Picture load(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
+  OIIO::ImageSpec config;
+  // Without settings OpenImageIO 2.5 takes the first row of a PFM file for the top.
+  config.attribute("pnm:pfmflip", 1);
+  const auto input = OIIO::ImageInput::open(path, &config);
   if (!input) throw std::runtime_error(path + ": the test cannot read it: " + OIIO::geterror());
   Picture picture = Picture::filled(input->spec().width, input->spec().height, 0, input->spec().nchannels);
   if (!input->read_image(0, 0, 0, picture.channels, OIIO::TypeDesc::FLOAT, picture.values.data()))

@@ -1,4 +1,5 @@
 // Pictures for people, pixel by pixel against what the maps hold.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -56,6 +57,19 @@ TEST_F(Preview, APercentileBecomesWhite) {
   const Picture high = preview({"halves.exr", "--height", "64", "--percentile", "99", "--display", "clip"});
   expect_colour(high.at(border + 64, border + 50), {0.24, 0.24, 0.24}, 4 * byte);
   fails(2, {"preview", "halves.exr", "out.png", "--percentile", "40", "--exposure", "1"}, {"--exposure"});
+}
+
+TEST_F(Preview, WritesNamesOrSaysThatThereIsNoFont) {
+  write_halves();
+  const auto lightest_of_caption = [](const Picture& p) {
+    return *std::max_element(p.at(0, p.height - border - caption), p.at(0, p.height - border));
+  };
+  EXPECT_GT(lightest_of_caption(preview({"halves.exr"})), 0.5);
+  const Result r = shell("HOME=$PWD XDG_DATA_HOME= XDG_DATA_DIRS=$PWD \"$ENVMAP\" preview halves.exr bare.png");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.err.find("no font, so the picture has no words: install "), std::string::npos) << r.err;
+  EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1);
+  EXPECT_LT(lightest_of_caption(load(path("bare.png"))), 0.2);
 }
 
 TEST_F(Preview, SingleFacesAndMarks) {

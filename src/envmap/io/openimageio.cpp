@@ -1,5 +1,4 @@
 // The module envmap-formats.so: the one file that OpenImageIO's 250 libraries are linked to.
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
@@ -15,6 +14,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
+#include "envmap/io/openimageio_file.h"
 #include "envmap/io/window.h"
 
 namespace envmap {
@@ -157,35 +157,8 @@ class Writing {
   static inline std::atomic<int> calls_{0};
 };
 
-// Our file as OpenImageIO's.
-class Proxy final : public OIIO::Filesystem::IOProxy {
- public:
-  explicit Proxy(OutputFile& file) : IOProxy("", Write), file_(file) {}
-  const char* proxytype() const override { return "envmap"; }
-  void close() override {}
-  bool opened() const override { return true; }
-  int64_t tell() override { return file_.tell(); }
-  bool seek(int64_t offset) override { return file_.seek(offset), true; }
-  size_t read(void* buffer, size_t size) override {
-    const size_t n = file_.pread(buffer, size, file_.tell());
-    return file_.seek(file_.tell() + static_cast<int64_t>(n)), n;
-  }
-  size_t write(const void* buffer, size_t size) override { return file_.write(buffer, size); }
-  size_t pread(void* buffer, size_t size, int64_t offset) override { return file_.pread(buffer, size, offset); }
-  size_t pwrite(const void* buffer, size_t size, int64_t offset) override {
-    const int64_t before = file_.tell();
-    file_.seek(offset);
-    const size_t n = file_.write(buffer, size);
-    return file_.seek(before), n;
-  }
-  size_t size() const override { return static_cast<size_t>(file_.size()); }
-
- private:
-  OutputFile& file_;
-};
-
 struct Output {
-  Proxy file;
+  OpenImageIoFile file;
   std::unique_ptr<OIIO::ImageOutput> writer;
 
   Output(OutputFile& f, const std::string& name) : file(f), writer(OIIO::ImageOutput::create(name)) {}
@@ -201,6 +174,8 @@ ImageWriter create(OutputFile& file, const std::string& extension, const ImagePl
   // Not in TIFF: it would go into an EXIF directory, and OpenImageIO 2.4 leaves the file's header pointing at that.
   if (out->writer->format_name() != std::string("tiff"))
     spec.attribute("oiio:ColorSpace", is_integer(plan.depth) ? "sRGB" : "Linear");
+  // From 2.5 on, OpenImageIO turns blocks of float rows upside down in any PNM file. Only PFM needs that: io/pfm.cpp.
+  if (out->writer->format_name() == std::string("pnm")) spec.attribute("pnm:pfmflip", 0);
   for (const auto& [key, text] : plan.attributes) spec.attribute(key, text);
   void* proxy = &out->file;
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
@@ -237,10 +212,10 @@ std::vector<Colour> resized(std::span<const Colour> picture, Size from, Size to)
   return out;
 }
 
-void draw_text(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height) {
+void draw_text(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height, const std::string& font) {
   OIIO::ImageBuf image(spec_of(size), picture.data());
-  (void)OIIO::ImageBufAlgo::render_text(image, x, y, text, height, "DejaVuSans", {0.8F, 0.8F, 0.8F});
-  (void)image.geterror();
+  if (!OIIO::ImageBufAlgo::render_text(image, x, y, text, height, font, {0.8F, 0.8F, 0.8F}) && image.has_error())
+    throw OutputError(font, first_line(image.geterror(), "no text can be drawn with this font"));
 }
 
 }  // namespace
