@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs the Debian packages that are needed and missing, and nothing else.
-# With all of them there it asks dpkg once and ends: no network, no root.
+# Installs the packages that are needed and missing, and nothing else, on Debian 12, 13, testing and sid, and on Ubuntu 24.04
+# and newer. With all of them there it ends at once: no network, no root. On other systems it prints what is needed.
 #
 #   sh packages.sh           what the build, the tests and the tour need
 #   sh packages.sh bench     also the tools that tests/bench times beside envmap
@@ -11,14 +11,16 @@ set -eu
 # OpenEXR itself makes them), openimageio-tools, python3 and zstd (tests/ktx2_check.py), mandoc (checks the man pages), zsh and
 # fish (their completions), make (reads depfiles), python3-jsonschema (tests/schemas.py); python3-dev, pybind11-dev, numpy and
 # pytest: the Python module.
-# fonts-dejavu-core writes the names into the pictures of 'envmap preview'.
+# fonts-dejavu-core writes the names into the pictures of 'envmap preview'. libegl1 and libgl1-mesa-dri draw on any system, libosmesa6
+# where Mesa still has it. djpeg and dwebp read pictures in tests/orientation.py.
+# 'a|b': the first of them that the system has.
 packages='
   g++ cmake ninja-build pkg-config
   libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libpng-dev libzstd-dev
   nlohmann-json3-dev
-  libdraco-dev libembree-dev libosmesa6-dev libegl-dev python3-glad
+  libdraco-dev libembree-dev libegl-dev python3-glad libegl1 libgl1-mesa-dri libosmesa6|libgl1-mesa-dri
   libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 python3-dev pybind11-dev python3-numpy python3-pytest python3-jsonschema zstd mandoc fonts-dejavu-core zsh fish
-  make'
+  libjpeg-turbo-progs webp make'
 
 fail() {
   echo "packages.sh: $1" >&2
@@ -33,15 +35,33 @@ case ${1:-} in
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-  fail 'not a Debian system: install what this script lists, then build with: cmake --preset release && cmake --build --preset release'
+  sed -n '/^| needed/,/^$/p' "$(dirname "$0")/README.md" >&2
+  fail 'no apt-get here: install what the table lists, then build with: cmake --preset release && cmake --build --preset release'
 fi
 
+knows() {
+  apt-cache show "$1" 2>/dev/null | grep -q '^Version:'
+}
+
 # A removed package that left its settings behind is still known to dpkg, so the status counts, not the name.
-there=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' $packages 2>/dev/null) || true
-missing=
-for package in $packages; do
-  printf '%s\n' "$there" | grep -qxF "$package installed" || missing="$missing $package"
-done
+installed() {
+  printf '%s\n' "$there" | grep -qxF "$1 installed"
+}
+knows() {
+  apt-cache show "$1" 2>/dev/null | grep -q '^Version:'
+}
+
+# Prints what is missing.
+list_missing() {
+  there=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' $(echo "$packages" | tr '|' ' ') 2>/dev/null) || true
+  for names in $packages; do
+    package=${names%|*}
+    installed "$package" || knows "$package" || package=${names#*|}
+    installed "$package" || printf ' %s' "$package"
+  done
+}
+
+missing=$(list_missing)
 [ -n "$missing" ] || exit 0
 
 if [ "$(id -u)" -eq 0 ]; then
@@ -57,5 +77,6 @@ fi
 echo "packages.sh: installing$missing"
 $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq update ||
   echo 'packages.sh: going on with the package lists at hand' >&2
+missing=$(list_missing) # Now that apt knows all packages.
 $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -y --no-install-recommends -o DPkg::Lock::Timeout=300 \
   install $missing >/dev/null || fail "not installed:$missing"

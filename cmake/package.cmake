@@ -25,8 +25,8 @@ set(about
 "envmap works on HDR images of the light that arrives from all directions
 around a point: it converts between latlong, cube, mirror-ball, paraboloid,
 angular and octahedral maps, prefilters them for lighting, measures and
-compares them, and draws them from scenes. The same command gives the same
-bytes on every machine.
+compares them, and draws them from scenes. On one release of Debian, the same
+command gives the same bytes on every machine.
 .
 ")
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
@@ -42,7 +42,7 @@ and completions for bash, zsh and fish.")
 configure_file(${PROJECT_SOURCE_DIR}/packaging/shlibs.in ${PROJECT_BINARY_DIR}/shlibs @ONLY)
 set(CPACK_DEBIAN_ENVMAP_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/shlibs ${PROJECT_SOURCE_DIR}/packaging/triggers)
 # Opened at run time: what draws, and what writes names into pictures. Headers show GLM.
-set(CPACK_DEBIAN_ENVMAP_PACKAGE_RECOMMENDS "libosmesa6, libegl1, fonts-dejavu-core")
+set(CPACK_DEBIAN_ENVMAP_PACKAGE_RECOMMENDS "libosmesa6 | libgl1-mesa-dri, libegl1, libgl1-mesa-dri, fonts-dejavu-core")
 set(CPACK_DEBIAN_ENVMAP_PACKAGE_SUGGESTS "libglm-dev, ninja-build, cmake, python3-envmap")
 
 if(ENVMAP_PYTHON)
@@ -52,7 +52,7 @@ if(ENVMAP_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   # A module is of one version of Python. The other package holds what reads the formats that are opened at run time.
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${ENVMAP_PYTHON_MINOR}~), python3 (<< 3.${next}), python3-numpy, envmap (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "libosmesa6, libegl1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "libosmesa6 | libgl1-mesa-dri, libegl1, libgl1-mesa-dri")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${about}The package holds the Python module, on numpy arrays.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/python/postinst ${PROJECT_SOURCE_DIR}/packaging/python/prerm)
 endif()

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the two packages, has lintian look at them, installs them in a bare Debian 12 and works with them there: the program, its formats
+# Makes the two packages, has lintian look at them, installs them in a bare Debian of this release and works with them there: the program, its formats
 # and completions, the Python module, and a program of others built on the library. Needs 'sh packages.sh deb', root or user namespaces, and a mirror.
 #
 #   sh packaging/deb_test.sh
@@ -66,4 +66,4 @@ mmdebstrap --quiet --variant=apt \
   --customize-hook='chroot "$1" sh -c "apt-get -qq -y --no-install-recommends install /tmp/*.deb >/dev/null && envmap --version"' \
   --customize-hook='chroot "$1" sh -c "apt-get -qq -y --no-install-recommends install g++ cmake make pkg-config libglm-dev >/dev/null"' \
   --customize-hook='chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin sh /tmp/inside.sh' \
-  bookworm /dev/null
+  "$(. /etc/os-release && echo "$VERSION_CODENAME")" /dev/null
