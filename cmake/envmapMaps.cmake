@@ -5,6 +5,8 @@
 #   envmap_add_maps(TARGET SOURCES FILE... FOR ENGINE... [DESTINATION FOLDER] [OPTIONS ...])
 #     runs 'envmap bake' for each source and engine, into FOLDER/ENGINE/NAME OF THE SOURCE WITHOUT ITS EXTENSION.
 #
+# OUTPUT with {face}, {half}, {eye} or {level} stands for all files that the program writes.
+#
 # Sources are relative to CMAKE_CURRENT_SOURCE_DIR, outputs and FOLDER to CMAKE_CURRENT_BINARY_DIR. TARGET is made, as part of
 # 'all', or more is added to it. What a scene or a config of colours reads comes from the program's --depfile. In names of
 # outputs CMake allows neither # nor < nor >, and Ninja reads neither $ nor ' there: the second function writes _ for them. A
@@ -23,14 +25,15 @@ if(CMAKE_SCRIPT_MODE_FILE)
   return()
 endif()
 
-# @param output that CMake looks at. Further arguments: the command.
-function(_envmap_add_command target output sources)
+# @param outputs the files that CMake looks at. The first is the first that the depfile names. Further arguments: the command.
+function(_envmap_add_command target outputs sources)
   get_property(count GLOBAL PROPERTY _envmap_maps)
   math(EXPR count "${count} + 1")
   set_property(GLOBAL PROPERTY _envmap_maps ${count})
+  list(GET outputs 0 output)
   cmake_path(GET output PARENT_PATH folder)
   set(depfile ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/envmap-${count}.d)
-  add_custom_command(OUTPUT "${output}"
+  add_custom_command(OUTPUT ${outputs}
     COMMAND ${CMAKE_COMMAND} -E make_directory "${folder}"
     COMMAND ${ENVMAP_PROGRAM} ${ARGN} --depfile "${depfile}"
     COMMAND ${CMAKE_COMMAND} "-DENVMAP_DEPFILE=${depfile}" "-DENVMAP_PROGRAM=${ENVMAP_PROGRAM}" -P "${CMAKE_CURRENT_FUNCTION_LIST_FILE}"
@@ -38,11 +41,50 @@ function(_envmap_add_command target output sources)
     DEPFILE ${depfile}
     COMMENT "envmap ${ARGV3}: map ${count} of ${target}"
     VERBATIM)
-  add_custom_target(${target}-map-${count} DEPENDS "${output}")
+  add_custom_target(${target}-map-${count} DEPENDS ${outputs})
   if(NOT TARGET ${target})
     add_custom_target(${target} ALL)
   endif()
   add_dependencies(${target} ${target}-map-${count})
+endfunction()
+
+# Replaces a name with MARK by one name for each of the further arguments.
+function(_envmap_expand names mark)
+  foreach(name IN LISTS ${names})
+    string(FIND "${name}" "${mark}" at)
+    if(at EQUAL -1)
+      list(APPEND all "${name}")
+      continue()
+    endif()
+    foreach(word IN LISTS ARGN)
+      string(REPLACE "${mark}" "${word}" one "${name}")
+      list(APPEND all "${one}")
+    endforeach()
+  endforeach()
+  set(${names} "${all}" PARENT_SCOPE)
+endfunction()
+
+# The names of the maps that 'envmap bake' writes for an engine, in the order of its depfile.
+function(_envmap_maps_for engine result)
+  get_property(report GLOBAL PROPERTY _envmap_engines)
+  if(NOT report)
+    execute_process(COMMAND ${ENVMAP_PROGRAM} bake --list --json OUTPUT_VARIABLE report COMMAND_ERROR_IS_FATAL ANY)
+    set_property(GLOBAL PROPERTY _envmap_engines "${report}")
+  endif()
+  string(JSON count LENGTH "${report}" engines)
+  foreach(k RANGE 1 ${count})
+    math(EXPR k "${k} - 1")
+    string(JSON name GET "${report}" engines ${k} name)
+    list(APPEND names ${name})
+    if(name STREQUAL engine)
+      string(JSON maps GET "${report}" engines ${k} maps)
+      string(REGEX MATCHALL "[^][\", \n]+" maps "${maps}")
+      set(${result} ${maps} PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  list(JOIN names ", " names)
+  message(FATAL_ERROR "envmap_add_maps: FOR ${engine}: no such engine: choose one of ${names}")
 endfunction()
 
 function(envmap_add_map target)
@@ -55,7 +97,12 @@ function(envmap_add_map target)
   endif()
   cmake_path(ABSOLUTE_PATH map_SOURCE BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
   cmake_path(ABSOLUTE_PATH map_OUTPUT BASE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
-  _envmap_add_command(${target} "${map_OUTPUT}" "${map_SOURCE};${map_DEPENDS}" ${map_COMMAND} "${map_SOURCE}" "${map_OUTPUT}"
+  set(outputs "${map_OUTPUT}")
+  _envmap_expand(outputs "{face}" px nx py ny pz nz)
+  _envmap_expand(outputs "{half}" front back)
+  _envmap_expand(outputs "{eye}" left right both)
+  _envmap_expand(outputs "{level}" 0) # How many follow is known when they are made.
+  _envmap_add_command(${target} "${outputs}" "${map_SOURCE};${map_DEPENDS}" ${map_COMMAND} "${map_SOURCE}" "${map_OUTPUT}"
     ${map_OPTIONS})
 endfunction()
 
@@ -74,8 +121,9 @@ function(envmap_add_maps target)
     string(REGEX REPLACE "[#<>$']" "_" name "${name}")
     foreach(engine IN LISTS maps_FOR)
       set(folder "${maps_DESTINATION}/${engine}/${name}")
-      # The first file of every folder.
-      _envmap_add_command(${target} "${folder}/background.exr" "${source}" bake "${source}" "${folder}" --for ${engine} ${maps_OPTIONS})
+      _envmap_maps_for(${engine} files)
+      list(TRANSFORM files PREPEND "${folder}/")
+      _envmap_add_command(${target} "${files}" "${source}" bake "${source}" "${folder}" --for ${engine} ${maps_OPTIONS})
     endforeach()
   endforeach()
 endfunction()

@@ -4,6 +4,7 @@ nothing, whatever the names. Installs the program first.
 
   build_systems.py SOURCE BUILD WORK
 """
+import json
 import os
 import pathlib
 import shutil
@@ -15,6 +16,7 @@ source, build, work = (pathlib.Path(p).resolve() for p in sys.argv[1:4])
 tree = work / 'tree'
 envmap = tree / 'bin/envmap'
 ODD = 'größe 1$2#3'
+MAPS = ('.dds', '.env', '.exr', '.glb', '.hdr', '.ktx', '.ktx2', '.txt')
 
 
 def run(*command, **more):
@@ -26,7 +28,7 @@ def run(*command, **more):
 
 def times(folder):
     """Of all maps there: what was made again has another."""
-    return {p: p.stat().st_mtime_ns for p in folder.rglob('*') if p.suffix in ('.exr', '.ktx2', '.txt') and 'CMakeFiles' not in str(p)}
+    return {p: p.stat().st_mtime_ns for p in folder.rglob('*') if p.suffix in MAPS and 'CMakeFiles' not in str(p)}
 
 
 def touch(path):
@@ -68,9 +70,13 @@ def probes(folder, *names):
 
 def check_make():
     folder = work / 'make'
-    probes(folder, 'a.hdr', 'b.hdr')
+    probes(folder, 'a.hdr', 'b.hdr', 'größe 1 c.hdr')
     check('Make', lambda: run('make', '-s', '-f', source / 'samples/build/Makefile', f'ENVMAP={envmap}', cwd=folder), folder,
-          {folder / 'a.hdr': ['a.ktx2', 'a.diffuse.exr'], folder / 'b.hdr': ['b.ktx2', 'b.diffuse.exr']})
+          {folder / 'a.hdr': ['a.ktx2', 'a.diffuse.exr'], folder / 'b.hdr': ['b.ktx2', 'b.diffuse.exr'],
+           folder / 'größe 1 c.hdr': ['größe 1 c.ktx2', 'größe 1 c.diffuse.exr']})
+    run('make', '-s', '-f', source / 'samples/build/Makefile', 'clean', cwd=folder)
+    if sorted(p.name for p in folder.iterdir()) != ['a.hdr', 'b.hdr', 'größe 1 c.hdr']:
+        sys.exit(f'build_systems: Make: clean left {sorted(folder.iterdir())}')
 
 
 def check_ninja():
@@ -97,7 +103,10 @@ find_package(envmap 1 CONFIG REQUIRED)
 envmap_add_map(maps SOURCE scene.obj OUTPUT room.exr COMMAND render
   OPTIONS --size 4 --method raycast --environment ${CMAKE_CURRENT_SOURCE_DIR}/sky.exr --quiet)
 envmap_add_map(maps SOURCE sky.exr OUTPUT film.exr OPTIONS --input-space film --ocio ${CMAKE_CURRENT_SOURCE_DIR}/studio.ocio)
-envmap_add_maps(maps SOURCES [==[NAME.exr]==] FOR three OPTIONS --quiet)
+envmap_add_map(maps SOURCE sky.exr OUTPUT faces/{face}.exr OPTIONS --to cube --size 4)
+envmap_add_map(maps SOURCE sky.exr OUTPUT halves/{half}.exr OPTIONS --to paraboloid --size 4)
+envmap_add_map(maps SOURCE sky.exr OUTPUT levels/{level}.exr COMMAND mipmap)
+envmap_add_maps(maps SOURCES [==[NAME.exr]==] FOR ENGINES OPTIONS --quiet --size 4 --chain-size 16)
 '''
 SCENE = 'mtllib some.mtl\nv 0 0 -1\nv 1 0 -1\nv 0 1 -1\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n'
 CONFIG = '''ocio_profile_version: 2
@@ -117,18 +126,19 @@ colorspaces:
 def check_cmake(generator):
     folder = work / f'CMake {generator}' / 'größe 1'  # OpenColorIO takes a $ in a path for a variable.
     probes(folder, 'sky.exr', 'texture.exr', ODD + '.exr')
-    (folder / 'CMakeLists.txt').write_text(PROJECT.replace('NAME', ODD))
+    engines = [e['name'] for e in json.loads(run(envmap, 'bake', '--list', '--json'))['engines']]
+    (folder / 'CMakeLists.txt').write_text(PROJECT.replace('NAME', ODD).replace('ENGINES', ' '.join(engines)))
     (folder / 'scene.obj').write_text(SCENE)
     (folder / 'some.mtl').write_text('newmtl m\nmap_Kd texture.exr\n')
     (folder / 'studio.ocio').write_text(CONFIG)
     (folder / 'film.spi1d').write_text('Version 1\nFrom 0.0 1.0\nLength 2\nComponents 1\n{\n0.0\n2.0\n}\n')
     out = folder.parent / 'out'
     run('cmake', '-S', folder, '-B', out, '-G', generator, f'-DCMAKE_PREFIX_PATH={tree}')
-    room, film, three = 'room.exr', 'film.exr', 'three/*/*'
+    room, film, many, baked = 'room.exr', 'film.exr', ['faces/*', 'halves/*', 'levels/*'], 'maps/*/*/*'
     check(f'CMake with {generator}', lambda: run('cmake', '--build', out), out,
           {folder / 'scene.obj': [room], folder / 'some.mtl': [room], folder / 'texture.exr': [room],
-           folder / 'sky.exr': [room, film], folder / 'studio.ocio': [film], folder / 'film.spi1d': [film],
-           folder / (ODD + '.exr'): [three]})
+           folder / 'sky.exr': [room, film, *many], folder / 'studio.ocio': [film], folder / 'film.spi1d': [film],
+           folder / (ODD + '.exr'): [baked]})
 
 
 shutil.rmtree(work, ignore_errors=True)
