@@ -97,6 +97,15 @@ double scale_of(const EnvironmentMap& map, const GradeOptions& o, const Flux& lu
   return *wanted / is;
 }
 
+// @param option that was applied.
+void check_finite(const Level& level, const char* option) {
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j)
+      for (const Colour& c : level.row(face, j))
+        if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z))
+          throw UsageError(fmt::format("{}: radiance exceeds 3.4e38, the largest float: lower {}", option, option));
+}
+
 }  // namespace
 
 void grade(Source& source, const GradeOptions& o, const ColourOptions& working, const Common& common) {
@@ -109,11 +118,17 @@ void grade(Source& source, const GradeOptions& o, const ColourOptions& working, 
     note(common, fmt::format("--white: gains {:.6g} {:.6g} {:.6g}", grade.gain.x, grade.gain.y, grade.gain.z));
   if (o.gain) grade.gain *= Flux(*o.gain);
   if (grade.changes())
-    for (Level& level : source.map.levels) apply(grade, level);
+    for (Level& level : source.map.levels) {
+      apply(grade, level);
+      if (o.gain) check_finite(level, "--gain");
+    }
   if (o.scale_to.empty()) return;
   const double scale = scale_of(source.map, o, grade.luminance);
+  for (Level& level : source.map.levels) {
+    apply({.gain = Flux(scale)}, level);
+    check_finite(level, "--scale-to");
+  }
   note(common, fmt::format("envmap convert: --scale-to {}: times {:.6g}", o.scale_to, scale));
-  for (Level& level : source.map.levels) apply({.gain = Flux(scale)}, level);
   source.provenance.white_luminance = 1.0F;
 }
 

@@ -1,5 +1,6 @@
 // The program: parses, runs one command, turns what goes wrong into one line and an exit status.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <hwy/highway.h>
 #include <tbb/global_control.h>
 
@@ -9,6 +10,8 @@
 #include <iostream>
 #include <new>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "command.h"
 #include "envmap/base/error.h"
@@ -29,29 +32,53 @@ Status status_of(envmap::ErrorCode code) {
   return no_renderer;
 }
 
-// What would help, in the program's options.
-const char* advice(envmap::Remedy remedy) {
+// A change that helps, in the words of the program. Empty option: any command can make it.
+struct Step {
+  const char *option, *words;
+};
+
+std::vector<Step> steps(envmap::Remedy remedy) {
   using envmap::Remedy;
+  constexpr Step deepen{"--depth", "choose --depth float"}, dim{"--exposure", "lower --exposure"},
+      brighten{"--exposure", "raise --exposure"}, clamp{"--clamp", "use --clamp"};
   switch (remedy) {
-    case Remedy::choose_projection: return ": say which with --from";
-    case Remedy::leave_out_layout: return ": leave out --layout";
-    case Remedy::leave_out_from_layout: return ": leave out --from-layout";
-    case Remedy::leave_out_face: return ": leave out {face}";
-    case Remedy::drop_channels: return ": say --drop-channels to leave them behind";
-    case Remedy::repair: return ": say --repair to replace them";
-    case Remedy::limit_memory: return ": say --max-memory";
-    case Remedy::allow_pixels: return ": say --max-pixels";
-    case Remedy::choose_format: return ", or say --format";
-    case Remedy::choose_plus_z: return ": say --forward +z";
-    case Remedy::clamp_or_deepen: return ": choose --depth float, lower --exposure or say --clamp";
-    case Remedy::clamp_or_darken: return ": choose a floating-point format, lower --exposure or say --clamp";
-    case Remedy::clamp_or_brighten: return ": choose --depth float, raise --exposure or say --clamp";
-    case Remedy::choose_layer: return ": choose one with --layer";
-    case Remedy::leave_out_shadows: return ": say --no-shadows";
-    case Remedy::make_levels: return ": make levels anew, without --keep";
+    case Remedy::choose_projection: return {{"--from", "name it with --from"}};
+    case Remedy::leave_out_layout: return {{"--layout", "leave out --layout"}};
+    case Remedy::leave_out_from_layout: return {{"--from-layout", "leave out --from-layout"}};
+    case Remedy::leave_out_face: return {{"", "leave out {face}"}};
+    case Remedy::drop_channels: return {{"--drop-channels", "use --drop-channels to leave them behind"}};
+    case Remedy::repair: return {{"--repair", "use --repair to replace them"}};
+    case Remedy::limit_memory: return {{"--max-memory", "use --max-memory"}};
+    case Remedy::allow_pixels: return {{"--max-pixels", "raise --max-pixels"}};
+    case Remedy::choose_format: return {{"--format", "or use --format"}};
+    case Remedy::choose_plus_z: return {{"--forward", "use --forward +z"}};
+    case Remedy::clamp_or_deepen: return {deepen, dim, clamp};
+    case Remedy::clamp_or_darken: return {{"", "choose a floating-point format"}, dim, clamp};
+    case Remedy::clamp_or_dim: return {dim, clamp};
+    case Remedy::clamp_or_brighten: return {deepen, brighten, clamp};
+    case Remedy::clamp_or_light_up: return {brighten, clamp};
+    case Remedy::choose_space: return {{"--input-space", "name the space with --input-space"}};
+    case Remedy::choose_linear:
+      return {{"--output-space", "choose a linear --output-space"}, {"--encoded", "use --encoded"}};
+    case Remedy::choose_layer: return {{"--layer", "choose one with --layer"}};
+    case Remedy::leave_out_shadows: return {{"--no-shadows", "use --no-shadows"}};
+    case Remedy::make_levels: return {{"--keep", "leave out --keep"}};
     case Remedy::none: break;
   }
-  return "";
+  return {};
+}
+
+// Names only options that the command has. @param command may be null.
+std::string advice(envmap::Remedy remedy, const CLI::App* command) {
+  std::vector<std::string> words;
+  for (const Step& step : steps(remedy))
+    if (*step.option == 0 || (command != nullptr && command->get_option_no_throw(step.option) != nullptr))
+      words.emplace_back(step.words);
+  if (words.empty()) return "";
+  const std::string last = words.back();
+  words.pop_back();
+  return fmt::format("{}{}{}{}", remedy == envmap::Remedy::choose_format ? ", " : ": ", fmt::join(words, ", "),
+                     words.empty() ? "" : " or ", last);
 }
 
 int complain(const std::string& who, std::string what, int status) {
@@ -75,8 +102,8 @@ int main(int argc, char** argv) {
   tools::Common common;
   std::function<int()> run;
   const auto app = tools::make_app(commands, common, run);
-  std::string who = "envmap";
-  if (argc > 1 && tools::find_command(*app, argv[1]) != nullptr) who += std::string(" ") + argv[1];
+  const CLI::App* const command = argc > 1 ? tools::find_command(*app, argv[1]) : nullptr;
+  const std::string who = command != nullptr ? "envmap " + command->get_name() : "envmap";
   try {
     app->parse(argc, argv);
   } catch (const CLI::Success& e) {  // --help, --version
@@ -96,9 +123,10 @@ int main(int argc, char** argv) {
   } catch (const tools::NotReached& e) {
     return complain(who, e.what(), not_reached);
   } catch (const envmap::Error& e) {
-    return complain(who, e.what() + std::string(advice(e.remedy())), status_of(e.code()));
+    return complain(who, e.what() + advice(e.remedy(), command), status_of(e.code()));
   } catch (const std::bad_alloc&) {
-    return complain(who, "not enough memory: choose a smaller --size", not_written);
+    const bool sized = command != nullptr && command->get_option_no_throw("--size") != nullptr;
+    return complain(who, sized ? "not enough memory: choose a smaller --size" : "not enough memory", not_written);
   } catch (const std::exception& e) {
     return complain(who, fmt::format("{} (this is a fault of envmap: please report it)", e.what()), bad_input);
   }

@@ -25,8 +25,12 @@ const char* advice(Remedy remedy) {
     case Remedy::clamp_or_deepen:
     case Remedy::clamp_or_brighten: return ": depth='float' holds them, or say clamp=True";
     case Remedy::clamp_or_darken: return ": a floating-point format holds them, or say clamp=True";
+    case Remedy::clamp_or_dim:
+    case Remedy::clamp_or_light_up: return ": say clamp=True";
     case Remedy::make_levels: return ": mipmap() makes levels anew";
     case Remedy::limit_memory:
+    case Remedy::choose_space:
+    case Remedy::choose_linear:
     case Remedy::choose_layer:
     case Remedy::leave_out_shadows:
     case Remedy::none: break;

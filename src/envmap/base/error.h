@@ -32,7 +32,11 @@ enum class Remedy {
   choose_plus_z,          ///< Forward::plus_z.
   clamp_or_deepen,        ///< WriteOptions::clamp, less light, or depth = Depth::single.
   clamp_or_darken,        ///< WriteOptions::clamp, less light, or a floating-point format.
+  clamp_or_dim,           ///< WriteOptions::clamp, or less light: no depth of the format holds it.
   clamp_or_brighten,      ///< WriteOptions::clamp, more light, or depth = Depth::single.
+  clamp_or_light_up,      ///< WriteOptions::clamp, or more light: no depth of the format holds it.
+  choose_space,           ///< ReadOptions::colour.space.
+  choose_linear,          ///< WriteOptions::colour.space: a linear one, or WriteOptions::encoded.
   choose_layer,           ///< ReadOptions::choice.layer.
   leave_out_shadows,      ///< Shot::shadows = false, or fewer lights.
   make_levels,            ///< Levels made by add_levels() instead of those of the source.

@@ -36,7 +36,7 @@ constexpr FileFormat table[] = {
     {"ktx", "KTX", ktx1, texture, [](Head h) { return h.starts_with(ktx1_mark); }, any_float, true, true},
     {"dds", "DDS", dds, texture, [](Head h) { return h.starts_with("DDS "); }, any_float, true, true},
     {"env", "Babylon.js .env", env, rgbd, [](Head h) { return h.starts_with(env_mark); }, any_float, true, true, true},
-    {"glb", "glTF light", glb, rgbd, is_glb, any_float, true, true, true},
+    {"glb", "glTF light", glb, rgbd, is_glb, any_float, true, true, true, true},
     {"tiff", "TIFF", tiff, all_of_tiff, [](Head h) { return h.starts_with("II") || h.starts_with("MM"); }},
     {"png", "PNG", png, integers, [](Head h) { return h.starts_with("\x89PNG"); }},
     {"pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }},
@@ -88,10 +88,12 @@ std::string readable_formats() {
   return listed(titles);
 }
 
-std::string writable_extensions() {
+std::string writable_extensions(Projection projection, bool levels) {
   std::vector<std::string> names;
-  for (const FileFormat& f : table)
-    if (f.is_written()) names.push_back("." + std::string(f.extensions.front()));
+  for (const FileFormat& f : table) {
+    const bool fits = f.levels || !levels, whole = !f.cubes_alone || (projection == Projection::cube && levels);
+    if (f.is_written() && !f.irradiance && fits && whole) names.push_back("." + std::string(f.extensions.front()));
+  }
   return listed(names);
 }
 

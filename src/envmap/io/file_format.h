@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "envmap/io/depth.h"
+#include "envmap/projection/projection.h"
 
 namespace envmap {
 
@@ -23,6 +24,7 @@ struct FileFormat {
   bool levels = false;                                 ///< All levels of a map go into one file.
   bool texture = false;  ///< Holds the faces of a cube as such, not side by side in one image.
   bool cubes_alone = false;  ///< Of such a format: it holds nothing else.
+  bool irradiance = false;   ///< Holds irradiance, too, which a map alone does not bring along.
 
   [[nodiscard]] bool is_written() const { return !depths.empty(); }
 };
@@ -41,8 +43,9 @@ const FileFormat* format_of(std::string_view head, std::string_view path);
 /// Of a path: lower case, no dot; empty where it has none.
 std::string extension_of(std::string_view path);
 
-/// "EXR, KTX2, ... or SGI": all that are read. And ".exr, ... or .webp": all that are written.
+/// "EXR, KTX2, ... or SGI": all that are read.
 std::string readable_formats();
-std::string writable_extensions();
+/// ".exr, ... or .webp": all that a map can be written to. @param levels whether one file must hold several.
+std::string writable_extensions(Projection projection, bool levels);
 
 }  // namespace envmap

@@ -30,6 +30,7 @@ Misfits Limited::total() const {
     sum.cut += m.cut;
     sum.rounded += m.rounded;
     sum.flux += m.flux;
+    sum.brightest = std::max(sum.brightest, m.brightest);
   }
   return sum;
 }
@@ -45,7 +46,7 @@ Misfits Limited::cut(int row, std::span<Colour> out) const {
   }
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Colour c = out[i], over = glm::max(c - largest, Colour(0));
-    m.over += over.x > 0 || over.y > 0 || over.z > 0;
+    if (over.x > 0 || over.y > 0 || over.z > 0) ++m.over, m.brightest = std::max({m.brightest, c.x, c.y, c.z});
     out[i] = glm::min(c, Colour(largest));
     if (weigh_) m.cut += w[i] * sum(over), m.flux += w[i] * sum(c);
     if (step == 0 || !(std::min({c.x, c.y, c.z}) < fine) || c == Colour(0)) continue;

@@ -18,9 +18,10 @@ struct Range {
 };
 
 /// What did not fit: texels beyond the largest value, and those below the fine ones. Of their radiance x solid angle, and
-/// that of all.
+/// that of all. The brightest value of any channel that did not fit.
 struct Misfits {
   std::int64_t over = 0, dark = 0;
+  float brightest = 0;
   double cut = 0, rounded = 0, flux = 0;
 };
 

@@ -131,18 +131,28 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
   writer.close();
 }
 
+// Whether the format has floats, which were not chosen, and they hold the value.
+bool fits_float(const FileFormat& format, Depth chosen, double value) {
+  return chosen != Depth::single && value <= format.largest &&
+         std::ranges::find(format.depths, Depth::single) != format.depths.end();
+}
+
 // Refuses a level of which the depth loses light, or notes how much.
-void check_fit(const std::string& path, const Misfits& level, const Range& range, const WriteOptions& options, Written& done) {
+void check_fit(const std::string& path, const FileFormat& format, const Misfits& level, const WriteOptions& options,
+               Written& done) {
+  const Range range = range_of(format, done.depth);
   if (level.over > 0 && !options.clamp)
     throw OutputError(path, fmt::format("{} texels over {:g} do not fit {}", level.over, range.largest, name(done.depth)),
-                      is_integer(done.depth) ? Remedy::clamp_or_darken : Remedy::clamp_or_deepen);
+                      fits_float(format, done.depth, level.brightest) ? Remedy::clamp_or_deepen
+                      : is_integer(done.depth)                        ? Remedy::clamp_or_darken
+                                                                      : Remedy::clamp_or_dim);
   // Less than what all values are rounded by anyway is no loss.
   const bool dark = level.rounded > range.precision * level.flux;
   if (dark && !options.clamp)
     throw OutputError(path,
                       fmt::format("{} texels below {:.2g} are too dark for {}, which changes {:.3g}% of the light",
                                   level.dark, range.fine, name(done.depth), 100 * level.rounded / level.flux),
-                      Remedy::clamp_or_brighten);
+                      fits_float(format, done.depth, 0) ? Remedy::clamp_or_brighten : Remedy::clamp_or_light_up);
   done.clamped += level.over + (dark ? level.dark : 0);
   const double lost = level.cut + (dark ? level.rounded : 0);
   if (level.flux > 0) done.flux_lost = std::max(done.flux_lost, lost / level.flux);
@@ -234,7 +244,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
         write_file(count > 1 ? face_path(one, k) : one, std::span(&page, 1), part);
       }
   }
-  for (const auto& level : limited) check_fit(path, level->total(), range, options, done);
+  for (const auto& level : limited) check_fit(path, format, level->total(), options, done);
   for (const auto& file : files) file->commit();
   return done;
 }
@@ -269,10 +279,12 @@ void check_sizes(const std::string& path, std::span<const Rows> levels) {
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
   const std::string ext = extension(path, options);
-  if (ext.empty())
-    throw UsageError(path, fmt::format("no file type; end the name in {}", writable_extensions()), Remedy::choose_format);
   const FileFormat* format = format_with_extension(ext);
-  if (!format) throw UsageError(path, fmt::format("no format writes .{}; try {}", ext, writable_extensions()));
+  if (!format) {
+    const std::string known = writable_extensions(projection, levels && !has_level(path));
+    if (ext.empty()) throw UsageError(path, "no file type; end the name in " + known, Remedy::choose_format);
+    throw UsageError(path, fmt::format("no format writes .{}; try {}", ext, known));
+  }
   choose_depth(*format, options);
   const Layout layout = choose_layout(path, *format, options, projection);
   if (options.openexr_envmap && (ext != "exr" || (layout != Layout::column && projection != Projection::latlong)))
