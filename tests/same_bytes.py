@@ -52,7 +52,7 @@ COMMANDS = [
     *(f'prefilter small.exr phong-{m}.exr --lobe phong --exponent 40.5 --method {m} --size 6 -q'
       for m in 'exact hierarchical spectral'.split()),
     'prefilter angular.exr ggx.exr --lobe ggx --levels 3 --size 8 -q',
-    'prefilter --brdf-table table.exr --size 6',
+    'prefilter --brdf-table table.exr --size 6', 'prefilter --lobe charlie --brdf-table sheen.exr --table-size 6',
     'sh sun.exr --order 6 --irradiance --window auto --evaluate sh-map.exr --to latlong --size 24',
     'info sun.exr --json', 'info angular.exr', 'compare sphere.exr sun.exr --json --difference difference.exr',
     'preview sun.exr cube.exr preview.png',

@@ -136,8 +136,18 @@ nlohmann::ordered_json report_of(const Prefilter& p, const MadeLevel& made) {
   return level;
 }
 
+// Of Charlie its own table; of GGX, and of the diffuse map that goes with it, GGX's.
 void write_brdf_table(const Options& o, const Common& common) {
-  write_table(o.table, brdf_table(o.table_size, progress_line(common, "brdf table")), o.table_size, common.commit);
+  const auto table = o.lobe == Shape::charlie ? sheen_table : brdf_table;
+  write_table(o.table, table(o.table_size, progress_line(common, "brdf table")), o.table_size, common.commit);
+}
+
+void check_brdf_table(const Options& o) {
+  if (o.table.empty()) return;
+  if (o.lobe && has_exponent(*o.lobe))
+    throw UsageError(fmt::format("--brdf-table: --lobe {} has no table: {}", name_of(*o.lobe),
+                                 o.input.empty() ? "choose --lobe ggx or --lobe charlie" : "leave out --brdf-table"));
+  check_table(o.table);
 }
 
 int table_alone(const Options& o, const Common& common) {
@@ -233,7 +243,7 @@ int run(Options& o, const Common& common) {
   const Stopwatch watch;
   check_report(o.output, common);
   if (common.json && o.input.empty()) throw UsageError("--json reports of a map: name an INPUT and an OUTPUT");
-  if (!o.table.empty()) check_table(o.table);
+  check_brdf_table(o);
   if (o.input.empty()) return table_alone(o, common);
   check_files({o.output, o.table}, {o.input}, common);
   choose_working_space(o.read, o.write);
@@ -319,7 +329,9 @@ Command prefilter_command() {
           "see envmap-prefilter(7); -v prints the largest.\n\n"
           "--brdf-table: the second half of the split sum for GGX and Smith's height-correlated masking: row by "
           "row perceptual roughness, column by column cos(n,v), both at (i + 0.5) / N; red times F0 plus green is the "
-          "part of white light reflected, right to 1e-5.",
+          "part of white light reflected, right to 1e-5. With --lobe charlie the table is the directional albedo of white sheen in "
+          "all three channels, with Ashikhmin and Premoze's visibility, as Khronos' glTF-IBL-Sampler has it, right to 1e-6 of its value. "
+          "It exceeds 1 at grazing angles of small roughness: clamp it where a shader takes 1 minus it. phong and blinn-phong have no table.",
       .examples = {{"envmap prefilter probe.hdr diffuse.exr --lobe diffuse",
                     "a cube of 64 with the irradiance over pi"},
                    {"envmap prefilter probe.hdr gloss.exr --lobe phong --exponent 100 --to latlong --size 128",
@@ -331,7 +343,8 @@ Command prefilter_command() {
                    {"envmap prefilter probe.exr 'phong_{level}.hdr' --lobe phong --exponent 2048 --size 256 --levels 9",
                     "a file for each level: exponents 2048, 790, 304 ... 1"},
                    {"envmap prefilter probe.exr ibl.ktx --for filament", "the levels and the irradiance that Filament lights with"},
-                   {"envmap prefilter --brdf-table brdf.exr", "the table that goes with every GGX map"}},
+                   {"envmap prefilter --brdf-table brdf.exr", "the table that goes with every GGX map"},
+                   {"envmap prefilter --lobe charlie --brdf-table sheen.exr", "the albedo of sheen, for maps of charlie"}},
       .keys = with_frame(with_written({{"input", "text", "INPUT"},
                             {"lobe", "text", "diffuse, phong, ggx, blinn-phong or charlie"},
                             {"max_error", "number", "what --max-error says"},
@@ -381,7 +394,7 @@ Command prefilter_command() {
                        "the file's depth rounds by)")
             ->type_name("E")
             ->check(number_in({1e-7, 10.0}));
-        app.add_option("--brdf-table", o->table, "Write the split sum's table of scale and bias, too")
+        app.add_option("--brdf-table", o->table, "Write the split sum's table of scale and bias, too; with --lobe charlie the albedo of sheen")
             ->type_name("FILE");
         app.add_option("--table-size", o->table_size, "Texels a side of that table (default: 128)")
             ->type_name("N")

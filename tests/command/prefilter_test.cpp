@@ -146,6 +146,25 @@ TEST_F(Prefilter, WritesTheTableAlone) {
   EXPECT_NEAR(p.at(7, 0)[1], 0, 5e-3);
 }
 
+// GGX's table would be in red and green alone; that of sheen grows with roughness straight ahead, and is grey.
+TEST_F(Prefilter, TheTableIsThatOfTheLobe) {
+  succeeds({"prefilter", "--lobe", "charlie", "--brdf-table", "sheen.exr", "--table-size", "8"});
+  const Picture p = load(path("sheen.exr"));
+  for (int j = 0; j < 8; ++j) {
+    EXPECT_EQ(p.at(7, j)[0], p.at(7, j)[1]);
+    EXPECT_EQ(p.at(7, j)[0], p.at(7, j)[2]);
+  }
+  for (int j = 1; j < 8; ++j) EXPECT_GT(p.at(7, j)[0], p.at(7, j - 1)[0]);
+  succeeds({"prefilter", "--lobe", "ggx", "--brdf-table", "ggx.exr", "--table-size", "8"});
+  succeeds({"prefilter", "--brdf-table", "default.exr", "--table-size", "8"});
+  EXPECT_TRUE(read("ggx.exr") == read("default.exr"));
+  for (const std::string lobe : {"phong", "blinn-phong"}) {
+    fails(usage, {"prefilter", "--lobe", lobe, "--brdf-table", "x.exr"}, {lobe, "choose --lobe ggx or --lobe charlie"});
+    fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", lobe, "--exponent", "5", "--brdf-table", "x.exr"},
+          {"leave out --brdf-table"});
+  }
+}
+
 TEST_F(Prefilter, CoefficientsAsTextAndJson) {
   succeeds({"generate", "constant", "white.exr", "--size", "4", "--value", "1"});
   const Result text = envmap({"sh", "white.exr", "--irradiance", "--order", "1"});

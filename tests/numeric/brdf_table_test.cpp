@@ -103,6 +103,47 @@ TEST(BrdfTable, AgreesWithAnIntegralOverDirectionsOfLight) {
   }
 }
 
+double one_sheen(double cosine, double roughness) { return sheen_albedo(cosine, std::span(&roughness, 1))[0]; }
+
+// By half vectors that follow D(h) cos(n,h), whose share u nearer to the normal is sin(n,h)^(p + 2): midpoints in azimuth and in
+// x, u = 1 - x^3, which lie closest at the horizon.
+double sheen_over_half_vectors(double cosine, double roughness) {
+  constexpr int n = 1500;
+  const double power = 1 / std::max(9e-4, roughness * roughness), sine = std::sqrt(1 - cosine * cosine);
+  double sum = 0;
+  for (int j = 0; j < n; ++j) {
+    const double x = (j + 0.5) / n, hx = std::pow(1 - x * x * x, 1 / (power + 2)), hz = std::sqrt(1 - hx * hx);
+    for (int k = 0; k < n; ++k) {
+      const double vh = sine * hx * std::cos(pi * (k + 0.5) / n) + cosine * hz, nl = 2 * vh * hz - cosine;
+      if (nl > 0 && vh > 0)  // 4 (v.h) V cos(n,l) / cos(n,h)
+        sum += 3 * x * x * vh * nl / ((nl + cosine - nl * cosine) * hz);
+    }
+  }
+  return sum / n / n;
+}
+
+TEST(SheenTable, AgreesWithTheIntegralOverHalfVectors) {
+  for (const auto& [cosine, roughness] :
+       {std::pair{1 / 256.0, 0.5}, {1 / 256.0, 1.0}, {0.02, 0.1}, {0.1, 0.3}, {0.5, 0.5}, {0.9, 1.0}, {0.7, 0.2}, {1.0, 0.6}}) {
+    const double truth = sheen_over_half_vectors(cosine, roughness);
+    EXPECT_NEAR(one_sheen(cosine, roughness), truth, 2e-5 * (1 + truth)) << cosine << " " << roughness;
+  }
+}
+
+// Of a view along the normal, sin(n,h)^2 = (1 - l) / 2 and V = 1/4: an integral over l alone, (p + 2) 2^(-p/2) / 4 of
+// (1 - l)^(p/2) l, which is 1 / ((p/2 + 1) (p/2 + 2)) over [0,1].
+TEST(SheenTable, StraightAheadHasAClosedForm) {
+  for (const double r : {0.4, 0.7, 1.0}) {
+    const double half = 0.5 / (r * r), truth = (2 * half + 2) * std::pow(2, -half) / 4 / ((half + 1) * (half + 2));
+    EXPECT_NEAR(one_sheen(1, r), truth, 1e-9) << r;
+  }
+}
+
+TEST(SheenTable, HoldsTheAlbedoInAllChannels) {
+  const std::vector<Colour> table = sheen_table(8);
+  EXPECT_EQ(table[2 * 8 + 5], Colour(static_cast<float>(one_sheen(5.5 / 8, 2.5 / 8))));
+}
+
 TEST(BrdfTable, ThreadsAndInstructionSetsChangeNoBit) {
   const std::vector<Colour> reference = brdf_table(13);
   {
