@@ -33,6 +33,19 @@ FORMATS = {
 }
 
 
+# Khronos Data Format 1.4, colorPrimaries and transferFunction, for what envmap:space says; without it BT.709, linear.
+COLOURS = {
+    '': (1, 1),
+    'sRGB': (1, 2),
+    'Rec.2020': (4, 1),
+    'XYZ': (5, 1),
+    'ACES2065-1': (6, 1),
+    'ACEScg': (7, 1),
+    'lin_p3d65': (10, 1),
+    'display_p3': (10, 2),
+}
+
+
 class File:
     def __init__(self, name):
         self.name, self.faults = name, []
@@ -57,6 +70,7 @@ class File:
          self.scheme) = struct.unpack_from('<9I', self.bytes, 12)
         self.dfd, self.kvd = struct.unpack_from('<2I', self.bytes, 48), struct.unpack_from('<2I', self.bytes, 56)
         self.sgd = struct.unpack_from('<2Q', self.bytes, 64)
+        self.colour = None
         if self.header():
             self.index()
             self.descriptor()
@@ -107,8 +121,7 @@ class File:
         self.expect(words[2] >> 16 == size - 4, f'descriptorBlockSize: {words[2] >> 16}, not {size - 4}')
         model, primaries, transfer, flags = data[12:16]
         self.expect(model == (1 if self.side == 1 else 133), f'colorModel: {model}, not RGBSDA or BC6H')
-        self.expect(primaries == 1, f'colorPrimaries: {primaries}, not BT709')
-        self.expect(transfer == 1, f'transferFunction: {transfer}, not linear')
+        self.colour = primaries, transfer
         self.expect(flags == 0, f'flags: {flags}, not straight alpha')
         self.expect(words[4] == (self.side - 1) * 0x101, 'texelBlockDimension: not that of the format')
         self.expect(data[20:28] == bytes([self.texel] + 7 * [0]), 'bytesPlane: not one plane of the size of a texel')
@@ -142,6 +155,9 @@ class File:
             self.expect(value.endswith(b'\0') and b'\0' not in value[:-1], f'{key}: not a text that ends in NUL')
             known = key in ('KTXorientation', 'KTXwriter') or not key.lower().startswith('ktx')
             self.expect(known, f'{key}: reserved name')
+        space = pairs.get('envmap:space', b'\0').decode()[:-1]
+        if self.expect(space in COLOURS, f'envmap:space: {space} is not one that is known here'):
+            self.expect(self.colour == COLOURS[space], f'colorPrimaries, transferFunction: {self.colour} of {space or "BT.709"}')
         orientation = pairs.get('KTXorientation', b'rd\0')
         self.expect(re.fullmatch(b'[rl][du]\0', orientation), f'KTXorientation: {orientation}')
         self.expect(self.faces == 1 or orientation == b'rd\0', f'KTXorientation: {orientation} of a cube map, not rd')

@@ -43,6 +43,7 @@ COMMANDS = [
       for f in 'nearest bilinear bicubic trilinear sat ewa area'.split()),
     'convert sun.exr chosen.exr --to cube --size 32 --max-error 1e-2 -q',
     'convert sun.exr eight.png --to cube --size 16 --clamp -q',
+    'convert sun.exr p3.png --to cube --size 16 --clamp -q --output-space display_p3',
     'convert sun.exr sun.hdr', 'convert sun.exr sun.pfm', 'convert sun.exr sun.dds', 'convert sun.exr sun.ktx2 --zstd', 'convert sun.exr sun.ktx',
     *(f'mipmap {p}.exr chain-{p}.exr' for p in PROJECTIONS),
     'mipmap cube.exr border.exr --openexr-envmap',

@@ -28,6 +28,9 @@ void add_output_space(CLI::App& app, WriteOptions& options) {
   app.add_option("--output-space", options.colour.space,
                  "Colour space of the output's values (default: linear Rec.709 of floats, sRGB of integers)")
       ->type_name("SPACE");
+  app.add_flag(
+      "--encoded", options.encoded,
+      "Write an encoded --output-space, such as 'Display P3', to a format whose values other programs take for linear");
 }
 
 void choose_working_space(ReadOptions& read, WriteOptions& write) {

@@ -10,7 +10,7 @@ namespace tools {
 
 /// --input-space and --ocio: part of add_read_options().
 void add_input_space(CLI::App& app, envmap::ReadOptions& options);
-/// --output-space.
+/// --output-space and --encoded.
 void add_output_space(CLI::App& app, envmap::WriteOptions& options);
 
 /// Reads into the linear space of the output, so that what it holds is not lost on the way. To be called before reading.

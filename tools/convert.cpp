@@ -58,7 +58,7 @@ std::optional<To> to_named(std::string_view word) {
 
 // Options that only maps have, or only pictures.
 constexpr std::array of_maps{"--for", "--layout", "--area-error", "--max-error", "--ball-distance", "--ball-fov", "--forward", "--depth",
-                             "--border", "--zstd", "--openexr-envmap", "--compression", "--clamp", "--shard", "--output-space", "--max-memory"};
+                             "--border", "--zstd", "--openexr-envmap", "--compression", "--clamp", "--shard", "--output-space", "--encoded", "--max-memory"};
 constexpr std::array of_pictures{"--look-at", "--fov", "--width", "--display"};
 
 void refuse_options(const CLI::App& app, bool picture) {
@@ -297,8 +297,9 @@ Command convert_command() {
           "Colours are linear Rec.709 in memory, or in the linear space of --output-space, so that nothing that it holds is lost. What "
           "an EXR file's chromaticities, an ACES container or Radiance's PRIMARIES say of the input is believed unless "
           "--input-space says another; 'envmap info' shows it. White points are adapted by Bradford's cones; XYZ are relative to "
-          "D65. Colours outside of the working space are brought to its border at their luminance, and counted. EXR and Radiance "
-          "files say what primaries they hold. --white, --gain and --saturation are applied in this order before sampling, "
+          "D65. Colours outside of the working space are brought to its border at their luminance, and counted. EXR, Radiance "
+          "and KTX2 files say what primaries they hold; PNG, JPEG and TIFF files of integers in another space than sRGB hold an ICC "
+          "profile. --white, --gain and --saturation are applied in this order before sampling, "
           "then --scale-to.\n\n"
           "An EXR file's comments, owner and whiteLuminance (divided by what --exposure multiplies; 1 after --scale-to) are "
           "carried along as far as the output has a place for them.",

@@ -52,12 +52,21 @@ TEST_F(Colours, AreWrittenAsAskedAndSaid) {
   EXPECT_EQ(info("in.exr")["space"], "Linear Rec.709 (taken so: the file says nothing)");
   for (const std::string space : {"ACEScg", "ACES2065-1", "Rec.2020", "XYZ", "Linear P3-D65", "sRGB", "Display P3"})
     for (const std::string ext : {"exr", "hdr", space == "ACEScg" ? "tif" : "ktx2"}) {
-      if (ext == "hdr" && (space == "sRGB" || space == "Display P3")) {
+      SCOPED_TRACE(space + " in ." + ext);
+      const bool encoded = space == "sRGB" || space == "Display P3";
+      if (encoded && ext == "hdr") {
         fails(2, {"convert", "in.exr", "x.hdr", "--output-space", space}, {"x.hdr", "choose a linear space"});
         continue;
       }
-      SCOPED_TRACE(space + " in ." + ext);
-      succeeds({"convert", "in.exr", "out." + ext, "--output-space", space, "--depth", "float"});
+      std::vector<std::string> write{"convert", "in.exr", "out." + ext, "--output-space", space, "--depth", "float"};
+      if (encoded)
+        fails(2, write, {"out." + ext, space + " is encoded", "choose a linear --output-space or use --encoded"});
+      if (encoded) write.emplace_back("--encoded");
+      succeeds(write);
+      if (ext == "ktx2") {
+        const Result checked = shell("python3 " ENVMAP_KTX2_CHECK " out.ktx2");
+        EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
+      }
       succeeds({"convert", "out." + ext, "back.exr"});
       const Result r = envmap({"compare", "back.exr", "in.exr", "--max-rms", ext == "hdr" ? "0.01" : "1e-6"});
       EXPECT_EQ(r.status, 0) << r.out << r.err;
@@ -85,6 +94,80 @@ TEST_F(Colours, OutsideOfTheSpaceAreCountedAndKeepTheirLuminance) {
   const Picture kept = load(path("kept.exr"));
   EXPECT_NEAR(kept.values[0], 0, 1e-6);
   EXPECT_NEAR(kept.values[1], 1, 1e-6);
+}
+
+// Without envmap:space the numbers of the data format descriptor are all that a KTX2 file says.
+TEST_F(Colours, OfKtx2AreThoseOfItsDescriptor) {
+  save_as("green.exr", ap1, 0, 1, 0);
+  const auto written = [&](int primaries, int transfer) {
+    std::string file = read("out.ktx2");
+    if (const auto key = file.find("envmap:space"); key != file.npos) file.replace(key, 12, "envmap:spare");
+    std::uint32_t descriptor = 0;
+    std::memcpy(&descriptor, file.data() + 48, sizeof descriptor);
+    file[descriptor + 13] = static_cast<char>(primaries), file[descriptor + 14] = static_cast<char>(transfer);
+    write("patched.ktx2", file);
+  };
+  succeeds({"convert", "green.exr", "out.ktx2", "--output-space", "ACEScg", "--depth", "float"});
+  written(7, 1);
+  EXPECT_EQ(info("patched.ktx2")["space"], "ACEScg (data format descriptor)");
+  succeeds({"convert", "patched.ktx2", "back.exr", "--output-space", "ACEScg"});
+  const Result r = envmap({"compare", "back.exr", "green.exr", "--max-error", "1e-6"});
+  EXPECT_EQ(r.status, 0) << r.out << r.err;
+  written(10, 2);
+  EXPECT_EQ(info("patched.ktx2")["space"], "Display P3 (data format descriptor)");
+  written(8, 1);
+  EXPECT_EQ(info("patched.ktx2")["space"],
+            "primaries 0.67 0.33 0.21 0.71 0.14 0.08 0.3101 0.3162 (data format descriptor)");
+  written(0, 1);
+  EXPECT_EQ(info("patched.ktx2")["space"], "Linear Rec.709 (taken so: the file says nothing)");
+  written(4, 10);
+  fails(3, {"convert", "patched.ktx2", "x.exr"}, {"transfer function 10", "--input-space"});
+  succeeds({"convert", "patched.ktx2", "x.exr", "--input-space", "ACEScg", "--output-space", "ACEScg"});
+}
+
+// Apple's "Display P3.icc" holds these: red, green and blue as XYZ under D50, and the curve of sRGB.
+TEST_F(Colours, OfPngAndJpegAreInTheirProfile) {
+  succeeds({"generate", "constant", "in.exr", "--size", "4", "--value", "0.2,0.5,0.7"});
+  const auto profile = [&](const std::string& file) {
+    const auto in = OIIO::ImageInput::open(path(file));
+    const OIIO::ParamValue* icc = in->spec().find_attribute("ICCProfile");
+    return icc == nullptr ? std::string()
+                          : std::string(static_cast<const char*>(icc->data()), std::size_t(icc->type().size()));
+  };
+  const auto number = [](const std::string& bytes, std::size_t at) {
+    std::uint32_t n = 0;
+    for (std::size_t k = 0; k < 4; ++k) n = n << 8 | static_cast<unsigned char>(bytes.at(at + k));
+    return n;
+  };
+  const auto tag = [&](const std::string& icc, const std::string& name) {
+    for (std::size_t k = 0; k < number(icc, 128); ++k)
+      if (const std::size_t at = 132 + 12 * k; icc.substr(at, 4) == name)
+        return icc.substr(number(icc, at + 4), number(icc, at + 8));
+    return std::string();
+  };
+  const auto fixed = [&](const std::string& element, std::size_t k) {
+    return static_cast<std::int32_t>(number(element, 8 + 4 * k)) / 65536.0;
+  };
+  constexpr double apple[3][3] = {{0.51512, 0.24120, -0.00105}, {0.29198, 0.69225, 0.04189}, {0.15710, 0.06657, 0.78407}};
+  for (const std::string file : {"p3.png", "p3.jpg", "p3.tif"}) {
+    SCOPED_TRACE(file);
+    succeeds({"convert", "in.exr", file, "--output-space", "Display P3", "--depth", "uint8"});
+    const std::string icc = profile(file);
+    ASSERT_GT(icc.size(), 128U);
+    EXPECT_EQ(number(icc, 0), icc.size());
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(fixed(tag(icc, std::string{"rgb"[c]} + "XYZ"), k), apple[c][k], 1.5e-4) << c << " " << k;
+    EXPECT_NEAR(fixed(tag(icc, "gTRC"), 1), 2.4, 1e-4);
+    EXPECT_NEAR(fixed(tag(icc, "gTRC"), 5), 0.04045, 1e-4);
+    EXPECT_EQ(info(file)["space"], "Display P3 (envmap:space)");
+  }
+  succeeds({"convert", "in.exr", "srgb.png", "--output-space", "sRGB"});
+  EXPECT_EQ(profile("srgb.png"), "");
+  EXPECT_NE(read("srgb.png").find("sRGB"), std::string::npos);
+  EXPECT_EQ(read("p3.png").find("sRGB"), std::string::npos);
+  succeeds({"convert", "in.exr", "linear.png", "--output-space", "ACEScg"});
+  EXPECT_EQ(tag(profile("linear.png"), "rTRC"), std::string("curv\0\0\0\0\0\0\0\0", 12));
 }
 
 TEST_F(Colours, UnknownAreRefused) {

@@ -249,6 +249,20 @@ std::string space_with(const Primaries& primaries) {
   return "";
 }
 
+std::string encoded_space_with(const Primaries& primaries) {
+  for (const BuiltInSpace& space : built_in_spaces())
+    if (!space.is_linear() && same(space.primaries, primaries)) return std::string(space.name);
+  return "";
+}
+
+Curve curve_of(const std::string& file, const std::string& space) {
+  if (space.empty()) return Curve::linear;
+  const Config config = open(file);
+  check_space(config, space);
+  if (config.file.empty()) return built_in_space(space)->is_linear() ? Curve::linear : Curve::srgb;
+  return response(config, space).is_linear() ? Curve::linear : Curve::other;
+}
+
 std::string space_word(const std::string& config, const std::string& space) {
   const BuiltInSpace* found = built_in_space(space);
   if (!config.empty()) {

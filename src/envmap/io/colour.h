@@ -70,6 +70,15 @@ std::string space_word(const std::string& config, const std::string& space);
 /// The name of the built-in linear space with these primaries, or an empty one.
 std::string space_with(const Primaries& primaries);
 
+/// The name of the built-in space with these primaries and sRGB's curve, or an empty one.
+std::string encoded_space_with(const Primaries& primaries);
+
+/// How the values of a space grow with light.
+enum class Curve { linear, srgb, other };
+
+/// @param space empty: linear Rec.709. @throws as into_working().
+Curve curve_of(const std::string& config, const std::string& space);
+
 std::array<float, 8> chromaticities(const Primaries& p);
 Primaries primaries(const std::array<float, 8>& chromaticities);
 

@@ -26,6 +26,7 @@ struct ImagePlan {
   Attributes attributes = {};
   Provenance provenance = {};  ///< The colours alone: texts are attributes.
   std::string compression = {};                      ///< Of EXR: zip, zip:1, piz, dwaa:45, ...; zip if empty.
+  std::optional<std::string> icc_profile = {};  ///< Of integers; empty: none is known, and sRGB they are not. Unset: sRGB.
   std::optional<RowRange> rows = {};  ///< Of an EXR file of one level: these alone, its data window.
   bool latlong_envmap = false, cube_envmap = false;  ///< OpenEXR's `envmap` attribute.
 };

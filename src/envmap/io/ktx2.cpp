@@ -42,16 +42,17 @@ void add_sample(Words& words, unsigned offset, unsigned length, unsigned channel
   words.insert(words.end(), {offset | (length - 1) << 16 | channel_type << 24, 0, lower, upper});
 }
 
-// Linear BT.709 colour, texel by texel or, of BC6H, block by block. E5B9G9R9's limits are those of the Data Format
+// Texel by texel or, of BC6H, block by block. E5B9G9R9's limits are those of the Data Format
 // Specification 1.4, table 105: the shared exponent counts for each channel.
-Words descriptor(const TexelFormat& format) {
+Words descriptor(const TexelFormat& format, KhrColour colour) {
   constexpr unsigned is_float = 0x80, is_signed = 0x40, is_exponent = 0x20, alpha = 15;
   constexpr std::uint32_t one = 0x3f800000, minus_one = 0xbf800000;  // As floats.
-  constexpr std::uint32_t rgbsda = 1, bc6h = 133, bt709 = 1, linear = 1;
+  constexpr std::uint32_t rgbsda = 1, bc6h = 133;
   const std::uint32_t model = format.depth == Depth::bc6h ? bc6h : rgbsda,
                       side = static_cast<std::uint32_t>(format.side) - 1;
-  Words words{0, 0, 0, model | bt709 << 8 | linear << 16, side | side << 8, static_cast<std::uint32_t>(format.bytes),
-              0};
+  const std::uint32_t primaries = colour.primaries, transfer = colour.transfer;
+  Words words{
+      0, 0, 0, model | primaries << 8 | transfer << 16, side | side << 8, static_cast<std::uint32_t>(format.bytes), 0};
   if (model == bc6h) {
     const bool is_negative = format.texels == Texels::bc6h_sfloat;
     add_sample(words, 0, 128, is_float | (is_negative ? is_signed : 0), is_negative ? minus_one : 0, one);
@@ -69,6 +70,13 @@ Words descriptor(const TexelFormat& format) {
   words[0] = size;
   words[2] = 2 | (size - 4) << 16;  // Version 1.3 and later; size of the block.
   return words;
+}
+
+// Bytes 13 and 14 of the descriptor behind its size; of a descriptor that is cut nothing.
+KhrColour described_colour(const InputFile& file, const Header& h) {
+  if (h.dfd_size < 16 || std::uint64_t{h.dfd_offset} + h.dfd_size > file.size()) return {};
+  const auto word = read_as<std::uint32_t>(file, h.dfd_offset + 12U);
+  return {static_cast<std::uint8_t>(word >> 8), static_cast<std::uint8_t>(word >> 16)};
 }
 
 // ---- levels ----------------------------------------------------------------------------------------------------------
@@ -131,7 +139,7 @@ std::vector<std::byte> decompressed(std::span<const std::byte> packed, std::uint
 void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const KeyValues& pairs,
                 const Progress& progress) {
   const TexelFormat& format = format_of(options.texels);
-  const Words dfd = descriptor(format);
+  const Words dfd = descriptor(format, options.colour);
   KeyValues all_pairs = pairs;
   all_pairs.emplace("KTXorientation", "rd");
   const std::string kvd = key_value_bytes(all_pairs);
@@ -206,6 +214,7 @@ TextureFile open_ktx2(const InputFile& file) {
       throw InputError(fmt::format("KTX2 of orientation '{}': 'rd' is read, and 'ru' of flat images", o));
   }
   t.recorded = recorded(pairs);
+  t.colour = described_colour(file, h);
 
   std::vector<LevelIndex> index;
   for (int k = 0; k < t.levels; ++k) {

@@ -6,11 +6,12 @@
 #include <span>
 #include <string_view>
 
+#include "envmap/base/progress.h"
 #include "envmap/io/key_values.h"
+#include "envmap/io/khr_colour.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/texture.h"
 #include "envmap/map/page.h"
-#include "envmap/base/progress.h"
 
 namespace envmap {
 
@@ -20,6 +21,7 @@ struct Ktx2Options {
   Texels texels = Texels::rgba16f;
   bool cube = false;  ///< The pages are columns of faces in the API's orientation.
   bool zstd = false;
+  KhrColour colour = {1, khr_linear};
 };
 
 /// All levels, the smallest first in the file, with KTXorientation "rd". @param pairs go into the file besides. @param progress

@@ -171,8 +171,11 @@ ImageWriter create(OutputFile& file, const std::string& extension, const ImagePl
   if (!out->writer) throw OutputError("no writer for ." + extension);
   OIIO::ImageSpec spec(plan.levels[0].width, plan.levels[0].height, 3, type(plan.depth));
   spec.attribute("DateTime", "");  // OpenImageIO would write the time of day.
+  const std::string profile = plan.icc_profile.value_or("");
+  if (!profile.empty())
+    spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())), profile.data());
   // Not in TIFF: it would go into an EXIF directory, and OpenImageIO 2.4 leaves the file's header pointing at that.
-  if (out->writer->format_name() != std::string("tiff"))
+  if (out->writer->format_name() != std::string("tiff") && !plan.icc_profile)
     spec.attribute("oiio:ColorSpace", is_integer(plan.depth) ? "sRGB" : "Linear");
   // From 2.5 on, OpenImageIO turns blocks of float rows upside down in any PNM file. Only PFM needs that: io/pfm.cpp.
   if (out->writer->format_name() == std::string("pnm")) spec.attribute("pnm:pfmflip", 0);

@@ -47,7 +47,17 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
     throw UsageError(image.name, "its format says that it is sRGB: another space of its values makes no sense");
   const ClaimedSpace written =
       image.texture ? written_space(recorded, {}, "") : written_space(recorded, image.reader->facts.attributes, image.reader->format);
-  if (image.texture && encoded) return {"sRGB", rec709, by_format};
+  if (image.texture) {
+    const KhrColour colour = image.texture->colour;
+    const ClaimedSpace described = space_of(colour);
+    const Primaries p = described.primaries.value_or(rec709);
+    if (encoded) return {encoded_space_with(p), p, by_format};
+    if (!written.by.empty() || !described.by.empty()) return written.by.empty() ? described : written;
+    if (colour.transfer > khr_srgb && options.space.empty())
+      throw InputError(image.name,
+                       fmt::format("KTX2 with transfer function {}: only linear and sRGB are decoded", colour.transfer),
+                       Remedy::choose_space);
+  }
   image.decode = encoded && options.space.empty() && written.name.empty();
   if (image.decode) return {"sRGB", rec709, by_integers};
   return written;
@@ -55,7 +65,9 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
 
 ColourTransform colours_of(const Source& source, const ColourOptions& options) {
   const bool decoded = is_decoded(source.claimed);
-  return into_working(options, decoded ? ClaimedSpace{linear_rec709, rec709} : source.claimed);
+  if (!decoded) return into_working(options, source.claimed);
+  const Primaries p = source.claimed.primaries.value_or(rec709);
+  return into_working(options, ClaimedSpace{space_with(p), p});
 }
 
 void into_working(Source& source, const ColourTransform& transform, const ColourOptions& options) {

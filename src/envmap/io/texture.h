@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "envmap/io/input_file.h"
+#include "envmap/io/khr_colour.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/recognise.h"
 #include "envmap/io/texels.h"
@@ -25,6 +26,7 @@ struct TextureFile {
   bool cube = false;
   bool bottom_up = false;  ///< The first row of an image is its lowest.
   Metadata recorded = {};
+  KhrColour colour = {};  ///< Of KTX2.
   /// Bytes of a level: its rows (of texels or blocks) without padding, face after face +X -X +Y -Y +Z -Z. @throws InputError without file name.
   std::function<std::vector<std::byte>(const InputFile& file, int level)> bytes;
 

@@ -16,6 +16,7 @@
 #include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/gltf_light.h"
+#include "envmap/io/icc_profile.h"
 #include "envmap/io/image_writer.h"
 #include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
@@ -102,6 +103,16 @@ Range range_of(const FileFormat& format, Depth depth) {
 
 // ---- one file --------------------------------------------------------------------------------------------------------
 
+// Nothing where the values are sRGB; empty where their space has no primaries or another curve than a profile can say here.
+std::optional<std::string> profile_of(const ColourOptions& colour) {
+  if (colour.space.empty()) return std::nullopt;
+  const std::optional<Primaries> p = primaries_of(colour.config, colour.space);
+  const Curve curve = curve_of(colour.config, colour.space);
+  if (!p || curve == Curve::other) return "";
+  if (curve == Curve::srgb && same(*p, rec709)) return std::nullopt;
+  return icc_profile(colour.space, *p, curve);
+}
+
 // One image, or all levels of one, the largest first: then in tiles, as renderers' texture caches want them.
 void write_image(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Page> levels,
                  Depth depth, const Metadata& data, const WriteOptions& options, const Progress& progress) {
@@ -110,6 +121,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
                  .attributes = attributes(data),
                  .provenance = data.provenance,
                  .compression = options.compression,
+                 .icc_profile = is_integer(depth) ? profile_of(options.colour) : std::nullopt,
                  .rows = options.rows,
                  .latlong_envmap = options.openexr_envmap && !cube,
                  .cube_envmap = options.openexr_envmap && cube};
@@ -177,6 +189,37 @@ void tell_space(Metadata& data, const ColourOptions& colour, bool integers) {
   if (word != (integers ? "sRGB" : "lin_rec709")) data.space = word;
 }
 
+// The primaries and the curve of the stored values, as KTX2 has them.
+std::optional<KhrColour> described(const Metadata& data, const ColourOptions& colour) {
+  const Curve curve = curve_of(colour.config, colour.space);
+  const auto& said = data.provenance.chromaticities;
+  if (!said && colour.space.empty()) return khr_colour(rec709, curve);
+  return khr_colour(said ? std::optional(primaries(*said)) : std::nullopt, curve);
+}
+
+// Refuses values that other programs would take for linear, and primaries that the file cannot name.
+void check_space(const std::string& path, const FileFormat& format, Depth depth, const WriteOptions& options) {
+  const ColourOptions& colour = options.colour;
+  if (colour.space.empty()) return;
+  const std::string ext = extension(path, options);
+  const bool linear = curve_of(colour.config, colour.space) == Curve::linear;
+  if (!linear && ext == "hdr")
+    throw UsageError(
+        path,
+        "a Radiance file holds linear values and cannot say that they are encoded: choose a linear space, or .exr");
+  if (!linear && !is_integer(depth) && !options.encoded)
+    throw UsageError(path,
+                     fmt::format("{} is encoded, and programs take the values of {} files for linear", colour.space,
+                                 format.title),
+                     Remedy::choose_linear);
+  const std::optional<Primaries> stored = primaries_of(colour.config, colour.space);
+  if (ext == "ktx2" && !khr_colour(stored, Curve::linear))
+    throw UsageError(
+        path,
+        fmt::format("KTX2 has no number for the primaries of {}: choose ACEScg or another standard space, or .exr",
+                    colour.space));
+}
+
 // Names the file at fault.
 template <class F>
 void naming(const std::string& path, F&& action) {
@@ -208,7 +251,10 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   if (base.projection == Projection::cube && done.layout != Layout::api) data.layout = done.layout;
   if (has_forward(base.projection)) data.forward = base.forward;
   if (options.border > 0) data.border = options.border;
+  check_space(path, format, done.depth, options);
   tell_space(data, options.colour, is_integer(done.depth));
+
+  const KhrColour colour = described(data, options.colour).value_or(KhrColour{});
 
   // All files are written before the first appears.
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -218,7 +264,8 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
     if (ext == "pfm")
       write_pfm(*files.back(), pages[0]);
     else if (ext == "ktx2")
-      write_ktx2(*files.back(), pages, {texels_of(done.depth), cube, options.zstd}, key_values(data, options.pairs), part);
+      write_ktx2(*files.back(), pages, {texels_of(done.depth), cube, options.zstd, colour},
+                 key_values(data, options.pairs), part);
     else if (ext == "ktx")
       write_ktx1(*files.back(), pages, texels_of(done.depth), cube, key_values(data, options.pairs), part);
     else if (ext == "dds")
@@ -286,6 +333,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
     throw UsageError(path, fmt::format("no format writes .{}; try {}", ext, known));
   }
   choose_depth(*format, options);
+  if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
   const Layout layout = choose_layout(path, *format, options, projection);
   if (options.openexr_envmap && (ext != "exr" || (layout != Layout::column && projection != Projection::latlong)))
     throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
@@ -294,8 +342,6 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   if (options.rows && (ext != "exr" || layout == Layout::files || levels || options.openexr_envmap || options.border > 0))
     throw UsageError(path, "rows of a map are written to one .exr file, without levels and borders");
   check_compression(path, ext, options.compression);
-  if (out_of_working(options.colour).apply && ext == "hdr")
-    throw UsageError(path, "a Radiance file holds linear values and cannot say that they are encoded: choose a linear space, or .exr");
   if (options.zstd && ext != "ktx2") throw UsageError(path, "Zstandard is for .ktx2 files");
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
     throw UsageError(path, fmt::format("{} one level: put {{level}} where its number shall stand in the file name",

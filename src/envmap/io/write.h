@@ -27,6 +27,7 @@ struct WriteOptions {
   std::string compression = {};  ///< Of an EXR file, see ImagePlan: zip, zip:1, piz, dwaa:45, ...; zip if empty.
   int border = 0;                ///< Texels written round every level of an octahedral map, as map/border.h says.
   bool zstd = false;             ///< Compress KTX2 files with Zstandard.
+  bool encoded = false;  ///< Allow a space that is not linear in a format whose values other programs take for linear.
   Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
   std::map<std::string, std::string> pairs = {};  ///< Key/value pairs of a KTX or KTX2 file as they stand: Filament's "sh".
   CommitOptions commit = {};
