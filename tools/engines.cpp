@@ -12,18 +12,31 @@ using namespace envmap;
 
 constexpr std::string_view background_exr = "background.exr";
 
-// Blender's EXR files are linear floats by themselves. `//` would be relative to the .blend file, so the script says where it
-// lies itself.
-constexpr std::string_view blender_script = R"(# A world lit by background.exr beside this script: blender SCENE.blend --python world.py
+// Blender takes EXR files for linear floats. In the text editor it sets __file__ to FILE.blend/NAME OF THE TEXT, which is no path.
+constexpr std::string_view blender_script = R"(# A world lit by background.exr beside this script.
+# Run it in the text editor, or: blender SCENE.blend --python world.py
 import os
 import bpy
+
+
+def find(name):
+    """Looks beside this script, as a text of Blender or as a file, and beside the .blend file."""
+    text = bpy.data.texts.get(os.path.basename(__file__))
+    paths = [bpy.path.abspath(text.filepath)] if text and text.filepath else []
+    paths += [os.path.abspath(__file__), bpy.data.filepath]
+    found = [os.path.join(os.path.dirname(path), name) for path in paths]
+    for file in found:
+        if os.path.isfile(file):
+            return file
+    raise FileNotFoundError(name + " is not beside world.py: open world.py from its folder (Text > Open), or save the .blend file there")
+
 
 world = bpy.data.worlds.new("Probe")
 world.use_nodes = True
 nodes, links = world.node_tree.nodes, world.node_tree.links
 nodes.clear()
 image = nodes.new("ShaderNodeTexEnvironment")
-image.image = bpy.data.images.load(os.path.join(os.path.dirname(os.path.abspath(__file__)), "background.exr"))
+image.image = bpy.data.images.load(find("background.exr"))
 image.projection = "EQUIRECTANGULAR"
 shader = nodes.new("ShaderNodeBackground")
 output = nodes.new("ShaderNodeOutputWorld")
@@ -136,12 +149,12 @@ const Engine table[] = {
      "    EnvironmentMapLight { diffuse_map: assets.load(\"FOLDER/diffuse.ktx2\"),\n"
      "        specular_map: assets.load(\"FOLDER/specular.ktx2\"), intensity: 1.0, ..default() }));\n"
      "brightness and intensity are what radiance 1 is in cd/m^2: give both the same value."},
-    {"blender", "Blender", "Cycles of commit 24e016546302, read; not run",
+    {"blender", "Blender", "3.4.1, run: tests/blender.py",
      {{background_exr, {Projection::latlong, Forward::plus_x}}}, 0,
      "Z up: +X, +Y and +Z of the probe are +X, +Z and -Y, as of imported glTF files; +X lies at the centre of the image",
      "Cycles and EEVEE sample the image itself",
      {"world.py", blender_script},
-     "Run world.py in the text editor of Blender, or: blender SCENE.blend --python world.py"},
+     "Open world.py in the text editor of Blender and run it, or: blender SCENE.blend --python world.py"},
     {"filament", "Filament", "1.53.4 (npm), run: tests/engines",
      {{"sky.ktx", Projection::cube, Depth::half},
       {"ibl.ktx", Projection::cube, Depth::half, Mirror::none, Chain{256, 5, filament_roughness, IrradianceForm::filament}}}, 0,
