@@ -104,9 +104,14 @@ Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::str
   return from;
 }
 
-void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
+bool is_dark(const LoadedScene& loaded, const SceneOptions& o) {
   const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
-  if (!loaded.environment && !o.ambient && loaded.scene.lights.empty() && std::ranges::none_of(loaded.scene.materials, glows))
+  return !loaded.environment && !o.ambient && loaded.scene.lights.empty() &&
+         std::ranges::none_of(loaded.scene.materials, glows);
+}
+
+void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
+  if (is_dark(loaded, o))
     warn(fmt::format("{}: no light in it and none given, so it is black: say --environment MAP or --ambient 1", o.path));
 }
 

@@ -59,7 +59,10 @@ LoadedScene load(const SceneOptions& options, const Common& common);
 /// @throws UsageError where it is neither. @param path of the scene's file.
 envmap::Viewpoint viewpoint_of(const std::string& at, const envmap::Scene& scene, const std::string& path);
 
-/// A line where nothing lights the scene.
+/// Whether nothing lights the scene.
+bool is_dark(const LoadedScene& loaded, const SceneOptions& options);
+
+/// A line where it is dark.
 void tell_darkness(const LoadedScene& loaded, const SceneOptions& options);
 
 /// With -v, how many frames a second that was.

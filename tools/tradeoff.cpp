@@ -241,11 +241,12 @@ int run(Options& o, const Common& common) {
     SceneOptions scene{.path = o.input, .environment = o.environment};
     scene.read.max_pixels = o.read.max_pixels;
     const LoadedScene loaded = load(scene, common);
+    if (is_dark(loaded, scene))
+      throw UsageError(o.input, "no light in it, so every method would be right: give some with --environment MAP");
     const Task all = parts_of(o.task)[0] == "view" ? make_view_task(o.task, loaded, scene, o.camera)
                                                    : make_scene_task(o.task, loaded, scene, o.at);
     const Task task = only(all, o.only);
     tell(study_of(task, o, common), o, common);
-    tell_darkness(loaded, scene);
   } else {
     const Source source = read_map(o.input, o.read, common);
     const Task task = only(parts_of(o.task)[0] == "bake" ? make_bake_task(o.task, source, costs, common) : make_task(o.task, source.map, costs), o.only);
