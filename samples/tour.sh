@@ -25,8 +25,28 @@ preset=release
 [ "${CI:-}" != true ] || preset=ci
 log=build/$preset.log
 mkdir -p build
-[ -x "build/$preset/envmap" ] || echo "Building the program: some minutes, the first time; $log tells how far it is."
-if ! { cmake --preset "$preset" && cmake --build --preset "$preset" --target envmap_program; } >"$log" 2>&1; then
+# Says how far the build is: in place on a terminal, every tenth of it elsewhere. All of it goes to the log.
+follow() {
+  said=0
+  while IFS= read -r line; do
+    printf '%s\n' "$line" >&3
+    case $line in
+      \[[0-9]*/[0-9]*\]*) ;;
+      *) continue ;;
+    esac
+    step=${line%%]*} step=${step#[}
+    tenth=$((10 * ${step%/*} / ${step#*/}))
+    if [ -t 1 ]; then
+      printf '\rBuilding the program: %s ' "$step"
+    elif [ "$tenth" -gt "$said" ]; then
+      echo "Building the program: ${tenth}0%"
+    fi
+    said=$tenth
+  done 3>"$log"
+  [ ! -t 1 ] || echo
+}
+{ cmake --preset "$preset" && cmake --build --preset "$preset" --target envmap_program || echo 'tour.sh: not built'; } 2>&1 | follow
+if [ "$(tail -n 1 "$log")" = 'tour.sh: not built' ]; then
   cat "$log" >&2
   exit 1
 fi

@@ -92,7 +92,7 @@ std::string writable_extensions(Projection projection, bool levels) {
   std::vector<std::string> names;
   for (const FileFormat& f : table) {
     const bool fits = f.levels || !levels, whole = !f.cubes_alone || (projection == Projection::cube && levels);
-    if (f.is_written() && !f.irradiance && fits && whole) names.push_back("." + std::string(f.extensions.front()));
+    if (f.is_written() && !f.irradiance && fits && whole) names.push_back(fmt::format(".{}", f.extensions.front()));
   }
   return listed(names);
 }
