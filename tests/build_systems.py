@@ -16,7 +16,7 @@ source, build, work = (pathlib.Path(p).resolve() for p in sys.argv[1:4])
 tree = work / 'tree'
 envmap = tree / 'bin/envmap'
 ODD = 'größe 1$2#3'
-MAPS = ('.dds', '.env', '.exr', '.glb', '.hdr', '.ktx', '.ktx2', '.txt')
+MAPS = ('.dds', '.env', '.exr', '.glb', '.ktx', '.ktx2', '.txt')
 
 
 def run(*command, **more):
@@ -28,7 +28,8 @@ def run(*command, **more):
 
 def times(folder):
     """Of all maps there: what was made again has another."""
-    return {p: p.stat().st_mtime_ns for p in folder.rglob('*') if p.suffix in MAPS and 'CMakeFiles' not in str(p)}
+    maps = [p for p in folder.rglob('*') if p.suffix in MAPS or p.name == 'background.hdr']
+    return {p: p.stat().st_mtime_ns for p in maps if 'CMakeFiles' not in str(p)}
 
 
 def touch(path):
