@@ -1,5 +1,7 @@
 #include "envmap/io/file_format.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
