@@ -103,8 +103,8 @@ def by_program(*command):
 
 # Of each: its reader, and how far a colour may be off.
 FORMATS = {'ppm': (ppm, 0.005), 'bmp': (bmp, 0.005), 'tga': (tga, 0.005), 'png': (png, 0.005), 'tif': (tif, 0.005),
-           'jpg': (by_program('djpeg', '-pnm'), 0.1),
-           'webp': (by_program('dwebp', '-quiet', '-ppm', '-o', '-', '--', '-'), 0.1)}
+           'jpg': (by_program('djpeg', '-pnm'), 0.2),
+           'webp': (by_program('dwebp', '-quiet', '-ppm', '-o', '-', '--', '-'), 0.2)}
 unread = [name for name, program in (('jpg', 'djpeg'), ('webp', 'dwebp')) if not shutil.which(program)]
 
 failed = False

@@ -354,7 +354,8 @@ TEST_F(Help, CompletesInFish) {
   };
   EXPECT_EQ(completed("envmap conv"), "convert\n");
   EXPECT_EQ(completed("envmap convert --to cu"), "cube\n");
-  EXPECT_EQ(completed("envmap convert --repa"), "--repair\n");
+  // fish 4 adds what holds these letters apart: --ignore-envmap-attribute.
+  EXPECT_EQ(completed("envmap convert --repa").rfind("--repair\n", 0), 0U);
   EXPECT_EQ(completed("envmap generate directi"), "directions\n");
 }
 
