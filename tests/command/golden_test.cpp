@@ -13,6 +13,7 @@
 // The rooms are ray casts (render's reference); what is drawn with OpenGL is compared with them:
 //
 //   envmap render room-4.glb golden/room-$p.exr --to $p --size 16 --method raycast --ambient 0.3 --at 0.3,0.2,0.1 --depth half
+#include "on_processor.h"
 #include "picture.h"
 #include "run.h"
 

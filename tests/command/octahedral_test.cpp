@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "on_processor.h"
 #include "picture.h"
 #include "run.h"
 

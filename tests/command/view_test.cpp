@@ -1,4 +1,5 @@
 // envmap view as its users run it.
+#include "on_processor.h"
 #include "picture.h"
 #include "run.h"
 
