@@ -249,6 +249,22 @@ TEST_F(Hints, OfCommands) {
   EXPECT_EQ(shell("PATH=/none \"$ENVMAP\" batch jobs.txt --make jobs.mk").status, 0);
 }
 
+TEST_F(Hints, OfOptionsThatDoNotGoTogether) {
+  succeeds({"mipmap", "sky.exr", "levels.exr"});
+  const Words filament = split("prefilter sky.exr out.ktx --for filament --size 16"),
+              three = split("convert sky.exr out.exr --for three");
+  leads({with(filament, "--scale 2"), 2, ": leave out --scale", {filament}});
+  leads({with(three, "--to cube"), 2, ": leave out --to cube", {three}});
+  const Words picture = split("convert sky.exr out.exr --to perspective --size 8"),
+              sheet = split("preview levels.exr out.png --levels");
+  leads({with(picture, "--display clip"), 2, ": leave out --display", {picture}});
+  leads({with(sheet, "--level 1"), 2, ": leave out --level", {sheet}});
+  leads({split("convert levels.exr out.exr"),
+         0,
+         "; say --level 0 if that is meant, and make levels of the result with 'envmap mipmap'",
+         {split("convert levels.exr out.exr --level 0"), split("mipmap out.exr more.exr")}});
+}
+
 TEST_F(Hints, OfScenes) {
   write("scene.obj", "v 0 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n");
   const Words render = split("render scene.obj out.exr --to cube --size 4 --method raycast");
