@@ -9,6 +9,7 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "manifest.h"
+#include "maps.h"
 #include "schedule.h"
 
 namespace tools {
@@ -17,7 +18,7 @@ namespace {
 using namespace envmap;
 namespace fs = std::filesystem;
 
-struct Options {
+struct Request {
   std::vector<std::string> names;
   std::string engine, into = ".", make, slurm;
   int at_once = 0;
@@ -28,7 +29,7 @@ std::string this_program() { return fs::read_symlink("/proc/self/exe").string();
 
 bool is_installed(const std::string& program) {
   const char* const path = std::getenv("PATH");
-  for (const std::string& folder : CLI::detail::split(path != nullptr ? path : "/usr/bin:/bin", ':'))
+  for (const std::string& folder : split(path != nullptr ? path : "/usr/bin:/bin", ':'))
     if (::access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
   return false;
 }
@@ -38,7 +39,7 @@ constexpr char status_mark = '\x01';  // Begins Ninja's lines of progress, by NI
 // What Ninja prints, as it comes: a line of progress, one line for each job that failed, and what jobs say.
 class NinjaOutput {
  public:
-  explicit NinjaOutput(const Common& common) : common_(common), show_(!common.quiet && ::isatty(STDERR_FILENO) != 0) {}
+  NinjaOutput() : show_(!settings().quiet && ::isatty(STDERR_FILENO) != 0) {}
 
   void take(const std::string& line) {
     if (line.starts_with(status_mark)) {
@@ -54,7 +55,7 @@ class NinjaOutput {
       say("envmap batch: " + line.substr(7));
     } else if (line.starts_with("ninja: ")) {
       finish_failure();
-      if (line.find("no work to do") != line.npos) note(common_, "envmap batch: nothing to do");
+      if (line.find("no work to do") != line.npos) note("envmap batch: nothing to do");
     } else if (!failed_.empty()) {
       if (after_++ > 0 && !line.empty()) said_ = line;  // The first is the command.
     } else if (!line.empty()) {
@@ -85,17 +86,17 @@ class NinjaOutput {
     failed_.clear(), said_.clear();
   }
 
-  const Common& common_;
   bool show_, dirty_ = false;
   std::string failed_, said_;
   int after_ = 0, failures_ = 0;
 };
 
 // @return its exit status.
-int run_ninja(const std::string& file, const Options& o, std::size_t jobs, const Common& common, NinjaOutput& output) {
+int run_ninja(const std::string& file, const Request& o, std::size_t jobs, NinjaOutput& output) {
   const auto cores = static_cast<std::size_t>(std::max(1U, std::thread::hardware_concurrency()));
   const std::size_t at_once = o.at_once > 0 ? static_cast<std::size_t>(o.at_once) : std::min(cores, jobs);
-  const std::size_t threads = common.threads > 0 ? static_cast<std::size_t>(common.threads) : std::max<std::size_t>(1, cores / at_once);
+  const std::size_t threads =
+      settings().threads > 0 ? static_cast<std::size_t>(settings().threads) : std::max<std::size_t>(1, cores / at_once);
   ::setenv("ENVMAP_THREADS", std::to_string(threads).c_str(), 1);
   ::setenv("NINJA_STATUS", fmt::format("{}[%f/%t] ", status_mark).c_str(), 1);
   const std::string line = fmt::format("exec ninja -f {} -j {}{} 2>&1", quoted(file), at_once, o.keep_going ? " -k 0" : "");
@@ -113,21 +114,21 @@ int run_ninja(const std::string& file, const Options& o, std::size_t jobs, const
   return ::pclose(pipe);
 }
 
-std::vector<Job> jobs_of(const Options& o) {
+std::vector<Job> jobs_of(const Request& o) {
   if (!o.engine.empty()) return bake_jobs(o.names, o.engine, o.into);
   if (o.names.size() > 1) throw UsageError(o.names[1], "one manifest, or --for ENGINE and probes");
   return read_manifest(o.names.front());
 }
 
-int run(const Options& o, const Common& common) {
+int run(const Request& o) {
   if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
   const std::vector<Job> jobs = jobs_of(o);
   const std::string name = !o.engine.empty() ? o.engine : fs::path(o.names.front()).stem().string();
   const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
   if (!o.slurm.empty() || !o.make.empty()) {
     const std::string& path = o.slurm.empty() ? o.make : o.slurm;
-    write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()), common.commit);
-    note(common, fmt::format("{}: {} jobs", path, jobs.size()));
+    write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()));
+    note(fmt::format("{}: {} jobs", path, jobs.size()));
     return 0;
   }
   if (!is_installed("ninja")) throw OutputError("ninja is not installed: install ninja-build, or say --make FILE");
@@ -135,9 +136,9 @@ int run(const Options& o, const Common& common) {
   fs::create_directories(folder, error);
   if (error) throw OutputError(folder, error.message());
   const std::string file = folder + "/build.ninja";
-  write_text(file, ninja_file(jobs, this_program(), folder), common.commit);
-  NinjaOutput output(common);
-  const int status = run_ninja(file, o, jobs.size(), common, output);
+  write_text(file, ninja_file(jobs, this_program(), folder));
+  NinjaOutput output;
+  const int status = run_ninja(file, o, jobs.size(), output);
   if (status == 0) return 0;
   if (WIFSIGNALED(status)) throw OutputError("ninja was ended by a signal");
   throw OutputError(fmt::format("{} of {} jobs failed{}", output.failures(), jobs.size(),
@@ -146,41 +147,16 @@ int run(const Options& o, const Common& common) {
 
 }  // namespace
 
-Command batch_command() {
-  return {
-      .name = "batch",
-      .summary = "Run many commands through Ninja, Make or Slurm, each again only where something changed",
-      .description =
-          "Takes a manifest of commands of this program and leaves the work to an engine that schedules: Ninja runs them, several "
-          "at once, after what they read of each other; what did not change is not made again (depfiles; a changed command "
-          "counts). --make writes a Makefile instead, --slurm a script of array jobs.\n\n"
-          "A manifest holds a command a line, with or without 'envmap' before it, quoted as in a shell; # begins a comment. Or it "
-          "is JSON: an array of commands, each a line or an array of words. All commands are checked before the first runs. A "
-          "word with * ? or [ stands for the files that match, or that earlier lines write: where another word of the line has "
-          "{stem}, the file's path without the extension, or {name}, without the folder too, each file is a job of its own; else "
-          "all are words of one job. Names are seen from the current folder, whose .envmap-batch keeps what Ninja remembers.\n\n"
-          "--for ENGINE takes probes instead of a manifest, and bakes each into a folder of its name.\n\n"
-          "A job that fails is named in one line; without -k no other is begun then. The exit status is 4 where one failed. As "
-          "many jobs as there are cores run at once, with threads for the rest of the cores; ENVMAP_THREADS is how many a job "
-          "takes that has no --threads.\n\n"
-          "--slurm: 'sh FILE --mem=2G' submits one array job, or one after another where jobs read what others write; options go "
-          "to sbatch. A job that is killed leaves nothing behind and can be queued again. One large job is divided by --shard: "
-          "see envmap-merge(1).",
-      .examples = {{"envmap batch maps.txt", "with the line 'mipmap *.hdr {stem}.ktx2 --depth half': a texture of every probe"},
-                   {"envmap batch maps.json -k", "go on after failures"},
-                   {"envmap batch --for three *.hdr --into lights", "lights/NAME for each NAME.hdr"},
-                   {"envmap batch maps.txt --slurm maps.sh && sh maps.sh --cpus-per-task=4 --mem=2G", "on a cluster"}},
-      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
-        auto o = std::make_shared<Options>();
-        app.add_option("FILES", o->names, "The manifest, '-' for standard input; with --for, probes")->required()->type_name("");
-        app.add_option("--for", o->engine, "Bake the probes for this engine: see 'envmap bake --list'")->type_name("ENGINE");
-        app.add_option("--into", o->into, "Folder of the folders that --for makes (default: this one)")->type_name("FOLDER");
-        app.add_option("-j,--jobs", o->at_once, "Jobs at once (default: as many as there are cores)")->type_name("N")->check(CLI::Range(1, 1024));
-        app.add_flag("-k,--keep-going", o->keep_going, "Go on after a job that failed");
-        app.add_option("--make", o->make, "Write a Makefile, and run nothing")->type_name("FILE");
-        app.add_option("--slurm", o->slurm, "Write a script for Slurm's sbatch, and run nothing")->type_name("FILE");
-        return [o, &common] { return run(*o, common); };
-      }};
+Action define_batch(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.files(r->names, File::none, "The manifest, '-' for standard input; with --for, probes");
+  o.add("--for", "ENGINE", &r->engine, "Bake the probes for this engine: see 'envmap bake --list'");
+  o.add("--into", "FOLDER", &r->into, "Folder of the folders that --for makes (default: this one)");
+  o.add("-j,--jobs", "N", &r->at_once, {1, 1024}, "Jobs at once (default: as many as there are cores)");
+  o.flag("-k,--keep-going", r->keep_going, "Go on after a job that failed");
+  o.add("--make", "FILE", &r->make, "Write a Makefile, and run nothing");
+  o.add("--slurm", "FILE", &r->slurm, "Write a script for Slurm's sbatch, and run nothing");
+  return [r](Report&) { return run(*r); };
 }
 
 }  // namespace tools

@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "console.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
@@ -178,9 +179,9 @@ void measure_drawing(Costs& costs) {
 
 }  // namespace
 
-Costs calibrated(const Common& common) {
+Costs calibrated() {
   Costs costs;
-  const Progress progress = progress_line(common, "calibrating");
+  const Progress progress = progress_line("calibrating");
   const auto tell = [&](double part) {
     if (progress) progress(part);
   };

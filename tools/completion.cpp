@@ -1,9 +1,12 @@
 // Completions for bash, zsh and fish out of the same definitions as --help.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
 #include "command.h"
+#include "console.h"
+#include "text.h"
 
 namespace tools {
 namespace {
@@ -11,21 +14,23 @@ namespace {
 enum class Shell { bash, zsh, fish };
 constexpr std::string_view shell_names[] = {"bash", "zsh", "fish"};
 
-// The words that an option or argument takes, with spaces between them; empty where it takes others.
-std::string words_of(const CLI::Option& o) {
-  std::string words = o.get_type_name();
-  if (words.find('|') == std::string::npos) return {};
-  std::replace(words.begin(), words.end(), '|', ' ');
-  return words;
-}
+struct Known {
+  std::string name;
+  std::string summary, first;  // What the first argument may be, where it is one of some words.
+  Options options;
+};
 
-bool takes_value(const CLI::Option& o) { return o.get_items_expected_max() > 0; }
+std::string words_of(const Option& o) { return fmt::format("{}", fmt::join(o.words(), " ")); }
 
-// What the first argument of a command may be, where it is one of some words.
-std::string first_words(const CLI::App& command) {
-  for (const CLI::Option* o : command.get_options())
-    if (const std::string words = words_of(*o); o->get_positional() && !words.empty()) return words;
-  return {};
+std::deque<Known> all_known() {
+  std::deque<Known> all;
+  for (const Command& command : commands()) {
+    Known& known = all.emplace_back(std::string(command.name), text_of(command.name).summary, "", Options());
+    define(command, known.options);
+    for (const Option& o : known.options.rows)
+      if (o.is_argument() && known.first.empty()) known.first = words_of(o);
+  }
+  return all;
 }
 
 // With a backslash before each of `special`.
@@ -40,21 +45,20 @@ std::string escaped(const std::string& text, std::string_view special) {
 
 // ---- bash ------------------------------------------------------------------------------------------------------------
 
-std::string bash(const Program& program) {
+std::string bash(const std::deque<Known>& all) {
   std::string commands, cases;
-  for (const Command& c : program.commands) {
+  for (const Known& c : all) {
     commands += (commands.empty() ? "" : " ") + c.name;
-    const CLI::App& app = *program.app->get_subcommand(c.name);
     std::string options, values;
-    const std::string first = first_words(app);
-    for (const CLI::Option* o : app.get_options())
-      for (const std::string& l : o->get_lnames()) {
-        options += " --" + l;
-        if (const std::string words = words_of(*o); !words.empty())
-          values += fmt::format("        --{}) words=\"{}\" ;;\n", l, words);
-        else if (takes_value(*o))
-          values += fmt::format("        --{}) return ;;\n", l);
-      }
+    const std::string& first = c.first;
+    for (const Option& o : c.options.rows) {
+      if (o.is_argument()) continue;
+      options += " " + o.name;
+      if (const std::string words = words_of(o); !words.empty())
+        values += fmt::format("        {}) words=\"{}\" ;;\n", o.name, words);
+      else if (!o.type.empty())
+        values += fmt::format("        {}) return ;;\n", o.name);
+    }
     cases += fmt::format(
         "    {})\n      case \"$previous\" in\n{}        {}) words=\"{}\" ;;\n        *) words=\"{}\" ;;\n      esac "
         ";;\n",
@@ -89,26 +93,25 @@ std::string zsh_text(const std::string& text) {
 }
 
 // One argument of zsh's _arguments: '--to[what it is]:P:(latlong cube)'.
-std::string zsh_spec(const CLI::Option& o, const std::string& name) {
-  std::string spec = name + "[" + zsh_text(escaped(o.get_description(), "[]\\:")) + "]";
+std::string zsh_spec(const Option& o, const std::string& name) {
+  std::string spec = name + "[" + zsh_text(escaped(o.help, "[]\\:")) + "]";
   if (const std::string words = words_of(o); !words.empty())
     spec += ":word:(" + words + ")";
-  else if (takes_value(o))
-    spec += ":" + escaped(o.get_type_name(), "[]\\:") + ":_files";
+  else if (!o.type.empty())
+    spec += ":" + escaped(o.type, "[]\\:") + ":_files";
   return " '" + spec + "'";
 }
 
-std::string zsh(const Program& program) {
+std::string zsh(const std::deque<Known>& all) {
   std::string commands, cases;
-  for (const Command& c : program.commands) {
+  for (const Known& c : all) {
     commands += fmt::format("    '{}:{}'\n", c.name, zsh_text(escaped(c.summary, "\\:")));
-    const CLI::App& app = *program.app->get_subcommand(c.name);
     cases += fmt::format("    {}) _arguments -S", c.name);
-    for (const CLI::Option* o : app.get_options()) {
-      for (const std::string& s : o->get_snames()) cases += zsh_spec(*o, "-" + s);
-      for (const std::string& l : o->get_lnames()) cases += zsh_spec(*o, "--" + l);
+    for (const Option& o : c.options.rows) {
+      if (o.letter) cases += zsh_spec(o, std::string{'-', o.letter});
+      if (!o.is_argument()) cases += zsh_spec(o, o.name);
     }
-    const std::string first = first_words(app);
+    const std::string& first = c.first;
     cases += (first.empty() ? "" : " '1:word:(" + first + ")'") + std::string(" '*:file:_files' ;;\n");
   }
   return fmt::format(
@@ -132,23 +135,20 @@ std::string zsh(const Program& program) {
 
 std::string fish_quoted(const std::string& text) { return "'" + escaped(text, "'\\") + "'"; }
 
-std::string fish(const Program& program) {
+std::string fish(const std::deque<Known>& all) {
   std::string out = "# fish completion for envmap\n";
-  for (const Command& c : program.commands) {
+  for (const Known& c : all) {
     out += fmt::format("complete -c envmap -n __fish_use_subcommand -f -a {} -d {}\n", c.name, fish_quoted(c.summary));
-    const CLI::App& app = *program.app->get_subcommand(c.name);
     const std::string here = fmt::format("complete -c envmap -n '__fish_seen_subcommand_from {}'", c.name);
-    if (const std::string first = first_words(app); !first.empty()) out += fmt::format("{} -a '{}'\n", here, first);
-    for (const CLI::Option* o : app.get_options()) {
-      if (o->get_positional()) continue;
-      out += here;
-      for (const std::string& s : o->get_snames()) out += " -s " + s;
-      for (const std::string& l : o->get_lnames()) out += " -l " + l;
-      if (const std::string words = words_of(*o); !words.empty())
+    if (const std::string& first = c.first; !first.empty()) out += fmt::format("{} -a '{}'\n", here, first);
+    for (const Option& o : c.options.rows) {
+      if (o.is_argument()) continue;
+      out += here + (o.letter ? fmt::format(" -s {}", o.letter) : "") + " -l " + o.name.substr(2);
+      if (const std::string words = words_of(o); !words.empty())
         out += " -x -a '" + words + "'";
-      else if (takes_value(*o))
+      else if (!o.type.empty())
         out += " -r";
-      out += " -d " + fish_quoted(o->get_description()) + "\n";
+      out += " -d " + fish_quoted(o.help) + "\n";
     }
   }
   return out;
@@ -156,25 +156,14 @@ std::string fish(const Program& program) {
 
 }  // namespace
 
-Command completion_command() {
-  return {
-      .name = "completion",
-      .summary = "Print the completions for bash, zsh or fish",
-      .description =
-          "Prints a script that completes commands, options and the words that options take. 'cmake --install' puts it "
-          "where each shell looks for it.",
-      .examples = {{"eval \"$(envmap completion)\"", "in ~/.bashrc"},
-                   {"eval \"$(envmap completion zsh)\"", "in ~/.zshrc, after compinit"},
-                   {"envmap completion fish > ~/.config/fish/completions/envmap.fish", "for fish"}},
-      .define = [](CLI::App& app, const Common&) -> std::function<int()> {
-        auto shell = std::make_shared<Shell>(Shell::bash);
-        add_choice(app, "SHELL", *shell, joined(shell_names), one_of<Shell>(shell_names), "For which (default: bash)");
-        return [shell] {
-          const Program program;
-          print(*shell == Shell::bash ? bash(program) : *shell == Shell::zsh ? zsh(program) : fish(program));
-          return 0;
-        };
-      }};
+Action define_completion(Options& o) {
+  const auto shell = std::make_shared<Shell>(Shell::bash);
+  o.add("SHELL", one_of(*shell, shell_names), "For which (default: bash)");
+  return [shell](Report&) {
+    const std::deque<Known> all = all_known();
+    print(*shell == Shell::bash ? bash(all) : *shell == Shell::zsh ? zsh(all) : fish(all));
+    return 0;
+  };
 }
 
 }  // namespace tools

@@ -1,12 +1,12 @@
-#include "costs_file.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "console.h"
 #include "envmap/base/error.h"
+#include "maps.h"
 
 namespace tools {
 namespace {
@@ -18,15 +18,7 @@ constexpr double most = 1e12;
 
 }  // namespace
 
-void add_costs(CLI::App& app, std::string& path) {
-  app.add_option("--costs", path,
-                 "Choose methods by the times in FILE, which 'envmap tradeoff --calibrate --save' writes: quicker on this machine, but with "
-                 "another file the same command may give other bytes (default: the times of a common x86-64 server)")
-      ->type_name("FILE")
-      ->envname("ENVMAP_COSTS");
-}
-
-Costs read_costs(const std::string& path, const Common& common) {
+Costs read_costs(const std::string& path) {
   if (path.empty()) return {};
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path, "not found, or not to be read");
@@ -49,7 +41,7 @@ Costs read_costs(const std::string& path, const Common& common) {
     if (!(costs.nanoseconds[k] > 0 && costs.nanoseconds[k] <= most))
       throw InputError(path, fmt::format("'{}' is not above 0 and up to 1e12", name));
   }
-  common.also_read->push_back(path);
+  settings().also_read.push_back(path);
   return costs;
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "command.h"
+#include "console.h"
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 #include "font.h"

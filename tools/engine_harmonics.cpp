@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/window.h"
+#include "report.h"
 
 namespace tools {
 namespace {
@@ -17,7 +17,7 @@ using namespace envmap;
 constexpr double n0 = 0.28209479177387814, n1 = 0.4886025119029199, n2 = 1.0925484305920792, n20 = 0.31539156525252005;
 constexpr double n22 = n2 / 2;
 
-nlohmann::json colour(const Flux& f) { return {f.x, f.y, f.z}; }
+std::string colour(const Flux& f) { return json_array({f.x, f.y, f.z}); }
 
 // Filament: computeIrradianceSH3Bands in libs/ibl/src/CubemapSH.cpp.
 std::string filament(const IrradiancePolynomial& p) {
@@ -29,21 +29,19 @@ std::string filament(const IrradiancePolynomial& p) {
 // Babylon.js: SphericalPolynomial.FromHarmonics in packages/dev/core/src/Maths/sphericalPolynomial.ts, which multiplies degrees 0,
 // 1 and 2 by 1, 2/3 and 1/4 once more, and shares the constant between xx, yy and zz. X is negated: its world is left-handed.
 std::string babylon(const IrradiancePolynomial& p) {
-  const nlohmann::ordered_json polynomial{
-      {"x", colour(-2.0 / 3 * p[3])},       {"y", colour(2.0 / 3 * p[1])},        {"z", colour(2.0 / 3 * p[2])},
-      {"xx", colour(p[0] - 0.25 * p[6] + 0.25 * p[8])}, {"yy", colour(p[0] - 0.25 * p[6] - 0.25 * p[8])},
-      {"zz", colour(p[0] + 0.5 * p[6])},    {"yz", colour(0.25 * p[5])},          {"zx", colour(-0.25 * p[7])},
-      {"xy", colour(-0.25 * p[4])}};
-  return polynomial.dump();
+  return fmt::format(R"({{"x":{},"y":{},"z":{},"xx":{},"yy":{},"zz":{},"yz":{},"zx":{},"xy":{}}})",
+                     colour(-2.0 / 3 * p[3]), colour(2.0 / 3 * p[1]), colour(2.0 / 3 * p[2]),
+                     colour(p[0] - 0.25 * p[6] + 0.25 * p[8]), colour(p[0] - 0.25 * p[6] - 0.25 * p[8]),
+                     colour(p[0] + 0.5 * p[6]), colour(0.25 * p[5]), colour(-0.25 * p[7]), colour(-0.25 * p[4]));
 }
 
 // EXT_lights_image_based: coefficients of the irradiance itself, l00, l1-1, l10, l11, l2-2 ... l22. Their signs, of which the
 // extension says nothing, as SphericalHarmonics.FromArray of Babylon.js takes them: those of m = -1 and 1 negated, X negated.
 std::string gltf(const IrradiancePolynomial& p) {
   constexpr double scale[] = {1 / n0, -1 / n1, 1 / n1, 1 / n1, -1 / n2, -1 / n2, 1 / n20, 1 / n2, 1 / n22};
-  nlohmann::json coefficients;
-  for (std::size_t k = 0; k < 9; ++k) coefficients.push_back(colour(pi * scale[k] * p[k]));
-  return coefficients.dump();
+  std::string coefficients;
+  for (std::size_t k = 0; k < 9; ++k) coefficients += (k == 0 ? "" : ",") + colour(pi * scale[k] * p[k]);
+  return "[" + coefficients + "]";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "console.h"
 #include "engine_harmonics.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/convert.h"
@@ -60,13 +61,12 @@ std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional
   return roughnesses;
 }
 
-std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source, const Common& common) {
+std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source) {
   if (!map.chain || map.chain->irradiance == IrradianceForm::none) return {};
-  return {harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress_line(common, "spherical harmonics")))};
+  return {harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress_line("spherical harmonics")))};
 }
 
-MapMaker::MapMaker(const EnvironmentMap& source, const MapOptions& options, const Common& common)
-    : source_(source), options_(options), common_(common) {}
+MapMaker::MapMaker(const EnvironmentMap& source, const MapOptions& options) : source_(source), options_(options) {}
 
 MadeMap MapMaker::environment(const EngineMap& wanted, const FileError& error) const {
   const Projection to = wanted.frame.projection;
@@ -97,7 +97,7 @@ MadeMap MapMaker::chain(const EngineMap& wanted, const FileError& error) {
     made.levels.levels.push_back(std::move(level.done.map.base()));
   }
   made.rows = all_rows_of(made.levels);
-  made.pairs = irradiance_pairs(wanted, source_, common_);
+  made.pairs = irradiance_pairs(wanted, source_);
   made.accuracy = of_lobes(error, options_.quality.max_error);
   return made;
 }
@@ -116,9 +116,9 @@ MadeLevel MapMaker::lobe(const Prefilter& wanted, const FileError& error) {
   Prefilter within = wanted;
   within.costs = options_.costs;
   within.max_error = error.asked ? left_to_prefilter(error) : options_.quality.max_error;
-  const Progress progress = progress_line(
-      common_, wanted.shape == Shape::diffuse ? "bake diffuse" : fmt::format("bake roughness {:.2f}", wanted.parameter));
-  return make_level(*prepared_, within, error, false, progress);
+  const Progress shown = progress_line(
+      wanted.shape == Shape::diffuse ? "bake diffuse" : fmt::format("bake roughness {:.2f}", wanted.parameter));
+  return make_level(*prepared_, within, error, false, shown);
 }
 
 MadeMap MapMaker::make(const EngineMap& wanted, const std::optional<Rounding>& rounding) {

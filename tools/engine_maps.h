@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "command.h"
 #include "engines.h"
 #include "envmap/map/rows.h"
 #include "envmap/prefilter/prefilter.h"
@@ -47,7 +46,7 @@ struct MadeMap {
 std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional<int> levels, std::string_view option);
 
 /// The irradiance that goes beside a chain, for WriteOptions::pairs; nothing where the engine wants none.
-std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const envmap::EnvironmentMap& source, const Common& common);
+std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const envmap::EnvironmentMap& source);
 
 /// The engine's frame where that is left-handed: X or Z negated.
 std::vector<envmap::Rows> mirrored(std::vector<envmap::Rows> levels, Mirror mirror);
@@ -58,7 +57,7 @@ std::optional<envmap::Rounding> mirrored(const std::optional<envmap::Rounding>& 
 class MapMaker {
  public:
   /// @param source must outlive this.
-  MapMaker(const envmap::EnvironmentMap& source, const MapOptions& options, const Common& common);
+  MapMaker(const envmap::EnvironmentMap& source, const MapOptions& options);
 
   /// @param rounding of the map's file, by rounding_of(). @throws NotReached where max_error is not.
   [[nodiscard]] MadeMap make(const EngineMap& wanted, const std::optional<envmap::Rounding>& rounding);
@@ -71,7 +70,6 @@ class MapMaker {
 
   const envmap::EnvironmentMap& source_;
   MapOptions options_;
-  const Common& common_;
   std::unique_ptr<envmap::PrefilterSource> prepared_;
 };
 

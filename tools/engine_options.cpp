@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "command_line.h"
+#include "console.h"
 #include "envmap/base/error.h"
 #include "envmap/io/file_format.h"
 
@@ -28,29 +30,29 @@ std::string engine_names() {
   return joined(names);
 }
 
-CLI::Option* add_engine(CLI::App& app, const Engine*& engine, const std::string& help, bool* list) {
-  const auto choose = [&engine, list](const std::string& word) {
-    if (word == "list" && list != nullptr) {
-      *list = true;
-    } else if (word == "list") {
-      list_engines();
-      throw CLI::Success();
-    } else {
-      const auto found = std::ranges::find(engines(), word, &Engine::name);
-      if (found == engines().end()) throw CLI::ValidationError("--for", "'" + word + "' is none of " + engine_names());
-      engine = &*found;
-    }
-  };
-  return app.add_option_function<std::string>("--for", choose, help)->type_name(engine_names());
+Option& add_engine(Options& o, const Engine*& engine, std::string_view help, bool* list) {
+  return o.add(
+      "--for", engine_names(),
+      [&engine, list](const std::string& word) {
+        const auto found = std::ranges::find(engines(), word, &Engine::name);
+        if (word == "list" && list == nullptr) throw Asked{engine_list()};
+        if (word == "list") return *list = true;
+        if (found == engines().end()) return false;
+        engine = &*found;
+        return true;
+      },
+      help);
 }
 
-void list_engines() {
+std::string engine_list() {
+  std::string list;
   for (const Engine& e : engines()) {
     std::vector<std::string_view> files;
     for (const EngineMap& map : e.maps) files.push_back(map.file);
-    print(fmt::format("{:12}{} ({})\n{:12}{}: {}; {}\n{:12}rough and diffuse light: {}\n", e.name, e.title, e.version, "",
-                      fmt::join(files, ", "), frame_words(e.maps.front().frame), e.turns, "", e.light));
+    list += fmt::format("{:12}{} ({})\n{:12}{}: {}; {}\n{:12}rough and diffuse light: {}\n", e.name, e.title, e.version,
+                        "", fmt::join(files, ", "), frame_words(e.maps.front().frame), e.turns, "", e.light);
   }
+  return list;
 }
 
 std::string frame_words(const Frame& frame) {
@@ -95,21 +97,14 @@ void settle(const Engine& engine, const EngineMap& map, const std::string& outpu
   settle(engine, map, output, to, forward, write);
 }
 
-void tell_frame(const std::string& path, const Engine& engine, const EngineMap& map, const Common& common) {
-  note(common, fmt::format("{}: {}: {}", path, frame_words(map.frame), engine.turns));
+void tell_frame(const std::string& path, const Engine& engine, const EngineMap& map) {
+  note(fmt::format("{}: {}: {}", path, frame_words(map.frame), engine.turns));
 }
 
-void add_frame(nlohmann::ordered_json& report, const Engine& engine, const EngineMap& map) {
-  report["engine"] = engine.name;
-  report["frame"] = frame_words(map.frame);
-  report["turns"] = engine.turns;
-}
-
-std::vector<Key> with_frame(std::vector<Key> keys) {
-  keys.insert(keys.end(), {{"engine", "text?", "with --for: its name"},
-                           {"frame", "text?", "with --for: projection, and the axis at the centre"},
-                           {"turns", "text?", "with --for: how directions stand in the engine's world"}});
-  return keys;
+void add_frame(Report& report, const Engine& engine, const EngineMap& map) {
+  report.put("engine", engine.name);
+  report.put("frame", frame_words(map.frame));
+  report.put("turns", engine.turns);
 }
 
 void tell_what_is_cut(const Engine& engine, const Level& level, const std::string& command) {

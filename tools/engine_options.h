@@ -4,19 +4,20 @@
 #include <optional>
 #include <string>
 
-#include "command.h"
 #include "engines.h"
+#include "map_options.h"
+#include "report.h"
 
 namespace tools {
 
-/// --for. 'list' sets `list`; where that is null it prints the engines and ends the program.
-CLI::Option* add_engine(CLI::App& app, const Engine*& engine, const std::string& help, bool* list = nullptr);
+/// --for. 'list' sets `list`. @throws Asked with engine_list() where `list` is null.
+Option& add_engine(Options& o, const Engine*& engine, std::string_view help, bool* list = nullptr);
 
 /// "babylon|bevy|...".
 std::string engine_names();
 
-/// The engines, what they load, and how the map's directions stand there.
-void list_engines();
+/// The engines, what they load, and how the map's directions stand there, as a text.
+std::string engine_list();
 
 /// "latlong, +x at the centre".
 std::string frame_words(const envmap::Frame& frame);
@@ -35,12 +36,9 @@ void settle(const Engine& engine, const EngineMap& map, const std::string& outpu
 void settle(const Engine& engine, const EngineMap& map, const std::string& output, envmap::WriteOptions& write);
 
 /// Says how the map's directions stand in the engine's world.
-void tell_frame(const std::string& path, const Engine& engine, const EngineMap& map, const Common& common);
+void tell_frame(const std::string& path, const Engine& engine, const EngineMap& map);
 /// The same in a report.
-void add_frame(nlohmann::ordered_json& report, const Engine& engine, const EngineMap& map);
-/// The keys of add_frame().
-std::vector<Key> with_frame(std::vector<Key> keys);
-
+void add_frame(Report& report, const Engine& engine, const EngineMap& map);
 /// Says what the engine's loader would cut off without a word.
 void tell_what_is_cut(const Engine& engine, const envmap::Level& level, const std::string& command);
 

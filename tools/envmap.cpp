@@ -2,21 +2,22 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hwy/highway.h>
-#include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <iostream>
 #include <new>
-#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "command.h"
+#include "command_line.h"
+#include "console.h"
 #include "envmap/base/error.h"
 #include "error_in_file.h"
-#include "suggest.h"
+
+using namespace tools;
 
 namespace {
 
@@ -68,11 +69,15 @@ std::vector<Step> steps(envmap::Remedy remedy) {
   return {};
 }
 
-// Names only options that the command has. @param command may be null.
-std::string advice(envmap::Remedy remedy, const CLI::App* command) {
+bool has(const Options& options, std::string_view name) {
+  return std::ranges::find(options.rows, name, &Option::name) != options.rows.end();
+}
+
+// Names only options that the command has.
+std::string advice(envmap::Remedy remedy, const Options& options) {
   std::vector<std::string> words;
   for (const Step& step : steps(remedy))
-    if (*step.option == 0 || (command != nullptr && command->get_option_no_throw(step.option) != nullptr))
+    if (*step.option == 0 || has(options, step.option))
       words.emplace_back(step.words);
   if (words.empty()) return "";
   const std::string last = words.back();
@@ -83,14 +88,8 @@ std::string advice(envmap::Remedy remedy, const CLI::App* command) {
 
 int complain(const std::string& who, std::string what, int status) {
   std::replace(what.begin(), what.end(), '\n', ' ');
-  tools::warn(who + ": " + what);
+  warn(who + ": " + what);
   return status;
-}
-
-int run_with_threads(const std::function<int()>& run, int threads) {
-  std::optional<tbb::global_control> limit;
-  if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  return run();
 }
 
 }  // namespace
@@ -98,36 +97,27 @@ int run_with_threads(const std::function<int()>& run, int threads) {
 int main(int argc, char** argv) {
   // For tests that the bytes do not depend on the processor: the vector code that every x86-64 can run.
   if (std::getenv("ENVMAP_BASELINE") != nullptr) hwy::DisableTargets(~std::int64_t{HWY_STATIC_TARGET});
-  const std::vector<tools::Command> commands = tools::all_commands();
-  tools::Common common;
-  std::function<int()> run;
-  const auto app = tools::make_app(commands, common, run);
-  const CLI::App* const command = argc > 1 ? tools::find_command(*app, argv[1]) : nullptr;
-  const std::string who = command != nullptr ? "envmap " + command->get_name() : "envmap";
+  Parsed parsed;
+  std::string who = "envmap";
+  int status = done;
   try {
-    app->parse(argc, argv);
-  } catch (const CLI::Success& e) {  // --help, --version
-    const int status = app->exit(e);
-    std::cout.flush();
-    return std::cout && std::fflush(stdout) == 0 ? status : complain(who, "standard output: not written", not_written);
-  } catch (const CLI::ParseError& e) {
-    return complain(who, tools::explain(e, *app, argc, argv), usage);
-  }
-  try {
-    const int status = run_with_threads(run, common.threads);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-      return complain(who, "standard output: not written", not_written);
-    return status;
-  } catch (const CLI::ParseError& e) {
-    return complain(who, e.what(), usage);
-  } catch (const tools::NotReached& e) {
+    if (argc > 1 && std::ranges::find(commands(), argv[1], &Command::name) != commands().end())
+      who += " " + std::string(argv[1]);
+    parse({argv + 1, argv + argc}, parsed);
+    status = run(parsed);
+  } catch (const Asked& asked) {
+    std::fputs(asked.text.c_str(), stdout);
+  } catch (const NotReached& e) {
     return complain(who, e.what(), not_reached);
   } catch (const envmap::Error& e) {
-    return complain(who, e.what() + advice(e.remedy(), command), status_of(e.code()));
+    return complain(who, e.what() + advice(e.remedy(), parsed.options), status_of(e.code()));
   } catch (const std::bad_alloc&) {
-    const bool sized = command != nullptr && command->get_option_no_throw("--size") != nullptr;
+    const bool sized = has(parsed.options, "--size");
     return complain(who, sized ? "not enough memory: choose a smaller --size" : "not enough memory", not_written);
   } catch (const std::exception& e) {
     return complain(who, fmt::format("{} (this is a fault of envmap: please report it)", e.what()), bad_input);
   }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return complain(who, "standard output: not written", not_written);
+  return status;
 }

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <vector>
 
-#include "command.h"
+#include "console.h"
+#include "embedded.h"
 #include "envmap/io/texture.h"
 #include "envmap/map/rows.h"
 #include "envmap/maths/portable.h"
@@ -15,12 +15,12 @@
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/prefilter.h"
 #include "facts.h"
+#include "report.h"
 
 namespace tools {
 namespace {
 
 using namespace envmap;
-using nlohmann::ordered_json;
 
 // RFC 4648, section 4.
 std::string base64(std::span<const std::byte> bytes) {
@@ -51,12 +51,23 @@ std::string texels_of(const Level& cube, double scale) {
   return base64(bytes);
 }
 
-ordered_json level_of_page(std::string name, int size) { return {{"name", std::move(name)}, {"size", size}}; }
+// A level of a texture of the page: a name, and the cube's texels where the page does not have them yet.
+struct PageLevel {
+  std::string name;
+  int size;
+  std::string texels = {};
+};
 
-ordered_json level_of_page(std::string name, const Level& cube, double scale) {
-  ordered_json level = level_of_page(std::move(name), cube.height());
-  level["texels"] = texels_of(cube, scale);
-  return level;
+PageLevel page_level(std::string name, const Level& cube, double scale) {
+  return {std::move(name), cube.height(), texels_of(cube, scale)};
+}
+
+void add(Report& data, const std::string& texture, const PageLevel& level) {
+  const std::string levels = "textures." + texture + ".levels[]";
+  data.append(levels);
+  data.put(levels + ".name", level.name);
+  data.put(levels + ".size", level.size);
+  if (!level.texels.empty()) data.put(levels + ".texels", level.texels);
 }
 
 // The power of 2 that brings the brightest texel into what the format holds.
@@ -67,30 +78,26 @@ double scale_for(const Source& source) {
 }
 
 // The file's levels, each as a cube half as large as the one before.
-ordered_json levels_of_map(const EnvironmentMap& map, int size, double scale) {
-  ordered_json chain;
+void add_map(Report& data, const EnvironmentMap& map, int size, double scale) {
   for (std::size_t k = 0; k < map.levels.size() && size >> k > 0; ++k) {
     EnvironmentMap one{.levels = {}, .forward = map.forward};
     one.levels.push_back(map.levels[k].clone());
     const EnvironmentMap cube = convert(one, {.to = {Projection::cube}, .size = size >> k});
-    chain["levels"].push_back(level_of_page(map.levels.size() > 1 ? fmt::format("level {}", k) : "the map", cube.base(), scale));
+    add(data, "map", page_level(map.levels.size() > 1 ? fmt::format("level {}", k) : "the map", cube.base(), scale));
   }
-  return chain;
 }
 
 // Roughness k / (n - 1) on faces of size / 2^k, down to 8 texels. Roughness 0 is the map, which the page has already.
-ordered_json levels_of_ggx(const PrefilterSource& source, int size, double scale) {
+void add_ggx(Report& data, const PrefilterSource& source, int size, double scale) {
   constexpr int least = 8;
   int count = 2;
   while (size >> count >= least) ++count;
-  ordered_json chain;
-  chain["levels"].push_back(level_of_page("GGX, roughness 0", size));
+  add(data, "ggx", {"GGX, roughness 0", size});
   for (int k = 1; k < count; ++k) {
     const double roughness = static_cast<double>(k) / (count - 1);
     const Prefiltered made = source.make({.shape = Shape::ggx, .parameter = roughness, .size = std::max(1, size >> k), .max_error = 1e-2});
-    chain["levels"].push_back(level_of_page(fmt::format("GGX, roughness {:.2g}", roughness), made.map.base(), scale));
+    add(data, "ggx", page_level(fmt::format("GGX, roughness {:.2g}", roughness), made.map.base(), scale));
   }
-  return chain;
 }
 
 double azimuth_of(Forward forward) {
@@ -112,9 +119,9 @@ std::string filled(std::string_view page, const std::vector<std::pair<std::strin
   return out;
 }
 
-std::string json_in_html(const ordered_json& data) {
+std::string json_in_html(const Report& data) {
   std::string out;
-  for (const char c : data.dump(-1, ' ', false, ordered_json::error_handler_t::replace)) out += c == '<' ? "\\u003c" : std::string(1, c);
+  for (const char c : data.line()) out += c == '<' ? "\\u003c" : std::string(1, c);
   return out;
 }
 
@@ -123,20 +130,26 @@ std::string json_in_html(const ordered_json& data) {
 std::string html_page(const Source& source, const PageOptions& o) {
   const double scale = scale_for(source);
   const PrefilterSource prefilter(source.map);
-  ordered_json data;
-  data["forward"] = azimuth_of(source.map.forward);
-  data["scale"] = scale;
-  data["exposure"] = std::clamp(std::round(4 * portable::log2(o.scale)) / 4, -12.0, 12.0);
-  data["curve"] = display_names[static_cast<std::size_t>(o.display)];
-  data["facts"] = lines_of(facts(source, o.file, o.space));
-  data["honest"] = fmt::format(
-      "Cubes of {0} x {0} texels a face, made by 'envmap convert'; radiance in RGB9E5: within 1/512 of the largest channel of a texel{1}. "
-      "GGX with n = v = r and no Fresnel term, and diffuse light, by 'envmap prefilter' within 1%; between its levels roughness is interpolated.",
-      o.size, scale > 1 ? fmt::format(", after a division by {:g} that brings the brightest into it", scale) : "");
-  data["textures"]["map"] = levels_of_map(source.map, o.size, scale);
-  data["textures"]["ggx"] = levels_of_ggx(prefilter, o.size, scale);
+  const std::string divided =
+      scale > 1 ? fmt::format(", after a division by {:g} that brings the brightest into it", scale) : "";
+  Report data;
+  data.put("forward", azimuth_of(source.map.forward));
+  data.put("scale", scale);
+  data.put("exposure", std::clamp(std::round(4 * portable::log2(o.scale)) / 4, -12.0, 12.0));
+  data.put("curve", display_names[static_cast<std::size_t>(o.display)]);
+  data.put_array("facts");
+  for (const auto& [what, value] : lines_of(facts_of(source, o.file, o.space)))
+    data.append("facts[]", ReportValue(std::vector<std::string>{what, value}));
+  data.put("honest",
+           fmt::format("Cubes of {0} x {0} texels a face, made by 'envmap convert'; radiance in RGB9E5: within 1/512 "
+                       "of the largest channel of a texel{1}. "
+                       "GGX with n = v = r and no Fresnel term, and diffuse light, by 'envmap prefilter' within 1%; "
+                       "between its levels roughness is interpolated.",
+                       o.size, divided));
+  add_map(data, source.map, o.size, scale);
+  add_ggx(data, prefilter, o.size, scale);
   const Prefiltered diffuse = prefilter.make({.shape = Shape::diffuse, .size = 32, .max_error = 1e-2});
-  data["textures"]["diffuse"]["levels"].push_back(level_of_page("diffuse light, white", diffuse.map.base(), scale));
+  add(data, "diffuse", page_level("diffuse light, white", diffuse.map.base(), scale));
   return filled(page_source("page.html"), {{"title", in_markup(o.file)},
                                            {"style", std::string(page_source("page.css"))},
                                            {"shader", std::string(page_source("page.glsl"))},

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "envmap/io/display.h"
 #include "envmap/io/read.h"
@@ -19,8 +18,5 @@ struct PageOptions {
 
 // HTML: cubes of the map with its levels, of GGX of roughness 0 to 1 and of the diffuse light, in RGB9E5 and base64.
 std::string html_page(const envmap::Source& source, const PageOptions& options);
-
-// A file of page/, by its name: made when the program is built.
-std::string_view page_source(std::string_view name);
 
 }  // namespace tools

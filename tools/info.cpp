@@ -5,35 +5,41 @@
 #include "envmap/operate/measure.h"
 #include "envmap/operate/sampling.h"
 #include "facts.h"
+#include "map_options.h"
+#include "maps.h"
 
 namespace tools {
 namespace {
 
 using namespace envmap;
-using nlohmann::ordered_json;
 
-struct Options {
+struct Request {
   std::string input;
   ReadOptions read;
   bool sampling = false, levels = false;
   std::optional<Direction> towards;
 };
 
-void print_facts(const ordered_json& j) {
-  for (const auto& [what, value] : lines_of(j)) print(fmt::format("{:15}{}\n", what, value));
+// Size and flux of each level, and how far the flux is off that of the first.
+void add_levels(Report& report, const EnvironmentMap& map) {
+  for (const Level& level : map.levels) {
+    report.append("level_table[]");
+    report.put("level_table[].face_width", level.width());
+    report.put("level_table[].face_height", level.height());
+    report.put("level_table[].flux", Direction(flux(level)));
+    report.put("level_table[].flux_difference", Direction(flux_difference(level, map.base())));
+  }
 }
 
-// Size and flux of each level, and how far the flux is off that of the first.
-ordered_json levels(const EnvironmentMap& map) {
-  ordered_json table;
-  for (const Level& level : map.levels) {
-    const Flux off = flux_difference(level, map.base());
-    table.push_back({{"face_width", level.width()},
-                     {"face_height", level.height()},
-                     {"flux", to_json(flux(level))},
-                     {"flux_difference", to_json(off)}});
+void add_sampling(Report& report, const std::vector<SamplingRow>& table) {
+  for (const SamplingRow& r : table) {
+    report.append("sampling[]");
+    report.put("sampling[].texel", ReportValue::Texel{r.i, r.j});
+    report.put("sampling[].degrees", r.angle);
+    report.put("sampling[].solid_angle", r.solid_angle);
+    report.put("sampling[].relative", r.relative);
+    report.put("sampling[].anisotropy", r.anisotropy);
   }
-  return table;
 }
 
 void print_levels(const EnvironmentMap& map) {
@@ -47,25 +53,20 @@ void print_levels(const EnvironmentMap& map) {
   }
 }
 
-int run(Options& o, const Common& common) {
+int run(Request& o, Report& report) {
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
   o.read.all_levels = o.levels;
-  const Source source = read_map(o.input, o.read, common);
-  ordered_json j = facts(source, o.input, o.read.colour.space, o.towards);
-  if (o.levels) j["level_table"] = levels(source.map);
+  const Source source = read_map(o.input, o.read);
+  const MapFacts facts = facts_of(source, o.input, o.read.colour.space, o.towards);
   std::vector<SamplingRow> table;
   if (o.sampling) table = sampling_table(source.map.projection(), source.map.base().height());
-  if (common.json) {
-    for (const SamplingRow& r : table)
-      j["sampling"].push_back({{"texel", {r.i, r.j}},
-                               {"degrees", r.angle},
-                               {"solid_angle", r.solid_angle},
-                               {"relative", r.relative},
-                               {"anisotropy", r.anisotropy}});
-    print_report(j);
+  if (settings().json) {
+    add(report, facts);
+    if (o.levels) add_levels(report, source.map);
+    add_sampling(report, table);
     return 0;
   }
-  print_facts(j);
+  for (const auto& [what, value] : lines_of(facts)) print(fmt::format("{:15}{}\n", what, value));
   if (o.levels) print_levels(source.map);
   if (o.sampling)
     print(fmt::format("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean",
@@ -78,85 +79,17 @@ int run(Options& o, const Common& common) {
 
 }  // namespace
 
-Command info_command() {
-  return {
-      .name = "info",
-      .summary = "Show what an environment map holds: projection, radiance, flux, brightest direction, flaws",
-      .description =
-          "Means are weighted by solid angle; flux is the sum of radiance x solid angle per channel. The dynamic range "
-          "is that "
-          "of luminance (Rec. 709), from the darkest texel above 0. Directions are in the world frame: right-handed, "
-          "+Y up. Values are those in linear Rec.709, whatever the file holds. The illuminance is that of a plane, in lux where 1 is "
-          "a candela a square metre or what whiteLuminance says. NaN, infinite and negative texels are counted, and NaN and infinite ones left out of the sums.\n\n"
-          "--sampling shows how evenly the projection samples the sphere: solid angle and anisotropy of texels from "
-          "the "
-          "centre of a face to the pole (latlong), the corner (cube) or the rim.",
-      .examples = {{"envmap info probe.hdr", "facts as text"},
-                   {"envmap info probe.exr --json | jq .flux", "one fact for a script"},
-                   {"envmap info chain.ktx2 --levels", "with the flux of every mip level"},
-                   {"envmap info ball.exr --from sphere --sampling", "with the table of texel solid angles"}},
-      .keys = {{"file", "text", "INPUT"},
-               {"format", "text", "openexr, hdr, ktx2, ktx, dds or what OpenImageIO calls it"},
-               {"depth", "text", "uint8, uint16, bc6h, rgb9e5, half or float"},
-               {"width", "count", "of the image in texels"},
-               {"height", "count", "of the image in texels"},
-               {"projection", "text", "latlong, cube, sphere, paraboloid or angular"},
-               {"layout", "text", "where faces lie in the image"},
-               {"forward", "text?", "world axis at the centre of latlong and angular images, else absent"},
-               {"border", "count?", "texels on each side of an octahedral map that repeat others, left out here; else absent"},
-               {"border_samples", "boolean?", "true where samples lie on the border (OpenEXR's envmap attribute), else absent"},
-               {"levels", "count", "mip levels in the file"},
-               {"space", "text", "colour space of the file's values, and in brackets what says so; all values here are linear Rec.709"},
-               {"faces", "count", "of the map"},
-               {"face_width", "count", "in texels"},
-               {"face_height", "count", "in texels"},
-               {"minimum", "triple", "of each channel: red, green, blue"},
-               {"maximum", "triple", "of each channel"},
-               {"mean", "triple", "radiance of each channel over the sphere"},
-               {"flux", "triple", "sum of radiance x solid angle, of each channel"},
-               {"solid_angle", "number", "of all texels, in steradians"},
-               {"illuminance.towards", "triple", "unit vector that the plane faces: --towards, else up"},
-               {"illuminance.lux", "number", "luminance x cosine x solid angle over its half of the sphere, of white_luminance or 1 cd/m^2"},
-               {"white_luminance", "number?", "of radiance 1 in cd/m^2, as the file says; else absent"},
-               {"dynamic_range", "number", "luminance of the brightest texel over that of the darkest above 0; null where there is none"},
-               {"stops", "number", "its logarithm to base 2"},
-               {"brightest.direction", "triple", "of the brightest texel: x, y, z in the world frame"},
-               {"brightest.value", "triple", "its radiance"},
-               {"brightest.face", "count", "where it is"},
-               {"brightest.texel", "texel", "column and row there"},
-               {"brightest.azimuth", "number", "of its direction: degrees about +Y from +Z towards +X, as --rotate counts them"},
-               {"brightest.elevation", "number", "degrees above the horizon"},
-               {"metadata", "words?", "further words that the file carries, such as the lobe; else absent"},
-               {"texels_at_maximum", "count", "texels with a channel at the largest value of all: many where a map was clipped"},
-               {"nan", "count", "texels that hold NaN"},
-               {"infinite", "count", "texels that hold infinities"},
-               {"negative", "count", "texels that hold values below 0"},
-               {"first_flaw", "object?", "the first texel of these; absent where there is none"},
-               {"first_flaw.face", "count", "where it is"},
-               {"first_flaw.texel", "texel", "column and row there"},
-               {"level_table[]", "object?", "a row for each level, with --levels; else absent"},
-               {"level_table[].face_width", "count", "in texels"},
-               {"level_table[].face_height", "count", "in texels"},
-               {"level_table[].flux", "triple", "of each channel"},
-               {"level_table[].flux_difference", "triple", "relative to that of level 0"},
-               {"sampling[]", "object?", "with --sampling; else absent"},
-               {"sampling[].texel", "texel", "column and row"},
-               {"sampling[].degrees", "number", "from the centre of the face"},
-               {"sampling[].solid_angle", "number", "in steradians"},
-               {"sampling[].relative", "number", "that over the mean of all texels"},
-               {"sampling[].anisotropy", "number", "longest over shortest side of the texel on the sphere"}},
-      .reports = true,
-      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
-        auto o = std::make_shared<Options>();
-        app.add_option("INPUT", o->input, "File to read, '-' for standard input; {face} in the name reads six files")->required();
-        app.add_flag("--levels", o->levels, "Add the table of mip levels and how far the flux of each is off");
-        app.add_flag("--sampling", o->sampling, "Add the table of texel solid angle and anisotropy from centre to rim");
-        add_triple(app, "--towards", o->towards, "X,Y,Z", false, "What the plane of the illuminance faces (default: up, 0,1,0)");
-        add_read_options(app, o->read);
-        add_max_memory(app, o->read);
-        o->read.flaws = FlawPolicy::keep;
-        return [o, &common] { return run(*o, common); };
-      }};
+Action define_info(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.reads("INPUT", r->input, "File to read, '-' for standard input; {face} in the name reads six files")
+      .required = true;
+  o.flag("--levels", r->levels, "Add the table of mip levels and how far the flux of each is off");
+  o.flag("--sampling", r->sampling, "Add the table of texel solid angle and anisotropy from centre to rim");
+  o.add("--towards", "X,Y,Z", Triple{&r->towards}, "What the plane of the illuminance faces (default: up, 0,1,0)");
+  add_read_options(o, r->read);
+  add_max_memory(o, r->read);
+  r->read.flaws = FlawPolicy::keep;
+  return [r](Report& report) { return run(*r, report); };
 }
 
 }  // namespace tools

@@ -5,7 +5,6 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -15,26 +14,25 @@
 #include <set>
 #include <sstream>
 
-#include "command.h"
+#include "command_line.h"
 #include "envmap/base/error.h"
 #include "named_files.h"
-#include "suggest.h"
 
 namespace tools {
 namespace {
 
 using namespace envmap;
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
+using Texts = std::vector<std::string>;
 
 struct Line {
   std::string where;
-  Words words;
+  Texts words;
 };
 
 // A line as a shell cuts it: '...' as it stands, "..." and what follows a backslash without its meaning, # begins a comment.
-Words split(const std::string& line, const std::string& where) {
-  Words words;
+Texts split(const std::string& line, const std::string& where) {
+  Texts words;
   bool open = false;
   char quote = 0;
   for (std::size_t k = 0; k < line.size(); ++k) {
@@ -68,7 +66,7 @@ std::vector<Line> lines_of_json(const std::string& path, const std::string& text
     if (job.is_string())
       line.words = split(job.get<std::string>(), line.where);
     else if (job.is_array() && std::ranges::all_of(job, [](const auto& word) { return word.is_string(); }))
-      line.words = job.get<Words>();
+      line.words = job.get<Texts>();
     else
       throw InputError(path, fmt::format("{} is neither a command line nor an array of words", line.where));
     lines.push_back(line);
@@ -82,7 +80,7 @@ std::vector<Line> lines_of_text(const std::string& text) {
   int number = 0;
   for (std::string line; std::getline(in, line);) {
     const std::string where = fmt::format("line {}", ++number);
-    if (const Words words = split(line, where); !words.empty()) lines.push_back({where, words});
+    if (const Texts words = split(line, where); !words.empty()) lines.push_back({where, words});
   }
   return lines;
 }
@@ -90,7 +88,7 @@ std::vector<Line> lines_of_text(const std::string& text) {
 bool is_pattern(const std::string& word) { return word.find_first_of("*?[") != word.npos; }
 bool is_place(const std::string& word) { return word.find("{stem}") != word.npos || word.find("{name}") != word.npos; }
 
-Words matching(const std::string& pattern, const std::set<std::string>& written, const std::string& where) {
+Texts matching(const std::string& pattern, const std::set<std::string>& written, const std::string& where) {
   std::set<std::string> found;
   glob_t files = {};
   if (::glob(pattern.c_str(), 0, nullptr, &files) == 0) found.insert(files.gl_pathv, files.gl_pathv + files.gl_pathc);
@@ -112,11 +110,11 @@ std::string placed(std::string word, const std::string& file) {
 }
 
 // The commands that a line stands for.
-std::vector<Words> expanded(const Line& line, const std::set<std::string>& written) {
+std::vector<Texts> expanded(const Line& line, const std::set<std::string>& written) {
   const auto pattern = std::ranges::find_if(line.words, is_pattern);
   const bool each = std::ranges::any_of(line.words, is_place);
   if (pattern == line.words.end() && each) throw UsageError(line.where + ": {stem} and {name} need a word such as *.hdr");
-  Words all;
+  Texts all;
   if (!each) {
     for (const std::string& word : line.words)
       if (is_pattern(word))
@@ -125,58 +123,58 @@ std::vector<Words> expanded(const Line& line, const std::set<std::string>& writt
         all.push_back(word);
     return {all};
   }
-  std::vector<Words> commands;
+  std::vector<Texts> commands;
   for (const std::string& file : matching(*pattern, written, line.where)) {
-    Words& words = commands.emplace_back();
+    Texts& words = commands.emplace_back();
     for (const std::string& word : line.words) words.push_back(word == *pattern ? file : placed(word, file));
   }
   return commands;
 }
 
-constexpr std::array with_output{"bake", "convert", "generate", "merge", "mipmap", "prefilter", "preview", "render", "view"};
-
-// What the command's own definition makes of its words; no command is run.
-void parse(Program& program, const Job& job) {
-  Words reversed(job.words.rbegin(), job.words.rend());
+// Parses the words of a job. Nothing is run, and the settings of this process stay.
+void parse(const Job& job, Parsed& parsed) {
+  Settings unused;
   try {
-    program.app->parse(reversed);
-  } catch (const CLI::Success&) {
+    tools::parse(job.words, parsed, unused);
+  } catch (const Asked&) {
     throw UsageError(job.where + ": asks for help, and writes nothing");
-  } catch (const CLI::ParseError& e) {
-    std::vector<char*> arguments{const_cast<char*>("envmap")};
-    for (const std::string& word : job.words) arguments.push_back(const_cast<char*>(word.c_str()));
-    throw UsageError(job.where + ": " + explain(e, *program.app, static_cast<int>(arguments.size()), arguments.data()));
+  } catch (const UsageError& e) {
+    throw UsageError(job.where + ": " + e.what());
   }
 }
 
-Job job_of(Program& program, const std::string& where, const Words& words) {
+bool is_output(const Option& o) {
+  return o.is_argument() && (o.file == File::output || o.file == File::folder || o.file == File::inputs_then_output);
+}
+
+void check_writes(const std::string& where, const std::string& name) {
+  const auto command = std::ranges::find(commands(), name, &Command::name);
+  if (command == commands().end()) return;
+  Options options;
+  define(*command, options);
+  if (std::ranges::none_of(options.rows, is_output))
+    throw UsageError(fmt::format("{}: {} writes no file that a batch could look after", where, name));
+}
+
+Job job_of(const std::string& where, const Texts& words) {
   Job job{where, words, {}, {}};
-  const std::string& command = words.front();
-  if (find_command(*program.app, command) != nullptr && std::ranges::find(with_output, command) == with_output.end())
-    throw UsageError(fmt::format("{}: {} writes no file that a batch could look after", where, command));
-  parse(program, job);
-  Words names;
-  const CLI::App& app = *program.app->get_subcommand(command);
-  for (const CLI::Option* option : app.get_options())
-    if (option->get_positional()) std::ranges::copy(option->results(), std::back_inserter(names));
-  if (command == "generate" && !names.empty()) names.erase(names.begin());  // Its kind.
-  if (!names.empty()) {
-    std::string output = names.back();
-    names.pop_back();
-    if (command == "bake") output += "/README.txt";
-    job.outputs = files_of(output, 1);
-  }
-  if (const CLI::Option* table = app.get_option_no_throw("--brdf-table"); table != nullptr && table->count() > 0)
-    job.outputs.push_back(table->results().front());
-  if (app.get_option("--depfile")->count() > 0) throw UsageError(where + ": leave out --depfile: a batch has its own");
+  check_writes(where, words.front());
+  Parsed parsed;
+  parse(job, parsed);
+  const Options& options = parsed.options;
+  const auto add = [](Texts& files, const std::string& name) {
+    std::ranges::copy(files_of(name, 1), std::back_inserter(files));
+  };
+  for (const std::string& name : options.named(File::folder)) add(job.outputs, name + "/README.txt");
+  for (const std::string& name : options.named(File::output)) add(job.outputs, name);
+  for (const std::string& name : options.named(File::input)) add(job.inputs, name);
+  if (options.given("--depfile")) throw UsageError(where + ": leave out --depfile: a batch has its own");
   if (job.outputs.empty() || job.outputs.front().find("{frame") != std::string::npos)
     throw UsageError(where + ": a job of a batch writes files with names of their own, not - and no {frame}");
-  for (const std::string& name : names) std::ranges::copy(files_of(name, 1), std::back_inserter(job.inputs));
   return job;
 }
 
 std::vector<Job> jobs_of(const std::vector<Line>& lines) {
-  Program program;
   std::vector<Job> jobs;
   std::map<std::string, std::string> writer;
   std::set<std::string> written;
@@ -185,8 +183,8 @@ std::vector<Job> jobs_of(const std::vector<Line>& lines) {
     if (line.words.empty()) throw UsageError(line.where + ": holds no command");
     for (const std::string& word : line.words)
       if (word.find('\0') != word.npos) throw UsageError(line.where + ": holds a NUL byte, which no argument can");
-    for (const Words& words : expanded(line, written)) {
-      Job job = job_of(program, line.where, words);
+    for (const Texts& words : expanded(line, written)) {
+      Job job = job_of(line.where, words);
       for (const std::string& file : job.outputs) {
         if (!writer.emplace(file, line.where).second)
           throw UsageError(fmt::format("{}: writes {}, as {} does", line.where, file, writer[file]));

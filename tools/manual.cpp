@@ -4,6 +4,8 @@
 #include <filesystem>
 
 #include "command.h"
+#include "maps.h"
+#include "text.h"
 
 namespace tools {
 namespace {
@@ -26,33 +28,15 @@ std::string roff(const std::string& text) {
   return out;
 }
 
-std::string paragraphs(std::string text) {
-  for (std::size_t at; (at = text.find("\n\n")) != std::string::npos;) text.replace(at, 2, "\n.PP\n");
+std::string option_lines(const Options& options, bool arguments) {
   std::string out;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string line = text.substr(begin, end - begin);
-    out += (line == ".PP" ? line : roff(line)) + "\n";
-    begin = end + 1;
-  }
-  return out;
-}
-
-std::string option_lines(const CLI::App& app, bool positional) {
-  std::string out;
-  for (const CLI::Option* o : app.get_options()) {
-    if (o->get_positional() != positional) continue;
-    const bool takes = o->get_items_expected_max() > 0;
-    std::string names;
-    if (positional) {
-      names = "\\fI" + roff(o->get_name(true)) + "\\fR";
-    } else {
-      for (const std::string& s : o->get_snames()) names += "\\fB\\-" + roff(s) + "\\fR, ";
-      for (const std::string& l : o->get_lnames()) names += "\\fB\\-\\-" + roff(l) + "\\fR";
-    }
-    if (takes && (!positional || o->get_type_name().find('|') != std::string::npos))
-      names += " \\fI" + roff(o->get_type_name()) + "\\fR";
-    out += ".TP\n" + names + "\n" + roff(o->get_description()) + "\n";
+  for (const Option& o : options.rows) {
+    if (o.is_argument() != arguments) continue;
+    std::string names =
+        arguments ? "\\fI" + roff(o.name) + "\\fR"
+                  : (o.letter ? fmt::format("\\fB\\-{}\\fR, ", o.letter) : "") + "\\fB" + roff(o.name) + "\\fR";
+    if (!o.type.empty() && (!arguments || !o.words().empty())) names += " \\fI" + roff(o.type) + "\\fR";
+    out += ".TP\n" + names + "\n" + roff(o.help) + "\n";
   }
   return out;
 }
@@ -70,30 +54,36 @@ std::string statuses() {
          ".TP\n5\nthere is nothing to draw with: no renderer\n";
 }
 
-std::string command_page(const Command& command, const CLI::App& app) {
-  std::string synopsis = "\\fBenvmap " + command.name + "\\fR [\\fIOPTIONS\\fR]";
-  for (const CLI::Option* o : app.get_options())
-    if (o->get_positional())
-      synopsis += " \\fI" + roff(o->get_name(true)) + "\\fR" + (o->get_expected_max() > 1 ? "..." : "");
-  std::string examples;
-  for (const Example& e : command.examples) examples += ".TP\n\\fB" + roff(e.command) + "\\fR\n" + roff(e.what) + "\n";
-  std::string keys;
+std::string command_page(const Command& command) {
+  Options options;
+  define(command, options);
+  const Text text = text_of(command.name);
+  std::string synopsis = fmt::format("\\fBenvmap {}\\fR [\\fIOPTIONS\\fR]", command.name), description, examples, keys;
+  for (const Option& o : options.rows)
+    if (o.is_argument()) synopsis += " \\fI" + roff(o.name) + "\\fR" + (o.takes_several() ? "..." : "");
+  for (const std::string& paragraph : text.description)
+    description += (description.empty() ? "" : ".PP\n") + roff(paragraph) + "\n";
+  for (const Example& e : text.examples) examples += ".TP\n\\fB" + roff(e.command) + "\\fR\n" + roff(e.what) + "\n";
   if (command.reports) {
-    keys = ".SH JSON\n" + roff("--json prints one object. A number that is not finite is null there. 'levels[].flux' below "
-                               "is the key flux of each object in the array levels. 'envmap manual --schemas FOLDER' writes "
-                               "the JSON Schema of it.") + "\n";
-    for (const Key& key : all_keys(command)) keys += ".TP\n\\fB" + roff(key.path) + "\\fR\n" + roff(key.what) + "\n";
+    keys = ".SH JSON\n" +
+           roff(
+               "--json prints one object. A number that is not finite is null there. 'levels[].flux' below is the key "
+               "flux of each "
+               "object in the array levels. 'envmap manual --schemas FOLDER' writes the JSON Schema of it.") +
+           "\n";
+    for (const Key& key : text.keys) keys += ".TP\n\\fB" + roff(key.path) + "\\fR\n" + roff(key.what) + "\n";
   }
-  return title("envmap-" + command.name) + ".SH NAME\nenvmap\\-" + command.name + " \\- " + roff(command.summary) +
-         "\n.SH SYNOPSIS\n" + synopsis + "\n.SH DESCRIPTION\n" + paragraphs(command.description) + ".SH ARGUMENTS\n" +
-         option_lines(app, true) + ".SH OPTIONS\n" + option_lines(app, false) + keys + ".SH EXAMPLES\n" + examples +
-         statuses() + ".SH SEE ALSO\n.BR envmap (1)\n";
+  return fmt::format(
+      "{}.SH NAME\nenvmap\\-{} \\- {}\n.SH SYNOPSIS\n{}\n.SH DESCRIPTION\n{}.SH ARGUMENTS\n{}.SH OPTIONS\n{}{}.SH "
+      "EXAMPLES\n{}{}.SH SEE ALSO\n.BR envmap (1)\n",
+      title("envmap-" + std::string(command.name)), command.name, roff(text.summary), synopsis, description,
+      option_lines(options, true), option_lines(options, false), keys, examples, statuses());
 }
 
-std::string main_page(const std::vector<Command>& commands) {
+std::string main_page() {
   std::string list, also;
-  for (const Command& c : commands) {
-    list += ".TP\n\\fBenvmap " + c.name + "\\fR\n" + roff(c.summary) + "\n";
+  for (const Command& c : commands()) {
+    list += fmt::format(".TP\n\\fBenvmap {}\\fR\n{}\n", c.name, roff(text_of(c.name).summary));
     also += fmt::format("{}.BR envmap\\-{} (1)", also.empty() ? "" : ",\n", c.name);
   }
   for (const char* topic : {"", "conventions", "files", "accuracy", "prefilter", "scenes", "performance"})
@@ -116,40 +106,23 @@ std::string main_page(const std::vector<Command>& commands) {
          ".TP\nENVMAP_THREADS\nhow many threads to use where \\-\\-threads does not say\n" ".SH SEE ALSO\n" + also + "\n";
 }
 
-int write_schemas(const std::string& folder) {
-  for (const Command& c : all_commands())
-    if (c.reports) write_text(std::filesystem::path(folder) / (c.name + ".json"), schema_of(c).dump(2) + "\n");
-  return 0;
-}
-
-int write_pages(const std::string& folder) {
-  const Program all;
-  write_text(std::filesystem::path(folder) / "envmap.1", main_page(all.commands));
-  for (const Command& c : all.commands)
-    write_text(std::filesystem::path(folder) / ("envmap-" + c.name + ".1"), command_page(c, *all.app->get_subcommand(c.name)));
-  return 0;
-}
-
 }  // namespace
 
-Command manual_command() {
-  return {.name = "manual",
-          .summary = "Write the man pages",
-          .description =
-              "Writes envmap.1 and a page for each command into a folder. They hold what --help shows, from the same "
-              "definitions. With --schemas it writes instead a JSON Schema (2020-12) for each command that has --json, to check its "
-              "reports with or to make types of: info.json, compare.json ...",
-          .examples = {{"envmap manual man", "refresh the pages kept in the repository"},
-                       {"envmap manual /tmp && man /tmp/envmap-convert.1", "read a page without installing it"},
-                       {"envmap manual --schemas . && envmap info probe.exr --json > probe.json && jsonschema -i probe.json info.json",
-                        "a report held against its schema"}},
-          .define = [](CLI::App& app, const Common&) -> std::function<int()> {
-            auto folder = std::make_shared<std::string>();
-            app.add_option("FOLDER", *folder, "Where to write them")->required();
-            auto schemas = std::make_shared<bool>(false);
-            app.add_flag("--schemas", *schemas, "Write JSON Schemas of what --json prints instead");
-            return [folder, schemas] { return *schemas ? write_schemas(*folder) : write_pages(*folder); };
-          }};
+Action define_manual(Options& o) {
+  const auto folder = std::make_shared<std::string>();
+  const auto schemas = std::make_shared<bool>(false);
+  o.add("FOLDER", "TEXT", folder.get(), "Where to write them").required = true;
+  o.flag("--schemas", *schemas, "Write JSON Schemas of what --json prints instead");
+  return [folder, schemas](Report&) {
+    const std::filesystem::path to = *folder;
+    if (!*schemas) write_text(to / "envmap.1", main_page());
+    for (const Command& c : commands())
+      if (!*schemas)
+        write_text(to / fmt::format("envmap-{}.1", c.name), command_page(c));
+      else if (c.reports)
+        write_text(to / fmt::format("{}.json", c.name), schema_of(c.name));
+    return 0;
+  };
 }
 
 }  // namespace tools

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "depfile.h"
+#include "console.h"
 #include "envmap/base/error.h"
 #include "envmap/io/picture.h"
+#include "maps.h"
 
 namespace tools {
 namespace {
@@ -29,31 +30,26 @@ PhotographOptions settled(const PhotographJob& job) {
 
 }  // namespace
 
-int take_photograph(const PhotographJob& job, const Common& common) {
-  const Stopwatch watch;
-  check_report(job.output, common);
-  const PictureOptions how{job.format, job.display.value_or(Display::clip), common.commit};
+int take_photograph(const PhotographJob& job, Report& report) {
+  const PictureOptions how{job.format, job.display.value_or(Display::clip), settings().commit};
   if (!is_picture(job.output, how)) throw UsageError(job.output, "the picture must be a .png, .jpg, .exr or .hdr");
   if (job.display && is_linear_picture(job.output, how))
     throw UsageError(job.output, "holds radiance as it is: leave out --display");
-  check_files({job.output}, {job.input}, common);
-  Source source = read_map(job.input, job.read, common);
-  grade(source, job.grade, job.read.colour, common);
+  Source source = read_map(job.input, job.read);
+  grade(source, job.grade, job.read.colour);
   PhotographOptions options = settled(job);
   options.samples = samples_of(options, source.map.base());
-  const auto depfile = open_depfile({job.output}, {job.input}, common);
+  open_depfile(1);
   write_picture(job.output, options.width, photograph(std::move(source.map), options), how);
-  if (depfile) depfile->commit();
-  if (!common.json) return 0;
-  print_report({{"input", job.input},
-                {"filter", name(options.filter)},
-                {"samples", *options.samples},
-                {"error", nullptr},
-                {"lens", camera_model_names[static_cast<std::size_t>(options.lens)]},
-                {"width", options.width},
-                {"height", options.height},
-                {"output", job.output},
-                {"seconds", watch.seconds()}});
+  report.put("input", job.input);
+  report.put("filter", name(options.filter));
+  report.put("samples", options.samples);
+  report.put("error", nullptr);
+  report.put("lens", camera_model_names[static_cast<std::size_t>(options.lens)]);
+  report.put("width", options.width);
+  report.put("height", options.height);
+  report.put("output", job.output);
+  report.put_seconds();
   return 0;
 }
 

@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "colour_options.h"
-#include "command.h"
 #include "envmap/io/display.h"
 #include "envmap/operate/photograph.h"
+#include "grade.h"
+#include "report.h"
 
 namespace tools {
 
@@ -22,6 +22,6 @@ struct PhotographJob {
 };
 
 // Reads, takes the picture and writes it. @return the exit status.
-int take_photograph(const PhotographJob& job, const Common& common);
+int take_photograph(const PhotographJob& job, Report& report);
 
 }  // namespace tools

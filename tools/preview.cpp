@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "command.h"
-#include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/colour.h"
 #include "envmap/io/picture.h"
@@ -15,6 +14,8 @@
 #include "envmap/operate/measure.h"
 #include "facts.h"
 #include "html_page.h"
+#include "map_options.h"
+#include "maps.h"
 #include "preview_parts.h"
 
 namespace tools {
@@ -22,7 +23,7 @@ namespace {
 
 using namespace envmap;
 
-struct Options {
+struct Request {
   std::vector<std::string> names;  // Inputs, then the output.
   ReadOptions read;
   std::optional<double> exposure, percentile;
@@ -44,7 +45,7 @@ struct Look {
 // Files of 8 and 16 bits are made to be looked at: white stays white.
 bool is_for_screens(const Source& source) { return source.depth == Depth::uint8 || source.depth == Depth::uint16; }
 
-double scale_for(const Source& source, const Options& o) {
+double scale_for(const Source& source, const Request& o) {
   if (o.exposure) return portable::exp2(*o.exposure);
   if (o.percentile) {
     const double white = Luminances(source.map.base()).percentile(0.01 * *o.percentile);
@@ -55,11 +56,11 @@ double scale_for(const Source& source, const Options& o) {
   return mean > 0 ? 0.4 / mean : 1;
 }
 
-Look look_for(const Source& source, const Options& o, const Common& common) {
+Look look_for(const Source& source, const Request& o) {
   const double scale = scale_for(source, o);
   if (o.view) {
     const ColourTransform view = into_view(o.read.colour, *o.view);
-    common.also_read->insert(common.also_read->end(), view.files.begin(), view.files.end());
+    settings().also_read.insert(settings().also_read.end(), view.files.begin(), view.files.end());
     return {scale, Display::reinhard, [view, scale](std::span<Colour> pixels) {
               for (Colour& c : pixels) c *= static_cast<float>(scale);
               if (view.apply) view.apply(pixels);
@@ -74,7 +75,7 @@ Look look_for(const Source& source, const Options& o, const Common& common) {
 }
 
 // The number of the face that was asked for: a paraboloid map has +Z and -Z.
-std::optional<int> face_of(const Options& o, const Source& source, const std::string& input) {
+std::optional<int> face_of(const Request& o, const Source& source, const std::string& input) {
   if (!o.face) return std::nullopt;
   constexpr int first_of_pair = 4;  // pz.
   const Projection p = source.map.projection();
@@ -85,7 +86,7 @@ std::optional<int> face_of(const Options& o, const Source& source, const std::st
 }
 
 // The map, or all its levels.
-std::vector<Tile> maps_of(const Source& source, const std::string& input, const Look& look, const Options& o) {
+std::vector<Tile> maps_of(const Source& source, const std::string& input, const Look& look, const Request& o) {
   const std::string name = std::filesystem::path(input).filename().string();
   const std::optional<int> face = face_of(o, source, input);
   std::vector<Tile> tiles;
@@ -104,7 +105,7 @@ std::vector<Tile> maps_of(const Source& source, const std::string& input, const 
 }
 
 // Below the maps: what one of them lights, and how bright it is.
-void add_studies(std::vector<TileRow>& rows, const Source& source, const Look& look, int width, const Options& o) {
+void add_studies(std::vector<TileRow>& rows, const Source& source, const Look& look, int width, const Request& o) {
   constexpr int balls = 5;
   if (o.balls) rows.push_back(lit_balls(source.map, look.show, (width - (balls - 1) * sheet_border) / balls));
   if (!o.histogram) return;
@@ -123,14 +124,14 @@ int width_of(const std::vector<TileRow>& rows) {
   return most;
 }
 
-void check_page(Options& o) {
+void check_page(Request& o) {
   if (o.names.size() != 1) throw UsageError("--html: name one map, and no picture");
   if (o.sheet || o.levels || o.marks || o.balls || o.histogram || o.face || o.view)
     throw UsageError("--html has all of a map: leave out --sheet, --marks, --levels, --balls, --histogram, --face and --view");
   o.read.all_levels = o.read.level == 0;
 }
 
-void check(Options& o) {
+void check(Request& o) {
   if (o.sheet) o.marks = o.balls = o.histogram = o.levels = true;
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
   if (!o.html.empty()) return check_page(o);
@@ -142,116 +143,89 @@ void check(Options& o) {
   o.read.all_levels = o.levels;
 }
 
-int write_page(const Options& o, const Common& common) {
+int write_page(const Request& o) {
   const std::string& input = o.names.front();
-  check_files({o.html}, {input}, common);
-  const Source source = read_map(input, o.read, common);
-  const Look look = look_for(source, o, common);
+  check_files({o.html}, {input});
+  const Source source = read_map(input, o.read);
+  const Look look = look_for(source, o);
   const int density = matching_size(source.map.projection(), source.map.base().height(), Projection::cube);
   const std::string page = html_page(source, {.file = std::filesystem::path(input).filename().string(),
                                               .space = o.read.colour.space,
                                               .scale = look.scale,
                                               .display = look.display,
                                               .size = o.size > 0 ? o.size : std::clamp(density, 16, 256)});
-  const auto depfile = open_depfile({o.html}, {input}, common);
-  write_text(o.html, page, common.commit);
-  if (depfile) depfile->commit();
-  note(common, fmt::format("{}: {:.1f} MB", o.html, 1e-6 * static_cast<double>(page.size())));
+  open_depfile();
+  write_text(o.html, page);
+  note(fmt::format("{}: {:.1f} MB", o.html, 1e-6 * static_cast<double>(page.size())));
   return 0;
 }
 
-int run(Options& o, const Common& common) {
+int run(Request& o) {
   check(o);
-  if (!o.html.empty()) return write_page(o, common);
+  if (!o.html.empty()) return write_page(o);
   const std::string& output = o.names.back();
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
-  check_files({output}, inputs, common);
+  check_files({output}, inputs);
   std::vector<Tile> maps;
   std::vector<Source> sources;  // For the studies below.
   std::optional<Look> look;
   for (const std::string& input : inputs) {
-    Source source = read_map(input, o.read, common);
-    if (!look) look = look_for(source, o, common);
+    Source source = read_map(input, o.read);
+    if (!look) look = look_for(source, o);
     for (Tile& tile : maps_of(source, input, *look, o)) maps.push_back(std::move(tile));
     if (o.balls || o.histogram) sources.push_back(std::move(source));
   }
   std::vector<TileRow> rows = in_columns(std::move(maps), o.columns);
   const int width = width_of(rows);
   for (const Source& source : sources) add_studies(rows, source, *look, width, o);
-  const auto depfile = open_depfile({output}, inputs, common);
+  open_depfile();
   const Picture sheet = sheet_of(rows);
-  write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8, {.commit = common.commit});
-  if (depfile) depfile->commit();
+  write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8, {.commit = settings().commit});
   return 0;
 }
 
-void add_parts(CLI::App& app, Options& o) {
-  app.add_flag("--sheet", o.sheet, "All of --marks, --levels, --balls and --histogram");
-  app.add_flag("--marks", o.marks, "Mark the world's axes, the horizon, the faces of cubes, and by a ring the brightest direction");
-  app.add_flag("--levels", o.levels, "Draw all mip levels of each map");
-  app.add_flag("--balls", o.balls,
-               "Draw balls that each map lights, seen from the middle of its image (+Z) as a mirror ball is: a mirror, white metal "
-               "of GGX roughness 0.25, 0.5 and 0.75, white diffuse");
-  app.add_flag("--histogram", o.histogram, "Draw which share of the sphere, and of the light, each luminance has, in stops");
-  add_choice(app, "--face", o.face, joined(cube_face_names), one_of<int>(cube_face_names),
-             "Draw one face of a cube alone, or pz or nz of a paraboloid map");
+void add_parts(Options& o, Request& r) {
+  o.flag("--sheet", r.sheet, "All of --marks, --levels, --balls and --histogram");
+  o.flag("--marks", r.marks,
+         "Mark the world's axes, the horizon, the faces of cubes, and by a ring the brightest direction");
+  o.flag("--levels", r.levels, "Draw all mip levels of each map");
+  o.flag("--balls", r.balls,
+         "Draw balls that each map lights, seen from the middle of its image (+Z) as a mirror ball is: a mirror, white "
+         "metal "
+         "of GGX roughness 0.25, 0.5 and 0.75, white diffuse");
+  o.flag("--histogram", r.histogram, "Draw which share of the sphere, and of the light, each luminance has, in stops");
+  o.add("--face", one_of(r.face, cube_face_names), "Draw one face of a cube alone, or pz or nz of a paraboloid map");
 }
 
-void add_exposure(CLI::App& app, Options& o) {
-  const auto exposure = app.add_option("--exposure", o.exposure,
-                                       "Multiply radiance by 2^STOPS before the tone curve (default: the mean becomes middle grey; "
-                                       "0 where the first file is of 8 or 16 bits)")
-                            ->type_name("STOPS")
-                            ->check(number_in({-100.0, 100.0}));
-  app.add_option("--percentile", o.percentile,
-                 "Expose so that P percent of the sphere are at most 1 before the tone curve, to a sixteenth of a stop")
-      ->type_name("P")
-      ->check(number_in({0.0, 100.0}))
-      ->excludes(exposure);
-  const auto display = add_display(app, o.display, Display::reinhard);
-  app.add_option("--view", o.view,
-                 "Instead of --display: a view of the config of --ocio, VIEW of its default display or DISPLAY:VIEW")
-      ->type_name("VIEW")
-      ->excludes(display);
+void add_tone_curve(Options& o, Request& r) {
+  o.add("--exposure", "STOPS", &r.exposure, {-100, 100},
+        "Multiply radiance by 2^STOPS before the tone curve (default: the mean becomes middle grey; "
+        "0 where the first file is of 8 or 16 bits)");
+  o.add("--percentile", "P", &r.percentile, {0, 100},
+        "Expose so that P percent of the sphere are at most 1 before the tone curve, to a sixteenth of a stop")
+      .excludes = "--exposure";
+  add_display(o, r.display, Display::reinhard);
+  o.add("--view", "VIEW", &r.view,
+        "Instead of --display: a view of the config of --ocio, VIEW of its default display or DISPLAY:VIEW")
+      .excludes = "--display";
 }
 
 }  // namespace
 
-Command preview_command() {
-  return {
-      .name = "preview",
-      .summary = "Draw environment maps as a picture for people: side by side, tone mapped, named",
-      .description =
-          "All maps share one exposure, that of the first: its mean radiance becomes middle grey, unless --exposure or "
-          "--percentile says otherwise. The tone curve is that of --display, then sRGB; or a view of an OpenColorIO config. "
-          "A first file of 8 or 16 bits is shown as it is: white stays white. Cubes are drawn as crosses.\n\n"
-          "--html writes a page instead, one file that needs no network: look around in the map (WebGL 2), drag balls of any "
-          "roughness, switch levels, tone curve and projection, read the radiance under the pointer and the facts of 'envmap "
-          "info'. It holds cubes in RGB9E5, which keeps radiance within 1/512 of a texel's largest channel: 2.9 MB at "
-          "--size 256, four times as much at twice the size.",
-      .examples = {{"envmap preview probe.hdr probe.png", "one map"},
-                   {"envmap preview probe.hdr sheet.jpg --sheet --height 384", "with marks, lit balls and a histogram"},
-                   {"envmap preview probe.hdr --html probe.html", "a page to look around in the map, for any browser"},
-                   {"envmap preview chain.ktx2 levels.png --levels", "all mip levels of a map, each as large"},
-                   {"envmap preview latlong.exr cube.exr sphere.exr sheet.png", "a contact sheet"}},
-      .writes = true,
-      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
-        auto o = std::make_shared<Options>();
-        app.add_option("FILES", o->names, "Maps to draw, and last the PNG or JPEG to write unless --html; '-' is standard input or output")
-            ->required()
-            ->type_name("");
-        add_exposure(app, *o);
-        add_parts(app, *o);
-        app.add_option("--height", o->height, "Height of each picture (default: 256)")->type_name("N")->check(CLI::Range(16, 4096));
-        app.add_option("--columns", o->columns, "Pictures side by side (default: 3)")->type_name("N")->check(CLI::Range(1, 64));
-        app.add_option("--html", o->html, "Write a page of one map instead of a picture")->type_name("FILE");
-        app.add_option("--size", o->size, "Of a face of the cubes in the page (default: as fine as the map, up to 256)")
-            ->type_name("N")
-            ->check(CLI::Range(16, 2048));
-        add_read_options(app, o->read);
-        add_repair(app, o->read);
-        return [o, &common] { return run(*o, common); };
-      }};
+Action define_preview(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.files(r->names, File::inputs_then_output,
+          "Maps to draw, and last the PNG or JPEG to write unless --html; '-' is standard input or output");
+  add_tone_curve(o, *r);
+  add_parts(o, *r);
+  o.add("--height", "N", &r->height, {16, 4096}, "Height of each picture (default: 256)");
+  o.add("--columns", "N", &r->columns, {1, 64}, "Pictures side by side (default: 3)");
+  o.add("--html", "FILE", &r->html, "Write a page of one map instead of a picture");
+  o.add("--size", "N", &r->size, {16, 2048},
+        "Of a face of the cubes in the page (default: as fine as the map, up to 256)");
+  add_read_options(o, r->read);
+  add_repair(o, r->read);
+  return [r](Report&) { return run(*r); };
 }
 
 }  // namespace tools

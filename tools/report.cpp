@@ -1,36 +1,16 @@
-// What the program says: to people on standard error, to people and programs on standard output.
+#include "report.h"
+
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <mutex>
+#include <nlohmann/json.hpp>
 
-#include "command.h"
-#include "envmap/base/error.h"
+#include "text.h"
 
 namespace tools {
 namespace {
 
 using nlohmann::ordered_json;
-
-// Bytes of the UTF-8 character that begins there; 0 where none does.
-std::size_t length_of(std::string_view text) {
-  const auto lead = static_cast<unsigned char>(text[0]);
-  const std::size_t length = lead < 0x80 ? 1 : lead < 0xc2 ? 0 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : lead < 0xf5 ? 4 : 0;
-  if (length > text.size()) return 0;
-  for (std::size_t k = 1; k < length; ++k)
-    if ((static_cast<unsigned char>(text[k]) & 0xc0) != 0x80) return 0;
-  return length;
-}
-
-// Of ASCII and of ISO 8859 (U+0080 to U+009F), which terminals obey, too.
-bool is_control(std::string_view character) {
-  const auto first = static_cast<unsigned char>(character[0]);
-  return (first < ' ' && first != '\n' && first != '\t') || first == 0x7f ||
-         (first == 0xc2 && static_cast<unsigned char>(character[1]) < 0xa0);
-}
 
 void make_finite(ordered_json& value, const std::string& place, ordered_json& not_finite) {
   if (value.is_number_float()) {
@@ -45,94 +25,149 @@ void make_finite(ordered_json& value, const std::string& place, ordered_json& no
   }
 }
 
-std::string in_words(double seconds) {
-  const int whole = static_cast<int>(std::min(seconds, 1e6));
-  return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{}:{:02} min", whole / 60, whole % 60);
+// Of "levels[].flux": calls `step` with "levels", true and with "flux", false.
+template <class Step>
+void walk(std::string_view key, Step&& step) {
+  while (!key.empty()) {
+    const std::size_t dot = std::min(key.find('.'), key.size());
+    const std::string_view name = key.substr(0, dot);
+    const bool many = name.ends_with("[]");
+    key.remove_prefix(std::min(dot + 1, key.size()));
+    step(std::string(name.substr(0, name.size() - (many ? 2 : 0))), many, key.empty());
+  }
+}
+
+ordered_json array_of(ordered_json items, int count = -1) {
+  ordered_json array{{"type", "array"}, {"items", std::move(items)}};
+  if (count >= 0) array["minItems"] = array["maxItems"] = count;
+  return array;
+}
+
+ordered_json object() {
+  return {{"type", "object"},
+          {"properties", ordered_json::object()},
+          {"required", ordered_json::array()},
+          {"additionalProperties", false}};
+}
+
+// Any number may be one that is not finite, and then is null.
+ordered_json schema_of_type(std::string_view type) {
+  const ordered_json text{{"type", "string"}}, number{{"type", {"number", "null"}}},
+      count{{"type", "integer"}, {"minimum", 0}};
+  const std::pair<std::string_view, ordered_json> types[] = {
+      {"text", text},
+      {"texts", array_of(text)},
+      {"words", {{"type", "object"}, {"additionalProperties", text}}},
+      {"flaws",
+       {{"type", "object"},
+        {"minProperties", 1},
+        {"additionalProperties", {{"enum", {"infinite", "-infinite", "nan"}}}}}},
+      {"number", number},
+      {"count", count},
+      {"boolean", {{"type", "boolean"}}},
+      {"triple", array_of(number, 3)},
+      {"triples", array_of(array_of(number, 3))},
+      {"texel", array_of(count, 2)},
+      {"one", {{"const", 1}}},
+      {"object", object()}};
+  for (const auto& [name, schema] : types)
+    if (name == type) return schema;
+  throw std::logic_error(fmt::format("no type of a key: {}", type));
+}
+
+// A type, and after it " or null", or "?" for keys that may be absent.
+void add(ordered_json& root, const Key& key) {
+  ordered_json* holder = &root;
+  walk(key.path, [&](const std::string& name, bool many, bool last) {
+    ordered_json& properties = (*holder)["properties"];
+    constexpr std::string_view or_null = " or null";
+    std::string_view type = last ? std::string_view(key.type) : "object";
+    const bool absent = type.ends_with('?'), null = type.ends_with(or_null);
+    type.remove_suffix(absent ? 1 : null ? or_null.size() : 0);
+    if (last || !properties.contains(name)) {
+      ordered_json schema = schema_of_type(type);
+      if (null) schema["type"] = {schema["type"], "null"};
+      properties[name] = many ? array_of(std::move(schema)) : std::move(schema);
+      if (!absent) (*holder)["required"].push_back(name);
+      if (last) properties[name]["description"] = key.what;
+    }
+    holder = many ? &properties[name]["items"] : &properties[name];
+  });
 }
 
 }  // namespace
 
-std::string printable(std::string_view text) {
-  std::string out;
-  while (!text.empty()) {
-    const std::size_t length = length_of(text);
-    const std::string_view character = text.substr(0, std::max<std::size_t>(1, length));
-    if (length == 0 || is_control(character))
-      out += '?';
-    else
-      out += character;
-    text.remove_prefix(character.size());
+struct Report::Json {
+  ordered_json root;
+
+  ordered_json& at(std::string_view key) {
+    ordered_json* place = &root;
+    walk(key, [&](const std::string& name, bool many, bool) { place = many ? &(*place)[name].back() : &(*place)[name]; });
+    return *place;
   }
-  return out;
+};
+
+Report::Report() : json_(std::make_unique<Json>()) {}
+Report::~Report() = default;
+
+void Report::put(std::string_view key, const ReportValue& value) {
+  ordered_json& place = json_->at(key);
+  std::visit(
+      [&](const auto& v) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(v)>, envmap::Direction>)
+          place = {v.x, v.y, v.z};
+        else
+          place = v;
+      },
+      value.value);
 }
 
-std::string in_markup(std::string_view text) {
-  std::string out;
-  for (const char c : printable(text))
-    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-  return out;
+void Report::append(std::string_view key) { json_->at(key.substr(0, key.size() - 2)).push_back(nullptr); }
+
+void Report::append(std::string_view key, const ReportValue& value) {
+  append(key);
+  put(key, value);
 }
 
-void print(std::string_view text) { std::fputs(printable(text).c_str(), stdout); }
+void Report::put_array(std::string_view key) { json_->at(key) = ordered_json::array(); }
 
-void print_report(ordered_json report) {
-  ordered_json all, not_finite = ordered_json::object();
-  all["version"] = 1;
-  for (auto& [key, value] : report.items()) all[key] = std::move(value);
+void Report::put_word(std::string_view key, const std::string& word, const std::string& text) {
+  json_->at(key)[word] = text;
+}
+
+void Report::put_written(const std::string& path, const envmap::Written& written) { put_written("", path, written); }
+
+void Report::put_written(std::string_view array, const std::string& path, const envmap::Written& written) {
+  const std::string before = array.empty() ? "" : std::string(array) + ".";
+  put(before + "output", path);
+  put(before + "depth", name(written.depth));
+  put(before + "clamped", written.clamped);
+  put(before + "flux_lost", written.flux_lost);
+}
+
+void Report::put_seconds() { put("seconds", watch_.seconds()); }
+
+bool Report::empty() const { return json_->root.empty(); }
+
+std::string Report::text() const {
+  ordered_json all{{"version", 1}}, not_finite = ordered_json::object();
+  all.update(json_->root);
   make_finite(all, "", not_finite);
   if (!not_finite.empty()) all["not_finite"] = std::move(not_finite);
   constexpr bool only_ascii = true;
-  print(all.dump(2, ' ', only_ascii, ordered_json::error_handler_t::replace) + "\n");
+  return all.dump(2, ' ', only_ascii, ordered_json::error_handler_t::replace) + "\n";
 }
 
-void check_report(const std::string& output, const Common& common) {
-  if (common.json && output == "-") throw envmap::UsageError("--json and the output would both be standard output: name a file");
+std::string Report::line() const { return json_->root.dump(-1, ' ', false, ordered_json::error_handler_t::replace); }
+
+std::string json_array(std::initializer_list<double> numbers) { return ordered_json(numbers).dump(); }
+
+std::string schema_of(std::string_view command) {
+  ordered_json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                      {"title", fmt::format("envmap {} --json", command)}};
+  schema.update(object());
+  for (const Key& key : text_of(command).keys) add(schema, key);
+  return schema.dump(2) + "\n";
 }
-
-void add_written(ordered_json& report, const std::string& path, const envmap::Written& written) {
-  report["output"] = path;
-  report["depth"] = name(written.depth);
-  report["clamped"] = written.clamped;
-  report["flux_lost"] = written.flux_lost;
-}
-
-std::vector<Key> with_written(std::vector<Key> keys) {
-  keys.insert(keys.end(), {{"output", "text or null", "OUTPUT; null where nothing was written"},
-                           {"depth", "text?", "what it holds: uint8, uint16, bc6h, rgb9e5, half or float; absent, as the next two, where nothing was written"},
-                           {"clamped", "count?", "texels that --clamp changed"},
-                           {"flux_lost", "number?", "part of the flux that this took"}});
-  return keys;
-}
-
-void warn(std::string_view line) { std::fputs((printable(line) + "\n").c_str(), stderr); }
-
-void note(const Common& common, std::string_view line) {
-  if (!common.quiet) warn(line);
-}
-
-envmap::Progress progress_line(const Common& common, const std::string& what) {
-  if (common.quiet || !::isatty(STDERR_FILENO)) return {};
-  using Clock = std::chrono::steady_clock;
-  struct State {
-    std::mutex mutex;
-    Clock::time_point start = Clock::now();
-    int shown = -1;
-    ~State() {
-      if (shown >= 0) std::fputs("\r\033[K", stderr);
-    }
-  };
-  return [state = std::make_shared<State>(), what](double part) {
-    const std::lock_guard lock(state->mutex);
-    const int percent = static_cast<int>(100 * part);
-    const double seconds = std::chrono::duration<double>(Clock::now() - state->start).count();
-    if (percent <= state->shown || seconds < 1) return;
-    state->shown = percent;
-    const std::string left =
-        percent > 0 ? fmt::format(", {:.2g}%/s, {} left", 100 * part / seconds, in_words(seconds * (1 - part) / part)) : "";
-    std::fputs(fmt::format("\r{} {:3d}%{}\033[K", what, percent, left).c_str(), stderr);
-  };
-}
-
-ordered_json to_json(const envmap::Direction& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace tools

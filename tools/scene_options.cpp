@@ -5,31 +5,33 @@
 #include <algorithm>
 #include <regex>
 
+#include "console.h"
 #include "envmap/base/error.h"
 #include "envmap/scene/deform.h"
 #include "envmap/scene/read/read_scene.h"
+#include "map_options.h"
+#include "maps.h"
 
 namespace tools {
 
 using namespace envmap;
 
-void add_scene(CLI::App& app, SceneOptions& o) {
-  app.add_option("SCENE", o.path, "File to read: .gltf, .glb or .obj, '-' for standard input")->required();
-  add_choice(app, "--context", o.context, joined(context_names), one_of<ContextKind>(context_names),
-             "OpenGL through OSMesa (CPU) or through EGL (GPU or CPU) (default: auto)");
-  app.add_option("--environment", o.environment, "Map that is the background and a light")->type_name("FILE");
-  add_triple(app, "--ambient", o.ambient, "R,G,B", true, "Radiance from everywhere, which nothing keeps off (default: 0)");
-  app.add_flag("--no-shadows", o.no_shadows, "Let punctual lights shine through everything");
-  app.add_option("--occlusion", o.occlusion,
-                 "Distant lights that stand for the environment where surfaces keep its diffuse light from each other; 0: it shines "
-                 "through everything (default: 64)")
-      ->type_name("N")
-      ->check(CLI::Range(0, most_distant_lights));
-  app.add_option("--time", o.time, "Of animations, in seconds (default: 0)")->type_name("T")->check(number_in({-1e6, 1e6}));
-  app.add_option("--frames", o.frames, "Draw the frames A to B, a file each")->type_name("A:B");
-  app.add_option("--fps", o.rate, "Frames a second (default: 24)")->type_name("F")->check(number_in({1e-3, 1e6}));
-  add_max_pixels(app, o.read);
-  add_repair(app, o.read);
+void add_scene(Options& o, SceneOptions& s) {
+  o.reads("SCENE", s.path, "File to read: .gltf, .glb or .obj, '-' for standard input").required = true;
+  o.add("--context", one_of(s.context, context_names), "OpenGL through OSMesa (CPU) or through EGL (GPU or CPU) (default: auto)");
+  o.add("--environment", "FILE", &s.environment, "Map that is the background and a light").file = File::input;
+  o.add("--ambient", "R,G,B", Triple{&s.ambient, true},
+        "Radiance from everywhere, which nothing keeps off (default: 0)");
+  o.flag("--no-shadows", s.no_shadows, "Let punctual lights shine through everything");
+  o.add("--occlusion", "N", &s.occlusion, {0, most_distant_lights},
+        "Distant lights that stand for the environment where surfaces keep its diffuse light from each other; 0: it "
+        "shines "
+        "through everything (default: 64)");
+  o.add("--time", "T", &s.time, {-1e6, 1e6}, "Of animations, in seconds (default: 0)");
+  o.add("--frames", "A:B", &s.frames, "Draw the frames A to B, a file each");
+  o.add("--fps", "F", &s.rate, {1e-3, 1e6}, "Frames a second (default: 24)");
+  add_max_pixels(o, s.read);
+  add_repair(o, s.read);
 }
 
 void check_no_context(const SceneOptions& o) {
@@ -73,20 +75,20 @@ Shot LoadedScene::shot(double time, const SceneOptions& options) const {
           .distant = distant};
 }
 
-LoadedScene load(const SceneOptions& o, const Common& common) {
+LoadedScene load(const SceneOptions& o) {
   LoadedScene loaded{.scene = read_scene(o.path, o.read.max_pixels)};
   loaded.move_to(frames_of(o).time(frames_of(o).first));
   const Scene& scene = loaded.scene;
   loaded.inputs = scene.files;
   for (const std::string& what : scene.remarks) warn(fmt::format("{}: {}", o.path, what));
   for (const std::string& what : scene.unmodelled) warn(fmt::format("{}: not drawn: {}", o.path, what));
-  if (common.verbose)
-    note(common, fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
-                             instances(scene).size(), scene.materials.size(), scene.lights.size()));
+  if (settings().verbose)
+    note(fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
+                     instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read, common).map, glossy_size,
-                                                     progress_line(common, "light of the environment"));
+  loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read).map, glossy_size,
+                                                     progress_line("light of the environment"));
   if (o.occlusion > 0) loaded.distant = distant_lights(loaded.environment->map, o.occlusion);
   return loaded;
 }
@@ -115,10 +117,10 @@ void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
     warn(fmt::format("{}: no light in it and none given, so it is black: say --environment MAP or --ambient 1", o.path));
 }
 
-void tell_rate(const Frames& frames, double seconds, const Common& common) {
-  if (!common.verbose) return;
-  note(common, fmt::format("{} frame{}, {:.1f} a second without writing", frames.count(),
-                           frames.count() == 1 ? "" : "s", frames.count() / seconds));
+void tell_rate(const Frames& frames, double seconds) {
+  if (!settings().verbose) return;
+  note(fmt::format("{} frame{}, {:.1f} a second without writing", frames.count(), frames.count() == 1 ? "" : "s",
+                   frames.count() / seconds));
 }
 
 }  // namespace tools

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "command.h"
+#include "envmap/io/read.h"
 #include "envmap/render/context.h"
 #include "envmap/render/draw.h"
 #include "envmap/render/shading.h"
+#include "options.h"
 
 namespace tools {
 
@@ -23,7 +24,7 @@ struct SceneOptions {
   double time = 0, rate = 24;
   envmap::ReadOptions read;
 };
-void add_scene(CLI::App& app, SceneOptions& options);
+void add_scene(Options& o, SceneOptions& scene);
 /// For --method raycast. @throws UsageError where --context is given, which rays have no use for.
 void check_no_context(const SceneOptions& options);
 
@@ -53,7 +54,7 @@ struct LoadedScene {
   std::vector<int> move_to(double time);
   [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;
 };
-LoadedScene load(const SceneOptions& options, const Common& common);
+LoadedScene load(const SceneOptions& options);
 
 /// From where --at says: a node, whose `at` is to be found for each pose and which is left out; a place X,Y,Z; or the origin.
 /// @throws UsageError where it is neither. @param path of the scene's file.
@@ -66,6 +67,6 @@ bool is_dark(const LoadedScene& loaded, const SceneOptions& options);
 void tell_darkness(const LoadedScene& loaded, const SceneOptions& options);
 
 /// With -v, how many frames a second that was.
-void tell_rate(const Frames& frames, double seconds, const Common& common);
+void tell_rate(const Frames& frames, double seconds);
 
 }  // namespace tools

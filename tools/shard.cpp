@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "command_line.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 
@@ -39,38 +40,37 @@ bool counts(const std::string& option) {
   return !none.contains(option);
 }
 
-std::string job(const CLI::App& app, const std::string& source) {
-  std::uint64_t sum = hash(hash(hash(offset_basis, version_text()), app.get_name()), source);
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0 || option->get_positional() || !counts(option->get_name())) continue;
-    sum = hash(sum, option->get_name());
-    for (const std::string& word : option->results()) sum = hash(sum, word);
+std::string job(const Shard& shard, const std::string& source) {
+  std::uint64_t sum = hash(hash(hash(offset_basis, version_text()), shard.command), source);
+  for (const Option& option : shard.options->rows) {
+    if (option.given.empty() || option.is_argument() || !counts(option.name)) continue;
+    sum = hash(sum, option.name);
+    for (const std::string& word : option.given) sum = hash(sum, word);
   }
   return fmt::format("{:016x}", sum);
 }
 
 std::optional<PartNumber> part_number(const std::string& text) {
-  const auto slash = text.find('/');
-  int index = 0, count = 0;
-  if (slash == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, slash), index) ||
-      !CLI::detail::lexical_cast(text.substr(slash + 1), count))
+  const std::vector<std::string> numbers = split(text, '/');
+  PartNumber part{};
+  if (numbers.size() != 2 || !parse_number(numbers[0], part.index) || !parse_number(numbers[1], part.count))
     return std::nullopt;
-  return index >= 1 && index <= count && count <= 65536 ? std::optional(PartNumber{index, count}) : std::nullopt;
+  return part.index >= 1 && part.index <= part.count && part.count <= 65536 ? std::optional(part) : std::nullopt;
 }
 
 }  // namespace
 
-void add_shard(CLI::App& app, Shard& shard) {
-  shard.app = &app;
-  app.add_option_function<std::string>(
-         "--shard",
-         [&shard](const std::string& text) {
-           shard.part = part_number(text);
-           if (!shard.part) throw CLI::ValidationError("--shard", fmt::format("'{}' is not I/N, with I from 1 to N", text));
-         },
-         "Make part I of N alone, a band of the output's rows: an .exr file that 'envmap merge' joins with the others to the "
-         "bytes of the whole")
-      ->type_name("I/N");
+void add_shard(Options& o, std::string_view command, Shard& shard) {
+  shard.command = command, shard.options = &o;
+  o.add(
+      "--shard", "I/N",
+      [&shard](const std::string& text) {
+        shard.part = part_number(text);
+        if (!shard.part) throw std::invalid_argument(fmt::format("'{}' is not I/N, with I from 1 to N", text));
+        return true;
+      },
+      "Make part I of N alone, a band of the output's rows: an .exr file that 'envmap merge' joins with the others to "
+      "the bytes of the whole");
 }
 
 std::string digest(const EnvironmentMap& source) {
@@ -92,7 +92,7 @@ std::string digest(const EnvironmentMap& source) {
 WriteOptions part_or_whole(const Shard& shard, const WriteOptions& whole, const Rows& rows, const std::string& source) {
   if (!shard.part) return whole;
   if (out_of_working(whole.colour).apply) throw UsageError("--shard: parts hold linear values: choose a linear --output-space");
-  return part_options(whole, rows, *shard.part, job(*shard.app, source));
+  return part_options(whole, rows, *shard.part, job(shard, source));
 }
 
 }  // namespace tools

@@ -4,17 +4,18 @@
 #include <optional>
 #include <string>
 
-#include "command.h"
 #include "envmap/io/part.h"
+#include "options.h"
 
 namespace tools {
 
 struct Shard {
   std::optional<envmap::PartNumber> part;
-  const CLI::App* app = nullptr;  ///< What was asked of the command.
+  std::string command;
+  const Options* options = nullptr;  ///< What was asked of the command.
 };
 
-void add_shard(CLI::App& app, Shard& shard);
+void add_shard(Options& o, std::string_view command, Shard& shard);
 
 /// How to write the output: one part of it where that was asked for. @param source what the output is made of: with the
 /// command's options it tells the parts of one map from those of another.

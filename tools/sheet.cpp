@@ -7,7 +7,7 @@
 #include <iterator>
 #include <mutex>
 
-#include "command.h"
+#include "console.h"
 #include "envmap/io/formats.h"
 #include "font.h"
 

@@ -62,7 +62,6 @@ struct Baking {
   const Engine& engine;
   const Source& source;
   const Costs& costs;
-  const Common& common;
   Truths truths{source.map};
 
   [[nodiscard]] WriteOptions how(const EngineMap& map, std::optional<Depth> depth) const {
@@ -82,7 +81,7 @@ struct Baking {
 
   [[nodiscard]] Outcome bake(const Quality& quality, std::optional<Depth> depth) const {
     const MapOptions wanted{.quality = quality, .costs = costs};
-    MapMaker maker(source.map, wanted, common);
+    MapMaker maker(source.map, wanted);
     Outcome out{.level = Level(Projection::latlong, 1), .bytes = 0};
     for (const EngineMap& map : engine.maps) {
       auto file = std::make_shared<const ScratchFile>(extension_of(map.file));
@@ -118,11 +117,11 @@ struct Baking {
 
 }  // namespace
 
-Task make_bake_task(const std::string& name, const Source& source, const Costs& costs, const Common& common) {
+Task make_bake_task(const std::string& name, const Source& source, const Costs& costs) {
   const std::vector<std::string> parts = parts_of(name);
   const auto engine = std::ranges::find(engines(), parts.size() == 2 ? parts[1] : "", &Engine::name);
   if (engine == engines().end()) throw UsageError(fmt::format("--task {}: bake:ENGINE, one of {}", name, engine_names()));
-  const auto baking = std::shared_ptr<Baking>(new Baking{*engine, source, costs, common});
+  const auto baking = std::shared_ptr<Baking>(new Baking{*engine, source, costs});
   Task task{.name = name, .reference = "area to 1e-6, and lobes within a tenth of what the quality asks for, at each file's own size"};
   const auto add = [&](const Quality& quality, std::optional<Depth> depth) {
     task.ways.push_back({fmt::format("--quality {}", quality.name), depth ? fmt::format("--depth {}", envmap::name(*depth)) : "",

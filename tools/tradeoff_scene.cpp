@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "console.h"
 #include "envmap/base/error.h"
 #include "envmap/render/raycast.h"
 

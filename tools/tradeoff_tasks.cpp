@@ -7,13 +7,13 @@
 #include <charconv>
 #include <filesystem>
 
-#include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/levels.h"
 #include "envmap/prefilter/prefilter.h"
+#include "options.h"
 #include "scratch_file.h"
 
 namespace tools {
@@ -138,15 +138,14 @@ T number_of(const std::string& task, const std::string& text, T least, T most) {
   return value;
 }
 
+std::optional<Shape> shape_named(std::string_view word) {
+  const int shape = index_of(word, shape_names);
+  return shape < 0 ? std::nullopt : std::optional(static_cast<Shape>(shape));
+}
+
 }  // namespace
 
-std::vector<std::string> parts_of(const std::string& name) {
-  std::vector<std::string> parts(1);
-  for (const char c : name)
-    if (c == ':') parts.emplace_back();
-    else parts.back() += c;
-  return parts;
-}
+std::vector<std::string> parts_of(const std::string& name) { return split(name, ':'); }
 
 Projection projection_of(const std::string& task, const std::string& text) {
   if (const auto p = projection_named(text)) return *p;
@@ -166,7 +165,7 @@ Task make_task(const std::string& name, const EnvironmentMap& map, const Costs& 
   const auto expect = [&](bool right) {
     if (!right) throw UsageError(fmt::format("--task '{}' is none of {}", name, task_words()));
   };
-  if (const auto shape = one_of<Shape>(shape_names)(parts[0])) {
+  if (const auto shape = shape_named(parts[0])) {
     const std::size_t first = *shape == Shape::diffuse ? 1 : 2;
     expect(parts.size() == first || parts.size() == first + 2);
     Prefilter wanted{.shape = *shape, .size = 16, .costs = costs};

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "command.h"
+#include "command_line.h"
 #include "commit.h"
 #include "envmap/base/error.h"
 #include "envmap/render/context.h"

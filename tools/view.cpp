@@ -7,7 +7,6 @@
 
 #include "choose_maps.h"
 #include "command.h"
-#include "depfile.h"
 #include "envmap/base/error.h"
 #include "envmap/io/picture.h"
 #include "envmap/operate/convert.h"
@@ -16,6 +15,8 @@
 #include "envmap/render/raycast.h"
 #include "envmap/scene/read/read_scene.h"
 #include "eyes.h"
+#include "map_options.h"
+#include "maps.h"
 #include "mirror_options.h"
 #include "scene_options.h"
 #include "viewpoints.h"
@@ -28,7 +29,7 @@ using namespace envmap;
 // Of drawing what mirrors show.
 enum class Through { maps, rays };
 
-struct Options {
+struct Request {
   SceneOptions scene;
   ViewpointOptions from;
   std::string output, format, saved;
@@ -71,14 +72,13 @@ using Pictures = std::vector<std::vector<Colour>>;
 // Through dynamic maps, which stay from frame to frame.
 class MapPainter {
  public:
-  MapPainter(const Options& o, const Common& common, const LoadedScene& loaded, const std::vector<Mirror>& mirrors,
+  MapPainter(const Request& o, const LoadedScene& loaded, const std::vector<Mirror>& mirrors,
              const std::vector<int>& nodes)
       : options_(o),
-        common_(common),
         context_(o.scene.context),
         renderer_(loaded.scene, loaded.environment.get(), nodes),
         maps_(loaded.scene, mirrors) {
-    if (common.verbose) note(common, context_.renderer());
+    if (settings().verbose) note(context_.renderer());
   }
 
   // Each mirror's map, turned to the axes of the world.
@@ -88,7 +88,7 @@ class MapPainter {
       if (!map.texture) continue;  // Not seen, not drawn.
       EnvironmentMap seen = read_back(*map.texture);
       if (map.axes != Rotation(1)) seen = convert(seen, {.to = {seen.base().projection()}, .rotation = map.axes});
-      write_one_map(paths[k], all_rows_of(seen), {}, "write", common_);
+      write_map(paths[k], all_rows_of(seen), {}, "write");
     }
   }
 
@@ -109,7 +109,7 @@ class MapPainter {
     shot.look.lookup = options_.lookup.value_or(shot.look.lookup);
     shot.look.pictures = options_.drawing.bounces.value_or(shot.look.pictures);
     maps_.update(renderer_, shot, viewers, drawing, [&](const std::string& line) {
-      if (common_.verbose) note(common_, line);
+      if (settings().verbose) note(line);
     });
     shot.mirrors = maps_.maps();
     Pictures pictures;
@@ -118,24 +118,22 @@ class MapPainter {
   }
 
  private:
-  const Options& options_;
-  const Common& common_;
+  const Request& options_;
   Context context_;
   Renderer renderer_;
   Mirrors maps_;
   bool first_ = true;
 };
 
-Pictures cast(const Options& o, const Common& common, const std::vector<int>& mirrors, const Shot& shot,
-              const std::vector<Eye>& eyes) {
+Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes) {
   Pictures pictures;
   for (const Eye& eye : eyes)
-    pictures.push_back(raycast_picture(
-        shot, eye.from, {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far}, progress_line(common, "cast")));
+    pictures.push_back(raycast_picture(shot, eye.from, {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far},
+                                       progress_line("cast")));
   return pictures;
 }
 
-void check(const Options& o) {
+void check(const Request& o) {
   if (o.method == Through::rays) check_no_context(o.scene);
   const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.largest != MirrorOptions{}.largest || o.drawing.all || o.lookup || o.look.tinted || !o.saved.empty() ||
                        std::ranges::any_of(o.mirrors, [](const std::string& m) {
@@ -153,7 +151,7 @@ void check(const Options& o) {
 
 // What is drawn of a frame.
 struct Scenery {
-  const Options& o;
+  const Request& o;
   const LoadedScene& loaded;
   const Viewpoints& viewpoints;
   const Frames& frames;
@@ -171,8 +169,8 @@ struct Scenery {
 };
 
 // For --max-error: tries maps in the first frame, the middle one and the last.
-void choose(Options& o, const Scenery& scenery, const std::vector<Mirror>& mirrors, std::optional<MapPainter>& painter,
-            const Common& common) {
+void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirrors,
+            std::optional<MapPainter>& painter) {
   if (mirrors.empty()) return;
   const int first = scenery.frames.first, last = scenery.frames.last;
   std::vector<Moment> moments;
@@ -182,31 +180,32 @@ void choose(Options& o, const Scenery& scenery, const std::vector<Mirror>& mirro
   }
   const MapChoice choice = painter->choose(mirrors, std::move(moments));
   if (choice.rays) {
-    note(common, fmt::format("mirrors by rays: maps are off by {:.2g} of the picture (rms), more than {:g}", choice.error, *o.max_error));
+    note(fmt::format("mirrors by rays: maps are off by {:.2g} of the picture (rms), more than {:g}", choice.error,
+                     *o.max_error));
     o.method = Through::rays;
     painter.reset();
     return;
   }
-  note(common, fmt::format("mirrors by --lookup {} --max-size {}{}: off by {:.2g} of the picture (rms) against rays",
-                           mirror_lookup_names[static_cast<std::size_t>(choice.lookup)], choice.drawing.largest,
-                           choice.drawing.bounces ? fmt::format(" --bounces {}", *choice.drawing.bounces) : "", choice.error));
+  note(fmt::format("mirrors by --lookup {} --max-size {}{}: off by {:.2g} of the picture (rms) against rays",
+                   mirror_lookup_names[static_cast<std::size_t>(choice.lookup)], choice.drawing.largest,
+                   choice.drawing.bounces ? fmt::format(" --bounces {}", *choice.drawing.bounces) : "", choice.error));
   o.lookup = choice.lookup, o.drawing = choice.drawing;
 }
 
-int run(Options& o, const Common& common) {
+int run(Request& o) {
   check(o);
   const Frames frames = frames_of(o.scene);
-  const PictureOptions how{o.format, o.display.value_or(Display::clip), common.commit};
+  const PictureOptions how{o.format, o.display.value_or(Display::clip), settings().commit};
   if (!is_picture(frames.path(o.output, frames.first), how))
     throw UsageError(o.output, "the picture must be a .png, .jpg, .exr or .hdr");
   if (o.display && is_linear_picture(frames.path(o.output, frames.first), how))
     throw UsageError(o.output, "holds radiance as it is: leave out --display");
   std::vector<std::string> outputs;
   for (const std::string& path : frames.paths(o.output)) std::ranges::copy(eye_files(path), std::back_inserter(outputs));
-  check_files(outputs, {o.scene.path, o.scene.environment}, common);
-  LoadedScene loaded = load(o.scene, common);
-  check_files(outputs, loaded.inputs, common);
-  const auto depfile = open_depfile(outputs, loaded.inputs, common);
+  check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
+  LoadedScene loaded = load(o.scene);
+  check_files(outputs, loaded.inputs);
+  open_depfile();
   const Scene& scene = loaded.scene;
   const Viewpoints viewpoints(o.from, static_cast<double>(o.width) / o.height, scene, o.scene.path,
                               pose(scene, frames.time(frames.first)));
@@ -214,17 +213,17 @@ int run(Options& o, const Common& common) {
   const std::vector<int> nodes = nodes_of(mirrors);
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
   std::optional<MapPainter> painter;
-  if (o.method == Through::maps) painter.emplace(o, common, loaded, mirrors, nodes);
-  if (viewpoints.is_framed()) note(common, fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
+  if (o.method == Through::maps) painter.emplace(o, loaded, mirrors, nodes);
+  if (viewpoints.is_framed()) note(fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
   const Scenery scenery{o, loaded, viewpoints, frames};
-  if (o.max_error) choose(o, scenery, mirrors, painter, common);
+  if (o.max_error) choose(o, scenery, mirrors, painter);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const std::vector<int> moved = loaded.move_to(frames.time(frame));
     const Shot shot = scenery.shot(frame);
     const std::vector<Eye> eyes = scenery.eyes(frame, shot.pose);
     const Stopwatch watch;
-    Pictures pictures = painter ? painter->paint(shot, moved, eyes) : cast(o, common, nodes, shot, eyes);
+    Pictures pictures = painter ? painter->paint(shot, moved, eyes) : cast(o, nodes, shot, eyes);
     seconds += watch.seconds();
     if (!maps.empty()) painter->save(frames.sequence ? numbered(maps, frame) : maps);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
@@ -235,134 +234,72 @@ int run(Options& o, const Common& common) {
       write_picture(files[k], o.width, pictures[k], how);
     }
   }
-  if (depfile) depfile->commit();
   tell_darkness(loaded, o.scene);
-  tell_rate(frames, seconds, common);
+  tell_rate(frames, seconds);
   return 0;
 }
 
-constexpr std::string_view description =
-    "Draws a scene as one of its cameras sees it, or a camera at any point (orthographic ones as such, unless --fov says an angle); a scene without cameras is seen whole, from its "
-    "front (+Z), a little to the right and from above. What reflects sharply (metallic 1, roughness 0) or transmits light "
-    "is "
-    "drawn through an environment map of its own, which is drawn from the middle of the node with the other mirrors' "
-    "latest maps in it. A still is drawn in rounds until no map changes by more than 1/255; of --frames only the first "
-    "one is, and reflections in reflections are a frame old after that, unless --bounces says how many rounds a frame "
-    "takes. --mirror adds nodes of any "
-    "material, and says how one is mapped: rough metals then use levels prefiltered by GGX.\n\n"
-    "Maps hold distances too, and are looked up where the reflected ray meets what they show (--lookup). What their "
-    "middle does not see a mirror cannot show, and a mirror in a mirror shows what it shows to that middle. Thin walls let light straight through; solids (KHR_materials_volume) bend it once, where it enters. "
-    "--method raycast is the reference: Embree follows rays from mirror to mirror, through walls and through both sides "
-    "of solids, and all is lit by the same formulae. Shadows of punctual lights are those of rays there, and of shadow maps "
-    "else. What surfaces keep of the environment's diffuse light from each other is found by --occlusion distant lights that "
-    "share out its flux. What transmits light keeps none from others, and what hangs on a light's own node none of that "
-    "light.\n\n"
-    "Only what the picture needs is drawn: the faces or halves that reflected rays can reach, things that they can "
-    "see, "
-    "at the size that the mirror's pixels can show (unless --size says it); a paraboloid's axis points where the rays "
-    "go, "
-    "and a map whose surroundings did not move stays. -v says what was left out, --all draws everything.";
-
 }  // namespace
 
-Command view_command() {
-  return {
-      .name = "view",
-      .summary = "Draw a scene with its mirrors and lenses through dynamic environment maps",
-      .description = std::string(description),
-      .examples = {{"envmap view cellar.glb cellar.png --camera entrance -v", "one picture, and what it took"},
-                   {"envmap view cellar.glb 'frames/{frame}.png' --frames 0:95 --maps cube", "four seconds"},
-                   {"envmap view model.glb 'turn/{frame}.png' --frames 0:71 --orbit 360 --environment probe.hdr",
-                    "any model, turned round once"},
-                   {"envmap view cellar.glb halves.png --show-maps --mirror 'mirror ball:sphere'",
-                    "which half of a map shows what; one mirror by a sphere map"},
-                   {"envmap view cellar.glb cellar.png --max-error 0.02", "the cheapest maps that show what rays do, to 2%"},
-                   {"envmap view cellar.glb 3d.png --anaglyph 0.065", "for red and cyan glasses"}},
-      .writes = true,
-      .define = [](CLI::App& app, const Common& common) -> std::function<int()> {
-        auto o = std::make_shared<Options>();
-        add_scene(app, o->scene);
-        app.add_option("OUTPUT", o->output,
-                       "Picture to write: .png, .jpg, .exr or .hdr, '-' for standard output; {frame} or %04d in the name "
-                       "is the frame")
-            ->required();
-        app.add_option("--format", o->format, "File type, for '-' and names without one (default: png)")->type_name("EXT");
-        app.add_option("--camera", o->from.camera,
-                       "Camera of the scene, by its name or its node's, or a point in the world (default: the first, or one that "
-                       "sees all)")
-            ->type_name("NAME|X,Y,Z");
-        add_triple(app, "--look-at", o->from.look_at, "X,Y,Z", false,
-                   "Point in the middle of the picture (default: where the camera looks; of a point, the middle of the scene)");
-        app.add_option("--fov", o->from.fov, "Angle from the bottom to the top of the picture (default: the camera's, or 40)")
-            ->type_name("DEGREES")
-            ->check(number_in({0.01, 179.0}));
-        app.add_option("--orbit", o->from.orbit,
-                       "Over all --frames, carry the camera round what it looks at, or the middle of the scene (default: 0)")
-            ->type_name("DEGREES")
-            ->check(number_in({-36000.0, 36000.0}));
-        app.add_option("--width", o->width, "Of the picture (default: 640)")->type_name("N")->check(CLI::Range(1, 16384));
-        app.add_option("--height", o->height, "Of the picture (default: 480)")->type_name("N")->check(CLI::Range(1, 16384));
-        app.add_option("--samples", o->samples, "Rays a pixel (default: 4)")->type_name("N")->check(CLI::Range(1, 1024));
-        add_choice(
-            app, "--method", o->method, joined(method_names),
-            [](const std::string& word) -> std::optional<Through> {
-              if (word == "maps") return Through::maps;
-              if (word == "raycast") return Through::rays;
-              return std::nullopt;
-            },
-            "How mirrors find what they show: in dynamic maps, or by rays, the reference (default: maps)");
-        app.add_option("--exposure", o->exposure, "Stops (default: 0)")->type_name("STOPS")->check(number_in({-100.0, 100.0}));
-        add_display(app, o->display, Display::clip);
-        add_choice(
-            app, "--maps", o->maps, joined(map_names),
-            [](const std::string& word) -> std::optional<Projection> {
-              return std::ranges::find(map_names, word) == std::end(map_names) ? std::nullopt : projection_named(word);
-            },
-            "Projection of the mirrors' maps (default: paraboloid)");
-        app.add_option("--size", o->drawing.size, "Height of a face of the maps (default: what the picture needs)")
-            ->type_name("N")
-            ->check(CLI::Range(4, 8192));
-        app.add_option("--max-size", o->drawing.largest, "The most that it may be (default: 1024)")
-            ->type_name("N")
-            ->check(CLI::Range(4, 8192));
-        app.add_option("--mirror", o->mirrors,
-                       "A node that is a mirror, too; with :sphere, :paraboloid or :cube behind it "
-                       "mapped so; with :off no mirror, though its material says so: it shows the environment. May be given "
-                       "more than once")
-            ->type_name("NODE")
-            ->allow_extra_args(false);
-        app.add_option("--bounces", o->drawing.bounces,
-                       "Rounds in which mirrors draw each other, a frame (default: in the first one until nothing "
-                       "changes by more than 1/255, then 1); how often a ray is followed (default: 32)")
-            ->type_name("N")
-            ->check(CLI::Range(1, 64));
-        app.add_option("--near", o->drawing.near, "Nothing nearer to a mirror's middle is in its map (default: 0.01)")
-            ->type_name("METRES")
-            ->check(number_in({1e-9, 1e9}));
-        app.add_option("--far", o->drawing.far, "Nothing further is (default: 1000)")
-            ->type_name("METRES")
-            ->check(number_in({1e-9, 1e12}));
-        add_choice(app, "--lookup", o->lookup, joined(mirror_lookup_names), one_of<MirrorLookup>(mirror_lookup_names),
-                   "How maps are looked up: by direction, as if all were far away; where rays meet what is at a distance; "
-                   "by direction at vertices, as it used to be done (default: distance)");
-        app.add_option("--max-error", o->max_error,
-                       "Draw mirrors by the smallest maps whose picture is off by E at most, as the rms of the difference over that of "
-                       "the picture by rays, or by rays: tried in all of it, of --frames in the first, the middle and the last one")
-            ->type_name("E")
-            ->check(number_in({1e-6, 10.0}));
-        app.add_flag("--show-maps", o->look.tinted, "Tint what mirrors show by the face of the map");
-        app.add_option("--save-maps", o->saved,
-                       "Write the map of each mirror that is drawn into this folder, too: NODE.exr, of frames NODE.0001.exr, along "
-                       "the axes of the world")
-            ->type_name("FOLDER");
-        app.add_option("--anaglyph", o->anaglyph,
-                       "Two eyes so far apart; both see the same at 30 times the distance. {eye} in OUTPUT writes three files: left, "
-                       "right and both")
-            ->type_name("METRES")
-            ->check(number_in({1e-9, 1e9}));
-        app.add_flag("--all", o->drawing.all, "Draw all of every map, needed or not");
-        return [o, &common] { return run(*o, common); };
-      }};
+Action define_view(Options& o) {
+  const auto r = std::make_shared<Request>();
+  add_scene(o, r->scene);
+  o.writes(
+       "OUTPUT", r->output,
+       "Picture to write: .png, .jpg, .exr or .hdr, '-' for standard output; {frame} or %04d in the name is the frame")
+      .required = true;
+  o.add("--format", "EXT", &r->format, "File type, for '-' and names without one (default: png)");
+  o.add("--camera", "NAME|X,Y,Z", &r->from.camera,
+        "Camera of the scene, by its name or its node's, or a point in the world (default: the first, or one that sees "
+        "all)");
+  o.add("--look-at", "X,Y,Z", Triple{&r->from.look_at},
+        "Point in the middle of the picture (default: where the camera looks; of a point, the middle of the scene)");
+  o.add("--fov", "DEGREES", &r->from.fov, {0.01, 179},
+        "Angle from the bottom to the top of the picture (default: the camera's, or 40)");
+  o.add("--orbit", "DEGREES", &r->from.orbit, {-36000, 36000},
+        "Over all --frames, carry the camera round what it looks at, or the middle of the scene (default: 0)");
+  o.add("--width", "N", &r->width, {1, 16384}, "Of the picture (default: 640)");
+  o.add("--height", "N", &r->height, {1, 16384}, "Of the picture (default: 480)");
+  o.add("--samples", "N", &r->samples, {1, 1024}, "Rays a pixel (default: 4)");
+  o.add("--method", one_of(r->method, method_names),
+        "How mirrors find what they show: in dynamic maps, or by rays, the reference (default: maps)");
+  o.add("--exposure", "STOPS", &r->exposure, {-100, 100}, "Stops (default: 0)");
+  add_display(o, r->display, Display::clip);
+  o.add(
+      "--maps", joined(map_names),
+      [&maps = r->maps](const std::string& word) {
+        if (index_of(word, map_names) >= 0) maps = projection_named(word);
+        return index_of(word, map_names) >= 0;
+      },
+      "Projection of the mirrors' maps (default: paraboloid)");
+  o.add("--size", "N", &r->drawing.size, {4, 8192}, "Height of a face of the maps (default: what the picture needs)");
+  o.add("--max-size", "N", &r->drawing.largest, {4, 8192}, "The most that it may be (default: 1024)");
+  o.add("--mirror", "NODE", &r->mirrors,
+        "A node that is a mirror, too; with :sphere, :paraboloid or :cube behind it mapped so; with :off no mirror, "
+        "though its material says so: it shows the environment. May be given more than once")
+      .several = Several::repeated;
+  o.add("--bounces", "N", &r->drawing.bounces, {1, 64},
+        "Rounds in which mirrors draw each other, a frame (default: in the first one until nothing changes by more "
+        "than 1/255, then 1); how often a ray is followed (default: 32)");
+  o.add("--near", "METRES", &r->drawing.near, {1e-9, 1e9},
+        "Nothing nearer to a mirror's middle is in its map (default: 0.01)");
+  o.add("--far", "METRES", &r->drawing.far, {1e-9, 1e12}, "Nothing further is (default: 1000)");
+  o.add("--lookup", one_of(r->lookup, mirror_lookup_names),
+        "How maps are looked up: by direction, as if all were far away; where rays meet what is at a distance; by "
+        "direction at vertices, as it used to be done (default: distance)");
+  o.add(
+      "--max-error", "E", &r->max_error, {1e-6, 10},
+      "Draw mirrors by the smallest maps whose picture is off by E at most, as the rms of the difference over that of "
+      "the picture by rays, or by rays: tried in all of it, of --frames in the first, the middle and the last one");
+  o.flag("--show-maps", r->look.tinted, "Tint what mirrors show by the face of the map");
+  o.add("--save-maps", "FOLDER", &r->saved,
+        "Write the map of each mirror that is drawn into this folder, too: NODE.exr, of frames NODE.0001.exr, along "
+        "the axes of the world");
+  o.add("--anaglyph", "METRES", &r->anaglyph, {1e-9, 1e9},
+        "Two eyes so far apart; both see the same at 30 times the distance. {eye} in OUTPUT writes three files: left, "
+        "right and both");
+  o.flag("--all", r->drawing.all, "Draw all of every map, needed or not");
+  return [r](Report&) { return run(*r); };
 }
 
 }  // namespace tools

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "command.h"
 #include "envmap/base/error.h"
+#include "options.h"
 
 namespace tools {
 namespace {

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What the program costs to compile from nothing, in reference units: a unit is the compile of a file that includes CLI11 and
-nlohmann-json and uses both. Machines and their load differ; a unit is measured in the same run.
+"""Measures what the program costs to compile from nothing, in reference units. A unit is the compile of a file that uses CLI11
+and nlohmann-json. It is measured in the same run, since machines and their load differ.
 
-  compile_units.py BUILD [WORD...]    e.g. build/ci, which must have been built: generated sources and precompiled headers are taken
-                                      from there. With WORDs only units whose output holds one of them.
+  compile_units.py BUILD [WORD...]    BUILD, such as build/ci, must have been built. With WORDs: only units whose output
+                                      holds one of them.
 
-Every compile of src/envmap and tools runs alone, without ccache, into a scratch file; seconds are processor seconds.
+Every compile of src/envmap and tools runs alone, without ccache, into a scratch file. Seconds are processor seconds.
 """
 import collections
 import json
@@ -40,7 +40,7 @@ def seconds(command, folder):
 
 
 def compiles(build, words):
-    """(room, source, command, folder) of each unit of the program, without ccache and without files beside the object."""
+    """Yields (room, output, command, folder) of each unit of the program, without ccache."""
     for entry in json.loads((build / 'compile_commands.json').read_text()):
         command = re.sub(r'^\S*ccache\s+', '', entry['command'])
         output = re.search(r' -o (\S+)', command)[1]
@@ -75,8 +75,9 @@ def main():
         print(f'{took:7.2f} s  {output}')
     for room, took in sums.items():
         print(f'{took:7.1f} s  {took / unit:6.1f} units  {room}')
-    print(f'{sum(sums.values()):7.1f} s  {sum(sums.values()) / unit:6.1f} units  {len(units)} compiles; one unit: {unit:.2f} s '
-          f'({min(of_reference):.2f} to {max(of_reference):.2f})')
+    total = sum(sums.values())
+    print(f'{total:7.1f} s  {total / unit:6.1f} units  {len(units)} compiles')
+    print(f'one unit: {unit:.2f} s ({min(of_reference):.2f} to {max(of_reference):.2f})')
 
 
 main()

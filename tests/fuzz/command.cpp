@@ -1,14 +1,13 @@
 // The program in one process, but for main(): an exception that is no Error is what main() calls a fault of envmap.
-#include "command.h"
-
 #include <algorithm>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "envmap/base/error.h"
-#include "costs_file.h"
 #include "manifest.h"
+#include "maps.h"
 #include "sound_scene.h"
 #include "targets.h"
 
@@ -43,14 +42,16 @@ const std::vector<Words> commands_of_scenes{
 
 void run(Words words) {
   words.insert(words.end(), {"--quiet", "--max-pixels", "100000"});
-  std::ranges::reverse(words);
-  tools::Program program;
+  tools::settings() = {};
+  tools::Parsed parsed;
   try {
-    program.app->parse(words);
-    (void)program.run();
+    tools::parse(words, parsed);
   } catch (const Error&) {
-  } catch (const CLI::ParseError&) {
     std::abort();  // The words are ours.
+  }
+  try {
+    (void)tools::run(parsed);
+  } catch (const Error&) {
   }
 }
 
@@ -74,7 +75,7 @@ void fuzz_costs(Bytes data) {
   const std::string path = "fuzz_costs.json";
   std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
   try {
-    for (const double nanoseconds : tools::read_costs(path, {}).nanoseconds)
+    for (const double nanoseconds : tools::read_costs(path).nanoseconds)
       if (!(nanoseconds > 0 && nanoseconds < 1e13)) std::abort();
   } catch (const InputError& e) {
     expect_harmless(e.what());

@@ -4,16 +4,11 @@
 #include <optional>
 #include <string>
 
-#include "command.h"
+#include "map_options.h"
 
 namespace tools {
 
-/// --input-space and --ocio: part of add_read_options().
-void add_input_space(CLI::App& app, envmap::ReadOptions& options);
-/// --output-space and --encoded.
-void add_output_space(CLI::App& app, envmap::WriteOptions& options);
-
-/// Reads into the linear space of the output, so that what it holds is not lost on the way. To be called before reading.
+/// Makes the linear space of the output the working space, so that no colour is lost. To be called before reading.
 void choose_working_space(envmap::ReadOptions& read, envmap::WriteOptions& write);
 
 /// --gain, --white, --saturation, --scale-to, --towards.
@@ -23,12 +18,12 @@ struct GradeOptions {
   double saturation = 1;
   std::string scale_to;
 };
-void add_grade(CLI::App& app, GradeOptions& options);
+void add_grade(Options& o, GradeOptions& grade);
 
 /// A direction, (0, 1, 0) where nothing is said. @throws UsageError of (0, 0, 0).
 envmap::Direction unit_or_up(const std::optional<envmap::Direction>& direction, const char* option);
 
 /// Changes the map that was read. @param working its space, and the config of that.
-void grade(envmap::Source& source, const GradeOptions& options, const envmap::ColourOptions& working, const Common& common);
+void grade(envmap::Source& source, const GradeOptions& options, const envmap::ColourOptions& working);
 
 }  // namespace tools

@@ -1,9 +1,10 @@
-#include "colour_options.h"
+#include "grade.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "console.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/grade.h"
 
@@ -11,49 +12,25 @@ namespace tools {
 
 using namespace envmap;
 
-void add_input_space(CLI::App& app, ReadOptions& options) {
-  app.add_option("--input-space", options.colour.space,
-                 "Colour space of the input's values (default: what it says; else linear Rec.709 of floats, sRGB of integers)")
-      ->type_name("SPACE");
-  app.add_option_function<std::string>(
-         "--ocio", [&options](const std::string& file) { options.colour.config = file == "builtin" ? "" : file; },
-         "OpenColorIO config that names of spaces are looked up in; 'builtin' is a small one of our own: "
-         "'Linear Rec.709', sRGB, ACEScg, ACES2065-1, 'Linear Rec.2020', XYZ, 'Linear P3-D65', 'Display P3' (default: $OCIO, "
-         "then builtin)")
-      ->type_name("CONFIG")
-      ->envname("OCIO");
-}
-
-void add_output_space(CLI::App& app, WriteOptions& options) {
-  app.add_option("--output-space", options.colour.space,
-                 "Colour space of the output's values (default: linear Rec.709 of floats, sRGB of integers)")
-      ->type_name("SPACE");
-  app.add_flag(
-      "--encoded", options.encoded,
-      "Write an encoded --output-space, such as 'Display P3', to a format whose values other programs take for linear");
-}
-
 void choose_working_space(ReadOptions& read, WriteOptions& write) {
   read.colour.working = working_space_for(read.colour.config, write.colour.space);
   write.colour.config = read.colour.config;
   write.colour.working = read.colour.working;
 }
 
-void add_grade(CLI::App& app, GradeOptions& o) {
-  add_triple(app, "--gain", o.gain, "R,G,B", true, "Multiply the channels");
-  app.add_option("--white", o.white,
-                 "White balance: make grey, at its luminance, what is seen within 1 degree of direction X,Y,Z; or a black body "
-                 "of so many kelvins, 1000 to 25000, as 5600 or 5600K")
-      ->type_name("X,Y,Z|KELVIN");
-  app.add_option("--saturation", o.saturation,
-                 "0: grey; above 1 more colourful, as far as no channel falls below 0; luminance stays (default: 1)")
-      ->type_name("S")
-      ->check(number_in({0.0, 100.0}));
-  app.add_option("--scale-to", o.scale_to,
-                 "Scale the light so that a plane facing --towards receives lux=E, or so that the luminance seen within 1 degree "
-                 "of --towards is nits=L; values are then candelas a square metre")
-      ->type_name("lux=E|nits=L");
-  add_triple(app, "--towards", o.towards, "X,Y,Z", false, "Direction of --scale-to (default: up, 0,1,0)");
+void add_grade(Options& o, GradeOptions& g) {
+  o.add("--gain", "R,G,B", Triple{&g.gain, true}, "Multiply the channels");
+  o.add("--white", "X,Y,Z|KELVIN", &g.white,
+        "White balance: make grey, at its luminance, what is seen within 1 degree of direction X,Y,Z; or a black body "
+        "of so many kelvins, 1000 to "
+        "25000, as 5600 or 5600K");
+  o.add("--saturation", "S", &g.saturation, {0, 100},
+        "0: grey; above 1 more colourful, as far as no channel falls below 0; luminance stays (default: 1)");
+  o.add("--scale-to", "lux=E|nits=L", &g.scale_to,
+        "Scale the light so that a plane facing --towards receives lux=E, or so that the luminance seen within 1 "
+        "degree of --towards is nits=L; values "
+        "are then candelas a square metre");
+  o.add("--towards", "X,Y,Z", Triple{&g.towards}, "Direction of --scale-to (default: up, 0,1,0)");
 }
 
 Direction unit_or_up(const std::optional<Direction>& direction, const char* option) {
@@ -68,19 +45,22 @@ constexpr double seen_within = 1;  // Degrees.
 
 std::optional<double> number_of(const std::string& text) {
   double number = 0;
-  return CLI::detail::lexical_cast(text, number) && std::isfinite(number) ? std::optional(number) : std::nullopt;
+  return parse_number(text, number) && std::isfinite(number) ? std::optional(number) : std::nullopt;
 }
 
 Flux white_gain(const EnvironmentMap& map, const std::string& white, const Primaries& primaries) {
   const bool unit = white.size() > 1 && white.ends_with('K');
   if (const auto kelvin = number_of(unit ? white.substr(0, white.size() - 1) : white)) {
-    if (*kelvin < 1000 || *kelvin > 25000) throw UsageError(fmt::format("--white {}: a temperature is 1000 to 25000 kelvins", white));
+    if (*kelvin < 1000 || *kelvin > 25000)
+      throw UsageError(fmt::format("--white {}: a temperature is 1000 to 25000 kelvins", white));
     return white_balance(*kelvin, primaries);
   }
   const auto direction = triple_of(white);
-  if (!direction) throw UsageError(fmt::format("--white: '{}' is neither a direction X,Y,Z nor a temperature in kelvins", white));
+  if (!direction)
+    throw UsageError(fmt::format("--white: '{}' is neither a direction X,Y,Z nor a temperature in kelvins", white));
   try {
-    return white_balance(radiance_within(map, unit_or_up(direction, "--white"), seen_within), luminance_weights(primaries));
+    const Flux grey = radiance_within(map, unit_or_up(direction, "--white"), seen_within);
+    return white_balance(grey, luminance_weights(primaries));
   } catch (const UsageError& e) {
     throw UsageError(fmt::format("--white {}: {}", white, e.what()));
   }
@@ -111,14 +91,15 @@ void check_finite(const Level& level, const char* option) {
 
 }  // namespace
 
-void grade(Source& source, const GradeOptions& o, const ColourOptions& working, const Common& common) {
-  if (o.gain && !(o.gain->x >= 0 && o.gain->y >= 0 && o.gain->z >= 0)) throw UsageError("--gain: a factor below 0 makes no light");
+void grade(Source& source, const GradeOptions& o, const ColourOptions& working) {
+  if (o.gain && !(o.gain->x >= 0 && o.gain->y >= 0 && o.gain->z >= 0))
+    throw UsageError("--gain: a factor below 0 makes no light");
   if (o.towards && o.scale_to.empty()) throw UsageError("--towards is for --scale-to");
   const Primaries primaries = primaries_of(working.config, working.working).value_or(rec709);
   Grade grade{.saturation = o.saturation, .luminance = luminance_weights(primaries)};
   if (!o.white.empty()) grade.gain = white_gain(source.map, o.white, primaries);
-  if (common.verbose && !o.white.empty())
-    note(common, fmt::format("--white: gains {:.6g} {:.6g} {:.6g}", grade.gain.x, grade.gain.y, grade.gain.z));
+  if (!o.white.empty())
+    detail(fmt::format("--white: gains {:.6g} {:.6g} {:.6g}", grade.gain.x, grade.gain.y, grade.gain.z));
   if (o.gain) grade.gain *= Flux(*o.gain);
   if (grade.changes())
     for (Level& level : source.map.levels) {
@@ -131,7 +112,7 @@ void grade(Source& source, const GradeOptions& o, const ColourOptions& working, 
     apply({.gain = Flux(scale)}, level);
     check_finite(level, "--scale-to");
   }
-  note(common, fmt::format("envmap convert: --scale-to {}: times {:.6g}", o.scale_to, scale));
+  note(fmt::format("envmap convert: --scale-to {}: times {:.6g}", o.scale_to, scale));
   source.provenance.white_luminance = 1.0F;
 }
 

@@ -1,0 +1,54 @@
+// Reads and writes maps, with messages, and the depfile.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "envmap/base/costs.h"
+#include "envmap/io/read.h"
+#include "envmap/io/write.h"
+
+namespace tools {
+
+/// Reads a map. Says what was repaired, assumed or left out.
+envmap::Source read_map(const std::string& path, const envmap::ReadOptions& options);
+
+/// Makes and writes a map with its levels, and the depfile. Says how many texels were clamped.
+/// @param verb for the progress line.
+envmap::Written write_map(const std::string& path, std::span<const envmap::Rows> levels,
+                          const envmap::WriteOptions& options, const std::string& verb);
+envmap::Written write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
+                          const std::string& verb);
+
+/// Writes a text to a file or to standard output ("-").
+void write_text(const std::string& path, std::string_view text);
+
+/// The costs that methods are chosen by. The defaults if `path` is empty. The file is a dependency of the output.
+/// @throws InputError where it lacks a figure, or one is not above 0 and up to 1000 seconds.
+envmap::Costs read_costs(const std::string& path);
+/// The text of a file for read_costs().
+std::string text_of(const envmap::Costs& costs);
+
+/// @throws UsageError where an output or the depfile is an input or another output, by whatever names, where standard
+/// input is named twice, or where a report and an output would both go to standard output.
+void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+
+/// Writes the depfile for the files of the last check_files(), if --depfile asks for one. commit_depfile() shows it. Call
+/// this before outputs are written: without a depfile there is no output. Later calls do nothing. Each input gets a rule
+/// without a recipe, as by GCC's -MP: make goes on where an input was removed.
+/// @param levels of the outputs whose names have {level}. @throws UsageError where there is no output.
+void open_depfile(int levels = 1);
+void commit_depfile();
+
+/// Discards a depfile that was not committed: the command failed.
+class PendingDepfile {
+ public:
+  PendingDepfile() = default;
+  PendingDepfile(const PendingDepfile&) = delete;
+  PendingDepfile& operator=(const PendingDepfile&) = delete;
+  ~PendingDepfile();
+};
+
+}  // namespace tools

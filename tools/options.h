@@ -1,0 +1,120 @@
+// The options of a command as rows. Parsing, --help, man pages, completions, `batch` and --shard read them.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "envmap/maths/vector.h"
+
+namespace tools {
+
+using WordList = std::span<const std::string_view>;
+
+/// A variable of an enumeration, optional or not, and the words of its enumerators.
+struct Choice {
+  void* variable;
+  void (*put)(void* variable, int enumerator);
+  WordList words;
+};
+template <class E>
+Choice one_of(E& variable, WordList words) {
+  return {&variable, [](void* v, int k) { *static_cast<E*>(v) = static_cast<E>(k); }, words};
+}
+template <class E>
+Choice one_of(std::optional<E>& variable, WordList words) {
+  return {&variable, [](void* v, int k) { *static_cast<std::optional<E>*>(v) = static_cast<E>(k); }, words};
+}
+
+/// R,G,B or X,Y,Z. With `one_for_all`, one number may stand for the three.
+struct Triple {
+  std::optional<envmap::Direction>* variable;
+  bool one_for_all = false;
+};
+
+/// A number of bytes or pixels, such as 500M. Kilo is 1024, or 1000 if `decimal`.
+struct Size {
+  std::uint64_t* variable;
+  bool decimal;
+};
+
+/// Where the value of an option goes.
+using Value =
+    std::variant<bool*, int*, std::optional<int>*, double*, std::optional<double>*, std::string*,
+                 std::optional<std::string>*, std::vector<std::string>*, std::vector<double>*, Choice, Triple, Size>;
+/// Reads a value itself. @return false where it takes no such word.
+using Parse = std::function<bool(const std::string& text)>;
+
+/// Both ends are allowed, NaN is not.
+struct Range {
+  double from, to;
+};
+
+/// What a value names: a file that is read or written, a folder that is written, or files of which the last is written.
+enum class File { none, input, output, folder, inputs_then_output };
+
+/// How an option takes several values: as words that follow it, with commas between them, or one each time.
+enum class Several { words, joined, repeated };
+
+struct Option {
+  std::string name;  ///< "--size"; of an argument "INPUT".
+  std::string type;  ///< The value's name in help, or all words that are allowed, with | between them. Empty: a flag.
+  std::string help;
+  Value value;
+  Parse parse = {};  ///< Used instead of `value`.
+  std::optional<Range> range = {};
+  char letter = 0;  ///< q of -q, beside --quiet.
+  File file = File::none;
+  Several several = Several::words;
+  bool required = false;
+  std::string alone = {};               ///< The value of an option that is given without one.
+  std::string environment = {};         ///< An environment variable that holds the value where the option is not given.
+  std::string excludes = {};            ///< An option that may not stand beside this one.
+  std::vector<std::string> given = {};  ///< The values from the command line, or from the environment.
+
+  [[nodiscard]] bool is_argument() const { return !name.starts_with('-'); }
+  [[nodiscard]] bool is_flag() const { return type.empty() && !is_argument(); }
+  [[nodiscard]] bool takes_several() const;
+  [[nodiscard]] std::vector<std::string> words() const;  ///< Those of `type`, or none.
+  /// Reads one value. @throws std::invalid_argument with what is wrong.
+  void put(const std::string& text) const;
+};
+
+/// In the order of --help. Rows keep their addresses.
+class Options {
+ public:
+  Option& add(std::string_view name, std::string_view type, const Value& value, std::string_view help);
+  Option& add(std::string_view name, std::string_view type, const Value& value, Range range, std::string_view help);
+  Option& add(std::string_view name, std::string_view words, Parse parse, std::string_view help);
+  Option& add(std::string_view name, const Choice& choice, std::string_view help);  ///< Its type is the words.
+  Option& flag(std::string_view name, bool& value, std::string_view help);
+  /// Arguments.
+  Option& reads(std::string_view name, std::string& path, std::string_view help);
+  Option& writes(std::string_view name, std::string& path, std::string_view help);
+  Option& files(std::vector<std::string>& paths, File kind, std::string_view help);
+
+  [[nodiscard]] Option& operator[](std::string_view name);
+  [[nodiscard]] bool given(std::string_view name) const;
+  /// The files that are named. @param kind input or output.
+  [[nodiscard]] std::vector<std::string> named(File kind) const;
+  std::deque<Option> rows;
+};
+
+bool parse_number(const std::string& text, int& number);
+bool parse_number(const std::string& text, double& number);
+/// Three finite numbers with commas between them, or nothing. @see Triple
+std::optional<envmap::Direction> triple_of(const std::string& text, bool one_for_all = false);
+std::vector<std::string> split(const std::string& text, char at);
+std::string joined(WordList words);
+
+/// The index of a word, or -1.
+int index_of(std::string_view word, WordList words);
+
+}  // namespace tools
