@@ -98,8 +98,8 @@ std::string zsh_spec(const Option& o, const std::string& name) {
   if (const std::string words = words_of(o); !words.empty())
     spec += ":word:(" + words + ")";
   else if (!o.type.empty())
-    spec += ":" + escaped(o.type, "[]\\:") + ":_files";
-  return " '" + spec + "'";
+    spec += fmt::format(":{}:_files", escaped(o.type, "[]\\:"));
+  return fmt::format(" '{}'", spec);
 }
 
 std::string zsh(const std::deque<Known>& all) {
@@ -133,7 +133,7 @@ std::string zsh(const std::deque<Known>& all) {
 
 // ---- fish ------------------------------------------------------------------------------------------------------------
 
-std::string fish_quoted(const std::string& text) { return "'" + escaped(text, "'\\") + "'"; }
+std::string fish_quoted(const std::string& text) { return fmt::format("'{}'", escaped(text, "'\\")); }
 
 std::string fish(const std::deque<Known>& all) {
   std::string out = "# fish completion for envmap\n";
