@@ -99,6 +99,7 @@ void add(Report& report, const MapFacts& f) {
   report.put("brightest.value", Direction(m.brightest_value));
   report.put("brightest.face", m.brightest_texel.face);
   report.put("brightest.texel", ReportValue::Texel{m.brightest_texel.i, m.brightest_texel.j});
+  report.put("brightest.texels", m.brightest_texels);
   const auto [azimuth, elevation] = angles_of(m.brightest_direction);
   report.put("brightest.azimuth", azimuth);
   report.put("brightest.elevation", elevation);
@@ -148,7 +149,9 @@ FactLines lines_of(const MapFacts& f) {
                                 numbers(Direction(m.brightest_value)), d.x, d.y, d.z, at.face, at.i, at.j));
   const auto [azimuth, elevation] = angles_of(d);
   const std::int64_t same = f.texels_at_maximum;
-  line("", fmt::format("azimuth {:.1f} degrees from +Z towards +X, elevation {:.1f}{}", azimuth, elevation,
+  const std::int64_t touching = m.brightest_texels;
+  line("", fmt::format("azimuth {:.1f} degrees from +Z towards +X, elevation {:.1f}{}{}", azimuth, elevation,
+                       touching > 1 ? fmt::format(": the middle of {} equal texels", touching) : "",
                        same > 1 ? fmt::format("; {} texels hold the maximum (clipped?)", same) : ""));
   line("flaws", fmt::format("{} NaN, {} infinite, {} negative", f.flaws.nan, f.flaws.infinite, f.flaws.negative));
   return lines;

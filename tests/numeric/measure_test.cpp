@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "envmap/base/error.h"
@@ -35,6 +36,44 @@ TEST(Measure, OneTexel) {
   EXPECT_EQ(m.brightest_texel.i, 3);
   EXPECT_EQ(m.brightest_texel.j, 1);
   EXPECT_NEAR(m.brightest, 0.2126 * 5 + 0.7152 + 0.0722 * 0.25, 1e-6);
+}
+
+double degrees_between(const Direction& a, const Direction& b) { return 180 / pi * std::acos(std::min(1.0, glm::dot(a, b))); }
+
+// A disc of equal texels round each direction, over edges, corners, seams and poles.
+TEST(Measure, TheBrightestOfAClippedLightIsItsMiddle) {
+  for (const Projection p : all_projections)
+    for (const Direction& towards : {Direction(1, 1, 1), Direction(0, 1, 0.01), Direction(0.02, 0.3, -1)}) {
+      const Direction middle = glm::normalize(towards);
+      EnvironmentMap map = generate(Sun{middle, 12, Rgb<double>(50), {Rgb<double>(0.5), Rgb<double>(0.5)}}, p, 64);
+      std::int64_t clipped = 0;
+      for (const Texel& t : texels_of(map.base()))
+        if (Colour& c = *map.base().texel(t.face, t.i, t.j); c.x > 4) c = Colour(4), ++clipped;
+      const Measures m = measure(map);
+      // Next to a rim texels span degrees.
+      EXPECT_LT(degrees_between(m.brightest_direction, middle), on_disc(p) ? 2.5 : 1) << name(p) << " " << towards.x << "," << towards.y << "," << towards.z;
+      EXPECT_GT(m.brightest_texels, 20) << name(p);
+      EXPECT_LE(m.brightest_texels, clipped) << name(p);
+      EXPECT_EQ(m.brightest_value, Colour(4));
+    }
+}
+
+TEST(Measure, OfTwoClippedLightsTheLargerCounts) {
+  EnvironmentMap map = grey(Projection::latlong, 32);
+  for (int j = 8; j < 11; ++j)
+    for (int i = 62; i < 66; ++i) *map.base().texel(0, i % 64, j) = Colour(9);  // Over the seam.
+  for (int j = 20; j < 23; ++j)
+    for (int i = 30; i < 33; ++i) *map.base().texel(0, i, j) = Colour(9);
+  const Measures m = measure(map);
+  EXPECT_EQ(m.brightest_texels, 12);
+  const double latitude = 0.5 * pi - 9.5 / 32 * pi;
+  EXPECT_LT(degrees_between(m.brightest_direction, Direction(0, std::sin(latitude), -std::cos(latitude))), 0.3);
+}
+
+TEST(Measure, AConstantMapHasABrightestTexel) {
+  const Measures m = measure(grey(Projection::cube, 8));
+  EXPECT_EQ(m.brightest_texels, 384);
+  EXPECT_NEAR(glm::length(m.brightest_direction), 1, 1e-12);
 }
 
 TEST(Flaws, AreCountedByKindAndTheFirstIsNamed) {

@@ -9,6 +9,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/maths/sum.h"
+#include "envmap/operate/brightest.h"
 #include "envmap/base/parallel.h"
 
 namespace envmap {
@@ -26,8 +27,6 @@ bool usable(const Colour& c) {
   const Flaw f = flaw(c);
   return f == Flaw::none || f == Flaw::negative;
 }
-
-double luminance(const Colour& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 struct FluxSum {
   Sum channel[3], weight;
@@ -165,11 +164,13 @@ Measures measure(const EnvironmentMap& map) {
     Rgb<double> low{inf}, high{-inf};
     double darkest = inf, brightest = -inf;
     Texel texel{0, 0, 0};
+    std::int64_t texels = 0;  // As bright as the brightest.
     void add(const Row& o) {
       low = glm::min(low, o.low);
       high = glm::max(high, o.high);
       darkest = std::min(darkest, o.darkest);
-      if (o.brightest > brightest) brightest = o.brightest, texel = o.texel;
+      if (o.brightest == brightest) texels += o.texels;
+      if (o.brightest > brightest) brightest = o.brightest, texel = o.texel, texels = o.texels;
     }
   };
   const auto rows = map_rows<Row>(level.faces() * level.height(), [&](int k) {
@@ -180,18 +181,17 @@ Measures measure(const EnvironmentMap& map) {
     for (int i = in.first; i < in.end; ++i) {
       const Colour c = *level.texel(face, i, j);
       if (!usable(c)) continue;
-      const double y = luminance(c);
-      r.add({Rgb<double>(c), Rgb<double>(c), y > 0 ? y : inf, y, {face, i, j}});
+      const double y = luminance_of(c);
+      r.add({Rgb<double>(c), Rgb<double>(c), y > 0 ? y : inf, y, {face, i, j}, 1});
     }
     return r;
   });
   Row all;
   for (const Row& r : rows) all.add(r);
-  if (all.brightest == -inf) all = Row{Rgb<double>(0), Rgb<double>(0), 0, 0, {0, 0, 0}};  // Not one sound texel.
+  if (all.brightest == -inf) all = Row{Rgb<double>(0), Rgb<double>(0), 0, 0, {0, 0, 0}, 0};  // Not one sound texel.
 
   const FluxSum sum = flux_sum(level);
-  Direction d[1];
-  texel_directions(level.projection(), level.height(), all.texel.face, all.texel.j, all.texel.i, d);
+  const Region region = brightest_region(level, all.brightest, all.texels, all.texel);
   return {.minimum = all.low,
           .maximum = all.high,
           .mean = sum.weight.value() > 0 ? sum.value() / sum.weight.value() : Rgb<double>(0),
@@ -199,9 +199,10 @@ Measures measure(const EnvironmentMap& map) {
           .solid_angle = sum.weight.value(),
           .darkest = std::isinf(all.darkest) ? 0 : all.darkest,
           .brightest = all.brightest,
-          .brightest_texel = all.texel,
-          .brightest_direction = image_to_world(map.forward) * d[0],
-          .brightest_value = *level.texel(all.texel.face, all.texel.i, all.texel.j)};
+          .brightest_texel = region.texel,
+          .brightest_direction = image_to_world(map.forward) * region.direction,
+          .brightest_texels = region.texels,
+          .brightest_value = *level.texel(region.texel.face, region.texel.i, region.texel.j)};
 }
 
 std::vector<Texel> texels_of(const Level& level) {

@@ -41,8 +41,9 @@ struct Measures {
   Flux flux;                         ///< Per channel: sum of radiance x solid angle.
   double solid_angle;                ///< 4 pi, as a check.
   double darkest, brightest;         ///< Luminance: least above 0, and largest; 0 if all is black.
-  Texel brightest_texel;
-  Direction brightest_direction;  ///< World frame.
+  Texel brightest_texel;          ///< Of the largest region of texels as bright as any, the one nearest to its middle.
+  Direction brightest_direction;  ///< The middle of that region, weighted by solid angle, in the world frame.
+  std::int64_t brightest_texels;  ///< That the region has: many where a light was clipped.
   Colour brightest_value;
 };
 Measures measure(const EnvironmentMap& map);
