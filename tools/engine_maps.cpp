@@ -81,7 +81,7 @@ MadeMap MapMaker::environment(const EngineMap& wanted, const FileError& error) c
   MadeLevel level = resample_level(source_, wanted.frame, size, error, true);
   made.levels = std::move(level.done.map);
   made.rows = all_rows_of(made.levels);
-  made.accuracy = fmt::format("read from it within {:g}, by {} and its depth, in the texels where that was measured", *error.asked, level.method());
+  made.accuracy = fmt::format("read from it within {:g}, by {} and its depth, in the texels where that was measured", *error.asked, method_name(level.done));
   return made;
 }
 

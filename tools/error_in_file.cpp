@@ -46,10 +46,6 @@ std::string rounding_words(const Rounding& rounding, double rounded) {
   return fmt::format("{}, which rounds by up to {:.1e}", name(rounding), rounded);
 }
 
-std::string_view MadeLevel::method() const {
-  return resampled ? name(resampled->filter) : method_names[static_cast<std::size_t>(done.method)];
-}
-
 double left_to_prefilter(const FileError& error) {
   const double rounded = error.rounding ? error.rounding->largest.value_or(0) : *error.asked;
   if (rounded >= *error.asked) refuse(error);
@@ -83,7 +79,7 @@ MadeLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::
   ConvertOptions how{.to = frame, .size = size, .costs = error.costs};
   if (error.asked) how.max_error = left_to_filter(error);
   const Resampler resampler(source, how);
-  MadeLevel made{.done = {.map = {}, .method = Method::exact}, .resampled = resampler.filter()};
+  MadeLevel made{.done = {.map = {}, .method = Method::exact, .resampled = resampler.filter().filter}, .sampled = true};
   if (const auto& choice = resampler.choice()) {
     made.done.error = choice->trials.back().maximum;
     if (!choice->reached) throw NotReached(fmt::format("the area filter's own error, {:.1e}", made.done.error));

@@ -33,11 +33,10 @@ double left_to_filter(const FileError& error);
 struct MadeLevel {
   envmap::Prefiltered done;
   double rounded = 0;  ///< What the file's depth takes from it; 0 where that was not asked for.
-  std::optional<envmap::FilterOptions> resampled = {};  ///< Not prefiltered: the environment itself, `done.error` as measured in some texels.
+  bool sampled = false;  ///< `done.error` was measured in some texels: of resample_level().
 
   /// What readers find it to be off: what it was made with, over the truth, and what was lost since, over what was made.
   [[nodiscard]] double in_file() const { return done.error + rounded * (1 + done.error); }
-  [[nodiscard]] std::string_view method() const;
 };
 
 /// A lobe's map, made again closer where the file's depth takes more of it than was left to it: dark channels under a shared exponent.

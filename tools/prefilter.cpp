@@ -121,8 +121,8 @@ Facts record(const std::vector<Prefilter>& levels) {
 
 void tell(const Prefilter& p, const MadeLevel& made) {
   const Prefiltered& done = made.done;
-  std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size, made.method(), done.seconds);
-  if (done.method != Method::exact) line += fmt::format(", every texel to {:.1e}", done.error);
+  std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size, method_name(done), done.seconds);
+  if (done.error > 0) line += fmt::format(", {} to {:.1e}", made.sampled ? "the texels measured" : "every texel", done.error);
   if (done.method != Method::exact && done.exact > 0) line += fmt::format(", {} summed exactly", done.exact);
   note(line);
 }
@@ -132,9 +132,9 @@ void add_level(Report& report, const Prefilter& p, const MadeLevel& made) {
   report.append("levels[]");
   report.put("levels[].parameter", p.shape == Shape::diffuse ? ReportValue(nullptr) : p.parameter);
   report.put("levels[].size", p.size);
-  report.put("levels[].method", made.method());
+  report.put("levels[].method", method_name(done));
   report.put("levels[].seconds", done.seconds);
-  report.put("levels[].max", done.method == Method::exact ? ReportValue(nullptr) : done.error);
+  report.put("levels[].max", done.method == Method::exact && done.error == 0 ? ReportValue(nullptr) : done.error);
   report.put("levels[].exact", done.exact);
 }
 

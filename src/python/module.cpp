@@ -90,8 +90,9 @@ Map read_file(const std::filesystem::path& path, const std::optional<std::string
 
 void write_file(const std::filesystem::path& path, const Map& map, const std::optional<std::string>& depth,
                 const std::optional<std::string>& layout, const std::string& format, const std::string& compression, bool clamp,
-                bool zstd, const Facts& facts, const py::object& progress) {
+                bool zstd, const Facts& facts, bool force, const py::object& progress) {
   WriteOptions o{.format = format, .clamp = clamp, .compression = compression, .zstd = zstd, .facts = facts};
+  o.commit.force = force;
   if (depth) o.depth = depth_of(*depth);
   if (layout) o.layout = layout_of(*layout);
   Reporter(progress).run([&](const Progress& p) { return write(path.string(), all_rows_of(*map), o, p); });
@@ -150,7 +151,7 @@ PrefilteredMap prefilter_map(const Map& map, const std::string& lobe, std::optio
   if (wanted.size < 1) throw UsageError("a size is 1 or more");
   if (!has_forward(wanted.to)) wanted.forward = Forward::plus_z;
   Prefiltered done = Reporter(progress).run([&](const Progress& p) { return PrefilterSource(*map).make(wanted, p); });
-  return {shared(std::move(done.map)), std::string(method_names[static_cast<std::size_t>(done.method)]), done.error, done.exact};
+  return {shared(std::move(done.map)), std::string(method_name(done)), done.error, done.exact};
 }
 
 py::array_t<double> sh(const Map& map, int order, bool irradiance, const py::object& progress) {
@@ -250,7 +251,7 @@ PYBIND11_MODULE(_envmap, m) {
   py::implicitly_convertible<py::array, EnvironmentMap>();
   py::class_<PrefilteredMap>(m, "Prefiltered", "What prefilter() made, and how.")
       .def_readonly("map", &PrefilteredMap::map)
-      .def_readonly("method", &PrefilteredMap::method, "exact, hierarchical or spectral: that of most texels.")
+      .def_readonly("method", &PrefilteredMap::method, "exact, hierarchical or spectral: that of most texels; area or nearest of a mirror.")
       .def_readonly("error", &PrefilteredMap::error, "The largest figure of a texel; 0 of exact sums.")
       .def_readonly("exact", &PrefilteredMap::exact, "Texels that were summed exactly.");
   py::class_<Difference>(m, "Difference", "Of a map against a reference; solid-angle weighted.")
@@ -262,8 +263,8 @@ PYBIND11_MODULE(_envmap, m) {
         "level"_a = 0, "all_levels"_a = false, "repair"_a = false, "drop_channels"_a = false, "space"_a = "", "working"_a = "",
         "Reads a map; {face} in the name reads six files.");
   m.def("write", &write_file, "path"_a, "map"_a, py::kw_only(), "depth"_a = py::none(), "layout"_a = py::none(), "format"_a = "",
-        "compression"_a = "", "clamp"_a = false, "zstd"_a = false, "facts"_a = Facts{}, "progress"_a = py::none(),
-        "Writes a map with its levels; the file appears whole or not at all.");
+        "compression"_a = "", "clamp"_a = false, "zstd"_a = false, "facts"_a = Facts{}, "force"_a = false, "progress"_a = py::none(),
+        "Writes a map with its levels; the file appears whole or not at all. force replaces a file that is read-only.");
   m.def("convert", &convert_map, "map"_a, "to"_a = py::none(), py::kw_only(), "size"_a = py::none(), "filter"_a = py::none(),
         "samples"_a = 1, "max_error"_a = py::none(), "rotate"_a = Triple{0, 0, 0}, "gain"_a = 1.0, "forward"_a = py::none(),
         "ball_distance"_a = py::none(), "ball_fov"_a = py::none(), "progress"_a = py::none(),

@@ -37,6 +37,19 @@ TEST_F(Prefilter, MethodsAgree) {
   EXPECT_EQ(envmap({"compare", "hierarchical.exr", "exact.exr", "--max-error", "5e-2"}).status, 0);
 }
 
+TEST_F(Prefilter, AMirrorsLevelSaysItsError) {
+  const std::vector<std::string> chain{"prefilter", "in.exr", "chain.exr", "--lobe", "ggx", "--levels", "2", "--size", "8"};
+  const Result r = envmap(chain);
+  EXPECT_NE(r.err.find("ggx 0, 8: area, "), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("every texel to "), std::string::npos) << r.err;
+  std::vector<std::string> as_json = chain;
+  as_json.insert(as_json.end(), {"--json", "-q"});
+  const auto level = nlohmann::json::parse(envmap(as_json).out)["levels"][0];
+  EXPECT_EQ(level["method"], "area");
+  EXPECT_LE(level["max"].get<double>(), 1e-3);
+  EXPECT_GT(level["max"].get<double>(), 0);
+}
+
 // The figure is that of the file. Colours whose channels are far apart lose most under a shared exponent.
 TEST_F(Prefilter, MaxErrorHoldsForWhatIsReadBack) {
   succeeds({"generate", "gradient", "orange.exr", "--size", "8", "--value", "1,0.3,0.06", "--value2", "3,0.5,0.11"});

@@ -39,6 +39,10 @@ bool same_grid(const Target& target, const Level& source) {
   return !target.ball && target.to == source.projection() && target.size == source.height();
 }
 
+bool is_source(const Target& target, const Level& source) {
+  return same_grid(target, source) && target.to_source == Rotation(1);
+}
+
 bool near_whole(double x, double tolerance) { return std::abs(x - std::round(x)) <= tolerance; }
 
 // Whether a turn takes texel centres to texel centres: quarter turns of a cube, those of an octahedral map that leave Y where
@@ -106,7 +110,7 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
       gain(options.gain),
       texels_between_trims(between_trims(target, source.base())) {
   if (!options.max_error && interpolates(filter)) {
-    if (same_grid(target, source.base()) && target.to_source == Rotation(1)) {
+    if (is_source(target, source.base())) {
       unchanged = std::move(source.base());
       return;
     }
@@ -137,6 +141,11 @@ void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
   }
   if (gain != 1)
     for (Colour& texel : texels) texel = Colour(Rgb<double>(texel) * gain);
+}
+
+bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options) {
+  const Target target = make_target(source, options);
+  return is_source(target, source.base()) || permutes_texels(target, source.base());
 }
 
 Resampler::Resampler(EnvironmentMap&& source, const ConvertOptions& options)

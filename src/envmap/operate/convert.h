@@ -51,6 +51,9 @@ struct FilterChoice {
   bool reached;                     ///< Whether rms and max are at most the error there.
 };
 
+/// Whether the result has the source's own texels, turned or not, where no filter is asked for.
+bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options);
+
 /// A conversion, prepared once: what it will do, and its rows. It holds what the filter reads, so the source need not outlive
 /// it, and never changes; copies share what they hold.
 class Resampler {

@@ -54,6 +54,18 @@ bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source, 
          std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
 }
 
+// What a mirror shows: the source's own texels, or its mean over each texel where the result has others.
+void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& done) {
+  ConvertOptions how{.to = {p.to, p.forward}, .size = p.size};
+  done.resampled = Filter::nearest;
+  if (!keeps_texels(source, how)) {
+    done.error = p.method == Method::exact ? finest : std::clamp(p.max_error, finest, 1e-2);
+    done.resampled = how.filter = Filter::area;
+    how.area_error = 0.25 * done.error;  // Its tolerance is not a bound where a side cuts a sun in two: choose_filter.h.
+  }
+  done.map = convert(source, how);
+}
+
 }  // namespace
 
 struct PrefilterSource::Prepared {
@@ -128,6 +140,10 @@ struct Making {
 
 }  // namespace
 
+std::string_view method_name(const Prefiltered& done) {
+  return done.resampled ? name(*done.resampled) : method_names[static_cast<std::size_t>(done.method)];
+}
+
 Lobe lobe_of(const Prefilter& p) {
   if ((p.shape == Shape::phong || p.shape == Shape::blinn_phong) && !(p.parameter >= 0 && p.parameter <= 1e9))
     throw UsageError("an exponent is from 0 to 1e9");
@@ -157,7 +173,7 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
   done.map.levels.emplace_back(wanted.to, wanted.size);
   done.map.forward = wanted.forward;
   if (is_mirror(wanted)) {
-    done.map = convert(from, {.to = {wanted.to, wanted.forward}, .size = wanted.size, .filter = Filter::nearest});
+    make_mirror(from, wanted, done);
   } else {
     const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(wanted.forward);
     Making{from.base(), prepared_->light, prepared_->tree,                 prepared_->spectrum,

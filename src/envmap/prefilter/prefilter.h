@@ -12,6 +12,7 @@
 #include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
 #include "envmap/prefilter/lobe.h"
+#include "envmap/sample/filter.h"
 
 namespace ENVMAP_EXPORT envmap {
 
@@ -49,12 +50,17 @@ struct Prefiltered {
   EnvironmentMap map;
   Method method;            ///< Never automatic: that of most texels.
   double seconds = 0;
-  double error = 0;         ///< The largest figure of a texel, relative to it or to `floor`; 0 for exact sums.
+  double error = 0;         ///< The largest figure of a texel, relative to it or to `floor`; 0 for exact sums and copied texels.
   double floor = 0;         ///< 0.001 x the solid-angle mean of the source, times k: smaller results are held to it.
   std::int64_t exact = 0;   ///< Texels that were summed exactly, since nothing faster was sure enough of them.
+  std::optional<Filter> resampled = {};  ///< Of a mirror: the filter that made it, or nearest where texels were copied.
 };
 
-/// Whether the lobe is a mirror's, ggx of roughness 0: the result is then the texel of the source in its direction.
+/// The filter of a mirror, else the method.
+std::string_view method_name(const Prefiltered& done);
+
+/// Whether the lobe is a mirror's, ggx of roughness 0. The result has the texels of the source where it has the same grid. Else
+/// each texel is the mean of the source over it, by the area filter, so that flux is kept.
 inline bool is_mirror(const Prefilter& p) { return p.shape == Shape::ggx && p.parameter == 0; }
 
 /// @throws UsageError where the parameter is out of its range.
