@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <sstream>
 
 #include "envmap/base/error.h"
@@ -49,6 +50,16 @@ std::string closest(const std::string& word, const std::vector<std::string>& kno
   return near.empty() ? "" : fmt::format("; did you mean '{}'?", near[0]);
 }
 
+// CLI11 names the option where its value comes from the environment.
+std::string with_source(std::string what, const Options& options, const std::vector<std::string>& words) {
+  for (const Option& o : options.rows) {
+    const auto names_it = [&](const std::string& word) { return word.starts_with(o.name); };
+    if (!o.environment.empty() && names_it(what) && std::ranges::none_of(words, names_it))
+      what.replace(0, o.name.size(), o.environment);
+  }
+  return what;
+}
+
 // One line: what is wrong, with the word that was probably meant.
 std::string explain(const CLI::ParseError& error, const CLI::App& app, const std::vector<std::string>& words,
                     const Parsed& parsed) {
@@ -62,7 +73,8 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
     return fmt::format("unknown option '{}'{}{}", first, closest(first, {"--help", "--version"}), help);
   if (parsed.command == nullptr) return fmt::format("no command '{}'{}{}", first, closest(first, names), help);
   const std::string here = fmt::format(" (see 'envmap {} --help')", first);
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what() + here;
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr)
+    return with_source(error.what(), parsed.options, words) + here;
   const std::vector<std::string> left = app.remaining(true);
   for (std::string word : left)
     if (word.size() > 1 && word[0] == '-') {

@@ -65,10 +65,10 @@ std::vector<Line> lines_of_json(const std::string& path, const std::string& text
     Line line{fmt::format("job {}", lines.size() + 1), {}};
     if (job.is_string())
       line.words = split(job.get<std::string>(), line.where);
-    else if (job.is_array() && std::ranges::all_of(job, [](const auto& word) { return word.is_string(); }))
-      line.words = job.get<Texts>();
+    else if (job.is_array() && std::ranges::all_of(job, [](const auto& word) { return word.is_string() || word.is_number(); }))
+      for (const auto& word : job) line.words.push_back(word.is_number() ? word.dump() : word.template get<std::string>());
     else
-      throw InputError(path, fmt::format("{} is neither a command line nor an array of words", line.where));
+      throw InputError(path, fmt::format("{} is neither a command line nor an array of words and numbers", line.where));
     lines.push_back(line);
   }
   return lines;

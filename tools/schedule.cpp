@@ -63,22 +63,53 @@ std::vector<std::string> needed(const Job& job, const std::map<std::string, std:
   return files;
 }
 
+using Jobs = std::vector<std::size_t>;
+
+// The jobs that each waits for.
+std::vector<Jobs> awaited(std::span<const Job> jobs) {
+  const auto writer = writers(jobs);
+  std::vector<Jobs> all;
+  for (const Job& job : jobs) {
+    Jobs& these = all.emplace_back();
+    for (const std::string& file : needed(job, writer))
+      if (const auto w = writer.find(file); w != writer.end()) these.push_back(w->second);
+  }
+  return all;
+}
+
+// @param stage below 0 of the jobs that cannot begin: each waits for another of them.
+[[noreturn]] void refuse_circle(std::span<const Job> jobs, const std::vector<Jobs>& awaits, const std::vector<int>& stage) {
+  const auto is_stuck = [&](std::size_t k) { return stage[k] < 0; };
+  const auto next = [&](std::size_t k) { return *std::ranges::find_if(awaits[k], is_stuck); };
+  auto first = static_cast<std::size_t>(std::ranges::find_if(stage, [](int s) { return s < 0; }) - stage.begin());
+  for (std::size_t k = 0; k < jobs.size(); ++k) first = next(first);  // From here on, the circle.
+  std::string circle = jobs[first].where;
+  std::size_t k = first;
+  for (int shown = 1; (k = next(k)) != first && shown < 8; ++shown) circle += ", " + jobs[k].where;
+  throw envmap::UsageError(fmt::format("jobs wait for each other in a circle ({}, {}): let one of them read another file", circle,
+                                       k == first ? jobs[first].where : "..."));
+}
+
 // 0 of jobs that read what is there, one more of those that read what others write.
 std::vector<int> stages(std::span<const Job> jobs) {
-  const auto writer = writers(jobs);
-  std::vector<int> stage(jobs.size(), 0);
-  for (std::size_t round = 0; round <= jobs.size(); ++round) {
-    bool changed = false;
-    for (std::size_t k = 0; k < jobs.size(); ++k)
-      for (const std::string& file : needed(jobs[k], writer))
-        if (const auto w = writer.find(file); w != writer.end() && stage[k] <= stage[w->second])
-          stage[k] = stage[w->second] + 1, changed = true;
-    if (!changed) return stage;
+  const std::vector<Jobs> awaits = awaited(jobs);
+  std::vector<int> stage(jobs.size(), -1);
+  for (std::size_t known = 0; known < jobs.size();) {
+    const std::size_t before = known;
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+      const auto is_known = [&](std::size_t other) { return stage[other] >= 0; };
+      if (is_known(k) || !std::ranges::all_of(awaits[k], is_known)) continue;
+      stage[k] = 0, ++known;
+      for (const std::size_t other : awaits[k]) stage[k] = std::max(stage[k], stage[other] + 1);
+    }
+    if (known == before) refuse_circle(jobs, awaits, stage);
   }
-  throw envmap::UsageError("the jobs wait for each other in a circle");
+  return stage;
 }
 
 }  // namespace
+
+void check_order(std::span<const Job> jobs) { stages(jobs); }
 
 std::string quoted(const std::string& word) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";

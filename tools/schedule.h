@@ -8,6 +8,9 @@
 
 namespace tools {
 
+/// @throws UsageError where jobs wait for each other in a circle, with the lines at fault.
+void check_order(std::span<const Job> jobs);
+
 /// @param program the path of envmap. @param folder for what the engine keeps: depfiles, Ninja's log.
 std::string ninja_file(std::span<const Job> jobs, const std::string& program, const std::string& folder);
 std::string makefile(std::span<const Job> jobs, const std::string& program, const std::string& folder);

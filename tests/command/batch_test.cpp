@@ -71,6 +71,13 @@ TEST_F(Batch, OfJsonGoesOnAfterFailuresAndNamesEach) {
   EXPECT_FALSE(fs::exists(path("gone.exr")));
 }
 
+TEST_F(Batch, OfJsonTakesNumbersAsWords) {
+  write("maps.json", R"([["convert", "a.hdr", "n.exr", "--size", 8, "--exposure", -1.5, "--max-error", 1e-2]])");
+  succeeds({"batch", "maps.json"});
+  succeeds({"convert", "a.hdr", "w.exr", "--size", "8", "--exposure", "-1.5", "--max-error", "0.01"});
+  EXPECT_EQ(read("n.exr"), read("w.exr"));
+}
+
 TEST_F(Batch, BakesProbesForAnEngine) {
   succeeds({"batch", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"});
   EXPECT_TRUE(fs::exists(path("lights/a/world.py")));
@@ -117,6 +124,9 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   refused("convert 'a.hdr x.exr\n", {"line 1", "'"});
   refused("\n# nothing\n", {"wrong.txt"}, 3);
   refused("[1]", {"wrong.txt", "job 1"}, 3);
+  refused("[[\"convert\", null]]", {"wrong.txt", "job 1"}, 3);
+  refused("convert c.exr b.exr\nconvert a.hdr d.exr\nconvert b.exr c.exr\nconvert c.exr e.exr\n", {"line 1", "line 3", "circle"});
+  refused("convert c.exr b.exr\nconvert b.exr c.exr\n", {"(line 1, line 2, line 1)"});
   refused("[\"convert a.hdr a.exr\"", {"wrong.txt", "JSON"}, 3);
   refused(std::string("convert a.hdr a.exr\0.hdr\n", 25), {"line 1", "NUL"});
   refused(R"(["convert a.hdr a.exr\u0000.hdr"])", {"job 1", "NUL"});

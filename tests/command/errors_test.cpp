@@ -64,6 +64,18 @@ TEST_F(Usage, RefusesSizesThatNoMapHas) {
     fails(usage, {"convert", "in.exr", "out.exr", "--size", size}, {"--size"});
 }
 
+TEST_F(Usage, NamesTheVariableThatIsWrong) {
+  for (const std::string value : {"abc", "0", "-1", "1.5"}) {
+    const Result r = shell("ENVMAP_THREADS=" + value + " \"$ENVMAP\" info in.exr");
+    EXPECT_EQ(r.status, usage);
+    EXPECT_NE(r.err.find("ENVMAP_THREADS"), std::string::npos) << r.err;
+    EXPECT_EQ(r.err.find("--threads"), std::string::npos) << r.err;
+  }
+  const Result r = shell("ENVMAP_THREADS=2 \"$ENVMAP\" info in.exr --threads abc");
+  EXPECT_EQ(r.status, usage);
+  EXPECT_NE(r.err.find("--threads"), std::string::npos) << r.err;
+}
+
 TEST_F(Usage, SaysTheWordsAnOptionTakes) {
   const std::pair<const char*, const char*> cases[] = {{"--to", "paraboloid"},   {"--from", "paraboloid"},
                                                        {"--filter", "bilinear"}, {"--layout", "vcross"},

@@ -354,10 +354,12 @@ TEST_F(OtherKtx, IsRefusedWhereItIsNotWhatIsRead) {
   refuse(16, 0x1406, "glType 0x1406");
   refuse(24, 0x80e1, "glFormat 0x80e1");  // GL_BGRA.
   refuse(28, 0x83f3, "glInternalFormat 0x83f3");  // DXT5.
-  refuse(40, 0, "flat image");
-  refuse(44, 4, "slices");
-  refuse(48, 2, "array");
-  refuse(52, 2, "some faces");
+  refuse(36, 0, "0x");
+  refuse(40, 0, "x0");
+  refuse(40, 0xffffffff, "x2147483647");
+  refuse(44, 4, "depth 4");
+  refuse(48, 2, "2 array elements");
+  refuse(52, 2, "2 faces");
   refuse(52, 6, "not square");
   refuse(56, 9, "9 levels");
   refuse(60, 1 << 30, "beyond its end");

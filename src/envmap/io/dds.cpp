@@ -75,8 +75,8 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
   h.caps = caps_texture | (chain || cube ? caps_complex : 0) | (chain ? caps_levels : 0);
   h.caps2 = cube ? caps2_cube | caps2_all_faces : 0;
   const Dx10 dx10{format.dxgi, dimension_2d, cube ? misc_cube : 0, 1, alpha_opaque};
-  file.write(&h, sizeof h);
-  file.write(&dx10, sizeof dx10);
+  file.put(&h, sizeof h);
+  file.put(&dx10, sizeof dx10);
 
   std::vector<std::vector<Page>> images;
   double all = 0, done = 0;
@@ -92,7 +92,7 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
       const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
         encode_rows(format, image, begin, end, band, packed);
-        file.write(packed.data(), packed.size());
+        file.put(packed.data(), packed.size());
       });
       done += part;
     }
@@ -122,12 +122,12 @@ std::optional<TextureFile> open_dds(const InputFile& file) {
   if (format == nullptr || format == std::end(texel_formats)) return std::nullopt;
   if (images != 1 || h.caps2 & caps2_volume)
     throw InputError("DDS with an array, slices or some faces only: one flat image or one cube map is read");
-  constexpr std::uint32_t most = 1 << 20;
+  constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "dds",
                 .texels = format->texels,
-                .width = static_cast<int>(std::min(h.width, most + 1)),
-                .height = static_cast<int>(std::min(h.height, most + 1)),
-                .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
+                .width = static_cast<int>(std::min(h.width, most)),
+                .height = static_cast<int>(std::min(h.height, most)),
+                .levels = static_cast<int>(std::clamp(h.levels, 1U, most)),
                 .cube = cube};
   check_texture(t, file.size());
   t.bytes = [start, t](const InputFile& from, int level) {

@@ -89,8 +89,8 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels wanted, b
   h.faces = cube ? 6 : 1;
   h.levels = static_cast<std::uint32_t>(levels.size());
   h.pairs_size = static_cast<std::uint32_t>(kvd.size());
-  file.write(&h, sizeof h);
-  file.write(kvd.data(), kvd.size());
+  file.put(&h, sizeof h);
+  file.put(kvd.data(), kvd.size());
 
   double all = 0, done = 0;
   for (const Page& page : levels) all += 1.0 * page.width() * page.height();
@@ -102,19 +102,19 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels wanted, b
     const std::uint64_t size = format.image_bytes(images[0].width(), images[0].height()) / row * padded(row);
     if (size > 0xffffffff) throw OutputError(fmt::format("KTX holds images of up to 4 GiB, not of {} bytes", size));
     const auto image_size = static_cast<std::uint32_t>(size);
-    file.write(&image_size, sizeof image_size);
+    file.put(&image_size, sizeof image_size);
     for (const Page& image : images) {
       const double part = 1.0 * image.width() * image.height();
       const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
         encode_rows(format, image, begin, end, band, packed);
         if (padded(row) == row) {
-          file.write(packed.data(), packed.size());
+          file.put(packed.data(), packed.size());
           return;
         }
         for (std::size_t at = 0; at < packed.size(); at += row) {
-          file.write(packed.data() + at, row);
-          file.write("\0\0", padded(row) - row);
+          file.put(packed.data() + at, row);
+          file.put("\0\0", padded(row) - row);
         }
       });
       done += part;
@@ -128,14 +128,15 @@ TextureFile open_ktx1(const InputFile& file) {
     throw InputError(h.endianness == big ? "KTX of a big-endian machine: little-endian words are read"
                                          : "damaged: KTX with words of neither byte order");
   const Texels texels = texels_in(h);
-  if (h.depth > 1 || h.elements > 1 || h.height == 0 || (h.faces != 1 && h.faces != 6))
-    throw InputError("KTX with an array, slices or some faces only: one flat image or one cube map is read");
-  constexpr std::uint32_t most = 1 << 20;
+  if (h.depth > 1 || h.elements > 1 || (h.faces != 1 && h.faces != 6))
+    throw InputError(fmt::format("KTX of depth {}, {} array elements and {} faces: one flat image or one cube map is read", h.depth, h.elements,
+                                 h.faces));
+  constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "ktx",
                 .texels = texels,
-                .width = static_cast<int>(std::min(h.width, most + 1)),
-                .height = static_cast<int>(std::min(h.height, most + 1)),
-                .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
+                .width = static_cast<int>(std::min(h.width, most)),
+                .height = static_cast<int>(std::min(h.height, most)),
+                .levels = static_cast<int>(std::clamp(h.levels, 1U, most)),
                 .cube = h.faces == 6};
   check_texture(t, file.size());
   const KeyValues pairs = parse_key_values(read_bytes(file, sizeof(Header), h.pairs_size));

@@ -99,7 +99,7 @@ class LevelWriter {
     if (context_)
       compress(bytes, ZSTD_e_continue);
     else
-      file_.write(bytes.data(), bytes.size());
+      file_.put(bytes.data(), bytes.size());
   }
   void end() {
     if (context_) compress({}, ZSTD_e_end);
@@ -112,7 +112,7 @@ class LevelWriter {
       ZSTD_outBuffer out{packed_.data(), packed_.size(), 0};
       const std::size_t left = ZSTD_compressStream2(context_.get(), &out, &in, directive);
       if (ZSTD_isError(left)) throw OutputError(fmt::format("not compressed: {}", ZSTD_getErrorName(left)));
-      file_.write(packed_.data(), out.pos);
+      file_.put(packed_.data(), out.pos);
       more = directive == ZSTD_e_end ? left > 0 : in.pos < in.size;
     }
   }
@@ -183,10 +183,10 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
     index[k].size = static_cast<std::uint64_t>(file.tell()) - index[k].offset;
   }
   file.seek(0);
-  file.write(&h, sizeof h);
-  file.write(index.data(), index.size() * sizeof(LevelIndex));
-  file.write(dfd.data(), h.dfd_size);
-  file.write(kvd.data(), kvd.size());
+  file.put(&h, sizeof h);
+  file.put(index.data(), index.size() * sizeof(LevelIndex));
+  file.put(dfd.data(), h.dfd_size);
+  file.put(kvd.data(), kvd.size());
 }
 
 TextureFile open_ktx2(const InputFile& file) {
@@ -196,14 +196,14 @@ TextureFile open_ktx2(const InputFile& file) {
     throw InputError(fmt::format("KTX2 with VkFormat {}: only RGB as bytes, floats, E5B9G9R9 or BC6H is read", h.vk_format));
   if (h.scheme != plain && h.scheme != zstandard)
     throw InputError(fmt::format("KTX2 with supercompression {}: only none and Zstandard are read", h.scheme));
-  if (h.depth != 0 || h.layers > 1 || h.height == 0 || (h.faces != 1 && h.faces != 6))
-    throw InputError("KTX2 with layers, slices or some faces only: one flat image or one cube map is read");
-  constexpr std::uint32_t most = 1 << 20;
+  if (h.depth != 0 || h.layers > 1 || (h.faces != 1 && h.faces != 6))
+    throw InputError(fmt::format("KTX2 of depth {}, {} layers and {} faces: one flat image or one cube map is read", h.depth, h.layers, h.faces));
+  constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "ktx2",
                 .texels = format->texels,
-                .width = static_cast<int>(std::min(h.width, most + 1)),
-                .height = static_cast<int>(std::min(h.height, most + 1)),
-                .levels = static_cast<int>(std::clamp(h.levels, 1U, 64U)),
+                .width = static_cast<int>(std::min(h.width, most)),
+                .height = static_cast<int>(std::min(h.height, most)),
+                .levels = static_cast<int>(std::clamp(h.levels, 1U, most)),
                 .cube = h.faces == 6};
   check_texture(t, file.size());
   KeyValues pairs;

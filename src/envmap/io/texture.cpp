@@ -29,8 +29,9 @@ std::vector<std::byte> read_bytes(const InputFile& file, std::uint64_t offset, s
 
 void check_texture(const TextureFile& t, std::uint64_t file_size) {
   constexpr int most = 1 << 20;
-  if (t.width < 1 || t.height < 1 || t.width > most || t.height > most)
-    throw InputError(fmt::format("not a flat image: {}x{}", t.width, t.height));
+  if (t.width < 1 || t.height < 1) throw InputError(fmt::format("not an image or damaged: its size is {}x{}", t.width, t.height));
+  if (t.width > most || t.height > most)
+    throw InputError(fmt::format("its size of {}x{} is beyond {} a side", t.width, t.height, most));
   if (t.cube && t.width != t.height)
     throw InputError(fmt::format("damaged: cube faces of {}x{} are not square", t.width, t.height));
   if (t.levels < 1 || t.levels > static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(t.width, t.height)))))
