@@ -28,6 +28,7 @@ Action define(const Command& command, Options& o, Settings& s) {
     o.add("--depfile", "FILE", &s.depfile, "Write what the output depends on, in Make syntax");
     o.flag("--if-changed", s.commit.if_changed,
            "Leave an output with the same bytes as it is, and its time: for restat of Ninja");
+    o.flag("--force", s.commit.force, "Replace outputs that are read-only");
     o.flag("--fsync", s.commit.sync, "End when the outputs are on the disk, safe from a power cut");
   }
   o.add("--threads", "N", &s.threads, {1, 1024},

@@ -64,6 +64,7 @@ std::vector<Step> steps(envmap::Remedy remedy) {
     case Remedy::choose_layer: return {{"--layer", "choose one with --layer"}};
     case Remedy::leave_out_shadows: return {{"--no-shadows", "use --no-shadows"}};
     case Remedy::make_levels: return {{"--keep", "leave out --keep"}};
+    case Remedy::force: return {{"", "make it writable"}, {"--force", "use --force to replace it"}};
     case Remedy::none: break;
   }
   return {};

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 struct Depfile {
   std::vector<std::string> outputs, inputs;
   std::unique_ptr<OutputFile> file;
+  bool opened = false;
 };
 Depfile& depfile() {
   static Depfile one;
@@ -66,7 +67,7 @@ std::string identity(const std::string& path) {
 }  // namespace
 
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
-  depfile() = {outputs, inputs, nullptr};
+  depfile() = {outputs, inputs, nullptr, false};
   if (settings().json && std::ranges::find(outputs, "-") != outputs.end())
     throw UsageError("--json and the output would both be standard output: name a file");
   if (std::ranges::count(inputs, "-") > 1) throw UsageError("-: standard input can be read once, and is named twice");
@@ -81,11 +82,13 @@ void check_files(const std::vector<std::string>& outputs, const std::vector<std:
       if (read.contains(id)) throw UsageError(file, "is read and would be overwritten: give the output another name");
       if (!id.empty() && !written.insert(id).second)
         throw UsageError(file, "would be written twice: give each output a name of its own");
+      if (!settings().commit.if_changed) check_replaceable(file, settings().commit);  // Else only what differs is replaced.
     }
 }
 
 void open_depfile(int levels) {
-  if (settings().depfile.empty() || depfile().file) return;
+  if (settings().depfile.empty() || depfile().opened) return;
+  depfile().opened = true;
   std::string text, phony;
   for (const std::string& output : depfile().outputs)
     for (const std::string& file : files_of(output, levels)) text += (text.empty() ? "" : " ") + escaped(file);
@@ -100,6 +103,11 @@ void open_depfile(int levels) {
   text += "\n" + phony;
   depfile().file = std::make_unique<OutputFile>(settings().depfile, settings().commit);
   depfile().file->write(text.data(), text.size());
+  depfile().file->check();
+  if (!depfile().file->is_stream()) return;
+  // Devices and pipes have their bytes before the outputs.
+  depfile().file->commit();
+  depfile().file.reset();
 }
 
 void commit_depfile() {

@@ -12,8 +12,9 @@
 namespace tools {
 
 /// Files on their way to a folder: they are written into a hidden one beside it, which commit() gives the name. What was there
-/// under that name is replaced in one step. Without commit() nothing is left, nor where a signal ends the program; but where it
-/// is killed, the hidden folder is.
+/// under that name is replaced in one step. Without commit() nothing is left, nor where a signal ends the program. Where it is
+/// killed, the hidden folder is left, and the next OutputFolder of that name removes it: it is locked while its owner lives
+/// (flock()). File systems that cannot lock folders (NFS) keep it.
 class OutputFolder {
  public:
   /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file of that
@@ -36,7 +37,10 @@ class OutputFolder {
  private:
   [[nodiscard]] bool is_there_already() const;
 
+  void make_hidden(const std::string& stem);
+
   std::string path_, hidden_;
+  int lock_ = -1;  // The hidden folder, open and locked.
   std::vector<std::string> files_, pending_;  // What a signal removes.
   envmap::CommitOptions how_;
 };

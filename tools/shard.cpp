@@ -36,7 +36,7 @@ std::uint64_t hash_row(std::span<const Colour> row) {
 // Options that change no byte of the whole, or are another for each part.
 bool counts(const std::string& option) {
   static const std::set<std::string> none{"--shard", "--threads", "--quiet",      "--verbose", "--json",
-                                          "--depfile", "--fsync",   "--if-changed", "--max-memory"};
+                                          "--depfile", "--fsync",   "--if-changed", "--force", "--max-memory"};
   return !none.contains(option);
 }
 

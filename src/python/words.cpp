@@ -27,6 +27,7 @@ const char* advice(Remedy remedy) {
     case Remedy::clamp_or_darken: return ": a floating-point format holds them, or say clamp=True";
     case Remedy::clamp_or_dim:
     case Remedy::clamp_or_light_up: return ": say clamp=True";
+    case Remedy::force: return ": force=True replaces it";
     case Remedy::make_levels: return ": mipmap() makes levels anew";
     case Remedy::limit_memory:
     case Remedy::choose_space:

@@ -1,10 +1,12 @@
 // Folders for engines: each map is looked up as the engine's own shader does, written down here once more.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "picture.h"
 #include "run.h"
@@ -215,6 +217,42 @@ TEST_F(Bake, ASignalLeavesNothing) {
     interrupt(run, signal, [&] { return names() != before; });
     EXPECT_EQ(names(), before);
   }
+}
+
+TEST_F(Bake, WhatAKilledOneLeavesTheNextRemoves) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "64"});
+  const auto before = names();
+  const std::vector<std::string> long_bake{ENVMAP_PROGRAM, "bake", "probe.exr", "lights", "--for", "pbrt", "--size", "8192"};
+  const auto hidden = [&] { return std::ranges::count_if(names(), [](const std::string& n) { return n.starts_with(".lights.") && n.ends_with('/'); }); };
+  {
+    Background run(*this, long_bake);
+    interrupt(run, SIGKILL, [&] { return hidden() == 1; });
+    ASSERT_EQ(hidden(), 1);
+  }
+  Background alive(*this, long_bake);
+  for (int k = 0; k < 500 && hidden() != 1 + (k < 5); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(hidden(), 1) << "that of the dead is gone, that of the living is there";
+  alive.send(SIGSTOP);
+  // Folders of others, whatever they are called.
+  std::filesystem::create_directory(path(".lights-backup"));
+  std::filesystem::create_directories(path(".lights.envmap-abcdef/deeper"));
+  EXPECT_EQ(envmap({"bake", "probe.exr", "lights", "--for", "pbrt", "-q"}).status, 0);
+  EXPECT_EQ(hidden(), 3);  // That of the living, and the one with a folder in it.
+  EXPECT_TRUE(std::filesystem::exists(path(".lights-backup")));
+  alive.send(SIGCONT);
+  alive.send(SIGTERM);
+  EXPECT_EQ(alive.wait().signal, SIGTERM);
+  EXPECT_EQ(hidden(), 2);
+  for (const std::string& name : before) EXPECT_TRUE(std::filesystem::exists(path(name))) << name;
+}
+
+TEST_F(Bake, LeavesReadOnlyFilesAlone) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "16"});
+  succeeds({"bake", "probe.exr", "lights", "--for", "pbrt", "-q"});
+  std::filesystem::permissions(path("lights/background.exr"), std::filesystem::perms(0444));
+  fails(4, {"bake", "probe.exr", "lights", "--for", "pbrt", "-q"}, {"lights/background.exr", "read-only", "--force"});
+  succeeds({"bake", "probe.exr", "lights", "--for", "pbrt", "-q", "--if-changed"});
+  succeeds({"bake", "probe.exr", "lights", "--for", "pbrt", "-q", "--force"});
 }
 
 TEST_F(Bake, SaysWhatALoaderCutsOff) {

@@ -75,6 +75,14 @@ TEST_F(Depfile, IsNotWrittenForARunThatFails) {
   fails(3, {"convert", "missing.exr", "out.exr", "--depfile", "out.d"}, {"missing.exr"});
 }
 
+// Else make would take the output for up to date.
+TEST_F(Depfile, ThatCannotBeWrittenLeavesNoOutput) {
+  for (const std::string name : {"out.exr", "out_{face}.exr", "out.ktx2"})
+    fails(4, {"convert", "in.exr", name, "--to", "cube", "--depfile", "/dev/full"}, {"/dev/full"});
+  write("out.exr", "old");
+  fails(4, {"mipmap", "in.exr", "out.exr", "--depfile", "/dev/full"}, {"/dev/full"});
+}
+
 TEST_F(Depfile, NamesEveryFrameAndAllThatASceneIsMadeOf) {
   write("scene.obj", "mtllib some.mtl none.mtl\nv 0 0 -1\nv 1 0 -1\nv 0 1 -1\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
   write("some.mtl", "newmtl m\nmap_Kd in.exr\n");

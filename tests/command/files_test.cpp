@@ -1,4 +1,5 @@
 // The files that commands read and write: formats, pipes, links, the same bytes every time.
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -276,6 +277,47 @@ TEST_F(Places, WhatIsReplacedKeepsWhoMayReadIt) {
   fs::permissions(path("a.exr"), fs::perms(0640));
   succeeds({"generate", "sky", "a.exr", "--size", "8"});
   EXPECT_EQ(fs::status(path("a.exr")).permissions(), fs::perms(0640));
+}
+
+// The bits decide, as tests and containers run as root, who may write all.
+TEST_F(Places, ReadOnlyFilesAreReplacedByForceAlone) {
+  for (const char* name : {"a.exr", "a.hdr", "a.d"}) write(name, "checked in");
+  for (const char* name : {"a.exr", "a.hdr", "a.d"}) fs::permissions(path(name), fs::perms(0444));
+  fs::create_symlink("a.exr", path("link.exr"));
+  for (const char* name : {"a.exr", "a.hdr", "link.exr"})
+    fails(4, {"convert", "in.exr", name}, {name, "read-only", "--force"});
+  fails(4, {"convert", "in.exr", "b.exr", "--depfile", "a.d"}, {"a.d", "read-only"});
+  fails(4, {"convert", "in.exr", "a.exr", "--if-changed"}, {"a.exr", "read-only"});
+  succeeds({"convert", "in.exr", "a.exr", "--filter", "nearest", "--force"});
+  EXPECT_EQ(load(path("a.exr")), latlong_directions(4));
+  EXPECT_EQ(fs::status(path("a.exr")).permissions(), fs::perms(0444));
+  succeeds({"convert", "in.exr", "a.exr", "--filter", "nearest", "--if-changed"});  // It would stay as it is.
+}
+
+TEST_F(Places, WhatIsReplacedKeepsItsOwner) {
+  if (::geteuid() != 0) GTEST_SKIP() << "another owner needs root";
+  write("a.exr", "old");
+  ASSERT_EQ(::chown(path("a.exr").c_str(), 12345, 54321), 0);
+  succeeds({"convert", "in.exr", "a.exr"});
+  struct stat now = {};
+  ASSERT_EQ(::stat(path("a.exr").c_str(), &now), 0);
+  EXPECT_EQ(now.st_uid, 12345U);
+  EXPECT_EQ(now.st_gid, 54321U);
+}
+
+TEST_F(Places, ALoopOfLinksIsNoPlace) {
+  fs::create_symlink("b.exr", path("a.exr"));
+  fs::create_symlink("a.exr", path("b.exr"));
+  fails(4, {"convert", "in.exr", "a.exr"}, {"a.exr", "symbolic links"});
+}
+
+TEST_F(Places, AFullTemporaryFolderIsNamed) {
+  for (const char* format : {"exr", "hdr", "png", "ktx2"}) {
+    const Result r = shell(std::string("ulimit -f 1; \"$ENVMAP\" generate sky - --size 256 --clamp --to cube --format ") + format);
+    EXPECT_EQ(r.status, 4);
+    EXPECT_NE(r.err.find("standard output: cannot be held in "), std::string::npos) << r.err;
+    EXPECT_NE(r.err.find("TMPDIR"), std::string::npos) << r.err;
+  }
 }
 
 TEST_F(Places, TheTemporaryFolderIsNamedWhereItIsMissing) {

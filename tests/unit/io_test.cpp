@@ -10,8 +10,11 @@
 #include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -87,6 +90,40 @@ TEST_F(Io, CommitReplaces) {
   std::string text;
   std::getline(std::ifstream(path("a.bin")), text);
   EXPECT_EQ(text, "New");
+  EXPECT_EQ(entries(), 1U);
+}
+
+// A limit on files is like a full disk. Rows take hours to make: none is made for a file that has failed.
+TEST_F(Io, AFullDiskEndsTheWork) {
+  for (const std::string name : {"a.exr", "a.hdr", "a.pfm", "a.ktx", "a.ktx2", "a.dds"}) {
+    rlimit before = {};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::atomic<int> made = 0;
+    Rows rows{Projection::latlong, 4096, Forward::plus_z, [&](int, int row, std::span<Colour> out) {
+                ++made;
+                for (std::size_t k = 0; k < out.size(); ++k) out[k] = Colour(float((k * 2654435761U + std::size_t(row) * 40503U) % 1000003U));
+              }};
+    const rlimit small{1 << 16, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    EXPECT_THROW(write(path(name), rows, {.clamp = true}), OutputError) << name;
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+    EXPECT_LT(made, 1024) << name;
+    EXPECT_EQ(entries(), 0U);
+  }
+}
+
+TEST_F(Io, ReadOnlyFilesAreReplacedByForceAlone) {
+  const EnvironmentMap map = generate(Directions{}, Projection::cube, 2);
+  write(path("a.exr"), rows_of(map), {});
+  fs::permissions(path("a.exr"), fs::perms(0444));
+  try {
+    write(path("a.exr"), rows_of(map), {});
+    FAIL();
+  } catch (const OutputError& e) {
+    EXPECT_EQ(e.remedy(), Remedy::force);
+  }
+  write(path("a.exr"), rows_of(map), {.commit = {.force = true}});
   EXPECT_EQ(entries(), 1U);
 }
 

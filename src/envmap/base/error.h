@@ -39,6 +39,7 @@ enum class Remedy {
   choose_linear,          ///< WriteOptions::colour.space: a linear one, or WriteOptions::encoded.
   choose_layer,           ///< ReadOptions::choice.layer.
   leave_out_shadows,      ///< Shot::shadows = false, or fewer lights.
+  force,                  ///< CommitOptions::force, or a file that may be written.
   make_levels,            ///< Levels made by add_levels() instead of those of the source.
 };
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/free_space.h"
 #include "envmap/base/remove_on_signal.h"
 
 namespace envmap {
@@ -37,6 +38,8 @@ std::string temporary_folder() {
   return wanted && *wanted ? wanted : "/tmp";
 }
 
+std::string shown(const std::string& path) { return path == "-" ? "standard output" : path; }
+
 // A file that has no name yet, so that nothing is left of it however the program ends. Not every file system has those.
 int open_nameless(const std::string& folder) {
   static const bool can_be_named = ::access("/proc/self/fd", X_OK) == 0;
@@ -50,6 +53,12 @@ bool link_as(int descriptor, const std::string& name) {
 }
 
 }  // namespace
+
+void check_replaceable(const std::string& path, const CommitOptions& how) {
+  struct stat there = {};
+  if (how.force || ::stat(path.c_str(), &there) != 0 || (there.st_mode & 0222) != 0) return;
+  if (S_ISREG(there.st_mode) || S_ISDIR(there.st_mode)) throw OutputError(path, "is read-only", Remedy::force);
+}
 
 int synchronise(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
@@ -66,7 +75,8 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
   const fs::file_status status = fs::status(path, ignored);
   if (path != "-" && fs::is_directory(status)) throw OutputError(path, "is a folder; name a file");
   // A file without a name would show it only at the end, when other outputs are there.
-  if (ignored == std::errc::filename_too_long) throw OutputError(path, "not written: " + ignored.message());
+  if (ignored == std::errc::filename_too_long || ignored == std::errc::too_many_symbolic_link_levels) throw OutputError(path, "not written: " + ignored.message());
+  if (path != "-" && !how.if_changed) check_replaceable(path, how);  // Else only where the bytes differ.
   stream_ = path == "-" || (fs::exists(status) && !fs::is_regular_file(status));
   // Through links to what they name, which need not exist: renaming over a link would cut it.
   for (int links = 0; !stream_ && links < 40 && fs::is_symlink(fs::symlink_status(target_, ignored)); ++links)
@@ -86,8 +96,8 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
       temporary_.clear();
     }
     if (descriptor_ < 0)
-      throw OutputError(fmt::format("{}: cannot write into {}: {}{}", path == "-" ? "standard output" : path, folder,
-                                    std::strerror(why), stream_ ? "; name another folder in TMPDIR" : ""));
+      throw OutputError(fmt::format("{}: cannot write into {}: {}{}", shown(path), folder, std::strerror(why),
+                                    stream_ ? "; name another folder in TMPDIR" : ""));
   }
   // Never one of the standard three, even where the caller has closed them: `-` would write into its own file.
   if (const int low = descriptor_; low < 3) {
@@ -125,6 +135,17 @@ std::size_t OutputFile::write(const void* buffer, std::size_t size) {
   return done;
 }
 
+void OutputFile::put(const void* buffer, std::size_t size) {
+  if (write(buffer, size) != size) check();
+}
+
+void OutputFile::expect(std::uint64_t bytes) const {
+  if (has_room(descriptor_, bytes)) return;
+  const std::string what = fmt::format("takes at least {:.3g} GiB, more than is free in {}", double(bytes) / 0x1p30,
+                                       stream_ ? temporary_folder() : folder_of(target_));
+  throw OutputError(shown(path_), what + (stream_ ? "; name another folder in TMPDIR" : ""));
+}
+
 void OutputFile::copy_to_stream() {
   const int out = path_ == "-" ? STDOUT_FILENO : ::open(path_.c_str(), O_WRONLY);
   if (out < 0) error_ = errno;
@@ -151,7 +172,8 @@ void OutputFile::take_name() {
   const bool there = ::stat(target_.c_str(), &before) == 0;
   const mode_t mask = ::umask(0);
   ::umask(mask);
-  // What is replaced keeps who may read it.
+  // What is replaced keeps its owner, where that may be set, and who may read it.
+  [[maybe_unused]] const int refused = there ? ::fchown(descriptor_, before.st_uid, before.st_gid) : 0;
   ::fchmod(descriptor_, there ? before.st_mode & 0777 : 0666 & ~mask);
   if (temporary_.empty()) {
     if (!there && link_as(descriptor_, target_)) return;
@@ -189,23 +211,30 @@ bool OutputFile::is_there_already() const {
   return same;
 }
 
+void OutputFile::check() const {
+  if (error_ == 0) return;
+  if (!stream_) throw OutputError(path_, fmt::format("not written: {}", std::strerror(error_)));
+  throw OutputError(shown(path_), fmt::format("cannot be held in {}: {}; name another folder in TMPDIR", temporary_folder(),
+                                              std::strerror(error_)));
+}
+
 void OutputFile::commit() {
-  const std::string name = path_ == "-" ? "standard output" : path_;
-  if (error_ != 0 && stream_)
-    throw OutputError(name, fmt::format("cannot be held in {}: {}; name another folder in TMPDIR", temporary_folder(),
-                                        std::strerror(error_)));
-  if (error_ == 0 && stream_) {
+  check();
+  if (stream_) {
     copy_to_stream();
-  } else if (error_ == 0) {
+  } else {
     if (how_.sync && ::fsync(descriptor_) != 0) error_ = errno;
-    if (error_ == 0 && !(how_.if_changed && is_there_already())) take_name();
+    if (error_ == 0 && !(how_.if_changed && is_there_already())) {
+      check_replaceable(target_, how_);
+      take_name();
+    }
     // Of what was there already, too: another program may have left it in memory.
     if (error_ == 0 && how_.sync) error_ = synchronise(target_);
     if (error_ == 0 && how_.sync) error_ = synchronise(folder_of(target_));
   }
   if (::close(descriptor_) != 0 && error_ == 0) error_ = errno;
   descriptor_ = -1;
-  if (error_ != 0) throw OutputError(name, fmt::format("not written: {}", std::strerror(error_)));
+  if (error_ != 0) throw OutputError(shown(path_), fmt::format("not written: {}", std::strerror(error_)));
 }
 
 }  // namespace envmap

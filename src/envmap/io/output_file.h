@@ -10,13 +10,17 @@
 
 namespace envmap {
 
+/// Refuses to replace a file or folder without any write bit, unless `how` forces it. Root may write it, too, so the bits decide.
+/// @throws OutputError
+void check_replaceable(const std::string& path, const CommitOptions& how);
+
 /// Brings a file or folder to the disk. @return errno, or 0; 0 too where it cannot be read, or its file system has no fsync.
 int synchronise(const std::string& path);
 
 /// Bytes on their way to a file. They go to a file without a name in the same folder (O_TMPFILE), which commit() names;
 /// where the file system has no such files, to a temporary one, which commit() renames. Without commit(), or where a write
 /// failed, nothing is left; nor where the program is interrupted, or killed where files without names are. What is
-/// replaced keeps its mode bits. Standard output, devices and pipes take the bytes at commit(), out of $TMPDIR.
+/// replaced keeps its mode bits, and its owner where the process may set that; what is read-only is not replaced. Standard output, devices and pipes take the bytes at commit(), out of $TMPDIR.
 class OutputFile {
  public:
   /// @param path `-` for standard output. @throws OutputError where the folder cannot be written.
@@ -25,11 +29,21 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  /// @throws OutputError if a write failed, as commit() would.
+  void check() const;
+  /// Whether commit() copies the bytes to standard output, a device or a pipe.
+  [[nodiscard]] bool is_stream() const { return stream_; }
+
   /// Makes the file appear. @throws OutputError if this or any write before it failed (a full disk).
   void commit();
 
   [[nodiscard]] std::int64_t tell() const { return at_; }
   void seek(std::int64_t offset) { at_ = offset; }
+  /// Ends a job before it begins where the disk cannot hold its result. @param bytes that the file surely gets.
+  /// @throws OutputError
+  void expect(std::uint64_t bytes) const;
+  /// write(), and check().
+  void put(const void* buffer, std::size_t size);
   /// @return bytes written: fewer where it failed, which commit() then says.
   std::size_t write(const void* buffer, std::size_t size);
   std::size_t pread(void* buffer, std::size_t size, std::int64_t offset) const;

@@ -13,7 +13,7 @@ void write_pfm(OutputFile& file, const Page& page) {
   // The sign of the scale tells the byte order.
   constexpr bool little = std::endian::native == std::endian::little;
   const std::string header = fmt::format("PF\n{} {}\n{}\n", page.width(), page.height(), little ? "-1.0" : "1.0");
-  file.write(header.data(), header.size());
+  file.put(header.data(), header.size());
   const auto width = static_cast<std::size_t>(page.width());
   std::vector<Colour> band;
   for (int end = page.height(); end > 0; end -= band_rows) {
@@ -21,7 +21,7 @@ void write_pfm(OutputFile& file, const Page& page) {
     band.resize(static_cast<std::size_t>(end - begin) * width);
     page.gather(begin, end, band);
     for (auto row = static_cast<std::size_t>(end - begin); row-- > 0;)
-      file.write(band.data() + row * width, width * sizeof(Colour));
+      file.put(band.data() + row * width, width * sizeof(Colour));
   }
 }
 

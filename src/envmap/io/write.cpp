@@ -230,6 +230,21 @@ void naming(const std::string& path, F&& action) {
   }
 }
 
+// Bytes that texels surely take in a file. ZIP makes data 1032 times smaller at most (zlib's technical details), the runs of a
+// Radiance file 127 bytes 2. KTX leaves out alpha.
+std::uint64_t least_bytes(std::span<const Rows> levels, const std::string& ext, Depth depth, const WriteOptions& options) {
+  const std::string& packed = options.compression;
+  const TexelFormat& format = format_of(texels_of(depth));
+  const bool plain = ext == "ktx" || ext == "dds" || (ext == "ktx2" && !options.zstd), zip = packed.empty() || packed.starts_with("zip");
+  const double of_texel = ext == "exr"   ? (depth == Depth::half ? 6 : 12) * (packed == "none" ? 1 : zip ? 1.0 / 1032 : 0)
+                          : ext == "hdr" ? 4 * 2.0 / 127 : ext == "pfm" ? 12
+                          : plain ? double(format.bytes) * std::min(3, format.channels) / (format.channels * format.side * format.side)
+                                  : 0;
+  double texels = 0;
+  for (const Rows& rows : levels) texels += texel_count(rows.projection, rows.size);
+  return std::uint64_t(texels * of_texel);
+}
+
 // All files of a map, whose samples lie where the files want them.
 Written write_files(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
                     const Progress& progress) {
@@ -258,8 +273,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
 
   // All files are written before the first appears.
   std::vector<std::unique_ptr<OutputFile>> files;
-  const auto write_file = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
-    files.push_back(std::make_unique<OutputFile>(name, options.commit));
+  const auto write_into = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
     const bool cube = done.layout == Layout::api;
     if (ext == "pfm")
       write_pfm(*files.back(), pages[0]);
@@ -276,6 +290,16 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
       naming(name, [&] { write_gltf_light(*files.back(), pages, options.pairs, part); });
     else
       write_image(*files.back(), name, ext, pages, done.depth, data, options, part);
+  };
+  const auto write_file = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
+    files.push_back(std::make_unique<OutputFile>(name, options.commit));
+    if (files.size() == 1 && !options.rows) files.back()->expect(least_bytes(levels, ext, done.depth, options));
+    try {
+      write_into(name, pages, part);
+    } catch (const OutputError&) {
+      files.back()->check();  // What the disk says is more than what an encoder makes of it.
+      throw;
+    }
   };
   if (levels.size() > 1 && !has_level(path)) {
     if (!format.texture) data.levels = static_cast<int>(levels.size());

@@ -65,14 +65,14 @@ ImageWriter create_radiance(OutputFile& file, const ImagePlan& plan) {
   std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
   if (const auto& xy = plan.provenance.chromaticities) header += fmt::format("PRIMARIES={}\n", fmt::join(*xy, " "));
   header += fmt::format("\n-Y {} +X {}\n", size.height, size.width);
-  file.write(header.data(), header.size());
+  file.put(header.data(), header.size());
   return {.write =
               [&file, size](int, int begin, int end, std::span<const Colour> pixels) {
                 const auto width = static_cast<std::size_t>(size.width);
                 std::vector<std::string> rows(static_cast<std::size_t>(end - begin));
                 tbb::parallel_for(std::size_t{0}, rows.size(),
                                   [&](std::size_t k) { add_row(pixels.subspan(k * width, width), rows[k]); });
-                for (const std::string& row : rows) file.write(row.data(), row.size());
+                for (const std::string& row : rows) file.put(row.data(), row.size());
               },
           .close = [] {}};
 }

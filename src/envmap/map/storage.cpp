@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "envmap/base/error.h"
+#include "envmap/base/free_space.h"
 
 namespace envmap {
 namespace {
@@ -31,7 +32,8 @@ Colour* map_scratch_file(std::size_t bytes) {
   const int file = ::mkostemp(path.data(), O_CLOEXEC);
   if (file < 0) fail(errno);
   ::unlink(path.c_str());
-  const int full = ::posix_fallocate(file, 0, static_cast<off_t>(bytes));
+  // Which is known at once; to fill the disk first takes minutes.
+  const int full = has_room(file, bytes) ? ::posix_fallocate(file, 0, static_cast<off_t>(bytes)) : ENOSPC;
   void* const data = full ? MAP_FAILED : ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   const int error = full ? full : errno;
   ::close(file);
