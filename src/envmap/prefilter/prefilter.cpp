@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/harmonics.h"
+#include "envmap/prefilter/hinge_map.h"
 #include "envmap/prefilter/source.h"
 #include "envmap/prefilter/spectral.h"
 #include "envmap/prefilter/treecode.h"
@@ -73,15 +75,27 @@ struct PrefilterSource::Prepared {
   const EnvironmentMap& source;
   const Totals light;
   const std::optional<Level> fine;
-  const Tree tree;
+  // Made when they are wanted first.
+  mutable std::optional<Tree> tree;
   mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
+  mutable std::optional<Hinges> hinges;        // Of the order and error wanted last.
 
   explicit Prepared(const EnvironmentMap& map)
       : cube(source_cube(map)),
         source(cube ? *cube : map),
         light(totals(source.base())),
-        fine(refined(source.base())),
-        tree(fine ? *fine : source.base(), light.mean, fine ? fine->height() / source.base().height() : 1) {}
+        fine(refined(source.base())) {}
+
+  // In texels of 1.5 degrees or less.
+  [[nodiscard]] const Level& small_texels() const { return fine ? *fine : source.base(); }
+  [[nodiscard]] const Tree& nodes() const {
+    if (!tree) tree.emplace(small_texels(), light.mean, small_texels().height() / source.base().height());
+    return *tree;
+  }
+  [[nodiscard]] const Hinges& sums(int order, double error) const {
+    if (!hinges || !hinges->fits(order, error)) hinges.emplace(small_texels(), light.mean, order, error);
+    return *hinges;
+  }
 };
 
 namespace {
@@ -91,7 +105,8 @@ namespace {
 struct Making {
   const Level& source;
   const Totals& light;
-  const Tree& tree;
+  const std::function<const Tree&()> tree;
+  const std::function<const Hinges&(int order)> hinges;
   std::unique_ptr<Spectrum>& spectrum;
   const Prefilter& wanted;
   const Lobe lobe;
@@ -116,6 +131,15 @@ struct Making {
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
     const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); };
+    if (const auto factors = hinge_factors(lobe); factors && (any || wanted.method == Method::prefix_sums)) {
+      if (light.mean > 0)
+        hinge_map(hinges((*factors)[1] > 0 ? 2 : 1), *factors, target, wanted.max_error, light.mean, wanted.rows, out, figures, progress);
+      else
+        std::ranges::fill(figures, 0.F);
+      done.method = Method::prefix_sums;
+      finish(all, figures, out, done);
+      return;
+    }
     // On a finer grid where the first leaves many dark texels unknown.
     const auto worth = [&](std::size_t texels) {
       return wanted.method == Method::spectral ? 8 * texels > whole.size() : any && may_be_spectral(wanted, lobe, source, texels);
@@ -125,13 +149,18 @@ struct Making {
       texels = spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out, figures, progress);
     const bool mostly = 2 * static_cast<std::size_t>(std::ranges::count_if(whole, known)) > whole.size();
     done.method = mostly ? Method::spectral : Method::hierarchical;
-    treecode_prefilter(tree, lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
+    treecode_prefilter(tree(), lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
+    finish(all, figures, out, done);
+  }
+
+  // Sums what is not known well enough, and says how well the rest is.
+  void finish(const std::vector<Texel>& all, std::span<const float> figures, Level& out, Prefiltered& done) const {
     std::vector<Texel> left;
     for (const Texel& t : all)
-      if (!known(t))
+      if (const float figure = figures[index_of(out, t)]; figure > static_cast<float>(wanted.max_error))
         left.push_back(t);
       else
-        done.error = std::max<double>(done.error, figures[index_of(out, t)]);
+        done.error = std::max<double>(done.error, figure);
     exact_texels(source, lobe, target, left, out, progress);
     done.exact = static_cast<std::int64_t>(left.size());
     if (left.size() == all.size()) done.method = Method::exact;
@@ -144,7 +173,9 @@ std::string_view method_name(const Prefiltered& done) {
   return done.resampled ? name(*done.resampled) : method_names[static_cast<std::size_t>(done.method)];
 }
 
-Lobe lobe_of(const Prefilter& p) {
+namespace {
+
+Lobe lobe_by_shape(const Prefilter& p) {
   if ((p.shape == Shape::phong || p.shape == Shape::blinn_phong) && !(p.parameter >= 0 && p.parameter <= 1e9))
     throw UsageError("an exponent is from 0 to 1e9");
   switch (p.shape) {
@@ -159,6 +190,15 @@ Lobe lobe_of(const Prefilter& p) {
   if (p.method == Method::spectral)
     throw UsageError("a lobe that rises with the angle has too many degrees for a spherical transform");
   return Charlie(p.parameter);
+}
+
+}  // namespace
+
+Lobe lobe_of(const Prefilter& p) {
+  const Lobe lobe = lobe_by_shape(p);
+  if (p.method == Method::prefix_sums && !is_mirror(p) && !hinge_factors(lobe))
+    throw UsageError("prefix sums make diffuse maps, phong of exponent 1 or 2 and ggx of roughness 1");
+  return lobe;
 }
 
 PrefilterSource::PrefilterSource(const EnvironmentMap& map) : prepared_(std::make_unique<Prepared>(map)) {}
@@ -176,8 +216,10 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
     make_mirror(from, wanted, done);
   } else {
     const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(wanted.forward);
-    Making{from.base(), prepared_->light, prepared_->tree,                 prepared_->spectrum,
-           wanted,      lobe_of(wanted),  {wanted.to, wanted.size, turn}, progress}
+    const Prepared& p = *prepared_;
+    Making{from.base(), p.light, [&]() -> const Tree& { return p.nodes(); },
+           [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); }, p.spectrum, wanted, lobe_of(wanted),
+           {wanted.to, wanted.size, turn}, progress}
         .make(done);
   }
   done.seconds = seconds_since(start);

@@ -20,8 +20,8 @@ enum class Shape { diffuse, phong, ggx, blinn_phong, charlie };
 inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name,
                                                   Charlie::name};
 
-enum class Method { automatic, exact, hierarchical, spectral };
-inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral"};
+enum class Method { automatic, exact, hierarchical, spectral, prefix_sums };
+inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral", "prefix-sums"};
 
 /// One map to make. With L the radiance of the source, constant over each of its texels, and every lobe 0 below the
 /// horizon:
@@ -79,7 +79,8 @@ class PrefilterSource {
   [[nodiscard]] const EnvironmentMap& source() const;
 
   /// Makes one map. Every texel has a figure of what it may be off, by the method that made it, and is made again by the
-  /// next where that is over the error wanted: `automatic` takes a spherical transform where the result has many texels for
+  /// next where that is over the error wanted: `automatic` takes prefix sums for lobes that are a power 1 or 2 of the cosine, whose
+  /// figures are proved bounds; a spherical transform where the result has many texels for
   /// the lobe's width, `spectral` takes it anyway, on a finer grid where dark texels need one; then a treecode (`hierarchical`: at
   /// once); then the exact sum.
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;

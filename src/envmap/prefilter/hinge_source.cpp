@@ -1,0 +1,136 @@
+#include "envmap/prefilter/hinge_source.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace envmap::prefiltering {
+
+namespace {
+
+constexpr std::size_t flux = 9, least = 12, numbers = 15;  // Places in a cell.
+
+std::size_t place(int rows, int columns, int face, int row) {
+  return static_cast<std::size_t>(face * rows + row) * static_cast<std::size_t>(columns);
+}
+
+}  // namespace
+
+// The cells of one row of each level, as far as they are added up.
+template <class Grid>
+struct HingeSource<Grid>::Rows {
+  std::vector<std::vector<Sum>> sums;
+  std::vector<HingeBlock> base;  // All moments of base cells.
+
+  static Sum nothing() {
+    Sum s{};
+    std::fill(s.begin() + least, s.end(), std::numeric_limits<double>::max());
+    return s;
+  }
+  explicit Rows(std::span<const Cells> levels) {
+    for (const Cells& level : levels) sums.emplace_back(static_cast<std::size_t>(level.grid.across.count()), nothing());
+    base.resize(sums.back().size());
+  }
+};
+
+template <class Grid>
+HingeSource<Grid>::HingeSource(const Level& source, double mean, int rows, int order)
+    : source_(source), unit_(1 / mean), order_(order), grid_(source.width(), source.height()) {
+  const int height = source.height();
+  int side = 1;  // Smaller cells are few where they are needed: they are made of texels then.
+  while (side < 4 && height / (4 * side) >= rows) side *= 2;
+  for (bool more = true; more; side *= 2) {
+    typename Grid::Cells grid = grid_.cells(side);
+    const std::size_t count = place(grid.down.count(), grid.across.count(), Grid::faces, 0);
+    levels_.push_back({std::move(grid), std::make_unique_for_overwrite<HingeCell[]>(count)});
+    more = height / (2 * side) >= rows;
+  }
+  const auto& grid = base().grid;
+  prefix_.resize(place(grid.down.count(), grid.across.count() + 1, Grid::faces, 0) * stride());
+  tbb::parallel_for(0, grid.down.count(), [&](int band) { set_band(band); });
+}
+
+// A row of base cells, and all finer ones in it, of all faces.
+template <class Grid>
+void HingeSource<Grid>::set_band(int band) {
+  const auto& grid = base().grid;
+  const auto& fine = levels_.front().grid;
+  const int steps = grid.across.side / fine.across.side, first = band * steps;
+  std::vector<Rows> rows(Grid::faces, Rows(levels_));
+  for (int row = first; row < std::min(first + steps, fine.down.count()); ++row) {
+    std::vector<typename Grid::Row> texels;  // The same on all faces.
+    for (int j = fine.down.first(row); j < fine.down.end(row); ++j) texels.push_back(grid_.row(j, order_));
+    for (int face = 0; face < Grid::faces; ++face) add_row(face, row, texels, rows[static_cast<std::size_t>(face)]);
+  }
+  for (int face = 0; face < Grid::faces; ++face) {
+    double* p = &prefix_[place(grid.down.count(), grid.across.count() + 1, face, band) * stride()];
+    for (const HingeBlock& b : rows[static_cast<std::size_t>(face)].base)
+      for (std::size_t k = 0; k < stride(); ++k, ++p) p[stride()] = *p + unit_ * b.moments[1 + k / 3][k % 3];
+  }
+  source_.trim();
+}
+
+// A row of the finest cells.
+template <class Grid>
+void HingeSource<Grid>::add_row(int face, int row, std::span<const typename Grid::Row> texels, Rows& rows) {
+  const auto& fine = levels_.front().grid;
+  const int steps = base().grid.across.side / fine.across.side;
+  for (int i = 0; i < fine.across.count(); ++i) {
+    const auto from = static_cast<std::size_t>(fine.across.first(i)), count = static_cast<std::size_t>(fine.across.end(i)) - from;
+    HingeBlock block;
+    for (std::size_t j = 0; j < texels.size(); ++j)
+      texels[j].add(source_.row(face, fine.down.first(row) + int(j)).subspan(from, count), int(from), order_, block);
+    HingeBlock& sum = rows.base[static_cast<std::size_t>(i / steps)];
+    for (std::size_t m = 0; m <= stride() / 3; ++m)
+      for (std::size_t k = 0; k < 3; ++k) sum.moments[m][k] += block.moments[m][k];
+    Sum& cell = rows.sums.front()[static_cast<std::size_t>(i)];
+    const bool polar = fine.shape(row, i).polar;
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t m = 0; m < 3; ++m) cell[3 * m + k] = unit_ * block.moments[m + 1][k];
+      cell[flux + k] = unit_ * block.moments[0][k];
+      cell[least + k] = polar ? 0 : unit_ * double(block.least[int(k)]);
+    }
+  }
+  close_row(0, face, row, rows);
+}
+
+// Stores a row of cells, and adds it to one of the next level, which the last of its rows closes in turn.
+template <class Grid>
+void HingeSource<Grid>::close_row(std::size_t level, int face, int row, Rows& rows) {
+  const auto& grid = levels_[level].grid;
+  HingeCell* out = &levels_[level].light[place(grid.down.count(), grid.across.count(), face, row)];
+  std::vector<Sum>& cells = rows.sums[level];
+  const bool last = level + 1 == levels_.size();
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    std::ranges::transform(cells[i], out[i].m, [](double x) { return float(x); });
+    out[i].m[numbers] = 0;
+    if (last) continue;
+    Sum& to = rows.sums[level + 1][i / 2];
+    for (std::size_t k = 0; k < least; ++k) to[k] += cells[i][k];
+    for (std::size_t k = least; k < numbers; ++k) to[k] = std::min(to[k], cells[i][k]);
+  }
+  std::ranges::fill(cells, Rows::nothing());
+  if (!last && (row % 2 == 1 || row + 1 == grid.down.count())) close_row(level + 1, face, row / 2, rows);
+}
+
+template <class Grid>
+void HingeSource<Grid>::add(int face, int row, int first, int last, Sums& sums) const {
+  const int count = base().grid.across.count();
+  const double* start = &prefix_[place(base().grid.down.count(), count + 1, face, row) * stride()];
+  const auto border = [&](int k) { return start + static_cast<std::size_t>(k) * stride(); };
+  const auto add = [&](const double* to, const double* from) {
+    if (order_ == 1)
+      for (std::size_t k = 0; k < 9; ++k) sums[k] += to[k] - from[k];
+    else
+      for (std::size_t k = 0; k < 27; ++k) sums[k] += to[k] - from[k];
+  };
+  if (last - first >= count) return add(border(count), border(0));
+  if (first >= count) first -= count, last -= count;
+  add(border(std::min(last, count)), border(first));
+  if (last > count) add(border(last - count), border(0));
+}
+
+template class HingeSource<LatlongGrid>;
+template class HingeSource<CubeGrid>;
+
+}  // namespace envmap::prefiltering

@@ -1,0 +1,69 @@
+/// @file
+/// The source of the sums at the horizon: its cells with their moments, and prefix sums along rows of cells.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "envmap/map/environment_map.h"
+#include "envmap/prefilter/hinge_grid.h"
+
+namespace envmap::prefiltering {
+
+/// Light of one cell, of channels c = 0, 1, 2, in units of the mean: first moments m[3 k + c] of the face's axis k, the flux
+/// m[9 + c], and the least radiance m[12 + c] (0 in rows at a pole).
+struct alignas(64) HingeCell {
+  float m[16];
+};
+
+template <class Grid>
+class HingeSource {
+ public:
+  /// @param source a cube or latlong map of 4 rows or more. @param mean of its radiance. @param rows of cells of a face that the
+  /// sum over a horizon starts from, about. @param order 1: moments for t+ alone, 2: for t+^2, too.
+  HingeSource(const Level& source, double mean, int rows, int order);
+
+  struct Cells {
+    typename Grid::Cells grid;
+    std::unique_ptr<HingeCell[]> light;  ///< By face, row and column.
+    [[nodiscard]] const HingeCell& cell(int face, int row, int column) const {
+      return light[static_cast<std::size_t>(face * grid.down.count() + row) * static_cast<std::size_t>(grid.across.count()) +
+                   static_cast<std::size_t>(column)];
+    }
+  };
+
+  [[nodiscard]] int order() const { return order_; }
+  [[nodiscard]] const Grid& grid() const { return grid_; }
+  /// From the finest to those that sums start from. Each has cells of twice the side of the level before.
+  [[nodiscard]] std::span<const Cells> levels() const { return levels_; }
+  [[nodiscard]] const Cells& base() const { return levels_.back(); }
+
+  /// Moments x, y, z (and xx, yy, zz, xy, xz, yz), three channels each.
+  using Sums = std::array<double, 27>;
+  /// Adds those of base cells [first, last) of a row. Columns may run on beyond the last.
+  void add(int face, int row, int first, int last, Sums& sums) const;
+  /// In units of the mean.
+  [[nodiscard]] Flux radiance(int face, int row, int column) const { return Flux(*source_.texel(face, column, row)) * unit_; }
+
+ private:
+  using Sum = std::array<double, 15>;  // A cell before it is rounded.
+  struct Rows;
+  void set_band(int band);
+  void add_row(int face, int row, std::span<const typename Grid::Row> texels, Rows& rows);
+  void close_row(std::size_t level, int face, int row, Rows& rows);
+  [[nodiscard]] std::size_t stride() const { return order_ == 1 ? 9 : 27; }
+
+  const Level& source_;
+  double unit_;
+  int order_;
+  Grid grid_;
+  std::vector<Cells> levels_;
+  std::vector<double> prefix_;  ///< By face, row of base cells, border, moment and channel.
+};
+
+extern template class HingeSource<LatlongGrid>;
+extern template class HingeSource<CubeGrid>;
+
+}  // namespace envmap::prefiltering
