@@ -49,7 +49,7 @@ COMMANDS = [
     'mipmap cube.exr border.exr --openexr-envmap',
     'mipmap cube.exr cube-bc6h.dds --depth bc6h --clamp -q', 'mipmap from-sphere.exr from-sphere-bc6h.ktx2 --depth bc6h --clamp --zstd -q',
     'convert sun.exr small.exr --to latlong --size 16', 'convert sun.exr aces.exr --output-space ACEScg --white 6000 --saturation 1.5',
-    *(f'prefilter small.exr diffuse-{m}.exr --method {m} --size 6 -q' for m in 'auto exact hierarchical spectral'.split()),
+    *(f'prefilter small.exr diffuse-{m}.exr --method {m} --size 6 -q' for m in 'auto exact hierarchical spectral prefix-sums'.split()),
     *(f'prefilter small.exr phong-{m}.exr --lobe phong --exponent 40.5 --method {m} --size 6 -q'
       for m in 'exact hierarchical spectral'.split()),
     'prefilter angular.exr ggx.exr --lobe ggx --levels 3 --size 8 -q',

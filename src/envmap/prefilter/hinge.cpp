@@ -96,15 +96,20 @@ class Summation {
     const FaceDirection& n = seen_[static_cast<std::size_t>(face)];
     if (!grid.slopes.empty()) border_angles(n.z / std::max(1e-9, std::sqrt(n.x * n.x + n.y * n.y)), grid.slopes, angles_);
     batch_.clear();
-    typename HingeSource<Grid>::Sums sums{};
+    spans_.clear();
     for (int row = 0; row < grid.down.count(); ++row) {
       const RowSpan span = grid.span(n, angles_.data(), row);
-      if (span.last > span.first) source_.add(face, row, span.first, span.last, sums);
+      spans_.push_back(span);
+      if (span.last > span.first) source_.prefetch(face, row, span.first, span.last);
       const auto add = [&](int from, int to) {
         for (int k = from; k < to; ++k) add_cell(cells, n, face, row, grid.wrapped(k));
       };
       add(span.cut, std::min(span.first, span.end)), add(span.last, span.end);
     }
+    typename HingeSource<Grid>::Sums sums{};
+    for (int row = 0; row < grid.down.count(); ++row)
+      if (const RowSpan& span = spans_[static_cast<std::size_t>(row)]; span.last > span.first)
+        source_.add(face, row, span.first, span.last, sums);
     bound_cells(n, batch_, order_, terms_);
     for (std::size_t c = 0; c < 3; ++c) {
       const auto m = [&](std::size_t k) { return sums[3 * k + c]; };
@@ -116,8 +121,9 @@ class Summation {
   }
 
   void add_cell(const typename HingeSource<Grid>::Cells& cells, const FaceDirection& n, int face, int row, int column) {
-    batch_.add(cells.grid.view(n, row, column), cells.grid.shape(row, column), cells.grid.solid_angle(row, column),
-               {&cells.cell(face, row, column), face, row, column});
+    const HingeCell& cell = cells.cell(face, row, column);
+    __builtin_prefetch(&cell);
+    batch_.add(cells.grid.view(n, row, column), cells.grid.shape(row, column), cells.grid.solid_angle(row, column), {&cell, face, row, column});
   }
 
   // What each sum may be off by: by order and channel.
@@ -229,6 +235,7 @@ class Summation {
   HingeBatch batch_;
   std::vector<HingeTerm> terms_, next_;
   std::vector<double> angles_;
+  std::vector<RowSpan> spans_;
 };
 
 template <class Grid>

@@ -130,6 +130,16 @@ void HingeSource<Grid>::add(int face, int row, int first, int last, Sums& sums) 
   if (last > count) add(border(last - count), border(0));
 }
 
+template <class Grid>
+void HingeSource<Grid>::prefetch(int face, int row, int first, int last) const {
+  const int count = base().grid.across.count();
+  const double* start = &prefix_[place(base().grid.down.count(), count + 1, face, row) * stride()];
+  for (const int border : {first, last}) {
+    const double* at = start + static_cast<std::size_t>(border < count ? border : border - count) * stride();
+    __builtin_prefetch(at), __builtin_prefetch(at + 8);
+  }
+}
+
 template class HingeSource<LatlongGrid>;
 template class HingeSource<CubeGrid>;
 

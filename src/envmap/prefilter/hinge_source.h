@@ -44,6 +44,8 @@ class HingeSource {
   using Sums = std::array<double, 27>;
   /// Adds those of base cells [first, last) of a row. Columns may run on beyond the last.
   void add(int face, int row, int first, int last, Sums& sums) const;
+  /// Brings what add() reads into the cache.
+  void prefetch(int face, int row, int first, int last) const;
   /// In units of the mean.
   [[nodiscard]] Flux radiance(int face, int row, int column) const { return Flux(*source_.texel(face, column, row)) * unit_; }
 
