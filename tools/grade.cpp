@@ -70,14 +70,15 @@ Flux white_gain(const EnvironmentMap& map, const std::string& white, const Prima
 double scale_of(const EnvironmentMap& map, const GradeOptions& o, const Flux& luminance) {
   const auto equals = o.scale_to.find('=');
   const std::string unit = o.scale_to.substr(0, equals);
-  const auto wanted = equals == std::string::npos ? std::nullopt : number_of(o.scale_to.substr(equals + 1));
-  if ((unit != "lux" && unit != "nits") || !wanted || !(*wanted > 0))
+  double wanted = 0;
+  const bool is_number = equals != std::string::npos && parse_number(o.scale_to.substr(equals + 1), wanted);
+  if ((unit != "lux" && unit != "nits") || !is_number || !(wanted > 0) || !std::isfinite(wanted))
     throw UsageError(fmt::format("--scale-to: '{}' is neither lux=E nor nits=L with a number above 0", o.scale_to));
   const Direction towards = unit_or_up(o.towards, "--towards");
   const Flux light = unit == "lux" ? irradiance(map, towards) : radiance_within(map, towards, seen_within);
   const double is = glm::dot(light, luminance);
   if (!(is > 0)) throw UsageError(fmt::format("--scale-to {}: no light comes from there", o.scale_to));
-  return *wanted / is;
+  return wanted / is;
 }
 
 // @param option that was applied.
