@@ -140,7 +140,7 @@ std::vector<std::string> Options::named(File kind) const {
   std::vector<std::string> all;
   for (const Option& o : rows) {
     auto first = o.given.begin(), last = o.given.end();
-    if (o.file == File::inputs_then_output && first != last)
+    if (o.file == File::inputs_then_output && kind != File::folder && first != last)
       (kind == File::input ? last : first) = last - 1;
     else if (o.file != kind)
       continue;

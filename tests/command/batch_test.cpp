@@ -74,7 +74,7 @@ TEST_F(Batch, OfJsonGoesOnAfterFailuresAndNamesEach) {
 TEST_F(Batch, OfJsonTakesNumbersAsWords) {
   write("maps.json", R"([["convert", "a.hdr", "n.exr", "--size", 8, "--exposure", -1.5, "--max-error", 1e-2]])");
   succeeds({"batch", "maps.json"});
-  succeeds({"convert", "a.hdr", "w.exr", "--size", "8", "--exposure", "-1.5", "--max-error", "0.01"});
+  succeeds({"convert", "a.hdr", "w.exr", "--size", "8", "--exposure", "-1.5", "--max-error", "0.01", "-q"});
   EXPECT_EQ(read("n.exr"), read("w.exr"));
 }
 

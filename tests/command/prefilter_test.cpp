@@ -22,7 +22,7 @@ class Prefilter : public CommandTest {
 TEST_F(Prefilter, WritesADiffuseCubeOf64AndSaysHowItWent) {
   const Result r = envmap({"prefilter", "in.exr", "out.exr"});
   ASSERT_EQ(r.status, 0) << r.err;
-  EXPECT_NE(r.err.find("diffuse, 64: hierarchical"), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("diffuse, 64: prefix-sums"), std::string::npos) << r.err;
   EXPECT_NE(r.err.find("every texel to "), std::string::npos) << r.err;
   const Picture p = load(path("out.exr"));
   EXPECT_EQ(p.width, 64);

@@ -123,7 +123,7 @@ TEST(Programs, AnUndefinedNameInAConditionIsAnError) {
     }
     return std::string();
   };
-  const gl::Definitions all{{"HOLES", "0"}, {"LAYERED", "0"}, {"TESSELLATED", "0"}};
+  const gl::Definitions all{{"HOLES", "0"}, {"LAYERED", "0"}, {"FILLED", "0"}};
   for (const auto& [name, value] : all) {
     gl::Definitions others = all;
     others.erase(name);

@@ -10,12 +10,6 @@
 #include "envmap/sample/target.h"
 
 namespace envmap::prefiltering {
-namespace {
-
-// Blocks of the lowest level, 220 bytes each with all above: 30 MB, or a little more than a large source itself takes.
-std::int64_t most_stored(std::int64_t texels) { return std::clamp<std::int64_t>(texels / 16, 1 << 17, 1 << 19); }
-
-int halves(int n) { return (n + 1) / 2; }
 
 Colour darkest_of(const Level& source) {
   Colour least(std::numeric_limits<float>::max());
@@ -28,6 +22,13 @@ Colour darkest_of(const Level& source) {
     least = glm::min(least, row);
   return least;
 }
+
+namespace {
+
+// Blocks of the lowest level, 220 bytes each with all above: 30 MB, or a little more than a large source itself takes.
+std::int64_t most_stored(std::int64_t texels) { return std::clamp<std::int64_t>(texels / 16, 1 << 17, 1 << 19); }
+
+int halves(int n) { return (n + 1) / 2; }
 
 // Whether the texels of a block are all much alike: there are several each way, and none ends in a pole.
 template <class P>

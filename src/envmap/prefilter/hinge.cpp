@@ -78,6 +78,8 @@ class Summation {
   HingeSums over(const Direction& n) {
     for (int face = 0; face < Grid::faces; ++face) seen_[static_cast<std::size_t>(face)] = Grid::seen(face, n);
     settled_ = {}, terms_.clear();
+    for (std::size_t k = 0; k < 2; ++k)
+      for (int c = 0; c < 3; ++c) settled_.sum[k][static_cast<std::size_t>(c)] = whole[k] * source_.darkest()[c];
     for (Channels& off : settled_.off) off.fill(numerical * 12 * pi);  // The flux of a channel is 12 pi times the mean at most.
     for (int face = 0; face < Grid::faces; ++face) add_face(face);
     refine();

@@ -20,14 +20,14 @@ float set_texel(const HingeSums& sums, const std::array<double, 2>& factors, dou
     largest = std::max(largest, off / std::max(value - off, floor));
     out[c] = float(std::max(0.0, value));
   }
-  return std::nextafter(float(largest + rounding), 1.F);
+  return std::nextafter(float(largest + 2 * rounding), 1.F);  // Of the texels less the darkest, and of the result.
 }
 
 }  // namespace
 
 void hinge_map(const Hinges& hinges, const std::array<double, 2>& factors, const Target& target, double max_error, double mean,
                std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
-  const double error = max_error - 2 * rounding;
+  const double error = max_error - 3 * rounding;
   for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
     if (!rows.empty() && rows[static_cast<std::size_t>(face * out.height() + row)] == 0) return;
     const Columns in = columns(target.to, target.size, row);

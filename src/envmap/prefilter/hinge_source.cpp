@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "envmap/prefilter/tree.h"
+
 namespace envmap::prefiltering {
 
 namespace {
@@ -35,7 +37,7 @@ struct HingeSource<Grid>::Rows {
 
 template <class Grid>
 HingeSource<Grid>::HingeSource(const Level& source, double mean, int rows, int order)
-    : source_(source), unit_(1 / mean), order_(order), grid_(source.width(), source.height()) {
+    : source_(source), darkest_(darkest_of(source)), unit_(1 / mean), order_(order), grid_(source.width(), source.height()) {
   const int height = source.height();
   int side = 1;  // Smaller cells are few where they are needed: they are made of texels then.
   while (side < 4 && height / (4 * side) >= rows) side *= 2;
@@ -75,11 +77,16 @@ template <class Grid>
 void HingeSource<Grid>::add_row(int face, int row, std::span<const typename Grid::Row> texels, Rows& rows) {
   const auto& fine = levels_.front().grid;
   const int steps = base().grid.across.side / fine.across.side;
+  std::vector<Colour> light;
   for (int i = 0; i < fine.across.count(); ++i) {
     const auto from = static_cast<std::size_t>(fine.across.first(i)), count = static_cast<std::size_t>(fine.across.end(i)) - from;
     HingeBlock block;
-    for (std::size_t j = 0; j < texels.size(); ++j)
-      texels[j].add(source_.row(face, fine.down.first(row) + int(j)).subspan(from, count), int(from), order_, block);
+    for (std::size_t j = 0; j < texels.size(); ++j) {
+      const auto all = source_.row(face, fine.down.first(row) + int(j)).subspan(from, count);
+      light.assign(all.begin(), all.end());
+      for (Colour& texel : light) texel -= darkest_;
+      texels[j].add(light, int(from), order_, block);
+    }
     HingeBlock& sum = rows.base[static_cast<std::size_t>(i / steps)];
     for (std::size_t m = 0; m <= stride() / 3; ++m)
       for (std::size_t k = 0; k < 3; ++k) sum.moments[m][k] += block.moments[m][k];

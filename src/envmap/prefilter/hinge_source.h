@@ -12,7 +12,7 @@
 
 namespace envmap::prefiltering {
 
-/// Light of one cell, of channels c = 0, 1, 2, in units of the mean: first moments m[3 k + c] of the face's axis k, the flux
+/// Light of one cell beyond HingeSource::darkest(), of channels c = 0, 1, 2, in units of the mean: first moments m[3 k + c] of the face's axis k, the flux
 /// m[9 + c], and the least radiance m[12 + c] (0 in rows at a pole).
 struct alignas(64) HingeCell {
   float m[16];
@@ -46,8 +46,13 @@ class HingeSource {
   void add(int face, int row, int first, int last, Sums& sums) const;
   /// Brings what add() reads into the cache.
   void prefetch(int face, int row, int first, int last) const;
+  /// Least radiance of each channel, in units of the mean. It comes from everywhere, so its integral is known in closed form,
+  /// and a constant map stays constant to the last bit. Cells, sums and radiance() leave it out.
+  [[nodiscard]] Flux darkest() const { return Flux(darkest_) * unit_; }
   /// In units of the mean.
-  [[nodiscard]] Flux radiance(int face, int row, int column) const { return Flux(*source_.texel(face, column, row)) * unit_; }
+  [[nodiscard]] Flux radiance(int face, int row, int column) const {
+    return Flux(*source_.texel(face, column, row) - darkest_) * unit_;
+  }
 
  private:
   using Sum = std::array<double, 15>;  // A cell before it is rounded.
@@ -58,6 +63,7 @@ class HingeSource {
   [[nodiscard]] std::size_t stride() const { return order_ == 1 ? 9 : 27; }
 
   const Level& source_;
+  Colour darkest_;
   double unit_;
   int order_;
   Grid grid_;

@@ -34,6 +34,9 @@ struct Span {
   }
 };
 
+/// Least radiance of each channel.
+Colour darkest_of(const Level& source);
+
 /// Blocks above a size are stored; smaller ones are few where a lobe is wide and are made as they are wanted: the texels
 /// of a block, and below a texel its quarters.
 class Tree {
