@@ -69,8 +69,11 @@ void expect_bounds(const Level& level, double error, std::span<const Direction> 
   }
 }
 
-const Source sources[] = {{Projection::latlong, 64}, {Projection::latlong, 129}, {Projection::latlong, 256},
-                          {Projection::cube, 33},    {Projection::cube, 64},     {Projection::cube, 67}};
+#ifdef __SANITIZE_ADDRESS__  // Sums are those of the optimised build. Here memory is looked at.
+const Source sources[] = {{Projection::latlong, 64}, {Projection::cube, 33}};
+#else
+const Source sources[] = {{Projection::latlong, 64}, {Projection::latlong, 129}, {Projection::cube, 64}, {Projection::cube, 67}};
+#endif
 
 TEST(Hinge, LoneLightsStayWithinTheirBounds) {
   for (const Source& s : sources) {
