@@ -163,7 +163,7 @@ void HingeBatch::grow() {
 }
 
 void bound_cells(const FaceDirection& n, HingeBatch& batch, int order, std::vector<HingeTerm>& out) {
-  HWY_DYNAMIC_DISPATCH(BoundCells)(n, batch, order, out);
+  if (batch.count() > 0) HWY_DYNAMIC_DISPATCH(BoundCells)(n, batch, order, out);
 }
 void border_angles(double slope, std::span<const double> y, std::vector<double>& angles) {
   HWY_DYNAMIC_DISPATCH(BorderAngles)(slope, y, angles);
