@@ -232,6 +232,7 @@ TEST_F(Bake, WhatAKilledOneLeavesTheNextRemoves) {
   Background alive(*this, long_bake);
   for (int k = 0; k < 500 && hidden() != 1 + (k < 5); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_EQ(hidden(), 1) << "that of the dead is gone, that of the living is there";
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // It locks its folder just after it made it.
   alive.send(SIGSTOP);
   // Folders of others, whatever they are called.
   std::filesystem::create_directory(path(".lights-backup"));
