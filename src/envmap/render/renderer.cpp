@@ -252,8 +252,13 @@ double Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method
   gpu_.place(shot.scene, shot.pose, from.at, from.axes);
   gpu_.bind();
   bind_shadows(shot, from.at);
-  missing_ = gl::make_buffer(std::vector<GLuint>{0});
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_missing, missing_);
+  // Images of planes lack nothing, and reading back waits for the card.
+  const bool may_lack = method != DrawMethod::exact && !from.lens && image_shape(from.to) == ImageShape::disc;
+  gl::Buffer missing;
+  if (may_lack) {
+    missing = gl::make_buffer(std::vector<GLuint>{0});
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_missing, missing);
+  }
   const int count = from.lens ? 1 : faces(from.to);
   for (int face = 0; face < count; ++face) {
     if ((from.which >> face & 1U) == 0) continue;
@@ -277,7 +282,7 @@ double Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method
     }
   }
   finish_drawing();
-  return method == DrawMethod::exact ? 0 : counted(missing_);
+  return may_lack ? counted(missing) : 0;
 }
 
 void Renderer::draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to) {

@@ -102,7 +102,7 @@ class Renderer {
   std::vector<int> mirrors_;
   GpuScene gpu_;
   ShadowMaps shadows_, distant_shadows_;  // Of punctual lights, and of Shot::distant.
-  gl::Buffer distant_lights_, missing_;
+  gl::Buffer distant_lights_;
   EnvironmentTexture environment_;
   LightTexture light_;
   gl::Texture split_sum_, sheen_table_;  // The last of scenes that have any.
