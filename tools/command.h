@@ -5,9 +5,9 @@
 #include <span>
 #include <string_view>
 
-#include "console.h"
-#include "options.h"
-#include "report.h"
+#include "cli/console.h"
+#include "cli/options.h"
+#include "cli/report.h"
 
 namespace tools {
 

@@ -1,7 +1,7 @@
 #include <tbb/global_control.h>
 
-#include "command_line.h"
-#include "maps.h"
+#include "cli/command_line.h"
+#include "shared/maps.h"
 
 namespace tools {
 

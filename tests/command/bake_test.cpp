@@ -26,7 +26,7 @@ Place equal_area(double x, double y, double z) {  // pbrt-v4's EqualAreaSphereTo
   return {0.5 * (std::copysign(u, x) + 1), 0.5 * (std::copysign(v, y) + 1)};
 }
 
-// Where each engine looks for the radiance from d, in the frame of the probe; sources are named in tools/engines.cpp.
+// Where each engine looks for the radiance from d, in the frame of the probe; sources are named in src/envmap/engine/engines.cpp.
 struct Lookup {
   std::string engine, map, text;
   std::function<Place(const Vec&)> place;

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "command_line.h"
+#include "cli/command_line.h"
 #include "envmap/base/error.h"
-#include "manifest.h"
-#include "maps.h"
+#include "batch/manifest.h"
+#include "shared/maps.h"
 #include "sound_scene.h"
 #include "targets.h"
 

@@ -1,0 +1,59 @@
+// What engines load: one row for each.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "envmap/io/depth.h"
+#include "envmap/map/environment_map.h"
+
+namespace envmap {
+
+/// A file of text beside the map, and what is in it.
+struct TextFile {
+  std::string_view name, text;
+};
+
+/// How the irradiance stands in the file beside the levels: Filament's pair `sh`, the polynomial of Babylon.js' .env, the
+/// coefficients of EXT_lights_image_based. irradiance.h writes them.
+enum class IrradianceForm { none, filament, babylon, gltf };
+
+/// Levels of the environment as surfaces of rising roughness reflect it (GGX's split sum), for a shader that picks one.
+struct EngineChain {
+  int size;    ///< Height of a face of the first level, unless another is asked for.
+  int levels;  ///< 0: down to one texel a face.
+  /// Perceptual roughness that the engine's shader looks for in level k of n; 0 is the environment itself.
+  double (*roughness)(int k, int n, int size);
+  IrradianceForm irradiance = IrradianceForm::none;
+};
+
+/// For cubes that are looked up in a left-handed frame: -X where the probe has +X, or -Z where it has +Z.
+enum class MirroredAxis { none, x, z };
+
+struct EngineMap {
+  std::string_view file;
+  Frame frame;
+  std::optional<Depth> depth = {};  ///< That its loader or the cards behind it want; else the source's.
+  MirroredAxis mirror = MirroredAxis::none;
+  std::optional<EngineChain> chain = {};  ///< Else the environment itself, one level;
+  int diffuse = 0;                  ///< or the irradiance over pi, with faces so high.
+};
+
+struct Engine {
+  std::string_view name;     ///< As users type it.
+  std::string_view title;    ///< As its makers write it.
+  std::string_view version;  ///< What was read of it, and whether it was run.
+  std::vector<EngineMap> maps;  ///< The first shows the environment.
+  double largest;            ///< That the engine's loader keeps; 0: any, or what the depth says.
+  std::string_view turns;    ///< How the map's directions stand in the engine's world.
+  std::string_view light;    ///< Who makes diffuse and rough light of it.
+  TextFile text;             ///< What loads the map, or nothing.
+  std::string_view steps;    ///< What to do with the folder.
+};
+
+/// All of them, by name.
+std::span<const Engine> engines();
+
+}  // namespace envmap

@@ -1,0 +1,67 @@
+#include "envmap/engine/irradiance.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "envmap/io/json_array.h"
+#include "envmap/prefilter/harmonics.h"
+#include "envmap/prefilter/window.h"
+
+namespace envmap {
+namespace {
+
+
+// What orthonormal harmonics have before 1; y, z and x; xy, yz and zx; 3z^2 - 1; x^2 - y^2.
+constexpr double n0 = 0.28209479177387814, n1 = 0.4886025119029199, n2 = 1.0925484305920792, n20 = 0.31539156525252005;
+constexpr double n22 = n2 / 2;
+
+std::string colour(const Flux& f) { return json_array({f.x, f.y, f.z}); }
+
+// Filament: computeIrradianceSH3Bands in libs/ibl/src/CubemapSH.cpp.
+std::string filament(const IrradiancePolynomial& p) {
+  std::string text;
+  for (const Flux& f : p) text += fmt::format("{:.9g} {:.9g} {:.9g}\n", f.x, f.y, f.z);
+  return text;
+}
+
+// Babylon.js: SphericalPolynomial.FromHarmonics in packages/dev/core/src/Maths/sphericalPolynomial.ts, which multiplies degrees 0,
+// 1 and 2 by 1, 2/3 and 1/4 once more, and shares the constant between xx, yy and zz. X is negated: its world is left-handed.
+std::string babylon(const IrradiancePolynomial& p) {
+  return fmt::format(R"({{"x":{},"y":{},"z":{},"xx":{},"yy":{},"zz":{},"yz":{},"zx":{},"xy":{}}})",
+                     colour(-2.0 / 3 * p[3]), colour(2.0 / 3 * p[1]), colour(2.0 / 3 * p[2]),
+                     colour(p[0] - 0.25 * p[6] + 0.25 * p[8]), colour(p[0] - 0.25 * p[6] - 0.25 * p[8]),
+                     colour(p[0] + 0.5 * p[6]), colour(0.25 * p[5]), colour(-0.25 * p[7]), colour(-0.25 * p[4]));
+}
+
+// EXT_lights_image_based: coefficients of the irradiance itself, l00, l1-1, l10, l11, l2-2 ... l22. Their signs, of which the
+// extension says nothing, as SphericalHarmonics.FromArray of Babylon.js takes them: those of m = -1 and 1 negated, X negated.
+std::string gltf(const IrradiancePolynomial& p) {
+  constexpr double scale[] = {1 / n0, -1 / n1, 1 / n1, 1 / n1, -1 / n2, -1 / n2, 1 / n20, 1 / n2, 1 / n22};
+  std::string coefficients;
+  for (std::size_t k = 0; k < 9; ++k) coefficients += (k == 0 ? "" : ",") + colour(pi * scale[k] * p[k]);
+  return "[" + coefficients + "]";
+}
+
+}  // namespace
+
+IrradiancePolynomial irradiance_polynomial(const EnvironmentMap& source, const Progress& progress) {
+  Harmonics h = project(source, 2, progress);
+  scale_degrees(h, laplacian_window(2, weakest_window(h).lambda));
+  std::vector<double> factors = irradiance_factors(2);
+  for (double& f : factors) f /= pi;
+  scale_degrees(h, factors);
+  // Normalisations of harmonics.h. Their polar axis is Y, here Z: with x^2 + y^2 + z^2 = 1,
+  // a (3y^2 - 1) + b (z^2 - x^2) = (b - a)/2 (3z^2 - 1) - (3a + b)/2 (x^2 - y^2).
+  const std::vector<Flux>& c = h.coefficients;
+  const Flux a = n20 * c[6], b = n22 * c[8];
+  return {n0 * c[0], n1 * c[2], n1 * c[3], n1 * c[1], n2 * c[5], n2 * c[7], 0.5 * (b - a), n2 * c[4], -0.5 * (3.0 * a + b)};
+}
+
+std::pair<std::string, std::string> harmonics_pair(IrradianceForm kind, const IrradiancePolynomial& p) {
+  if (kind == IrradianceForm::filament) return {"sh", filament(p)};
+  if (kind == IrradianceForm::babylon) return {"irradiance", babylon(p)};
+  return {"irradianceCoefficients", gltf(p)};
+}
+
+}  // namespace envmap

@@ -1,0 +1,161 @@
+#include "envmap/io/output_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "envmap/base/remove_on_signal.h"
+#include "envmap/io/output_file.h"
+
+namespace envmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+[[noreturn]] void fail(const std::string& path) {
+  throw OutputError(path, fmt::format("not written: {}", std::strerror(errno)));
+}
+
+int open_folder(const fs::path& path) { return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC); }
+
+bool holds_only_files(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (!entry.is_regular_file(error)) return false;
+  return !error;
+}
+
+// Removes the folder unless a process that lives has it locked.
+void remove_if_stale(const fs::path& folder) {
+  const int descriptor = open_folder(folder);
+  std::error_code ignored;
+  if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && holds_only_files(folder)) fs::remove_all(folder, ignored);
+  if (descriptor >= 0) ::close(descriptor);
+}
+
+// Whether the folder is there and locked now, or its file system has no locks.
+bool is_locked(int descriptor, const fs::path& folder) {
+  struct stat open = {}, named = {};
+  if (descriptor >= 0 && ::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+  if (::stat(folder.c_str(), &named) != 0) return false;
+  return descriptor < 0 || ::fstat(descriptor, &open) != 0 || open.st_ino == named.st_ino;
+}
+
+constexpr std::size_t random_letters = 6;
+
+// What killed processes left of folders of this name.
+void remove_stale(const std::string& stem) {
+  std::error_code error;
+  const fs::path folder = fs::path(stem).parent_path();
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (const std::string path = entry.path(); path.starts_with(stem) && path.size() == stem.size() + random_letters)
+      found.push_back(path);
+  for (const fs::path& path : found) remove_if_stale(path);
+}
+
+}  // namespace
+
+// Another process may take the folder for one of a dead owner, and remove it, until it is locked.
+void OutputFolder::make_hidden(const std::string& stem) {
+  do {
+    if (lock_ >= 0) ::close(lock_);
+    keep_on_signal(hidden_.c_str());
+    hidden_ = stem + std::string(random_letters, 'X');
+    remove_on_signal(hidden_.c_str());  // By the name that it is about to have.
+    if (!::mkdtemp(hidden_.data())) {
+      const int why = errno;
+      keep_on_signal(hidden_.c_str());
+      hidden_.clear();
+      errno = why;
+      fail(path_);
+    }
+    lock_ = open_folder(hidden_);
+  } while (!is_locked(lock_, hidden_));
+}
+
+OutputFolder::OutputFolder(std::string path, std::span<const std::string_view> files, const CommitOptions& how)
+    : path_(std::move(path)), files_(files.begin(), files.end()), how_(how) {
+  while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
+  std::error_code error;
+  if (fs::exists(path_, error)) {
+    if (!fs::is_directory(path_, error)) throw UsageError(path_, "is no folder; name another");
+    check_replaceable(path_, how_);
+    for (const auto& entry : fs::directory_iterator(path_))
+      if (const std::string name = entry.path().filename(); std::ranges::find(files_, name) == files_.end())
+        throw UsageError(path_, fmt::format("holds {}, which would be lost; name another folder", name));
+  }
+  const fs::path full = fs::absolute(path_);
+  const std::string stem = (full.parent_path() / fmt::format(".{}.envmap-", full.filename().string())).string();
+  remove_stale(stem);
+  make_hidden(stem);
+  for (const std::string& name : files_) pending_.push_back(file(name));
+  for (const std::string& name : pending_) remove_on_signal(name.c_str());
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  struct stat before = {};
+  ::chmod(hidden_.c_str(), ::stat(path_.c_str(), &before) == 0 ? before.st_mode & 0777 : 0777 & ~mask);
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  if (!hidden_.empty()) fs::remove_all(hidden_, ignored);
+  if (lock_ >= 0) ::close(lock_);
+  for (const std::string& name : pending_) keep_on_signal(name.c_str());
+  keep_on_signal(hidden_.c_str());
+}
+
+std::string OutputFolder::file(std::string_view name) const { return hidden_ + "/" + std::string(name); }
+
+OutputError OutputFolder::as_it_will_be(const OutputError& e, std::string_view name) const {
+  const std::string hidden = file(name);
+  if (e.file() != hidden) return e;
+  return {path_ + "/" + std::string(name), std::string(e.what()).substr(hidden.size() + 2), e.remedy()};
+}
+
+void OutputFolder::write(std::string_view name, std::string_view text) const {
+  try {
+    OutputFile out(file(name), how_);
+    out.write(text.data(), text.size());
+    out.commit();
+  } catch (const OutputError& e) {
+    throw as_it_will_be(e, name);
+  }
+}
+
+bool OutputFolder::is_there_already() const {
+  return std::ranges::all_of(files_, [&](const std::string& name) {
+    std::error_code error;
+    return fs::exists(fs::path(path_) / name, error) && bytes_of(fs::path(path_) / name) == bytes_of(file(name));
+  });
+}
+
+void OutputFolder::commit() {
+  if (how_.if_changed && is_there_already()) return;
+  struct stat there = {};
+  const bool exchange = ::stat(path_.c_str(), &there) == 0;
+  if (::renameat2(AT_FDCWD, hidden_.c_str(), AT_FDCWD, path_.c_str(), exchange ? RENAME_EXCHANGE : RENAME_NOREPLACE) != 0)
+    fail(path_);
+  if (!exchange) hidden_.clear();  // Else it now has what was there before, and goes.
+  if (!how_.sync) return;
+  errno = synchronise(fs::absolute(path_).parent_path().string());
+  if (errno != 0) fail(path_);
+}
+
+}  // namespace envmap

@@ -1,0 +1,48 @@
+// A folder that appears whole or not at all.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "envmap/base/error.h"
+#include "envmap/io/commit.h"
+
+namespace envmap {
+
+/// Files on their way to a folder: they are written into a hidden one beside it, which commit() gives the name. What was there
+/// under that name is replaced in one step. Without commit() nothing is left, nor where a signal ends the program. Where it is
+/// killed, the hidden folder is left, and the next OutputFolder of that name removes it: it is locked while its owner lives
+/// (flock()). File systems that cannot lock folders (NFS) keep it.
+class OutputFolder {
+ public:
+  /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file of that
+  /// name; OutputError where there can be none.
+  OutputFolder(std::string path, std::span<const std::string_view> files, const CommitOptions& how);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// Where to write a file of it.
+  [[nodiscard]] std::string file(std::string_view name) const;
+  /// An error of writing it, with the name that the file shall have.
+  [[nodiscard]] OutputError as_it_will_be(const OutputError& e, std::string_view name) const;
+  /// Writes a text as one.
+  void write(std::string_view name, std::string_view text) const;
+
+  /// Makes the folder appear. @throws OutputError.
+  void commit();
+
+ private:
+  [[nodiscard]] bool is_there_already() const;
+
+  void make_hidden(const std::string& stem);
+
+  std::string path_, hidden_;
+  int lock_ = -1;  // The hidden folder, open and locked.
+  std::vector<std::string> files_, pending_;  // What a signal removes.
+  CommitOptions how_;
+};
+
+}  // namespace envmap

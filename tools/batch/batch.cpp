@@ -1,0 +1,163 @@
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "batch/manifest.h"
+#include "batch/schedule.h"
+#include "command.h"
+#include "envmap/base/error.h"
+#include "shared/maps.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+namespace fs = std::filesystem;
+
+struct Request {
+  std::vector<std::string> names;
+  std::string engine, into = ".", make, slurm;
+  int at_once = 0;
+  bool keep_going = false;
+};
+
+std::string this_program() { return fs::read_symlink("/proc/self/exe").string(); }
+
+bool is_installed(const std::string& program) {
+  const char* const path = std::getenv("PATH");
+  for (const std::string& folder : split(path != nullptr ? path : "/usr/bin:/bin", ':'))
+    if (::access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+constexpr char status_mark = '\x01';  // Begins Ninja's lines of progress, by NINJA_STATUS.
+
+// What Ninja prints, as it comes: a line of progress, one line for each job that failed, and what jobs say.
+class NinjaOutput {
+ public:
+  NinjaOutput() : show_(!settings().quiet && ::isatty(STDERR_FILENO) != 0) {}
+
+  void take(const std::string& line) {
+    if (line.starts_with(status_mark)) {
+      finish_failure();
+      if (show_) std::fputs(("\r" + printable(line.substr(1, columns)) + "\033[K").c_str(), stderr);
+      dirty_ = show_;
+    } else if (line.starts_with("FAILED: ")) {
+      finish_failure();
+      failed_ = line.substr(8);
+      after_ = 0;
+    } else if (line.starts_with("ninja: error: ")) {
+      finish_failure();
+      say("envmap batch: " + line.substr(7));
+    } else if (line.starts_with("ninja: ")) {
+      finish_failure();
+      if (line.find("no work to do") != line.npos) note("envmap batch: nothing to do");
+    } else if (!failed_.empty()) {
+      if (after_++ > 0 && !line.empty()) said_ = line;  // The first is the command.
+    } else if (!line.empty()) {
+      say(line);
+    }
+  }
+  void end() {
+    finish_failure();
+    clear();
+  }
+  [[nodiscard]] int failures() const { return failures_; }
+
+ private:
+  static constexpr std::size_t columns = 78;
+  void clear() {
+    if (dirty_) std::fputs("\r\033[K", stderr);
+    dirty_ = false;
+  }
+  void say(const std::string& line) {
+    clear();
+    warn(line);
+  }
+  void finish_failure() {
+    if (failed_.empty()) return;
+    while (failed_.ends_with(' ')) failed_.pop_back();
+    say(fmt::format("envmap batch: not made: {}: {}", failed_, said_.empty() ? "ended without a word" : said_));
+    ++failures_;
+    failed_.clear(), said_.clear();
+  }
+
+  bool show_, dirty_ = false;
+  std::string failed_, said_;
+  int after_ = 0, failures_ = 0;
+};
+
+// @return its exit status.
+int run_ninja(const std::string& file, const Request& o, std::size_t jobs, NinjaOutput& output) {
+  const auto cores = static_cast<std::size_t>(std::max(1U, std::thread::hardware_concurrency()));
+  const std::size_t at_once = o.at_once > 0 ? static_cast<std::size_t>(o.at_once) : std::min(cores, jobs);
+  const std::size_t threads =
+      settings().threads > 0 ? static_cast<std::size_t>(settings().threads) : std::max<std::size_t>(1, cores / at_once);
+  ::setenv("ENVMAP_THREADS", std::to_string(threads).c_str(), 1);
+  ::setenv("NINJA_STATUS", fmt::format("{}[%f/%t] ", status_mark).c_str(), 1);
+  const std::string line = fmt::format("exec ninja -f {} -j {}{} 2>&1", quoted(file), at_once, o.keep_going ? " -k 0" : "");
+  std::fflush(nullptr);
+  std::FILE* const pipe = ::popen(line.c_str(), "r");
+  if (pipe == nullptr) throw OutputError("ninja cannot be started");
+  std::string text;
+  for (int c = 0; (c = std::fgetc(pipe)) != EOF;)
+    if (c != '\n')
+      text += static_cast<char>(c);
+    else
+      output.take(text), text.clear();
+  if (!text.empty()) output.take(text);
+  output.end();
+  return ::pclose(pipe);
+}
+
+std::vector<Job> jobs_of(const Request& o) {
+  if (!o.engine.empty()) return bake_jobs(o.names, o.engine, o.into);
+  if (o.names.size() > 1) throw UsageError(o.names[1], "one manifest, or --for ENGINE and probes");
+  return read_manifest(o.names.front());
+}
+
+int run(const Request& o) {
+  if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
+  const std::vector<Job> jobs = jobs_of(o);
+  check_order(jobs);
+  const std::string name = !o.engine.empty() ? o.engine : fs::path(o.names.front()).stem().string();
+  const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
+  if (!o.slurm.empty() || !o.make.empty()) {
+    const std::string& path = o.slurm.empty() ? o.make : o.slurm;
+    write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()));
+    note(fmt::format("{}: {} jobs", path, jobs.size()));
+    return 0;
+  }
+  if (!is_installed("ninja")) throw OutputError("ninja is not installed: install ninja-build, or say --make FILE");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw OutputError(folder, error.message());
+  const std::string file = folder + "/build.ninja";
+  write_text(file, ninja_file(jobs, this_program(), folder));
+  NinjaOutput output;
+  const int status = run_ninja(file, o, jobs.size(), output);
+  if (status == 0) return 0;
+  if (WIFSIGNALED(status)) throw OutputError("ninja was ended by a signal");
+  throw OutputError(fmt::format("{} of {} jobs failed{}", output.failures(), jobs.size(),
+                                o.keep_going ? "" : "; what was not begun then is not made (-k goes on)"));
+}
+
+}  // namespace
+
+Action define_batch(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.files(r->names, File::none, "The manifest, '-' for standard input; with --for, probes");
+  o.add("--for", "ENGINE", &r->engine, "Bake the probes for this engine: see 'envmap bake --list'");
+  o.add("--into", "FOLDER", &r->into, "Folder of the folders that --for makes (default: this one)");
+  o.add("-j,--jobs", "N", &r->at_once, {1, 1024}, "Jobs at once (default: as many as there are cores)");
+  o.flag("-k,--keep-going", r->keep_going, "Go on after a job that failed");
+  o.add("--make", "FILE", &r->make, "Write a Makefile, and run nothing");
+  o.add("--slurm", "FILE", &r->slurm, "Write a script for Slurm's sbatch, and run nothing");
+  return [r](Report&) { return run(*r); };
+}
+
+}  // namespace tools

@@ -1,0 +1,226 @@
+#include "batch/manifest.h"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "cli/command_line.h"
+#include "envmap/base/error.h"
+#include "shared/named_files.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+namespace fs = std::filesystem;
+using Texts = std::vector<std::string>;
+
+struct Line {
+  std::string where;
+  Texts words;
+};
+
+// A line as a shell cuts it: '...' as it stands, "..." and what follows a backslash without its meaning, # begins a comment.
+Texts split(const std::string& line, const std::string& where) {
+  Texts words;
+  bool open = false;
+  char quote = 0;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const char c = line[k];
+    if (quote == 0 && (c == ' ' || c == '\t' || c == '\r')) {
+      open = false;
+      continue;
+    }
+    if (quote == 0 && !open && c == '#') break;
+    if (!open) words.emplace_back();
+    open = true;
+    if (quote != 0 && c == quote)
+      quote = 0;
+    else if (quote == 0 && (c == '\'' || c == '"'))
+      quote = c;
+    else if (c == '\\' && quote != '\'' && k + 1 < line.size())
+      words.back() += line[++k];
+    else
+      words.back() += c;
+  }
+  if (quote != 0) throw UsageError(fmt::format("{}: a quotation mark {} is not closed", where, quote));
+  return words;
+}
+
+std::vector<Line> lines_of_json(const std::string& path, const std::string& text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_array()) throw InputError(path, "is no JSON array of commands");
+  std::vector<Line> lines;
+  for (const auto& job : json) {
+    Line line{fmt::format("job {}", lines.size() + 1), {}};
+    if (job.is_string())
+      line.words = split(job.get<std::string>(), line.where);
+    else if (job.is_array() && std::ranges::all_of(job, [](const auto& word) { return word.is_string() || word.is_number(); }))
+      for (const auto& word : job) line.words.push_back(word.is_number() ? word.dump() : word.template get<std::string>());
+    else
+      throw InputError(path, fmt::format("{} is neither a command line nor an array of words and numbers", line.where));
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+std::vector<Line> lines_of_text(const std::string& text) {
+  std::vector<Line> lines;
+  std::istringstream in(text);
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    const std::string where = fmt::format("line {}", ++number);
+    if (const Texts words = split(line, where); !words.empty()) lines.push_back({where, words});
+  }
+  return lines;
+}
+
+bool is_pattern(const std::string& word) { return word.find_first_of("*?[") != word.npos; }
+bool is_place(const std::string& word) { return word.find("{stem}") != word.npos || word.find("{name}") != word.npos; }
+
+Texts matching(const std::string& pattern, const std::set<std::string>& written, const std::string& where) {
+  std::set<std::string> found;
+  glob_t files = {};
+  if (::glob(pattern.c_str(), 0, nullptr, &files) == 0) found.insert(files.gl_pathv, files.gl_pathv + files.gl_pathc);
+  ::globfree(&files);
+  for (const std::string& file : written)
+    if (::fnmatch(pattern.c_str(), file.c_str(), FNM_PATHNAME) == 0) found.insert(file);
+  if (found.empty()) throw UsageError(fmt::format("{}: no file matches {}", where, pattern));
+  return {found.begin(), found.end()};
+}
+
+std::string placed(std::string word, const std::string& file) {
+  const auto replace = [&](std::string_view mark, const std::string& text) {
+    for (std::size_t at = word.find(mark); at != word.npos; at = word.find(mark, at + text.size()))
+      word.replace(at, mark.size(), text);
+  };
+  replace("{stem}", fs::path(file).replace_extension().string());
+  replace("{name}", fs::path(file).stem().string());
+  return word;
+}
+
+// The commands that a line stands for.
+std::vector<Texts> expanded(const Line& line, const std::set<std::string>& written) {
+  const auto pattern = std::ranges::find_if(line.words, is_pattern);
+  const bool each = std::ranges::any_of(line.words, is_place);
+  if (pattern == line.words.end() && each) throw UsageError(line.where + ": {stem} and {name} need a word such as *.hdr");
+  Texts all;
+  if (!each) {
+    for (const std::string& word : line.words)
+      if (is_pattern(word))
+        std::ranges::copy(matching(word, written, line.where), std::back_inserter(all));
+      else
+        all.push_back(word);
+    return {all};
+  }
+  std::vector<Texts> commands;
+  for (const std::string& file : matching(*pattern, written, line.where)) {
+    Texts& words = commands.emplace_back();
+    for (const std::string& word : line.words) words.push_back(word == *pattern ? file : placed(word, file));
+  }
+  return commands;
+}
+
+// Parses the words of a job. Nothing is run, and the settings of this process stay.
+void parse(const Job& job, Parsed& parsed) {
+  Settings unused;
+  try {
+    tools::parse(job.words, parsed, unused);
+  } catch (const Asked&) {
+    throw UsageError(job.where + ": asks for help, and writes nothing");
+  } catch (const UsageError& e) {
+    throw UsageError(job.where + ": " + e.what());
+  }
+}
+
+bool is_output(const Option& o) {
+  return o.is_argument() && (o.file == File::output || o.file == File::folder || o.file == File::inputs_then_output);
+}
+
+void check_writes(const std::string& where, const std::string& name) {
+  const auto command = std::ranges::find(commands(), name, &Command::name);
+  if (command == commands().end()) return;
+  Options options;
+  define(*command, options);
+  if (std::ranges::none_of(options.rows, is_output))
+    throw UsageError(fmt::format("{}: {} writes no file that a batch could look after", where, name));
+}
+
+Job job_of(const std::string& where, const Texts& words) {
+  Job job{where, words, {}, {}};
+  check_writes(where, words.front());
+  Parsed parsed;
+  parse(job, parsed);
+  const Options& options = parsed.options;
+  const auto add = [](Texts& files, const std::string& name) {
+    std::ranges::copy(files_of(name, 1), std::back_inserter(files));
+  };
+  for (const std::string& name : options.named(File::folder)) add(job.outputs, name + "/README.txt");
+  for (const std::string& name : options.named(File::output)) add(job.outputs, name);
+  for (const std::string& name : options.named(File::input)) add(job.inputs, name);
+  if (options.given("--depfile")) throw UsageError(where + ": leave out --depfile: a batch has its own");
+  if (job.outputs.empty() || job.outputs.front().find("{frame") != std::string::npos)
+    throw UsageError(where + ": a job of a batch writes files with names of their own, not - and no {frame}");
+  return job;
+}
+
+std::vector<Job> jobs_of(const std::vector<Line>& lines) {
+  std::vector<Job> jobs;
+  std::map<std::string, std::string> writer;
+  std::set<std::string> written;
+  for (Line line : lines) {
+    if (!line.words.empty() && line.words.front() == "envmap") line.words.erase(line.words.begin());
+    if (line.words.empty()) throw UsageError(line.where + ": holds no command");
+    for (const std::string& word : line.words)
+      if (word.find('\0') != word.npos) throw UsageError(line.where + ": holds a NUL byte, which no argument can");
+    for (const Texts& words : expanded(line, written)) {
+      Job job = job_of(line.where, words);
+      for (const std::string& file : job.outputs) {
+        if (!writer.emplace(file, line.where).second)
+          throw UsageError(fmt::format("{}: writes {}, as {} does", line.where, file, writer[file]));
+        written.insert(file);
+      }
+      jobs.push_back(std::move(job));
+    }
+  }
+  return jobs;
+}
+
+std::string text_of(const std::string& path) {
+  if (path != "-" && fs::is_directory(path)) throw InputError(path, "is a folder; name a file");
+  std::ifstream file;
+  if (path != "-") file.open(path);
+  std::ostringstream text;
+  text << (path == "-" ? std::cin : file).rdbuf();
+  if (text.bad() || (path != "-" && !file.is_open())) throw InputError(path, "cannot be read");
+  return text.str();
+}
+
+}  // namespace
+
+std::vector<Job> read_manifest(const std::string& path) {
+  const std::string text = text_of(path);
+  const auto first = text.find_first_not_of(" \t\r\n");
+  std::vector<Job> jobs = jobs_of(first != text.npos && text[first] == '[' ? lines_of_json(path, text) : lines_of_text(text));
+  if (jobs.empty()) throw InputError(path, "holds no commands");
+  return jobs;
+}
+
+std::vector<Job> bake_jobs(const std::vector<std::string>& probes, const std::string& engine, const std::string& folder) {
+  std::vector<Line> lines;
+  for (const std::string& probe : probes)
+    lines.push_back({probe, {"bake", probe, (fs::path(folder) / fs::path(probe).stem()).string(), "--for", engine}});
+  return jobs_of(lines);
+}
+
+}  // namespace tools

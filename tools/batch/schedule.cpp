@@ -1,0 +1,199 @@
+#include "batch/schedule.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <numeric>
+#include <vector>
+
+#include "envmap/base/error.h"
+
+namespace tools {
+namespace {
+
+// With `before` before each of the characters.
+std::string escaped(const std::string& text, std::string_view special, char before) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\n') throw envmap::UsageError(text, "a name of two lines cannot be scheduled");
+    if (special.find(c) != special.npos) out += before;
+    out += c;
+  }
+  return out;
+}
+
+std::string for_ninja(const std::string& path) { return escaped(path, "$ :", '$'); }
+// A $ is doubled, the rest gets a backslash.
+std::string for_make(const std::string& path) { return escaped(escaped(path, " #:%\\", '\\'), "$", '$'); }
+
+template <class F>
+std::string joined(const std::vector<std::string>& words, F&& form) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : " ") + form(word);
+  return all;
+}
+
+std::string command(const Job& job, const std::string& program, const std::vector<std::string>& more) {
+  std::vector<std::string> words{program};
+  words.insert(words.end(), job.words.begin(), job.words.end());
+  words.insert(words.end(), more.begin(), more.end());
+  return joined(words, quoted);
+}
+
+// Which job writes a file.
+std::map<std::string, std::size_t> writers(std::span<const Job> jobs) {
+  std::map<std::string, std::size_t> all;
+  for (std::size_t k = 0; k < jobs.size(); ++k)
+    for (const std::string& file : jobs[k].outputs) all[file] = k;
+  return all;
+}
+
+// What must be there before a job begins: inputs that exist or that others write. Words of options may be such files, too.
+// What is missing the job itself says best.
+std::vector<std::string> needed(const Job& job, const std::map<std::string, std::size_t>& writer) {
+  std::vector<std::string> files;
+  for (const std::string& file : job.inputs)
+    if (std::filesystem::exists(file) || writer.contains(file)) files.push_back(file);
+  for (const std::string& word : job.words)
+    if (writer.contains(word) && std::ranges::find(files, word) == files.end() &&
+        std::ranges::find(job.outputs, word) == job.outputs.end())
+      files.push_back(word);
+  return files;
+}
+
+using Jobs = std::vector<std::size_t>;
+
+// The jobs that each waits for.
+std::vector<Jobs> awaited(std::span<const Job> jobs) {
+  const auto writer = writers(jobs);
+  std::vector<Jobs> all;
+  for (const Job& job : jobs) {
+    Jobs& these = all.emplace_back();
+    for (const std::string& file : needed(job, writer))
+      if (const auto w = writer.find(file); w != writer.end()) these.push_back(w->second);
+  }
+  return all;
+}
+
+// @param stage below 0 of the jobs that cannot begin: each waits for another of them.
+[[noreturn]] void refuse_circle(std::span<const Job> jobs, const std::vector<Jobs>& awaits, const std::vector<int>& stage) {
+  const auto is_stuck = [&](std::size_t k) { return stage[k] < 0; };
+  const auto next = [&](std::size_t k) { return *std::ranges::find_if(awaits[k], is_stuck); };
+  auto first = static_cast<std::size_t>(std::ranges::find_if(stage, [](int s) { return s < 0; }) - stage.begin());
+  for (std::size_t k = 0; k < jobs.size(); ++k) first = next(first);  // From here on, the circle.
+  std::string circle = jobs[first].where;
+  std::size_t k = first;
+  for (int shown = 1; (k = next(k)) != first && shown < 8; ++shown) circle += ", " + jobs[k].where;
+  throw envmap::UsageError(fmt::format("jobs wait for each other in a circle ({}, {}): let one of them read another file", circle,
+                                       k == first ? jobs[first].where : "..."));
+}
+
+// 0 of jobs that read what is there, one more of those that read what others write.
+std::vector<int> stages(std::span<const Job> jobs) {
+  const std::vector<Jobs> awaits = awaited(jobs);
+  std::vector<int> stage(jobs.size(), -1);
+  for (std::size_t known = 0; known < jobs.size();) {
+    const std::size_t before = known;
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+      const auto is_known = [&](std::size_t other) { return stage[other] >= 0; };
+      if (is_known(k) || !std::ranges::all_of(awaits[k], is_known)) continue;
+      stage[k] = 0, ++known;
+      for (const std::size_t other : awaits[k]) stage[k] = std::max(stage[k], stage[other] + 1);
+    }
+    if (known == before) refuse_circle(jobs, awaits, stage);
+  }
+  return stage;
+}
+
+}  // namespace
+
+void check_order(std::span<const Job> jobs) { stages(jobs); }
+
+std::string quoted(const std::string& word) {
+  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+  if (!word.empty() && word.find_first_not_of(plain) == word.npos) return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+std::string ninja_file(std::span<const Job> jobs, const std::string& program, const std::string& folder) {
+  std::string text = fmt::format(
+      "ninja_required_version = 1.5\n"
+      "builddir = {}\n\n"
+      "rule envmap\n"
+      "  command = $run\n"
+      "  description = $what\n"
+      "  depfile = $dependencies\n"
+      "  deps = gcc\n"
+      "  restat = 1\n\n",
+      escaped(folder, "$", '$'));
+  const auto writer = writers(jobs);
+  for (std::size_t k = 0; k < jobs.size(); ++k) {
+    const Job& job = jobs[k];
+    const std::string depfile = fmt::format("{}/{}.d", folder, k + 1);
+    text += fmt::format("build {}: envmap {}\n  run = {}\n  what = {}\n  dependencies = {}\n", joined(job.outputs, for_ninja),
+                        joined(needed(job, writer), for_ninja),
+                        escaped(command(job, program, {"--quiet", "--if-changed", "--depfile", depfile}), "$", '$'),
+                        escaped(joined(job.words, quoted), "$", '$'), escaped(depfile, "$", '$'));
+  }
+  return text;
+}
+
+std::string makefile(std::span<const Job> jobs, const std::string& program, const std::string& folder) {
+  std::string all, rules, depfiles;
+  const auto writer = writers(jobs);
+  for (std::size_t k = 0; k < jobs.size(); ++k) {
+    const Job& job = jobs[k];
+    const std::string depfile = fmt::format("{}/{}.d", folder, k + 1), outputs = joined(job.outputs, for_make);
+    all += " " + outputs;
+    depfiles += " " + for_make(depfile);
+    rules += fmt::format("{} {}: {}\n\t{}\n\n", outputs, job.outputs.size() > 1 ? "&" : "", joined(needed(job, writer), for_make),
+                         escaped(command(job, program, {"--quiet", "--depfile", depfile}), "$", '$'));
+  }
+  return fmt::format(
+      "# Written by 'envmap batch'. Changed inputs make their maps again; after a change of the manifest write it anew, and make "
+      "-B.\nall:{}\n\n{}$(shell mkdir -p {})\n-include{}\n.PHONY: all\n.DELETE_ON_ERROR:\n",
+      all, rules, escaped(quoted(folder), "$", '$'), depfiles);
+}
+
+std::string slurm_script(std::span<const Job> jobs, const std::string& program) {
+  const std::vector<int> stage = stages(jobs);
+  std::vector<std::size_t> order(jobs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return stage[k]; });
+  std::string cases;
+  for (std::size_t n = 0; n < order.size(); ++n)
+    cases += fmt::format("  {}) exec {} ;;\n", n + 1, command(jobs[order[n]], program, {"--quiet"}));
+  constexpr std::size_t largest_array = 1000;  // Slurm's MaxArraySize is 1001 where nobody raised it.
+  std::string submit = "  before=\n";
+  for (std::size_t n = 0; n < order.size();) {
+    const int of = stage[order[n]];
+    submit += "  these=\n";
+    while (n < order.size() && stage[order[n]] == of) {
+      std::size_t end = n;
+      while (end < order.size() && end < n + largest_array && stage[order[end]] == of) ++end;
+      submit += fmt::format(
+          "  id=$(sbatch --parsable --array=1-{} --export=ALL,ENVMAP_FIRST={} ${{before:+--dependency=afterok$before}} \"$@\" \"$0\")\n"
+          "  these=$these:${{id%%;*}}\n",
+          end - n, n);
+      n = end;
+    }
+    submit += "  before=$these\n";
+  }
+  return fmt::format(
+      "#!/bin/sh\n"
+      "#SBATCH --job-name=envmap\n"
+      "#SBATCH --requeue\n"
+      "# Written by 'envmap batch': {} jobs. 'sh THIS [OPTIONS OF SBATCH]' submits them and prints the ids of the last: jobs that\n"
+      "# read what others write wait for these. Outputs appear whole or not at all: a job may be killed and queued again.\n"
+      "set -eu\n"
+      "if [ -z \"${{SLURM_ARRAY_TASK_ID:-}}\" ]; then\n{}  echo \"${{before#:}}\"\n  exit\nfi\n"
+      "export ENVMAP_THREADS=\"${{SLURM_CPUS_PER_TASK:-1}}\"\n"
+      "case $((SLURM_ARRAY_TASK_ID + ENVMAP_FIRST)) in\n{}esac\n",
+      jobs.size(), submit, cases);
+}
+
+}  // namespace tools

@@ -1,0 +1,125 @@
+#include "cli/command_line.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <sstream>
+
+#include "cli/text.h"
+#include "cli/version.h"
+#include "envmap/base/error.h"
+#include "envmap/base/near_words.h"
+
+namespace tools {
+namespace {
+
+using envmap::UsageError;
+
+void add(CLI::App& app, Option& o) {
+  const auto put = [&o](const std::string& text) {
+    try {
+      o.put(text);
+    } catch (const std::invalid_argument& e) {
+      throw CLI::ValidationError(o.name, e.what());
+    }
+  };
+  const std::string names = (o.letter != 0 ? std::string{'-', o.letter, ','} : "") + o.name;
+  CLI::Option* option = nullptr;
+  if (o.is_flag()) {
+    option = app.add_flag_callback(
+        names, [put] { put("true"); }, o.help);
+  } else if (o.takes_several()) {
+    const auto put_all = [put](const std::vector<std::string>& texts) { std::ranges::for_each(texts, put); };
+    option = app.add_option_function<std::vector<std::string>>(names, put_all, o.help);
+    if (o.several == Several::joined) option->delimiter(',');
+    if (o.several == Several::repeated) option->allow_extra_args(false);
+  } else {
+    option = app.add_option_function<std::string>(names, put, o.help);
+    if (!o.alone.empty()) option->expected(0, 1)->default_str(o.alone);
+  }
+  option->required(o.required);
+  if (!o.is_flag()) option->type_name(o.type);
+  if (!o.environment.empty()) option->envname(o.environment);
+  if (!o.excludes.empty()) option->excludes(o.excludes);
+}
+
+std::string closest(const std::string& word, const std::vector<std::string>& known) {
+  const std::vector<std::string> near = envmap::near_words(word, known, 1);
+  return near.empty() ? "" : fmt::format("; did you mean '{}'?", near[0]);
+}
+
+// CLI11 names the option where its value comes from the environment.
+std::string with_source(std::string what, const Options& options, const std::vector<std::string>& words) {
+  for (const Option& o : options.rows) {
+    const auto names_it = [&](const std::string& word) { return word.starts_with(o.name); };
+    if (!o.environment.empty() && names_it(what) && std::ranges::none_of(words, names_it))
+      what.replace(0, o.name.size(), o.environment);
+  }
+  return what;
+}
+
+// One line: what is wrong, with the word that was probably meant.
+std::string explain(const CLI::ParseError& error, const CLI::App& app, const std::vector<std::string>& words,
+                    const Parsed& parsed) {
+  std::vector<std::string> names, options;
+  for (const Command& c : commands()) names.emplace_back(c.name);
+  for (const Option& o : parsed.options.rows) options.push_back(o.name);
+  constexpr std::string_view help = " (see 'envmap --help')";
+  if (words.empty()) return fmt::format("say a command: {}{}", fmt::join(names, ", "), help);
+  const std::string& first = words.front();
+  if (parsed.command == nullptr && first.starts_with("-"))
+    return fmt::format("unknown option '{}'{}{}", first, closest(first, {"--help", "--version"}), help);
+  if (parsed.command == nullptr) return fmt::format("no command '{}'{}{}", first, closest(first, names), help);
+  const std::string here = fmt::format(" (see 'envmap {} --help')", first);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr)
+    return with_source(error.what(), parsed.options, words) + here;
+  const std::vector<std::string> left = app.remaining(true);
+  for (std::string word : left)
+    if (word.size() > 1 && word[0] == '-') {
+      word.resize(std::min(word.find('='), word.size()));
+      return fmt::format("unknown option '{}'{}{}", word, closest(word, options), here);
+    }
+  if (left.empty()) return error.what() + here;
+  return fmt::format("'{}': one name too many{}", left.front(), here);
+}
+
+std::string examples(const Text& text) {
+  std::string all = "Examples:\n";
+  for (const Example& e : text.examples) all += fmt::format("  {}\n      {}\n", e.command, e.what);
+  return all;
+}
+
+}  // namespace
+
+void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& settings) {
+  CLI::App app("Convert, measure and make environment maps.", "envmap");
+  app.set_version_flag("--version", [] { return version_text() + "\n" + renderer_text(); });
+  app.require_subcommand(1);
+  app.footer(
+      "'envmap COMMAND --help' shows the options of a command and examples; 'man envmap-COMMAND' the same and more.");
+  CLI::App* chosen = nullptr;
+  for (const Command& command : commands()) {
+    const Text text = text_of(command.name);
+    CLI::App* const sub = app.add_subcommand(std::string(command.name), text.summary);
+    if (words.empty() || words.front() != command.name) continue;
+    chosen = sub, parsed.command = &command;
+    parsed.action = define(command, parsed.options, settings);
+    for (Option& o : parsed.options.rows)
+      if (o.name != "--help") add(*sub, o);  // CLI11 has its own.
+    sub->footer(examples(text));
+  }
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::Success& e) {  // --help, --version
+    std::ostringstream text;
+    app.exit(e, text, text);
+    throw Asked{text.str()};
+  } catch (const CLI::ParseError& e) {
+    throw UsageError(explain(e, app, words, parsed));
+  }
+  for (Option& o : parsed.options.rows) o.given = chosen->get_option(o.name)->results();
+}
+
+}  // namespace tools

@@ -1,0 +1,194 @@
+#include "cli/options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace tools {
+namespace {
+
+[[noreturn]] void out_of(const std::string& text, const std::string& from, const std::string& to) {
+  throw std::invalid_argument(fmt::format("Value {} not in range {} to {}", text, from, to));
+}
+
+template <class T>
+T number(const Option& o, const std::string& text) {
+  T value{};
+  const bool is_number = parse_number(text, value);
+  if (is_number && std::isnan(static_cast<double>(value)))
+    throw std::invalid_argument("Value " + text + " is no number");
+  if (!is_number && !o.range) throw std::invalid_argument("Could not convert: " + o.name + " = " + text);
+  const auto in_words = [](double end) { return std::to_string(static_cast<T>(end)); };
+  if (o.range && (!is_number || value < o.range->from || value > o.range->to))
+    out_of(text, in_words(o.range->from), in_words(o.range->to));
+  return value;
+}
+
+// 2G, 500 MB, 1kib: 1024 to the power of the letter, or 1000 where that is asked for and no i follows.
+std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  std::string unit = text.substr(digits);
+  std::erase(unit, ' ');
+  std::ranges::transform(unit, unit.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (unit.ends_with('b')) unit.pop_back();
+  const bool binary = unit.ends_with('i');
+  if (binary) unit.pop_back();
+  const std::size_t power = unit.empty() ? 0 : std::string_view("?kmgtpe").find(unit);
+  if (digits == 0 || unit.size() > 1 || power == std::string_view::npos || (binary && unit.empty()))
+    throw std::invalid_argument("Value " + text + " is not a size such as 500M");
+  const double bytes =
+      std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, static_cast<double>(power));
+  if (bytes < o.range->from || bytes > o.range->to)
+    out_of(fmt::format("{:.0f}", bytes), fmt::format("{:.0f}", o.range->from), fmt::format("{:.0f}", o.range->to));
+  return static_cast<std::uint64_t>(bytes);
+}
+
+struct Putting {
+  const Option& option;
+  const std::string& text;
+
+  void operator()(bool* v) const { *v = true; }
+  void operator()(std::string* v) const { *v = text; }
+  void operator()(std::optional<std::string>* v) const { *v = text; }
+  void operator()(std::vector<std::string>* v) const { v->push_back(text); }
+  void operator()(int* v) const { *v = number<int>(option, text); }
+  void operator()(std::optional<int>* v) const { *v = number<int>(option, text); }
+  void operator()(double* v) const { *v = number<double>(option, text); }
+  void operator()(std::optional<double>* v) const { *v = number<double>(option, text); }
+  void operator()(std::vector<double>* v) const { v->push_back(number<double>(option, text)); }
+  void operator()(const Size& v) const { *v.variable = size(option, text, v.decimal); }
+  void operator()(const Triple& v) const {
+    *v.variable = triple_of(text, v.one_for_all);
+    if (!*v.variable) throw std::invalid_argument(fmt::format("'{}' is not {}", text, option.type));
+  }
+  void operator()(const Choice& v) const {
+    const int k = index_of(text, v.words);
+    if (k < 0) throw std::invalid_argument("'" + text + "' is none of " + option.type);
+    v.put(v.variable, k);
+  }
+};
+
+// As CLI11's Range has it: N:INT in [1 - 65536].
+std::string ranged(std::string_view type, const Value& value, const Range& range) {
+  const bool whole = std::holds_alternative<int*>(value) || std::holds_alternative<std::optional<int>*>(value);
+  return fmt::format("{}:{} in [{:g} - {:g}]", type, whole ? "INT" : "FLOAT", range.from, range.to);
+}
+
+}  // namespace
+
+bool Option::takes_several() const {
+  return !parse && (std::holds_alternative<std::vector<std::string>*>(value) ||
+                    std::holds_alternative<std::vector<double>*>(value));
+}
+
+std::vector<std::string> Option::words() const {
+  return type.find('|') == type.npos ? std::vector<std::string>{} : split(type, '|');
+}
+
+void Option::put(const std::string& text) const {
+  if (!parse) std::visit(Putting{*this, text}, value);
+  if (parse && !parse(text)) throw std::invalid_argument("'" + text + "' is none of " + type);
+}
+
+Option& Options::add(std::string_view name, std::string_view type, const Value& value, std::string_view help) {
+  Option& o = rows.emplace_back(Option{std::string(name), std::string(type), std::string(help), value});
+  if (name.size() > 1 && name[0] == '-' && name[1] != '-') o.letter = name[1], o.name = name.substr(3);  // "-q,--quiet"
+  return o;
+}
+Option& Options::add(std::string_view name, std::string_view type, const Value& value, Range range,
+                     std::string_view help) {
+  const bool has_type = std::holds_alternative<Size>(value);
+  Option& o = add(name, has_type ? std::string(type) : ranged(type, value, range), value, help);
+  o.range = range;
+  if (o.takes_several()) o.several = Several::joined;
+  return o;
+}
+Option& Options::add(std::string_view name, std::string_view words, Parse parse, std::string_view help) {
+  Option& o = add(name, words, Value{}, help);
+  o.parse = std::move(parse);
+  return o;
+}
+Option& Options::add(std::string_view name, const Choice& choice, std::string_view help) {
+  return add(name, tools::joined(choice.words), choice, help);
+}
+Option& Options::flag(std::string_view name, bool& value, std::string_view help) { return add(name, "", &value, help); }
+Option& Options::reads(std::string_view name, std::string& path, std::string_view help) {
+  Option& o = add(name, "TEXT", &path, help);
+  o.file = File::input;
+  return o;
+}
+Option& Options::writes(std::string_view name, std::string& path, std::string_view help) {
+  Option& o = add(name, "TEXT", &path, help);
+  o.file = File::output;
+  return o;
+}
+
+Option& Options::files(std::vector<std::string>& paths, File kind, std::string_view help) {
+  Option& o = add("FILES", "", &paths, help);
+  o.file = kind, o.required = true;
+  return o;
+}
+
+Option& Options::operator[](std::string_view name) { return *std::ranges::find(rows, name, &Option::name); }
+bool Options::given(std::string_view name) const {
+  const auto found = std::ranges::find(rows, name, &Option::name);
+  return found != rows.end() && !found->given.empty();
+}
+std::vector<std::string> Options::named(File kind) const {
+  std::vector<std::string> all;
+  for (const Option& o : rows) {
+    auto first = o.given.begin(), last = o.given.end();
+    if (o.file == File::inputs_then_output && kind != File::folder && first != last)
+      (kind == File::input ? last : first) = last - 1;
+    else if (o.file != kind)
+      continue;
+    all.insert(all.end(), first, last);
+  }
+  return all;
+}
+
+bool parse_number(const std::string& text, int& number) {
+  char* end = nullptr;
+  const long long value = std::strtoll(text.c_str(), &end, 0);
+  number = static_cast<int>(value);
+  return !text.empty() && end == text.c_str() + text.size() && number == value;
+}
+bool parse_number(const std::string& text, double& number) {
+  char* end = nullptr;
+  number = static_cast<double>(std::strtold(text.c_str(), &end));
+  return !text.empty() && end == text.c_str() + text.size();
+}
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts(1);
+  for (const char c : text)
+    if (c == at)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+std::optional<envmap::Direction> triple_of(const std::string& text, bool one_for_all) {
+  std::vector<double> numbers;
+  for (const std::string& part : split(text, ','))
+    if (!parse_number(part, numbers.emplace_back()) || !std::isfinite(numbers.back())) return std::nullopt;
+  if (one_for_all && numbers.size() == 1) numbers.assign(3, numbers[0]);
+  if (numbers.size() != 3) return std::nullopt;
+  return envmap::Direction(numbers[0], numbers[1], numbers[2]);
+}
+
+std::string joined(WordList words) {
+  std::string all;
+  for (const std::string_view w : words) all += (all.empty() ? "" : "|") + std::string(w);
+  return all;
+}
+
+int index_of(std::string_view word, WordList words) {
+  const auto found = std::ranges::find(words, word);
+  return found == words.end() ? -1 : static_cast<int>(found - words.begin());
+}
+
+}  // namespace tools

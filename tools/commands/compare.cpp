@@ -1,0 +1,247 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/maths/portable.h"
+#include "envmap/operate/convert.h"
+#include "envmap/operate/measure.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Request {
+  std::string a, b, difference;
+  ReadOptions read;
+  std::optional<Projection> from_b;
+  std::optional<Filter> filter = Filter::area;
+  std::optional<double> max_error, max_rms, max_flux;
+  bool one_level = false;  // --level was given, be it 0.
+  bool same_shape = false, same_levels = false, same_depth = false, golden = false;
+  [[nodiscard]] bool limited() const { return max_error || max_rms || max_flux; }
+};
+
+// A limit that was broken, of a level.
+struct Breach {
+  int level;
+  const char* metric;
+  double value, limit;
+  const char* option;
+};
+
+class Limits {
+ public:
+  explicit Limits(const Request& o) : options_(o) {}
+  void check(int level, const Difference& d, bool same_texels) {
+    check(level, "flux", d.largest_flux(), options_.max_flux, "--max-flux");
+    if (!same_texels) return;
+    check(level, "rms", d.rms, options_.max_rms, "--max-rms");
+    check(level, "max", d.maximum, options_.max_error, "--max-error");
+  }
+  [[nodiscard]] const std::vector<Breach>& broken() const { return broken_; }
+
+ private:
+  void check(int level, const char* metric, double value, const std::optional<double>& limit, const char* option) {
+    if (limit && !(value <= *limit)) broken_.push_back({level, metric, value, *limit, option});
+  }
+  const Request& options_;
+  std::vector<Breach> broken_;
+};
+
+std::string shape(const Source& s) {
+  const Level& base = s.map.base();
+  return fmt::format("{} {}x{}{}", name(base.projection()), base.width(), base.height(),
+                     has_forward(base.projection()) ? fmt::format(" forward {}", forward_names[static_cast<int>(s.map.forward)])
+                                                    : "");
+}
+
+bool same_frame(const EnvironmentMap& a, const EnvironmentMap& b) {
+  return a.projection() == b.projection() && a.base().height() == b.base().height() && a.forward == b.forward;
+}
+
+// A level of A beyond the first. Where B has it too, texel by texel; else its flux against that of B.
+struct LevelDifference : Difference {
+  int number;
+  bool same_texels;
+};
+
+std::vector<LevelDifference> compare_levels(const EnvironmentMap& a, const EnvironmentMap& b) {
+  std::vector<LevelDifference> all;
+  for (std::size_t k = 1; k < a.levels.size(); ++k) {
+    const bool both = same_frame(a, b) && k < b.levels.size();
+    LevelDifference d{both ? compare(a.levels[k], b.levels[k]) : Difference{}, static_cast<int>(k), both};
+    if (!both) d.flux = flux_difference(a.levels[k], b.base());
+    all.push_back(d);
+  }
+  return all;
+}
+
+// Why the two are not the same kind of file, before any texel is looked at; empty where they are, as far as was asked.
+std::string unlike(const Request& o, const Source& a, const Source& b) {
+  if (o.same_shape && (!same_frame(a.map, b.map) || a.map.base().width() != b.map.base().width()))
+    return fmt::format("{} is {}, {} {} (--same-shape)", o.a, shape(a), o.b, shape(b));
+  const std::size_t levels = a.map.levels.size(), wanted = b.map.levels.size();
+  if (o.same_levels && levels != wanted)
+    return fmt::format("{} has {} level{}, {} {} (--same-levels)", o.a, levels, levels > 1 ? "s" : "", o.b, wanted);
+  // Levels of the reference that nothing was held against.
+  if (o.limited() && levels < wanted)
+    return fmt::format("{} has {} level{}, {} {}: say --level 0 to compare one", o.a, levels, levels > 1 ? "s" : "", o.b,
+                       wanted);
+  if (o.same_depth && a.depth != b.depth)
+    return fmt::format("{} holds {}, {} {} (--same-depth)", o.a, name(a.depth), o.b, name(b.depth));
+  return {};
+}
+
+// What people ask first: how much light is elsewhere, or of another colour, and whether the sun stayed where it was.
+struct Verdict {
+  double differs;  // Light gained or lost, whichever is more, over that of b: what moved counts once.
+  double moved;    // Degrees between the brightest directions.
+};
+Verdict verdict_of(const EnvironmentMap& a, const EnvironmentMap& b, const Level& difference) {
+  const Direction p = measure(a).brightest_direction, q = measure(b).brightest_direction;
+  const double all = mean_radiance(b.base()), more = mean_radiance(a.base()) - all;
+  return {0.5 * (mean_radiance(difference) + std::abs(more)) / all,
+          360 / pi * portable::atan2(glm::length(p - q), glm::length(p + q))};
+}
+std::string words(const Difference& d, const Verdict& v) {
+  if (d.maximum == 0) return "identical";
+  if (!std::isfinite(v.differs)) return "the reference is black";
+  return fmt::format("{:.3g}% of the light differs; the brightest texel moved by {:.3g} degrees", 100 * v.differs, v.moved);
+}
+
+struct Comparison {
+  const Request& request;
+  bool resampled, within;
+  const Difference& difference;  // Of the first level.
+  const Verdict& verdict;
+  const std::vector<LevelDifference>& levels;
+  const std::string& unlikeness;
+  const std::vector<Breach>& broken;
+};
+
+void add(Report& report, const Comparison& c) {
+  const Request& o = c.request;
+  const Difference& d = c.difference;
+  report.put("a", o.a);
+  report.put("b", o.b);
+  report.put("resampled", c.resampled);
+  report.put("flux", Direction(d.flux));
+  report.put("rms", d.rms);
+  report.put("max", d.maximum);
+  report.put("light_differs", c.verdict.differs);
+  report.put("brightest_moved", c.verdict.moved);
+  report.put("worst.face", d.worst.face);
+  report.put("worst.texel", ReportValue::Texel{d.worst.i, d.worst.j});
+  for (const LevelDifference& level : c.levels) {
+    report.append("levels[]");
+    report.put("levels[].level", level.number);
+    report.put("levels[].flux", Direction(level.flux));
+    report.put("levels[].rms", level.same_texels ? ReportValue(level.rms) : nullptr);
+    report.put("levels[].max", level.same_texels ? ReportValue(level.maximum) : nullptr);
+  }
+  report.put("limits.max-flux", o.max_flux);
+  report.put("limits.max-rms", o.max_rms);
+  report.put("limits.max-error", o.max_error);
+  report.put("limits.same-shape", o.same_shape);
+  report.put("limits.same-levels", o.same_levels);
+  report.put("limits.same-depth", o.same_depth);
+  report.put("unlike", c.unlikeness.empty() ? ReportValue(nullptr) : c.unlikeness);
+  report.put_array("broken");
+  for (const Breach& breach : c.broken) {
+    report.append("broken[]");
+    report.put("broken[].level", breach.level);
+    report.put("broken[].metric", breach.metric);
+    report.put("broken[].value", breach.value);
+    report.put("broken[].limit", breach.limit);
+  }
+  report.put("within", c.within);
+}
+
+int run(Request& o, Report& report) {
+  if (!o.difference.empty()) check_output(o.difference, {}, Projection::cube);
+  if (o.difference.empty() && !settings().depfile.empty()) throw UsageError("--depfile is for the map of --difference");
+  if (o.golden) {
+    o.same_shape = o.same_levels = true;
+    if (!o.limited()) o.max_error = 0;
+  }
+  ReadOptions read_a = o.read;
+  read_a.all_levels = !o.one_level;
+  Source a = read_map(o.a, read_a);
+  ReadOptions read_b = read_a;
+  if (o.from_b) read_b.projection = o.from_b;
+  const Source b = read_map(o.b, read_b);
+  const std::string unlikeness = unlike(o, a, b);
+  const std::vector<LevelDifference> levels = compare_levels(a.map, b.map);
+  const bool resampled = !same_frame(a.map, b.map);
+  a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());  // Or a filter might read them as its own.
+  if (resampled)
+    a.map = convert(a.map, {.to = b.map.frame(), .size = b.map.base().height(), .filter = o.filter},
+                    progress_line("resample"));
+  Level shown(b.map.projection(), b.map.base().height());
+  const Difference d = compare(a.map.base(), b.map.base(), &shown);
+  const Verdict verdict = verdict_of(a.map, b.map, shown);
+
+  Limits limits_of_each(o);
+  limits_of_each.check(0, d, true);
+  for (const LevelDifference& level : levels) limits_of_each.check(level.number, level, level.same_texels);
+  const std::vector<Breach>& broken = limits_of_each.broken();
+  const bool same = unlikeness.empty() && broken.empty();
+  if (settings().json) {
+    add(report, {o, resampled, same, d, verdict, levels, unlikeness, broken});
+  } else {
+    print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n{}\n", d.flux.x,
+                      d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j, words(d, verdict)));
+    for (const LevelDifference& level : levels)
+      print(fmt::format("level {:2}  flux {:+.3e} {:+.3e} {:+.3e}{}\n", level.number, level.flux.x, level.flux.y,
+                        level.flux.z,
+                        level.same_texels ? fmt::format("  rms {:.3e}  max {:.3e}", level.rms, level.maximum) : ""));
+    if (resampled) warn(fmt::format("{} was resampled to the texels of {}", o.a, o.b));
+  }
+  if (!o.difference.empty()) {
+    EnvironmentMap out;
+    out.levels.push_back(std::move(shown));
+    out.forward = b.map.forward;
+    write_map(o.difference, rows_of(out), {}, "write");
+  }
+  if (!unlikeness.empty()) warn("envmap compare: " + unlikeness);
+  for (const Breach& x : broken)
+    warn(fmt::format("envmap compare: {}{} {:.3g} > {:g} ({})", x.level > 0 ? fmt::format("level {}: ", x.level) : "", x.metric,
+                     x.value, x.limit, x.option));
+  return same ? 0 : 1;
+}
+
+void add_limit(Options& o, std::string_view name, std::optional<double>& limit, std::string_view help) {
+  o.add(name, "E", &limit, {0, std::numeric_limits<double>::max()}, help).type = "E:NONNEGATIVE";
+}
+
+}  // namespace
+
+Action define_compare(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.reads("A", r->a, "Map to judge").required = true;
+  o.reads("B", r->b, "Reference").required = true;
+  add_limit(o, "--max-error", r->max_error, "Exit with 1 if max is larger");
+  add_limit(o, "--max-rms", r->max_rms, "Exit with 1 if rms is larger");
+  add_limit(o, "--max-flux", r->max_flux, "Exit with 1 if flux of any channel differs by more");
+  o.flag("--same-shape", r->same_shape, "Exit with 1 where projection, size or forward axis differ");
+  o.flag("--same-levels", r->same_levels, "Exit with 1 where one has more levels than the other");
+  o.flag("--same-depth", r->same_depth, "Exit with 1 where one holds half floats, say, and the other floats");
+  o.flag("--golden", r->golden, "--same-shape and --same-levels, and --max-error 0 where no limit is given");
+  o.add("--difference", "FILE", &r->difference, "Write |A-B| as a map").file = File::output;
+  add_filter(o, r->filter, "How A is resampled if it must be (default: area)");
+  add_read_options(o, r->read);
+  add_repair(o, r->read);
+  add_projection(o, "--from-b", r->from_b, "Projection of B, if not that of --from");
+  return [r, &o](Report& report) {
+    r->one_level = o.given("--level");
+    return run(*r, report);
+  };
+}
+
+}  // namespace tools

@@ -1,0 +1,292 @@
+#include "envmap/operate/convert.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "cli/console.h"
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/engine/bake.h"
+#include "envmap/io/rounding.h"
+#include "envmap/maths/portable.h"
+#include "envmap/operate/measure.h"
+#include "shared/camera_picture.h"
+#include "shared/engine_options.h"
+#include "shared/grade.h"
+#include "shared/maps.h"
+#include "shared/shard.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Convert {
+  std::string input, output, costs;
+  const Engine* engine = nullptr;
+  ReadOptions read;
+  std::optional<Projection> to;
+  std::optional<CameraModel> lens;  // Of --to, for a picture.
+  std::optional<Forward> forward;
+  bool one_level = false;  // --level was given.
+  std::optional<Direction> turn;  // Yaw, pitch, roll.
+  double exposure = 0;
+  ConvertOptions convert;
+  WriteOptions write;
+  GradeOptions grade;
+  Shard shard;
+  std::optional<double> ball_distance, ball_fov;
+  // Of pictures:
+  std::optional<Direction> look_at;
+  std::optional<double> fov;
+  std::optional<int> width, samples;
+  std::optional<Display> display;
+};
+
+// Options that only maps have, or only pictures.
+constexpr std::array of_maps{"--for", "--layout", "--area-error", "--max-error", "--ball-distance", "--ball-fov", "--forward", "--depth",
+                             "--border", "--zstd", "--openexr-envmap", "--compression", "--clamp", "--shard", "--output-space", "--encoded", "--max-memory"};
+constexpr std::array of_pictures{"--look-at", "--fov", "--width", "--display"};
+
+void refuse_options(const Options& options, bool picture) {
+  const std::span<const char* const> others = picture ? std::span<const char* const>(of_maps) : of_pictures;
+  const char* const why = picture ? "is for maps; --to perspective, fisheye and cylinder make pictures"
+                                  : "is for pictures: --to perspective, fisheye or cylinder";
+  for (const char* option : others)
+    if (options.given(option)) throw UsageError(fmt::format("{} {}", option, why));
+}
+
+int run_photograph(const Convert& o, Report& report) {
+  PhotographJob job{.input = o.input,
+                    .output = o.output,
+                    .format = o.write.format,
+                    .read = o.read,
+                    .grade = o.grade,
+                    .photograph = {.lens = *o.lens, .samples = o.samples, .gain = portable::exp2(o.exposure)},
+                    .field = o.fov,
+                    .width = o.width,
+                    .height = o.convert.size,
+                    .display = o.display};
+  job.photograph.filter = o.convert.filter.value_or(Filter::bilinear);
+  if (o.look_at) job.photograph.towards = *o.look_at;
+  if (o.turn) job.photograph.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
+  return take_photograph(job, report);
+}
+
+// What of the world the photo of a ball does not show, which no option fills in.
+std::optional<BallCamera> ball_camera(const Convert& o, const EnvironmentMap& source) {
+  if (!o.ball_distance && !o.ball_fov) return std::nullopt;
+  if (source.projection() != Projection::sphere)
+    throw UsageError(fmt::format("--ball-{} is for the photo of a mirror ball (--from sphere); {} is a{} {} map",
+                                 o.ball_fov ? "fov" : "distance", o.input,
+                                 std::string_view("aeo").find(*name(source.projection())) != std::string_view::npos ? "n" : "", name(source.projection())));
+  const BallCamera camera = o.ball_fov ? BallCamera::of_field_of_view(*o.ball_fov) : BallCamera{*o.ball_distance};
+  note(fmt::format(
+      "envmap convert: {} does not show what is within {:.3g} degrees of -Z, behind the ball, {:.2g}% of all "
+      "directions: there the colours of the ball's rim are continued",
+      o.input, camera.blind_angle() * (180 / pi), 100 * camera.blind_part()));
+  return camera;
+}
+
+std::string words(Filter filter, int samples) {
+  return std::string(name(filter)) + (samples > 1 ? fmt::format(" --samples {}", samples) : "");
+}
+
+// Tells which filter was chosen for the error asked for, and what it was measured to do. False where none reached it.
+bool tell_choice(const FilterChoice& choice, double max_error) {
+  const auto line = [&](const FilterTrial& t) {
+    return fmt::format("{}: max {:.2e}, rms {:.2e} in {} texels, {:.2g} us a texel", words(t.filter, t.samples), t.maximum,
+                       t.rms, choice.texels, 1e6 * t.seconds_per_texel);
+  };
+  for (const FilterTrial& t : choice.trials) detail("tried " + line(t));
+  const std::string chosen = line(choice.trials.back());
+  if (choice.reached)
+    note(chosen);
+  else
+    warn(fmt::format("envmap convert: --max-error {:g} is not reached: {}", max_error, chosen));
+  return choice.reached;
+}
+
+void tell(Report& report, const Convert& o, const Resampler& resampler) {
+  report.put("input", o.input);
+  report.put("filter", name(resampler.filter().filter));
+  report.put("samples", resampler.filter().samples);
+  report.put("error", nullptr);
+  if (const auto& choice = resampler.choice()) {
+    const FilterTrial& trial = choice->trials.back();
+    report.put("error.max", trial.maximum);
+    report.put("error.rms", trial.rms);
+    report.put("error.texels", choice->texels);
+    report.put("error.within", choice->reached);
+  }
+  report.put("output", nullptr);
+}
+
+void refuse(const Convert& o, double max_error, const std::string& what) {
+  warn(fmt::format("envmap convert: {}: --max-error {:g} is not held by the file: {}; --depth float in .exr holds it", o.output,
+                   max_error, what));
+}
+
+std::string words(const Rounding& r, double rounded) { return fmt::format("{} rounds by up to {:.1e}", name(r), rounded); }
+
+// Leaves of the error asked for what the depth of the file rounds by; half of it where that is known of the result alone.
+// False where nothing is left.
+bool leave_to_filter(Convert& o, const std::optional<Rounding>& rounding) {
+  const double asked = *o.convert.max_error;
+  const double rounded = rounding ? rounding->largest.value_or(0.5 * asked) : 0;
+  o.convert.max_error = asked - rounded;
+  if (rounding && rounded < asked) return true;
+  refuse(o, asked, rounding ? words(*rounding, rounded) : "integers, compressions that lose and --openexr-envmap have no bound");
+  return false;
+}
+
+// Whether filter and file together keep to the error asked for, of a result of which that is known when it is made.
+bool holds(const Convert& o, const Rounding& rounding, const Level& made, double filtered, double max_error) {
+  const double rounded = rounding_error(rounding, made, 0.001 * mean_radiance(made));
+  if (filtered + rounded * (1 + filtered) <= max_error) return true;
+  refuse(o, max_error, words(rounding, rounded));
+  return false;
+}
+
+int run(Convert& o, Report& report) {
+  o.read.assumed_forward = o.forward;
+  o.convert.costs = read_costs(o.costs);
+  choose_working_space(o.read, o.write);
+  if (o.convert.max_error && out_of_working(o.write.colour).apply)
+    throw UsageError("--max-error is that of linear values: choose a linear --output-space");
+  const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
+  if (engine) settle(*o.engine, *engine, o.output, o.to, o.forward, o.write);
+  if (o.to) check_output(o.output, o.write, *o.to);
+  Source source = read_map(o.input, o.read);
+  if (source.levels > 1 && !o.one_level)
+    warn(fmt::format("{}: of {} levels {} is converted; say --level 0 if that is meant, and make levels of the result with "
+                     "'envmap mipmap'",
+                     o.input, source.levels, o.read.level));
+  o.convert.ball = ball_camera(o, source.map);
+  grade(source, o.grade, o.read.colour);
+  if (engine) tell_what_is_cut(*o.engine, source.map.base(), "convert");
+  const Frame from = source.map.frame();
+  const Projection to = o.to.value_or(from.projection);
+  o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
+  if (o.forward && !has_forward(to) && !has_forward(from.projection))
+    throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
+  if (o.turn) o.convert.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
+  o.convert.gain = portable::exp2(o.exposure);
+  o.convert.size = size_inside_border(o.convert.size.value_or(matching_size(from.projection, source.map.base().height(), to)), o.write);
+  o.write.source_depth = source.depth;
+  o.write.provenance = source.provenance;
+  if (auto& luminance = o.write.provenance.white_luminance)
+    luminance = static_cast<float>(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
+  check_output(o.output, o.write, to);
+  const std::optional<double> max_error = o.convert.max_error;
+  const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
+  const std::optional<Rounding> rounding = mirrored(rounding_of(o.output, o.write), mirror);
+  if (max_error && !leave_to_filter(o, rounding)) return 1;
+
+  if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
+    throw UsageError(
+        "--filter sat needs a table of all texels in memory: leave out --max-memory or choose another filter");
+  const std::string made_of = o.shard.part ? digest(source.map) : "";
+  const Resampler resampler(std::move(source.map), o.convert);
+  const auto& choice = resampler.choice();
+  tell(report, o, resampler);
+  if (engine) add_frame(report, *o.engine, *engine);
+  bool within = !choice || tell_choice(*choice, *max_error);
+  Rows rows = resampler.rows();
+  std::optional<Level> made;
+  if (choice && within && !rounding->largest) {
+    made = level_of(rows);
+    rows = rows_of(*made, rows.forward);
+    within = holds(o, *rounding, *made, choice->trials.back().maximum, *max_error);
+    report.put("error.within", within);
+  }
+  if (!within) {
+    report.put_seconds();
+    return 1;
+  }
+  detail(fmt::format("{} to {}: {}", name(from.projection), name(to),
+                     words(resampler.filter().filter, resampler.filter().samples)));
+  // At most with the root, where the source can be divided: 4 and 8 times at 1e-6 was measured. Else it is hundreds of times.
+  if (const auto error = o.convert.area_error; error && *error < 1e-5 && resampler.filter().filter == Filter::area)
+    note(fmt::format("envmap convert: --area-error {:g} takes some {:.0f} times as long as 1e-4", *error,
+                     std::sqrt(1e-4 / *error)));
+  if (max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
+  const WriteOptions how = part_or_whole(o.shard, o.write, rows, made_of);
+  report.put_written(o.output, write_map(o.output, mirrored({rows}, mirror), how, "convert"));
+  if (engine) tell_frame(o.output, *o.engine, *engine);
+  report.put_seconds();
+  return 0;
+}
+
+}  // namespace
+
+Action define_convert(Options& o) {
+  const auto c = std::make_shared<Convert>();
+  o.reads("INPUT", c->input,
+          "File to read, '-' for standard input; {face} in the name reads six files, {half} a paraboloid's two")
+      .required = true;
+  o.writes("OUTPUT", c->output,
+           "File to write, '-' for standard output; {face} in the name writes six files, {half} a paraboloid's two")
+      .required = true;
+  add_engine(o, c->engine,
+             "Make what this engine loads as its environment: projection, frame, file type and depth; 'list' prints "
+             "the engines");
+  Option& to =
+      add_projection(o, "--to", c->to, "Projection of the output (default: as the input), or the lens of a picture");
+  to.type += "|" + joined(camera_model_names);
+  to.parse = [&c = *c](const std::string& word) {
+    const int lens = index_of(word, camera_model_names);
+    if (lens >= 0) c.lens = static_cast<CameraModel>(lens);
+    c.to = lens >= 0 ? std::nullopt : projection_named(word);
+    return lens >= 0 || c.to;
+  };
+  o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "Of pictures: world direction in the middle (default: 0,0,1)");
+  o.add("--fov", "DEGREES", &c->fov, {0.01, 360},
+        "Of pictures: angle from the bottom to the top (default: perspective 60, fisheye 180, cylinder 90)");
+  o.add("--width", "N", &c->width, {1, 65536},
+        "Of pictures; --size is their height, 480 if nothing is said (default: 4 to 3; square; once round)");
+  add_display(o, c->display, Display::clip);
+  add_size(o, &c->convert.size, "Height of a face (default: the input's degrees per texel)");
+  add_layout(o, "--layout", c->write.layout, "Where the output's cube faces lie (default: column)");
+  add_filter(o, c->convert.filter, "How the input is sampled (default: auto)");
+  o.add("--samples", "N", &c->samples, {1, 64},
+        "N x N samples a texel, of nearest, bilinear and bicubic (default: 1; of auto as above)");
+  o.add("--area-error", "E", &c->convert.area_error, {1e-7, 1},
+        "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4; 1e-3 where 'auto' chose it); "
+        "1e-6 takes some 10 times as long");
+  o.add("--max-error", "E", &c->convert.max_error, {1e-6, 10},
+        "Take the cheapest filter whose max and rms errors against 'area', measured in some texels of this map, and "
+        "what the file's depth rounds the "
+        "largest channel by are together below E; exit status 1 where none is");
+  o.add("--rotate", "Y,P,R", Triple{&c->turn}, "Turn the environment by yaw, pitch, roll in degrees");
+  o.add("--ball-distance", "R", &c->ball_distance, {BallCamera::nearest, BallCamera::farthest},
+        "The input is the photo of a mirror ball by a camera R ball radii from the ball's centre (default: infinitely "
+        "far)");
+  o.add("--ball-fov", "DEGREES", &c->ball_fov, {1.2e-4, 157},
+        "The same by the angle that the ball fills at the camera, from one side to the other")
+      .excludes = "--ball-distance";
+  add_forward(o, "--forward", c->forward, "World axis at the centre of latlong and angular images (default: +z)");
+  add_exposure(o, c->exposure);
+  add_grade(o, c->grade);
+  o["--scale-to"].excludes = "--exposure";
+  add_border(o, c->write, "--size counts them");
+  add_costs(o, c->costs);
+  add_write_options(o, c->write);
+  add_shard(o, "convert", c->shard);
+  add_read_options(o, c->read);
+  add_output_space(o, c->write);
+  add_max_memory(o, c->read);
+  add_repair(o, c->read);
+  return [c, &o](Report& report) {
+    c->one_level = o.given("--level");
+    refuse_options(o, c->lens.has_value());
+    if (c->lens) return run_photograph(*c, report);
+    c->convert.samples = c->samples.value_or(1);
+    return run(*c, report);
+  };
+}
+
+}  // namespace tools

@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/operate/measure.h"
+#include "envmap/operate/sampling.h"
+#include "shared/facts.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Request {
+  std::string input;
+  ReadOptions read;
+  bool sampling = false, levels = false;
+  std::optional<Direction> towards;
+};
+
+// Size and flux of each level, and how far the flux is off that of the first.
+void add_levels(Report& report, const EnvironmentMap& map) {
+  for (const Level& level : map.levels) {
+    report.append("level_table[]");
+    report.put("level_table[].face_width", level.width());
+    report.put("level_table[].face_height", level.height());
+    report.put("level_table[].flux", Direction(flux(level)));
+    report.put("level_table[].flux_difference", Direction(flux_difference(level, map.base())));
+  }
+}
+
+void add_sampling(Report& report, const std::vector<SamplingRow>& table) {
+  for (const SamplingRow& r : table) {
+    report.append("sampling[]");
+    report.put("sampling[].texel", ReportValue::Texel{r.i, r.j});
+    report.put("sampling[].degrees", r.angle);
+    report.put("sampling[].solid_angle", r.solid_angle);
+    report.put("sampling[].relative", r.relative);
+    report.put("sampling[].anisotropy", r.anisotropy);
+  }
+}
+
+void print_levels(const EnvironmentMap& map) {
+  print(fmt::format("\n{:>5} {:>11}  {:>12} {:>12} {:>12}  {:^32}\n", "level", "faces", "flux R", "G", "B",
+                    "difference from level 0"));
+  for (std::size_t k = 0; k < map.levels.size(); ++k) {
+    const Level& level = map.levels[k];
+    const Flux f = flux(level), off = flux_difference(level, map.base());
+    print(fmt::format("{:5} {:>11}  {:12.6g} {:12.6g} {:12.6g}  {:+.2e}  {:+.2e}  {:+.2e}\n", k,
+                      fmt::format("{}x{}", level.width(), level.height()), f.x, f.y, f.z, off.x, off.y, off.z));
+  }
+}
+
+int run(Request& o, Report& report) {
+  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
+  o.read.all_levels = o.levels;
+  const Source source = read_map(o.input, o.read);
+  const MapFacts facts = facts_of(source, o.input, o.read.colour.space, o.towards);
+  std::vector<SamplingRow> table;
+  if (o.sampling) table = sampling_table(source.map.projection(), source.map.base().height());
+  if (settings().json) {
+    add(report, facts);
+    if (o.levels) add_levels(report, source.map);
+    add_sampling(report, table);
+    return 0;
+  }
+  for (const auto& [what, value] : lines_of(facts)) print(fmt::format("{:15}{}\n", what, value));
+  if (o.levels) print_levels(source.map);
+  if (o.sampling)
+    print(fmt::format("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean",
+                      "anisotropy"));
+  for (const SamplingRow& r : table)
+    print(fmt::format("{:>14} {:10.3f} {:14.5e} {:10.4f} {:11.4g}\n", fmt::format("({},{})", r.i, r.j), r.angle,
+                      r.solid_angle, r.relative, r.anisotropy));
+  return 0;
+}
+
+}  // namespace
+
+Action define_info(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.reads("INPUT", r->input, "File to read, '-' for standard input; {face} in the name reads six files")
+      .required = true;
+  o.flag("--levels", r->levels, "Add the table of mip levels and how far the flux of each is off");
+  o.flag("--sampling", r->sampling, "Add the table of texel solid angle and anisotropy from centre to rim");
+  o.add("--towards", "X,Y,Z", Triple{&r->towards}, "What the plane of the illuminance faces (default: up, 0,1,0)");
+  add_read_options(o, r->read);
+  add_max_memory(o, r->read);
+  r->read.flaws = FlawPolicy::keep;
+  return [r](Report& report) { return run(*r, report); };
+}
+
+}  // namespace tools

@@ -1,0 +1,83 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/io/part.h"
+#include "envmap/io/rounding.h"
+#include "envmap/operate/levels.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Request {
+  std::vector<std::string> names;
+  ReadOptions read;  // Its limit of pixels.
+  WriteOptions write;
+};
+
+// As the parts were asked for, but for what is said here.
+WriteOptions options_of(const WriteOptions& parts, const WriteOptions& said) {
+  WriteOptions o = parts;
+  o.format = said.format;
+  o.zstd = said.zstd;
+  if (said.layout) o.layout = said.layout;
+  if (said.depth) o.depth = said.depth;
+  if (said.clamp) o.clamp = true;
+  if (said.openexr_envmap) o.openexr_envmap = true;
+  if (!said.compression.empty()) o.compression = said.compression;
+  return o;
+}
+
+// What `prefilter` and `convert` promised of the whole must be true of this file, too.
+void check_promise(const std::string& output, const Joined& parts, const WriteOptions& now) {
+  if (!parts.making.contains("max-error")) return;
+  const auto was = rounding_of("-", parts.write), is = rounding_of(output, now);
+  const auto most = [](const std::optional<Rounding>& r) { return r ? r->largest.value_or(1) : 1; };
+  if (most(is) > most(was))
+    throw UsageError(output, "does not hold the --max-error that the parts were made with: leave out --depth and --compression, and write .exr");
+}
+
+// The levels that `mipmap` was asked for.
+void add_levels(EnvironmentMap& map, Facts& making, int border) {
+  const auto count = making.find("levels"), weights = making.find("weights");
+  if (count == making.end() || weights == making.end()) return;
+  int wanted = 0;
+  if (!parse_number(count->second, wanted) || wanted < 0) wanted = 1;
+  const Weights w = static_cast<Weights>(std::max(0, index_of(weights->second, weight_names)));
+  if (border > 0)
+    add_levels_with_border(map.levels, border, w, wanted);
+  else
+    envmap::add_levels(map.levels, w, wanted);
+}
+
+int run(Request& o) {
+  if (o.names.size() < 2) throw UsageError("name the parts and the file to write");
+  const std::string& output = o.names.back();
+  const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
+  Joined joined = join_parts(parts, o.read.max_pixels);
+  const WriteOptions how = options_of(joined.write, o.write);
+  check_promise(output, joined, how);
+  add_levels(joined.map, joined.making, how.border);
+  write_map(output, all_rows_of(joined.map), how, "merge");
+  return 0;
+}
+
+}  // namespace
+
+Action define_merge(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.files(
+      r->names, File::inputs_then_output,
+      "Parts, in any order, and last the file to write; '-' is standard output, {face} in its name writes six files");
+  add_layout(o, "--layout", r->write.layout,
+             "Where the output's cube faces lie (default: as the parts were asked for)");
+  add_write_options(o, r->write);
+  add_max_pixels(o, r->read);
+  return [r](Report&) { return run(*r); };
+}
+
+}  // namespace tools

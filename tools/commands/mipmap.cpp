@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/engine/bake.h"
+#include "envmap/operate/convert.h"
+#include "envmap/operate/levels.h"
+#include "envmap/operate/measure.h"
+#include "shared/engine_options.h"
+#include "shared/grade.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+#include "shared/shard.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Request {
+  std::string input, output;
+  const Engine* engine = nullptr;
+  ReadOptions read;
+  int levels = 0;  // 0: all.
+  bool keep = false;
+  Weights weights = Weights::solid_angle;
+  WriteOptions write;
+  Shard shard;
+};
+
+// A part of level 0: the other levels are made when it is joined with the others.
+void make_part(Request& o, const EnvironmentMap& map) {
+  if (settings().json) throw UsageError("--json reports of all levels: leave it out with --shard");
+  if (o.keep) throw UsageError("--shard makes level 0 alone, and merge the others anew: leave out --keep");
+  o.write.facts["whole-levels"] = std::to_string(o.levels);
+  o.write.facts["whole-weights"] = weight_names[static_cast<std::size_t>(o.weights)];
+  const Rows rows = rows_of(map);
+  write_map(o.output, rows, part_or_whole(o.shard, o.write, rows, digest(map)), "write");
+}
+
+// The map in the frame that an engine wants, resampled where it stands in another.
+EnvironmentMap in_frame(EnvironmentMap map, const Frame& frame) {
+  const Frame is = map.frame();
+  if (is.projection == frame.projection && is.forward == frame.forward) return map;
+  return convert(map, {.to = frame}, progress_line("convert"));
+}
+
+int run(Request& o, Report& report) {
+  if (o.keep && o.engine) throw UsageError("--for makes levels anew: leave out --keep");
+  if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: leave out --level");
+  o.read.all_levels = o.keep;
+  choose_working_space(o.read, o.write);
+  const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
+  if (engine) settle(*o.engine, *engine, o.output, o.write);
+  Source source = read_map(o.input, o.read);
+  if (engine) source.map = in_frame(std::move(source.map), engine->frame);
+  EnvironmentMap& map = source.map;
+  o.write.source_depth = source.depth;
+  o.write.provenance = source.provenance;
+  if (o.keep) o.write.facts = source.facts;
+  if (o.shard.part) {
+    make_part(o, map);
+    return 0;
+  }
+  check_output(o.output, o.write, map.projection(), o.levels != 1 && has_next(map.base()));
+  if (o.levels > 0 && map.levels.size() > static_cast<std::size_t>(o.levels))
+    map.levels.erase(map.levels.begin() + o.levels, map.levels.end());
+  if (o.write.border > 0)
+    add_levels_with_border(map.levels, o.write.border, o.weights, o.levels);
+  else
+    add_levels(map.levels, o.weights, o.levels);
+  const std::vector<Rows> rows = mirrored(all_rows_of(map), engine ? engine->mirror : MirroredAxis::none);
+  const Written written = write_map(o.output, rows, o.write, "write");
+  if (engine) tell_frame(o.output, *o.engine, *engine);
+  if (!settings().json) return 0;
+  report.put("input", o.input);
+  if (engine) add_frame(report, *o.engine, *engine);
+  report.put("weights", weight_names[static_cast<std::size_t>(o.weights)]);
+  for (const Level& level : map.levels) {
+    report.append("levels[]");
+    report.put("levels[].face_width", level.width());
+    report.put("levels[].face_height", level.height());
+    report.put("levels[].flux_difference", Direction(flux_difference(level, map.base())));
+  }
+  report.put_written(o.output, written);
+  report.put_seconds();
+  return 0;
+}
+
+}  // namespace
+
+Action define_mipmap(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.reads("INPUT", r->input,
+          "File to read, '-' for standard input; {face} in the name reads six files, {level} one a level")
+      .required = true;
+  o.writes("OUTPUT", r->output,
+           "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level")
+      .required = true;
+  add_engine(o, r->engine,
+             "Make what this engine loads as its environment, with levels: projection, frame, file type and depth; "
+             "'list' prints the engines");
+  o.add("--levels", "N", &r->levels, {1, 32}, "How many, with the map itself (default: down to one texel)");
+  o.add("--weights", one_of(r->weights, weight_names), "What texels count for in a mean (default: solid-angle)");
+  o.flag("--keep", r->keep, "Keep the levels that the input has, and make those that it lacks");
+  add_layout(o, "--layout", r->write.layout, "Where the output's cube faces lie (default: column)");
+  add_border(o, r->write, "they come round the map as it is, and each level halves with them");
+  add_write_options(o, r->write);
+  add_shard(o, "mipmap", r->shard);
+  add_read_options(o, r->read);
+  add_output_space(o, r->write);
+  add_max_memory(o, r->read);
+  add_repair(o, r->read);
+  return [r](Report& report) { return run(*r, report); };
+}
+
+}  // namespace tools

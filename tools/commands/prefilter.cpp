@@ -1,0 +1,328 @@
+#include "envmap/prefilter/prefilter.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "cli/console.h"
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/engine/bake.h"
+#include "envmap/io/rounding.h"
+#include "envmap/io/write_table.h"
+#include "envmap/map/page.h"
+#include "envmap/maths/portable.h"
+#include "envmap/prefilter/brdf_table.h"
+#include "shared/engine_options.h"
+#include "shared/grade.h"
+#include "shared/maps.h"
+#include "shared/shard.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Request {
+  std::string input, output, table, costs;
+  ReadOptions read;
+  WriteOptions write;
+  const Engine* engine = nullptr;
+  std::optional<Shape> lobe;
+  Prefilter map;
+  std::optional<int> size, levels;
+  int table_size = 128;
+  std::optional<Projection> to;
+  std::optional<Forward> forward;
+  std::optional<double> exponent, roughness, scale, max_error;
+  std::vector<double> exponents, roughnesses;
+  Shard shard;
+};
+
+std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
+bool has_exponent(Shape shape) { return shape == Shape::phong || shape == Shape::blinn_phong; }
+bool has_roughness(Shape shape) { return shape == Shape::ggx || shape == Shape::charlie; }
+
+// Of level k of a chain of Phong lobes: a quarter of that before, as texels have four times the area, or more of it, so that
+// the last is no less than 1, Lambert's cosine: below, lobes break off at the horizon, and see no more of the map.
+double exponent_of(double first, int k, int levels) {
+  const double left = first / portable::exp2(2 * (levels - 1));
+  if (left >= 1 || k == 0) return first / portable::exp2(2 * k);
+  return first <= 1 ? first : portable::pow(first, 1 - static_cast<double>(k) / (levels - 1));
+}
+
+// What to make for each level: as many as were asked for, or as parameters were given.
+std::vector<Prefilter> levels_of(const Request& o) {
+  const int levels = o.levels.value_or(1);
+  std::vector<double> parameters = has_exponent(o.map.shape) ? o.exponents : o.roughnesses;
+  const auto only = [&](bool given, const char* option, bool has, const char* lobes) {
+    if (given && !has) throw UsageError(fmt::format("{} is for --lobe {}", option, lobes));
+  };
+  only(o.exponent || !o.exponents.empty(), o.exponent ? "--exponent" : "--exponents", has_exponent(o.map.shape),
+       "phong and blinn-phong");
+  only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", has_roughness(o.map.shape),
+       "ggx and charlie");
+  if (o.map.shape == Shape::charlie && o.map.method == Method::spectral)
+    throw UsageError("--method spectral is for lobes that fall with the angle, not for charlie; --method auto");
+  if (!parameters.empty() && (o.exponent || o.roughness))
+    throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
+                                : "--roughness and --roughnesses: give one of them");
+  if (o.map.shape == Shape::diffuse && levels > 1) throw UsageError("--levels: a diffuse map has one");
+  if (!parameters.empty() && levels > 1 && levels != static_cast<int>(parameters.size()))
+    throw UsageError(fmt::format("--levels {}: {} parameters are given", levels, parameters.size()));
+  if (parameters.empty()) {
+    for (int k = 0; k < levels; ++k) {
+      if (has_exponent(o.map.shape))
+        parameters.push_back(exponent_of(o.exponent.value_or(0), k, levels));
+      else if (o.roughness || levels == 1)
+        parameters.push_back(o.roughness.value_or(0));
+      else
+        parameters.push_back(static_cast<double>(k) / (levels - 1));
+    }
+    if (has_exponent(o.map.shape) && !o.exponent)
+      throw UsageError(fmt::format("--lobe {}: say --exponent M or --exponents A,B,...", name_of(o.map.shape)));
+    if (has_roughness(o.map.shape) && !o.roughness && levels == 1)
+      throw UsageError(fmt::format("--lobe {}: say --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
+    if (o.roughness && levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
+  }
+  std::vector<Prefilter> all;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    Prefilter p = o.map;
+    p.parameter = parameters[k];
+    p.size = size_inside_border(std::max(1, o.map.size >> k), o.write);
+    lobe_of(p);
+    all.push_back(p);
+  }
+  return all;
+}
+
+std::string words(const Prefilter& p) {
+  return p.shape == Shape::diffuse ? std::string(name_of(p.shape)) : fmt::format("{} {:g}", name_of(p.shape), p.parameter);
+}
+
+// What the file says of its lobes: one number for each level.
+Facts record(const std::vector<Prefilter>& levels) {
+  const Prefilter& first = levels.front();
+  Facts facts{{"lobe", std::string(name_of(first.shape))}};
+  std::string numbers;
+  for (const Prefilter& p : levels) numbers += (numbers.empty() ? "" : ",") + fmt::format("{:g}", p.parameter);
+  if (has_exponent(first.shape)) facts["exponent"] = numbers;
+  if (has_roughness(first.shape)) facts["roughness"] = numbers;
+  if (first.scale) facts["scale"] = fmt::format("{:g}", *first.scale);
+  return facts;
+}
+
+// The file does not hold what --max-error asks for: says which depth does.
+[[noreturn]] void refuse(const Request& o, const std::string& what) {
+  const std::string depth = depth_that_holds(o.output, o.write, *o.max_error);
+  throw NotReached(fmt::format("{}: --max-error {:g} is not held by {}; by {} it is", o.output, *o.max_error, what,
+                               depth.empty() ? ".exr of --depth float" : depth));
+}
+
+void tell(const Prefilter& p, const BakedLevel& made) {
+  const Prefiltered& done = made.done;
+  std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size, method_name(done), done.seconds);
+  if (done.error > 0) line += fmt::format(", {} to {:.1e}", made.sampled ? "the texels measured" : "every texel", done.error);
+  if (done.method != Method::exact && done.exact > 0) line += fmt::format(", {} summed exactly", done.exact);
+  note(line);
+}
+
+void add_level(Report& report, const Prefilter& p, const BakedLevel& made) {
+  const Prefiltered& done = made.done;
+  report.append("levels[]");
+  report.put("levels[].parameter", p.shape == Shape::diffuse ? ReportValue(nullptr) : p.parameter);
+  report.put("levels[].size", p.size);
+  report.put("levels[].method", method_name(done));
+  report.put("levels[].seconds", done.seconds);
+  report.put("levels[].max", done.method == Method::exact && done.error == 0 ? ReportValue(nullptr) : done.error);
+  report.put("levels[].exact", done.exact);
+}
+
+// Of Charlie its own table; of GGX, and of the diffuse map that goes with it, GGX's.
+void write_brdf_table(const Request& o) {
+  const auto table = o.lobe == Shape::charlie ? sheen_table : brdf_table;
+  write_table(o.table, table(o.table_size, progress_line("brdf table")), o.table_size, settings().commit);
+}
+
+void check_brdf_table(const Request& o) {
+  if (o.table.empty()) return;
+  if (o.lobe && has_exponent(*o.lobe))
+    throw UsageError(fmt::format("--brdf-table: --lobe {} has no table: {}", name_of(*o.lobe),
+                                 o.input.empty() ? "choose --lobe ggx or --lobe charlie" : "leave out --brdf-table"));
+  check_table(o.table);
+}
+
+int table_alone(const Request& o) {
+  open_depfile(1);
+  write_brdf_table(o);
+  return 0;
+}
+
+// What the file is asked to hold, less what its depth rounds by.
+void leave_to_prefilter(Request& o, const FileError& error) {
+  try {
+    if (o.max_error) o.map.max_error = left_to_prefilter(error);
+  } catch (const NotReached& e) {
+    refuse(o, e.what());
+  }
+}
+
+// Of the one map that is made, what --shard leaves to this run.
+void choose_rows(const Request& o, const std::optional<Rounding>& rounding, std::vector<Prefilter>& wanted) {
+  if (!o.shard.part) return;
+  if (wanted.size() > 1) throw UsageError("--shard: a chain is made a level at a time");
+  if (!o.table.empty()) throw UsageError("--shard: --brdf-table is made by itself");
+  if (o.max_error && (!rounding || rounding->read_back))
+    throw UsageError("--shard: --max-error needs --depth float, since what a depth rounds by is known of the whole map alone");
+  Prefilter& p = wanted.front();
+  const Grid grid = part_grid(o.write, p.to);
+  p.rows = shown_rows(grid, p.size, band_of(grid.rows * p.size, *o.shard.part));
+}
+
+// What an engine's row settles: the frame and the file, and the roughness of its levels where no others were asked for.
+const EngineMap* settle_engine(Request& o) {
+  if (!o.engine) return nullptr;
+  const EngineMap& map = prefiltered_of(*o.engine, o.lobe == Shape::diffuse);
+  settle(*o.engine, map, o.output, o.to, o.forward, o.write);
+  if (map.diffuse > 0 && !o.size) o.size = map.diffuse;
+  if (!map.chain) return &map;
+  if (o.scale) throw UsageError(fmt::format("--for {}: its levels keep white as it is: leave out --scale", o.engine->name));
+  if (!o.size) o.size = map.chain->size;
+  o.map.shape = o.lobe.value_or(Shape::ggx);
+  if (o.map.shape == Shape::ggx && !o.roughness && o.roughnesses.empty())
+    o.roughnesses = roughnesses_of(map, *o.size, o.levels, "--size");
+  return &map;
+}
+
+// Sizes and frame, now that the source is known.
+void choose_frame(Request& o, const EnvironmentMap& source) {
+  o.map.size = o.size ? *o.size
+               : o.map.shape == Shape::diffuse
+                   ? matching_size(Projection::cube, 64, o.map.to)
+                   : matching_size(source.projection(), source.base().height(), o.map.to);
+  o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
+}
+
+struct Making {
+  const Request& o;
+  const EngineMap* engine;
+  const EnvironmentMap& source;
+  FileError error;
+};
+
+// All levels. A mirror's level of an engine's chain is the environment as `convert` makes it: what the engine shows is then no
+// sharper than its texels.
+EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted, Report& report) {
+  const Request& o = m.o;
+  const PrefilterSource prepared(m.source);
+  if (const EnvironmentMap& cube = prepared.source(); settings().verbose && &cube != &m.source)
+    note(fmt::format(
+        "{}: prefiltered as the cube of {} that 'convert --filter area' makes of it; errors count from that", o.input,
+        cube.base().height()));
+  EnvironmentMap made{.levels = {}, .forward = o.map.forward};
+  for (const Prefilter& p : wanted) {
+    try {
+      BakedLevel level = m.engine && is_mirror(p)
+                            ? resample_level(m.source, {p.to, p.forward}, p.size, m.error, settings().verbose)
+                            : make_level(prepared, p, m.error, settings().verbose, progress_line("prefilter " + words(p)));
+      tell(p, level);
+      add_level(report, p, level);
+      if (level.rounded > 0 && settings().verbose)
+        note(fmt::format("{}: in the file as {}", words(p), rounding_words(*m.error.rounding, level.rounded)));
+      made.levels.push_back(std::move(level.done.map.base()));
+    } catch (const NotReached& e) {
+      refuse(o, fmt::format("{} in {}", words(p), e.what()));
+    }
+  }
+  return made;
+}
+
+int run(Request& o, Report& report) {
+  if (o.input.empty() != o.output.empty() || (o.input.empty() && o.table.empty()))
+    throw UsageError("name an INPUT and an OUTPUT, or --brdf-table FILE alone");
+  if (settings().json && o.input.empty()) throw UsageError("--json reports of a map: name an INPUT and an OUTPUT");
+  check_brdf_table(o);
+  if (o.input.empty()) return table_alone(o);
+  choose_working_space(o.read, o.write);
+  if (out_of_working(o.write.colour).apply) throw UsageError("--output-space: light that was averaged is written to a linear space");
+  o.read.assumed_forward = o.forward;
+  o.map.shape = o.lobe.value_or(Shape::diffuse);
+  const EngineMap* engine = settle_engine(o);
+  o.map.to = o.to.value_or(Projection::cube);
+  o.map.scale = o.scale;
+  o.map.costs = read_costs(o.costs);
+  check_output(o.output, o.write, o.map.to);
+  const Source source = read_map(o.input, o.read);
+  choose_frame(o, source.map);
+  o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
+  const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
+  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror), o.map.costs};
+  leave_to_prefilter(o, error);
+  std::vector<Prefilter> wanted = levels_of(o);
+  choose_rows(o, error.rounding, wanted);
+  check_output(o.output, o.write, o.map.to, wanted.size() > 1);
+
+  report.put("input", o.input);
+  report.put("lobe", name_of(o.map.shape));
+  report.put("max_error", o.max_error.value_or(o.map.max_error));
+  if (engine) add_frame(report, *o.engine, *engine);
+  const EnvironmentMap made = make_levels({o, engine, source.map, error}, wanted, report);
+  o.write.facts = record(wanted);
+  o.write.provenance = source.provenance;
+  if (o.scale) o.write.provenance.white_luminance.reset();
+  if (engine) o.write.pairs = irradiance_pairs(*engine, source.map, progress_line("spherical harmonics"));
+  if (o.max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
+  const std::vector<Rows> rows = mirrored(all_rows_of(made), mirror);
+  const WriteOptions how = part_or_whole(o.shard, o.write, rows.front(), o.shard.part ? digest(source.map) : "");
+  report.put_written(o.output, write_map(o.output, rows, how, "write"));
+  if (!o.table.empty()) write_brdf_table(o);
+  if (engine) tell_frame(o.output, *o.engine, *engine);
+  report.put_seconds();
+  return 0;
+}
+
+}  // namespace
+
+Action define_prefilter(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.reads("INPUT", r->input,
+          "File to read, '-' for standard input; {face} in the name reads six files, {level} one a level");
+  o.writes("OUTPUT", r->output,
+           "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level");
+  add_engine(o, r->engine,
+             "Make what this engine loads: its frame, file type and depth, and its levels of GGX or, with --lobe "
+             "diffuse, its diffuse map; 'list' prints "
+             "the engines");
+  o.add("--lobe", one_of(r->lobe, shape_names),
+        "The material's lobe (default: diffuse; ggx for engines that take a chain of it)");
+  o.add("--exponent", "M", &r->exponent, {0, 1e9}, "M of phong and blinn-phong, 0 to 1e9");
+  o.add("--exponents", "M,...", &r->exponents, {0, 1e9}, "One for each level");
+  o.add("--roughness", "R", &r->roughness, {0, 1}, "Perceptual roughness of ggx and charlie, 0 to 1");
+  o.add("--roughnesses", "R,...", &r->roughnesses, {0, 1}, "One for each level");
+  o.add("--levels", "N", &r->levels, {1, 17},
+        "Levels of the chain (default: 1; with --for as many as the engine takes)");
+  o.add("--scale", "K", &r->scale, {0, 1e30}, "The factor k (default: white stays 1)");
+  add_projection(o, "--to", r->to, "Projection of the output (default: cube)");
+  add_size(o, &r->size,
+           "Height of a face (default: 64 a cube's face for diffuse, the engine's for --for, else the input's degrees "
+           "per texel)");
+  add_layout(o, "--layout", r->write.layout, "Where the output's cube faces lie (default: column)");
+  add_forward(o, "--forward", r->forward, "World axis at the centre of latlong and angular images (default: +z)");
+  o.add("--method", one_of(r->map.method, method_names), "How it is worked out (default: auto)");
+  o.add("--max-error", "E", &r->max_error, {1e-7, 10},
+        "Largest error of a texel of the file, relative to it or to 0.001 x the mean (default: 1e-3, and what the "
+        "file's depth rounds by)");
+  o.add("--brdf-table", "FILE", &r->table, "Write the split sum's table of scale and bias, too; with --lobe charlie the albedo of sheen").file = File::output;
+  o.add("--table-size", "N", &r->table_size, {1, 1024}, "Texels a side of that table (default: 128)");
+  add_border(o, r->write, "--size counts them, in each level");
+  add_depth(o, r->write), add_format(o, r->write), add_clamp(o, r->write);
+  add_shard(o, "prefilter", r->shard);
+  add_file_options(o, r->write);
+  add_costs(o, r->costs);
+  add_read_options(o, r->read);
+  add_output_space(o, r->write);
+  add_repair(o, r->read);
+  return [r](Report& report) { return run(*r, report); };
+}
+
+}  // namespace tools

@@ -1,0 +1,231 @@
+// A picture for people: maps side by side, tone mapped with one exposure, named; with what they light and how bright they are.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/io/colour.h"
+#include "envmap/io/picture.h"
+#include "envmap/io/srgb.h"
+#include "envmap/maths/portable.h"
+#include "envmap/operate/measure.h"
+#include "picture/map_picture.h"
+#include "preview/html_page.h"
+#include "shared/facts.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Request {
+  std::vector<std::string> names;  // Inputs, then the output.
+  ReadOptions read;
+  std::optional<double> exposure, percentile;
+  std::optional<Display> display;
+  std::optional<std::string> view;
+  std::optional<int> face;
+  std::string html;
+  int height = 256, columns = 3, size = 0;
+  bool levels = false, marks = false, balls = false, histogram = false, sheet = false;
+};
+
+// How all maps are shown, so that they can be compared: as is right for the first.
+struct Look {
+  double scale;
+  Display display;  // Where no view of a config is asked for.
+  Show show;
+};
+
+// Files of 8 and 16 bits are made to be looked at: white stays white.
+bool is_for_screens(const Source& source) { return source.depth == Depth::uint8 || source.depth == Depth::uint16; }
+
+double scale_for(const Source& source, const Request& o) {
+  if (o.exposure) return portable::exp2(*o.exposure);
+  if (o.percentile) {
+    const double white = Luminances(source.map.base()).percentile(0.01 * *o.percentile);
+    return white > 0 ? 1 / white : 1;
+  }
+  if (is_for_screens(source)) return 1;
+  const double mean = mean_radiance(source.map.base());
+  return mean > 0 ? 0.4 / mean : 1;
+}
+
+Look look_for(const Source& source, const Request& o) {
+  const double scale = scale_for(source, o);
+  if (o.view) {
+    const ColourTransform view = into_view(o.read.colour, *o.view);
+    settings().also_read.insert(settings().also_read.end(), view.files.begin(), view.files.end());
+    return {scale, Display::reinhard, [view, scale](std::span<Colour> pixels) {
+              for (Colour& c : pixels) c *= static_cast<float>(scale);
+              if (view.apply) view.apply(pixels);
+              for (Colour& c : pixels) c = glm::clamp(c, Colour(0), Colour(1));
+            }};
+  }
+  const Display display = o.display.value_or(is_for_screens(source) ? Display::clip : Display::reinhard);
+  return {scale, display, [display, scale](std::span<Colour> pixels) {
+            show(pixels, display, scale);
+            encode_srgb(pixels);
+          }};
+}
+
+// The number of the face that was asked for: a paraboloid map has +Z and -Z.
+std::optional<int> face_of(const Request& o, const Source& source, const std::string& input) {
+  if (!o.face) return std::nullopt;
+  constexpr int first_of_pair = 4;  // pz.
+  const Projection p = source.map.projection();
+  const int face = p == Projection::paraboloid ? *o.face - first_of_pair : *o.face;
+  if (faces(p) == 1 || face < 0)
+    throw UsageError(input, fmt::format("--face {}: a {} map has none of that name", cube_face_names[static_cast<std::size_t>(*o.face)], name(p)));
+  return face;
+}
+
+// The map, or all its levels.
+std::vector<Tile> maps_of(const Source& source, const std::string& input, const Look& look, const Request& o) {
+  const std::string name = std::filesystem::path(input).filename().string();
+  const std::optional<int> face = face_of(o, source, input);
+  std::vector<Tile> tiles;
+  for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
+    MapPicture map(source.map.levels[k], face, look.show, o.height);
+    std::string caption = name + (o.levels && source.map.levels.size() > 1 ? fmt::format(" level {}", k) : "");
+    if (o.marks && k == 0) {
+      const Direction d = measure(source.map).brightest_direction;
+      map.mark(source.map, d);
+      const Angles at = angles_of(d);
+      if (!face) caption += fmt::format("; ring: brightest, azimuth {:.1f}, elevation {:.1f}", at.azimuth, at.elevation);
+    }
+    tiles.push_back({std::move(map.picture()), std::move(caption)});
+  }
+  return tiles;
+}
+
+// Below the maps: what one of them lights, and how bright it is.
+void add_studies(std::vector<TileRow>& rows, const Source& source, const Look& look, int width, const Request& o) {
+  constexpr int balls = 5;
+  if (o.balls) rows.push_back(lit_balls(source.map, look.show, (width - (balls - 1) * sheet_border) / balls));
+  if (!o.histogram) return;
+  const double white = 1 / look.scale;
+  rows.push_back({{histogram(Luminances(source.map.base()), white, {width, o.height / 2}),
+                   fmt::format("stops of luminance: grey bars the sphere's share, orange the light's; white: {:.3g}", white)}});
+}
+
+int width_of(const std::vector<TileRow>& rows) {
+  int most = 640;
+  for (const TileRow& row : rows) {
+    int sum = -sheet_border;
+    for (const Tile& tile : row) sum += tile.picture.size.width + sheet_border;
+    most = std::max(most, sum);
+  }
+  return most;
+}
+
+void check_page(Request& o) {
+  if (o.names.size() != 1) throw UsageError("--html: name one map, and no picture");
+  if (o.sheet || o.levels || o.marks || o.balls || o.histogram || o.face || o.view)
+    throw UsageError("--html has all of a map: leave out --sheet, --marks, --levels, --balls, --histogram, --face and --view");
+  o.read.all_levels = o.read.level == 0;
+}
+
+void check(Request& o) {
+  if (o.sheet) o.marks = o.balls = o.histogram = o.levels = true;
+  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
+  if (!o.html.empty()) return check_page(o);
+  if (o.size > 0) throw UsageError("--size is for --html");
+  if (o.names.size() < 2) throw UsageError("name at least one map and the picture to write");
+  if (const std::string extension = std::filesystem::path(o.names.back()).extension().string();
+      o.names.back() != "-" && extension != ".png" && extension != ".jpg")
+    throw UsageError(o.names.back(), "the picture must be a .png or .jpg");
+  o.read.all_levels = o.levels;
+}
+
+int write_page(const Request& o) {
+  const std::string& input = o.names.front();
+  check_files({o.html}, {input});
+  const Source source = read_map(input, o.read);
+  const Look look = look_for(source, o);
+  const int density = matching_size(source.map.projection(), source.map.base().height(), Projection::cube);
+  const std::string page = html_page(source, {.file = std::filesystem::path(input).filename().string(),
+                                              .space = o.read.colour.space,
+                                              .scale = look.scale,
+                                              .display = look.display,
+                                              .size = o.size > 0 ? o.size : std::clamp(density, 16, 256)});
+  open_depfile();
+  write_text(o.html, page);
+  note(fmt::format("{}: {:.1f} MB", o.html, 1e-6 * static_cast<double>(page.size())));
+  return 0;
+}
+
+int run(Request& o) {
+  check(o);
+  if (!o.html.empty()) return write_page(o);
+  const std::string& output = o.names.back();
+  const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
+  check_files({output}, inputs);
+  std::vector<Tile> maps;
+  std::vector<Source> sources;  // For the studies below.
+  std::optional<Look> look;
+  for (const std::string& input : inputs) {
+    Source source = read_map(input, o.read);
+    if (!look) look = look_for(source, o);
+    for (Tile& tile : maps_of(source, input, *look, o)) maps.push_back(std::move(tile));
+    if (o.balls || o.histogram) sources.push_back(std::move(source));
+  }
+  std::vector<TileRow> rows = in_columns(std::move(maps), o.columns);
+  const int width = width_of(rows);
+  for (const Source& source : sources) add_studies(rows, source, *look, width, o);
+  open_depfile();
+  const Picture sheet = sheet_of(rows);
+  write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8, {.commit = settings().commit});
+  return 0;
+}
+
+void add_parts(Options& o, Request& r) {
+  o.flag("--sheet", r.sheet, "All of --marks, --levels, --balls and --histogram");
+  o.flag("--marks", r.marks,
+         "Mark the world's axes, the horizon, the faces of cubes, and by a ring the brightest direction");
+  o.flag("--levels", r.levels, "Draw all mip levels of each map");
+  o.flag("--balls", r.balls,
+         "Draw balls that each map lights, seen from the middle of its image (+Z) as a mirror ball is: a mirror, white "
+         "metal "
+         "of GGX roughness 0.25, 0.5 and 0.75, white diffuse");
+  o.flag("--histogram", r.histogram, "Draw which share of the sphere, and of the light, each luminance has, in stops");
+  o.add("--face", one_of(r.face, cube_face_names), "Draw one face of a cube alone, or pz or nz of a paraboloid map");
+}
+
+void add_tone_curve(Options& o, Request& r) {
+  o.add("--exposure", "STOPS", &r.exposure, {-100, 100},
+        "Multiply radiance by 2^STOPS before the tone curve (default: the mean becomes middle grey; "
+        "0 where the first file is of 8 or 16 bits)");
+  o.add("--percentile", "P", &r.percentile, {0, 100},
+        "Expose so that P percent of the sphere are at most 1 before the tone curve, to a sixteenth of a stop")
+      .excludes = "--exposure";
+  add_display(o, r.display, Display::reinhard);
+  o.add("--view", "VIEW", &r.view,
+        "Instead of --display: a view of the config of --ocio, VIEW of its default display or DISPLAY:VIEW")
+      .excludes = "--display";
+}
+
+}  // namespace
+
+Action define_preview(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.files(r->names, File::inputs_then_output,
+          "Maps to draw, and last the PNG or JPEG to write unless --html; '-' is standard input or output");
+  add_tone_curve(o, *r);
+  add_parts(o, *r);
+  o.add("--height", "N", &r->height, {16, 4096}, "Height of each picture (default: 256)");
+  o.add("--columns", "N", &r->columns, {1, 64}, "Pictures side by side (default: 3)");
+  o.add("--html", "FILE", &r->html, "Write a page of one map instead of a picture");
+  o.add("--size", "N", &r->size, {16, 2048},
+        "Of a face of the cubes in the page (default: as fine as the map, up to 256)");
+  add_read_options(o, r->read);
+  add_repair(o, r->read);
+  return [r](Report&) { return run(*r); };
+}
+
+}  // namespace tools

@@ -1,0 +1,25 @@
+// Cameras as the renderer takes them.
+#pragma once
+
+#include "envmap/render/draw.h"
+#include "envmap/render/needed.h"
+#include "envmap/scene/camera.h"
+
+namespace tools {
+
+// A picture of so many pixels.
+struct PictureSize {
+  int width, height, samples;
+  bool cull = true;
+};
+
+struct Eye {
+  envmap::Viewpoint from;
+  envmap::Viewer viewer;
+};
+
+// What is seen from beside a view by `aside` metres; at `still` metres both eyes see the same.
+// @throws UsageError where rays are parallel and both eyes would see the same.
+Eye eye_of(const PictureSize& picture, const envmap::View& view, double aside = 0, double still = 1);
+
+}  // namespace tools

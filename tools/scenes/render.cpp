@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/render/choose.h"
+#include "envmap/render/mirrors.h"
+#include "envmap/render/raycast.h"
+#include "envmap/render/renderer.h"
+#include "envmap/render/turn.h"
+#include "scenes/scene_options.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+struct Request {
+  SceneOptions scene;
+  std::string output, at, forward, costs;
+  std::optional<Projection> to;
+  Viewpoint from;
+  DrawMethod method = DrawMethod::automatic;
+  int bounces = 0;
+  WriteOptions write;
+};
+
+// Draws maps with OpenGL, mirrors in them through maps of their own.
+class Painter {
+ public:
+  Painter(const Request& o, const LoadedScene& loaded, const std::vector<Mirror>& mirrors)
+      : options_(o),
+        context_(o.scene.context),
+        renderer_(loaded.scene, loaded.environment.get(), nodes_of(mirrors)),
+        mirrors_(loaded.scene, mirrors) {
+    if (settings().verbose) note(context_.renderer());
+  }
+
+  // @param moved meshes whose vertices are others than in the last shot.
+  [[nodiscard]] Drawn paint(Shot shot, const std::vector<int>& moved, DrawMethod method) {
+    for (const int mesh : moved) renderer_.update(shot.scene, mesh);
+    const Viewpoint& from = options_.from;
+    if (options_.bounces > 0) {
+      const Viewer viewer{.at = from.at, .node = from.without, .pixel = 0.5 * pi / from.size};
+      mirrors_.update(renderer_, shot, {viewer}, {.bounces = options_.bounces, .moved = !moved.empty(), .far = from.far},
+                      [&](const std::string& line) {
+                        if (settings().verbose) note(line);
+                      });
+      shot.mirrors = mirrors_.maps();
+    }
+    return draw(renderer_, from, shot, method);
+  }
+
+ private:
+  const Request& options_;
+  Context context_;
+  Renderer renderer_;
+  Mirrors mirrors_;
+};
+
+// Says what a map of moved vertices lacks.
+void warn_about_missing(const std::string& path, DrawMethod method, const Drawn& drawn) {
+  if (drawn.missing_solid_angle == 0) return;
+  warn(fmt::format("{}: {} left out surfaces near the singularity, up to {:.2g} sr: use --method exact", path,
+                   draw_method_names[std::size_t(method)], drawn.missing_solid_angle));
+}
+
+// From where the map is drawn to a node, or to the scene's first camera; or what is said.
+Direction direction(const Request& o, const Scene& scene, const Pose& pose) {
+  if (const auto along = triple_of(o.forward)) return *along;
+  if (const auto there = direction_to(scene, pose, o.from.at, o.forward)) return *there;
+  if (o.forward == "camera") throw UsageError(fmt::format("--forward: {} has no camera", o.scene.path));
+  throw UsageError(fmt::format("--forward: '{}' is no axis (+z, -z, +x, -x), no X,Y,Z, no node of {} and not 'camera'",
+                               o.forward, o.scene.path));
+}
+
+void check(const Request& o) {
+  if (o.from.near >= o.from.far) throw UsageError("--near: not below --far");
+  if (forward_named(o.forward) && !has_forward(o.from.to))
+    throw UsageError("--forward: an axis is for latlong and angular maps; others take a node, X,Y,Z or camera");
+  if (o.method == DrawMethod::raycast) check_no_context(o.scene);
+  const bool distorts = o.method == DrawMethod::distort || o.method == DrawMethod::tessellate;
+  if (o.from.epsilon > 0 && !distorts) throw UsageError("--epsilon is for --method distort and tessellate");
+  if (!can_draw(o.method, o.from.to))
+    throw UsageError(fmt::format("--method {} cannot draw {} maps: {}resample or raycast",
+                                 draw_method_names[static_cast<std::size_t>(o.method)], name(o.from.to),
+                                 can_draw(DrawMethod::exact, o.from.to) ? "exact, " : ""));
+}
+
+int run(Request& o, Report& report) {
+  o.from.to = o.to.value_or(Projection::cube);
+  const Forward forward = forward_named(o.forward).value_or(Forward::plus_z);
+  o.from.axes = image_to_world(forward);
+  check(o);
+  const Frames frames = frames_of(o.scene);
+  check_output(frames.path(o.output, frames.first), o.write, o.from.to);
+  const std::vector<std::string> outputs = frames.paths(o.output);
+  check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
+  const Costs costs = read_costs(o.costs);
+  LoadedScene loaded = load(o.scene);
+  check_files(outputs, loaded.inputs);
+  open_depfile();
+  const Viewpoint place = viewpoint_of(o.at, loaded.scene, o.scene.path);
+  o.from.at = place.at, o.from.without = place.without;
+  const bool turned = !o.forward.empty() && !forward_named(o.forward);
+  // Who says what OpenGL is drawn with wants it drawn with OpenGL.
+  const bool rays = o.scene.context == ContextKind::automatic;
+  const DrawMethod method = o.method == DrawMethod::automatic
+                                ? cheapest(o.from.to, o.from.size, triangles(loaded.scene), costs, rays)
+                                : o.method;
+  const std::vector<Mirror> mirrors =
+      o.bounces > 0 ? find_mirrors(loaded.scene, Projection::paraboloid) : std::vector<Mirror>{};
+  std::optional<Painter> painter;
+  if (method != DrawMethod::raycast) painter.emplace(o, loaded, mirrors);
+  double seconds = 0;
+  report.put("input", o.scene.path);
+  report.put("method", draw_method_names[std::size_t(method)]);
+  for (int frame = frames.first; frame <= frames.last; ++frame) {
+    const std::vector<int> moved = loaded.move_to(frames.time(frame));
+    const Shot shot = loaded.shot(frames.time(frame), o.scene);
+    if (o.from.without >= 0) o.from.at = centre_of(loaded.scene, shot.pose, o.from.without);
+    if (turned) o.from.axes = turned_to(direction(o, loaded.scene, shot.pose));
+    const Stopwatch watch;
+    Drawn drawn = painter ? painter->paint(shot, moved, method)
+                          : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far}, progress_line("cast"));
+    const double took = watch.seconds();
+    seconds += took;
+    drawn.radiance.forward = forward;
+    const std::string path = frames.path(o.output, frame);
+    if (turned)
+      note(fmt::format("{}: its +Z looks along {:.4g},{:.4g},{:.4g} of the scene, its +Y up", path, o.from.axes[2].x,
+                       o.from.axes[2].y, o.from.axes[2].z));
+    if (settings().verbose)
+      note(fmt::format("{}: {} from {:.4g},{:.4g},{:.4g}, drawn in {:.1f} ms", path,
+                       draw_method_names[static_cast<std::size_t>(method)], o.from.at.x, o.from.at.y, o.from.at.z,
+                       1e3 * took));
+    write_map(path, all_rows_of(drawn.radiance), o.write, "write");
+    warn_about_missing(path, method, drawn);
+    report.append("maps[]");
+    report.put("maps[].output", path);
+    report.put("maps[].seconds", took);
+    report.put("maps[].missing_solid_angle", drawn.missing_solid_angle);
+  }
+  tell_darkness(loaded, o.scene);
+  tell_rate(frames, seconds);
+  return 0;
+}
+
+}  // namespace
+
+Action define_render(Options& o) {
+  const auto r = std::make_shared<Request>();
+  add_scene(o, r->scene);
+  o.writes("OUTPUT", r->output,
+           "File to write, '-' for standard output; {face} in the name writes six files, {half} a paraboloid's two, "
+           "{frame} or %04d one a frame")
+      .required = true;
+  add_projection(o, "--to", r->to, "Projection of the map (default: cube)");
+  o.add("--at", "NODE|X,Y,Z", &r->at, "Where from: a node of the scene, or a place (default: 0,0,0)");
+  add_size(o, &r->from.size, "Height of a face (default: 256)");
+  o.add("--samples", "N", &r->from.samples, {1, 1024}, "Rays a texel (default: 1)");
+  o.add("--near", "METRES", &r->from.near, {1e-9, 1e9}, "Nothing nearer is drawn (default: 0.01)");
+  o.add("--far", "METRES", &r->from.far, {1e-9, 1e12}, "Nothing further is drawn (default: 1000)");
+  o.add("--bounces", "N", &r->bounces, {0, 64},
+        "Mirrors and glass show what is round them, and each other: so many rounds of their maps, or so often a ray is "
+        "followed (default: 0; they show the environment alone)");
+  o.add("--method", one_of(r->method, draw_method_names), "How it is drawn (default: auto)");
+  o.add("--forward", "AXIS|NODE|X,Y,Z|camera", &r->forward,
+        "World axis at the centre of latlong and angular maps: +z, -z, +x or -x (default: +z). Of any map, what its +Z "
+        "looks at: a node, a direction, or 'camera', the scene's first, as the sphere maps of viewers have it; the map "
+        "is turned then");
+  o.add("--epsilon", "Z", &r->from.epsilon, {1e-6, 1},
+        "distort, tessellate: move vertices with z < -1 + Z to infinity (default: paraboloids 0.5, other maps "
+        "0.05 for distort and 0.01 for tessellate)");
+  add_layout(o, "--layout", r->write.layout, "Where cube faces lie (default: column)");
+  add_costs(o, r->costs);
+  add_write_options(o, r->write);
+  return [r](Report& report) { return run(*r, report); };
+}
+
+}  // namespace tools

@@ -1,0 +1,126 @@
+#include "scenes/scene_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <regex>
+
+#include "cli/console.h"
+#include "envmap/base/error.h"
+#include "envmap/scene/deform.h"
+#include "envmap/scene/read/read_scene.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+
+namespace tools {
+
+using namespace envmap;
+
+void add_scene(Options& o, SceneOptions& s) {
+  o.reads("SCENE", s.path, "File to read: .gltf, .glb or .obj, '-' for standard input").required = true;
+  o.add("--context", one_of(s.context, context_names), "OpenGL through OSMesa (CPU) or through EGL (GPU or CPU) (default: auto)");
+  o.add("--environment", "FILE", &s.environment, "Map that is the background and a light").file = File::input;
+  o.add("--ambient", "R,G,B", Triple{&s.ambient, true},
+        "Radiance from everywhere, which nothing keeps off (default: 0)");
+  o.flag("--no-shadows", s.no_shadows, "Let punctual lights shine through everything");
+  o.add("--occlusion", "N", &s.occlusion, {0, most_distant_lights},
+        "Distant lights that stand for the environment where surfaces keep its diffuse light from each other; 0: it "
+        "shines "
+        "through everything (default: 64)");
+  o.add("--time", "T", &s.time, {-1e6, 1e6}, "Of animations, in seconds (default: 0)");
+  o.add("--frames", "A:B", &s.frames, "Draw the frames A to B, a file each");
+  o.add("--fps", "F", &s.rate, {1e-3, 1e6}, "Frames a second (default: 24)");
+  add_max_pixels(o, s.read);
+  add_repair(o, s.read);
+}
+
+void check_no_context(const SceneOptions& o) {
+  if (o.context != ContextKind::automatic)
+    throw UsageError("--context is for OpenGL, which --method raycast does not use: leave out one of them");
+}
+
+std::string Frames::path(const std::string& output, int frame) const {
+  if (!sequence) return output;
+  static const std::regex mark(R"(\{frame\}|%0?(\d?)d)");
+  std::smatch found;
+  if (!std::regex_search(output, found, mark))
+    throw UsageError(fmt::format("{}: a file a frame wants {{frame}} or %04d in its name", output));
+  const int digits = found[0].str().front() == '{' ? 4 : found[1].length() > 0 ? std::stoi(found[1]) : 1;
+  return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
+}
+
+std::vector<std::string> Frames::paths(const std::string& output) const {
+  std::vector<std::string> all;
+  for (int frame = first; frame <= last; ++frame) all.push_back(path(output, frame));
+  return all;
+}
+
+Frames frames_of(const SceneOptions& o) {
+  if (o.frames.empty()) return {.start = o.time};
+  static const std::regex form(R"((\d{1,9}):(\d{1,9}))");
+  std::smatch parts;
+  if (!std::regex_match(o.frames, parts, form) || std::stoi(parts[1]) > std::stoi(parts[2]))
+    throw UsageError(fmt::format("--frames: '{}' is not A:B with A <= B", o.frames));
+  return {std::stoi(parts[1]), std::stoi(parts[2]), true, o.time, o.rate};
+}
+
+std::vector<int> LoadedScene::move_to(double time) { return deform(scene, pose(scene, time), time); }
+
+Shot LoadedScene::shot(double time, const SceneOptions& options) const {
+  return {.scene = scene,
+          .pose = pose(scene, time),
+          .environment = environment.get(),
+          .ambient = Colour(options.ambient.value_or(Direction(0))),
+          .shadows = !options.no_shadows,
+          .distant = distant};
+}
+
+LoadedScene load(const SceneOptions& o) {
+  LoadedScene loaded{.scene = read_scene(o.path, o.read.max_pixels)};
+  loaded.move_to(frames_of(o).time(frames_of(o).first));
+  const Scene& scene = loaded.scene;
+  loaded.inputs = scene.files;
+  for (const std::string& what : scene.remarks) warn(fmt::format("{}: {}", o.path, what));
+  for (const std::string& what : scene.unmodelled) warn(fmt::format("{}: not drawn: {}", o.path, what));
+  if (settings().verbose)
+    note(fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
+                     instances(scene).size(), scene.materials.size(), scene.lights.size()));
+  if (o.environment.empty()) return loaded;
+  loaded.inputs.push_back(o.environment);
+  loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read).map, glossy_size,
+                                                     progress_line("light of the environment"));
+  if (o.occlusion > 0) loaded.distant = distant_lights(loaded.environment->map, o.occlusion);
+  return loaded;
+}
+
+Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::string& path) {
+  Viewpoint from;
+  if (at.empty()) return from;
+  if (const auto node = find_node(scene, at)) {
+    from.without = *node;
+  } else if (const auto place = triple_of(at)) {
+    from.at = *place;
+  } else {
+    throw UsageError(fmt::format("--at: '{}' is no node of {} and not X,Y,Z", at, path));
+  }
+  return from;
+}
+
+bool is_dark(const LoadedScene& loaded, const SceneOptions& o) {
+  const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
+  return !loaded.environment && !o.ambient && loaded.scene.lights.empty() &&
+         std::ranges::none_of(loaded.scene.materials, glows);
+}
+
+void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
+  if (is_dark(loaded, o))
+    warn(fmt::format("{}: no light in it and none given, so it is black: say --environment MAP or --ambient 1", o.path));
+}
+
+void tell_rate(const Frames& frames, double seconds) {
+  if (!settings().verbose) return;
+  note(fmt::format("{} frame{}, {:.1f} a second without writing", frames.count(), frames.count() == 1 ? "" : "s",
+                   frames.count() / seconds));
+}
+
+}  // namespace tools

@@ -1,0 +1,72 @@
+/// @file
+/// What the commands that draw scenes have in common: the scene, its light, its moments.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/options.h"
+#include "envmap/io/read.h"
+#include "envmap/render/context.h"
+#include "envmap/render/draw.h"
+#include "envmap/render/shading.h"
+
+namespace tools {
+
+struct SceneOptions {
+  std::string path, environment, frames;
+  std::optional<envmap::Direction> ambient;
+  envmap::ContextKind context = envmap::ContextKind::automatic;
+  bool no_shadows = false;
+  int occlusion = 64;
+  double time = 0, rate = 24;
+  envmap::ReadOptions read;
+};
+void add_scene(Options& o, SceneOptions& scene);
+/// For --method raycast. @throws UsageError where --context is given, which rays have no use for.
+void check_no_context(const SceneOptions& options);
+
+/// The moments to draw; without --frames one, and one file.
+struct Frames {
+  int first = 0, last = 0;
+  bool sequence = false;
+  double start = 0, rate = 24;
+
+  [[nodiscard]] int count() const { return last - first + 1; }
+  [[nodiscard]] double time(int frame) const { return start + (sequence ? frame / rate : 0); }
+  /// Of a frame's file: {frame}, four digits at least, or printf's %d and %04d. @throws UsageError
+  [[nodiscard]] std::string path(const std::string& output, int frame) const;
+  [[nodiscard]] std::vector<std::string> paths(const std::string& output) const;
+};
+/// @throws UsageError
+Frames frames_of(const SceneOptions& options);
+
+/// A scene in memory with its environment. What it does not draw has been said.
+struct LoadedScene {
+  envmap::Scene scene;
+  std::unique_ptr<envmap::Environment> environment;  ///< Null: black.
+  std::vector<envmap::DistantLight> distant;         ///< Of it.
+  std::vector<std::string> inputs;
+
+  /// Puts skins and morph targets where they are then; load() did for the first moment. @return meshes that changed.
+  std::vector<int> move_to(double time);
+  [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;
+};
+LoadedScene load(const SceneOptions& options);
+
+/// From where --at says: a node, whose `at` is to be found for each pose and which is left out; a place X,Y,Z; or the origin.
+/// @throws UsageError where it is neither. @param path of the scene's file.
+envmap::Viewpoint viewpoint_of(const std::string& at, const envmap::Scene& scene, const std::string& path);
+
+/// Whether nothing lights the scene.
+bool is_dark(const LoadedScene& loaded, const SceneOptions& options);
+
+/// A line where it is dark.
+void tell_darkness(const LoadedScene& loaded, const SceneOptions& options);
+
+/// With -v, how many frames a second that was.
+void tell_rate(const Frames& frames, double seconds);
+
+}  // namespace tools

@@ -1,0 +1,305 @@
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ranges>
+#include <set>
+
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/io/picture.h"
+#include "envmap/operate/convert.h"
+#include "envmap/render/context.h"
+#include "envmap/render/mirrors.h"
+#include "envmap/render/raycast.h"
+#include "envmap/scene/read/read_scene.h"
+#include "scenes/choose_maps.h"
+#include "scenes/eyes.h"
+#include "scenes/mirror_options.h"
+#include "scenes/scene_options.h"
+#include "scenes/viewpoints.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+// Of drawing what mirrors show.
+enum class Through { maps, rays };
+
+struct Request {
+  SceneOptions scene;
+  ViewpointOptions from;
+  std::string output, format, saved;
+  std::vector<std::string> mirrors;
+  Through method = Through::maps;
+  std::optional<Projection> maps;
+  int width = 640, height = 480, samples = 4;
+  double exposure = 0;
+  std::optional<Display> display;
+  std::optional<double> anaglyph;
+  std::optional<MirrorLookup> lookup;
+  MirrorLook look;
+  MirrorOptions drawing;
+  std::optional<double> max_error;
+};
+
+constexpr std::string_view method_names[] = {"maps", "raycast"};
+
+// Red of the left eye, green and blue of the right: for red and cyan glasses.
+std::vector<Colour> anaglyph(std::vector<Colour> left, const std::vector<Colour>& right) {
+  for (std::size_t k = 0; k < left.size(); ++k) left[k] = {left[k].x, right[k].y, right[k].z};
+  return left;
+}
+
+constexpr std::string_view eye_mark = "{eye}", eyes_of_files[] = {"left", "right", "both"};
+bool is_by_eye(const std::string& path) { return path.find(eye_mark) != std::string::npos; }
+
+// The files of a frame: one, or with {eye} in its name one an eye and the anaglyph.
+std::vector<std::string> eye_files(const std::string& path) {
+  if (!is_by_eye(path)) return {path};
+  std::vector<std::string> files;
+  for (const std::string_view eye : eyes_of_files)
+    files.push_back(std::string(path).replace(path.find(eye_mark), eye_mark.size(), eye));
+  return files;
+}
+
+// Pictures of a moment, one for each eye.
+using Pictures = std::vector<std::vector<Colour>>;
+
+// Through dynamic maps, which stay from frame to frame.
+class MapPainter {
+ public:
+  MapPainter(const Request& o, const LoadedScene& loaded, const std::vector<Mirror>& mirrors,
+             const std::vector<int>& nodes)
+      : options_(o),
+        context_(o.scene.context),
+        renderer_(loaded.scene, loaded.environment.get(), nodes),
+        maps_(loaded.scene, mirrors) {
+    if (settings().verbose) note(context_.renderer());
+  }
+
+  // Each mirror's map, turned to the axes of the world.
+  void save(const std::vector<std::string>& paths) const {
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+      const MirrorMap& map = maps_.maps()[k];
+      if (!map.texture) continue;  // Not seen, not drawn.
+      EnvironmentMap seen = read_back(*map.texture);
+      if (map.axes != Rotation(1)) seen = convert(seen, {.to = {seen.base().projection()}, .rotation = map.axes});
+      write_map(paths[k], all_rows_of(seen), {}, "write");
+    }
+  }
+
+  [[nodiscard]] MapChoice choose(const std::vector<Mirror>& mirrors, std::vector<Moment> moments) {
+    return choose_maps(renderer_, mirrors, std::move(moments), options_.drawing, *options_.max_error);
+  }
+
+  // @param moved meshes whose vertices are others than in the last shot.
+  [[nodiscard]] Pictures paint(Shot shot, const std::vector<int>& moved, const std::vector<Eye>& eyes) {
+    for (const int mesh : moved) renderer_.update(shot.scene, mesh);
+    std::vector<Viewer> viewers;
+    for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
+    MirrorOptions drawing = options_.drawing;
+    drawing.moved = !moved.empty();
+    if (!drawing.bounces && !first_ && !options_.max_error) drawing.bounces = 1;
+    first_ = false;
+    shot.look = options_.look;
+    shot.look.lookup = options_.lookup.value_or(shot.look.lookup);
+    shot.look.pictures = options_.drawing.bounces.value_or(shot.look.pictures);
+    maps_.update(renderer_, shot, viewers, drawing, [&](const std::string& line) {
+      if (settings().verbose) note(line);
+    });
+    shot.mirrors = maps_.maps();
+    Pictures pictures;
+    for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer_, eye.from, shot));
+    return pictures;
+  }
+
+ private:
+  const Request& options_;
+  Context context_;
+  Renderer renderer_;
+  Mirrors maps_;
+  bool first_ = true;
+};
+
+Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes) {
+  Pictures pictures;
+  for (const Eye& eye : eyes)
+    pictures.push_back(raycast_picture(shot, eye.from, {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far},
+                                       progress_line("cast")));
+  return pictures;
+}
+
+void check(const Request& o) {
+  if (o.method == Through::rays) check_no_context(o.scene);
+  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.largest != MirrorOptions{}.largest || o.drawing.all || o.lookup || o.look.tinted || !o.saved.empty() ||
+                       std::ranges::any_of(o.mirrors, [](const std::string& m) {
+                         return m.find(':') != m.npos && !m.ends_with(":off");
+                       });
+  if (o.method == Through::rays && of_maps)
+    throw UsageError(
+        "--method raycast draws no maps: leave out --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all and NODE:MAP");
+  if (o.max_error && (of_maps || o.method == Through::rays || o.drawing.bounces))
+    throw UsageError(
+        "--max-error chooses how mirrors are drawn: leave out --method, --maps, --size, --max-size, --lookup, --bounces, --show-maps, --save-maps, "
+        "--all and NODE:MAP");
+  if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
+}
+
+// What is drawn of a frame.
+struct Scenery {
+  const Request& o;
+  const LoadedScene& loaded;
+  const Viewpoints& viewpoints;
+  const Frames& frames;
+
+  [[nodiscard]] Shot shot(int frame) const { return loaded.shot(frames.time(frame), o.scene); }
+  // One, or two of an anaglyph.
+  [[nodiscard]] std::vector<Eye> eyes(int frame, const Pose& pose) const {
+    const View view = viewpoints.view(pose, static_cast<double>(frame - frames.first) / frames.count());
+    const double separation = o.anaglyph.value_or(0);
+    std::vector<Eye> eyes;
+    for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
+      eyes.push_back(eye_of({o.width, o.height, o.samples, !o.drawing.all}, view, aside, 30 * separation));
+    return eyes;
+  }
+};
+
+// For --max-error: tries maps in the first frame, the middle one and the last.
+void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirrors,
+            std::optional<MapPainter>& painter) {
+  if (mirrors.empty()) return;
+  const int first = scenery.frames.first, last = scenery.frames.last;
+  std::vector<Moment> moments;
+  for (const int frame : std::set{first, first + (last - first) / 2, last}) {
+    const Shot shot = scenery.shot(frame);
+    moments.push_back({shot, scenery.eyes(frame, shot.pose)[0]});
+  }
+  const MapChoice choice = painter->choose(mirrors, std::move(moments));
+  if (choice.rays) {
+    note(fmt::format("mirrors by rays: maps are off by {:.2g} of the picture (rms), more than {:g}", choice.error,
+                     *o.max_error));
+    o.method = Through::rays;
+    painter.reset();
+    return;
+  }
+  note(fmt::format("mirrors by --lookup {} --max-size {}{}: off by {:.2g} of the picture (rms) against rays",
+                   mirror_lookup_names[static_cast<std::size_t>(choice.lookup)], choice.drawing.largest,
+                   choice.drawing.bounces ? fmt::format(" --bounces {}", *choice.drawing.bounces) : "", choice.error));
+  o.lookup = choice.lookup, o.drawing = choice.drawing;
+}
+
+int run(Request& o) {
+  check(o);
+  const Frames frames = frames_of(o.scene);
+  const PictureOptions how{o.format, o.display.value_or(Display::clip), settings().commit};
+  if (!is_picture(frames.path(o.output, frames.first), how))
+    throw UsageError(o.output, "the picture must be a .png, .jpg, .exr or .hdr");
+  if (o.display && is_linear_picture(frames.path(o.output, frames.first), how))
+    throw UsageError(o.output, "holds radiance as it is: leave out --display");
+  std::vector<std::string> outputs;
+  for (const std::string& path : frames.paths(o.output)) std::ranges::copy(eye_files(path), std::back_inserter(outputs));
+  check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
+  LoadedScene loaded = load(o.scene);
+  check_files(outputs, loaded.inputs);
+  open_depfile();
+  const Scene& scene = loaded.scene;
+  const Viewpoints viewpoints(o.from, static_cast<double>(o.width) / o.height, scene, o.scene.path,
+                              pose(scene, frames.time(frames.first)));
+  const std::vector<Mirror> mirrors = mirrors_of(scene, o.mirrors, o.maps.value_or(Projection::paraboloid));
+  const std::vector<int> nodes = nodes_of(mirrors);
+  const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
+  std::optional<MapPainter> painter;
+  if (o.method == Through::maps) painter.emplace(o, loaded, mirrors, nodes);
+  if (viewpoints.is_framed()) note(fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
+  const Scenery scenery{o, loaded, viewpoints, frames};
+  if (o.max_error) choose(o, scenery, mirrors, painter);
+  double seconds = 0;
+  for (int frame = frames.first; frame <= frames.last; ++frame) {
+    const std::vector<int> moved = loaded.move_to(frames.time(frame));
+    const Shot shot = scenery.shot(frame);
+    const std::vector<Eye> eyes = scenery.eyes(frame, shot.pose);
+    const Stopwatch watch;
+    Pictures pictures = painter ? painter->paint(shot, moved, eyes) : cast(o, nodes, shot, eyes);
+    seconds += watch.seconds();
+    if (!maps.empty()) painter->save(frames.sequence ? numbered(maps, frame) : maps);
+    if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
+    const std::vector<std::string> files = eye_files(frames.path(o.output, frame));
+    if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
+    for (std::size_t k = 0; k < files.size(); ++k) {
+      for (Colour& c : pictures[k]) c *= static_cast<float>(std::exp2(o.exposure));
+      write_picture(files[k], o.width, pictures[k], how);
+    }
+  }
+  tell_darkness(loaded, o.scene);
+  tell_rate(frames, seconds);
+  return 0;
+}
+
+}  // namespace
+
+Action define_view(Options& o) {
+  const auto r = std::make_shared<Request>();
+  add_scene(o, r->scene);
+  o.writes(
+       "OUTPUT", r->output,
+       "Picture to write: .png, .jpg, .exr or .hdr, '-' for standard output; {frame} or %04d in the name is the frame")
+      .required = true;
+  o.add("--format", "EXT", &r->format, "File type, for '-' and names without one (default: png)");
+  o.add("--camera", "NAME|X,Y,Z", &r->from.camera,
+        "Camera of the scene, by its name or its node's, or a point in the world (default: the first, or one that sees "
+        "all)");
+  o.add("--look-at", "X,Y,Z", Triple{&r->from.look_at},
+        "Point in the middle of the picture (default: where the camera looks; of a point, the middle of the scene)");
+  o.add("--fov", "DEGREES", &r->from.fov, {0.01, 179},
+        "Angle from the bottom to the top of the picture (default: the camera's, or 40)");
+  o.add("--orbit", "DEGREES", &r->from.orbit, {-36000, 36000},
+        "Over all --frames, carry the camera round what it looks at, or the middle of the scene (default: 0)");
+  o.add("--width", "N", &r->width, {1, 16384}, "Of the picture (default: 640)");
+  o.add("--height", "N", &r->height, {1, 16384}, "Of the picture (default: 480)");
+  o.add("--samples", "N", &r->samples, {1, 1024}, "Rays a pixel (default: 4)");
+  o.add("--method", one_of(r->method, method_names),
+        "How mirrors find what they show: in dynamic maps, or by rays, the reference (default: maps)");
+  o.add("--exposure", "STOPS", &r->exposure, {-100, 100}, "Stops (default: 0)");
+  add_display(o, r->display, Display::clip);
+  o.add(
+      "--maps", joined(map_names),
+      [&maps = r->maps](const std::string& word) {
+        if (index_of(word, map_names) >= 0) maps = projection_named(word);
+        return index_of(word, map_names) >= 0;
+      },
+      "Projection of the mirrors' maps (default: paraboloid)");
+  o.add("--size", "N", &r->drawing.size, {4, 8192}, "Height of a face of the maps (default: what the picture needs)");
+  o.add("--max-size", "N", &r->drawing.largest, {4, 8192}, "The most that it may be (default: 1024)");
+  o.add("--mirror", "NODE", &r->mirrors,
+        "A node that is a mirror, too; with :sphere, :paraboloid or :cube behind it mapped so; with :off no mirror, "
+        "though its material says so: it shows the environment. May be given more than once")
+      .several = Several::repeated;
+  o.add("--bounces", "N", &r->drawing.bounces, {1, 64},
+        "Rounds in which mirrors draw each other, a frame (default: in the first one until nothing changes by more "
+        "than 1/255, then 1); how often a ray is followed (default: 32)");
+  o.add("--near", "METRES", &r->drawing.near, {1e-9, 1e9},
+        "Nothing nearer to a mirror's middle is in its map (default: 0.01)");
+  o.add("--far", "METRES", &r->drawing.far, {1e-9, 1e12}, "Nothing further is (default: 1000)");
+  o.add("--lookup", one_of(r->lookup, mirror_lookup_names),
+        "How maps are looked up: by direction, as if all were far away; where rays meet what is at a distance; by "
+        "direction at vertices, as it used to be done (default: distance)");
+  o.add(
+      "--max-error", "E", &r->max_error, {1e-6, 10},
+      "Draw mirrors by the smallest maps whose picture is off by E at most, as the rms of the difference over that of "
+      "the picture by rays, or by rays: tried in all of it, of --frames in the first, the middle and the last one");
+  o.flag("--show-maps", r->look.tinted, "Tint what mirrors show by the face of the map");
+  o.add("--save-maps", "FOLDER", &r->saved,
+        "Write the map of each mirror that is drawn into this folder, too: NODE.exr, of frames NODE.0001.exr, along "
+        "the axes of the world");
+  o.add("--anaglyph", "METRES", &r->anaglyph, {1e-9, 1e9},
+        "Two eyes so far apart; both see the same at 30 times the distance. {eye} in OUTPUT writes three files: left, "
+        "right and both");
+  o.flag("--all", r->drawing.all, "Draw all of every map, needed or not");
+  return [r](Report&) { return run(*r); };
+}
+
+}  // namespace tools

@@ -1,0 +1,56 @@
+#include "scenes/viewpoints.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "cli/options.h"
+#include "envmap/base/error.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+constexpr double default_field = 40;  // Degrees.
+
+const Camera& camera_named(const std::string& name, const Scene& scene, const std::string& path) {
+  for (const Camera& camera : scene.cameras)
+    if (camera.name == name || scene.nodes[static_cast<std::size_t>(camera.node)].name == name) return camera;
+  std::vector<std::string> names;
+  for (const Camera& camera : scene.cameras) names.push_back(camera.name);
+  throw UsageError(fmt::format("--camera: '{}' is neither X,Y,Z nor a camera of {}: it has {}", name, path,
+                               scene.cameras.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+}  // namespace
+
+Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Scene& scene, const std::string& path,
+                       const Pose& first)
+    : look_at_(options.look_at), scene_(scene), orbit_(options.orbit), ball_(bounds(scene, first)) {
+  const auto radians = [](double degrees) { return degrees * pi / 180; };
+  if (const auto point = triple_of(options.camera)) {
+    still_ = framing(ball_, radians(options.fov.value_or(default_field)), aspect);
+    still_->at = *point;
+    if (!look_at_) look_at_ = ball_.centre;
+  } else if (!options.camera.empty() || !scene.cameras.empty()) {
+    camera_ = options.camera.empty() ? scene.cameras.front() : camera_named(options.camera, scene, path);
+    if (options.fov) camera_.vertical_field = radians(*options.fov), camera_.half_height = 0;
+  } else {
+    still_ = framing(ball_, radians(options.fov.value_or(default_field)), aspect);
+  }
+}
+
+View Viewpoints::view(const Pose& pose, double part) const {
+  View view = still_ ? *still_ : view_of(camera_, pose);
+  if (look_at_) view = looking_at(view, *look_at_);
+  view = carried_round(view, look_at_.value_or(ball_.centre), part * orbit_);
+  if (view.half_height > 0) {
+    const Ball ball = bounds(scene_, pose);
+    const double end = glm::dot(view.at - ball.centre, view.axes[2]) + 1.001 * ball.radius;
+    view.far = std::clamp(end, 2 * view.near, std::max(view.far, 2 * view.near));
+  }
+  return view;
+}
+
+}  // namespace tools

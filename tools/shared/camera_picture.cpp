@@ -1,0 +1,56 @@
+#include "shared/camera_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "cli/console.h"
+#include "envmap/base/error.h"
+#include "envmap/io/picture.h"
+#include "shared/maps.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+PhotographOptions settled(const PhotographJob& job) {
+  constexpr double degree = pi / 180;
+  PhotographOptions o = job.photograph;
+  o.field = degree * job.field.value_or(o.lens == CameraModel::fisheye ? 180 : o.lens == CameraModel::cylinder ? 90 : 60);
+  o.height = job.height.value_or(480);
+  o.width = 1;
+  const double once_round = 2 * pi / angle_across(o);
+  o.width = job.width.value_or(o.lens == CameraModel::fisheye       ? o.height
+                               : o.lens == CameraModel::perspective ? (4 * o.height + 2) / 3
+                                                             : static_cast<int>(std::clamp(once_round, 1.0, 65536.0)));
+  return o;
+}
+
+}  // namespace
+
+int take_photograph(const PhotographJob& job, Report& report) {
+  const PictureOptions how{job.format, job.display.value_or(Display::clip), settings().commit};
+  if (!is_picture(job.output, how)) throw UsageError(job.output, "the picture must be a .png, .jpg, .exr or .hdr");
+  if (job.display && is_linear_picture(job.output, how))
+    throw UsageError(job.output, "holds radiance as it is: leave out --display");
+  Source source = read_map(job.input, job.read);
+  grade(source, job.grade, job.read.colour);
+  PhotographOptions options = settled(job);
+  options.samples = samples_of(options, source.map.base());
+  open_depfile(1);
+  write_picture(job.output, options.width, photograph(std::move(source.map), options), how);
+  report.put("input", job.input);
+  report.put("filter", name(options.filter));
+  report.put("samples", options.samples);
+  report.put("error", nullptr);
+  report.put("lens", camera_model_names[static_cast<std::size_t>(options.lens)]);
+  report.put("width", options.width);
+  report.put("height", options.height);
+  report.put("output", job.output);
+  report.put_seconds();
+  return 0;
+}
+
+}  // namespace tools

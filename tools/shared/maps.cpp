@@ -1,0 +1,166 @@
+#include "shared/maps.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include "cli/console.h"
+#include "envmap/base/error.h"
+#include "envmap/io/output_file.h"
+#include "envmap/io/path.h"
+#include "shared/named_files.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+namespace fs = std::filesystem;
+
+struct Depfile {
+  std::vector<std::string> outputs, inputs;
+  std::unique_ptr<OutputFile> file;
+  bool opened = false;
+};
+Depfile& depfile() {
+  static Depfile one;
+  return one;
+}
+
+// As GCC writes names (mkdeps): a backslash before spaces and #, those before it doubled; $ doubled; other backslashes
+// as they are. Beyond GCC, which leaves them, colons get a backslash, too: make and ninja read both.
+std::string escaped(const std::string& name) {
+  std::string out;
+  std::size_t backslashes = 0;
+  for (const char c : name) {
+    if (c == '\n') throw UsageError(name, "a depfile cannot hold a name of two lines");
+    if (c == ' ' || c == '\t' || c == '#') out += std::string(backslashes + 1, '\\');
+    if (c == ':') out += '\\';
+    if (c == '$') out += '$';
+    out += c;
+    backslashes = c == '\\' ? backslashes + 1 : 0;
+  }
+  return out;
+}
+
+// Each once, in the order in which they come.
+std::vector<std::string> inputs_of(const std::vector<std::string>& paths) {
+  std::vector<std::string> all;
+  for (const std::string& path : paths)
+    for (const std::string& file : files_of(path, std::max(1, count_level_files(path))))
+      if (std::ranges::find(all, file) == all.end()) all.push_back(file);
+  return all;
+}
+
+// The same for all names of a file; empty for devices and pipes, which may well be read and written.
+std::string identity(const std::string& path) {
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) == 0)
+    return S_ISREG(status.st_mode) ? fmt::format("{} {}", status.st_dev, status.st_ino) : "";
+  std::error_code error;
+  return fs::weakly_canonical(fs::absolute(path, error), error).string();
+}
+
+}  // namespace
+
+void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
+  depfile() = {outputs, inputs, nullptr, false};
+  if (settings().json && std::ranges::find(outputs, "-") != outputs.end())
+    throw UsageError("--json and the output would both be standard output: name a file");
+  if (std::ranges::count(inputs, "-") > 1) throw UsageError("-: standard input can be read once, and is named twice");
+  std::set<std::string> written, read;
+  for (const std::string& input : inputs_of(inputs)) read.insert(identity(input));
+  read.erase("");
+  std::vector<std::string> files{settings().depfile};
+  files.insert(files.end(), outputs.begin(), outputs.end());
+  for (const std::string& output : files)
+    for (const std::string& file : files_of(output, 1)) {
+      const std::string id = identity(file);
+      if (read.contains(id)) throw UsageError(file, "is read and would be overwritten: give the output another name");
+      if (!id.empty() && !written.insert(id).second)
+        throw UsageError(file, "would be written twice: give each output a name of its own");
+      if (!settings().commit.if_changed) check_replaceable(file, settings().commit);  // Else only what differs is replaced.
+    }
+}
+
+void open_depfile(int levels) {
+  if (settings().depfile.empty() || depfile().opened) return;
+  depfile().opened = true;
+  std::string text, phony;
+  for (const std::string& output : depfile().outputs)
+    for (const std::string& file : files_of(output, levels)) text += (text.empty() ? "" : " ") + escaped(file);
+  if (text.empty()) throw UsageError("--depfile: no file is written that could depend on another");
+  text += ":";
+  std::vector<std::string> all = depfile().inputs;
+  all.insert(all.end(), settings().also_read.begin(), settings().also_read.end());
+  for (const std::string& input : inputs_of(all)) {
+    text += " " + escaped(input);
+    phony += escaped(input) + ":\n";
+  }
+  text += "\n" + phony;
+  depfile().file = std::make_unique<OutputFile>(settings().depfile, settings().commit);
+  depfile().file->write(text.data(), text.size());
+  depfile().file->check();
+  if (!depfile().file->is_stream()) return;
+  // Devices and pipes have their bytes before the outputs.
+  depfile().file->commit();
+  depfile().file.reset();
+}
+
+void commit_depfile() {
+  if (depfile().file) depfile().file->commit();
+}
+
+PendingDepfile::~PendingDepfile() { depfile() = {}; }
+
+Source read_map(const std::string& path, const ReadOptions& options) {
+  const Stopwatch watch;
+  Source source = read(path, options);
+  if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
+  settings().also_read.insert(settings().also_read.end(), source.colour_files.begin(), source.colour_files.end());
+  for (const std::string& what : source.notes) warn(fmt::format("{}: {}", path, what));
+  if (settings().verbose) {
+    for (const std::string& what : source.details) detail(fmt::format("{}: {}", path, what));
+    const Level& level = source.map.base();
+    detail(fmt::format("{}: {} {}x{}{}, {} {}, read in {:.2f} s", path, name(level.projection()), level.width(),
+                       level.height(), level.faces() > 1 ? fmt::format(" x {} faces", level.faces()) : "",
+                       source.format, name(source.depth), watch.seconds()));
+  }
+  return source;
+}
+
+Written write_map(const std::string& path, const Rows& rows, const WriteOptions& options, const std::string& verb) {
+  return write_map(path, std::span(&rows, 1), options, verb);
+}
+
+Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+                  const std::string& verb) {
+  const Stopwatch watch;
+  const std::vector<std::string> colours = out_of_working(options.colour).files;
+  settings().also_read.insert(settings().also_read.end(), colours.begin(), colours.end());
+  open_depfile(static_cast<int>(levels.size()));
+  const Rows& rows = levels.front();
+  WriteOptions how = options;
+  how.commit = settings().commit;
+  const Written written = write(path, levels, how, progress_line(verb));
+  if (written.clamped > 0)
+    warn(fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
+  if (settings().verbose)
+    detail(fmt::format("{}: {} {}x{}{}{}, {}, made and written in {:.2f} s", path, name(rows.projection), rows.width(),
+                       rows.size,
+                       rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
+                       levels.size() > 1 ? fmt::format(", {} levels", levels.size()) : "", name(written.depth),
+                       watch.seconds()));
+  return written;
+}
+
+void write_text(const std::string& path, std::string_view text) {
+  OutputFile file(path, settings().commit);
+  file.write(text.data(), text.size());
+  file.commit();
+}
+
+}  // namespace tools

@@ -1,0 +1,33 @@
+// What `tradeoff` measures of scenes.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "envmap/render/context.h"
+#include "envmap/render/renderer.h"
+#include "scenes/scene_options.h"
+#include "tradeoff/tasks.h"
+
+namespace tools {
+
+// What OpenGL draws with; made once for all ways of a task.
+struct Gl {
+  envmap::Context context;
+  envmap::Renderer renderer;
+  Gl(const LoadedScene& loaded, envmap::ContextKind kind, const std::vector<int>& mirrors)
+      : context(kind), renderer(loaded.scene, loaded.environment.get(), mirrors) {}
+};
+
+// Null without a renderer, with a warning that `what` is left out. @param loaded must outlive the result.
+std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, envmap::ContextKind kind, const std::vector<int>& mirrors, const char* what);
+
+// Whether a task is about a scene: render:P[:N] or view[:N].
+bool is_of_scene(const std::string& task);
+
+// The methods of `envmap render`. @param at NODE, X,Y,Z or nothing: the origin. @param loaded must outlive the task.
+// @throws UsageError as make_task(); without a renderer the methods of OpenGL are left out, with a warning.
+Task make_scene_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options, const std::string& at);
+
+}  // namespace tools

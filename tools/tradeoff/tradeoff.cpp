@@ -1,0 +1,296 @@
+// What accuracy costs: every way to do a task, timed, beside its error against the reference.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/io/picture.h"
+#include "envmap/operate/measure.h"
+#include "picture/plot.h"
+#include "shared/map_options.h"
+#include "shared/maps.h"
+#include "tradeoff/bake_task.h"
+#include "tradeoff/calibrate.h"
+#include "tradeoff/scene_task.h"
+#include "tradeoff/tasks.h"
+#include "tradeoff/view_task.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+enum class Metric { rms, maximum, flux };
+constexpr std::string_view metric_names[] = {"rms", "max", "flux"};
+
+struct Request {
+  std::string input, task, only, plot, at, camera, environment, costs, saved;
+  ReadOptions read;
+  bool csv = false, calibrate = false;
+  Metric by = Metric::rms;
+  double budget = 60;
+};
+
+std::string label_of(const std::string& method, const std::string& setting) { return setting.empty() ? method : method + " " + setting; }
+
+struct Trial {
+  std::string method, setting;
+  double seconds, noise;  // The median of its runs, and how far the others are from it at most, over it.
+  int runs;
+  Difference error;
+  std::optional<std::int64_t> bytes;
+  double missing_solid_angle = 0;  // Steradians.
+  bool front = false;
+
+  [[nodiscard]] double cost() const { return bytes ? static_cast<double>(*bytes) : seconds; }
+  [[nodiscard]] double value(Metric m) const {
+    return m == Metric::rms ? error.rms : m == Metric::maximum ? error.maximum : error.largest_flux();
+  }
+  [[nodiscard]] std::string label() const { return label_of(method, setting); }
+};
+
+struct Study {
+  const Task& task;
+  double reference_seconds = 0;
+  std::vector<Trial> trials;
+  std::size_t left_out = 0;  // Ways for which there was no time.
+};
+
+// Runs until there are five, or this way's part of the time is over. The first of several only warms caches up and compiles shaders: where
+// that is little of the rest of the time there is a second.
+Trial measured(const Way& way, double seconds, double rest, Outcome& out) {
+  constexpr std::size_t enough = 6;
+  const Stopwatch whole;
+  std::vector<double> times;
+  do {
+    const Stopwatch watch;
+    out = way.run();
+    times.push_back(watch.seconds());
+  } while (times.size() < enough && (whole.seconds() + times.back() < seconds || (times.size() == 1 && times.back() < 0.05 * rest)));
+  if (times.size() > 1) times.erase(times.begin());
+  std::ranges::sort(times);
+  const double median = times[times.size() / 2], off = std::max(median - times.front(), times.back() - median);
+  return {way.method, way.setting, median, off / median, static_cast<int>(times.size()), {}, out.bytes, out.missing_solid_angle};
+}
+
+// By cost, and at the same cost by error: then what is closer than all before it is beaten by none. NaN never is. A map
+// that lacks surfaces is no answer to the task, however close the rest of it is.
+void mark_front(std::vector<Trial>& trials, Metric by) {
+  std::ranges::stable_sort(trials, {}, [by](const Trial& t) { return std::pair(t.cost(), t.value(by)); });
+  double least = std::numeric_limits<double>::infinity();
+  for (Trial& t : trials) {
+    t.front = t.value(by) < least && t.missing_solid_angle == 0;
+    least = t.front ? t.value(by) : least;
+  }
+}
+
+Study study_of(const Task& task, const Request& o) {
+  const Progress progress = progress_line("measuring");
+  Study study{task};
+  const auto as_reference = [&study](const auto& work) {
+    const Stopwatch watch;
+    auto result = work();
+    study.reference_seconds += watch.seconds();
+    return result;
+  };
+  std::optional<Outcome> truth;
+  if (task.truth) truth = as_reference(task.truth);
+  double rest = o.budget;
+  for (std::size_t k = 0; k < task.ways.size(); ++k) {
+    if (rest <= 0 && k > 0) {
+      study.left_out = task.ways.size() - k;
+      break;
+    }
+    const Way& way = task.ways[k];
+    const Stopwatch watch;
+    Outcome out{Level(Projection::latlong, 1)};
+    Trial trial = measured(way, rest / static_cast<double>(task.ways.size() - k), rest, out);
+    rest -= watch.seconds();
+    trial.error = way.judge ? as_reference([&] { return way.judge(out); }) : compare(out.level, truth->level);
+    study.trials.push_back(trial);
+    if (progress) progress(static_cast<double>(k + 1) / static_cast<double>(task.ways.size()));
+  }
+  mark_front(study.trials, o.by);
+  return study;
+}
+
+std::string table_of(const Study& study, const Request& o) {
+  std::size_t wide = 10;
+  for (const Trial& t : study.trials) wide = std::max(wide, t.label().size());
+  const bool files = !study.trials.empty() && study.trials[0].bytes;
+  std::string out = fmt::format("{} of {}; errors against {} ({:.3g} s)\n", o.task, o.input, study.task.reference, study.reference_seconds);
+  out += fmt::format("  {:{}}  {:>10}  {:>5}{}  {:>8}  {:>8}  {:>8}\n", "", wide, "seconds", "+-", files ? "       bytes" : "",
+                     "max", "rms", "flux");
+  for (const Trial& t : study.trials)
+    out += fmt::format("{} {:{}}  {:>10.3g}  {:>4.0f}%{}  {:>8.1e}  {:>8.1e}  {:>8.1e}\n", t.front ? '*' : ' ', t.label(), wide,
+                       t.seconds, 100 * t.noise, t.bytes ? fmt::format("{:>12}", *t.bytes) : "", t.error.maximum, t.error.rms,
+                       t.error.largest_flux());
+  for (const Trial& t : study.trials)
+    if (t.missing_solid_angle > 0)
+      out += fmt::format("{}: no star: surfaces near the singularity are missing, up to {:.2g} sr\n", t.label(),
+                         t.missing_solid_angle);
+  out += fmt::format("* nothing else is both {} and closer in {}\n", files ? "smaller" : "faster",
+                     metric_names[static_cast<std::size_t>(o.by)]);
+  return out;
+}
+
+std::string csv_of(const Study& study) {
+  std::string out = "method,setting,seconds,noise,runs,bytes,max,rms,flux,front,missing_solid_angle\n";
+  for (const Trial& t : study.trials)
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", t.method, t.setting, t.seconds, t.noise, t.runs,
+                       t.bytes ? std::to_string(*t.bytes) : "", t.error.maximum, t.error.rms, t.error.largest_flux(), t.front ? 1 : 0,
+                       t.missing_solid_angle);
+  return out;
+}
+
+void add(Report& report, const Study& study, const Request& o) {
+  report.put("input", o.input);
+  report.put("task", o.task);
+  report.put("reference.what", study.task.reference);
+  report.put("reference.seconds", study.reference_seconds);
+  report.put("by", metric_names[static_cast<std::size_t>(o.by)]);
+  report.put_array("trials");
+  for (const Trial& t : study.trials) {
+    report.append("trials[]");
+    report.put("trials[].method", t.method);
+    report.put("trials[].setting", t.setting);
+    report.put("trials[].seconds", t.seconds);
+    report.put("trials[].noise", t.noise);
+    report.put("trials[].runs", t.runs);
+    if (t.bytes) report.put("trials[].bytes", *t.bytes);
+    report.put("trials[].max", t.error.maximum);
+    report.put("trials[].rms", t.error.rms);
+    report.put("trials[].flux", t.error.largest_flux());
+    report.put("trials[].front", t.front);
+    report.put("trials[].missing_solid_angle", t.missing_solid_angle);
+  }
+  report.put("left_out", study.left_out);
+}
+
+bool is_png(const std::string& path) { return path.ends_with(".png") || path.ends_with(".PNG"); }
+
+void write_plot(const Study& study, const Request& o) {
+  std::vector<PlotPoint> points;
+  for (const Trial& t : study.trials) points.push_back({t.cost(), t.value(o.by), t.method, t.label(), t.front});
+  const bool files = !study.trials.empty() && study.trials[0].bytes;
+  const Drawing drawing = plot(points, fmt::format("{} of {}", o.task, printable(o.input)), files ? "bytes" : "seconds",
+                               fmt::format("{} error", metric_names[static_cast<std::size_t>(o.by)]));
+  if (!is_png(o.plot)) return write_text(o.plot, svg_of(drawing));
+  try {
+    const Picture picture = picture_of(drawing, 2);
+    write_stored(o.plot, picture.size.width, picture.pixels, Depth::uint8, {.commit = settings().commit});
+  } catch (const OutputError& e) {
+    if (!e.file().empty()) throw;
+    throw OutputError(o.plot, e.what());
+  }
+}
+
+void check(const Request& o) {
+  if (o.csv && settings().json) throw UsageError("--csv and --json: choose one");
+  const bool of_view = parts_of(o.task)[0] == "view";
+  if (!is_of_scene(o.task) && !o.environment.empty()) throw UsageError("--environment is for scenes");
+  if (!o.at.empty() && (of_view || !is_of_scene(o.task))) throw UsageError("--at is for --task render");
+  if (!o.camera.empty() && !of_view) throw UsageError("--camera is for --task view");
+  if (o.plot.empty()) return;
+  if (o.plot != "-" && !o.plot.ends_with(".svg") && !is_png(o.plot)) throw UsageError(o.plot, "--plot writes .svg and .png");
+  if (o.plot == "-" && o.csv) throw UsageError("--csv and --plot both go to standard output");
+}
+
+void tell(const Study& study, const Request& o, Report& report) {
+  if (!o.plot.empty()) write_plot(study, o);
+  if (settings().json)
+    add(report, study, o);
+  else if (o.csv)
+    print(csv_of(study));
+  else if (o.plot != "-")
+    print(table_of(study, o));
+  if (study.left_out > 0)
+    warn(fmt::format("envmap tradeoff: {} of {} ways left out after {:g} s; say --budget to allow more", study.left_out,
+                     study.task.ways.size(), o.budget));
+}
+
+// Leaves the ways whose method and setting hold the words. @throws UsageError where there is none.
+Task only(Task task, const std::string& words) {
+  std::string all;
+  for (const Way& way : task.ways) all += (all.empty() ? "" : ", ") + label_of(way.method, way.setting);
+  std::erase_if(task.ways, [&](const Way& way) { return label_of(way.method, way.setting).find(words) == std::string::npos; });
+  if (task.ways.empty()) throw UsageError(fmt::format("--only: '{}' is in none of {}", words, all));
+  return task;
+}
+
+// The figures that automatic choices rest on, measured here, beside the defaults.
+int calibrate(const Request& o) {
+  if (settings().json) throw UsageError("--calibrate: --save FILE writes JSON, and --save - prints it");
+  const Costs costs = calibrated();
+  if (!o.saved.empty()) write_text(o.saved, text_of(costs));
+  std::string table = fmt::format("{:18}  {:>10}  {:>10}  nanoseconds\n", "", "default", "here");
+  for (std::size_t k = 0; k < cost_count; ++k) {
+    const CostFact& fact = cost_facts()[k];
+    table += fmt::format("{:18}  {:>10.0f}  {:>10.0f}  {}\n", fact.name, fact.nanoseconds, costs.nanoseconds[k], fact.what);
+  }
+  if (o.saved == "-") return 0;
+  print(table);
+  if (!o.saved.empty()) note(fmt::format("{}: say --costs {}, or ENVMAP_COSTS in the environment", o.saved, o.saved));
+  return 0;
+}
+
+int run(Request& o, Report& report) {
+  if (o.calibrate != o.input.empty() || o.calibrate == !o.task.empty())
+    throw UsageError("name an INPUT and a --task, or say --calibrate alone");
+  if (o.calibrate) return calibrate(o);
+  if (!o.saved.empty()) throw UsageError("--save is for --calibrate");
+  check(o);
+  const Costs costs = read_costs(o.costs);
+  if (is_of_scene(o.task)) {
+    SceneOptions scene{.path = o.input, .environment = o.environment};
+    scene.read.max_pixels = o.read.max_pixels;
+    const LoadedScene loaded = load(scene);
+    if (is_dark(loaded, scene))
+      throw UsageError(o.input, "no light in it, so every method would be right: give some with --environment MAP");
+    const Task all = parts_of(o.task)[0] == "view" ? make_view_task(o.task, loaded, scene, o.camera)
+                                                   : make_scene_task(o.task, loaded, scene, o.at);
+    const Task task = only(all, o.only);
+    tell(study_of(task, o), o, report);
+  } else {
+    const Source source = read_map(o.input, o.read);
+    const Task task =
+        only(parts_of(o.task)[0] == "bake" ? make_bake_task(o.task, source, costs) : make_task(o.task, source.map, costs),
+             o.only);
+    tell(study_of(task, o), o, report);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Action define_tradeoff(Options& o) {
+  const auto r = std::make_shared<Request>();
+  o.reads("INPUT", r->input,
+          "Map, or scene where the task is render, '-' for standard input; {face} in the name reads six files");
+  o.add("--task", "TASK", &r->task, "What to measure: " + task_words());
+  o.flag("--calibrate", r->calibrate,
+         "Measure the times that automatic choices rest on, about a minute, and print them beside the defaults");
+  o.add("--save", "FILE", &r->saved, "Write what --calibrate measures, for --costs; '-' for standard output");
+  add_costs(o, r->costs);
+  o.add("--only", "WORDS", &r->only,
+        "Measure only the ways whose method and options, as the table shows them, hold these words");
+  o.add("--by", one_of(r->by, metric_names), "The error that stars and plot are about (default: rms)");
+  o.add("--budget", "SECONDS", &r->budget, {0, 1e6}, "Time for all ways together, the reference apart (default: 60)");
+  o.add("--camera", "NAME|X,Y,Z", &r->camera,
+        "Of view: camera of the scene, or a point, as 'view' takes it (default: as of 'view')");
+  o.add("--at", "NODE|X,Y,Z", &r->at, "Of render: the node or the point X,Y,Z that is drawn from (default: 0,0,0)");
+  o.add("--environment", "FILE", &r->environment, "Of scenes: map that is the background and a light");
+  o.flag("--csv", r->csv, "Print the table as comma-separated values");
+  o.add("--plot", "FILE", &r->plot,
+        "Write a picture of cost against error on logarithmic axes: .svg ('-' for standard output) or .png")
+      .file = File::output;
+  add_read_options(o, r->read);
+  add_repair(o, r->read);
+  return [r](Report& report) { return run(*r, report); };
+}
+
+}  // namespace tools
