@@ -39,7 +39,9 @@ Seen look(const RayTree& tree, const Tracer& tracer, const Lighting& lighting, c
 
 Drawn raycast(const Shot& shot, const Viewpoint& from, const RayPaths& paths, const Progress& progress) {
   const RayTree tree(shot, from.at, from.without);
-  const Lighting light = lighting(shot, &tree);
+  const std::optional<LobeIntegral> integral = lobe_integral(shot, paths);
+  Lighting light = lighting(shot, &tree);
+  if (integral) light.integral = &*integral;
   // What the map leaves out, mirrors show.
   std::optional<RayTree> all;
   if (from.without >= 0 && !paths.mirrors.empty()) all.emplace(shot, from.at, -1);

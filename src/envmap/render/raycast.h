@@ -12,6 +12,9 @@ struct RayPaths {
   std::vector<int> mirrors;  ///< Nodes whose smooth surfaces (is_smooth()) reflect and let through what is there.
   int bounces = 32;          ///< So often a ray leaves a mirror or a lens; after that these show the environment.
   double far = 1000;         ///< Nothing further from the last surface.
+  /// Samples of each integral of an environment's light over a surface's lobes (lobe_integral.h); 0: prefiltered levels, as
+  /// the card has them.
+  int lobe_samples = 0;
 };
 
 /// Each texel shows what its own ray meets first between the spheres `near` and `far`, lit by shade(), and from mirrors goes on

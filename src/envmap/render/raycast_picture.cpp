@@ -6,7 +6,9 @@ namespace envmap {
 std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, const RayPaths& paths,
                                     const Progress& progress) {
   const RayTree tree(shot, from.at, from.without);
-  const Lighting light = lighting(shot, &tree);
+  const std::optional<LobeIntegral> integral = lobe_integral(shot, paths);
+  Lighting light = lighting(shot, &tree);
+  if (integral) light.integral = &*integral;
   const Tracer tracer(tree, light, shot, from, paths);
   const Lens& lens = *from.lens;
   std::vector<Colour> picture(static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(from.size));

@@ -7,6 +7,8 @@
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/projection/visit.h"
+#include "envmap/render/lobe_integral.h"
+#include "envmap/render/microfacet.h"
 #include "envmap/render/ray_tree.h"
 #include "envmap/render/sheen.h"
 #include "envmap/sample/point.h"
@@ -53,6 +55,7 @@ namespace {
 Flux irradiance_over_pi(const Lighting& l, const Direction& n, const Flux& reached) {
   const Flux ambient(l.ambient);
   if (l.environment == nullptr) return ambient;
+  if (l.integral != nullptr) return ambient + reached * l.integral->diffuse(n);
   const double basis[9] = {1, n.x, n.y, n.z, n.x * n.z, n.x * n.y, 3 * n.y * n.y - 1, n.y * n.z, n.z * n.z - n.x * n.x};
   Flux sum(0);
   for (std::size_t k = 0; k < 9; ++k) sum += basis[k] * Flux(l.environment->light.irradiance[k]);
@@ -94,21 +97,12 @@ Flux arriving(const PlacedLight& light, const Direction& position, Direction& fr
   return there;
 }
 
-// D times G / (4 cos(n,l) cos(n,v)): Trowbridge and Reitz, with Smith's height-correlated masking. 1 - cos^2 is taken from
-// the cross product: the peak of a smooth surface is lost otherwise.
 double specular(double alpha, const Direction& n, const Direction& h, double nv, double nl) {
-  const double a2 = alpha * alpha, nh = std::max(0.0, glm::dot(n, h));
-  const Direction side = glm::cross(n, h);
-  const double q = a2 * nh * nh + glm::dot(side, side);
-  const double masking = nl * std::sqrt(nv * nv * (1 - a2) + a2) + nv * std::sqrt(nl * nl * (1 - a2) + a2);
-  return a2 / (pi * q * q) * 0.5 / masking;
+  return ggx_distribution(alpha, n, h) * smith_visibility(alpha, nv, nl);
 }
 
 // A smooth surface shows a punctual light as a spot of finite size.
 double alpha_of(float roughness) { return std::max(1e-3, static_cast<double>(roughness) * roughness); }
-
-// Schlick's part of the way from what is reflected straight on to what is at grazing angles (1994).
-double grazing(double cosine) { return std::pow(1 - std::clamp(cosine, 0.0, 1.0), 5); }
 
 // ---- layers of the material ------------------------------------------------------------------------------------------
 
@@ -129,7 +123,7 @@ Flux lit(const Base& b, const Surface& s, const Direction& v, const Direction& f
   const double nl = glm::dot(s.normal, from);
   if (nl <= 0) return Flux(0);
   const Direction h = glm::normalize(from + v);
-  const double side = grazing(glm::dot(v, h));
+  const double side = schlick_weight(glm::dot(v, h));
   const Flux of_plain = b.plain + (b.edge - b.plain) * side;
   const Flux fresnel = glm::mix(of_plain, b.colour + (1.0 - b.colour) * side, static_cast<double>(s.metallic));
   const Flux diffuse = (1.0 - of_plain) * (1.0 - s.transmission) / pi;
@@ -147,7 +141,7 @@ Coat coat_of(const Surface& s, const Direction& v) {
   constexpr double straight = 0.04;
   const double nv = std::clamp(glm::dot(s.coat_normal, v), 1e-3, 1.0);
   const ScaleBias table = split_sum(nv, s.coat_roughness);
-  return {nv, s.coat * (straight + (1 - straight) * grazing(nv)), table.scale + table.bias};
+  return {nv, s.coat * (straight + (1 - straight) * schlick_weight(nv)), table.scale + table.bias};
 }
 
 double lit(const Coat& c, const Surface& s, const Direction& v, const Direction& from) {
@@ -173,6 +167,18 @@ Flux lit(const Sheen& f, const Surface& s, const Direction& v, const Direction& 
   const double left = 1 - f.most * std::max(f.albedo, sheen_albedo(nl, s.sheen_roughness));
   const double nh = glm::dot(s.normal, glm::normalize(from + v));
   return left * base + nl * sheen(nh, f.nv, nl, s.sheen_roughness) * Flux(s.sheen);
+}
+
+// The part of the light that the coat and the fibres leave to the base.
+double left_to_base(const Coat& c, const Sheen& f) { return (1 - c.part) * (1 - f.most * f.albedo); }
+
+// Below it a surface is a mirror, and has no lobe to integrate.
+constexpr float least_lobe_roughness = 0.03F;
+
+// What fibres of colour 1 reflect.
+Flux cloth(const Surface& s, const Direction& v, const Lighting& l, double albedo, const Flux& reached, const Flux& irradiance) {
+  if (l.integral == nullptr || l.environment == nullptr || albedo == 0) return albedo * irradiance;
+  return double(s.reached) * (albedo * Flux(l.ambient) + reached * l.integral->charlie(s.normal, v, s.sheen_roughness));
 }
 
 }  // namespace
@@ -235,7 +241,7 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Coat coat = coat_of(s, v);
   const Sheen fibres = sheen_of(s, v);
   const double metallic = s.metallic, transmitted = s.transmission, through = 1 - coat.part;
-  const double under = through * (1 - fibres.most * fibres.albedo);
+  const double under = left_to_base(coat, fibres);
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
   const ScaleBias table = split_sum(base.nv, s.roughness);
@@ -249,8 +255,8 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Flux &plain = base.plain, rest = 1.0 - once(plain, base.edge) - later(plain, base.edge);
   const Flux irradiance = static_cast<double>(s.reached) * irradiance_over_pi(l, n, reached);
   const Flux even = rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
-  const Flux cloth = through * fibres.albedo * Flux(s.sheen);
-  Scattered out{.radiance = through * Flux(s.emissive) + (under * even + cloth + coat.part * (1 - coat.once)) * irradiance,
+  const Flux fibre_light = through * Flux(s.sheen) * cloth(s, v, l, fibres.albedo, reached, irradiance);
+  Scattered out{.radiance = through * Flux(s.emissive) + fibre_light + (under * even + coat.part * (1 - coat.once)) * irradiance,
                 .reflected = under * s.reached * glm::mix(once(plain, base.edge), once(base.colour, 1), metallic),
                 .transmitted = under * rest * base.dielectric * transmitted,
                 .coat = Flux(coat.part * coat.once * s.reached),
@@ -271,11 +277,28 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   return out;
 }
 
+Flux reflected_light(const Surface& s, const Direction& v, const Lighting& l, const Scattered& out) {
+  if (l.integral == nullptr || l.environment == nullptr || s.roughness < least_lobe_roughness)
+    return out.reflected * glossy_radiance(l, out.mirrored, s.roughness);
+  const Base base = base_of(s, v);
+  const double metallic = s.metallic, part = left_to_base(coat_of(s, v), sheen_of(s, v)) * s.reached;
+  const Flux f0 = glm::mix(base.plain, base.colour, metallic);
+  const double f90 = glm::mix(base.edge, 1.0, metallic);
+  return out.reflected * Flux(l.ambient) + part * l.integral->ggx(s.normal, v, alpha_of(s.roughness), f0, f90);
+}
+
+Flux coat_light(const Surface& s, const Direction& v, const Lighting& l, const Scattered& out) {
+  if (l.integral == nullptr || l.environment == nullptr || s.coat_roughness < least_lobe_roughness)
+    return out.coat * glossy_radiance(l, out.coat_mirrored, s.coat_roughness);
+  const double part = coat_of(s, v).part * s.reached;
+  return out.coat * Flux(l.ambient) + part * l.integral->ggx(s.coat_normal, v, alpha_of(s.coat_roughness), Flux(1), 1);
+}
+
 Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
   const Scattered out = scatter(s, v, l);
-  Flux sum = out.radiance + out.reflected * glossy_radiance(l, out.mirrored, s.roughness);
+  Flux sum = out.radiance + reflected_light(s, v, l, out);
   if (s.transmission > 0) sum += out.transmitted * glossy_radiance(l, out.refracted, s.roughness);
-  if (s.coat > 0) sum += out.coat * glossy_radiance(l, out.coat_mirrored, s.coat_roughness);
+  if (s.coat > 0) sum += coat_light(s, v, l, out);
   return Colour(sum);
 }
 

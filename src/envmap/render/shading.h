@@ -19,6 +19,7 @@
 
 namespace envmap {
 
+class LobeIntegral;
 class RayTree;
 
 /// Seen from outside: its normals face the viewer.
@@ -88,6 +89,8 @@ struct Lighting {
   const RayTree* obstacles = nullptr;  ///< What casts shadows; null: nothing.
   bool shadows = true;                 ///< Of the lights, too.
   std::span<const DistantLight> distant{};  ///< Shot::distant.
+  /// Over `environment`: takes the place of its prefiltered levels and of its harmonics, of all but rough glass. Optional.
+  const LobeIntegral* integral = nullptr;
 };
 /// @param obstacles of the shot, or null: then nothing casts a shadow.
 Lighting lighting(const Shot& shot, const RayTree* obstacles = nullptr);
@@ -114,6 +117,12 @@ Scattered scatter(const Surface& surface, const Direction& towards_viewer, const
 
 /// Radiance of the environment and of ambient light from a world direction, blurred by roughness.
 Flux glossy_radiance(const Lighting& lighting, const Direction& from, double roughness);
+
+/// What the base reflects, and what the coat does, of the environment and of ambient light. @param scattered by scatter().
+Flux reflected_light(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting,
+                     const Scattered& scattered);
+Flux coat_light(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting,
+                const Scattered& scattered);
 
 /// scatter() where the environment is all round. @param towards_viewer unit vector. @return radiance.
 Colour shade(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting);

@@ -20,6 +20,11 @@ double reflectance(double ior, double cosine) {
 
 }  // namespace
 
+std::optional<LobeIntegral> lobe_integral(const Shot& shot, const RayPaths& paths) {
+  if (paths.lobe_samples == 0 || shot.environment == nullptr) return std::nullopt;
+  return LobeIntegral(shot.environment->map, shot.environment->lookup, paths.lobe_samples);
+}
+
 Tracer::Tracer(const RayTree& tree, const Lighting& light, const Shot& shot, const Viewpoint& from, const RayPaths& paths)
     : tree_(tree), light_(light), from_(from), bounces_(paths.bounces), far_(paths.far) {
   for (const Instance& instance : instances(shot.scene)) {
@@ -64,16 +69,20 @@ Flux Tracer::scattered(const RayHit& hit, const Ray& ray) const {
   const Surface& s = hit.surface;
   const Scattered out = scatter(s, -ray.along, light_);
   const Direction place = ray.origin + hit.distance * ray.along;
-  const auto beyond = [&](const Flux& part, const Direction& where, bool followed, float roughness, bool inside) {
+  // What mirrors and lenses show is followed; the environment's light that others send on comes from its levels or lobes.
+  const auto beyond = [&](const Flux& part, const Direction& where, bool followed, bool inside, auto&& of_environment) {
     if (part == Flux(0)) return Flux(0);
     const Ray next{place, where, ray.bounces - 1, ray.weight * largest(part)};
-    if (!followed || ray.bounces == 0 || next.weight < negligible) return part * glossy_radiance(light_, where, roughness);
+    if (!followed || ray.bounces == 0 || next.weight < negligible) return of_environment();
     return part * (inside ? through(next, s.ior, 0) : along(next));
   };
   const Followed& followed = followed_[hit.instance];
-  return out.radiance + beyond(out.reflected, out.mirrored, followed.base, s.roughness, false) +
-         beyond(out.transmitted, out.refracted, followed.base, s.roughness, s.solid) +
-         beyond(out.coat, out.coat_mirrored, followed.coat, s.coat_roughness, false);
+  const Direction v = -ray.along;
+  return out.radiance +
+         beyond(out.reflected, out.mirrored, followed.base, false, [&] { return reflected_light(s, v, light_, out); }) +
+         beyond(out.transmitted, out.refracted, followed.base, s.solid,
+                [&] { return out.transmitted * glossy_radiance(light_, out.refracted, s.roughness); }) +
+         beyond(out.coat, out.coat_mirrored, followed.coat, false, [&] { return coat_light(s, v, light_, out); });
 }
 
 // What a ray brings back that is inside a solid. The colour of the glass was counted where it entered.

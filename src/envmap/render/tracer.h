@@ -2,12 +2,17 @@
 /// Rays that go on: from mirrors, through thin walls, and through solids.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "envmap/render/lobe_integral.h"
 #include "envmap/render/ray_tree.h"
 #include "envmap/render/raycast.h"
 
 namespace envmap {
+
+/// The integrals that RayPaths::lobe_samples asks for.
+std::optional<LobeIntegral> lobe_integral(const Shot& shot, const RayPaths& paths);
 
 /// Follows rays through a shot as RayPaths says. What it is made of must outlive it.
 class Tracer {
