@@ -47,9 +47,6 @@ knows() {
 installed() {
   printf '%s\n' "$there" | grep -qxF "$1 installed"
 }
-knows() {
-  apt-cache show "$1" 2>/dev/null | grep -q '^Version:'
-}
 
 # Prints what is missing.
 list_missing() {

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Builds envmap in a fresh Debian (bookworm, trixie, testing or sid), runs every test and the tour there, and prints the
-# log. The last line is 'N passed, N failed'; the tour counts as one. build/systems/SUITE gets the log, the tour's picture
-# and what 'envmap --version' says. Needs mmdebstrap, root or user namespaces, a mirror, and 10 GB in TMPDIR.
+# Builds envmap in a fresh Debian (bookworm, trixie, testing or sid), runs every test and the tour there, makes the packages,
+# installs and uses them, and prints the log. The last line is 'N passed, N failed'; the tour and the packages count as one
+# each. build/systems/SUITE gets the log, the tour's picture, the packages and what 'envmap --version' says. Needs mmdebstrap, root or user namespaces, a mirror, and 10 GB in TMPDIR.
 #
 #   sh packaging/try_system.sh SUITE [MIRROR]
 set -eu
@@ -28,6 +28,15 @@ SUMS
 sh samples/tour.sh && passed=$((${passed:-0} + 1)) || failed=$((${failed:-0} + 1))
 cp out/tour/tour.png "/$1"
 build/ci/envmap --version | tee "/$1/version"
+# The packages come out of the same build.
+export DEBFULLNAME=envmap DEBEMAIL=envmap@localhost
+pack() {
+  sh packages.sh deb && cmake --preset ci -DCMAKE_INSTALL_PREFIX=/usr && cmake --build --preset ci &&
+    cpack --config build/ci/CPackConfig.cmake -B "/$1" &&
+    apt-get -qq -y install "/$1"/*.deb && cd / && envmap --version && envmap generate sky sky.exr --size 16 &&
+    envmap convert sky.exr sky.png --to cube --clamp && python3 -c 'import envmap; print(envmap.read("/sky.exr").projection)'
+}
+pack "$1" && passed=$((${passed:-0} + 1)) || failed=$((${failed:-0} + 1))
 echo "${passed:-0} passed, ${failed:-1} failed"
 INSIDE
 
