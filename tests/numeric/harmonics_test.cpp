@@ -61,6 +61,28 @@ TEST_P(EachHarmonics, ComeBackFromAMapOfOne) {
   }
 }
 
+// By the formula of generate, over a fine grid. Longitude rises from +Z to +X, and to the left in the image.
+TEST(Harmonics, OfOneTexelOfALatlongMapAreItsIntegrals) {
+  constexpr int height = 9, i = 5, row = 2, steps = 400, order = 12;
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::latlong, height);
+  map.forward = Forward::minus_x;
+  *map.base().texel(0, i, row) = Colour(1, 2, 3);
+  const Harmonics h = project(map, order);
+  std::vector<double> wanted((order + 1) * (order + 1), 0);
+  for (int a = 0; a < steps; ++a)
+    for (int b = 0; b < steps; ++b) {
+      const double u = (i + (a + 0.5) / steps) / (2 * height), v = (row + (b + 0.5) / steps) / height;
+      const double longitude = -pi / 2 + pi * (1 - 2 * u), latitude = pi * (0.5 - v);
+      const double solid_angle = std::cos(latitude) * std::pow(pi / height / steps, 2);
+      const Direction d(std::cos(latitude) * std::sin(longitude), std::sin(latitude), std::cos(latitude) * std::cos(longitude));
+      for (int l = 0; l <= order; ++l)
+        for (int m = -l; m <= l; ++m) wanted[l * (l + 1) + m] += solid_angle * real_harmonic(l, m, d);
+    }
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(h.coefficients[k][c], (c + 1) * wanted[k], 1e-6) << k;
+}
+
 TEST(Harmonics, OfAWhiteMapAreExact) {
   for (const Projection p : all_projections) {
     const Harmonics h = project(generate(Constant{Direction(1)}, p, 5), 6);

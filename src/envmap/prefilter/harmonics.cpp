@@ -1,7 +1,9 @@
 #include "envmap/prefilter/harmonics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "envmap/base/parallel.h"
 #include "envmap/maths/legendre.h"
@@ -65,6 +67,83 @@ std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const R
   return sums;
 }
 
+// Harmonics are products of a function of longitude and one of latitude, so a latlong row is summed along its longitudes first.
+class LatlongRows {
+ public:
+  LatlongRows(const Level& level, const Recursion& recursion, const Rotation& to_world)
+      : level_(level), recursion_(recursion), width_((std::size_t(level.width()) + lanes - 1) / lanes * lanes) {
+    // Longitude from +Z to +X over pi: of the image's middle, and of the left edge of texel i.
+    const double middle = portable::atan2(to_world[2].x, to_world[2].z) / pi;
+    const auto edge = [&](int i) { return middle + 1 - 2.0 * i / level.width(); };
+    for (int m = 0; m <= recursion.order; ++m) {
+      std::vector<double> c(width_, 0), s(width_, 0);
+      for (int i = 0; i < level.width(); ++i) {
+        const double left = m * edge(i), right = m * edge(i + 1);
+        c[i] = m == 0 ? 2 * pi / level.width() : (portable::sin_pi(left) - portable::sin_pi(right)) / m;
+        s[i] = m == 0 ? 0 : (portable::cos_pi(right) - portable::cos_pi(left)) / m;
+      }
+      cosines_.push_back(std::move(c)), sines_.push_back(std::move(s));
+    }
+    for (int l = 0; l <= recursion.order; ++l)
+      for (int m = -l; m <= l; ++m) sectors_.push_back(m);
+  }
+
+  [[nodiscard]] std::vector<Flux> operator()(int row) const {
+    std::array<std::vector<double>, 3> channels;
+    for (int c = 0; c < 3; ++c) {
+      channels[c].assign(width_, 0);
+      for (int i = 0; i < level_.width(); ++i) channels[c][i] = (*level_.texel(0, i, row))[c];
+    }
+    const auto along = [&](const std::vector<double>& f) {
+      return Flux(product(channels[0], f), product(channels[1], f), product(channels[2], f));
+    };
+    std::vector<Flux> cosine, sine;
+    for (int m = 0; m <= recursion_.order; ++m) cosine.push_back(along(cosines_[m])), sine.push_back(along(sines_[m]));
+
+    std::vector<Flux> sums(sectors_.size(), Flux(0));
+    across(row, [&](double latitude, double weight) {
+      const Direction d(0, portable::sin_pi(latitude), portable::cos_pi(latitude));
+      recursion_.each(d, [&](int k, double y) {
+        if (const int m = sectors_[k]; m >= 0) {
+          sums[k] += weight * y * cosine[m];
+          if (m > 0) sums[k - 2 * m] += weight * y * sine[m];
+        }
+      });
+    });
+    return sums;
+  }
+
+ private:
+  static constexpr std::size_t lanes = 8;
+
+  // f(latitude over pi, weight) at Gauss points: 8 for each 1.5 radians of the highest harmonic.
+  template <class F>
+  void across(int row, F&& f) const {
+    const double height = 1.0 / level_.height();
+    const int parts = int(std::ceil((recursion_.order + 1) * pi * height / 1.5));
+    const auto& rule = quadrature::rule<8>();
+    for (int part = 0; part < parts; ++part)
+      for (std::size_t n = 0; n < 8; ++n) {
+        const double v = (row + (part + 0.5 + 0.5 * rule.node[n]) / parts) * height;
+        f(0.5 - v, 0.5 * rule.weight[n] * pi * height / parts * portable::sin_pi(v));
+      }
+  }
+
+  // In an order that vector instructions have, too.
+  static double product(const std::vector<double>& a, const std::vector<double>& b) {
+    double sums[lanes] = {};
+    for (std::size_t i = 0; i < a.size(); i += lanes)
+      for (std::size_t k = 0; k < lanes; ++k) sums[k] += a[i + k] * b[i + k];
+    return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+  }
+
+  const Level& level_;
+  const Recursion& recursion_;
+  std::size_t width_;  // In whole lanes.
+  std::vector<std::vector<double>> cosines_, sines_;  // By m: integrals over the longitudes of each texel.
+  std::vector<int> sectors_;                          // m by index of a coefficient.
+};
+
 }  // namespace
 
 void harmonics_at(int order, const Direction& d, std::span<double> out) {
@@ -78,10 +157,13 @@ Harmonics project(const EnvironmentMap& map, int order, const Progress& progress
   const Rotation to_world = image_to_world(cube ? cube->forward : map.forward);
   Harmonics found{order, std::vector<Flux>(static_cast<std::size_t>((order + 1) * (order + 1)), Flux(0))};
   std::vector<std::array<Sum, 3>> totals(found.coefficients.size());
+  std::optional<LatlongRows> latlong;
+  if (level.projection() == Projection::latlong) latlong.emplace(level, recursion, to_world);
   const int rows = level.faces() * level.height();
   constexpr int band = 64;  // Rows at once: their sums stay small however high the order.
   for (int start = 0; start < rows; start += band) {
     const auto parts = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
+      if (latlong) return (*latlong)(start + k);
       return prefiltering::visit_source(level.projection(), [&](auto p) {
         return row_of<decltype(p)>(level, recursion, to_world, (start + k) / level.height(), (start + k) % level.height());
       });
