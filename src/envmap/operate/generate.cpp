@@ -145,11 +145,23 @@ void add_coverage(const Cone& cone, Level& coverage) {
   const int w = coverage.width(), h = coverage.height();
   const auto rect = [&](int i, int j) { return Rect{double(i) / w, double(j) / h, (i + 1.0) / w, (j + 1.0) / h}; };
   // The ring must reach as far in as any texel that is not inside whole.
+  // Most texels are so far from the edge that the cosine of their centre tells.
+  const double reach = h < 8 ? pi : 1.2 * texel_reach(coverage.projection(), h) + 1e-9;
+  const double outside = cone.radius + reach < pi ? portable::cos(cone.radius + reach) : -2;
+  const double inside = cone.radius > reach ? portable::cos(cone.radius - reach) : 2;
   std::vector<double> inner(static_cast<std::size_t>(h) * P::faces, cone.radius);
   for_each_row(P::faces, h, {}, [&](int face, int row) {
     double& least = inner[static_cast<std::size_t>(face) * static_cast<std::size_t>(h) + static_cast<std::size_t>(row)];
     const Columns in = columns(coverage.projection(), h, row);
+    std::vector<Direction> centres(in.count());
+    texel_directions(coverage.projection(), h, face, row, in.first, centres);
     for (int i = in.first; i < in.end; ++i) {
+      const double cosine = glm::dot(centres[i - in.first], cone.axis);
+      if (cosine < outside) continue;
+      if (cosine > inside) {
+        *coverage.texel(face, i, row) = Colour(1);
+        continue;
+      }
       const Extent e = extent<P>(cone, face, rect(i, row));
       if (e.away + e.reach <= cone.radius)
         *coverage.texel(face, i, row) = Colour(1);
