@@ -9,6 +9,7 @@
 #include "envmap/base/error.h"
 #include "envmap/base/progress.h"
 #include "envmap/io/colour.h"
+#include "envmap/io/pack.h"
 #include "envmap/io/picture.h"
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "envmap/base/bounds.h"
 #include "envmap/maths/vector.h"
 
 namespace tools {
@@ -56,6 +57,8 @@ using Parse = std::function<bool(const std::string& text)>;
 struct Range {
   double from, to;
 };
+/// The range that the library checks.
+inline Range range_of(const envmap::Bounds& bounds) { return {bounds.least, bounds.most}; }
 
 /// What a value names: a file that is read or written, a folder that is written, or files of which the last is written.
 enum class File { none, input, output, folder, inputs_then_output };

@@ -153,7 +153,8 @@ bool holds(const Convert& o, const Rounding& rounding, const Level& made, double
 
 int run(Convert& o, Report& report) {
   o.read.assumed_forward = o.forward;
-  o.convert.costs = read_costs(o.costs);
+  const Costs costs = read_costs(o.costs);
+  o.convert.costs = &costs;
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
@@ -246,15 +247,15 @@ Action define_convert(Options& o) {
   o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "Of pictures: world direction in the middle (default: 0,0,1)");
   o.add("--fov", "DEGREES", &c->fov, {0.01, 360},
         "Of pictures: angle from the bottom to the top (default: perspective 60, fisheye 180, cylinder 90)");
-  o.add("--width", "N", &c->width, {1, 65536},
+  o.add("--width", "N", &c->width, range_of(limits::picture_width),
         "Of pictures; --size is their height, 480 if nothing is said (default: 4 to 3; square; once round)");
   add_display(o, c->display, Display::clip);
   add_size(o, &c->convert.size, "Height of a face (default: the input's degrees per texel)");
   add_layout(o, "--layout", c->write.layout, "Where the output's cube faces lie (default: column)");
   add_filter(o, c->convert.filter, "How the input is sampled (default: auto)");
-  o.add("--samples", "N", &c->samples, {1, 64},
+  o.add("--samples", "N", &c->samples, range_of(limits::samples),
         "N x N samples a texel, of nearest, bilinear and bicubic (default: 1; of auto as above)");
-  o.add("--area-error", "E", &c->convert.area_error, {1e-7, 1},
+  o.add("--area-error", "E", &c->convert.area_error, range_of(limits::area_error),
         "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4; 1e-3 where 'auto' chose it); "
         "1e-6 takes some 10 times as long");
   o.add("--max-error", "E", &c->convert.max_error, {1e-6, 10},

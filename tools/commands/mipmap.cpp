@@ -100,7 +100,7 @@ Action define_mipmap(Options& o) {
   add_engine(o, r->engine,
              "Make what this engine loads as its environment, with levels: projection, frame, file type and depth; "
              "'list' prints the engines");
-  o.add("--levels", "N", &r->levels, {1, 32}, "How many, with the map itself (default: down to one texel)");
+  o.add("--levels", "N", &r->levels, range_of(limits::levels), "How many, with the map itself (default: down to one texel)");
   o.add("--weights", one_of(r->weights, weight_names), "What texels count for in a mean (default: solid-angle)");
   o.flag("--keep", r->keep, "Keep the levels that the input has, and make those that it lacks");
   add_layout(o, "--layout", r->write.layout, "Where the output's cube faces lie (default: column)");

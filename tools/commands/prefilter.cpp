@@ -250,13 +250,14 @@ int run(Request& o, Report& report) {
   const EngineMap* engine = settle_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
-  o.map.costs = read_costs(o.costs);
+  const Costs costs = read_costs(o.costs);
+  o.map.costs = &costs;
   check_output(o.output, o.write, o.map.to);
   const Source source = read_map(o.input, o.read);
   choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
-  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror), o.map.costs};
+  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror), costs};
   leave_to_prefilter(o, error);
   std::vector<Prefilter> wanted = levels_of(o);
   choose_rows(o, error.rounding, wanted);
@@ -295,13 +296,13 @@ Action define_prefilter(Options& o) {
              "the engines");
   o.add("--lobe", one_of(r->lobe, shape_names),
         "The material's lobe (default: diffuse; ggx for engines that take a chain of it)");
-  o.add("--exponent", "M", &r->exponent, {0, 1e9}, "M of phong and blinn-phong, 0 to 1e9");
-  o.add("--exponents", "M,...", &r->exponents, {0, 1e9}, "One for each level");
-  o.add("--roughness", "R", &r->roughness, {0, 1}, "Perceptual roughness of ggx and charlie, 0 to 1");
-  o.add("--roughnesses", "R,...", &r->roughnesses, {0, 1}, "One for each level");
+  o.add("--exponent", "M", &r->exponent, range_of(limits::exponent), "M of phong and blinn-phong, 0 to 1e9");
+  o.add("--exponents", "M,...", &r->exponents, range_of(limits::exponent), "One for each level");
+  o.add("--roughness", "R", &r->roughness, range_of(limits::roughness), "Perceptual roughness of ggx and charlie, 0 to 1");
+  o.add("--roughnesses", "R,...", &r->roughnesses, range_of(limits::roughness), "One for each level");
   o.add("--levels", "N", &r->levels, {1, 17},
         "Levels of the chain (default: 1; with --for as many as the engine takes)");
-  o.add("--scale", "K", &r->scale, {0, 1e30}, "The factor k (default: white stays 1)");
+  o.add("--scale", "K", &r->scale, range_of(limits::scale), "The factor k (default: white stays 1)");
   add_projection(o, "--to", r->to, "Projection of the output (default: cube)");
   add_size(o, &r->size,
            "Height of a face (default: 64 a cube's face for diffuse, the engine's for --for, else the input's degrees "
@@ -313,7 +314,7 @@ Action define_prefilter(Options& o) {
         "Largest error of a texel of the file, relative to it or to 0.001 x the mean (default: 1e-3, and what the "
         "file's depth rounds by)");
   o.add("--brdf-table", "FILE", &r->table, "Write the split sum's table of scale and bias, too; with --lobe charlie the albedo of sheen").file = File::output;
-  o.add("--table-size", "N", &r->table_size, {1, 1024}, "Texels a side of that table (default: 128)");
+  o.add("--table-size", "N", &r->table_size, range_of(limits::table_size), "Texels a side of that table (default: 128)");
   add_border(o, r->write, "--size counts them, in each level");
   add_depth(o, r->write), add_format(o, r->write), add_clamp(o, r->write);
   add_shard(o, "prefilter", r->shard);

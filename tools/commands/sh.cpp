@@ -95,7 +95,7 @@ Action define_sh(Options& o) {
   const auto r = std::make_shared<Request>();
   o.reads("INPUT", r->input, "File to read, '-' for standard input; {face} in the name reads six files")
       .required = true;
-  o.add("--order", "N", &r->order, {0, 200}, "The largest degree l (default: 2)");
+  o.add("--order", "N", &r->order, range_of(limits::order), "The largest degree l (default: 2)");
   o.flag("--irradiance", r->irradiance, "Coefficients of the irradiance, not of the radiance");
   o.add("--window", one_of(r->window, window_names),
         "Less ringing round bright lights for less detail (default: none; --window alone: hann)")

@@ -24,7 +24,7 @@ void add_grade(Options& o, GradeOptions& g) {
         "White balance: make grey, at its luminance, what is seen within 1 degree of direction X,Y,Z; or a black body "
         "of so many kelvins, 1000 to "
         "25000, as 5600 or 5600K");
-  o.add("--saturation", "S", &g.saturation, {0, 100},
+  o.add("--saturation", "S", &g.saturation, range_of(limits::saturation),
         "0: grey; above 1 more colourful, as far as no channel falls below 0; luminance stays (default: 1)");
   o.add("--scale-to", "lux=E|nits=L", &g.scale_to,
         "Scale the light so that a plane facing --towards receives lux=E, or so that the luminance seen within 1 "

@@ -71,7 +71,7 @@ Option& add_display(Options& o, std::optional<Display>& value, Display otherwise
                            display_names[static_cast<std::size_t>(otherwise)]));
 }
 Option& add_size(Options& o, const Value& value, std::string_view help) {
-  return o.add("--size", "N", value, {1, 65536}, help);
+  return o.add("--size", "N", value, range_of(limits::size), help);
 }
 Option& add_exposure(Options& o, double& stops) {
   return o.add("--exposure", "STOPS", &stops, {-100, 100}, "Multiply radiance by 2^STOPS");
@@ -82,11 +82,11 @@ void add_read_options(Options& o, ReadOptions& r) {
   add_layout(o, "--from-layout", r.layout, "Where the input's cube faces lie (default: metadata, then shape)");
   add_forward(o, "--from-forward", r.forward,
               "World axis at the centre of a latlong or angular input (default: metadata, then --forward, then +z)");
-  o.add("--from-border", "N", &r.border, {0, 1024},
+  o.add("--from-border", "N", &r.border, range_of(limits::border),
         "Texels on each side of an octahedral or equal-area input that repeat others (default: metadata, then 0)");
   o.flag("--ignore-envmap-attribute", r.ignore_envmap_attribute,
          "Read files with OpenEXR's envmap attribute as cell-centred, not as border samples");
-  o.add("--level", "N", &r.level, {0, 31}, "Mip level to read, of files that have some; 0 is the finest (default: 0)");
+  o.add("--level", "N", &r.level, range_of(limits::level), "Mip level to read, of files that have some; 0 is the finest (default: 0)");
   o.flag("--drop-channels", r.drop_channels, "Read R, G and B of files with more channels");
   o.add("--part", "PART", &r.choice.part,
         "Of an EXR file with several: its name, or its number from 0 (default: the first)");
@@ -147,7 +147,7 @@ void add_write_options(Options& o, WriteOptions& w) {
   add_depth(o, w), add_format(o, w), add_file_options(o, w), add_clamp(o, w);
 }
 void add_border(Options& o, WriteOptions& w, std::string_view size) {
-  o.add("--border", "N", &w.border, {0, 1024},
+  o.add("--border", "N", &w.border, range_of(limits::border),
         fmt::format("Of octahedral and equal-area maps: write every level with N texels on each side that repeat what "
                     "the square goes on with, for textures; {}; "
                     "envmap:border records it, and reading leaves it out (default: 0)",

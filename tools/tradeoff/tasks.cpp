@@ -168,7 +168,7 @@ Task make_task(const std::string& name, const EnvironmentMap& map, const Costs& 
   if (const auto shape = shape_named(parts[0])) {
     const std::size_t first = *shape == Shape::diffuse ? 1 : 2;
     expect(parts.size() == first || parts.size() == first + 2);
-    Prefilter wanted{.shape = *shape, .size = 16, .costs = costs};
+    Prefilter wanted{.shape = *shape, .size = 16, .costs = &costs};
     if (first == 2) wanted.parameter = number_of(name, parts[1], 0.0, 1e9);
     if (parts.size() > first)
       wanted.to = projection_of(name, parts[first]), wanted.size = size_of(name, parts[first + 1]);

@@ -3,9 +3,11 @@
 /// Nothing else is thrown on purpose, but std::bad_alloc.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "envmap/base/bounds.h"
 #include "envmap/base/export.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -25,7 +27,7 @@ enum class Remedy {
   leave_out_layout,       ///< WriteOptions::layout.
   leave_out_face,         ///< `{face}` in the file name: the file holds all faces.
   drop_channels,          ///< ReadOptions::drop_channels.
-  repair,                 ///< ReadOptions::flaws = FlawPolicy::repair.
+  repair,                 ///< ReadOptions::flaws = FlawPolicy::repair; of a map in memory repair().
   limit_memory,           ///< ReadOptions::max_memory.
   allow_pixels,           ///< ReadOptions::max_pixels.
   choose_format,          ///< WriteOptions::format, or a file name that ends in one.
@@ -69,6 +71,13 @@ struct ErrorOf : Error {
 
 struct UsageError : ErrorOf<ErrorCode::usage> {
   using ErrorOf::ErrorOf;
+  UsageError(const Bounds& range, double value);
+
+  /// The field whose value is out of its range, and that range; nothing of other errors.
+  [[nodiscard]] const std::optional<Bounds>& range() const { return range_; }
+
+ private:
+  std::optional<Bounds> range_;
 };
 struct InputError : ErrorOf<ErrorCode::input> {
   using ErrorOf::ErrorOf;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/costs.h"
 #include "envmap/engine/engines.h"
 #include "envmap/engine/file_error.h"
 #include "envmap/map/rows.h"

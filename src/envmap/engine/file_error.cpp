@@ -60,7 +60,7 @@ BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, co
 
 BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size, const FileError& error,
                          bool measure) {
-  ConvertOptions how{.to = frame, .size = size, .costs = error.costs};
+  ConvertOptions how{.to = frame, .size = size, .costs = &error.costs};
   if (error.asked) how.max_error = left_to_filter(error);
   const Resampler resampler(source, how);
   BakedLevel made{.done = {.map = {}, .method = Method::exact, .resampled = resampler.filter().filter}, .sampled = true};

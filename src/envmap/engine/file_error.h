@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "envmap/base/costs.h"
 #include "envmap/io/rounding.h"
 #include "envmap/operate/convert.h"
 #include "envmap/prefilter/prefilter.h"

@@ -18,16 +18,16 @@ namespace ENVMAP_EXPORT envmap {
 /// How values of a file relate to those of the map in memory. Names are those of colour spaces, aliases and roles of the
 /// config; capitals do not matter.
 struct ColourOptions {
-  std::string config;   ///< An OpenColorIO config file. Empty: the built-in config, see colour_spaces().
-  std::string space;    ///< Of the file. Empty: what it says, then linear Rec.709 of floats and sRGB of integers.
-  std::string working;  ///< Of the map in memory: a linear one. Empty: linear Rec.709.
+  std::string config = {};   ///< An OpenColorIO config file. Empty: the built-in config, see colour_spaces().
+  std::string space = {};    ///< Of the file. Empty: what it says, then linear Rec.709 of floats and sRGB of integers.
+  std::string working = {};  ///< Of the map in memory: a linear one. Empty: linear Rec.709.
 };
 
 /// A space that the caller did not name: one of the built-in config, or by its primaries alone.
 struct ClaimedSpace {
-  std::string name;                        ///< Empty where none of the config has these primaries.
+  std::string name = {};                   ///< Empty where none of the config has these primaries.
   std::optional<Primaries> primaries = {};
-  std::string by;                          ///< What says so, for people: "chromaticities".
+  std::string by = {};                     ///< What says so, for people: "chromaticities".
 };
 
 /// "ACEScg (chromaticities)", "primaries 0.64,0.33 ..."; of nothing said "linear Rec.709 (nothing is said)".

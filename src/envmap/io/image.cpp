@@ -83,10 +83,10 @@ void check_file(const Image& image, const std::string& path) {
 
 }  // namespace
 
-void open_bytes(Image& image, std::string name, std::vector<char> bytes, bool for_texture) {
+void open_bytes(Image& image, std::string name, std::span<const char> bytes, bool for_texture, const ImageChoice& choice) {
   image.name = std::move(name);
-  image.file = std::make_unique<InputFile>(std::move(bytes));
-  open_as_its_bytes_say(image, image.name, {}, for_texture);
+  image.file = std::make_unique<InputFile>(bytes);
+  open_as_its_bytes_say(image, image.name, choice, for_texture);
 }
 
 void open(Image& image, const std::string& path, const ImageChoice& choice) {

@@ -35,6 +35,6 @@ void open(Image& image, const std::string& path, const ImageChoice& choice = {})
 
 /// The same of a file's bytes in memory. @param for_texture whether texels stay as stored: colours not multiplied by alpha,
 /// rows not turned upright.
-void open_bytes(Image& image, std::string name, std::vector<char> bytes, bool for_texture = false);
+void open_bytes(Image& image, std::string name, std::span<const char> bytes, bool for_texture = false, const ImageChoice& choice = {});
 
 }  // namespace envmap

@@ -33,7 +33,7 @@ void InputFile::start() {
   size_ = static_cast<std::uint64_t>(std::max<off_t>(0, status.st_size - at));
 }
 
-InputFile::InputFile(std::vector<char> bytes) {
+InputFile::InputFile(std::span<const char> bytes) {
   block_.reset(static_cast<char*>(std::malloc(std::max<std::size_t>(1, bytes.size()))));
   if (!block_) throw std::bad_alloc();
   std::ranges::copy(bytes, block_.get());

@@ -19,8 +19,8 @@ class InputFile {
   explicit InputFile(const std::string& path);
   /// The same of what is left of an open file, standard input for one. @param descriptor stays open, and the caller's.
   explicit InputFile(int descriptor);
-  /// Bytes in memory: out of another file.
-  explicit InputFile(std::vector<char> bytes);
+  /// Copies bytes in memory.
+  explicit InputFile(std::span<const char> bytes);
   ~InputFile();
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;

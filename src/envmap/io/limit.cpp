@@ -3,12 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/io/rgbd.h"
+#include "envmap/io/texels.h"
+
 namespace envmap {
 namespace {
 
 double sum(const Colour& c) { return double{c.x} + double{c.y} + double{c.z}; }
 
 }  // namespace
+
+Range range_of(Depth depth, double largest) {
+  if (is_integer(depth)) return {.largest = 1};
+  // Half has 11 bits down to 2^-14; of a shared exponent 9 down to 2^-15 (a texel below that has no finer exponent).
+  // What half has to refuse blocks of halves cannot hold either.
+  if (depth == Depth::half || depth == Depth::bc6h)
+    return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11};
+  if (depth == Depth::rgb9e5) return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9};
+  if (depth == Depth::rgbd) return {.largest = largest_rgbd};
+  return {.largest = largest};
+}
 
 Limited::Limited(const Rows& rows, const Range& range, bool weigh)
     : range_(range),
@@ -27,6 +41,7 @@ Misfits Limited::total() const {
   for (const Misfits& m : misfits_) {
     sum.over += m.over;
     sum.dark += m.dark;
+    sum.nan += m.nan;
     sum.cut += m.cut;
     sum.rounded += m.rounded;
     sum.flux += m.flux;
@@ -46,6 +61,7 @@ Misfits Limited::cut(int row, std::span<Colour> out) const {
   }
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Colour c = out[i], over = glm::max(c - largest, Colour(0));
+    m.nan += std::isnan(sum(c));
     if (over.x > 0 || over.y > 0 || over.z > 0) ++m.over, m.brightest = std::max({m.brightest, c.x, c.y, c.z});
     out[i] = glm::min(c, Colour(largest));
     if (weigh_) m.cut += w[i] * sum(over), m.flux += w[i] * sum(c);

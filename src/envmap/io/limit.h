@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "envmap/io/depth.h"
 #include "envmap/map/rows.h"
 
 namespace envmap {
@@ -17,10 +18,13 @@ struct Range {
   double precision = 0;
 };
 
+/// @param largest of the format's floats.
+Range range_of(Depth depth, double largest);
+
 /// What did not fit: texels beyond the largest value, and those below the fine ones. Of their radiance x solid angle, and
 /// that of all. The brightest value of any channel that did not fit.
 struct Misfits {
-  std::int64_t over = 0, dark = 0;
+  std::int64_t over = 0, dark = 0, nan = 0;
   float brightest = 0;
   double cut = 0, rounded = 0, flux = 0;
 };

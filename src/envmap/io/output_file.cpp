@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -106,6 +107,21 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
   }
 }
 
+OutputFile::OutputFile() : descriptor_(::memfd_create("envmap", MFD_CLOEXEC)) {
+  if (descriptor_ < 0) throw OutputError(fmt::format("cannot hold the file in memory: {}", std::strerror(errno)));
+}
+
+std::vector<std::byte> OutputFile::bytes() const {
+  check();
+  std::vector<std::byte> all(static_cast<std::size_t>(end_));
+  for (std::size_t done = 0; done < all.size();) {
+    const std::size_t n = pread(all.data() + done, all.size() - done, static_cast<std::int64_t>(done));
+    if (n == 0) throw OutputError("cannot be read back from memory");
+    done += n;
+  }
+  return all;
+}
+
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
   if (temporary_.empty()) return;
@@ -140,7 +156,7 @@ void OutputFile::put(const void* buffer, std::size_t size) {
 }
 
 void OutputFile::expect(std::uint64_t bytes) const {
-  if (has_room(descriptor_, bytes)) return;
+  if (target_.empty() || has_room(descriptor_, bytes)) return;  // Memory has no folder.
   const std::string what = fmt::format("takes at least {:.3g} GiB, more than is free in {}", double(bytes) / 0x1p30,
                                        stream_ ? temporary_folder() : folder_of(target_));
   throw OutputError(shown(path_), what + (stream_ ? "; name another folder in TMPDIR" : ""));

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "envmap/io/commit.h"
 
@@ -25,6 +26,8 @@ class OutputFile {
  public:
   /// @param path `-` for standard output. @throws OutputError where the folder cannot be written.
   explicit OutputFile(const std::string& path, const CommitOptions& how = {});
+  /// A file in memory, which is never committed. @throws OutputError where there is no memory for it.
+  OutputFile();
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -48,6 +51,8 @@ class OutputFile {
   std::size_t write(const void* buffer, std::size_t size);
   std::size_t pread(void* buffer, std::size_t size, std::int64_t offset) const;
   [[nodiscard]] std::int64_t size() const { return end_; }
+  /// All that was written. @throws OutputError as check().
+  [[nodiscard]] std::vector<std::byte> bytes() const;
 
  private:
   void copy_to_stream();

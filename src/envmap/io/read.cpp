@@ -213,9 +213,8 @@ int border_of(const Image& image, const ReadOptions& options, const Metadata& re
   return border;
 }
 
-Source read_image(const std::string& path, const ReadOptions& options) {
-  Image image;
-  open(image, level_path(path, 0), options.choice);
+// @param image open. @param path its name, which may have {level} in it; empty in memory.
+Source read_image(Image& image, const std::string& path, const ReadOptions& options) {
   Metadata recorded;
   Source source = read_head(image, options, recorded);
   const Recognised found = recognise(image, options, recorded, source.image_width, source.image_height);
@@ -304,10 +303,20 @@ Source read_faces(const std::string& path, const ReadOptions& options) {
 
 }  // namespace
 
-Source read(const std::string& path, const ReadOptions& options) {
-  const std::string name = path == "-" ? "standard input" : path;
+namespace {
+
+void check(const ReadOptions& options) {
+  check(limits::level, options.level);
+  if (options.border) check(limits::border, *options.border);
+  if (options.all_levels && options.level != 0) throw UsageError("level must be 0 where all levels are read");
+}
+
+// @param take makes the map out of a file, as it is there.
+template <class F>
+Source read_named(const std::string& name, const ReadOptions& options, F&& take) {
+  check(options);
   try {
-    Source source = has_face(path) ? read_faces(path, options) : read_image(path, options);
+    Source source = take();
     // Flaws are those of the file's own values. Only linear ones can be averaged.
     const ColourTransform colours = colours_of(source, options.colour);
     if (colours.apply) settle_flaws(name, options, source);
@@ -321,6 +330,25 @@ Source read(const std::string& path, const ReadOptions& options) {
   } catch (const std::length_error&) {  // Out of OpenImageIO's BMP reader, for one.
     throw InputError(name, "damaged: its header promises more than any memory holds");
   }
+}
+
+}  // namespace
+
+Source read(const std::string& path, const ReadOptions& options) {
+  return read_named(path == "-" ? "standard input" : path, options, [&] {
+    if (has_face(path)) return read_faces(path, options);
+    Image image;
+    open(image, level_path(path, 0), options.choice);
+    return read_image(image, path, options);
+  });
+}
+
+Source read(std::span<const std::byte> file, const ReadOptions& options) {
+  return read_named("", options, [&] {
+    Image image;
+    open_bytes(image, "", {reinterpret_cast<const char*>(file.data()), file.size()}, false, options.choice);
+    return read_image(image, "", options);
+  });
 }
 
 }  // namespace envmap

@@ -2,8 +2,10 @@
 /// Reading environment maps: files, standard input, one file a face.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,11 +27,11 @@ enum class FlawPolicy { refuse, repair, keep };
 
 /// What the user says of the file; where nothing is said the metadata decides, then the shape.
 struct ReadOptions {
-  std::optional<Projection> projection;
-  std::optional<Layout> layout;
-  std::optional<Forward> forward;          ///< Overrides the metadata.
-  std::optional<Forward> assumed_forward;  ///< Where there is no metadata; otherwise +z.
-  std::optional<int> border;  ///< Texels round an octahedral map, to be left out; overrides the metadata.
+  std::optional<Projection> projection = {};
+  std::optional<Layout> layout = {};
+  std::optional<Forward> forward = {};          ///< Overrides the metadata.
+  std::optional<Forward> assumed_forward = {};  ///< Where there is no metadata; otherwise +z.
+  std::optional<int> border = {};  ///< Texels round an octahedral map, to be left out; overrides the metadata.
   bool ignore_envmap_attribute = false;    ///< Take texels as cell-centred whatever OpenEXR's attribute says.
   std::size_t max_memory = 0;  ///< Bytes that the process may take; larger maps lie in a scratch file. 0: no limit.
   std::uint64_t max_pixels = default_max_pixels;  ///< Of an image, all faces counted; larger ones are refused.
@@ -44,9 +46,9 @@ struct ReadOptions {
 struct Source {
   EnvironmentMap map = {};
   Layout layout = Layout::single;
-  Depth depth;
-  std::string format;  ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
-  int image_width, image_height;
+  Depth depth = Depth::single;
+  std::string format = {};  ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
+  int image_width = 0, image_height = 0;
   bool border_samples = false;            ///< OpenEXR's `envmap` convention; resampled to cell centres here.
   int border = 0;                         ///< Texels round every level of an octahedral map, left out here.
   int levels = 1;                         ///< That the file has; `map` holds those that were asked for.
@@ -63,5 +65,8 @@ struct Source {
 /// those of all levels, numbered from 0.
 /// @throws InputError in one line, naming the file; UsageError where the options contradict each other.
 Source read(const std::string& path, const ReadOptions& options = {});
+
+/// Reads the bytes of a file in memory, which are copied. Errors name no file.
+Source read(std::span<const std::byte> file, const ReadOptions& options = {});
 
 }  // namespace envmap

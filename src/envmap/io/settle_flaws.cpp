@@ -4,6 +4,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/operate/measure.h"
+#include "envmap/operate/refuse_flaws.h"
 
 namespace envmap {
 namespace {
@@ -22,19 +23,7 @@ void settle(const std::string& name, const ReadOptions& options, Level& level, S
     }
     return;
   }
-  std::string counts;
-  const auto add = [&](std::int64_t n, const char* what) {
-    if (n > 0) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", n, what);
-  };
-  add(flaws.nan, "NaN");
-  add(flaws.infinite, "infinite");
-  add(flaws.negative, "negative");
-  const std::string face = level.faces() > 1 ? fmt::format(" of face {}", flaws.first->face) : "";
-  throw InputError(name,
-                   fmt::format("{} of {} texels{} are no radiance ({}), the first at ({},{}){}", flaws.count(),
-                               static_cast<std::int64_t>(level.faces()) * level.width() * level.height(), shown, counts,
-                               flaws.first->i, flaws.first->j, face),
-                   Remedy::repair);
+  throw InputError(name, flaw_words(flaws, level, shown), Remedy::repair);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/steady_progress.h"
 #include "envmap/io/babylon_env.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/chain.h"
@@ -32,6 +33,7 @@
 #include "envmap/io/srgb.h"
 #include "envmap/io/texels.h"
 #include "envmap/io/texture.h"
+#include "envmap/io/write_plan.h"
 #include "envmap/map/border.h"
 #include "envmap/map/page.h"
 #include "envmap/operate/border_samples.h"
@@ -41,65 +43,6 @@ namespace envmap {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string extension(const std::string& path, const WriteOptions& options) {
-  if (!options.format.empty()) return extension_of("*." + options.format);
-  return path == "-" ? "exr" : extension_of(path);
-}
-
-// What was asked for, or the least depth that keeps what the source had, or the most there is.
-Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
-  const std::span<const Depth> held = format.depths;
-  if (options.depth) {
-    if (std::ranges::find(held, *options.depth) != held.end()) return *options.depth;
-    std::vector<std::string_view> names;  // A view of them is beyond clang 14 with GCC's library.
-    for (const Depth d : held) names.push_back(name(d));
-    throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title,
-                                 fmt::join(names, " or ")));
-  }
-  // What came out of blocks or RGBD are halves; blocks are written where they are asked for.
-  const Depth before = options.source_depth, source = before == Depth::bc6h || before == Depth::rgbd ? Depth::half : before;
-  if (std::ranges::find(held, source) != held.end()) return source;
-  for (const Depth d : held)
-    if (d >= source) return d;
-  return held.back();
-}
-
-Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p) {
-  if (p != Projection::cube) {
-    if (format.cubes_alone) throw UsageError(path, fmt::format("{} files hold cube maps; this is a {} map", format.title, name(p)));
-    if (options.layout) throw UsageError(fmt::format("a layout is for cube maps; this is a {} map", name(p)), Remedy::leave_out_layout);
-    if (has_face(path) && p != projection_of_faces(path))
-      throw UsageError(fmt::format("{} in a file name is for {} maps", has_half(path) ? half_mark : face_mark, name(projection_of_faces(path))));
-    return has_half(path) ? Layout::files : default_layout(p);
-  }
-  if (has_half(path)) throw UsageError("{half} in a file name is for paraboloid maps; of a cube {face} writes six files");
-  if (format.texture) {
-    if (options.layout || has_face(path))
-      throw UsageError(path, fmt::format("{} files hold cube faces as the APIs define them", format.title),
-                       options.layout ? Remedy::leave_out_layout : Remedy::leave_out_face);
-    return Layout::api;
-  }
-  if (options.layout == Layout::files && !has_face(path))
-    throw UsageError("a file for each face: put {face} where px, nx, py, ny, pz, nz shall stand in the file name");
-  if (has_face(path)) {
-    if (options.layout && options.layout != Layout::files)
-      throw UsageError("{face} in a file name writes six files", Remedy::leave_out_layout);
-    return Layout::files;
-  }
-  return options.layout.value_or(Layout::column);
-}
-
-Range range_of(const FileFormat& format, Depth depth) {
-  if (is_integer(depth)) return {.largest = 1};
-  // Half has 11 bits down to 2^-14; of a shared exponent 9 down to 2^-15 (a texel below that has no finer exponent).
-  // What half has to refuse blocks of halves cannot hold either.
-  if (depth == Depth::half || depth == Depth::bc6h)
-    return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11};
-  if (depth == Depth::rgb9e5) return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9};
-  if (depth == Depth::rgbd) return {.largest = largest_rgbd};
-  return {.largest = format.largest};
-}
 
 // ---- one file --------------------------------------------------------------------------------------------------------
 
@@ -130,6 +73,11 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
     plan.levels.push_back({level.width(), level.height()});
     all += 1.0 * level.width() * level.height();
   }
+  if (options.rows)
+    if (const int height = levels[0].height();
+        options.rows->begin < 0 || options.rows->begin >= options.rows->end || options.rows->end > height)
+      throw UsageError(path, fmt::format("rows must lie within 0 to {}, not {} to {}", height, options.rows->begin,
+                                         options.rows->end));
   const ImageWriter writer = make_writer(file, path, ext, plan);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const double part = 1.0 * levels[k].width() * levels[k].height();
@@ -152,7 +100,8 @@ bool fits_float(const FileFormat& format, Depth chosen, double value) {
 // Refuses a level of which the depth loses light, or notes how much.
 void check_fit(const std::string& path, const FileFormat& format, const Misfits& level, const WriteOptions& options,
                Written& done) {
-  const Range range = range_of(format, done.depth);
+  const Range range = range_of(done.depth, format.largest);
+  if (level.nan > 0) throw OutputError(path, fmt::format("{} texels are NaN", level.nan), Remedy::repair);
   if (level.over > 0 && !options.clamp)
     throw OutputError(path, fmt::format("{} texels over {:g} do not fit {}", level.over, range.largest, name(done.depth)),
                       fits_float(format, done.depth, level.brightest) ? Remedy::clamp_or_deepen
@@ -245,14 +194,15 @@ std::uint64_t least_bytes(std::span<const Rows> levels, const std::string& ext, 
   return std::uint64_t(texels * of_texel);
 }
 
-// All files of a map, whose samples lie where the files want them.
+// All files of a map, whose samples lie where the files want them. @param memory takes the bytes of the one file, if
+// it is set.
 Written write_files(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
-                    const Progress& progress) {
+                    const Progress& progress, std::vector<std::byte>* memory) {
   const Rows& base = levels.front();
   const std::string ext = extension(path, options);
   const FileFormat& format = *format_with_extension(ext);
   Written done{.depth = choose_depth(format, options), .layout = choose_layout(path, format, options, base.projection)};
-  const Range range = range_of(format, done.depth);
+  const Range range = range_of(done.depth, format.largest);
   std::vector<std::unique_ptr<Limited>> limited;
   std::vector<Rows> rows;
   const ColourTransform colours = out_of_working(options.colour);
@@ -292,7 +242,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
       write_image(*files.back(), name, ext, pages, done.depth, data, options, part);
   };
   const auto write_file = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
-    files.push_back(std::make_unique<OutputFile>(name, options.commit));
+    files.push_back(memory ? std::make_unique<OutputFile>() : std::make_unique<OutputFile>(name, options.commit));
     if (files.size() == 1 && !options.rows) files.back()->expect(least_bytes(levels, ext, done.depth, options));
     try {
       write_into(name, pages, part);
@@ -316,7 +266,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
       }
   }
   for (const auto& level : limited) check_fit(path, format, level->total(), options, done);
-  for (const auto& file : files) file->commit();
+  for (const auto& file : files) memory ? (void)(*memory = file->bytes()) : file->commit();
   return done;
 }
 
@@ -396,8 +346,9 @@ std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions&
                       };
                       return level_of(rounded);
                     }};
-  const std::optional<double> largest =
-      depth == Depth::bc6h || depth == Depth::rgbd ? std::nullopt : std::optional(range_of(format, depth).precision);
+  const std::optional<double> largest = depth == Depth::bc6h || depth == Depth::rgbd
+                                            ? std::nullopt
+                                            : std::optional(range_of(depth, format.largest).precision);
   return Rounding{depth, largest, [depth, border = options.border](const Level& level) {
                     if (border == 0) return envmap::read_back(level, texels_of(depth));
                     return without_border(envmap::read_back(with_border(level, border), texels_of(depth)), border);
@@ -423,28 +374,64 @@ double rounding_error(const Rounding& rounding, const Level& level, double floor
   return most;
 }
 
-Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {
-  return write(path, std::span(&rows, 1), options, progress);
-}
+namespace {
 
-Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
+// To files, or into memory.
+Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+                  const Progress& wanted, std::vector<std::byte>* memory) {
+  if (levels.empty()) throw UsageError(path, "nothing to write: the map has no levels");
+  for (const Rows& rows : levels) check(rows);
+  check(limits::border, options.border);
   const Rows& base = levels.front();
+  for (const Rows& rows : levels)
+    if (rows.projection != base.projection || rows.forward != base.forward)
+      throw UsageError(path, "levels of one map must have one projection and forward axis");
   check_output(path, options, base.projection, levels.size() > 1);
+  const SteadyProgress steady(wanted);
+  const Progress& progress = steady.callback();
+  const auto finished = [&](const Written& done) {
+    steady.finish();
+    return done;
+  };
   if (options.border > 0) {
     EnvironmentMap textures;
     for (const Rows& rows : levels) textures.levels.push_back(with_border(level_of(rows), options.border));
     check_sizes(path, all_rows_of(textures));
-    return write_files(path, all_rows_of(textures), options, progress);
+    return finished(write_files(path, all_rows_of(textures), options, progress, memory));
   }
   check_sizes(path, levels);
-  if (!options.openexr_envmap) return write_files(path, levels, options, progress);
+  if (!options.openexr_envmap) return finished(write_files(path, levels, options, progress, memory));
   if (base.forward != Forward::plus_z)
     throw UsageError(path, "OpenEXR's envmap files have +z at the centre", Remedy::choose_plus_z);
   EnvironmentMap border;
   for (const Rows& rows : levels) border.levels.push_back(level_of(rows));
   if (levels.size() > 1) add_levels(border.levels);
   for (Level& level : border.levels) level = to_border(level);
-  return write_files(path, all_rows_of(border), options, progress);
+  return finished(write_files(path, all_rows_of(border), options, progress, memory));
+}
+
+}  // namespace
+
+Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {
+  return write(path, std::span(&rows, 1), options, progress);
+}
+
+Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options, const Progress& progress) {
+  return write(path, all_rows_of(map), options, progress);
+}
+
+Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
+  return write_map(path, levels, options, progress, nullptr);
+}
+
+std::vector<std::byte> encode(const EnvironmentMap& map, const WriteOptions& options, const Progress& progress) {
+  return encode(all_rows_of(map), options, progress);
+}
+
+std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
+  std::vector<std::byte> bytes;
+  write_map("", levels, options, progress, &bytes);  // Errors name no file.
+  return bytes;
 }
 
 }  // namespace envmap

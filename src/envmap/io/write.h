@@ -2,9 +2,12 @@
 /// Writing environment maps.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "envmap/base/export.h"
 #include "envmap/base/progress.h"
@@ -18,14 +21,15 @@
 namespace ENVMAP_EXPORT envmap {
 
 struct WriteOptions {
-  std::optional<Layout> layout;  ///< Of a cube; column if nothing is said.
-  std::string format;            ///< A file name extension for `-` and names without one; else the name's decides.
-  std::optional<Depth> depth;    ///< Asked for; refused where the format cannot hold it.
+  std::optional<Layout> layout = {};  ///< Of a cube; column if nothing is said.
+  std::string format = {};       ///< A file name extension for `-` and names without one; else the name's decides.
+  std::optional<Depth> depth = {};  ///< Asked for; refused where the format cannot hold it.
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.
   bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
   bool openexr_envmap = false;   ///< OpenEXR's envmap attribute, samples on the border: EXR, latlong or cube column.
-  std::string compression = {};  ///< Of an EXR file, see ImagePlan: zip, zip:1, piz, dwaa:45, ...; zip if empty.
-  int border = 0;                ///< Texels written round every level of an octahedral map, as map/border.h says.
+  std::string compression = {};  ///< Of an EXR file, zip, zip:1, piz, dwaa:45, ...; zip if empty.
+  /// Texels written round every level of an octahedral map, which repeat what lies beyond its edges.
+  int border = 0;
   bool zstd = false;             ///< Compress KTX2 files with Zstandard.
   bool encoded = false;  ///< Allow a space that is not linear in a format whose values other programs take for linear.
   Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
@@ -55,8 +59,15 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 /// @param levels the base first; each half the one before, rounded down (see half_level()); with their border, where there
 /// shall be one. @param progress may be empty.
 /// @throws OutputError where it cannot be written, or values do not fit and `clamp` is not set.
-Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options = {},
               const Progress& progress = {});
-Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress = {});
+Written write(const std::string& path, const Rows& rows, const WriteOptions& options = {}, const Progress& progress = {});
+/// All levels of the map.
+Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options = {}, const Progress& progress = {});
+
+/// Returns the bytes of the file that write() would write; no file is made. Errors name no file.
+/// @param options `format` names the format by its extension, such as "exr"; `commit` has no meaning.
+std::vector<std::byte> encode(const EnvironmentMap& map, const WriteOptions& options, const Progress& progress = {});
+std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& options, const Progress& progress = {});
 
 }  // namespace envmap

@@ -1,13 +1,25 @@
 #include "envmap/map/environment_map.h"
 
+#include "envmap/base/error.h"
+
 namespace envmap {
+namespace {
+
+int checked(const Bounds& range, int value) {
+  check(range, value);
+  return value;
+}
+
+}  // namespace
 
 Level::Level(Projection projection, int size, int width, std::size_t max_memory)
     : projection_(projection),
       faces_(envmap::faces(projection)),
-      width_(width > 0 ? width : size * aspect(projection)),
-      height_(size),
+      width_(width == 0 ? checked(limits::level_height, size) * aspect(projection) : checked(limits::level_width, width)),
+      height_(checked(limits::level_height, size)),
       pixels_(index(faces_, -apron, -apron) + 1, max_memory) {}
+
+Level& EnvironmentMap::no_level() { throw UsageError("a map needs a level; this one has none"); }
 
 EnvironmentMap EnvironmentMap::clone() const {
   EnvironmentMap copy{{}, forward};

@@ -26,6 +26,7 @@ class Level {
   /// All texels 0. @param size height of a face, at least 1. @param width of a face; 0: size x the aspect of the projection.
   /// Only the coarser levels of a latlong map have another: they halve each side and round it down, 90x45 45x22 ... 1x1.
   /// @param max_memory of the process, in bytes: the texels then lie in a scratch file (storage.h). 0: in memory.
+  /// @throws UsageError where a side is out of its range (bounds.h), std::bad_alloc.
   Level(Projection projection, int size, int width = 0, std::size_t max_memory = 0);
   Level(Level&&) noexcept = default;
   Level& operator=(Level&&) noexcept = default;
@@ -92,17 +93,35 @@ struct Frame {
       : projection(p), forward(has_forward(p) ? f : Forward::plus_z) {}
 };
 
-/// A whole environment: level 0 and what mip levels there are.
+/// A member that makes its owner movable but not copyable, and leaves it an aggregate.
+struct MoveOnly {
+  MoveOnly() = default;
+  MoveOnly(MoveOnly&&) = default;
+  MoveOnly& operator=(MoveOnly&&) = default;
+};
+
+/// A whole environment: level 0 and what mip levels there are. It is moved, or copied by clone().
+///
+/// In memory the faces of a cube are seen from inside. The faces of a cube texture of OpenGL, Vulkan and Direct3D are
+/// mirrored against them: +X, -X, +Z and -Z left to right, +Y and -Y top to bottom. pack() returns those.
+///
+/// Operations refuse a map that holds NaN or infinity, with InputError. repair() replaces those texels. find_flaws(),
+/// measure() and irradiance() leave them out. Negative values are summed like others.
 struct EnvironmentMap {
-  std::vector<Level> levels;
+  std::vector<Level> levels = {};
   Forward forward = Forward::plus_z;
+  [[no_unique_address]] MoveOnly move_only = {};
 
   [[nodiscard]] EnvironmentMap clone() const;
 
-  [[nodiscard]] const Level& base() const { return levels.front(); }
-  [[nodiscard]] Level& base() { return levels.front(); }
+  /// Level 0. @throws UsageError where there is none.
+  [[nodiscard]] const Level& base() const { return levels.empty() ? no_level() : levels.front(); }
+  [[nodiscard]] Level& base() { return levels.empty() ? no_level() : levels.front(); }
   [[nodiscard]] Projection projection() const { return base().projection(); }
   [[nodiscard]] Frame frame() const { return {projection(), forward}; }
+
+ private:
+  [[noreturn]] static Level& no_level();
 };
 
 /// A map of one level, all 0.

@@ -3,6 +3,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "envmap/base/error.h"
 
 namespace envmap {
 
@@ -15,6 +19,15 @@ Rows rows_of(const Level& level, Forward forward) {
           level.width()};
 }
 
+Rows rows_of(Level&& level, Forward forward) {
+  const auto kept = std::make_shared<const Level>(std::move(level));
+  Rows rows = rows_of(*kept, forward);
+  rows.fill = [kept, fill = std::move(rows.fill)](int face, int row, std::span<Colour> out) { fill(face, row, out); };
+  return rows;
+}
+
+Rows rows_of(EnvironmentMap&& map) { return rows_of(std::move(map.base()), map.forward); }
+
 Rows rows_of(const EnvironmentMap& map) { return rows_of(map.base(), map.forward); }
 
 std::vector<Rows> all_rows_of(const EnvironmentMap& map) {
@@ -23,7 +36,20 @@ std::vector<Rows> all_rows_of(const EnvironmentMap& map) {
   return all;
 }
 
+std::vector<Rows> all_rows_of(EnvironmentMap&& map) {
+  std::vector<Rows> all;
+  for (Level& level : map.levels) all.push_back(rows_of(std::move(level), map.forward));
+  return all;
+}
+
+void check(const Rows& rows) {
+  if (!rows.fill) throw UsageError("rows need a function that fills them");
+  check(limits::level_height, rows.size);
+  if (rows.columns != 0) check(limits::level_width, rows.columns);
+}
+
 Level level_of(const Rows& rows) {
+  check(rows);
   Level level(rows.projection, rows.size, rows.width());
   tbb::parallel_for(0, level.faces() * rows.size,
                     [&](int k) { rows.fill(k / rows.size, k % rows.size, level.row(k / rows.size, k % rows.size)); });

@@ -27,12 +27,18 @@ struct RowRange {
   int begin, end;
 };
 
-/// The rows of a level, which must outlive them.
+/// The rows of a level, which must outlive them. A level that is given away lives as long as its rows.
 Rows rows_of(const Level& level, Forward forward);
+Rows rows_of(Level&& level, Forward forward);
 
-/// The rows of level 0 of a map, and those of all its levels.
+/// The rows of level 0 of a map, and those of all its levels. A map that is given away lives as long as its rows.
 Rows rows_of(const EnvironmentMap& map);
+Rows rows_of(EnvironmentMap&& map);
 std::vector<Rows> all_rows_of(const EnvironmentMap& map);
+std::vector<Rows> all_rows_of(EnvironmentMap&& map);
+
+/// @throws UsageError where the rows cannot be made: no function, or a size out of its range.
+void check(const Rows& rows);
 
 /// All rows, made in parallel.
 Level level_of(const Rows& rows);

@@ -8,6 +8,7 @@
 
 #include "envmap/maths/sum.h"
 #include "envmap/operate/measure.h"
+#include "envmap/sample/sampler.h"
 
 namespace envmap {
 namespace {

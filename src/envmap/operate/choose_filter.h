@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "envmap/base/costs.h"
 #include "envmap/operate/convert.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"

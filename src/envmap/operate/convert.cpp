@@ -5,13 +5,18 @@
 #include <limits>
 #include <utility>
 
+#include "envmap/base/costs.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/steady_progress.h"
 #include "envmap/maths/portable.h"
+#include "envmap/operate/check_options.h"
 #include "envmap/operate/choose_filter.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/projection/visit.h"
+#include "envmap/sample/sampler.h"
 
 namespace envmap {
 namespace {
@@ -26,7 +31,17 @@ double covered(const Target& target, const Level& source) {
   return pitch(target.to, target.size) / pitch(source.projection(), source.height());
 }
 
+void check(const ConvertOptions& o) {
+  if (o.size) check(limits::size, *o.size);
+  check(limits::samples, o.samples);
+  if (o.area_error) check(limits::area_error, *o.area_error);
+  if (o.max_error) check(limits::max_error, *o.max_error);
+  check(limits::gain, o.gain);
+  check_rotation("rotation", o.rotation);
+}
+
 Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
+  check(o);
   if (o.ball && source.projection() != Projection::sphere) throw UsageError("only sphere maps are photos of a ball");
   if (o.ball && !(o.ball->distance >= BallCamera::nearest && o.ball->distance <= BallCamera::farthest))
     throw UsageError("a camera is 1.02 to 1e6 radii away from the ball's centre");
@@ -111,17 +126,19 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
       texels_between_trims(between_trims(target, source.base())) {
   if (!options.max_error && interpolates(filter)) {
     if (is_source(target, source.base())) {
+      require_finite(source);
       unchanged = std::move(source.base());
       return;
     }
     if (permutes_texels(target, source.base())) filter.filter = Filter::nearest;
   }
+  require_finite(source);
   // The mean costs more than many a conversion: exact solid angles of every texel.
   if (options.max_error || filter.filter == Filter::area) filter.floor = 1e-3 * mean_radiance(source.base());
   if (options.max_error || reads_levels(filter.filter)) add_levels(source.levels);
   for (Level& level : source.levels) levels.emplace_back(std::move(level));
   if (options.max_error) {
-    choice = choose_filter(levels, target, *options.max_error, filter.floor, options.costs);
+    choice = choose_filter(levels, target, *options.max_error, filter.floor, options.costs ? *options.costs : Costs());
     filter = choice->filter;
   }
   sampler = make_sampler(levels, target, filter);
@@ -166,8 +183,10 @@ EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& optio
   const Rows rows = resampler.rows();
   EnvironmentMap out = blank_map(resampler.frame(), resampler.size());
   Level& level = out.base();
-  for_each_row(level.faces(), level.height(), progress,
+  const SteadyProgress steady(progress);
+  for_each_row(level.faces(), level.height(), steady.callback(),
                [&](int face, int row) { rows.fill(face, row, level.row(face, row)); });
+  steady.finish();
   return out;
 }
 

@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "envmap/base/costs.h"
 #include "envmap/base/export.h"
 #include "envmap/base/progress.h"
 #include "envmap/map/environment_map.h"
@@ -17,23 +16,26 @@
 
 namespace ENVMAP_EXPORT envmap {
 
+struct Costs;  // The program's measured times: base/costs.h.
+
 struct ConvertOptions {
   Frame to{Projection::cube};
-  std::optional<int> size;            ///< Height of a face; absent: matching_size() of the source.
-  /// Absent: area where a texel covers over 1.25 of the source, else bilinear, with 2 samples or more down to 0.5.
-  std::optional<Filter> filter;
+  std::optional<int> size = {};       ///< Height of a face; absent: matching_size() of the source.
+  /// Absent: `area` where a texel of the result spans more than 1.25 texels of the source; otherwise `bilinear`,
+  /// with 2 x 2 samples (or `samples`, if more) where it spans more than 0.5 and texels do not fall on texels.
+  std::optional<Filter> filter = {};
   int samples = 1;                    ///< Along each side of a texel, for nearest, bilinear and bicubic.
   /// Of the area filter, relative to the texel (or 0.001 x the mean if larger). Absent: 1e-4 if it was asked for, 1e-3 if
   /// it was chosen.
-  std::optional<double> area_error;
+  std::optional<double> area_error = {};
   /// Take the cheapest filter that is found to err by no more (FilterChoice); `filter` and `samples` are then ignored.
-  std::optional<double> max_error;
+  std::optional<double> max_error = {};
   Rotation rotation{1};               ///< Turns the environment: radiance from d comes out from rotation x d.
   double gain = 1;                    ///< Factor on radiance.
   /// The camera that took the source, a photo of a mirror ball; absent: one infinitely far away. What the camera does not see gets
   /// the colours of the ball's rim. Of sphere maps only.
   std::optional<BallCamera> ball = std::nullopt;
-  Costs costs = {};                   ///< What `max_error` chooses by.
+  const Costs* costs = nullptr;       ///< The times that `max_error` chooses by; null: those of the library.
 };
 
 /// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare() has
@@ -59,7 +61,8 @@ bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options);
 class Resampler {
  public:
   /// Copies the source's texels.
-  /// @throws UsageError where `ball` is said of another map than a sphere map, or its distance is out of range.
+  /// @throws UsageError where a field is out of its range (bounds.h) or `ball` is set for another map than a sphere
+  /// map, InputError where a texel is NaN or infinite.
   Resampler(const EnvironmentMap& source, const ConvertOptions& options) : Resampler(source.clone(), options) {}
   /// Takes the source's texels over: no more memory than the map itself.
   Resampler(EnvironmentMap&& source, const ConvertOptions& options);

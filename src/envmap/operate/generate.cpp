@@ -6,8 +6,10 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/steady_progress.h"
 #include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
+#include "envmap/operate/check_options.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {
@@ -222,7 +224,10 @@ void check(const Directions&) {}
 void check(const Faces&) {}
 void check(const Sky&) {}
 void check(const Checker& p) { require(p.squares >= 1, "the squares of a checker: at least 1"); }
-void check(const Sun& p) { require(p.radius > 0 && p.radius <= 180, "the radius of a sun: more than 0 and at most 180 degrees"); }
+void check(const Sun& p) {
+  check_direction("towards", p.towards);
+  require(p.radius > 0 && p.radius <= 180, "the radius of a sun: more than 0 and at most 180 degrees");
+}
 void check(const Harmonic& p) {
   require(p.degree >= 0 && p.degree <= 100, "the degree of a harmonic: from 0 to 100");
   require(std::abs(p.order) <= p.degree, "the order of a harmonic: from -degree to degree");
@@ -247,8 +252,10 @@ double real_harmonic(int degree, int order, const Direction& d) {
 
 EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Progress& progress) {
   std::visit([](const auto& p) { check(p); }, pattern);
+  check(limits::size, size);
   EnvironmentMap map = blank_map(to, size);
-  std::visit([&](const auto& p) { fill(p, map, progress); }, pattern);
+  const SteadyProgress steady(progress);
+  std::visit([&](const auto& p) { fill(p, map, steady.callback()); }, pattern);
   for (int face = 0; face < map.base().faces(); ++face)
     for (int j = 0; j < map.base().height(); ++j)
       for (const Colour& c : map.base().row(face, j))
@@ -256,6 +263,7 @@ EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const
               glm::all(glm::lessThanEqual(c, Colour(std::numeric_limits<float>::max())))))
           throw UsageError(
               "the pattern has negative or infinite radiance: change its values (for a harmonic: a smaller amplitude)");
+  steady.finish();
   return map;
 }
 

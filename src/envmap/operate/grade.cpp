@@ -9,6 +9,8 @@
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/sum.h"
+#include "envmap/operate/check_options.h"
+#include "envmap/operate/refuse_flaws.h"
 
 namespace envmap {
 namespace {
@@ -74,6 +76,10 @@ Integral integral(const EnvironmentMap& map, const Direction& normal, const Weig
 }  // namespace
 
 void apply(const Grade& grade, Level& level) {
+  check_not_negative("gain", grade.gain);
+  check_not_negative("luminance", grade.luminance);
+  check(limits::saturation, grade.saturation);
+  require_finite(level);
   for_each_row(level.faces(), level.height(), {}, [&](int face, int j) {
     for (Colour& texel : level.row(face, j)) {
       const Flux c = grade.gain * Flux(texel);
@@ -84,6 +90,7 @@ void apply(const Grade& grade, Level& level) {
 }
 
 std::int64_t into_gamut(Level& level, const Flux& luminance) {
+  check_not_negative("luminance", luminance);
   const auto rows = map_rows<std::int64_t>(level.faces() * level.height(), [&](int k) {
     std::int64_t outside = 0;
     for (Colour& texel : level.row(k / level.height(), k % level.height())) {
@@ -100,16 +107,21 @@ std::int64_t into_gamut(Level& level, const Flux& luminance) {
 }
 
 Flux irradiance(const EnvironmentMap& map, const Direction& normal) {
+  check_direction("normal", normal);
   return integral(map, normal, [](double cosine) { return std::max(0.0, cosine); }).light;
 }
 
 Flux radiance_within(const EnvironmentMap& map, const Direction& towards, double degrees) {
+  check_direction("towards", towards);
+  check({"degrees", 0, 180}, degrees);
   const double least_cosine = portable::cos(degrees * pi / 180);
   const Integral seen = integral(map, towards, [=](double cosine) { return cosine >= least_cosine ? 1.0 : 0.0; });
   return seen.weight > 0 ? seen.light / seen.weight : Flux(0);
 }
 
 Flux white_balance(const Flux& colour, const Flux& luminance) {
+  check_not_negative("colour", colour);
+  check_not_negative("luminance", luminance);
   if (!(least(colour) > 0)) throw UsageError("what shall be grey has a channel that is 0: no gain makes it grey");
   return Flux(glm::dot(colour, luminance)) / colour;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "envmap/base/error.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/point.h"
 
@@ -89,6 +91,12 @@ void fill_beyond_disc(Level& level) {
   });
 }
 
+void check_levels(const std::vector<Level>& levels, int count) {
+  if (levels.empty()) throw UsageError("a map needs a level; this one has none");
+  if (count != 0) check(limits::levels, count);
+  require_finite(levels.back());  // Means of finite texels are finite.
+}
+
 }  // namespace
 
 bool has_next(const Level& level) { return level.width() > 1 || level.height() > 1; }
@@ -98,6 +106,8 @@ Level half_level(const Level& fine, Weights weights) {
 }
 
 Level coarser_level(const Level& fine, int width, int height, Weights weights) {
+  check({"width", 1, double(fine.width())}, width);
+  check({"height", 1, double(fine.height())}, height);
   Level coarse(fine.projection(), height, width, fine.max_memory());
   const Cells across = cells(fine.width(), coarse.width()), down = cells(fine.height(), coarse.height());
   // Rows as far from the top as from the bottom share their weights, as do all faces.
@@ -126,6 +136,8 @@ Level coarser_level(const Level& fine, int width, int height, Weights weights) {
 }
 
 void add_levels_with_border(std::vector<Level>& levels, int border, Weights weights, int count) {
+  check_levels(levels, count);
+  check(limits::border, border);
   const int whole = levels.front().height() + 2 * border;
   for (int k = static_cast<int>(levels.size()); (whole >> k) > 2 * border && (count == 0 || k < count); ++k) {
     const int size = (whole >> k) - 2 * border;
@@ -133,7 +145,10 @@ void add_levels_with_border(std::vector<Level>& levels, int border, Weights weig
   }
 }
 
+void add_levels(EnvironmentMap& map, Weights weights, int count) { add_levels(map.levels, weights, count); }
+
 void add_levels(std::vector<Level>& levels, Weights weights, int count) {
+  check_levels(levels, count);
   while (has_next(levels.back()) && (count == 0 || levels.size() < static_cast<std::size_t>(count)))
     levels.push_back(half_level(levels.back(), weights));
 }

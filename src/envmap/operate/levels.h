@@ -18,10 +18,9 @@ inline constexpr std::string_view weight_names[] = {"solid-angle", "uniform"};
 /// Whether there is a level after: a face has more than one texel.
 bool has_next(const Level& level);
 
-/// The level after: each side half as long, rounded down, at least 1. Where a size is odd, texels that straddle two of the
-/// result count for each by the part. Flux is kept to the rounding of float32. Texels outside the disc are 0 on sphere and
-/// angular maps; on paraboloid maps they show what the other half does there, as a PaddedLevel finds it (with uniform
-/// weights: plain means).
+/// The level after: each side half as long, rounded down, at least 1. Where a size is odd, texels that straddle two of the result count for each by the part. Flux is kept to
+/// the rounding of float32. Texels outside the disc are 0 on sphere and angular maps; on paraboloid maps they show
+/// what the other half does there, as a PaddedLevel finds it (with uniform weights: plain means).
 Level half_level(const Level& fine, Weights weights = Weights::solid_angle);
 
 /// The same of any smaller size: texels count for each texel of the result by the part that lies in it.
@@ -32,7 +31,8 @@ Level coarser_level(const Level& fine, int width, int height, Weights weights = 
 void add_levels_with_border(std::vector<Level>& levels, int border, Weights weights = Weights::solid_angle, int count = 0);
 
 /// Adds the levels after the last one, down to one texel a face, or until there are `count`.
-/// @param count 0: no limit.
+/// @param count 0: no limit. @throws UsageError where there is no level, InputError where a texel is NaN or infinite.
 void add_levels(std::vector<Level>& levels, Weights weights = Weights::solid_angle, int count = 0);
+void add_levels(EnvironmentMap& map, Weights weights = Weights::solid_angle, int count = 0);
 
 }  // namespace envmap

@@ -1,5 +1,7 @@
 #include "envmap/operate/measure.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,9 +10,10 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/maths/sum.h"
 #include "envmap/operate/brightest.h"
-#include "envmap/base/parallel.h"
+#include "envmap/operate/refuse_flaws.h"
 
 namespace envmap {
 namespace {
@@ -235,7 +238,27 @@ Flux flux_difference(const Level& a, const Level& b) {
 
 double Difference::largest_flux() const { return std::max({std::abs(flux.x), std::abs(flux.y), std::abs(flux.z)}); }
 
+namespace {
+
+void check_same_shape(const Level& a, const Level& b) {
+  if (a.projection() != b.projection() || a.width() != b.width() || a.height() != b.height())
+    throw UsageError(fmt::format("maps to compare must have one projection and size, not {} {}x{} and {} {}x{}",
+                                 name(a.projection()), a.width(), a.height(), name(b.projection()), b.width(), b.height()));
+}
+
+}  // namespace
+
+Difference compare(const EnvironmentMap& a, const EnvironmentMap& b) {
+  if (a.frame().forward != b.frame().forward)
+    throw UsageError("maps to compare must have one forward axis: convert() one of them");
+  return compare(a.base(), b.base());
+}
+
 Difference compare(const Level& a, const Level& b, Level* shown) {
+  check_same_shape(a, b);
+  if (shown) check_same_shape(*shown, b);
+  require_finite(a);
+  require_finite(b);
   const double floor = 1e-3 * mean_radiance(b);
   struct Row {
     Sum error, power;

@@ -73,7 +73,10 @@ struct Difference {
 /// (flux a - flux b) / flux b, per channel. The two need not be of one size.
 Flux flux_difference(const Level& a, const Level& b);
 
-/// Both of one projection and size. @param shown if given, is set to |a-b| per texel.
+/// @param shown if given, is set to |a-b| per texel. @throws UsageError where the levels, or `shown`, differ in
+/// projection or size, InputError where one holds NaN or infinity.
 Difference compare(const Level& a, const Level& b, Level* shown = nullptr);
+/// Level 0 of both. @throws UsageError where they differ in their forward axis, too.
+Difference compare(const EnvironmentMap& a, const EnvironmentMap& b);
 
 }  // namespace envmap

@@ -7,6 +7,8 @@
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
+#include "envmap/operate/check_options.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/bicubic.h"
 #include "envmap/sample/inverse_bilinear.h"
@@ -23,13 +25,18 @@ double half_height(const PhotographOptions& o) {
 }
 
 void check(const PhotographOptions& o) {
+  check(limits::picture_width, o.width);
+  check(limits::picture_height, o.height);
+  if (o.samples) check(limits::samples, *o.samples);
+  check(limits::gain, o.gain);
+  check_rotation("rotation", o.rotation);
+  check_direction("towards", o.towards);
   if (!(o.field > 0 && (o.lens == CameraModel::fisheye ? o.field <= 2 * pi : o.field < pi)))
     throw UsageError("a fisheye sees more than 0 and up to 360 degrees from bottom to top, other pictures less than 180");
   if (o.filter != Filter::nearest && o.filter != Filter::bilinear && o.filter != Filter::bicubic)
     throw UsageError("pictures take the filters nearest, bilinear and bicubic");
   if (o.lens == CameraModel::cylinder && angle_across(o) > 2 * pi * (1 + 1e-12))
     throw UsageError("a cylinder of that width goes round more than once");
-  if (!(glm::length(o.towards) > 0)) throw UsageError("a camera looks towards a direction that is not 0");
 }
 
 // Where places in the picture look, in the frame of the source's image. Before the turn the camera looks along +Z, +X to its left.
@@ -84,6 +91,7 @@ int samples_of(const PhotographOptions& o, const Level& source) {
 
 std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o) {
   check(o);
+  require_finite(source);
   const Camera camera{.lens = o.lens,
                       .half = half_height(o),
                       .aspect = static_cast<double>(o.width) / o.height,

@@ -26,7 +26,7 @@ struct PhotographOptions {
   int width = 640, height = 480;
   Direction towards{0, 0, 1};   ///< World direction in the middle; not 0. +Y is up, or -Z of what looks up, +Z of what looks down.
   Filter filter = Filter::bilinear;  ///< nearest, bilinear or bicubic.
-  std::optional<int> samples;   ///< Along each side of a pixel; absent: as samples_of() says.
+  std::optional<int> samples = {};  ///< Along each side of a pixel; absent: as samples_of() says.
   Rotation rotation{1};         ///< Turns the environment before the picture is taken, as ConvertOptions::rotation.
   double gain = 1;              ///< Factor on radiance.
 };
@@ -38,7 +38,8 @@ double angle_across(const PhotographOptions& options);
 int samples_of(const PhotographOptions& options, const Level& source);
 
 /// Radiance, rows from the top: plain means of samples x samples places in each pixel.
-/// @throws UsageError where the field or the filter is out of range, or a cylinder would be more than one turn.
+/// @throws UsageError where a field is out of its range (bounds.h) or a cylinder spans more than one turn, InputError
+/// where a texel is NaN or infinite.
 std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& options);
 
 }  // namespace envmap

@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <array>
 
+#include "envmap/base/bounds.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/steady_progress.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/lobe_lanes-inl.h"
 
@@ -132,20 +134,25 @@ HWY_EXPORT(BrdfRow);
 // a peak about d = 0 of the width a, and about psi = 0 of sqrt((A - B) / (A + B)). Light above the horizon is all that is
 // integrated over: nothing breaks off within the range of the rules.
 std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness) {
+  for (const double cosine : cosines) check(limits::cosine, cosine);
+  check(limits::roughness, roughness);
   std::vector<ScaleBias> found(cosines.size());
   HWY_DYNAMIC_DISPATCH(prefiltering::BrdfRow)(cosines, roughness, found);
   return found;
 }
 
 std::vector<Colour> brdf_table(int size, const Progress& progress) {
+  check(limits::table_size, size);
+  const SteadyProgress steady(progress);
   const auto n = static_cast<std::size_t>(size);
   std::vector<double> cosines;
   for (int i = 0; i < size; ++i) cosines.push_back((i + 0.5) / size);
   std::vector<Colour> table(n * n);
-  for_each_row(1, size, progress, [&](int, int j) {
+  for_each_row(1, size, steady.callback(), [&](int, int j) {
     const std::vector<ScaleBias> row = brdf(cosines, (j + 0.5) / size);
     for (std::size_t i = 0; i < n; ++i) table[static_cast<std::size_t>(j) * n + i] = Colour(row[i].scale, row[i].bias, 0);
   });
+  steady.finish();
   return table;
 }
 

@@ -20,6 +20,7 @@ struct ScaleBias {
 /// Integral of D G F / (4 cos(n,v)) over the hemisphere (Karis 2013, "Real shading in Unreal Engine 4"), with Smith's
 /// height-correlated masking and shadowing G (Heitz 2014, "Understanding the masking-shadowing function", equation 99),
 /// alpha = roughness^2, no less than 1e-6. By Gauss's rules in variables that follow the peak: right to 1e-5.
+/// @throws UsageError where a value is out of its range, here and below.
 /// @param cosines of the angles between normal and view, 1/2048 to 1. @param roughness perceptual, 0 to 1.
 std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness);
 

@@ -1,15 +1,20 @@
 #include "envmap/prefilter/harmonics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
+#include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/steady_progress.h"
 #include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/sum.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/source.h"
 #include "envmap/projection/visit.h"
@@ -144,14 +149,30 @@ class LatlongRows {
   std::vector<int> sectors_;                          // m by index of a coefficient.
 };
 
+std::size_t coefficient_count(int order) { return static_cast<std::size_t>(order + 1) * static_cast<std::size_t>(order + 1); }
+
+void check_order(int order) { check(limits::order, order); }
+
+void check_series(const Harmonics& h) {
+  check_order(h.order);
+  if (h.coefficients.size() != coefficient_count(h.order))
+    throw UsageError(fmt::format("harmonics of order {} have {} coefficients, not {}", h.order, coefficient_count(h.order),
+                                 h.coefficients.size()));
+}
+
 }  // namespace
 
 void harmonics_at(int order, const Direction& d, std::span<double> out) {
+  check_order(order);
+  if (out.size() < coefficient_count(order))
+    throw UsageError(fmt::format("out must hold {} values, not {}", coefficient_count(order), out.size()));
   Recursion(order).each(d, [&](int k, double y) { out[static_cast<std::size_t>(k)] = y; });
 }
 
 Harmonics project(const EnvironmentMap& map, int order, const Progress& progress) {
-  const std::optional<EnvironmentMap> cube = prefiltering::source_cube(map);
+  check_order(order);
+  const SteadyProgress steady(progress);
+  const std::optional<EnvironmentMap> cube = prefiltering::source_cube(require_finite(map));
   const Level& level = cube ? cube->base() : map.base();
   const Recursion recursion(order);
   const Rotation to_world = image_to_world(cube ? cube->forward : map.forward);
@@ -171,20 +192,24 @@ Harmonics project(const EnvironmentMap& map, int order, const Progress& progress
     for (const auto& part : parts)
       for (std::size_t k = 0; k < totals.size(); ++k)
         for (int c = 0; c < 3; ++c) totals[k][static_cast<std::size_t>(c)].add(part[k][c]);
-    if (progress) progress(static_cast<double>(std::min(rows, start + band)) / rows);
+    if (progress) steady.callback()(static_cast<double>(std::min(rows, start + band)) / rows);
   }
+  steady.finish();
   for (std::size_t k = 0; k < totals.size(); ++k)
     found.coefficients[k] = {totals[k][0].value(), totals[k][1].value(), totals[k][2].value()};
   return found;
 }
 
 Flux evaluate(const Harmonics& h, const Direction& d) {
+  check_series(h);
   Flux sum(0);
   Recursion(h.order).each(d, [&](int k, double y) { sum += y * h.coefficients[static_cast<std::size_t>(k)]; });
   return sum;
 }
 
 EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward) {
+  check_series(h);
+  check(limits::size, size);
   EnvironmentMap map;
   map.levels.emplace_back(to, size);
   map.forward = has_forward(to) ? forward : Forward::plus_z;
@@ -205,6 +230,7 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
 }
 
 std::vector<double> zonal(const Lobe& lobe, int order) {
+  check({"order", 0, 100000}, order);
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
   // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon, where it may be bent.
   const double width = std::visit([](const auto& l) { return l.width(); }, lobe);
@@ -246,6 +272,7 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
 }
 
 std::vector<double> irradiance_factors(int order) {
+  check_order(order);
   std::vector<double> factors;
   double central = 1;  // l! / (2^l ((l/2)!)^2) of even l.
   for (int l = 0; l <= order; ++l) {
@@ -262,6 +289,9 @@ std::vector<double> irradiance_factors(int order) {
 }
 
 void scale_degrees(Harmonics& h, std::span<const double> factors) {
+  check_series(h);
+  if (factors.size() <= static_cast<std::size_t>(h.order))
+    throw UsageError(fmt::format("factors must hold {} values, one for each degree, not {}", h.order + 1, factors.size()));
   for (int l = 0; l <= h.order; ++l)
     for (int m = -l; m <= l; ++m)
       h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)] *= factors[static_cast<std::size_t>(l)];

@@ -22,10 +22,13 @@ struct Harmonics {
   std::vector<Flux> coefficients;  ///< (order + 1)^2, at l (l + 1) + m.
 };
 
+/// Functions throw UsageError where an order is out of its range (bounds.h) or an array has the wrong length.
+
 /// Values of all harmonics up to an order in one direction. @param out (order + 1)^2 values.
 void harmonics_at(int order, const Direction& d, std::span<double> out);
 
 /// Coefficients of the radiance of a map, world frame: the integral of L Y over the sphere, L constant over each texel.
+/// @throws InputError where a texel is NaN or infinite.
 Harmonics project(const EnvironmentMap& map, int order, const Progress& progress = {});
 
 /// Value of the series in a direction.

@@ -1,5 +1,8 @@
 #include "envmap/prefilter/prefilter.h"
 
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -7,11 +10,16 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <mutex>
+#include <utility>
 
+#include "envmap/base/costs.h"
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
+#include "envmap/base/steady_progress.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
-#include "envmap/base/parallel.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/hinge_map.h"
@@ -51,8 +59,10 @@ double factor(const Prefilter& p) {
 bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source, std::size_t texels) {
   const auto of_source = static_cast<double>(index_of(source, {source.faces(), 0, 0}));
   const Cost each = source.projection() == Projection::latlong ? Cost::spectral_row_source : Cost::spectral_source;
-  const double transform = p.costs[Cost::spectral_start] + p.costs[Cost::spectral_texel] * texel_count(p.to, p.size) + p.costs[each] * of_source;
-  return transform < p.costs[Cost::tree_texel] * static_cast<double>(texels) &&
+  const Costs costs = p.costs ? *p.costs : Costs();
+  const double transform =
+      costs[Cost::spectral_start] + costs[Cost::spectral_texel] * texel_count(p.to, p.size) + costs[each] * of_source;
+  return transform < costs[Cost::tree_texel] * static_cast<double>(texels) &&
          std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
 }
 
@@ -71,6 +81,7 @@ void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& 
 }  // namespace
 
 struct PrefilterSource::Prepared {
+  const std::optional<EnvironmentMap> taken;  // The map itself, where it was given away.
   const std::optional<EnvironmentMap> cube;
   const EnvironmentMap& source;
   const Totals light;
@@ -79,10 +90,14 @@ struct PrefilterSource::Prepared {
   mutable std::optional<Tree> tree;
   mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
   mutable std::optional<Hinges> hinges;        // Of the order and error wanted last.
+  mutable std::mutex in_use;                   // By the one make() that runs.
 
-  explicit Prepared(const EnvironmentMap& map)
-      : cube(source_cube(map)),
-        source(cube ? *cube : map),
+  Prepared(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
+      : taken(std::move(given)),
+        cube(source_cube(require_finite(taken ? *taken : *lent))),
+        source(cube    ? *cube
+               : taken ? *taken
+                       : *lent),
         light(totals(source.base())),
         fine(refined(source.base())) {}
 
@@ -175,9 +190,19 @@ std::string_view method_name(const Prefiltered& done) {
 
 namespace {
 
+void check(const Prefilter& p) {
+  check(limits::size, p.size);
+  check(limits::max_error, p.max_error);
+  if (p.scale) check(limits::scale, *p.scale);
+  const std::size_t rows = static_cast<std::size_t>(faces(p.to)) * static_cast<std::size_t>(p.size);
+  if (!p.rows.empty() && p.rows.size() != rows)
+    throw UsageError(
+        fmt::format("rows must be empty or {} flags, one for each row of each face, not {}", rows, p.rows.size()));
+  (void)lobe_of(p);
+}
+
 Lobe lobe_by_shape(const Prefilter& p) {
-  if ((p.shape == Shape::phong || p.shape == Shape::blinn_phong) && !(p.parameter >= 0 && p.parameter <= 1e9))
-    throw UsageError("an exponent is from 0 to 1e9");
+  if (p.shape == Shape::phong || p.shape == Shape::blinn_phong) check(limits::exponent, p.parameter);
   switch (p.shape) {
     case Shape::diffuse: return Cosine{};
     case Shape::phong: return p.parameter == 1 ? Lobe(Cosine{}) : Lobe(Phong{p.parameter});
@@ -185,7 +210,7 @@ Lobe lobe_by_shape(const Prefilter& p) {
     case Shape::ggx:
     case Shape::charlie: break;
   }
-  if (!(p.parameter >= 0 && p.parameter <= 1)) throw UsageError("a roughness is from 0 to 1");
+  check(limits::roughness, p.parameter);
   if (p.shape == Shape::ggx) return Ggx(p.parameter);
   if (p.method == Method::spectral)
     throw UsageError("a lobe that rises with the angle has too many degrees for a spherical transform");
@@ -201,30 +226,46 @@ Lobe lobe_of(const Prefilter& p) {
   return lobe;
 }
 
-PrefilterSource::PrefilterSource(const EnvironmentMap& map) : prepared_(std::make_unique<Prepared>(map)) {}
+PrefilterSource::PrefilterSource(const EnvironmentMap& map)
+    : prepared_(std::make_unique<Prepared>(std::nullopt, &map)) {}
+PrefilterSource::PrefilterSource(EnvironmentMap&& map)
+    : prepared_(std::make_unique<Prepared>(std::move(map), nullptr)) {}
 PrefilterSource::~PrefilterSource() = default;
 
 const EnvironmentMap& PrefilterSource::source() const { return prepared_->source; }
 
 Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progress) const {
   const auto start = std::chrono::steady_clock::now();
+  check(wanted);
   const EnvironmentMap& from = source();
+  const SteadyProgress steady(progress);
   Prefiltered done{.map = {}, .method = Method::exact};
   done.map.levels.emplace_back(wanted.to, wanted.size);
-  done.map.forward = wanted.forward;
+  done.map.forward = has_forward(wanted.to) ? wanted.forward : Forward::plus_z;
   if (is_mirror(wanted)) {
     make_mirror(from, wanted, done);
   } else {
-    const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(wanted.forward);
+    const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(done.map.forward);
     const Prepared& p = *prepared_;
-    Making{from.base(), p.light, [&]() -> const Tree& { return p.nodes(); },
-           [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); }, p.spectrum, wanted, lobe_of(wanted),
-           {wanted.to, wanted.size, turn}, progress}
-        .make(done);
+    const std::lock_guard turn_of_this_thread(p.in_use);
+    // While the lock is held this thread takes no task of the caller's, which might want the lock again.
+    tbb::this_task_arena::isolate([&] {
+      Making{from.base(),
+             p.light,
+             [&]() -> const Tree& { return p.nodes(); },
+             [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
+             p.spectrum,
+             wanted,
+             lobe_of(wanted),
+             {wanted.to, wanted.size, turn},
+             steady.callback()}
+          .make(done);
+    });
   }
   done.seconds = seconds_since(start);
   done.floor = 1e-3 * prepared_->light.mean * factor(wanted);
   scale(done.map.base(), factor(wanted));
+  steady.finish();
   return done;
 }
 

@@ -2,12 +2,12 @@
 /// Diffuse, Phong and GGX maps, by the method that meets an error.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
 
-#include "envmap/base/costs.h"
 #include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
@@ -16,12 +16,17 @@
 
 namespace ENVMAP_EXPORT envmap {
 
+struct Costs;  // The program's measured times: base/costs.h.
+
 enum class Shape { diffuse, phong, ggx, blinn_phong, charlie };
 inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name,
                                                   Charlie::name};
 
 enum class Method { automatic, exact, hierarchical, spectral, prefix_sums };
 inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral", "prefix-sums"};
+
+/// NaN: a lobe that has a parameter is refused without one.
+inline constexpr double unset_parameter = std::numeric_limits<double>::quiet_NaN();
 
 /// One map to make. With L the radiance of the source, constant over each of its texels, and every lobe 0 below the
 /// horizon:
@@ -33,8 +38,9 @@ inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchic
 ///   charlie      the same with D(h) = sin(n,h)^(1/a), a = roughness^2
 struct Prefilter {
   Shape shape = Shape::diffuse;
-  double parameter = 0;         ///< Exponent m of phong and blinn-phong, or perceptual roughness from 0 to 1.
-  std::optional<double> scale;  ///< k; otherwise white stays 1.
+  /// Exponent m of phong and blinn-phong, or perceptual roughness from 0 to 1. Unset: an error, but of diffuse.
+  double parameter = unset_parameter;
+  std::optional<double> scale = {};  ///< k; otherwise white stays 1.
   Projection to = Projection::cube;
   int size = 64;  ///< Height of a face.
   Forward forward = Forward::plus_z;
@@ -42,7 +48,7 @@ struct Prefilter {
   /// Which rows of the result to make, `size` for each face, true or false; empty: all. They come out as in the whole map.
   std::vector<char> rows = {};
   double max_error = 1e-3;  ///< Metric `max` of compare(): of every texel.
-  Costs costs = {};         ///< What Method::automatic chooses by.
+  const Costs* costs = nullptr;  ///< The times that Method::automatic chooses by; null: those of the library.
 };
 
 /// What was done, and how far any texel is off.
@@ -66,12 +72,16 @@ inline bool is_mirror(const Prefilter& p) { return p.shape == Shape::ggx && p.pa
 /// @throws UsageError where the parameter is out of its range.
 Lobe lobe_of(const Prefilter& wanted);
 
-/// A map prepared for prefiltering: many lobes share the work. Not for several threads at once.
+/// A map prepared for prefiltering: many lobes share the work. Safe for several threads at once: they take turns, and
+/// each turn uses all cores. The last digits of a result may depend on the lobes that were made before.
 class PrefilterSource {
  public:
   /// A map that is neither a cube nor latlong is prefiltered as the cube that convert() makes of it, by the area filter at
   /// its own density: its texels are samples of an image on a disc, which no rim should cut. @param map must outlive it.
+  /// @throws InputError where a texel is NaN or infinite.
   explicit PrefilterSource(const EnvironmentMap& map);
+  /// Takes the map over.
+  explicit PrefilterSource(EnvironmentMap&& map);
   ~PrefilterSource();
   PrefilterSource(const PrefilterSource&) = delete;
 
@@ -83,6 +93,7 @@ class PrefilterSource {
   /// figures are proved bounds; a spherical transform where the result has many texels for
   /// the lobe's width, `spectral` takes it anyway, on a finer grid where dark texels need one; then a treecode (`hierarchical`: at
   /// once); then the exact sum.
+  /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 
  private:

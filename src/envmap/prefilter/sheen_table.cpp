@@ -2,7 +2,9 @@
 #include <cmath>
 #include <utility>
 
+#include "envmap/base/bounds.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/steady_progress.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/brdf_table.h"
@@ -39,6 +41,8 @@ std::vector<Sample> samples_for(double view) {
 }  // namespace
 
 std::vector<double> sheen_albedo(double cosine, std::span<const double> roughnesses) {
+  check(limits::cosine, cosine);
+  for (const double roughness : roughnesses) check(limits::roughness, roughness);
   const std::vector<Sample> samples = samples_for(cosine);
   std::vector<double> albedos;
   for (const double roughness : roughnesses) {
@@ -52,15 +56,18 @@ std::vector<double> sheen_albedo(double cosine, std::span<const double> roughnes
 }
 
 std::vector<Colour> sheen_table(int size, const Progress& progress) {
+  check(limits::table_size, size);
+  const SteadyProgress steady(progress);
   const auto n = static_cast<std::size_t>(size);
   std::vector<double> roughnesses;
   for (int j = 0; j < size; ++j) roughnesses.push_back((j + 0.5) / size);
   std::vector<Colour> table(n * n);
-  for_each_row(1, size, progress, [&](int, int i) {
+  for_each_row(1, size, steady.callback(), [&](int, int i) {
     const std::vector<double> column = sheen_albedo((i + 0.5) / size, roughnesses);
     for (std::size_t j = 0; j < n; ++j)
       table[j * n + static_cast<std::size_t>(i)] = Colour(static_cast<float>(column[j]));
   });
+  steady.finish();
   return table;
 }
 

@@ -4,9 +4,19 @@
 #include <cmath>
 #include <utility>
 
+#include "envmap/base/bounds.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {
+namespace {
+
+// Of a finer grid than any map's: filters sample n x n places a texel.
+void check_row(int size, int row) {
+  check({"size", 1, 1e9}, size);
+  check({"row", 0, size - 1.0}, row);
+}
+
+}  // namespace
 
 const char* name(Projection p) {
   return visit(p, [](auto q) { return decltype(q)::name; });
@@ -55,11 +65,13 @@ std::optional<Projection> projection_named(std::string_view wanted) {
 }
 
 int matching_size(Projection from, int size, Projection to) {
+  check(limits::level_height, size);
   const auto span = [](Projection p) { return visit(p, [](auto q) { return decltype(q)::span; }); };
   return std::max(1, static_cast<int>(std::lround(size * span(to) / span(from))));
 }
 
 Columns columns(Projection p, int size, int row) {
+  check_row(size, row);
   return visit(p, [&](auto q) -> Columns {
     using P = decltype(q);
     if constexpr (P::filled) {
@@ -105,6 +117,7 @@ void densities(Projection p, std::span<const Point2> points, std::span<double> o
 }
 
 void solid_angles(Projection p, int size, int row, std::span<double> out) {
+  check_row(size, row);
   visit(p, [&](auto q) {
     using P = decltype(q);
     const double width = static_cast<double>(out.size()), v0 = static_cast<double>(row) / size, v1 = (row + 1.0) / size;

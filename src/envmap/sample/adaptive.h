@@ -2,7 +2,7 @@
 /// The area filter by sampling, for any footprint: the solid-angle mean of the bilinear reconstruction over each texel.
 #pragma once
 
-#include "envmap/sample/filter.h"
+#include "envmap/sample/sampler.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"
 

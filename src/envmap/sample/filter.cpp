@@ -1,4 +1,4 @@
-#include "envmap/sample/filter.h"
+#include "envmap/sample/sampler.h"
 
 #include <algorithm>
 #include <array>
@@ -106,34 +106,37 @@ Sampler make_probes(const Levels& levels, const Target& target, Probes (*plan)(c
 }
 
 constexpr std::array<FilterInfo, 7> table{{
-    {Filter::nearest, "nearest", "takes the texel at the centre of each texel of the result", false,
-     [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, false, sample_nearest); }},
-    {Filter::bilinear, "bilinear", "interpolates there", false,
-     [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bilinear); }},
-    {Filter::bicubic, "bicubic", "does so by Catmull-Rom's curve, kept within the range of the four texels around", false,
-     [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bicubic); }},
+    {Filter::nearest, "nearest", "takes the texel at the centre of each texel of the result", false},
+    {Filter::bilinear, "bilinear", "interpolates there", false},
+    {Filter::bicubic, "bicubic", "does so by Catmull-Rom's curve, kept within the range of the four texels around", false},
     {Filter::trilinear, "trilinear",
      "reads solid-angle weighted mip levels: it never aliases, but blurs where a texel is long and narrow in the source",
-     true, [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, trilinear_plan); }},
-    {Filter::sat, "sat", "takes the mean over an upright box in the source, from a summed-area table", false,
-     [](const Levels& l, const Target& t, const FilterOptions&) { return summed_area_sampler(l.front(), t); }},
-    {Filter::ewa, "ewa", "puts the footprint of each texel together from trilinear probes", true,
-     [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, ewa_plan); }},
+     true},
+    {Filter::sat, "sat", "takes the mean over an upright box in the source, from a summed-area table", false},
+    {Filter::ewa, "ewa", "puts the footprint of each texel together from trilinear probes", true},
     {Filter::area, "area",
      "is the reference: the solid-angle mean of the bilinearly reconstructed source over the footprint, right to "
      "the error asked for",
-     false,
-     [](const Levels& l, const Target& t, const FilterOptions& o) {
-       return area_sampler(l.front(), t, o.area_error, o.floor);
-     }},
+     false},
 }};
+
+using Make = Sampler (*)(const Levels&, const Target&, const FilterOptions&);
+constexpr std::array<Make, table.size()> makers{
+    [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, false, sample_nearest); },
+    [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bilinear); },
+    [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bicubic); },
+    [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, trilinear_plan); },
+    [](const Levels& l, const Target& t, const FilterOptions&) { return summed_area_sampler(l.front(), t); },
+    [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, ewa_plan); },
+    [](const Levels& l, const Target& t, const FilterOptions& o) { return area_sampler(l.front(), t, o.area_error, o.floor); },
+};
 
 }  // namespace
 
 std::span<const FilterInfo> filters() { return table; }
 
 Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options) {
-  return table[static_cast<std::size_t>(options.filter)].make(levels, target, options);
+  return makers[static_cast<std::size_t>(options.filter)](levels, target, options);
 }
 
 }  // namespace envmap

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "envmap/sample/filter.h"
+#include "envmap/sample/sampler.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"
 

@@ -1,0 +1,116 @@
+#include "envmap/io/pack.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+#include "envmap/base/error.h"
+#include "envmap/base/steady_progress.h"
+#include "envmap/io/limit.h"
+#include "envmap/io/texels.h"
+#include "envmap/io/texture.h"
+#include "envmap/map/layout.h"
+#include "envmap/map/page.h"
+#include "envmap/operate/measure.h"
+#include "envmap/operate/refuse_flaws.h"
+
+namespace envmap {
+namespace {
+
+constexpr std::array texels_of_format{Texels::rgba16f, Texels::rgba32f, Texels::rgb16f,
+                                      Texels::rgb32f,  Texels::rgb9e5,  Texels::bc6h_ufloat};
+
+const TexelFormat& format_of(PixelFormat format) {
+  return format_of(texels_of_format[static_cast<std::size_t>(format)]);
+}
+
+// Each level as it is packed, and what of it does not fit.
+struct Stored {
+  Stored(const Level& level, const TexelFormat& format, bool api)
+      : plain(rows_of(level, Forward::plus_z)),
+        limited(plain, range_of(format.depth, std::numeric_limits<float>::max()), true),
+        rows(api && level.projection() == Projection::cube ? in_api_orientation(limited.rows()) : limited.rows()) {}
+
+  Rows plain;
+  Limited limited;
+  Rows rows;
+};
+
+void check(const Level& level, const TexelFormat& format, const std::string& which) {
+  require_finite(level, which);
+  const bool has_sign = format.depth != Depth::rgb9e5 && format.depth != Depth::bc6h;
+  if (const Flaws flaws = has_sign ? Flaws{} : find_flaws(level); flaws.negative > 0)
+    throw UsageError(flaw_words(flaws, level, which), Remedy::repair);
+}
+
+std::size_t aligned(std::size_t bytes, int to) {
+  const auto step = static_cast<std::size_t>(to);
+  return (bytes + step - 1) / step * step;
+}
+
+PackedMap::Part part_of(const TexelFormat& format, const Level& level, int alignment, std::size_t offset) {
+  const std::size_t row = aligned(format.row_bytes(level.width()), alignment);
+  return {offset, row * format.blocks(level.height()), level.width(), level.height(), row};
+}
+
+// One image into its place. BC6H looks at blocks beside each other, so that an image is packed whole.
+void put(const Page& image, const TexelFormat& format, const PackedMap::Part& part, std::span<std::byte> to) {
+  std::vector<Colour> texels(static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height));
+  image.gather(0, part.height, texels);
+  std::vector<std::byte> tight;
+  encode_rows(format, image, 0, part.height, texels, tight);
+  const std::size_t row = format.row_bytes(part.width);
+  for (std::size_t k = 0; k * row < tight.size(); ++k)
+    std::ranges::copy(std::span(tight).subspan(k * row, row), to.subspan(part.offset + k * part.row_bytes).begin());
+}
+
+void check_fit(const Misfits& level, const TexelFormat& format, const PackOptions& options, PackedMap& made) {
+  if (level.over > 0 && !options.clamp)
+    throw UsageError(fmt::format("{} texels over {:g} do not fit {}", level.over, range_of(format.depth, 0).largest,
+                                 format.name),
+                     Remedy::clamp_or_deepen);
+  if (level.flux > 0) made.flux_lost = std::max(made.flux_lost, level.cut / level.flux);
+}
+
+}  // namespace
+
+const PackedMap::Part& PackedMap::part(int level, int face) const {
+  envmap::check({"level", 0, levels - 1.0}, level);
+  envmap::check({"face", 0, faces - 1.0}, face);
+  return parts.at(static_cast<std::size_t>(level * faces + face));
+}
+
+PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Progress& progress) {
+  envmap::check({"row_alignment", 1, 4096}, options.row_alignment);
+  const TexelFormat& format = format_of(options.format);
+  const bool api = options.orientation == FaceOrientation::graphics_api;
+  PackedMap made{.format = options.format, .faces = map.base().faces(), .levels = int(map.levels.size())};
+  std::size_t size = 0;
+  for (const Level& level : map.levels)
+    for (int face = 0; face < made.faces; ++face) {
+      made.parts.push_back(part_of(format, level, options.row_alignment, size));
+      size += made.parts.back().size;
+    }
+  made.bytes.resize(size);
+  const SteadyProgress steady(progress);
+  for (int k = 0; k < made.levels; ++k) {
+    const Level& level = map.levels[static_cast<std::size_t>(k)];
+    if (level.faces() != made.faces) throw UsageError("levels of one map must have one projection");
+    check(level, format, k > 0 ? fmt::format(" of level {}", k) : "");
+    const Stored stored(level, format, api);
+    const Grid grid = envmap::grid(default_layout(level.projection()));
+    for (int face = 0; face < made.faces; ++face) {
+      const PackedMap::Part& part = made.part(k, face);
+      put({stored.rows, grid, face}, format, part, made.bytes);
+      if (progress) steady.callback()(double(part.offset + part.size) / double(size));
+    }
+    check_fit(stored.limited.total(), format, options, made);
+  }
+  steady.finish();
+  return made;
+}
+
+}  // namespace envmap

@@ -1,0 +1,67 @@
+#include "envmap/io/write_plan.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "envmap/base/error.h"
+#include "envmap/io/path.h"
+
+namespace envmap {
+
+std::string extension(const std::string& path, const WriteOptions& options) {
+  if (!options.format.empty()) return extension_of("*." + options.format);
+  return path == "-" ? "exr" : extension_of(path);
+}
+
+Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
+  const std::span<const Depth> held = format.depths;
+  if (options.depth) {
+    if (std::ranges::find(held, *options.depth) != held.end()) return *options.depth;
+    std::vector<std::string_view> names;  // A view of them is beyond clang 14 with GCC's library.
+    for (const Depth d : held) names.push_back(name(d));
+    throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title,
+                                 fmt::join(names, " or ")));
+  }
+  // What came out of blocks or RGBD are halves; blocks are written where they are asked for.
+  const Depth before = options.source_depth, source = before == Depth::bc6h || before == Depth::rgbd ? Depth::half : before;
+  if (std::ranges::find(held, source) != held.end()) return source;
+  for (const Depth d : held)
+    if (d >= source) return d;
+  return held.back();
+}
+
+Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p) {
+  if (p != Projection::cube) {
+    if (format.cubes_alone)
+      throw UsageError(path, fmt::format("{} files hold cube maps; this is a {} map", format.title, name(p)));
+    if (options.layout)
+      throw UsageError(fmt::format("a layout is for cube maps; this is a {} map", name(p)), Remedy::leave_out_layout);
+    if (has_face(path) && p != projection_of_faces(path))
+      throw UsageError(fmt::format("{} in a file name is for {} maps", has_half(path) ? half_mark : face_mark,
+                                   name(projection_of_faces(path))));
+    return has_half(path) ? Layout::files : default_layout(p);
+  }
+  if (has_half(path))
+    throw UsageError("{half} in a file name is for paraboloid maps; of a cube {face} writes six files");
+  if (format.texture) {
+    if (options.layout || has_face(path))
+      throw UsageError(path, fmt::format("{} files hold cube faces as the APIs define them", format.title),
+                       options.layout ? Remedy::leave_out_layout : Remedy::leave_out_face);
+    return Layout::api;
+  }
+  if (options.layout == Layout::files && !has_face(path))
+    throw UsageError("a file for each face: put {face} where px, nx, py, ny, pz, nz shall stand in the file name");
+  if (has_face(path)) {
+    if (options.layout && options.layout != Layout::files)
+      throw UsageError("{face} in a file name writes six files", Remedy::leave_out_layout);
+    return Layout::files;
+  }
+  return options.layout.value_or(Layout::column);
+}
+
+}  // namespace envmap

@@ -1,0 +1,22 @@
+/// @file
+/// What write() decides before it writes.
+#pragma once
+
+#include <string>
+
+#include "envmap/io/file_format.h"
+#include "envmap/io/write.h"
+
+namespace envmap {
+
+/// The extension that names the format: WriteOptions::format, or that of the file name.
+std::string extension(const std::string& path, const WriteOptions& options);
+
+/// The depth that was asked for, or the least that keeps what the source had, or the most that the format has.
+/// @throws UsageError where the format does not hold what was asked for.
+Depth choose_depth(const FileFormat& format, const WriteOptions& options);
+
+/// @throws UsageError where the format, the file name or the projection has no such layout.
+Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p);
+
+}  // namespace envmap

@@ -1,0 +1,20 @@
+/// @file
+/// Checks of options that are more than a range.
+#pragma once
+
+#include <string_view>
+
+#include "envmap/maths/vector.h"
+
+namespace envmap {
+
+/// @throws UsageError where the matrix is no rotation, to 1e-6 of its elements.
+void check_rotation(std::string_view field, const Rotation& rotation);
+
+/// @throws UsageError where the vector has no direction: 0, NaN or infinite.
+void check_direction(std::string_view field, const Direction& direction);
+
+/// @throws UsageError where a component is not finite, or below 0.
+void check_not_negative(std::string_view field, const Flux& value);
+
+}  // namespace envmap

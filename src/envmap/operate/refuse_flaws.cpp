@@ -1,0 +1,65 @@
+#include "envmap/operate/refuse_flaws.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <bit>
+#include <cstdint>
+
+#include "envmap/base/error.h"
+
+namespace envmap {
+namespace {
+
+// A float is NaN or infinite where all bits of its exponent are set. The loop has no branches: it runs at the
+// memory's pace.
+bool all_finite(std::span<const Colour> texels) {
+  constexpr std::uint32_t exponent = 0x7f800000;
+  std::uint32_t bad = 0;
+  for (const Colour& c : texels)
+    for (const float x : {c.x, c.y, c.z})
+      bad |= std::uint32_t{(std::bit_cast<std::uint32_t>(x) & exponent) == exponent};
+  return bad == 0;
+}
+
+bool all_finite(const Level& level) {
+  std::atomic<bool> sound{true};
+  tbb::parallel_for(tbb::blocked_range<int>(0, level.faces() * level.height(), 16), [&](const tbb::blocked_range<int>& range) {
+    for (int k = range.begin(); k < range.end(); ++k)
+      if (!all_finite(level.row(k / level.height(), k % level.height()))) sound = false;
+    level.trim();
+  });
+  return sound;
+}
+
+}  // namespace
+
+std::string flaw_words(const Flaws& flaws, const Level& level, const std::string& shown) {
+  std::string counts;
+  const auto add = [&](std::int64_t n, const char* what) {
+    if (n > 0) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", n, what);
+  };
+  add(flaws.nan, "NaN");
+  add(flaws.infinite, "infinite");
+  add(flaws.negative, "negative");
+  const std::string face = level.faces() > 1 ? fmt::format(" of face {}", flaws.first->face) : "";
+  return fmt::format("{} of {} texels{} are no radiance ({}), the first at ({},{}){}", flaws.count(),
+                     std::int64_t{level.faces()} * level.width() * level.height(), shown, counts, flaws.first->i,
+                     flaws.first->j, face);
+}
+
+const Level& require_finite(const Level& level, const std::string& shown) {
+  if (all_finite(level)) return level;
+  // Texels beside a disc carry no weight; negative ones are no obstacle to sums and means.
+  if (const Flaws flaws = find_flaws(level); flaws.nan + flaws.infinite > 0)
+    throw InputError(flaw_words(flaws, level, shown), Remedy::repair);
+  return level;
+}
+
+const EnvironmentMap& require_finite(const EnvironmentMap& map) {
+  require_finite(map.base());
+  return map;
+}
+
+}  // namespace envmap

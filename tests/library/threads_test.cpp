@@ -1,0 +1,132 @@
+// Ownership, threads, progress and cancellation.
+#include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "envmap/envmap.h"
+
+namespace {
+
+using namespace envmap;
+
+bool same(const EnvironmentMap& a, const EnvironmentMap& b) {
+  for (int face = 0; face < a.base().faces(); ++face)
+    for (int j = 0; j < a.base().height(); ++j)
+      if (!std::ranges::equal(a.base().row(face, j), b.base().row(face, j))) return false;
+  return true;
+}
+
+EnvironmentMap sun(int size) { return generate(Sun{.radius = 5}, Projection::latlong, size); }
+
+// A map that is given away lives as long as what reads it. Under the address sanitizer this fails where it does not.
+TEST(Ownership, WhatIsGivenAwayIsKept) {
+  const EnvironmentMap map = sun(32);
+  const PrefilterSource lent(map), given(sun(32));
+  for (const double roughness : {0.05, 0.3, 1.0}) {
+    const Prefilter wanted{.shape = Shape::ggx, .parameter = roughness, .size = 8};
+    EXPECT_TRUE(same(lent.make(wanted).map, given.make(wanted).map)) << roughness;
+  }
+  const auto first = [](const Rows& rows) {
+    std::vector<Colour> row(static_cast<std::size_t>(rows.width()));
+    rows.fill(0, 3, row);
+    return row;
+  };
+  const std::vector<Colour> wanted(map.base().row(0, 3).begin(), map.base().row(0, 3).end());
+  EXPECT_EQ(first(rows_of(sun(32))), wanted);
+  const Rows kept = rows_of(sun(32)), level = rows_of(sun(32).base().clone(), Forward::plus_z);
+  const std::vector<Rows> all = all_rows_of(sun(32));
+  EXPECT_EQ(first(kept), wanted);
+  EXPECT_EQ(first(level), wanted);
+  EXPECT_EQ(first(all.front()), wanted);
+}
+
+TEST(Threads, ShareAPrefilterSource) {
+  const PrefilterSource source(sun(16));
+  std::vector<Prefilter> lobes;
+  for (const Method method : {Method::automatic, Method::spectral})
+    for (const double exponent : {1.0, 2.0, 20.0, 100.0})
+      lobes.push_back({.shape = Shape::phong, .parameter = exponent, .size = 8, .method = method});
+  std::vector<EnvironmentMap> wanted;
+  for (const Prefilter& p : lobes) wanted.push_back(source.make(p).map);
+  // What was made before decides what is shared, and so the last digits.
+  std::atomic<int> wrong{0};
+  const PrefilterSource fresh(sun(16));
+  const auto make_of = [&](const PrefilterSource& from, std::size_t k) {
+    k %= lobes.size();
+    wrong += compare(from.make(lobes[k]).map, wanted[k]).maximum > 1e-3;
+  };
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 4; ++t)
+    threads.emplace_back([&, t] {
+      for (std::size_t k = 0; k < lobes.size(); ++k) {
+        make_of(source, k + 3 * t);
+        make_of(fresh, k + 5 * t);
+      }
+    });
+  for (std::thread& t : threads) t.join();
+  // From tasks of the caller's own loop, which a waiting thread would otherwise take while it holds the lock.
+  tbb::parallel_for(std::size_t{0}, lobes.size(), [&](std::size_t k) { make_of(source, k); });
+  EXPECT_EQ(wrong, 0);
+}
+
+using Operation = std::function<void(const Progress&)>;
+
+std::vector<Operation> operations() {
+  static const EnvironmentMap map = sun(64);
+  static const PrefilterSource source(map);
+  return {
+      [](const Progress& p) { (void)convert(map, {.size = 48, .filter = Filter::area}, p); },
+      [](const Progress& p) { (void)generate(Checker{}, Projection::cube, 64, p); },
+      [](const Progress& p) { (void)project(map, 4, p); },
+      [](const Progress& p) { (void)brdf_table(48, p); },
+      [](const Progress& p) { (void)sheen_table(48, p); },
+      [](const Progress& p) { (void)source.make({.size = 16}, p); },
+      [](const Progress& p) { (void)source.make({.shape = Shape::ggx, .parameter = 0.4, .size = 16}, p); },
+      [](const Progress& p) { (void)source.make({.shape = Shape::ggx, .parameter = 0.0, .size = 16}, p); },
+      [](const Progress& p) {
+        (void)source.make({.shape = Shape::phong, .parameter = 50, .size = 24, .method = Method::spectral}, p);
+      },
+      [](const Progress& p) { (void)encode(map, {.format = "exr"}, p); },
+      [](const Progress& p) { (void)encode(map, {.format = "ktx2", .depth = Depth::bc6h, .clamp = true}, p); },
+      [](const Progress& p) { (void)pack(map, {.clamp = true}, p); },
+  };
+}
+
+TEST(Progress, IsOneCallAtATimeRisingToOne) {
+  const std::vector<Operation> all = operations();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::atomic<int> inside{0}, most{0};
+    std::vector<double> parts;
+    all[k]([&](double part) {
+      most = std::max(most.load(), ++inside);
+      parts.push_back(part);
+      std::this_thread::yield();
+      --inside;
+    });
+    ASSERT_FALSE(parts.empty()) << k;
+    EXPECT_EQ(most, 1) << k;
+    EXPECT_TRUE(std::ranges::is_sorted(parts)) << k;
+    EXPECT_GE(parts.front(), 0) << k;
+    EXPECT_EQ(parts.back(), 1) << k;
+    EXPECT_EQ(std::ranges::count(parts, 1.0), 1) << k;
+  }
+}
+
+struct Cancelled {};
+
+TEST(Progress, AnExceptionCancels) {
+  const std::vector<Operation> all = operations();
+  for (std::size_t k = 0; k < all.size(); ++k) EXPECT_THROW(all[k]([](double) { throw Cancelled(); }), Cancelled) << k;
+  EXPECT_THROW(write("cancelled.exr", sun(64), {}, [](double) { throw Cancelled(); }), Cancelled);
+  EXPECT_FALSE(std::filesystem::exists("cancelled.exr"));
+  // The source can be used again.
+  EXPECT_NO_THROW(all[6]({}));
+}
+
+}  // namespace
