@@ -10,7 +10,7 @@ set -eu
 # For the tests: libgtest-dev, libbenchmark-dev (CI builds the benchmarks too), libopenexr-dev and openexr (files as
 # OpenEXR itself makes them), openimageio-tools, python3 and zstd (tests/ktx2_check.py), mandoc (checks the man pages), zsh and
 # fish (their completions), make (reads depfiles), python3-jsonschema (tests/schemas.py); python3-dev, pybind11-dev, numpy and
-# pytest: the Python module.
+# pytest: the Python module, whose stubs python3-mypy checks.
 # fonts-dejavu-core writes the names into the pictures of 'envmap preview'. libegl1 and libgl1-mesa-dri draw on any system, libosmesa6
 # where Mesa still has it. djpeg and dwebp read pictures in tests/orientation.py.
 # 'a|b': the first of them that the system has.
@@ -19,7 +19,7 @@ packages='
   libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libpng-dev libzstd-dev
   nlohmann-json3-dev
   libdraco-dev libembree-dev libegl-dev python3-glad libegl1 libgl1-mesa-dri libosmesa6|libgl1-mesa-dri
-  libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 python3-dev pybind11-dev python3-numpy python3-pytest python3-jsonschema zstd mandoc fonts-dejavu-core zsh fish
+  libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 python3-dev pybind11-dev python3-numpy python3-pytest python3-mypy python3-jsonschema zstd mandoc fonts-dejavu-core zsh fish
   libjpeg-turbo-progs webp make'
 
 fail() {

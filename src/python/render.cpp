@@ -93,11 +93,13 @@ void check(const Viewpoint& from, int occlusion) {
   if (occlusion < 0 || occlusion > most_distant_lights) throw UsageError("occlusion is 0 to " + std::to_string(most_distant_lights));
 }
 
-Map render(const std::filesystem::path& file, const std::string& to, const Place& at, int size, int samples, const Map& environment,
-           const std::optional<Triple>& ambient, const Place& forward, double near, double far, double time, const std::string& method,
-           bool shadows, int occlusion, const std::string& context, const py::object& progress) {
+Map render(const std::filesystem::path& file, const std::string& to, const Place& at, int size, int samples,
+           const py::object& around_it, const std::optional<Triple>& ambient, const Place& forward, double near,
+           double far, double time, const std::string& method, bool shadows, int occlusion, const std::string& context,
+           const py::object& progress) {
   Viewpoint from{.to = projection_of(to), .size = size, .near = near, .far = far, .samples = samples};
   check(from, occlusion);
+  const Map environment = around_it.is_none() ? Map() : around_it.cast<GivenMap>().map;
   const std::string path = file.string();
   const auto kind = named<ContextKind>("context", context, context_names);
   Scene scene = [&] {
@@ -131,9 +133,14 @@ Map render(const std::filesystem::path& file, const std::string& to, const Place
 
 void add_render(py::module_& m) {
   m.def("render", &render, "scene"_a, "to"_a = "cube", py::kw_only(), "at"_a = Place(), "size"_a = 256, "samples"_a = 1,
-        "environment"_a = Map(), "ambient"_a = py::none(), "forward"_a = Place(), "near"_a = 0.01, "far"_a = 1000.0, "time"_a = 0.0,
-        "method"_a = "auto", "shadows"_a = true, "occlusion"_a = 64, "context"_a = "auto", "progress"_a = py::none(),
-        "The map of a scene (a file: glTF, OBJ) round a point (x, y, z) or a node, which is then left out.");
+        "environment"_a = py::none(), "ambient"_a = py::none(), "forward"_a = Place(), "near"_a = 0.01,
+        "far"_a = 1000.0, "time"_a = 0.0, "method"_a = "auto", "shadows"_a = true, "occlusion"_a = 64,
+        "context"_a = "auto", "progress"_a = py::none(),
+        document("render",
+                 "scene, to='cube', *, at=None, size=256, samples=1, environment=None, ambient=None, forward=None, "
+                 "near=0.01, far=1000.0, "
+                 "time=0.0, method='auto', shadows=True, occlusion=64, context='auto', progress=None",
+                 "The map of a scene (a file: glTF, OBJ) round a point (x, y, z) or a node, which is then left out."));
 }
 
 }  // namespace envmap_python

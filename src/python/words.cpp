@@ -1,6 +1,12 @@
 #include "words.h"
 
+#include <pybind11/eval.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <deque>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -39,7 +45,65 @@ const char* advice(Remedy remedy) {
   return "";
 }
 
+// In the order of the enumerators.
+constexpr const char* code_names[] = {"usage", "input", "output", "renderer"};
+constexpr const char* remedy_names[] = {"none",
+                                        "choose_projection",
+                                        "leave_out_from_layout",
+                                        "leave_out_layout",
+                                        "leave_out_face",
+                                        "drop_channels",
+                                        "repair",
+                                        "limit_memory",
+                                        "allow_pixels",
+                                        "choose_format",
+                                        "choose_plus_z",
+                                        "clamp_or_deepen",
+                                        "clamp_or_darken",
+                                        "clamp_or_dim",
+                                        "clamp_or_brighten",
+                                        "clamp_or_light_up",
+                                        "choose_space",
+                                        "choose_linear",
+                                        "choose_layer",
+                                        "leave_out_shadows",
+                                        "force",
+                                        "make_levels"};
+static_assert(std::size(remedy_names) == static_cast<std::size_t>(Remedy::make_levels) + 1);
+
+// The number of the system's error that a message ends in, or None.
+py::object errno_of(const std::string& message) {
+  if (message.find("no such file") != std::string::npos) return py::int_(ENOENT);
+  if (message.find("is a folder") != std::string::npos) return py::int_(EISDIR);
+  for (const int number :
+       {ENOENT, EACCES, EPERM, EISDIR, ENOTDIR, ENOSPC, EROFS, EFBIG, EIO, ENAMETOOLONG, ELOOP, EMFILE, EDQUOT})
+    if (message.find(std::strerror(number)) != std::string::npos) return py::int_(number);
+  return py::none();
+}
+
+void raise(const Error& e, PyObject* kind) {
+  std::string line = e.what() + std::string(advice(e.remedy()));
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  const py::object raised = py::reinterpret_borrow<py::object>(kind)(line);
+  raised.attr("code") = code_names[static_cast<std::size_t>(e.code())];
+  raised.attr("remedy") = remedy_names[static_cast<std::size_t>(e.remedy())];
+  const py::object file = e.file().empty() ? py::object(py::none()) : py::str(e.file());
+  raised.attr("file") = file;
+  const auto* const usage = dynamic_cast<const UsageError*>(&e);
+  raised.attr("field") = usage && usage->range() ? py::object(py::str(std::string(usage->range()->field))) : py::none();
+  if (e.code() == ErrorCode::input || e.code() == ErrorCode::output) {
+    raised.attr("errno") = errno_of(e.what());
+    raised.attr("filename") = file;
+  }
+  PyErr_SetObject(kind, raised.ptr());
+}
+
 }  // namespace
+
+const char* document(const char* name, const char* parameters, const char* text) {
+  static std::deque<std::string> kept;
+  return kept.emplace_back(std::string(name) + "(" + parameters + ")\n--\n\n" + text).c_str();
+}
 
 Projection projection_of(const std::string& word) {
   std::vector<std::string_view> words;
@@ -63,11 +127,14 @@ Method method_of(const std::string& word) { return named<Method>("method", word,
 Weights weights_of(const std::string& word) { return named<Weights>("weights", word, weight_names); }
 
 void add_errors(py::module_& module) {
+  using namespace py::literals;
   static PyObject* kinds[4];
   static py::exception<Error> error(module, "Error", PyExc_RuntimeError);
   const auto add = [&](ErrorCode code, const char* name, PyObject* builtin) {
     const py::tuple bases = py::make_tuple(error, py::reinterpret_borrow<py::object>(builtin));
-    PyObject* const kind = PyErr_NewException((std::string("envmap.") + name).c_str(), bases.ptr(), nullptr);
+    // OSError would write errno and the file's name once more.
+    const py::dict members("__str__"_a = py::eval("lambda self: self.args[0] if self.args else ''"));
+    PyObject* const kind = PyErr_NewException((std::string("envmap.") + name).c_str(), bases.ptr(), members.ptr());
     module.add_object(name, py::handle(kind));
     kinds[static_cast<std::size_t>(code)] = kind;
   };
@@ -79,9 +146,7 @@ void add_errors(py::module_& module) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Error& e) {
-      std::string line = e.what() + std::string(advice(e.remedy()));
-      std::replace(line.begin(), line.end(), '\n', ' ');
-      PyErr_SetString(kinds[static_cast<std::size_t>(e.code())], line.c_str());
+      raise(e, kinds[static_cast<std::size_t>(e.code())]);
     }
   });
 }

@@ -17,6 +17,17 @@ namespace envmap_python {
 using Map = std::shared_ptr<envmap::EnvironmentMap>;  ///< As Python holds one.
 using Triple = std::array<double, 3>;
 
+/// An argument that is a Map, or an array to make one of.
+struct GivenMap {
+  Map map;
+};
+
+/// Makes a map of an array. @throws UsageError in one line where it is none.
+Map map_of_object(const pybind11::object& array, const std::optional<std::string>& projection, const std::string& forward);
+
+/// A docstring whose first line inspect.signature() reads.
+const char* document(const char* name, const char* parameters, const char* text);
+
 /// @throws UsageError that lists the words.
 envmap::Projection projection_of(const std::string& word);
 envmap::Forward forward_of(const std::string& word);
@@ -76,3 +87,20 @@ class Reporter {
 };
 
 }  // namespace envmap_python
+
+namespace pybind11::detail {
+
+/// pybind11's own conversion swallows what is wrong with an array and prints every argument.
+template <>
+struct type_caster<envmap_python::GivenMap> {
+  PYBIND11_TYPE_CASTER(envmap_python::GivenMap, const_name("Map"));
+
+  bool load(handle source, bool) {
+    value.map = isinstance<envmap::EnvironmentMap>(source)
+                    ? pybind11::cast<envmap_python::Map>(source)
+                    : envmap_python::map_of_object(reinterpret_borrow<object>(source), std::nullopt, "+z");
+    return true;
+  }
+};
+
+}  // namespace pybind11::detail

@@ -9,11 +9,14 @@
 
 Radiance is linear RGB, float32. The frame is right-handed, +Y up, +Z at the centre of latlong images; sizes are heights of a
 face in texels. Functions never change what they are given, and let other Python threads run. progress= takes a function that
-is called with the part done, 0 to 1, from any thread; what it raises ends the work. Errors are envmap.Error, in one line:
-UsageError (a ValueError), InputError and OutputError (OSErrors), RendererError.
-"""
-from ._envmap import (Difference, Error, InputError, Map, OutputError, Prefiltered, RendererError, UsageError, compare, convert,
-                      generate, mipmap, prefilter, read, render, sh, solid_angles, write)
+is called with the part done, one call at a time, from any thread; the last value is 1. What it raises ends the work.
 
-__all__ = ["Difference", "Error", "InputError", "Map", "OutputError", "Prefiltered", "RendererError", "UsageError", "compare",
-           "convert", "generate", "mipmap", "prefilter", "read", "render", "sh", "solid_angles", "write"]
+Errors are envmap.Error, in one line: UsageError (a ValueError), InputError and OutputError (OSErrors), RendererError. They have
+code ('usage', 'input', 'output', 'renderer'), file, remedy (a word of envmap/base/error.h), field (of a value out of its range),
+and OSErrors also filename and errno. file, field and errno may be None: errno is set where the system refused.
+"""
+from ._envmap import (Difference, Error, InputError, Map, OutputError, Prefiltered, RendererError, UsageError, __version__, compare,
+                      convert, encode, generate, mipmap, pack, prefilter, read, render, sh, solid_angles, write)
+
+__all__ = ["Difference", "Error", "InputError", "Map", "OutputError", "Prefiltered", "RendererError", "UsageError", "__version__",
+           "compare", "convert", "encode", "generate", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "write"]

@@ -1,5 +1,5 @@
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy
@@ -8,23 +8,32 @@ from numpy.typing import ArrayLike, NDArray
 Projection = Literal["latlong", "cube", "sphere", "paraboloid", "angular", "octahedral", "equal-area"]
 Forward = Literal["+z", "-z", "+x", "-x"]
 Layout = Literal["column", "row", "cross", "vcross", "3x2", "files"]
-Depth = Literal["uint8", "uint16", "bc6h", "rgb9e5", "half", "float"]
+Depth = Literal["uint8", "uint16", "bc6h", "rgb9e5", "rgbd", "half", "float"]
 Filter = Literal["nearest", "bilinear", "bicubic", "trilinear", "sat", "ewa", "area"]
 Lobe = Literal["diffuse", "phong", "ggx", "blinn-phong", "charlie"]
-Method = Literal["auto", "exact", "hierarchical", "spectral"]
+Method = Literal["auto", "exact", "hierarchical", "spectral", "prefix-sums"]
+PixelFormat = Literal["rgba16f", "rgba32f", "rgb16f", "rgb32f", "rgb9e5", "bc6h"]
 DrawMethod = Literal["auto", "exact", "distort", "tessellate", "resample", "raycast"]
 Path = str | os.PathLike[str]
 Triple = tuple[float, float, float]
 Progress = Callable[[float], object] | None
 
-class Error(RuntimeError): ...
+__version__: str
+
+class Error(RuntimeError):
+    code: Literal["usage", "input", "output", "renderer"]
+    file: str | None
+    remedy: str
+    field: str | None
+
 class UsageError(Error, ValueError): ...
 class InputError(Error, OSError): ...
 class OutputError(Error, OSError): ...
 class RendererError(Error): ...
 
 class Map:
-    def __init__(self, array: ArrayLike, projection: Projection | None = None, forward: Forward = "+z") -> None: ...
+    def __init__(self, array: ArrayLike | None = None, projection: Projection | None = None, forward: Forward = "+z", *,
+                 levels: Sequence[ArrayLike] | None = None) -> None: ...
     @property
     def array(self) -> NDArray[numpy.float32]: ...
     @property
@@ -41,7 +50,7 @@ class Prefiltered:
     @property
     def map(self) -> Map: ...
     @property
-    def method(self) -> Method: ...
+    def method(self) -> str: ...
     @property
     def error(self) -> float: ...
     @property
@@ -55,18 +64,24 @@ class Difference:
     @property
     def max(self) -> float: ...
 
-def read(path: Path, *, projection: Projection | None = None, layout: Layout | None = None, forward: Forward | None = None,
+def read(file: Path | bytes | bytearray | memoryview, *, projection: Projection | None = None, layout: Layout | None = None, forward: Forward | None = None,
          level: int = 0, all_levels: bool = False, repair: bool = False, drop_channels: bool = False, space: str = "",
          working: str = "") -> Map: ...
-def write(path: Path, map: Map | ArrayLike, *, depth: Depth | None = None, layout: Layout | None = None, format: str = "",
-          compression: str = "", clamp: bool = False, zstd: bool = False, facts: Mapping[str, str] = ...,
+def write(file: Path, map: Map | ArrayLike, *, depth: Depth | None = None, layout: Layout | None = None, format: str = "",
+          compression: str = "", clamp: bool = False, zstd: bool = False, facts: Mapping[str, str] = {},
           force: bool = False, progress: Progress = None) -> None: ...
+def encode(map: Map | ArrayLike, format: str, *, depth: Depth | None = None, layout: Layout | None = None, compression: str = "",
+           clamp: bool = False, zstd: bool = False, facts: Mapping[str, str] = {}, progress: Progress = None) -> bytes: ...
+def pack(map: Map | ArrayLike, format: PixelFormat = "rgba16f", *,
+         orientation: Literal["graphics-api", "seen-from-inside"] = "graphics-api", clamp: bool = False,
+         progress: Progress = None) -> list[NDArray[Any]]: ...
 def convert(map: Map | ArrayLike, to: Projection | None = None, *, size: int | None = None, filter: Filter | None = None,
             samples: int = 1, max_error: float | None = None, rotate: Triple = (0, 0, 0), gain: float = 1.0,
             forward: Forward | None = None, ball_distance: float | None = None, ball_fov: float | None = None,
             progress: Progress = None) -> Map: ...
 def mipmap(map: Map | ArrayLike, *, levels: int = 0, weights: Literal["solid-angle", "uniform"] = "solid-angle") -> Map: ...
-def prefilter(map: Map | ArrayLike, lobe: Lobe = "diffuse", *, exponent: float | None = None, roughness: float | None = None,
+def prefilter(map: Map | ArrayLike, lobe: Lobe = "diffuse", *, exponent: float | Sequence[float] | None = None,
+              roughness: float | Sequence[float] | None = None,
               to: Projection = "cube", size: int | None = None, method: Method = "auto", max_error: float = 1e-3,
               scale: float | None = None, forward: Forward = "+z", progress: Progress = None) -> Prefiltered: ...
 def render(scene: Path, to: Projection = "cube", *, at: str | Triple | None = None, size: int = 256, samples: int = 1,

@@ -1,0 +1,198 @@
+"""What callers of the Python module rely on: errors, memory, chains, signatures, stubs, pickling."""
+import ast
+import copy
+import errno
+import inspect
+import pathlib
+import pickle
+import subprocess
+import sys
+
+import envmap
+import numpy as np
+import pytest
+
+STUB = pathlib.Path(envmap.__file__).with_name('__init__.pyi')
+
+
+def cube(size=8, seed=3):
+    return np.random.default_rng(seed).uniform(0.1, 2, (6, size, size, 3)).astype(np.float32)
+
+
+NAN = np.full((4, 8, 3), np.nan)
+
+
+@pytest.mark.parametrize('bad, words', [
+    (NAN, 'NaN'), (np.zeros((10, 17, 3)), 'twice as wide'), (np.zeros((4, 8, 4)), '(height, width, 3)'), (np.zeros(3), 'height'),
+    (np.zeros((0, 0, 3)), 'height'), ('abc', 'not str'), (b'abc' * 1000000, 'not bytes'), (None, 'not NoneType'), ({}, 'not dict'),
+    (-np.ones((4, 8, 3)), 'negative'), (np.zeros((5, 4, 4, 3)), 'shape'), (np.zeros((4, 8, 3), dtype=object) + 'x', 'not ndarray')])
+def test_bad_arrays_are_one_line_everywhere(bad, words):
+    good = np.ones((4, 8, 3))
+    for call in (lambda: envmap.convert(bad, 'cube'), lambda: envmap.mipmap(bad), lambda: envmap.prefilter(bad), lambda: envmap.sh(bad),
+                 lambda: envmap.compare(bad, good), lambda: envmap.compare(good, bad), lambda: envmap.write('x.exr', bad),
+                 lambda: envmap.encode(bad, 'exr'), lambda: envmap.pack(bad)):
+        with pytest.raises(envmap.Error) as found:
+            call()
+        text = str(found.value)
+        assert words in text and '\n' not in text and len(text) < 150
+
+
+@pytest.mark.parametrize('call, field', [
+    (lambda m: envmap.convert(m, size=0), 'size'), (lambda m: envmap.convert(m, gain=float('nan')), 'gain'),
+    (lambda m: envmap.convert(m, samples=0), 'samples'), (lambda m: envmap.convert(m, max_error=-1), 'max_error'),
+    (lambda m: envmap.prefilter(m, size=-1), 'size'), (lambda m: envmap.prefilter(m, max_error=0), 'max_error'),
+    (lambda m: envmap.prefilter(m, 'ggx', roughness=2), 'roughness'), (lambda m: envmap.prefilter(m, 'phong', exponent=-1), 'exponent'),
+    (lambda m: envmap.sh(m, -1), 'order'), (lambda m: envmap.mipmap(m, levels=-1), 'levels'),
+    (lambda m: envmap.generate('sky', size=0), 'size'), (lambda m: envmap.solid_angles('cube', 0), 'size'),
+    (lambda m: envmap.read('none.exr', level=-1), 'level')])
+def test_values_out_of_range_name_their_field(call, field):
+    with pytest.raises(envmap.UsageError, match=f'{field} must be .* to ') as found:
+        call(envmap.generate('sky', size=8))
+    assert found.value.field == field and found.value.code == 'usage' and isinstance(found.value, ValueError)
+
+
+def test_errors_have_fields(tmp_path):
+    with pytest.raises(OSError) as found:
+        envmap.read(tmp_path / 'none.exr')
+    e = found.value
+    assert (e.code, e.file, e.filename, e.errno, e.remedy) == ('input', str(tmp_path / 'none.exr'), str(tmp_path / 'none.exr'), errno.ENOENT, 'none')
+    assert str(e) == f'{tmp_path / "none.exr"}: no such file'
+    with pytest.raises(envmap.InputError) as found:
+        envmap.read(tmp_path)
+    assert found.value.errno == errno.EISDIR
+    (tmp_path / 'junk.exr').write_bytes(b'junk')
+    with pytest.raises(envmap.InputError) as found:
+        envmap.read(tmp_path / 'junk.exr')
+    assert found.value.errno is None and found.value.file.endswith('junk.exr')
+    with pytest.raises(envmap.OutputError) as found:
+        envmap.write(tmp_path / 'a.exr', np.full((4, 8, 3), 1e6), depth='half')
+    assert found.value.remedy == 'clamp_or_deepen' and found.value.code == 'output'
+    with pytest.raises(envmap.InputError) as found:
+        envmap.read(b'')
+    assert found.value.file is None
+    again = pickle.loads(pickle.dumps(found.value))
+    assert type(again) is envmap.InputError and str(again) == str(found.value)
+
+
+def test_files_in_memory(tmp_path):
+    chain = envmap.mipmap(cube())
+    for name, options in (('exr', {}), ('ktx2', {'depth': 'bc6h', 'zstd': True}), ('hdr', {})):
+        made = chain if name != 'hdr' else envmap.Map(chain.array)
+        data = envmap.encode(made, name, **options)
+        envmap.write(tmp_path / f'a.{name}', made, **options)
+        assert data == (tmp_path / f'a.{name}').read_bytes()
+        for given in (data, bytearray(data), memoryview(data)):
+            back = envmap.read(given, all_levels=name != 'hdr')
+            wanted = envmap.read(tmp_path / f'a.{name}', all_levels=name != 'hdr')
+            assert all(np.array_equal(a, b) for a, b in zip(back.levels, wanted.levels, strict=True))
+    with pytest.raises(envmap.UsageError, match='str or an os.PathLike, not by int'):
+        envmap.read(3)
+
+
+def test_packed_texels_are_those_of_the_apis():
+    chain = envmap.mipmap(cube())
+    for level, packed in zip(chain.levels, envmap.pack(chain, 'rgba32f'), strict=True):
+        assert packed.shape == level.shape[:-1] + (4,) and packed.dtype == np.float32 and packed.flags.c_contiguous
+        for face in range(6):  # X and Z faces mirrored left to right, Y faces top to bottom.
+            wanted = level[face, ::-1] if face in (2, 3) else level[face, :, ::-1]
+            np.testing.assert_array_equal(packed[face, ..., :3], wanted)
+        assert (packed[..., 3] == 1).all()
+    np.testing.assert_array_equal(envmap.pack(chain, 'rgb32f', orientation='seen-from-inside')[0], chain.array)
+    half = envmap.pack(chain)[0]
+    assert half.dtype == np.float16
+    np.testing.assert_array_equal(half[..., :3], envmap.pack(chain, 'rgb32f')[0].astype(np.float16))
+    words = envmap.pack(chain, 'rgb9e5')[0]
+    shared = np.stack([(words >> s & 511) * 2.0 ** ((words >> 27).astype(int) - 24) for s in (0, 9, 18)], -1)
+    np.testing.assert_allclose(shared, envmap.pack(chain, 'rgb32f')[0], atol=2 / 512)
+    assert envmap.pack(chain, 'bc6h')[0].shape == (6, 2, 2, 16)
+    assert not half.flags.writeable
+
+
+def test_chains_go_into_one_file(tmp_path):
+    roughness = [0, 0.25, 0.5, 1]
+    made = envmap.prefilter(cube(), 'ggx', roughness=roughness, size=8)
+    assert [level.shape[1] for level in made.map.levels] == [8, 4, 2, 1] and made.error <= 1e-3
+    for level, r in zip(made.map.levels, roughness):
+        np.testing.assert_array_equal(level, envmap.prefilter(cube(), 'ggx', roughness=r, size=level.shape[1]).map.array)
+    envmap.write(tmp_path / 'chain.ktx2', made.map, depth='float')
+    back = envmap.read(tmp_path / 'chain.ktx2', all_levels=True)
+    again = envmap.Map(levels=back.levels)
+    for a, b in zip(again.levels, made.map.levels, strict=True):
+        np.testing.assert_array_equal(a, b)
+    with pytest.raises(envmap.UsageError, match='and not both'):
+        envmap.Map(cube(), levels=[cube()])
+    with pytest.raises(envmap.UsageError):
+        envmap.Map(levels=[])
+
+
+def test_maps_pickle_and_copy():
+    made = envmap.convert(envmap.mipmap(cube()), 'latlong', forward='-z')
+    made = envmap.mipmap(made)
+    for other in (pickle.loads(pickle.dumps(made)), copy.copy(made), copy.deepcopy(made)):
+        assert (other.projection, other.forward) == (made.projection, made.forward)
+        for a, b in zip(other.levels, made.levels, strict=True):
+            np.testing.assert_array_equal(a, b)
+        other.array[0, 0] = 7
+        assert made.array[0, 0, 0] != 7
+
+
+def test_progress_rises_to_one():
+    parts = []
+    envmap.prefilter(cube(16), 'ggx', roughness=[0.3, 0.6], size=16, progress=parts.append)
+    assert parts == sorted(parts) and parts[-1] == 1
+
+
+def functions():
+    return [f for f in ast.parse(STUB.read_text()).body if isinstance(f, ast.FunctionDef)]
+
+
+@pytest.mark.parametrize('stub', functions(), ids=lambda f: f.name)
+def test_signatures_are_those_of_the_stub(stub):
+    signature = inspect.signature(getattr(envmap, stub.name))
+    given = stub.args
+    assert [p.name for p in signature.parameters.values() if p.kind == p.POSITIONAL_OR_KEYWORD] == [a.arg for a in given.args]
+    assert [p.name for p in signature.parameters.values() if p.kind == p.KEYWORD_ONLY] == [a.arg for a in given.kwonlyargs]
+    defaults = dict(zip([a.arg for a in given.args][len(given.args) - len(given.defaults):], given.defaults))
+    defaults |= {a.arg: d for a, d in zip(given.kwonlyargs, given.kw_defaults) if d is not None}
+    assert {n: ast.literal_eval(d) for n, d in defaults.items()} == {
+        n: p.default for n, p in signature.parameters.items() if p.default is not p.empty}
+
+
+def test_version_and_names():
+    assert envmap.__version__.count('.') == 2
+    assert set(envmap.__all__) <= set(dir(envmap))
+    declared = {n.name for n in ast.parse(STUB.read_text()).body if isinstance(n, (ast.FunctionDef, ast.ClassDef))}
+    assert declared == set(envmap.__all__) - {'__version__'}
+
+
+USE = '''
+import pathlib
+import envmap
+import numpy
+
+m: envmap.Map = envmap.read(pathlib.Path("a.exr"), all_levels=True)
+same: envmap.Map = envmap.read(envmap.encode(m, "exr"))
+chain = envmap.prefilter(m.array, "ggx", roughness=[0, 0.5], method="prefix-sums")
+envmap.write("b.ktx2", envmap.Map(levels=chain.map.levels), depth="rgbd", facts={"lobe": "ggx"}, progress=print)
+total: float = float(envmap.pack(m, "bc6h")[0].sum())
+try:
+    envmap.sh(m)
+except envmap.InputError as e:
+    print(e.errno, e.filename, e.code, e.file, e.remedy, envmap.__version__)
+'''
+MISUSE = ('envmap.convert(m, "cubes")', 'envmap.write("a.exr")', 'envmap.pack(m, "rgb8")', 'envmap.read(3)')
+
+
+def test_types_check(tmp_path):
+    """Skipped where there is no mypy (Debian: python3-mypy)."""
+    if subprocess.run([sys.executable, '-m', 'mypy', '--version'], capture_output=True).returncode != 0:
+        pytest.skip('no mypy')
+
+    def check(text):
+        (tmp_path / 'use.py').write_text(text)
+        return subprocess.run([sys.executable, '-m', 'mypy', '--strict', '--no-incremental', '--cache-dir', tmp_path / 'cache', 'use.py'],
+                              cwd=tmp_path, capture_output=True, text=True)
+    done = check(USE)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for misuse in MISUSE:
+        assert check(f'import envmap\nm = envmap.Map()\n{misuse}\n').returncode == 1, misuse
