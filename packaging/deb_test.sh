@@ -31,7 +31,7 @@ envmap convert cube.png back.exr --to latlong --size 16
 envmap compare back.exr white.exr --max-error 1e-6
 test -f /usr/share/man/man1/envmap-convert.1.gz
 test -f /usr/share/bash-completion/completions/envmap
-ldconfig -p | grep -q libenvmap.so.1
+ldconfig -p | grep -q libenvmap.so.1.0
 cat >own.py <<'PYTHON'
 import envmap
 white = envmap.read("white.exr")

@@ -39,7 +39,7 @@ for path in ('bin/envmap', 'share/man/man1/envmap-convert.1', 'share/man/man3/en
              'share/bash-completion/completions/envmap', 'share/zsh/site-functions/_envmap',
              'share/fish/vendor_completions.d/envmap.fish'):
     demand((tree / path).exists(), f'{path} is not installed')
-demand(os.readlink(library / 'libenvmap.so.1') == 'libenvmap.so.1.0.0', 'libenvmap.so.1 is no link to its version')
+demand(os.readlink(library / 'libenvmap.so.1.0') == 'libenvmap.so.1.0.0', 'libenvmap.so.1.0 is no link to its version')
 headers = list((tree / 'include').rglob('*.h'))
 for header in headers:
     text = header.read_text()
@@ -57,20 +57,49 @@ demand(not strays, f'exported besides envmap: {strays[:5]}')
 page = (tree / 'share/man/man3/envmap.3').read_text()
 example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', '\\').replace('\\-', '-')
 (work / 'example.cpp').write_text(example)
+# Those of docs/library.md, each the body of a main().
+bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
+demand(len(bodies) == 6, f'docs/library.md has {len(bodies)} examples')
+examples = []
+for number, body in enumerate(bodies):
+    examples.append(work / f'page_{number}.cpp')
+    examples[-1].write_text('#include <envmap/envmap.h>\n' + ''.join(f'#include <{h}>\n' for h in (
+        'algorithm', 'filesystem', 'thread', 'type_traits', 'vector')) + 'using namespace envmap;\nint main() {\n' + body + '}\n')
 run('cmake', '-S', source / 'tests/consumer', '-B', work / 'build', f'-DCMAKE_PREFIX_PATH={tree}', '-DCMAKE_BUILD_TYPE=Release',
-    f'-DCMAKE_CXX_COMPILER={compiler}', f'-DEXAMPLE={work / "example.cpp"}')
+    f'-DCMAKE_CXX_COMPILER={compiler}', f'-DEXAMPLE={work / "example.cpp"}', f'-DEXAMPLES={";".join(map(str, examples))}')
 run('cmake', '--build', work / 'build')
 pkg = os.environ | {'PKG_CONFIG_PATH': str(library / 'pkgconfig')}
 demand(run('pkg-config', '--modversion', 'envmap', env=pkg).strip() == '1.0.0', 'envmap.pc has another version')
 flags = run('pkg-config', '--cflags', '--libs', 'envmap', env=pkg).split()
-run(compiler, work / 'example.cpp', '-o', work / 'light_pc', *flags, f'-Wl,-rpath,{library}')
+demand('-std' not in ' '.join(flags), 'envmap.pc chooses a standard: it would undo the one that a project names')
+run(compiler, '-std=c++20', work / 'example.cpp', '-o', work / 'light_pc', *flags, f'-Wl,-rpath,{library}')
+# The static library by what pkg-config says of it.
+static = run('pkg-config', '--static', '--cflags', '--libs', 'envmap', env=pkg).split()
+demand(';' not in ' '.join(static), f'envmap.pc: {static}')
+run(compiler, '-std=c++20', work / 'example.cpp', library / 'libenvmap.a', '-o', work / 'light_pc_static',
+    *(flag for flag in static if flag != '-lenvmap'))
+# An older standard is refused in one line.
+old = subprocess.run([compiler, '-std=c++17', '-fsyntax-only', '-x', 'c++', '-', *flags[:1]], input='#include <envmap/base/export.h>\n',
+                     capture_output=True, text=True)
+demand('envmap needs C++20' in old.stderr, old.stderr)
+for number in range(len(examples)):
+    run(work / f'build/page_{number}', cwd=work)
+# A project that adds the sources gets the libraries, and neither tests nor samples.
+(work / 'outer').mkdir()
+(work / 'outer/CMakeLists.txt').write_text('cmake_minimum_required(VERSION 3.25)\nproject(outer LANGUAGES CXX)\n'
+    f'add_subdirectory({source} envmap)\nadd_executable(light {work / "example.cpp"})\n'
+    'target_link_libraries(light PRIVATE envmap::static)\n')
+run('cmake', '-S', work / 'outer', '-B', work / 'outer/build', f'-DCMAKE_CXX_COMPILER={compiler}')
+cache = (work / 'outer/build/CMakeCache.txt').read_text()
+for option in ('ENVMAP_TESTS:BOOL=OFF', 'ENVMAP_SAMPLES:BOOL=OFF', 'CMAKE_BUILD_TYPE:STRING=\n'):
+    demand(option in cache, f'added to another project: {option} is not so')
 
 # It runs, and gives what the program gives.
 envmap = tree / 'bin/envmap'
 probe = work / 'probe.hdr'
 run(envmap, 'generate', 'sun', probe, '--to', 'latlong', '--size', 64, '--radius', 20, '--value', '9,8,7')
 run(envmap, 'convert', probe, work / 'cube.exr', '--to', 'cube', '--size', 64, '--depth', 'half')
-for program in (work / 'build/light', work / 'build/light_static', work / 'light_pc'):
+for program in (work / 'build/light', work / 'build/light_static', work / 'light_pc', work / 'light_pc_static'):
     cube, rough = work / f'{program.name}-cube.exr', work / f'{program.name}-rough.exr'
     said = run(program, probe, cube, rough)
     demand(float(said.split()[-1]) <= 1e-3, f'{program.name}: {said}')
