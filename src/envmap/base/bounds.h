@@ -28,7 +28,7 @@ inline constexpr Bounds max_error{"max_error", 1e-9, 10};
 inline constexpr Bounds scale{"scale", 0, 1e30};
 inline constexpr Bounds exponent{"exponent", 0, 1e9};
 inline constexpr Bounds roughness{"roughness", 0, 1};
-inline constexpr Bounds gain{"gain", 0, 1e30};
+inline constexpr Bounds gain{"gain", 0, 1e300};
 inline constexpr Bounds saturation{"saturation", 0, 100};
 inline constexpr Bounds levels{"levels", 1, 32};
 inline constexpr Bounds order{"order", 0, 200};               ///< Largest degree of spherical harmonics.
