@@ -69,7 +69,8 @@ EnvironmentMap map_of_array(const Array& a, const std::optional<std::string>& pr
 }
 
 Array array_of(const py::object& given) {
-  if (Array a = Array::ensure(given)) return a;
+  if (!given.is_none())  // numpy makes NaN of it.
+    if (Array a = Array::ensure(given)) return a;
   PyErr_Clear();
   throw UsageError("a map is an envmap.Map or an array of numbers, not " +
                    py::cast<std::string>(py::type::of(given).attr("__name__")));

@@ -25,7 +25,7 @@ NAN = np.full((4, 8, 3), np.nan)
 @pytest.mark.parametrize('bad, words', [
     (NAN, 'NaN'), (np.zeros((10, 17, 3)), 'twice as wide'), (np.zeros((4, 8, 4)), '(height, width, 3)'), (np.zeros(3), 'height'),
     (np.zeros((0, 0, 3)), 'height'), ('abc', 'not str'), (b'abc' * 1000000, 'not bytes'), (None, 'not NoneType'), ({}, 'not dict'),
-    (-np.ones((4, 8, 3)), 'negative'), (np.zeros((5, 4, 4, 3)), 'shape'), (np.zeros((4, 8, 3), dtype=object) + 'x', 'not ndarray')])
+    (-np.ones((4, 8, 3)), 'negative'), (np.zeros((5, 4, 4, 3)), 'shape'), (np.full((4, 8, 3), 'x'), 'not ndarray')])
 def test_bad_arrays_are_one_line_everywhere(bad, words):
     good = np.ones((4, 8, 3))
     for call in (lambda: envmap.convert(bad, 'cube'), lambda: envmap.mipmap(bad), lambda: envmap.prefilter(bad), lambda: envmap.sh(bad),
