@@ -52,6 +52,8 @@ COMMANDS = [
     *(f'prefilter small.exr diffuse-{m}.exr --method {m} --size 6 -q' for m in 'auto exact hierarchical spectral prefix-sums'.split()),
     *(f'prefilter small.exr phong-{m}.exr --lobe phong --exponent 40.5 --method {m} --size 6 -q'
       for m in 'exact hierarchical spectral'.split()),
+    *(f'prefilter small.exr ggx-{r}.exr --lobe ggx --roughness {r} --method multilevel --size 6 -q' for r in (0.12, 0.5)),
+    'prefilter small.exr phong-multilevel.exr --lobe phong --exponent 40.5 --method multilevel --size 6 -q',
     'prefilter angular.exr ggx.exr --lobe ggx --levels 3 --size 8 -q',
     'prefilter --brdf-table table.exr --size 6', 'prefilter --lobe charlie --brdf-table sheen.exr --table-size 6',
     'sh sun.exr --order 6 --irradiance --window auto --evaluate sh-map.exr --to latlong --size 24',

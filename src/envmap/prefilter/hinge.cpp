@@ -73,7 +73,8 @@ PartTerm cut_part(const PartView& v, double extent) {
 template <class Grid>
 class Summation {
  public:
-  Summation(const HingeSource<Grid>& source, double error) : source_(source), error_(error), order_(source.order()) {}
+  Summation(const HingeSource<Grid>& source, double error, const std::array<double, 2>& least)
+      : source_(source), error_(error), least_(least), order_(source.order()) {}
 
   HingeSums over(const Direction& n) {
     for (int face = 0; face < Grid::faces; ++face) seen_[static_cast<std::size_t>(face)] = Grid::seen(face, n);
@@ -132,7 +133,7 @@ class Summation {
   [[nodiscard]] std::array<Channels, 2> allowed(const Total& now) const {
     std::array<Channels, 2> all;
     for (std::size_t k = 0; k < 2; ++k)
-      for (std::size_t c = 0; c < 3; ++c) all[k][c] = error_ * std::max(now.sum[k][c] - now.off[k][c], floor_of_mean * whole[k]);
+      for (std::size_t c = 0; c < 3; ++c) all[k][c] = error_ * std::max({now.sum[k][c] - now.off[k][c], floor_of_mean * whole[k], least_[k]});
     return all;
   }
   [[nodiscard]] bool within(const Total& now, const std::array<Channels, 2>& most, double part) const {
@@ -231,6 +232,7 @@ class Summation {
 
   const HingeSource<Grid>& source_;
   double error_;
+  std::array<double, 2> least_;
   int order_;
   std::array<FaceDirection, Grid::faces> seen_;
   Total settled_;
@@ -241,8 +243,9 @@ class Summation {
 };
 
 template <class Grid>
-void sum_all(const HingeSource<Grid>& source, std::span<const Direction> directions, double error, double mean, std::span<HingeSums> out) {
-  Summation<Grid> summation(source, error);
+void sum_all(const HingeSource<Grid>& source, std::span<const Direction> directions, double error, const std::array<double, 2>& least, double mean,
+             std::span<HingeSums> out) {
+  Summation<Grid> summation(source, error, least);
   for (std::size_t k = 0; k < directions.size(); ++k) {
     out[k] = summation.over(directions[k]);
     for (auto* fluxes : {&out[k].sum, &out[k].bound})
@@ -273,8 +276,9 @@ Hinges::Hinges(Hinges&&) noexcept = default;
 
 bool Hinges::fits(int order, double error) const { return prepared_->order >= order && prepared_->rows == base_rows(error); }
 
-void Hinges::sums(std::span<const Direction> directions, double error, std::span<HingeSums> out) const {
-  std::visit([&](const auto& source) { sum_all(source, directions, error, prepared_->mean, out); }, prepared_->source);
+void Hinges::sums(std::span<const Direction> directions, double error, std::span<HingeSums> out,
+                  const std::array<double, 2>& least) const {
+  std::visit([&](const auto& source) { sum_all(source, directions, error, least, prepared_->mean, out); }, prepared_->source);
 }
 
 std::optional<std::array<double, 2>> hinge_factors(const Lobe& lobe) {

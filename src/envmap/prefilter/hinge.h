@@ -36,8 +36,10 @@ class Hinges {
   [[nodiscard]] bool fits(int order, double error) const;
 
   /// One after another. @param error each sum may be off by, relative to itself or to what 0.001 x the mean everywhere comes to.
+  /// @param least sums over the mean that smaller ones are held to, too.
   /// A bound may be larger in the end where parts of texels would have to be cut further.
-  void sums(std::span<const Direction> directions, double error, std::span<HingeSums> out) const;
+  void sums(std::span<const Direction> directions, double error, std::span<HingeSums> out,
+            const std::array<double, 2>& least = {}) const;
 
  private:
   struct Prepared;

@@ -23,6 +23,7 @@
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/hinge_map.h"
+#include "envmap/prefilter/multilevel.h"
 #include "envmap/prefilter/source.h"
 #include "envmap/prefilter/spectral.h"
 #include "envmap/prefilter/treecode.h"
@@ -90,6 +91,7 @@ struct PrefilterSource::Prepared {
   mutable std::optional<Tree> tree;
   mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
   mutable std::optional<Hinges> hinges;        // Of the order and error wanted last.
+  mutable std::optional<SourceGrids> grids;    // Of the lobe wanted last.
   mutable std::mutex in_use;                   // By the one make() that runs.
 
   Prepared(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
@@ -111,6 +113,10 @@ struct PrefilterSource::Prepared {
     if (!hinges || !hinges->fits(order, error)) hinges.emplace(small_texels(), light.mean, order, error);
     return *hinges;
   }
+  [[nodiscard]] const SourceGrids& levels(std::vector<int> rows, const Colour& darkest) const {
+    if (!grids || !grids->has(rows)) grids.emplace(source.base(), light.mean, darkest, std::move(rows));
+    return *grids;
+  }
 };
 
 namespace {
@@ -122,6 +128,7 @@ struct Making {
   const Totals& light;
   const std::function<const Tree&()> tree;
   const std::function<const Hinges&(int order)> hinges;
+  const std::function<const SourceGrids&(std::vector<int> rows, const Colour& darkest)> grids;
   std::unique_ptr<Spectrum>& spectrum;
   const Prefilter& wanted;
   const Lobe lobe;
@@ -146,7 +153,7 @@ struct Making {
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
     const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); };
-    if (const auto factors = hinge_factors(lobe); factors && (any || wanted.method == Method::prefix_sums)) {
+    if (const auto factors = hinge_factors(lobe); factors && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
       if (light.mean > 0)
         hinge_map(hinges((*factors)[1] > 0 ? 2 : 1), *factors, target, wanted.max_error, light.mean, wanted.rows, out, figures, progress);
       else
@@ -155,6 +162,13 @@ struct Making {
       finish(all, figures, out, done);
       return;
     }
+    if (any || wanted.method == Method::multilevel)
+      if (const auto plan = multilevel_plan(lobe, wanted.max_error); plan && serves_multilevel(source) && (!any || plan->is_quick())) {
+        make_multilevel(*plan, out, figures);
+        done.method = Method::multilevel;
+        finish(all, figures, out, done);
+        return;
+      }
     // On a finer grid where the first leaves many dark texels unknown.
     const auto worth = [&](std::size_t texels) {
       return wanted.method == Method::spectral ? 8 * texels > whole.size() : any && may_be_spectral(wanted, lobe, source, texels);
@@ -166,6 +180,13 @@ struct Making {
     done.method = mostly ? Method::spectral : Method::hierarchical;
     treecode_prefilter(tree(), lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
     finish(all, figures, out, done);
+  }
+
+  void make_multilevel(const MultilevelPlan& plan, Level& out, std::span<float> figures) const {
+    if (light.mean <= 0) return void(std::ranges::fill(figures, 0.F));
+    const Colour darkest = darkest_of(source);
+    const MultilevelSource from{grids(plan.grids(), darkest), plan.has_hinges() ? &hinges(2) : nullptr, light.mean, darkest};
+    multilevel_map(plan, from, target, wanted.rows, out, figures, progress);
   }
 
   // Sums what is not known well enough, and says how well the rest is.
@@ -223,6 +244,9 @@ Lobe lobe_of(const Prefilter& p) {
   const Lobe lobe = lobe_by_shape(p);
   if (p.method == Method::prefix_sums && !is_mirror(p) && !hinge_factors(lobe))
     throw UsageError("prefix sums make diffuse maps, phong of exponent 1 or 2 and ggx of roughness 1");
+  if (p.method == Method::multilevel && !is_mirror(p) && !hinge_factors(lobe) && !multilevel_plan(lobe, p.max_error))
+    throw UsageError("multilevel sums make diffuse maps, phong of exponent 1, 2 and from 4, and ggx, for errors from 1e-4 and lobes "
+                     "not narrower than ggx of roughness 0.075");
   return lobe;
 }
 
@@ -254,6 +278,7 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
              p.light,
              [&]() -> const Tree& { return p.nodes(); },
              [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
+             [&](std::vector<int> rows, const Colour& darkest) -> const SourceGrids& { return p.levels(std::move(rows), darkest); },
              p.spectrum,
              wanted,
              lobe_of(wanted),

@@ -22,8 +22,9 @@ enum class Shape { diffuse, phong, ggx, blinn_phong, charlie };
 inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name,
                                                   Charlie::name};
 
-enum class Method { automatic, exact, hierarchical, spectral, prefix_sums };
-inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral", "prefix-sums"};
+enum class Method { automatic, exact, hierarchical, spectral, prefix_sums, multilevel };
+inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral", "prefix-sums",
+                                                   "multilevel"};
 
 /// NaN: a lobe that has a parameter is refused without one.
 inline constexpr double unset_parameter = std::numeric_limits<double>::quiet_NaN();

@@ -1,0 +1,150 @@
+#include "envmap/prefilter/multilevel.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "envmap/base/parallel.h"
+#include "envmap/maths/portable.h"
+#include "envmap/operate/measure.h"
+
+namespace envmap::prefiltering {
+
+namespace {
+
+// What the splitting of a lobe depends on. Errors of one light: tests/bench/kappa.cpp.
+struct Splitting {
+  double radius;    // x_j = r_j^2 / 2, r_j = radius x the step of grid j.
+  double steps;     // Of the first grid, over the width of the lobe, at least.
+  double flatten;   // c
+  bool quartic;     // q = 4, else 3.
+  double kappa;     // Error of one light at any angle, over the lobe there or what 0.001 x the mean makes of it.
+  double bend;      // The part of it that may come from the horizon.
+  double hinges;    // Error of the hinge sums.
+  double per_sigma; // Steps in the width of a Phong lobe.
+};
+constexpr Splitting coarse{7.5, 5, 0.2, false, 6e-4, 5e-4, 3e-4, 3.3};
+constexpr Splitting fine{11, 7, 0.15, true, 6e-5, 5e-5, 3e-5, 4.0};
+
+constexpr int most_rows = 2048, least_rows = 64;
+constexpr double floor_density = 1e-3 / (12 * pi);  // 0.001 x the mean of three channels, over the flux of a light in one.
+
+int rows_for(double step) { return std::max(least_rows, int(std::bit_ceil(unsigned(std::min(1e6, std::ceil(pi / step)))))); }
+
+LevelKernel::Softened softened(const Splitting& s, double radius) {
+  const double x = 0.5 * radius * radius;
+  return {true, float(1 / x), float(portable::pow(s.flatten * x, s.quartic ? 0.25 : 1.0 / 3))};
+}
+
+void set_hinges(MultilevelPlan& plan, double first, double second) {
+  plan.hinges = {first, second};
+  plan.constant = 1 - pi * first - 2 * pi / 3 * second;
+}
+
+// Rows of a grid whose error at the horizon is small enough: 0.06 h^3 x the third derivative over 6.
+int rows_at_horizon(const Splitting& s, double third) {
+  return rows_for(std::cbrt(s.bend * floor_density / (0.06 * std::max(1e-12, third))));
+}
+
+std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
+  if (lobe.b <= 0) return std::nullopt;
+  MultilevelPlan plan;
+  const double a = lobe.a / lobe.b, whole = a + 1, scale = lobe.scale / (lobe.b * lobe.b), width = std::min(1.0, std::sqrt(2 * a));
+  const double first = scale / (whole * whole), second = 2 * first / whole, third = 3 * first / (whole * whole);
+  set_hinges(plan, first, second);
+  int rows = rows_for(width / s.steps);
+  if (rows > most_rows) return std::nullopt;
+  LevelKernel k{.quartic = s.quartic, .a = float(a), .scale = scale};
+  for (;; rows /= 2) {
+    const double outer = 2 * s.radius * pi / rows;
+    if (outer > 0.7 || rows <= least_rows) break;
+    k.outer = softened(s, outer), k.end = float(0.5 * outer * outer);
+    plan.steps.push_back({rows, k});
+    k.inner = k.outer;
+  }
+  k.outer = {}, k.end = 1;
+  k.hinge1 = float(first / scale), k.hinge2 = float(second / scale);
+  plan.steps.push_back({std::max(rows, rows_at_horizon(s, third)), k});
+  return plan;
+}
+
+// A single level: (1 - part x)^power, times t of Blinn's lobe.
+std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s, MultilevelPlan plan) {
+  const int rows = std::max(least, rows_for(width / s.per_sigma));
+  if (rows > most_rows) return std::nullopt;
+  // Cut where what is left is small beside 0.001 x the mean.
+  const double left = portable::log(k.scale / (0.02 * error * floor_density));
+  k.end = float(std::min(1.0, -portable::expm1(-left / double(k.power)) / double(k.part)));
+  plan.steps.push_back({rows, k});
+  return plan;
+}
+
+std::optional<MultilevelPlan> plan_of(const Phong& lobe, double error, const Splitting& s) {
+  if (lobe.exponent < 4) return std::nullopt;
+  MultilevelPlan plan;
+  plan.constant = 1;
+  const LevelKernel k{.kind = LevelKernel::Kind::power, .power = float(lobe.exponent), .scale = lobe.scale()};
+  const int at_horizon = lobe.exponent >= 6 ? 128 : 256;
+  return plan_of_power(k, 1 / std::sqrt(lobe.exponent), s.quartic ? 2 * at_horizon : at_horizon, error, s, plan);
+}
+
+}  // namespace
+
+std::vector<int> MultilevelPlan::grids() const {
+  std::vector<int> rows;
+  for (const Step& s : steps) rows.push_back(s.rows);
+  return rows;
+}
+
+std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error) {
+  if (error < 1e-4) return std::nullopt;
+  const Splitting& s = error < 1e-3 ? fine : coarse;
+  std::optional<MultilevelPlan> plan;
+  if (const auto* ggx = std::get_if<Ggx>(&lobe)) plan = plan_of(*ggx, s);
+  if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s);
+  if (plan) plan->error = s.kappa, plan->hinge_error = s.hinges;
+  return plan;
+}
+
+void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, std::span<const Direction> directions,
+                     std::span<MultilevelSum> out) {
+  constexpr double rounding = 0x1p-24;  // Of a float.
+  const Flux even = plan.constant * Flux(source.darkest);
+  const double floor = 1e-3 * source.mean;
+  std::vector<HingeSums> hinges(directions.size());
+  if (plan.has_hinges()) {
+    const std::array<double, 2> least{0.25e-3 / plan.hinges[0], 0.25e-3 / plan.hinges[1]};  // A quarter of the floor each.
+    source.hinges->sums(directions, plan.hinge_error, hinges, least);
+  }
+  GatherRoom room;
+  for (std::size_t k = 0; k < directions.size(); ++k) {
+    const GridView view(directions[k]);
+    Flux sum(0);
+    for (const MultilevelPlan::Step& s : plan.steps) sum += gather(source.grids.grid(s.rows), s.kernel, view, room);
+    const HingeSums& h = hinges[k];
+    const Flux off = plan.hinges[0] * h.bound[0] + plan.hinges[1] * h.bound[1];
+    const Flux value = source.mean * sum + even + plan.hinges[0] * h.sum[0] + plan.hinges[1] * h.sum[1];
+    out[k] = {glm::max(Flux(0), value), 0};
+    for (int c = 0; c < 3; ++c) out[k].bound = std::max(out[k].bound, off[c] / std::max((1 - plan.error) * value[c] - off[c], floor));
+    out[k].bound += plan.error + 2 * rounding;
+  }
+}
+
+void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target, std::span<const char> rows,
+                    Level& out, std::span<float> bounds, const Progress& progress) {
+  for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
+    if (!rows.empty() && rows[static_cast<std::size_t>(face * out.height() + row)] == 0) return;
+    const Columns in = columns(target.to, target.size, row);
+    std::vector<Direction> directions(in.count());
+    texel_directions(target.to, target.size, face, row, in.first, directions);
+    rotate(target.to_source, directions);
+    std::vector<MultilevelSum> sums(directions.size());
+    multilevel_sums(plan, source, directions, sums);
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      *out.texel(face, in.first + int(k), row) = Colour(sums[k].value);
+      bounds[index_of(out, {face, in.first + int(k), row})] = std::nextafter(float(sums[k].bound), 1.F);
+    }
+  });
+}
+
+}  // namespace envmap::prefiltering

@@ -1,0 +1,64 @@
+/// @file
+/// Prefilter by multilevel summation: a lobe split into parts, each summed over a grid as coarse as the part is smooth.
+///
+/// The bend at the horizon is taken off as t+ and t+^2, which prefix sums add (hinge.h). Radiance is not negative, so the error of
+/// every texel of every map is at most the largest relative error of one light at any angle: see
+/// docs/explanation/prefilter-multilevel.md.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "envmap/base/progress.h"
+#include "envmap/prefilter/hinge.h"
+#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/multilevel_kernels.h"
+#include "envmap/sample/target.h"
+
+namespace envmap::prefiltering {
+
+/// How a lobe is summed within an error.
+struct MultilevelPlan {
+  struct Step {
+    int rows;  ///< Of the grid.
+    LevelKernel kernel;
+  };
+  std::vector<Step> steps;
+  std::array<double, 2> hinges{};  ///< Factors of t+ and t+^2.
+  double constant = 0;             ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
+  double error = 0;                ///< Of the steps, at most, relative to a texel or to 0.001 x the mean.
+  double hinge_error = 0;          ///< That the sums of hinges may have.
+
+  [[nodiscard]] std::vector<int> grids() const;
+  [[nodiscard]] bool has_hinges() const { return hinges[0] > 0; }
+  /// Whether no grid is so fine at the horizon that a treecode is quicker.
+  [[nodiscard]] bool is_quick() const { return steps.back().kernel.end < 1 || steps.back().rows <= 128; }
+};
+
+/// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, lobes narrower than a few thousandths of a
+/// radian, Phong lobes of exponent below 4, and sheen.
+std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error);
+
+/// What a map is made of.
+struct MultilevelSource {
+  const SourceGrids& grids;
+  const Hinges* hinges;  ///< Where the plan has some.
+  double mean;           ///< Of the radiance, the unit of the grids.
+  Colour darkest;        ///< That was taken off the grids.
+};
+
+struct MultilevelSum {
+  Flux value{0};
+  double bound = 0;  ///< Relative to the value, or to 0.001 x the mean of the source.
+};
+
+/// The integral of radiance x lobe over the sphere in some directions.
+void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, std::span<const Direction> directions,
+                     std::span<MultilevelSum> out);
+
+/// Makes a map. @param rows of it that are wanted; empty: all. @param bounds set to the bound of each texel, by index_of().
+void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target, std::span<const char> rows,
+                    Level& out, std::span<float> bounds, const Progress& progress);
+
+}  // namespace envmap::prefiltering

@@ -1,0 +1,224 @@
+// The inner loops of multilevel summation, compiled once for every instruction set and chosen at run time.
+#include "envmap/prefilter/multilevel_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "envmap/prefilter/multilevel_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "envmap/prefilter/lobe_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace envmap::prefiltering {
+namespace HWY_NAMESPACE {
+
+constexpr std::size_t virtual_lanes = 8;
+using D = hn::CappedTag<float, virtual_lanes>;
+using V = hn::Vec<D>;
+constexpr std::size_t lanes = hn::MaxLanes(D()), parts = virtual_lanes / lanes;
+
+void AddScaled(std::span<const float> in, float weight, std::span<float> out) {
+  const D d;
+  const V w = hn::Set(d, weight);
+  std::size_t k = 0;
+  for (; k + lanes <= out.size(); k += lanes)
+    hn::StoreU(hn::Add(hn::LoadU(d, &out[k]), hn::Mul(w, hn::LoadU(d, &in[k]))), d, &out[k]);
+  for (; k < out.size(); ++k) out[k] += weight * in[k];
+}
+
+// 2 sin(angle)^2 of column - at, half a column's width of longitude each.
+void Versines(double at, int columns, int low, int high, float* out) {
+  const D d;
+  const int whole = int(std::floor(at));
+  const V step = hn::Set(d, float(pi / columns)), offset = hn::Set(d, float(at - whole));
+  for (int k = low; k < high; k += int(lanes)) {
+    const V t = hn::Mul(step, hn::Sub(hn::Iota(d, float(k - whole)), offset)), tt = hn::Mul(t, t);
+    const V s = hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800));
+    hn::StoreU(hn::Add(hn::Mul(s, s), hn::Mul(s, s)), d, out + (k - low));
+  }
+}
+
+template <bool quartic>
+HWY_INLINE V softened(const LevelKernel::Softened& s, V x) {
+  const D d;
+  const V y = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, s.root), hn::Mul(hn::Set(d, s.root * s.inverse), x))), yy = hn::Mul(y, y);
+  return hn::Mul(yy, quartic ? yy : y);
+}
+
+HWY_INLINE V hinges(const LevelKernel& k, V t) {
+  const D d;
+  return hn::Mul(t, hn::Add(hn::Set(d, k.hinge1), hn::Mul(hn::Set(d, k.hinge2), t)));
+}
+
+// With W = a + 1, t = 1 - x and q = a + x = W - t: t / q^2 less its first two Taylor terms, t / W^2 + 2 t^2 / W^3, is
+// t^3 (3 W - 2 t) / (q^2 W^3), which has no difference of large numbers.
+template <bool inner, bool outer, bool quartic>
+struct OfGgx {
+  const LevelKernel& k;
+  HWY_INLINE V operator()(V x) const {
+    const D d;
+    const float a1 = k.a + 1;
+    const V whole = hn::Set(d, a1), q = hn::Add(hn::Set(d, k.a), x);
+    if (!outer) {
+      const V zero = hn::Zero(d), t = hn::Max(zero, hn::Sub(hn::Set(d, 1), x));
+      const V s = inner ? softened<quartic>(k.inner, x) : zero, t1 = hn::Max(zero, hn::Sub(t, s)), q1 = inner ? hn::Add(q, s) : q;
+      const V cube = hn::Mul(hn::Mul(t1, t1), t1), rise = hn::Sub(hn::Set(d, 3 * a1), hn::Add(t1, t1));
+      const V rest = hn::Div(hn::Mul(cube, rise), hn::Mul(hn::Mul(q1, q1), hn::Set(d, a1 * a1 * a1)));
+      if (!inner) return rest;
+      return hn::Sub(rest, hn::Mul(s, hn::Add(hn::Set(d, k.hinge1), hn::Mul(hn::Set(d, k.hinge2), hn::Add(t1, t)))));
+    }
+    const V q1 = inner ? hn::Add(q, softened<quartic>(k.inner, x)) : q;
+    const V q2 = hn::Add(q, softened<quartic>(k.outer, x)), product = hn::Mul(q1, q2);
+    const V rise = hn::Sub(hn::Mul(whole, hn::Add(q1, q2)), product);
+    return hn::Div(hn::Mul(hn::Sub(q2, q1), rise), hn::Mul(product, product));
+  }
+};
+
+template <bool cosine>
+struct OfPower {
+  const LevelKernel& k;
+  HWY_INLINE V operator()(V x) const {
+    const D d;
+    const V t = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x));
+    V value = exp2_small(d, hn::Mul(hn::Set(d, k.power), log2_one_minus(d, hn::Mul(hn::Set(d, k.part), x))));
+    if (cosine) value = hn::Sub(hn::Mul(value, t), hinges(k, t));
+    return hn::IfThenElseZero(hn::Lt(x, hn::Set(d, k.end)), value);
+  }
+};
+
+template <class K>
+Flux GatherRows(const SourceGrid& grid, const K& kernel, const GatherRoom& room) {
+  const D d;
+  V total[3][parts];
+  for (auto& channel : total)
+    for (V& v : channel) v = hn::Zero(d);
+  for (const GatherRoom::Row& r : room.rows) {
+    const float* light = &grid.light[grid.first[std::size_t(r.row)]];
+    const std::size_t stride = grid.stride(r.row), mask = std::size_t(grid.columns[std::size_t(r.row)]) - 1;
+    const float* versines = &room.versines[r.angles];
+    const V c = hn::Set(d, r.c), g = hn::Set(d, r.g);
+    V sum[3][parts];
+    for (auto& channel : sum)
+      for (V& v : channel) v = hn::Zero(d);
+    std::size_t at = std::size_t(r.start);
+    for (int block = 0; block < r.blocks; ++block, at += virtual_lanes, versines += virtual_lanes) {
+      const float* p = light + (at & mask);
+      for (std::size_t part = 0; part < parts; ++part, p += lanes) {
+        const V k = kernel(hn::Add(c, hn::Mul(g, hn::LoadU(d, versines + part * lanes))));
+        for (std::size_t channel = 0; channel < 3; ++channel)
+          sum[channel][part] = hn::Add(sum[channel][part], hn::Mul(k, hn::LoadU(d, p + channel * stride)));
+      }
+    }
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      for (std::size_t part = 0; part < parts; ++part) total[channel][part] = hn::Add(total[channel][part], sum[channel][part]);
+  }
+  Flux out;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    float s[virtual_lanes];
+    for (std::size_t part = 0; part < parts; ++part) hn::StoreU(total[channel][part], d, s + part * lanes);
+    const auto pair = [&](std::size_t k) { return double(s[k]) + double(s[k + 4]); };
+    out[int(channel)] = (pair(0) + pair(2)) + (pair(1) + pair(3));
+  }
+  return out;
+}
+
+template <bool quartic>
+Flux GatherGgx(const SourceGrid& grid, const LevelKernel& k, const GatherRoom& room) {
+  if (k.inner.is) {
+    if (k.outer.is) return GatherRows(grid, OfGgx<true, true, quartic>{k}, room);
+    return GatherRows(grid, OfGgx<true, false, quartic>{k}, room);
+  }
+  if (k.outer.is) return GatherRows(grid, OfGgx<false, true, quartic>{k}, room);
+  return GatherRows(grid, OfGgx<false, false, quartic>{k}, room);
+}
+
+Flux Gather(const SourceGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
+  for (GatherRoom::Angles& a : room.kinds) {
+    Versines(view.longitude * a.columns / (2 * pi) - 0.5, a.columns, a.low, a.high, &room.versines[a.first]);
+  }
+  if (k.kind == LevelKernel::Kind::ggx) return k.quartic ? GatherGgx<true>(grid, k, room) : GatherGgx<false>(grid, k, room);
+  if (k.cosine) return GatherRows(grid, OfPower<true>{k}, room);
+  return GatherRows(grid, OfPower<false>{k}, room);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace envmap::prefiltering
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace envmap::prefiltering {
+HWY_EXPORT(AddScaled);
+HWY_EXPORT(Gather);
+
+void add_scaled(std::span<const float> in, float weight, std::span<float> out) { HWY_DYNAMIC_DISPATCH(AddScaled)(in, weight, out); }
+
+GridView::GridView(const Direction& n)
+    : longitude(portable::atan2(n.x, -n.z)), sine(portable::hypot(n.x, n.z)), angle(portable::atan2(sine, n.y)) {
+  if (longitude < 0) longitude += 2 * pi;
+  half_sine = portable::sin_pi(0.5 * angle / pi), half_cosine = portable::cos_pi(0.5 * angle / pi);
+}
+
+namespace {
+
+// Half the columns within `end` of a direction, with a little more.
+double half_width(double versine, int columns) {
+  const double s = std::sqrt(0.5 * versine);
+  return 2 * s * (1 + 0.5708 * s * s) * columns / (2 * pi) + 0.002;  // asin(s) <= s (1 + 0.5708 s^2).
+}
+
+// Which columns of a row the kernel reaches, in blocks of eight.
+GatherRoom::Row window(const SourceGrid& grid, int row, const LevelKernel& kernel, const GridView& view) {
+  const auto r = std::size_t(row);
+  const double d = grid.half_sine[r] * view.half_cosine - grid.half_cosine[r] * view.half_sine, c = 2 * d * d;
+  const double g = double(grid.sine[r]) * view.sine, versine = (double(kernel.end) - c) / std::max(1e-30, g);
+  if (versine <= 0) return {row, 0, 0, 0, 0, 0};
+  const int columns = grid.columns[r];
+  const double at = view.longitude * columns / (2 * pi) - 0.5, w = versine >= 2 ? columns : half_width(versine, columns);
+  int start, blocks;
+  if (2 * w >= columns - 10) {
+    start = int(std::floor(at)) - columns / 2;
+    start -= start & 7, blocks = columns / 8;
+  } else {
+    start = int(std::ceil(at - w));
+    blocks = (int(std::floor(at + w)) + 1 - start + 7) / 8;
+  }
+  return {row, start, blocks, 0, float(c), float(g)};
+}
+
+}  // namespace
+
+Flux gather(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room) {
+  const double reach = kernel.end >= 1 ? 0.5 * pi : 2 * portable::asin(std::sqrt(0.5 * double(kernel.end)));
+  const double per_row = grid.rows / pi;
+  const int low = std::max(0, int(std::floor((view.angle - reach) * per_row)));
+  const int high = std::min(grid.rows - 1, int(std::floor((view.angle + reach) * per_row)));
+  room.rows.clear(), room.kinds.clear();
+  for (int r = low; r <= high; ++r) {
+    const GatherRoom::Row row = window(grid, r, kernel, view);
+    if (row.blocks == 0) continue;
+    room.rows.push_back(row);
+    const int columns = grid.columns[std::size_t(r)], end = row.start + 8 * row.blocks;
+    const auto kind = std::ranges::find(room.kinds, columns, &GatherRoom::Angles::columns);
+    if (kind == room.kinds.end())
+      room.kinds.push_back({columns, row.start, end, 0});
+    else
+      kind->low = std::min(kind->low, row.start), kind->high = std::max(kind->high, end);
+  }
+  std::size_t size = 0;
+  for (GatherRoom::Angles& a : room.kinds) {
+    a.high += (8 - (a.high - a.low) % 8) % 8;
+    a.first = size, size += std::size_t(a.high - a.low);
+  }
+  if (room.versines.size() < size) room.versines.resize(size);
+  for (GatherRoom::Row& row : room.rows) {
+    const auto kind = std::ranges::find(room.kinds, grid.columns[std::size_t(row.row)], &GatherRoom::Angles::columns);
+    row.angles = kind->first + std::size_t(row.start - kind->low);
+  }
+  return kernel.scale * HWY_DYNAMIC_DISPATCH(Gather)(grid, kernel, view, room);
+}
+
+}  // namespace envmap::prefiltering
+#endif  // HWY_ONCE

@@ -1,0 +1,60 @@
+/// @file
+/// The inner loops of multilevel summation: a kernel in a window of a source grid, eight virtual lanes wide on every processor.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "envmap/maths/vector.h"
+#include "envmap/prefilter/multilevel_source.h"
+
+namespace envmap::prefiltering {
+
+/// Part of a lobe that one level adds: K_j = S_j - S_(j+1), over x = 1 - cos. S_j is the lobe, flattened within x_j:
+/// S_j(x) = K(x + c x_j (1 - x / x_j)^q). The last level has S_j itself, less what prefix sums add.
+struct LevelKernel {
+  enum class Kind { ggx, power } kind = Kind::ggx;
+  struct Softened {
+    bool is = false;
+    float inverse = 0, root = 0;  ///< 1 / x_j, and (c x_j)^(1/q).
+  };
+  Softened inner, outer;
+  bool quartic = false;         ///< q = 4, else 3.
+  float end = 1;                ///< x from which it is 0.
+  float a = 0;                  ///< ggx: (1 - x) / (a + x)^2.
+  float power = 0, part = 1;    ///< power: (1 - part x)^power,
+  bool cosine = false;          ///< times 1 - x.
+  float hinge1 = 0, hinge2 = 0; ///< Factors of t+ and t+^2 that are taken off.
+  double scale = 1;             ///< Of all.
+};
+
+/// An output direction as a grid sees it.
+struct GridView {
+  double longitude, sine, half_sine, half_cosine, angle;  ///< Longitude in [0, 2 pi); polar angle, its sine, and those of half of it.
+  explicit GridView(const Direction& in_grid);
+};
+
+/// Room for gather(), of one thread.
+struct GatherRoom {
+  struct Row {
+    int row, start, blocks;
+    std::size_t angles;
+    float c, g;
+  };
+  struct Angles {
+    int columns, low, high;
+    std::size_t first;
+  };
+  std::vector<Row> rows;
+  std::vector<Angles> kinds;
+  std::vector<float> versines;
+};
+
+/// The sum over a grid of light x kernel.
+Flux gather(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room);
+
+/// out += weight x in.
+void add_scaled(std::span<const float> in, float weight, std::span<float> out);
+
+}  // namespace envmap::prefiltering

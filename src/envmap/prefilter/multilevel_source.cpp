@@ -1,0 +1,232 @@
+#include "envmap/prefilter/multilevel_source.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "envmap/maths/portable.h"
+#include "envmap/maths/quadrature.h"
+#include "envmap/prefilter/multilevel_kernels.h"
+
+namespace envmap::prefiltering {
+
+namespace {
+
+constexpr int half_nodes = nodes_across / 2;
+using Weights = std::array<double, nodes_across>;
+
+// Of nodes floor(u) - 5 to floor(u) + 6. @return the first node.
+int lagrange(double u, Weights& w) {
+  const int first = int(std::floor(u)) - half_nodes + 1;
+  const double at = u - first;
+  for (int i = 0; i < nodes_across; ++i) {
+    double q = 1;
+    for (int k = 0; k < nodes_across; ++k)
+      if (k != i) q *= (at - k) / (i - k);
+    w[std::size_t(i)] = q;
+  }
+  return first;
+}
+
+struct Term {
+  int from;
+  bool turned;  // By half a turn: beyond a pole.
+  float weight;
+};
+using Terms = std::vector<std::vector<Term>>;
+
+// What `parts` equal parts of a line of `nodes` nodes add to each: integrals of density(position in 0 to 1) x the basis.
+// @param wraps from the last to the first; else it goes on mirrored, half a turn away.
+template <class Density>
+Terms adjoint(int parts, int nodes, bool wraps, Density&& density) {
+  std::vector<std::map<std::pair<int, bool>, double>> sums(std::size_t(nodes), std::map<std::pair<int, bool>, double>{});
+  const auto& gauss = quadrature::rule<3>();
+  const int panels = (nodes + parts - 1) / parts;
+  const double width = 1.0 / parts / panels;
+  Weights w;
+  for (int k = 0; k < parts * panels; ++k)
+    for (std::size_t g = 0; g < 3; ++g) {
+      const double at = (k + 0.5 + 0.5 * gauss.node[g]) * width, part = 0.5 * width * gauss.weight[g] * density(at);
+      const int first = lagrange(at * nodes - 0.5, w);
+      for (int i = 0; i < nodes_across; ++i) {
+        int node = first + i;
+        const bool outside = node < 0 || node >= nodes;
+        if (outside) node = wraps ? (node + nodes) % nodes : node < 0 ? -1 - node : 2 * nodes - 1 - node;
+        sums[std::size_t(node)][{k / panels, outside && !wraps}] += part * w[std::size_t(i)];
+      }
+    }
+  Terms terms(static_cast<std::size_t>(nodes));
+  for (std::size_t n = 0; n < terms.size(); ++n)
+    for (const auto& [key, weight] : sums[n]) terms[n].push_back({key.first, key.second, float(weight)});
+  return terms;
+}
+
+// Every row with all columns; three channels, one after another.
+struct Planes {
+  int rows, columns;
+  std::vector<float> light;
+  Planes(int of_rows, int of_columns)
+      : rows(of_rows), columns(of_columns), light(3 * std::size_t(of_rows) * std::size_t(of_columns)) {}
+  [[nodiscard]] std::span<float> row(int row, int channel) {
+    return std::span(light).subspan((std::size_t(row) * 3 + std::size_t(channel)) * std::size_t(columns), std::size_t(columns));
+  }
+  [[nodiscard]] std::span<const float> row(int r, int channel) const { return const_cast<Planes*>(this)->row(r, channel); }
+};
+
+// out += weight x in, `in` turned by half of its columns if wanted.
+void add_row(std::span<const float> in, const Term& term, std::span<float> out) {
+  if (!term.turned) return add_scaled(in, term.weight, out);
+  const std::size_t half = in.size() / 2;
+  add_scaled(in.subspan(half), term.weight, out.first(in.size() - half));
+  add_scaled(in.first(half), term.weight, out.last(half));
+}
+
+// A periodic row with room on both sides, so that shifted copies are spans of it.
+class Wrapped {
+ public:
+  static constexpr int room = 2 * nodes_across;
+  void set(std::span<const float> row, std::size_t step, std::size_t offset) {
+    const std::size_t count = row.size() / step;
+    padded_.resize(count + 2 * room);
+    for (std::size_t k = 0; k < count; ++k) padded_[room + k] = row[k * step + offset];
+    for (std::size_t k = 0; k < room; ++k) {
+      padded_[room + count + k] = padded_[room + k % count];
+      padded_[room - 1 - k] = padded_[room + count - 1 - k % count];
+    }
+  }
+  [[nodiscard]] std::span<const float> from(int shift, std::size_t count) const {
+    return std::span(padded_).subspan(std::size_t(room + shift), count);
+  }
+
+ private:
+  std::vector<float> padded_;
+};
+
+// Of the adjoint of interpolation at -1/4 and +1/4 of a cell: fine 2 k - 1/4, 2 k + 1 + 1/4.
+struct Halving {
+  Weights low, high;  // Of a fine cell left and right of its coarse one, from nodes -6 and -5 on.
+  Halving() { lagrange(-0.25, low), lagrange(0.25, high); }
+};
+const Halving& halving() {
+  static const Halving h;
+  return h;
+}
+
+// Half as many columns.
+void halve(std::span<const float> in, std::span<float> out) {
+  thread_local Wrapped even, odd;
+  even.set(in, 2, 0), odd.set(in, 2, 1);
+  std::ranges::fill(out, 0.F);
+  for (int i = 0; i < nodes_across; ++i) {
+    // Coarse k has the fine 2 (k - node) and 2 (k - node) + 1.
+    add_scaled(even.from(half_nodes - i, out.size()), float(halving().low[std::size_t(i)]), out);
+    add_scaled(odd.from(half_nodes - 1 - i, out.size()), float(halving().high[std::size_t(i)]), out);
+  }
+}
+
+Planes coarser(const Planes& fine) {
+  Planes narrow(fine.rows, fine.columns / 2), out(fine.rows / 2, fine.columns / 2);
+  tbb::parallel_for(0, fine.rows, [&](int r) {
+    for (int c = 0; c < 3; ++c) halve(fine.row(r, c), narrow.row(r, c));
+  });
+  tbb::parallel_for(0, out.rows, [&](int k) {
+    for (int i = 0; i < nodes_across; ++i)
+      for (int side = 0; side < 2; ++side) {
+        const int node = i - half_nodes + side;
+        int r = 2 * (k - node) + side;
+        const bool turned = r < 0 || r >= fine.rows;
+        if (turned) r = r < 0 ? -1 - r : 2 * fine.rows - 1 - r;
+        const double w = side == 0 ? halving().low[std::size_t(i)] : halving().high[std::size_t(i)];
+        for (int c = 0; c < 3; ++c) add_row(narrow.row(r, c), {r, turned, float(w)}, out.row(k, c));
+      }
+  });
+  return out;
+}
+
+// Rows near poles in fewer columns, at least 64.
+SourceGrid thinned(const Planes& full) {
+  SourceGrid grid;
+  grid.rows = full.rows;
+  std::size_t size = 0;
+  for (int r = 0; r < full.rows; ++r) {
+    const double angle = (r + 0.5) / full.rows, sine = portable::sin_pi(angle);
+    int columns = full.columns;
+    for (double s = 2 * sine; s <= 1 && columns > 64; s *= 2) columns /= 2;
+    grid.columns.push_back(columns), grid.first.push_back(size);
+    grid.sine.push_back(float(sine));
+    grid.half_sine.push_back(portable::sin_pi(0.5 * angle)), grid.half_cosine.push_back(portable::cos_pi(0.5 * angle));
+    size += 3 * grid.stride(r);
+  }
+  grid.light.resize(size);
+  tbb::parallel_for(0, full.rows, [&](int r) {
+    std::vector<float> row, next;
+    for (int c = 0; c < 3; ++c) {
+      const auto all = full.row(r, c);
+      row.assign(all.begin(), all.end());
+      while (int(row.size()) > grid.columns[std::size_t(r)]) {
+        next.resize(row.size() / 2);
+        halve(row, next);
+        std::swap(row, next);
+      }
+      float* to = &grid.light[grid.first[std::size_t(r)] + std::size_t(c) * grid.stride(r)];
+      std::ranges::copy(row, to);
+      std::copy_n(row.begin(), SourceGrid::padding, to + row.size());
+    }
+  });
+  return grid;
+}
+
+// ---- the finest grid ------------------------------------------------------------------------------------------------------
+
+Planes of_latlong(const Level& source, double unit, const Colour& darkest, int rows) {
+  Planes out(rows, 2 * rows);
+  const Terms down = adjoint(source.height(), rows, false, [](double v) { return pi * portable::sin_pi(v); });
+  const Terms across = adjoint(source.width(), 2 * rows, true, [](double) { return 2 * pi; });
+  const double scale = 1 / unit;  // Beyond floats where light is subnormal.
+  const bool same = source.width() == 2 * rows;
+  tbb::parallel_for(0, rows, [&](int r) {
+    std::vector<float> texels(std::size_t(source.width())), sum(texels.size());
+    Wrapped wrapped;
+    for (int c = 0; c < 3; ++c) {
+      std::ranges::fill(sum, 0.F);
+      for (const Term& t : down[std::size_t(r)]) {
+        const auto row = source.row(0, t.from);
+        for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = float(double(row[i][c] - darkest[c]) * scale);
+        add_row(texels, t, sum);
+      }
+      const std::span<float> to = out.row(r, c);
+      if (same) {  // All columns have the weights of column 0.
+        wrapped.set(sum, 1, 0);
+        for (const Term& t : across[0]) add_scaled(wrapped.from(t.from < rows ? t.from : t.from - 2 * rows, to.size()), t.weight, to);
+      } else {
+        for (std::size_t i = 0; i < to.size(); ++i)
+          for (const Term& t : across[i]) to[i] += t.weight * sum[std::size_t(t.from)];
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+SourceGrids::SourceGrids(const Level& source, double unit, const Colour& darkest, std::vector<int> wanted) {
+  std::ranges::sort(wanted, std::greater<>());
+  // A grid much coarser than the source would skip texels: it is made through one as fine.
+  const int density = source.projection() == Projection::latlong ? source.height() : 2 * source.height();
+  const int finest = std::max(wanted.front(), int(std::bit_floor(unsigned(density))));
+  Planes planes = of_latlong(source, unit, darkest, finest);
+  for (const int rows : wanted) {
+    if (grids_.contains(rows)) continue;
+    while (planes.rows > rows) planes = coarser(planes);
+    grids_.emplace(rows, thinned(planes));
+  }
+}
+
+bool SourceGrids::has(const std::vector<int>& rows) const {
+  return std::ranges::all_of(rows, [&](int r) { return grids_.contains(r); });
+}
+
+}  // namespace envmap::prefiltering

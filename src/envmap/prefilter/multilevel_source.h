@@ -1,0 +1,50 @@
+/// @file
+/// Levels of a source for multilevel summation: its light as point sources on latlong grids, each half as fine as the one before.
+///
+/// The grids are the adjoint of Lagrange interpolation: a texel is integrated against the basis of its grid, a level against that of the
+/// next (Brandt and Lubrecht 1990, "Multilevel matrix multiplication and fast solution of integral equations"). So the sum of a
+/// kernel over a grid is the sum over the source of the kernel interpolated from that grid.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <vector>
+
+#include "envmap/map/environment_map.h"
+
+namespace envmap::prefiltering {
+
+/// Nodes of an interpolation along one axis.
+inline constexpr int nodes_across = 12;
+
+/// Light at the nodes of a latlong grid. Rows near poles have fewer columns, a power of two and no farther apart than rows.
+struct SourceGrid {
+  int rows = 0;
+  std::vector<int> columns;
+  std::vector<std::size_t> first;           ///< Of the row's red; green and blue follow `stride` floats apart.
+  std::vector<double> half_sine, half_cosine;  ///< Of half the polar angle.
+  std::vector<float> sine;                  ///< Of the polar angle.
+  std::vector<float> light;
+
+  static constexpr int padding = 8;         ///< Columns that repeat after the last.
+  [[nodiscard]] std::size_t stride(int row) const { return std::size_t(columns[std::size_t(row)] + padding); }
+};
+
+/// Whether grids can be made of a map: not of a coarse level of a latlong map that is no longer twice as wide as high.
+inline bool serves_multilevel(const Level& source) { return source.projection() == Projection::latlong && source.width() == 2 * source.height(); }
+
+/// Grids of `finest` rows, and of half as many down to `coarsest`, of those that are wanted.
+class SourceGrids {
+ public:
+  /// @param source a cube or latlong map. @param unit that radiance is counted in, above 0. @param darkest taken off all radiance.
+  /// @param wanted numbers of rows, powers of two from 64.
+  SourceGrids(const Level& source, double unit, const Colour& darkest, std::vector<int> wanted);
+
+  [[nodiscard]] const SourceGrid& grid(int rows) const { return grids_.at(rows); }
+  [[nodiscard]] bool has(const std::vector<int>& rows) const;
+
+ private:
+  std::map<int, SourceGrid> grids_;
+};
+
+}  // namespace envmap::prefiltering

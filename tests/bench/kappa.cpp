@@ -1,0 +1,92 @@
+// How far multilevel sums are off of one light, over the bound that they state: what the constants of
+// docs/explanation/prefilter-multilevel.md rest on, which bound the error of every map. Measured over random lights of one texel, at a
+// pole, at the equator and anywhere, in random directions, a third of them near its horizon. The truth is the exact sum.
+//
+//   kappa [LIGHTS]
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+#include "envmap/operate/measure.h"
+#include "envmap/prefilter/exact.h"
+#include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/prefilter.h"
+
+namespace {
+
+using namespace envmap;
+using namespace envmap::prefiltering;
+
+class Random {
+ public:
+  double part() { return double(engine_() >> 11) * 0x1p-53; }
+  Direction round(const Direction& light) {
+    const double angle =
+        pick_++ % 3 == 0 ? pi * (0.5 + 0.04 * (part() - 0.5)) : std::min(pi, std::pow(10, -3.5 + 3.8 * part()));
+    const Direction side = unit(glm::cross(light, std::abs(light.y) < 0.9 ? Direction(0, 1, 0) : Direction(1, 0, 0)));
+    const double turn = 2 * pi * part();
+    return unit(std::cos(angle) * light +
+                std::sin(angle) * (std::cos(turn) * side + std::sin(turn) * glm::cross(light, side)));
+  }
+
+ private:
+  std::mt19937_64 engine_{5};
+  int pick_ = 0;
+};
+
+// Of one light: the largest part of its bound that the error comes to.
+double error_of(const Level& map, const Direction& light, const Lobe& lobe, const MultilevelPlan& plan, double error,
+                Random& random) {
+  const double mean = mean_radiance(map);
+  const SourceGrids grids(map, mean, Colour(0), plan.grids());
+  const Hinges hinges(map, mean, 2, error);
+  std::vector<Direction> some(2000);
+  for (Direction& d : some) d = random.round(light);
+  std::vector<MultilevelSum> sums(some.size());
+  multilevel_sums(plan, {grids, &hinges, mean, Colour(0)}, some, sums);
+  const std::vector<Flux> truth = exact_prefilter(map, lobe, some);
+  double worst = 0;
+  for (std::size_t k = 0; k < some.size(); ++k)
+    worst = std::max(worst, std::abs(sums[k].value.x - truth[k].x) / std::max(truth[k].x, 1e-3 * mean) / sums[k].bound);
+  return worst;
+}
+
+void print(Shape shape, double parameter, Projection projection, int size, int lights) {
+  std::string line =
+      fmt::format("{:6} {:<7g} {:7} {:4}:", shape_names[std::size_t(shape)], parameter, name(projection), size);
+  for (const double error : {1e-3, 1e-4}) {
+    const Lobe lobe = lobe_of({.shape = shape, .parameter = parameter, .scale = {}});
+    const auto plan = multilevel_plan(lobe, error);
+    if (!plan) {
+      line += fmt::format("  {:g} no bound", error);
+      continue;
+    }
+    Random random;
+    double worst = 0;
+    for (int n = 0; n < lights; ++n) {
+      Level map(projection, size);
+      const int j = n == 0 ? 0 : n == 1 ? size / 2 : int(random.part() * size), i = int(random.part() * map.width());
+      *map.texel(0, i, j) = Colour(1e9F, 0, 0);
+      std::vector<Direction> light(1);
+      texel_directions(projection, size, 0, j, i, light);
+      worst = std::max(worst, error_of(map, light[0], lobe, *plan, error, random));
+    }
+    line += fmt::format("  {:g} {:.2f}", error, worst);
+  }
+  fmt::print("{}\n", line);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int lights = argc > 1 ? std::atoi(argv[1]) : 6;
+  for (const auto& [projection, size] : {std::pair{Projection::latlong, 512}, std::pair{Projection::cube, 256}}) {
+    for (const double roughness : {0.08, 0.1, 0.12, 0.15, 0.2, 0.3, 0.5, 0.8})
+      print(Shape::ggx, roughness, projection, size, lights);
+    for (const double exponent : {4.0, 6.0, 20.0, 300.0, 5000.0, 30000.0})
+      print(Shape::phong, exponent, projection, size, lights);
+  }
+}

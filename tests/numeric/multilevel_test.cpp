@@ -1,0 +1,145 @@
+// Multilevel sums against the exact sum: every texel within its own bound.
+#include "envmap/prefilter/multilevel.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+
+#include "envmap/operate/measure.h"
+#include "envmap/prefilter/exact.h"
+#include "envmap/prefilter/prefilter.h"
+#include "envmap/prefilter/source.h"
+
+namespace {
+
+using namespace envmap;
+using namespace envmap::prefiltering;
+
+struct Case {
+  Shape shape;
+  double parameter;
+};
+std::string words(const Case& c) { return fmt::format("{} {}", shape_names[std::size_t(c.shape)], c.parameter); }
+
+EnvironmentMap made(int size, const std::function<float(int i, int j, int channel)>& radiance) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::latlong, size);
+  Level& level = map.base();
+  for (int j = 0; j < level.height(); ++j)
+    for (int i = 0; i < level.width(); ++i)
+      for (int c = 0; c < 3; ++c) (*level.texel(0, i, j))[c] = radiance(i, j, c);
+  return map;
+}
+
+// The exact sum itself, at poles.
+constexpr double exact_error = 5e-7;
+
+// Of a direction: where it is bright, in its lobe, and where it is at the horizon.
+std::vector<Direction> around(const Direction& light, int count) {
+  std::mt19937_64 random(3);
+  const auto part = [&] { return double(random() >> 11) * 0x1p-53; };
+  const Direction side = unit(glm::cross(light, std::abs(light.y) < 0.9 ? Direction(0, 1, 0) : Direction(1, 0, 0)));
+  const Direction other = glm::cross(light, side);
+  std::vector<Direction> all;
+  for (int k = 0; k < count; ++k) {
+    const double angle = k % 3 == 0 ? pi * (0.5 + 0.04 * (part() - 0.5)) : std::min(pi, std::pow(10, -3 + 3.3 * part()));
+    const double turn = 2 * pi * part();
+    all.push_back(unit(std::cos(angle) * light + std::sin(angle) * (std::cos(turn) * side + std::sin(turn) * other)));
+  }
+  return all;
+}
+
+// Largest error of sums over what is allowed of them.
+void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, std::span<const Direction> some, const std::string& what) {
+  const auto plan = multilevel_plan(lobe, error);
+  ASSERT_TRUE(plan) << what;
+  const double mean = mean_radiance(map.base());
+  const SourceGrids grids(map.base(), mean, Colour(0), plan->grids());
+  const std::optional<Level> fine = refined(map.base());
+  const Hinges hinges(fine ? *fine : map.base(), mean, 2, error);
+  const MultilevelSource source{grids, &hinges, mean, Colour(0)};
+  std::vector<MultilevelSum> sums(some.size());
+  multilevel_sums(*plan, source, some, sums);
+  const std::vector<Flux> truth = exact_prefilter(map.base(), lobe, some);
+  for (std::size_t k = 0; k < some.size(); ++k)
+    for (int c = 0; c < 3; ++c) {
+      const double most = std::max(truth[k][c], 1e-3 * mean);
+      ASSERT_NEAR(sums[k].value[c], truth[k][c], (sums[k].bound + exact_error) * most) << what << ", direction " << k << ", channel " << c;
+      ASSERT_LE(sums[k].bound, error) << what;
+    }
+}
+
+const Case cases[] = {{Shape::ggx, 0.12}, {Shape::ggx, 0.15}, {Shape::ggx, 0.3}, {Shape::ggx, 0.6},
+                      {Shape::ggx, 0.9},  {Shape::phong, 4}, {Shape::phong, 5.5}, {Shape::phong, 20}, {Shape::phong, 2000}};
+
+#ifdef __SANITIZE_ADDRESS__  // Sums are those of the optimised build. Here memory is looked at.
+const int sizes[] = {16};
+constexpr int directions = 20;
+#else
+const int sizes[] = {64, 75};
+constexpr int directions = 150;
+#endif
+
+TEST(Multilevel, LoneLightsStayWithinTheirBounds) {
+  for (const Case& c : cases)
+    for (const double error : {1e-3, 1e-4})
+      for (const int size : sizes) {
+        const int places[][2] = {{0, 0}, {2 * size - 1, size / 2}, {size / 3, size / 3}};
+        for (const auto& [i, j] : places) {
+          const EnvironmentMap map = made(size, [&, x = i, y = j](int a, int b, int ch) { return a == x && b == y && ch != 1 ? 1e9F : 0.F; });
+          std::vector<Direction> light(1);
+          texel_directions(Projection::latlong, size, 0, j, i, light);
+          expect_bounds(map, lobe_of({.shape = c.shape, .parameter = c.parameter}), error, around(light[0], directions),
+                        fmt::format("{}, {:g}, light {} {} of {}", words(c), error, i, j, size));
+        }
+      }
+}
+
+TEST(Multilevel, EveryKindOfLightStaysWithinItsBounds) {
+  std::mt19937_64 random(11);
+  const auto even = [&] { return float(double(random() >> 11) * 0x1p-53); };
+  const std::pair<const char*, std::function<float(int, int, int)>> kinds[] = {
+      {"even", [](int, int, int) { return 0.7F; }},
+      {"noise", [&](int, int, int) { return even(); }},
+      {"lamps", [&](int, int, int) { return even() < 0.01F ? 1e4F * even() : 0.F; }},
+      {"checkers", [](int i, int j, int c) { return ((i >> c) + (j >> c)) % 2 == 0 ? 1.F : 0.F; }},
+      {"half", [](int, int j, int c) { return j < 20 + 7 * c ? 2.F : 0.F; }},
+      {"subnormal", [](int i, int j, int) { return i == j ? 1e-44F : 0.F; }},
+      {"bright", [](int i, int, int) { return i % 3 == 0 ? 3e38F : 1e30F; }}};
+  const std::vector<Direction> some = around(unit(Direction(0.3, 0.8, -0.2)), directions / 4);
+  for (const Case& c : cases)
+    for (const auto& [kind, radiance] : kinds)
+      expect_bounds(made(sizes[0], radiance), lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3, some, words(c) + " " + kind);
+}
+
+TEST(Multilevel, MapsStateTheirBound) {
+  const EnvironmentMap map = made(48, [](int i, int j, int c) { return i == 7 && j == 3 ? 1e6F : float((i * 7 + j * 3 + c) % 11); });
+  for (const Projection to : {Projection::cube, Projection::latlong}) {
+    Prefilter wanted{.shape = Shape::ggx, .parameter = 0.12, .to = to, .size = 6};
+    const Prefiltered done = PrefilterSource(map).make(wanted);
+    EXPECT_EQ(done.method, Method::multilevel);
+    EXPECT_GT(done.error, 0);
+    EXPECT_LE(done.error, 1e-3);
+    wanted.method = Method::exact;
+    EXPECT_LE(compare(done.map.base(), PrefilterSource(map).make(wanted).map.base(), nullptr).maximum, done.error);
+  }
+}
+
+TEST(Multilevel, BlackStaysBlackAndWhiteStaysWhite) {
+  for (const float light : {0.F, 1.F}) {
+    const EnvironmentMap map = made(20, [&](int, int, int) { return light; });
+    const Prefiltered done = PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.12, .size = 3});
+    for (int f = 0; f < 6; ++f)
+      for (const Colour& c : done.map.base().row(f, 1)) EXPECT_NEAR(c.x, light, 1e-6);
+  }
+}
+
+TEST(Multilevel, LobesThatHaveNoBound) {
+  for (const Case& c : {Case{Shape::charlie, 0.5}, Case{Shape::phong, 3}, Case{Shape::phong, 1e7}, Case{Shape::ggx, 0.01}, Case{Shape::diffuse, 0}})
+    EXPECT_FALSE(multilevel_plan(lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3)) << words(c);
+  EXPECT_FALSE(multilevel_plan(Ggx(0.3), 9e-5));
+}
+
+}  // namespace
