@@ -23,14 +23,19 @@ struct Case {
 };
 std::string words(const Case& c) { return fmt::format("{} {}", shape_names[std::size_t(c.shape)], c.parameter); }
 
-EnvironmentMap made(int size, const std::function<float(int i, int j, int channel)>& radiance) {
+// @param radiance of face, column, row and channel.
+EnvironmentMap made(Projection projection, int size, const std::function<float(int face, int i, int j, int channel)>& radiance) {
   EnvironmentMap map;
-  map.levels.emplace_back(Projection::latlong, size);
+  map.levels.emplace_back(projection, size);
   Level& level = map.base();
-  for (int j = 0; j < level.height(); ++j)
-    for (int i = 0; i < level.width(); ++i)
-      for (int c = 0; c < 3; ++c) (*level.texel(0, i, j))[c] = radiance(i, j, c);
+  for (int f = 0; f < level.faces(); ++f)
+    for (int j = 0; j < level.height(); ++j)
+      for (int i = 0; i < level.width(); ++i)
+        for (int c = 0; c < 3; ++c) (*level.texel(f, i, j))[c] = radiance(f, i, j, c);
   return map;
+}
+EnvironmentMap made(int size, const std::function<float(int i, int j, int channel)>& radiance) {
+  return made(Projection::latlong, size, [&](int, int i, int j, int c) { return radiance(i, j, c); });
 }
 
 // The exact sum itself, at poles.
@@ -97,6 +102,21 @@ TEST(Multilevel, LoneLightsStayWithinTheirBounds) {
       }
 }
 
+TEST(Multilevel, LoneLightsOfCubesStayWithinTheirBounds) {
+  for (const Case& c : cases)
+    for (const int size : {16, sizes[0] / 2})
+      for (const auto& [face, i, j] : {std::array{2, 0, 0}, std::array{1, size / 3, size - 1}}) {
+        const EnvironmentMap map = made(Projection::cube, size, [&, x = i, y = j, at = face](int f, int a, int b, int ch) {
+          return f == at && a == x && b == y && ch != 1 ? 1e9F : 0.F;
+        });
+        std::vector<Direction> light(1);
+        texel_directions(Projection::cube, size, face, j, i, light);
+        const double error = size == 16 ? 1e-3 : 1e-4;
+        expect_bounds(map, lobe_of({.shape = c.shape, .parameter = c.parameter}), error, around(light[0], directions),
+                      fmt::format("{}, {:g}, light {} {} {} of a cube of {}", words(c), error, face, i, j, size));
+      }
+}
+
 TEST(Multilevel, EveryKindOfLightStaysWithinItsBounds) {
   std::mt19937_64 random(11);
   const auto even = [&] { return float(double(random() >> 11) * 0x1p-53); };
@@ -117,7 +137,7 @@ TEST(Multilevel, EveryKindOfLightStaysWithinItsBounds) {
 TEST(Multilevel, MapsStateTheirBound) {
   const EnvironmentMap map = made(48, [](int i, int j, int c) { return i == 7 && j == 3 ? 1e6F : float((i * 7 + j * 3 + c) % 11); });
   for (const Projection to : {Projection::cube, Projection::latlong}) {
-    Prefilter wanted{.shape = Shape::ggx, .parameter = 0.12, .to = to, .size = 6};
+    Prefilter wanted{.shape = Shape::ggx, .parameter = 0.16, .to = to, .size = 6, .method = Method::multilevel};
     const Prefiltered done = PrefilterSource(map).make(wanted);
     EXPECT_EQ(done.method, Method::multilevel);
     EXPECT_GT(done.error, 0);
@@ -130,10 +150,22 @@ TEST(Multilevel, MapsStateTheirBound) {
 TEST(Multilevel, BlackStaysBlackAndWhiteStaysWhite) {
   for (const float light : {0.F, 1.F}) {
     const EnvironmentMap map = made(20, [&](int, int, int) { return light; });
-    const Prefiltered done = PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.12, .size = 3});
+    const Prefiltered done = PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.16, .size = 3, .method = Method::multilevel});
     for (int f = 0; f < 6; ++f)
       for (const Colour& c : done.map.base().row(f, 1)) EXPECT_NEAR(c.x, light, 1e-6);
   }
+}
+
+TEST(Multilevel, AutoTakesItForManyTexelsOfNarrowLobes) {
+  const EnvironmentMap map = made(16, [](int i, int j, int) { return float((i + j) % 3); });
+  const auto method = [&](double roughness, int size) {
+    std::vector<char> rows(std::size_t(6 * size), 0);
+    rows[0] = 1;
+    return PrefilterSource(map).make({.shape = Shape::ggx, .parameter = roughness, .size = size, .rows = rows}).method;
+  };
+  EXPECT_EQ(method(0.16, 24), Method::multilevel);
+  EXPECT_NE(method(0.16, 8), Method::multilevel);
+  EXPECT_NE(method(0.3, 24), Method::multilevel);
 }
 
 TEST(Multilevel, LobesThatHaveNoBound) {

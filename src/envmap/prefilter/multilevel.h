@@ -32,8 +32,11 @@ struct MultilevelPlan {
 
   [[nodiscard]] std::vector<int> grids() const;
   [[nodiscard]] bool has_hinges() const { return hinges[0] > 0; }
-  /// Whether no grid is so fine at the horizon that a treecode is quicker.
-  [[nodiscard]] bool is_quick() const { return steps.back().kernel.end < 1 || steps.back().rows <= 128; }
+  /// Whether the lobe is so narrow, and the result so large, that nothing else is quicker (measured). @param texels of the whole result.
+  [[nodiscard]] bool is_quick(const Level& from, std::size_t texels) const {
+    const auto rows = std::size_t(steps.front().rows);
+    return rows >= 512 && (from.projection() == Projection::cube ? 40 : 100) * texels >= rows * rows;
+  }
 };
 
 /// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, lobes narrower than a few thousandths of a

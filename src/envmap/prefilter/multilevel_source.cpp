@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <span>
 
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/multilevel_kernels.h"
+#include "envmap/projection/projection.h"
 
 namespace envmap::prefiltering {
 
@@ -210,14 +212,111 @@ Planes of_latlong(const Level& source, double unit, const Colour& darkest, int r
   return out;
 }
 
+// ---- of a cube: every texel as Gauss points ---------------------------------------------------------------------------------
+
+struct LightPoint {
+  float light[3];
+  double u, v;  // Of the latlong image.
+};
+
+// Gauss points a side, enough for a kernel that is a few steps of the grid wide.
+int points_a_side(int size, int rows) { return rows < 0.69 * size ? 2 : 3 * std::max(1, (rows + 2 * size - 1) / (2 * size)); }
+
+std::vector<double> nodes_of(int points, std::vector<double>& weights) {
+  std::vector<double> nodes;
+  const auto add = [&](const auto& rule, int panels) {
+    for (int p = 0; p < panels; ++p)
+      for (std::size_t k = 0; k < rule.node.size(); ++k)
+        nodes.push_back((p + 0.5 + 0.5 * rule.node[k]) / panels), weights.push_back(0.5 * rule.weight[k] / panels);
+  };
+  if (points == 2)
+    add(quadrature::rule<2>(), 1);
+  else
+    add(quadrature::rule<3>(), points / 3);
+  return nodes;
+}
+
+// Of a row of texels.
+std::vector<LightPoint> points_of(const Level& source, int face, int row, int points, double unit, const Colour& darkest) {
+  std::vector<double> weights;
+  const std::vector<double> nodes = nodes_of(points, weights);
+  std::vector<Vec2<double>> at;
+  std::vector<double> light;
+  for (int i = 0; i < source.width(); ++i)
+    for (std::size_t b = 0; b < nodes.size(); ++b)
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        at.emplace_back((i + nodes[a]) / source.width(), (row + nodes[b]) / source.height());
+        light.push_back(weights[a] * weights[b] / (double(source.width()) * source.height() * unit));
+      }
+  std::vector<Direction> seen(at.size());
+  std::vector<double> density(at.size());
+  std::vector<Location<double>> places(at.size());
+  directions(source.projection(), face, at, seen);
+  densities(source.projection(), at, density);
+  locate(Projection::latlong, seen, places);
+  std::vector<LightPoint> out;
+  const auto texels = source.row(face, row);
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    const Flux radiance(texels[k / (nodes.size() * nodes.size())] - darkest);
+    if (radiance == Flux(0)) continue;
+    const Flux part = density[k] * light[k] * radiance;
+    out.push_back({{float(part.x), float(part.y), float(part.z)}, places[k].u, places[k].v});
+  }
+  return out;
+}
+
+// Adds a point to those of its rows that lie in [low, high).
+void add_point(const LightPoint& p, int low, int high, Planes& out) {
+  Weights down, wide;
+  const int row = lagrange(p.v * out.rows - 0.5, down);
+  const int column = lagrange(p.u * out.columns - 0.5, wide);
+  std::array<float, nodes_across> across;
+  std::ranges::transform(wide, across.begin(), [](double x) { return float(x); });
+  for (int j = 0; j < nodes_across; ++j) {
+    int r = row + j, first = column + out.columns;
+    if (r < 0 || r >= out.rows) r = r < 0 ? -1 - r : 2 * out.rows - 1 - r, first += out.columns / 2;
+    if (r < low || r >= high) continue;
+    first %= out.columns;
+    for (int c = 0; c < 3; ++c) {
+      const float weight = float(down[std::size_t(j)]) * p.light[c];
+      float* to = out.row(r, c).data();
+      if (first + nodes_across <= out.columns)
+        for (int i = 0; i < nodes_across; ++i) to[first + i] += weight * across[std::size_t(i)];
+      else
+        for (int i = 0; i < nodes_across; ++i) to[(first + i) % out.columns] += weight * across[std::size_t(i)];
+    }
+  }
+}
+
+// Bands of rows take the points in one order, whatever the number of threads.
+Planes of_cube(const Level& source, double unit, const Colour& darkest, int rows) {
+  Planes out(rows, 2 * rows);
+  const int points = points_a_side(source.height(), rows), count = source.faces() * source.height();
+  const int some = std::max(1, 400000 / (source.width() * points * points)), band = std::max(16, rows / 32);
+  for (int first = 0; first < count; first += some) {
+    std::vector<std::vector<LightPoint>> found(std::size_t(std::min(some, count - first)));
+    tbb::parallel_for(0, int(found.size()), [&](int k) {
+      found[std::size_t(k)] = points_of(source, (first + k) / source.height(), (first + k) % source.height(), points, unit, darkest);
+    });
+    tbb::parallel_for(0, (rows + band - 1) / band, [&](int b) {
+      const int low = b * band, high = std::min(rows, low + band);
+      const double near = (low - nodes_across) / double(rows), far = (high + nodes_across) / double(rows);
+      for (const auto& row : found)
+        for (const LightPoint& p : row)
+          if (p.v >= near && p.v <= far) add_point(p, low, high, out);
+    });
+  }
+  return out;
+}
+
 }  // namespace
 
 SourceGrids::SourceGrids(const Level& source, double unit, const Colour& darkest, std::vector<int> wanted) {
   std::ranges::sort(wanted, std::greater<>());
-  // A grid much coarser than the source would skip texels: it is made through one as fine.
-  const int density = source.projection() == Projection::latlong ? source.height() : 2 * source.height();
-  const int finest = std::max(wanted.front(), int(std::bit_floor(unsigned(density))));
-  Planes planes = of_latlong(source, unit, darkest, finest);
+  // A grid much coarser than a latlong map would skip texels: it is made through one as fine.
+  const bool latlong = source.projection() == Projection::latlong;
+  const int finest = std::max(wanted.front(), latlong ? int(std::bit_floor(unsigned(source.height()))) : 0);
+  Planes planes = latlong ? of_latlong(source, unit, darkest, finest) : of_cube(source, unit, darkest, finest);
   for (const int rows : wanted) {
     if (grids_.contains(rows)) continue;
     while (planes.rows > rows) planes = coarser(planes);

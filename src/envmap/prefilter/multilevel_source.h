@@ -31,7 +31,9 @@ struct SourceGrid {
 };
 
 /// Whether grids can be made of a map: not of a coarse level of a latlong map that is no longer twice as wide as high.
-inline bool serves_multilevel(const Level& source) { return source.projection() == Projection::latlong && source.width() == 2 * source.height(); }
+inline bool serves_multilevel(const Level& source) {
+  return source.projection() == Projection::cube || source.width() == 2 * source.height();
+}
 
 /// Grids of `finest` rows, and of half as many down to `coarsest`, of those that are wanted.
 class SourceGrids {

@@ -163,7 +163,7 @@ struct Making {
       return;
     }
     if (any || wanted.method == Method::multilevel)
-      if (const auto plan = multilevel_plan(lobe, wanted.max_error); plan && serves_multilevel(source) && (!any || plan->is_quick())) {
+      if (const auto plan = multilevel_plan(lobe, wanted.max_error); plan && serves_multilevel(source) && (!any || plan->is_quick(source, whole.size()))) {
         make_multilevel(*plan, out, figures);
         done.method = Method::multilevel;
         finish(all, figures, out, done);
