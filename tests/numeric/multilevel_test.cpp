@@ -24,7 +24,8 @@ struct Case {
 std::string words(const Case& c) { return fmt::format("{} {}", shape_names[std::size_t(c.shape)], c.parameter); }
 
 // @param radiance of face, column, row and channel.
-EnvironmentMap made(Projection projection, int size, const std::function<float(int face, int i, int j, int channel)>& radiance) {
+EnvironmentMap made(Projection projection, int size,
+                    const std::function<float(int face, int i, int j, int channel)>& radiance) {
   EnvironmentMap map;
   map.levels.emplace_back(projection, size);
   Level& level = map.base();
@@ -57,7 +58,8 @@ std::vector<Direction> around(const Direction& light, int count) {
 }
 
 // Largest error of sums over what is allowed of them.
-void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, std::span<const Direction> some, const std::string& what) {
+void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, std::span<const Direction> some,
+                   const std::string& what) {
   const auto plan = multilevel_plan(lobe, error);
   ASSERT_TRUE(plan) << what;
   const double mean = mean_radiance(map.base());
@@ -71,13 +73,15 @@ void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, st
   for (std::size_t k = 0; k < some.size(); ++k)
     for (int c = 0; c < 3; ++c) {
       const double most = std::max(truth[k][c], 1e-3 * mean);
-      ASSERT_NEAR(sums[k].value[c], truth[k][c], (sums[k].bound + exact_error) * most) << what << ", direction " << k << ", channel " << c;
+      ASSERT_NEAR(sums[k].value[c], truth[k][c], (sums[k].bound + exact_error) * most)
+          << what << ", direction " << k << ", channel " << c;
       ASSERT_LE(sums[k].bound, error) << what;
     }
 }
 
-const Case cases[] = {{Shape::ggx, 0.12}, {Shape::ggx, 0.15}, {Shape::ggx, 0.3}, {Shape::ggx, 0.6},
-                      {Shape::ggx, 0.9},  {Shape::phong, 4}, {Shape::phong, 5.5}, {Shape::phong, 20}, {Shape::phong, 2000}};
+const Case cases[] = {{Shape::ggx, 0.12},  {Shape::ggx, 0.15}, {Shape::ggx, 0.3},
+                      {Shape::ggx, 0.6},   {Shape::ggx, 0.9},  {Shape::phong, 4},
+                      {Shape::phong, 5.5}, {Shape::phong, 20}, {Shape::phong, 2000}};
 
 #ifdef __SANITIZE_ADDRESS__  // Sums are those of the optimised build. Here memory is looked at.
 const int sizes[] = {16};
@@ -93,7 +97,8 @@ TEST(Multilevel, LoneLightsStayWithinTheirBounds) {
       for (const int size : sizes) {
         const int places[][2] = {{0, 0}, {2 * size - 1, size / 2}, {size / 3, size / 3}};
         for (const auto& [i, j] : places) {
-          const EnvironmentMap map = made(size, [&, x = i, y = j](int a, int b, int ch) { return a == x && b == y && ch != 1 ? 1e9F : 0.F; });
+          const EnvironmentMap map =
+              made(size, [&, x = i, y = j](int a, int b, int ch) { return a == x && b == y && ch != 1 ? 1e9F : 0.F; });
           std::vector<Direction> light(1);
           texel_directions(Projection::latlong, size, 0, j, i, light);
           expect_bounds(map, lobe_of({.shape = c.shape, .parameter = c.parameter}), error, around(light[0], directions),
@@ -131,11 +136,13 @@ TEST(Multilevel, EveryKindOfLightStaysWithinItsBounds) {
   const std::vector<Direction> some = around(unit(Direction(0.3, 0.8, -0.2)), directions / 4);
   for (const Case& c : cases)
     for (const auto& [kind, radiance] : kinds)
-      expect_bounds(made(sizes[0], radiance), lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3, some, words(c) + " " + kind);
+      expect_bounds(made(sizes[0], radiance), lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3, some,
+                    words(c) + " " + kind);
 }
 
 TEST(Multilevel, MapsStateTheirBound) {
-  const EnvironmentMap map = made(48, [](int i, int j, int c) { return i == 7 && j == 3 ? 1e6F : float((i * 7 + j * 3 + c) % 11); });
+  const EnvironmentMap map =
+      made(48, [](int i, int j, int c) { return i == 7 && j == 3 ? 1e6F : float((i * 7 + j * 3 + c) % 11); });
   for (const Projection to : {Projection::cube, Projection::latlong}) {
     Prefilter wanted{.shape = Shape::ggx, .parameter = 0.16, .to = to, .size = 6, .method = Method::multilevel};
     const Prefiltered done = PrefilterSource(map).make(wanted);
@@ -150,7 +157,8 @@ TEST(Multilevel, MapsStateTheirBound) {
 TEST(Multilevel, BlackStaysBlackAndWhiteStaysWhite) {
   for (const float light : {0.F, 1.F}) {
     const EnvironmentMap map = made(20, [&](int, int, int) { return light; });
-    const Prefiltered done = PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.16, .size = 3, .method = Method::multilevel});
+    const Prefiltered done =
+        PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.16, .size = 3, .method = Method::multilevel});
     for (int f = 0; f < 6; ++f)
       for (const Colour& c : done.map.base().row(f, 1)) EXPECT_NEAR(c.x, light, 1e-6);
   }
@@ -169,7 +177,8 @@ TEST(Multilevel, AutoTakesItForManyTexelsOfNarrowLobes) {
 }
 
 TEST(Multilevel, LobesThatHaveNoBound) {
-  for (const Case& c : {Case{Shape::charlie, 0.5}, Case{Shape::phong, 3}, Case{Shape::phong, 1e7}, Case{Shape::ggx, 0.01}, Case{Shape::diffuse, 0}})
+  for (const Case& c : {Case{Shape::charlie, 0.5}, Case{Shape::phong, 3}, Case{Shape::phong, 1e7},
+                        Case{Shape::ggx, 0.01}, Case{Shape::diffuse, 0}})
     EXPECT_FALSE(multilevel_plan(lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3)) << words(c);
   EXPECT_FALSE(multilevel_plan(Ggx(0.3), 9e-5));
 }

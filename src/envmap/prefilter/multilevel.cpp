@@ -14,22 +14,24 @@ namespace {
 
 // What the splitting of a lobe depends on. Errors of one light: tests/bench/kappa.cpp.
 struct Splitting {
-  double radius;    // x_j = r_j^2 / 2, r_j = radius x the step of grid j.
-  double steps;     // Of the first grid, over the width of the lobe, at least.
-  double flatten;   // c
-  bool quartic;     // q = 4, else 3.
-  double kappa;     // Error of one light at any angle, over the lobe there or what 0.001 x the mean makes of it.
-  double bend;      // The part of it that may come from the horizon.
-  double hinges;    // Error of the hinge sums.
-  double per_sigma; // Steps in the width of a Phong lobe.
+  double radius;   // x_j = r_j^2 / 2, r_j = radius x the step of grid j.
+  double steps;    // Of the first grid, over the width of the lobe, at least.
+  double flatten;  // c
+  bool quartic;    // q = 4, else 3.
+  double kappa;  // Error of one light at any angle: kappa x the lobe there + bend x what 0.001 x the mean makes of it.
+  double bend;
+  double hinges;     // Error of the hinge sums.
+  double per_sigma;  // Steps in the width of a Phong lobe.
 };
-constexpr Splitting coarse{7.5, 5, 0.2, false, 6e-4, 5e-4, 3e-4, 3.3};
-constexpr Splitting fine{11, 7, 0.15, true, 6e-5, 5e-5, 3e-5, 4.0};
+constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 1.5e-4, 3.6};
+constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 2e-5, 4.0};
 
 constexpr int most_rows = 2048, least_rows = 64;
 constexpr double floor_density = 1e-3 / (12 * pi);  // 0.001 x the mean of three channels, over the flux of a light in one.
 
-int rows_for(double step) { return std::max(least_rows, int(std::bit_ceil(unsigned(std::min(1e6, std::ceil(pi / step)))))); }
+int rows_for(double step) {
+  return std::max(least_rows, int(std::bit_ceil(unsigned(std::min(1e6, std::ceil(pi / step))))));
+}
 
 LevelKernel::Softened softened(const Splitting& s, double radius) {
   const double x = 0.5 * radius * radius;
@@ -49,7 +51,8 @@ int rows_at_horizon(const Splitting& s, double third) {
 std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
   if (lobe.b <= 0) return std::nullopt;
   MultilevelPlan plan;
-  const double a = lobe.a / lobe.b, whole = a + 1, scale = lobe.scale / (lobe.b * lobe.b), width = std::min(1.0, std::sqrt(2 * a));
+  const double a = lobe.a / lobe.b, whole = a + 1, scale = lobe.scale / (lobe.b * lobe.b),
+               width = std::min(1.0, std::sqrt(2 * a));
   const double first = scale / (whole * whole), second = 2 * first / whole, third = 3 * first / (whole * whole);
   set_hinges(plan, first, second);
   int rows = rows_for(width / s.steps);
@@ -69,7 +72,8 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
 }
 
 // A single level: (1 - part x)^power, times t of Blinn's lobe.
-std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s, MultilevelPlan plan) {
+std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s,
+                                            MultilevelPlan plan) {
   const int rows = std::max(least, rows_for(width / s.per_sigma));
   if (rows > most_rows) return std::nullopt;
   // Cut where what is left is small beside 0.001 x the mean.
@@ -102,7 +106,7 @@ std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error) {
   std::optional<MultilevelPlan> plan;
   if (const auto* ggx = std::get_if<Ggx>(&lobe)) plan = plan_of(*ggx, s);
   if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s);
-  if (plan) plan->error = s.kappa, plan->hinge_error = s.hinges;
+  if (plan) plan->error = s.kappa, plan->floor_error = s.bend, plan->hinge_error = s.hinges;
   return plan;
 }
 
@@ -125,13 +129,16 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
     const Flux off = plan.hinges[0] * h.bound[0] + plan.hinges[1] * h.bound[1];
     const Flux value = source.mean * sum + even + plan.hinges[0] * h.sum[0] + plan.hinges[1] * h.sum[1];
     out[k] = {glm::max(Flux(0), value), 0};
-    for (int c = 0; c < 3; ++c) out[k].bound = std::max(out[k].bound, off[c] / std::max((1 - plan.error) * value[c] - off[c], floor));
+    for (int c = 0; c < 3; ++c) {
+      const double apart = off[c] + plan.floor_error * floor;
+      out[k].bound = std::max(out[k].bound, apart / std::max((1 - plan.error) * value[c] - apart, floor));
+    }
     out[k].bound += plan.error + 2 * rounding;
   }
 }
 
-void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target, std::span<const char> rows,
-                    Level& out, std::span<float> bounds, const Progress& progress) {
+void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target,
+                    std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
   for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
     if (!rows.empty() && rows[static_cast<std::size_t>(face * out.height() + row)] == 0) return;
     const Columns in = columns(target.to, target.size, row);

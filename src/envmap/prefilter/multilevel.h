@@ -26,9 +26,9 @@ struct MultilevelPlan {
   };
   std::vector<Step> steps;
   std::array<double, 2> hinges{};  ///< Factors of t+ and t+^2.
-  double constant = 0;             ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
-  double error = 0;                ///< Of the steps, at most, relative to a texel or to 0.001 x the mean.
-  double hinge_error = 0;          ///< That the sums of hinges may have.
+  double constant = 0;  ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
+  double error = 0, floor_error = 0;  ///< Of the steps, at most: of a texel, and in addition of 0.001 x the mean.
+  double hinge_error = 0;             ///< That the sums of hinges may have.
 
   [[nodiscard]] std::vector<int> grids() const;
   [[nodiscard]] bool has_hinges() const { return hinges[0] > 0; }
@@ -61,7 +61,7 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
                      std::span<MultilevelSum> out);
 
 /// Makes a map. @param rows of it that are wanted; empty: all. @param bounds set to the bound of each texel, by index_of().
-void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target, std::span<const char> rows,
-                    Level& out, std::span<float> bounds, const Progress& progress);
+void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target,
+                    std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress);
 
 }  // namespace envmap::prefiltering

@@ -44,7 +44,8 @@ void Versines(double at, int columns, int low, int high, float* out) {
 template <bool quartic>
 HWY_INLINE V softened(const LevelKernel::Softened& s, V x) {
   const D d;
-  const V y = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, s.root), hn::Mul(hn::Set(d, s.root * s.inverse), x))), yy = hn::Mul(y, y);
+  const V y = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, s.root), hn::Mul(hn::Set(d, s.root * s.inverse), x))),
+          yy = hn::Mul(y, y);
   return hn::Mul(yy, quartic ? yy : y);
 }
 
@@ -64,7 +65,8 @@ struct OfGgx {
     const V whole = hn::Set(d, a1), q = hn::Add(hn::Set(d, k.a), x);
     if (!outer) {
       const V zero = hn::Zero(d), t = hn::Max(zero, hn::Sub(hn::Set(d, 1), x));
-      const V s = inner ? softened<quartic>(k.inner, x) : zero, t1 = hn::Max(zero, hn::Sub(t, s)), q1 = inner ? hn::Add(q, s) : q;
+      const V s = inner ? softened<quartic>(k.inner, x) : zero, t1 = hn::Max(zero, hn::Sub(t, s)),
+              q1 = inner ? hn::Add(q, s) : q;
       const V cube = hn::Mul(hn::Mul(t1, t1), t1), rise = hn::Sub(hn::Set(d, 3 * a1), hn::Add(t1, t1));
       const V rest = hn::Div(hn::Mul(cube, rise), hn::Mul(hn::Mul(q1, q1), hn::Set(d, a1 * a1 * a1)));
       if (!inner) return rest;
@@ -113,7 +115,8 @@ Flux GatherRows(const SourceGrid& grid, const K& kernel, const GatherRoom& room)
       }
     }
     for (std::size_t channel = 0; channel < 3; ++channel)
-      for (std::size_t part = 0; part < parts; ++part) total[channel][part] = hn::Add(total[channel][part], sum[channel][part]);
+      for (std::size_t part = 0; part < parts; ++part)
+        total[channel][part] = hn::Add(total[channel][part], sum[channel][part]);
   }
   Flux out;
   for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -139,7 +142,8 @@ Flux Gather(const SourceGrid& grid, const LevelKernel& k, const GridView& view, 
   for (GatherRoom::Angles& a : room.kinds) {
     Versines(view.longitude * a.columns / (2 * pi) - 0.5, a.columns, a.low, a.high, &room.versines[a.first]);
   }
-  if (k.kind == LevelKernel::Kind::ggx) return k.quartic ? GatherGgx<true>(grid, k, room) : GatherGgx<false>(grid, k, room);
+  if (k.kind == LevelKernel::Kind::ggx)
+    return k.quartic ? GatherGgx<true>(grid, k, room) : GatherGgx<false>(grid, k, room);
   if (k.cosine) return GatherRows(grid, OfPower<true>{k}, room);
   return GatherRows(grid, OfPower<false>{k}, room);
 }
@@ -153,7 +157,9 @@ namespace envmap::prefiltering {
 HWY_EXPORT(AddScaled);
 HWY_EXPORT(Gather);
 
-void add_scaled(std::span<const float> in, float weight, std::span<float> out) { HWY_DYNAMIC_DISPATCH(AddScaled)(in, weight, out); }
+void add_scaled(std::span<const float> in, float weight, std::span<float> out) {
+  HWY_DYNAMIC_DISPATCH(AddScaled)(in, weight, out);
+}
 
 GridView::GridView(const Direction& n)
     : longitude(portable::atan2(n.x, -n.z)), sine(portable::hypot(n.x, n.z)), angle(portable::atan2(sine, n.y)) {

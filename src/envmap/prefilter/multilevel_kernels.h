@@ -20,18 +20,19 @@ struct LevelKernel {
     float inverse = 0, root = 0;  ///< 1 / x_j, and (c x_j)^(1/q).
   };
   Softened inner, outer;
-  bool quartic = false;         ///< q = 4, else 3.
-  float end = 1;                ///< x from which it is 0.
-  float a = 0;                  ///< ggx: (1 - x) / (a + x)^2.
-  float power = 0, part = 1;    ///< power: (1 - part x)^power,
-  bool cosine = false;          ///< times 1 - x.
-  float hinge1 = 0, hinge2 = 0; ///< Factors of t+ and t+^2 that are taken off.
-  double scale = 1;             ///< Of all.
+  bool quartic = false;          ///< q = 4, else 3.
+  float end = 1;                 ///< x from which it is 0.
+  float a = 0;                   ///< ggx: (1 - x) / (a + x)^2.
+  float power = 0, part = 1;     ///< power: (1 - part x)^power,
+  bool cosine = false;           ///< times 1 - x.
+  float hinge1 = 0, hinge2 = 0;  ///< Factors of t+ and t+^2 that are taken off.
+  double scale = 1;              ///< Of all.
 };
 
 /// An output direction as a grid sees it.
 struct GridView {
-  double longitude, sine, half_sine, half_cosine, angle;  ///< Longitude in [0, 2 pi); polar angle, its sine, and those of half of it.
+  double longitude, sine, half_sine, half_cosine,
+      angle;  ///< Longitude in [0, 2 pi); polar angle, its sine, and those of half of it.
   explicit GridView(const Direction& in_grid);
 };
 

@@ -73,9 +73,12 @@ struct Planes {
   Planes(int of_rows, int of_columns)
       : rows(of_rows), columns(of_columns), light(3 * std::size_t(of_rows) * std::size_t(of_columns)) {}
   [[nodiscard]] std::span<float> row(int row, int channel) {
-    return std::span(light).subspan((std::size_t(row) * 3 + std::size_t(channel)) * std::size_t(columns), std::size_t(columns));
+    return std::span(light).subspan((std::size_t(row) * 3 + std::size_t(channel)) * std::size_t(columns),
+                                    std::size_t(columns));
   }
-  [[nodiscard]] std::span<const float> row(int r, int channel) const { return const_cast<Planes*>(this)->row(r, channel); }
+  [[nodiscard]] std::span<const float> row(int r, int channel) const {
+    return const_cast<Planes*>(this)->row(r, channel);
+  }
 };
 
 // out += weight x in, `in` turned by half of its columns if wanted.
@@ -202,7 +205,8 @@ Planes of_latlong(const Level& source, double unit, const Colour& darkest, int r
       const std::span<float> to = out.row(r, c);
       if (same) {  // All columns have the weights of column 0.
         wrapped.set(sum, 1, 0);
-        for (const Term& t : across[0]) add_scaled(wrapped.from(t.from < rows ? t.from : t.from - 2 * rows, to.size()), t.weight, to);
+        for (const Term& t : across[0])
+          add_scaled(wrapped.from(t.from < rows ? t.from : t.from - 2 * rows, to.size()), t.weight, to);
       } else {
         for (std::size_t i = 0; i < to.size(); ++i)
           for (const Term& t : across[i]) to[i] += t.weight * sum[std::size_t(t.from)];
@@ -220,7 +224,9 @@ struct LightPoint {
 };
 
 // Gauss points a side, enough for a kernel that is a few steps of the grid wide.
-int points_a_side(int size, int rows) { return rows < 0.69 * size ? 2 : 3 * std::max(1, (rows + 2 * size - 1) / (2 * size)); }
+int points_a_side(int size, int rows) {
+  return rows < 0.69 * size ? 2 : 3 * std::max(1, (rows + 2 * size - 1) / (2 * size));
+}
 
 std::vector<double> nodes_of(int points, std::vector<double>& weights) {
   std::vector<double> nodes;
@@ -296,7 +302,8 @@ Planes of_cube(const Level& source, double unit, const Colour& darkest, int rows
   for (int first = 0; first < count; first += some) {
     std::vector<std::vector<LightPoint>> found(std::size_t(std::min(some, count - first)));
     tbb::parallel_for(0, int(found.size()), [&](int k) {
-      found[std::size_t(k)] = points_of(source, (first + k) / source.height(), (first + k) % source.height(), points, unit, darkest);
+      found[std::size_t(k)] =
+          points_of(source, (first + k) / source.height(), (first + k) % source.height(), points, unit, darkest);
     });
     tbb::parallel_for(0, (rows + band - 1) / band, [&](int b) {
       const int low = b * band, high = std::min(rows, low + band);

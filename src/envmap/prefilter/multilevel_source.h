@@ -21,12 +21,12 @@ inline constexpr int nodes_across = 12;
 struct SourceGrid {
   int rows = 0;
   std::vector<int> columns;
-  std::vector<std::size_t> first;           ///< Of the row's red; green and blue follow `stride` floats apart.
+  std::vector<std::size_t> first;              ///< Of the row's red; green and blue follow `stride` floats apart.
   std::vector<double> half_sine, half_cosine;  ///< Of half the polar angle.
-  std::vector<float> sine;                  ///< Of the polar angle.
+  std::vector<float> sine;                     ///< Of the polar angle.
   std::vector<float> light;
 
-  static constexpr int padding = 8;         ///< Columns that repeat after the last.
+  static constexpr int padding = 8;  ///< Columns that repeat after the last.
   [[nodiscard]] std::size_t stride(int row) const { return std::size_t(columns[std::size_t(row)] + padding); }
 };
 
