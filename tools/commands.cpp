@@ -21,21 +21,21 @@ std::span<const Command> commands() {
 }
 
 Action define(const Command& command, Options& o, Settings& s) {
-  o.flag("-h,--help", s.help, "Print this help message and exit");
   Action action = command.define(o);
-  if (command.reports) o.flag("--json", s.json, "Report as JSON on standard output");
-  if (command.writes) {
-    o.add("--depfile", "FILE", &s.depfile, "Write what the output depends on, in Make syntax");
-    o.flag("--if-changed", s.commit.if_changed,
-           "Leave an output with the same bytes as it is, and its time: for restat of Ninja");
-    o.flag("--force", s.commit.force, "Replace outputs that are read-only");
-    o.flag("--fsync", s.commit.sync, "End when the outputs are on the disk, safe from a power cut");
-  }
-  o.add("--threads", "N", &s.threads, {1, 1024},
-        "Threads to use; the result is the same for any number (default: all cores)")
+  o.group = groups::builds;
+  o.add("--threads", "N", &s.threads, {1, 1024}, "Threads, without effect on the output (default: all cores)")
       .environment = "ENVMAP_THREADS";
-  o.flag("-q,--quiet", s.quiet, "No notes and no progress, only errors and what changes the result");
-  o.flag("-v,--verbose", s.verbose, "Say what is done and how long it takes");
+  if (command.writes) {
+    o.add("--depfile", "FILE", &s.depfile, "Write the dependencies of the output in Make syntax");
+    o.flag("--if-changed", s.commit.if_changed, "Keep an output with unchanged content, and its modification time");
+    o.flag("--force", s.commit.force, "Replace read-only outputs");
+    o.flag("--fsync", s.commit.sync, "Flush outputs to disk before exiting");
+  }
+  o.group = groups::reports;
+  if (command.reports) o.flag("--json", s.json, "Print a JSON report on standard output");
+  o.flag("-q,--quiet", s.quiet, "Print errors and warnings only");
+  o.flag("-v,--verbose", s.verbose, "Print each step and its time");
+  o.flag("-h,--help", s.help, "-h prints the main options, --help all");
   return action;
 }
 

@@ -43,11 +43,11 @@ std::vector<Step> steps(envmap::Remedy remedy) {
   constexpr Step deepen{"--depth", "choose --depth float"}, dim{"--exposure", "lower --exposure"},
       brighten{"--exposure", "raise --exposure"}, clamp{"--clamp", "use --clamp"};
   switch (remedy) {
-    case Remedy::choose_projection: return {{"--from", "name it with --from"}};
-    case Remedy::leave_out_layout: return {{"--layout", "leave out --layout"}};
-    case Remedy::leave_out_from_layout: return {{"--from-layout", "leave out --from-layout"}};
-    case Remedy::leave_out_face: return {{"", "leave out {face}"}};
-    case Remedy::drop_channels: return {{"--drop-channels", "use --drop-channels to leave them behind"}};
+    case Remedy::choose_projection: return {{"--from", "give its projection with --from"}};
+    case Remedy::leave_out_layout: return {{"--layout", "remove --layout"}};
+    case Remedy::leave_out_from_layout: return {{"--from-layout", "remove --from-layout"}};
+    case Remedy::leave_out_face: return {{"", "remove {face}"}};
+    case Remedy::drop_channels: return {{"--drop-channels", "use --drop-channels to ignore them"}};
     case Remedy::repair: return {{"--repair", "use --repair to replace them"}};
     case Remedy::limit_memory: return {{"--max-memory", "use --max-memory"}};
     case Remedy::allow_pixels: return {{"--max-pixels", "raise --max-pixels"}};
@@ -58,12 +58,12 @@ std::vector<Step> steps(envmap::Remedy remedy) {
     case Remedy::clamp_or_dim: return {dim, clamp};
     case Remedy::clamp_or_brighten: return {deepen, brighten, clamp};
     case Remedy::clamp_or_light_up: return {brighten, clamp};
-    case Remedy::choose_space: return {{"--input-space", "name the space with --input-space"}};
+    case Remedy::choose_space: return {{"--input-space", "give its space with --input-space"}};
     case Remedy::choose_linear:
       return {{"--output-space", "choose a linear --output-space"}, {"--encoded", "use --encoded"}};
     case Remedy::choose_layer: return {{"--layer", "choose one with --layer"}};
     case Remedy::leave_out_shadows: return {{"--no-shadows", "use --no-shadows"}};
-    case Remedy::make_levels: return {{"--keep", "leave out --keep"}};
+    case Remedy::make_levels: return {{"--keep", "remove --keep"}};
     case Remedy::force: return {{"", "make it writable"}, {"--force", "use --force to replace it"}};
     case Remedy::none: break;
   }

@@ -149,7 +149,7 @@ TEST_F(Bake, BevysDiffuseMapIsTheIrradianceMirroredInZ) {
 
 TEST_F(Bake, StandardOutputHoldsNoFolder) {
   succeeds({"generate", "sky", "probe.exr", "--size", "8"});
-  fails(2, {"bake", "probe.exr", "-", "--for", "unity"}, {"standard output", "no folder"});
+  fails(2, {"bake", "probe.exr", "-", "--for", "unity"}, {"standard output", "name of a folder"});
 }
 
 // Of Filament's nine colours: what they give is the irradiance over pi of the map, here itself a polynomial to degree 2.
@@ -203,7 +203,7 @@ TEST_F(Bake, FoldersAppearWholeOrNotAtAll) {
   write("lights/mine.txt", "mine");
   fails(2, {"bake", "probe.exr", "lights", "--for", "usd"}, {"lights", "mine.txt"});
   fails(3, {"bake", "none.exr", "other", "--for", "usd"}, {"none.exr"});
-  fails(2, {"bake", "probe.exr", "other"}, {"--for", "usd"});
+  fails(2, {"bake", "probe.exr", "other"}, {"--for", "bake --list"});
   fails(2, {"bake", "probe.exr"}, {"FOLDER"});
   fails(2, {"bake", "probe.exr", "probe.exr", "--for", "usd"}, {"probe.exr"});
   fails(4, {"bake", "probe.exr", "none/other", "--for", "usd"}, {"none/other"});

@@ -116,7 +116,7 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   };
   refused("convert a.hdr a.exr\nconvert a.hdr b.exr --tow cube\n", {"line 2", "--tow", "--to"});
   refused("convert a.hdr x.exr\nmipmap a.hdr x.exr\n", {"line 2", "x.exr", "line 1"});
-  refused("convert *.hdr x.exr --to cube\n", {"line 1", "one name too many"});
+  refused("convert *.hdr x.exr --to cube\n", {"line 1", "unexpected argument"});
   refused("convert *.jpg {stem}.exr\n", {"line 1", "*.jpg"});
   refused("convert a.hdr {stem}.exr\n", {"line 1", "{stem}"});
   refused("info a.hdr\n", {"line 1", "info"});

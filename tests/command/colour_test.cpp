@@ -49,7 +49,7 @@ TEST_F(Colours, OfTheFileAreBelieved) {
 
 TEST_F(Colours, AreWrittenAsAskedAndSaid) {
   succeeds({"generate", "constant", "in.exr", "--size", "4", "--value", "0.2,0.5,0.7"});
-  EXPECT_EQ(info("in.exr")["space"], "Linear Rec.709 (taken so: the file says nothing)");
+  EXPECT_EQ(info("in.exr")["space"], "Linear Rec.709 (assumed, not specified in the file)");
   for (const std::string space : {"ACEScg", "ACES2065-1", "Rec.2020", "XYZ", "Linear P3-D65", "sRGB", "Display P3"})
     for (const std::string ext : {"exr", "hdr", space == "ACEScg" ? "tif" : "ktx2"}) {
       SCOPED_TRACE(space + " in ." + ext);
@@ -119,7 +119,7 @@ TEST_F(Colours, OfKtx2AreThoseOfItsDescriptor) {
   EXPECT_EQ(info("patched.ktx2")["space"],
             "primaries 0.67 0.33 0.21 0.71 0.14 0.08 0.3101 0.3162 (data format descriptor)");
   written(0, 1);
-  EXPECT_EQ(info("patched.ktx2")["space"], "Linear Rec.709 (taken so: the file says nothing)");
+  EXPECT_EQ(info("patched.ktx2")["space"], "Linear Rec.709 (assumed, not specified in the file)");
   written(4, 10);
   fails(3, {"convert", "patched.ktx2", "x.exr"}, {"transfer function 10", "--input-space"});
   succeeds({"convert", "patched.ktx2", "x.exr", "--input-space", "ACEScg", "--output-space", "ACEScg"});

@@ -143,13 +143,13 @@ TEST_F(Hints, OfFileTypes) {
 
 TEST_F(Hints, OfReading) {
   save(path("square.exr"), Picture::filled(8, 8, 1));
-  const std::string which = ": name it with --from";
+  const std::string which = ": give its projection with --from";
   leads({split("convert square.exr out.exr"), 3, which, {split("convert square.exr out.exr --from angular")}});
   leads({split("info square.exr"), 3, which, {split("info square.exr --from octahedral")}});
   save(path("alpha.exr"), Picture::filled(8, 4, 1, 4));
   leads({split("convert alpha.exr out.exr"),
          3,
-         ": use --drop-channels to leave them behind",
+         ": use --drop-channels to ignore them",
          {split("convert alpha.exr out.exr --drop-channels")}});
   Picture flawed = Picture::filled(8, 4, 1);
   flawed.values[5] = std::numeric_limits<float>::quiet_NaN();
@@ -163,22 +163,22 @@ TEST_F(Hints, OfReading) {
   succeeds({"convert", "grey.exr", "cube.ktx2", "--to", "cube", "--size", "4"});
   leads({split("convert cube.ktx2 out.exr --from-layout row"),
          2,
-         ": leave out --from-layout",
+         ": remove --from-layout",
          {split("convert cube.ktx2 out.exr")}});
 }
 
 TEST_F(Hints, OfWriting) {
   leads({split("convert grey.exr out.exr --to latlong --layout row"),
          2,
-         ": leave out --layout",
+         ": remove --layout",
          {split("convert grey.exr out.exr --to latlong")}});
   leads({split("convert grey.exr out.ktx2 --to cube --layout row"),
          2,
-         ": leave out --layout",
+         ": remove --layout",
          {split("convert grey.exr out.ktx2 --to cube")}});
   leads({split("convert grey.exr out_{face}.ktx2 --to cube"),
          2,
-         ": leave out {face}",
+         ": remove {face}",
          {split("convert grey.exr out_.ktx2 --to cube")}});
   leads({split("convert grey.exr out.exr --openexr-envmap --forward -x"),
          2,
@@ -189,30 +189,30 @@ TEST_F(Hints, OfWriting) {
   leads({p3, 2, encoded, {with(p3, "--encoded"), split("convert grey.exr out.exr --output-space lin_p3d65")}});
   const Words levels = with({"mipmap", "grey.exr", "out.exr", "--output-space"}, "sRGB");
   leads({levels, 2, encoded, {with(levels, "--encoded"), split("mipmap grey.exr out.exr --output-space ACEScg")}});
-  leads({split("mipmap grey.exr out.exr --keep --level 1"), 2, ": leave out --level", {split("mipmap grey.exr out.exr --keep")}});
+  leads({split("mipmap grey.exr out.exr --keep --level 1"), 2, ": remove --level", {split("mipmap grey.exr out.exr --keep")}});
   leads({split("mipmap grey.exr out.exr --keep --for filament"),
          2,
-         ": leave out --keep",
+         ": remove --keep",
          {split("mipmap grey.exr out.ktx --for filament")}});
 }
 
 TEST_F(Hints, OfErrorsAskedFor) {
   leads({split("bake sky.exr unity --for unity --size 8 --max-error 1e-4"),
          1,
-         "or say --depth float",
+         "or use --depth float",
          {split("bake sky.exr unity --for unity --size 8 --max-error 1e-4 --depth float")}});
-  leads({split("bake sky.exr gltf --for gltf --chain-size 16 --max-error 1e-4"), 1, ": allow more", {}});
+  leads({split("bake sky.exr gltf --for gltf --chain-size 16 --max-error 1e-4"), 1, ": raise --max-error", {}});
   leads({split("convert sky.exr out.hdr --to cube --size 4 --max-error 2e-3"),
          1,
-         "--depth float in .exr holds it",
+         ": use an .exr file with --depth float",
          {split("convert sky.exr out.exr --to cube --size 4 --max-error 2e-3 --depth float")}});
   leads({split("prefilter sky.exr out.exr --size 4 --depth half --max-error 1e-4"),
          1,
-         "by --depth float it is",
+         ": use --depth float",
          {split("prefilter sky.exr out.exr --size 4 --depth float --max-error 1e-4")}});
   leads({split("prefilter sky.exr out.hdr --size 4 --max-error 1e-4"),
          1,
-         "by .exr of --depth float it is",
+         ": use an .exr file with --depth float",
          {split("prefilter sky.exr out.exr --size 4 --depth float --max-error 1e-4")}});
 }
 
@@ -221,31 +221,31 @@ TEST_F(Hints, OfCommands) {
               ggx = split("prefilter sky.exr out.exr --size 4 --lobe ggx");
   leads({phong,
          2,
-         ": say --exponent M or --exponents A,B,...",
+         ": needs --exponent M or --exponents A,B,...",
          {with(phong, "--exponent 5"), with(phong, "--exponents 5,4")}});
   leads({ggx,
          2,
-         ": say --roughness R, --roughnesses A,B,... or --levels N",
+         ": needs --roughness R, --roughnesses A,B,... or --levels N",
          {with(ggx, "--roughness 1"), with(ggx, "--roughnesses 0.5,1"), with(ggx, "--levels 2")}});
   leads({with(phong, "--exponent 5 --brdf-table table.exr"),
          2,
-         ": leave out --brdf-table",
+         ": remove --brdf-table",
          {with(phong, "--exponent 5")}});
   leads({split("prefilter --lobe blinn-phong --brdf-table table.exr"),
          2,
          ": choose --lobe ggx or --lobe charlie",
          {split("prefilter --lobe ggx --brdf-table table.exr --table-size 4"),
           split("prefilter --lobe charlie --brdf-table table.exr --table-size 4")}});
-  leads({split("bake"), 2, "or say --list", {split("bake --list")}});
+  leads({split("bake"), 2, "or --list", {split("bake --list")}});
   succeeds({"mipmap", "sky.exr", "levels.exr"});
   leads({split("compare sky.exr levels.exr --max-error 1"),
          1,
-         "to compare one",
+         "to compare one level",
          {split("compare sky.exr levels.exr --max-error 1 --level 0")}});
-  leads({split("info levels.exr --levels --level 1"), 2, ": leave out --level", {split("info levels.exr --levels")}});
+  leads({split("info levels.exr --levels --level 1"), 2, ": remove --level", {split("info levels.exr --levels")}});
   write("jobs.txt", "convert sky.exr made.exr\n");
   const Result lacking = shell("PATH=/none \"$ENVMAP\" batch jobs.txt");
-  EXPECT_NE(lacking.err.find("or say --make FILE"), std::string::npos) << lacking.err;
+  EXPECT_NE(lacking.err.find("or use --make FILE"), std::string::npos) << lacking.err;
   EXPECT_EQ(shell("PATH=/none \"$ENVMAP\" batch jobs.txt --make jobs.mk").status, 0);
 }
 
@@ -253,15 +253,15 @@ TEST_F(Hints, OfOptionsThatDoNotGoTogether) {
   succeeds({"mipmap", "sky.exr", "levels.exr"});
   const Words filament = split("prefilter sky.exr out.ktx --for filament --size 16"),
               three = split("convert sky.exr out.exr --for three");
-  leads({with(filament, "--scale 2"), 2, ": leave out --scale", {filament}});
-  leads({with(three, "--to cube"), 2, ": leave out --to cube", {three}});
+  leads({with(filament, "--scale 2"), 2, ": remove --scale", {filament}});
+  leads({with(three, "--to cube"), 2, ": remove --to cube", {three}});
   const Words picture = split("convert sky.exr out.exr --to perspective --size 8"),
               sheet = split("preview levels.exr out.png --levels");
-  leads({with(picture, "--display clip"), 2, ": leave out --display", {picture}});
-  leads({with(sheet, "--level 1"), 2, ": leave out --level", {sheet}});
+  leads({with(picture, "--display clip"), 2, ": remove --display", {picture}});
+  leads({with(sheet, "--level 1"), 2, ": remove --level", {sheet}});
   leads({split("convert levels.exr out.exr"),
          0,
-         "; say --level 0 if that is meant, and make levels of the result with 'envmap mipmap'",
+         ": use --level 0 to confirm, and 'envmap mipmap' to add levels",
          {split("convert levels.exr out.exr --level 0"), split("mipmap out.exr more.exr")}});
 }
 
@@ -270,12 +270,12 @@ TEST_F(Hints, OfScenes) {
   const Words render = split("render scene.obj out.exr --to cube --size 4 --method raycast");
   leads({render,
          0,
-         ": say --environment MAP or --ambient 1",
+         ": use --environment MAP or --ambient 1",
          {with(render, "--environment sky.exr"), with(render, "--ambient 1")}});
   const Words tradeoff = split("tradeoff scene.obj --task render:cube:4 --only raycast");
   leads({tradeoff, 2, ": give some with --environment MAP", {with(tradeoff, "--environment sky.exr")}});
   const Words hurried = split("tradeoff sky.exr --task convert:cube:4");
-  leads({with(hurried, "--budget 0"), 0, "; say --budget to allow more", {with(hurried, "--budget 1000")}});
+  leads({with(hurried, "--budget 0"), 0, ": raise --budget", {with(hurried, "--budget 1000")}});
 }
 
 }  // namespace

@@ -174,7 +174,7 @@ TEST_F(Prefilter, TheTableIsThatOfTheLobe) {
   for (const std::string lobe : {"phong", "blinn-phong"}) {
     fails(usage, {"prefilter", "--lobe", lobe, "--brdf-table", "x.exr"}, {lobe, "choose --lobe ggx or --lobe charlie"});
     fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", lobe, "--exponent", "5", "--brdf-table", "x.exr"},
-          {"leave out --brdf-table"});
+          {"remove --brdf-table"});
   }
 }
 

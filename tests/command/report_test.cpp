@@ -130,7 +130,7 @@ TEST_F(Compare, SaysHowFarTheSunMoved) {
   EXPECT_NEAR(j["light_differs"].get<double>(), 1, 1e-6);
   const double c = std::cos(pi / 180 * (90 - 2.5 * 22.5)), across = c * std::sin(0.5 * 3 * pi / 8);
   EXPECT_NEAR(j["brightest_moved"].get<double>(), 2 * std::asin(across) * 180 / pi, 1e-4);
-  EXPECT_NE(envmap({"compare", "p.exr", "q.exr"}).out.find("100% of the light differs; the brightest texel moved by"), std::string::npos);
+  EXPECT_NE(envmap({"compare", "p.exr", "q.exr"}).out.find("100% of the reference; brightest texel moved by"), std::string::npos);
   EXPECT_TRUE(envmap({"compare", "p.exr", "p.exr"}).out.ends_with("\nidentical\n"));
   const json sun = report(envmap({"info", "p.exr", "--json"}));
   // Column 3 of 16: 180 - 3.5 x 22.5 degrees.
@@ -168,12 +168,12 @@ TEST_F(Compare, SeesWhereTheTwoAreNotAlike) {
     EXPECT_EQ(r.status, status) << r.out << r.err;
     EXPECT_NE(r.err.find(reason), std::string::npos) << r.err;
   };
-  answer({"b.exr", "chain.exr", "--max-error", "1"}, 1, "b.exr has 1 level, chain.exr 4");
+  answer({"b.exr", "chain.exr", "--max-error", "1"}, 1, "b.exr has 1 level, chain.exr has 4");
   answer({"b.exr", "chain.exr", "--max-error", "1", "--level", "0"}, 0, "");
   answer({"chain.exr", "b.exr", "--max-flux", "1e-6"}, 0, "");
-  answer({"chain.exr", "b.exr", "--same-levels"}, 1, "chain.exr has 4 levels, b.exr 1 (--same-levels)");
+  answer({"chain.exr", "b.exr", "--same-levels"}, 1, "chain.exr has 4 levels, b.exr has 1 (--same-levels)");
   answer({"cube.exr", "b.exr", "--same-shape", "-q"}, 1, "cube.exr is cube 4x4, b.exr latlong 8x4 forward +z (--same-shape)");
-  answer({"half.exr", "b.exr", "--same-depth"}, 1, "half.exr holds half, b.exr float (--same-depth)");
+  answer({"half.exr", "b.exr", "--same-depth"}, 1, "half.exr has depth half, b.exr has float (--same-depth)");
   answer({"half.exr", "b.exr", "--golden"}, 0, "");
   answer({"a.exr", "b.exr", "--golden"}, 1, "max 0.5 > 0 (--max-error)");
   answer({"a.exr", "b.exr", "--golden", "--max-error", "0.6"}, 0, "");
@@ -219,7 +219,7 @@ TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
   // At the back of a mirror ball texels span tens of degrees, and even the mean has an end.
   succeeds({"convert", "sun.exr", "ball.exr", "--to", "sphere", "--size", "32"});
   fails(1, {"convert", "ball.exr", "none.exr", "--to", "cube", "--size", "8", "--max-error", "1e-6"},
-        {"not reached", "area"});
+        {"cannot meet", "area"});
   // What the file rounds by counts.
   fails(1, {"convert", "sun.exr", "none.exr", "--to", "cube", "--size", "8", "--depth", "half", "--max-error", "4e-4"},
         {"half", "4.9e-04", "--depth float"});
@@ -245,7 +245,7 @@ class Help : public CommandTest {
     succeeds({"manual", "."});
     std::vector<std::string> all;
     for (const std::string& page : names())
-      if (page.starts_with("envmap-")) all.push_back(page.substr(7, page.size() - 9));
+      if (page.starts_with("envmap-") && page.ends_with(".1")) all.push_back(page.substr(7, page.size() - 9));
     EXPECT_GE(all.size(), 5U);
     return all;
   }
@@ -279,13 +279,13 @@ TEST_F(Help, OfEachCommandHasTwoExamples) {
 
 // Which is neither below nor above any limit: `compare --golden --max-rms nan` would find everything alike.
 TEST_F(Help, NoNumberOfARangeMayBeNan) {
-  static const std::regex option(R"(\\fB(\\-\\-[a-z\\-]+)\\fR \\fI[^\n]*(FLOAT in|NONNEGATIVE))");
+  static const std::regex option(R"(\\fB(\\-\\-[a-z\\-]+)\\fR \\fI[^\n]*\n[^\n]* Number(,| from))");
   int options = 0;
   for (const std::string& command : commands()) {
     const std::string page = read("envmap-" + command + ".1");
     for (std::sregex_iterator found(page.begin(), page.end(), option); found != std::sregex_iterator(); ++found, ++options) {
       const std::string flag = std::regex_replace((*found)[1].str(), std::regex(R"(\\)"), "");
-      for (const char* nan : {"nan", "-NaN"}) fails(2, {command, flag + "=" + nan}, {flag, "no number"});
+      for (const char* nan : {"nan", "-NaN"}) fails(2, {command, flag + "=" + nan}, {flag, "must be a number"});
     }
   }
   EXPECT_GE(options, 30);
@@ -302,9 +302,11 @@ TEST_F(Help, IsWhatTheRepositorysPagesSay) {
   succeeds({"manual", "."});
   std::map<std::string, std::string> kept;
   ASSERT_TRUE(std::filesystem::is_directory(ENVMAP_MAN_DIR));
+  const auto made = files();
   for (const auto& entry : std::filesystem::directory_iterator(ENVMAP_MAN_DIR))
-    if (entry.path().extension() == ".1") kept[entry.path().filename().string()] = bytes_of(entry.path());
-  EXPECT_EQ(kept, files()) << "run 'envmap manual man' in the repository";
+    if (const std::string name = entry.path().filename().string(); name.ends_with(".1") || made.contains(name))
+      kept[name] = bytes_of(entry.path());
+  EXPECT_EQ(kept, made) << "run 'envmap manual man' in the repository";
 }
 
 // A terminal made by script(1) sees how far the work is, how fast it goes and how long it will take; a file sees nothing.

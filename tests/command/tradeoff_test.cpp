@@ -110,6 +110,21 @@ TEST_F(Tradeoff, LevelsAreThoseOfMipmap) {
   fails(2, {"tradeoff", "in.exr", "--task", "mipmap:9"}, {"mipmap:9"});
 }
 
+// As 'convert' to a smaller map and back, and 'compare', say.
+TEST_F(Tradeoff, SizesAreThoseOfMapsConvertedBack) {
+  const json all = trials("sizes:4,8");
+  EXPECT_EQ(all.size(), 14);
+  for (const std::string to : {"cube", "sphere", "equal-area"}) {
+    const std::int64_t faces = to == "cube" ? 6 : 1;
+    EXPECT_EQ(trial(all, to, "--size 8")["bytes"], 6 * faces * 64);
+    EXPECT_LT(trial(all, to, "--size 8")["rms"], trial(all, to, "--size 4")["rms"]);
+    succeeds({"convert", "in.exr", to + ".exr", "--to", to, "--size", "8", "-q"});
+    succeeds({"convert", to + ".exr", to + "-back.exr", "--to", "latlong", "--size", "16", "-q"});
+    expect_as_compared(trial(all, to, "--size 8"), to + "-back.exr", "in.exr");
+  }
+  fails(2, {"tradeoff", "in.exr", "--task", "sizes:0"}, {"sizes:0"});
+}
+
 // Rays meet the triangles themselves, as 'exact' does; straight sides are far off in a room of few triangles.
 TEST_F(Tradeoff, ScenesAreDrawnByEveryMethod) {
   ASSERT_EQ(shell("python3 " ENVMAP_SCENES "/make.py scenes").status, 0);
@@ -264,7 +279,7 @@ TEST_F(Tradeoff, DamagedCostsAreRefused) {
   for (const std::string text : {"", "[]", "{", "{\"nanoseconds\": 3}", "\xff"}) refused(text, {"costs.json", "--calibrate"});
   refused(std::string(100000, '['), {"--calibrate"});
   for (const double wrong : {0.0, -1.0, 1e13}) refused(costs_with({{"tree texel", wrong}}), {"tree texel", "above 0"});
-  refused(costs_with({{"tree texel", "fast"}}), {"tree texel", "no number"});
+  refused(costs_with({{"tree texel", "fast"}}), {"tree texel", "must be a number"});
   refused(costs_with({{"teleport", 1}}), {"teleport", "calibrate"});
   json lacking = json::parse(costs_with(json::object()));
   lacking["nanoseconds"].erase("ray texel");

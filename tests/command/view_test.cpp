@@ -178,8 +178,8 @@ TEST_F(View, MapsAreSavedAndMirrorsAreLeftOut) {
     succeeds(with({"--mirror", "mirror:off", "--method", method}));
     EXPECT_EQ(load(path("a.exr")).at(8, 6)[1], 0) << method;
   }
-  fails(2, with({"--mirror", "eye"}), {"eye", "no mirror"});
-  fails(2, with({"--save-maps", "nowhere"}), {"nowhere", "no folder"});
+  fails(2, with({"--mirror", "eye"}), {"eye", "no triangles"});
+  fails(2, with({"--save-maps", "nowhere"}), {"nowhere", "not a folder"});
 }
 
 // Of 4 by 4 m the mirror takes 2 by 2, and the lamp of that size hangs straight before it.

@@ -132,7 +132,7 @@ int run(const Request& o) {
     note(fmt::format("{}: {} jobs", path, jobs.size()));
     return 0;
   }
-  if (!is_installed("ninja")) throw OutputError("ninja is not installed: install ninja-build, or say --make FILE");
+  if (!is_installed("ninja")) throw OutputError("ninja is not installed: install ninja-build, or use --make FILE");
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw OutputError(folder, error.message());
@@ -150,11 +150,13 @@ int run(const Request& o) {
 
 Action define_batch(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.files(r->names, File::none, "The manifest, '-' for standard input; with --for, probes");
-  o.add("--for", "ENGINE", &r->engine, "Bake the probes for this engine: see 'envmap bake --list'");
-  o.add("--into", "FOLDER", &r->into, "Folder of the folders that --for makes (default: this one)");
-  o.add("-j,--jobs", "N", &r->at_once, {1, 1024}, "Jobs at once (default: as many as there are cores)");
-  o.flag("-k,--keep-going", r->keep_going, "Go on after a job that failed");
+  o.files(r->names, File::none, "Manifest, or '-' for stdin (with --for probes)");
+  o.group = "Jobs";
+  o.add("--for", "ENGINE", &r->engine, "Bake probes for this engine ('envmap bake --list' lists engines)");
+  o.add("--into", "FOLDER", &r->into, "Parent folder of the baked folders (default: the current one)");
+  o.add("-j,--jobs", "N", &r->at_once, {1, 1024}, "Jobs at once (default: the number of cores)");
+  o.flag("-k,--keep-going", r->keep_going, "Continue after a job that failed");
+  o.group = "Other schedulers";
   o.add("--make", "FILE", &r->make, "Write a Makefile, and run nothing");
   o.add("--slurm", "FILE", &r->slurm, "Write a script for Slurm's sbatch, and run nothing");
   return [r](Report&) { return run(*r); };

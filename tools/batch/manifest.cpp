@@ -168,7 +168,7 @@ Job job_of(const std::string& where, const Texts& words) {
   for (const std::string& name : options.named(File::folder)) add(job.outputs, name + "/README.txt");
   for (const std::string& name : options.named(File::output)) add(job.outputs, name);
   for (const std::string& name : options.named(File::input)) add(job.inputs, name);
-  if (options.given("--depfile")) throw UsageError(where + ": leave out --depfile: a batch has its own");
+  if (options.given("--depfile")) throw UsageError(where + ": remove --depfile: a batch has its own");
   if (job.outputs.empty() || job.outputs.front().find("{frame") != std::string::npos)
     throw UsageError(where + ": a job of a batch writes files with names of their own, not - and no {frame}");
   return job;
@@ -197,7 +197,7 @@ std::vector<Job> jobs_of(const std::vector<Line>& lines) {
 }
 
 std::string text_of(const std::string& path) {
-  if (path != "-" && fs::is_directory(path)) throw InputError(path, "is a folder; name a file");
+  if (path != "-" && fs::is_directory(path)) throw InputError(path, "is a folder: give a file name");
   std::ifstream file;
   if (path != "-") file.open(path);
   std::ostringstream text;

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "cli/text.h"
+#include "cli/help.h"
 #include "cli/version.h"
 #include "envmap/base/error.h"
 #include "envmap/base/near_words.h"
@@ -67,7 +67,7 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
   for (const Command& c : commands()) names.emplace_back(c.name);
   for (const Option& o : parsed.options.rows) options.push_back(o.name);
   constexpr std::string_view help = " (see 'envmap --help')";
-  if (words.empty()) return fmt::format("say a command: {}{}", fmt::join(names, ", "), help);
+  if (words.empty()) return fmt::format("needs a command: {}{}", fmt::join(names, ", "), help);
   const std::string& first = words.front();
   if (parsed.command == nullptr && first.starts_with("-"))
     return fmt::format("unknown option '{}'{}{}", first, closest(first, {"--help", "--version"}), help);
@@ -82,13 +82,7 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
       return fmt::format("unknown option '{}'{}{}", word, closest(word, options), here);
     }
   if (left.empty()) return error.what() + here;
-  return fmt::format("'{}': one name too many{}", left.front(), here);
-}
-
-std::string examples(const Text& text) {
-  std::string all = "Examples:\n";
-  for (const Example& e : text.examples) all += fmt::format("  {}\n      {}\n", e.command, e.what);
-  return all;
+  return fmt::format("unexpected argument '{}'{}", left.front(), here);
 }
 
 }  // namespace
@@ -97,22 +91,24 @@ void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& sett
   CLI::App app("Convert, measure and make environment maps.", "envmap");
   app.set_version_flag("--version", [] { return version_text() + "\n" + renderer_text(); });
   app.require_subcommand(1);
-  app.footer(
-      "'envmap COMMAND --help' shows the options of a command and examples; 'man envmap-COMMAND' the same and more.");
   CLI::App* chosen = nullptr;
   for (const Command& command : commands()) {
-    const Text text = text_of(command.name);
-    CLI::App* const sub = app.add_subcommand(std::string(command.name), text.summary);
+    CLI::App* const sub = app.add_subcommand(std::string(command.name), "");
     if (words.empty() || words.front() != command.name) continue;
     chosen = sub, parsed.command = &command;
     parsed.action = define(command, parsed.options, settings);
     for (Option& o : parsed.options.rows)
       if (o.name != "--help") add(*sub, o);  // CLI11 has its own.
-    sub->footer(examples(text));
+    sub->set_help_flag("-h", "");
+    sub->set_help_all_flag("--help", "");
   }
   try {
     app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  } catch (const CLI::Success& e) {  // --help, --version
+  } catch (const CLI::CallForHelp&) {
+    throw Asked{chosen == nullptr ? overview() : help_of(*parsed.command, parsed.options, false)};
+  } catch (const CLI::CallForAllHelp&) {
+    throw Asked{help_of(*parsed.command, parsed.options, true)};
+  } catch (const CLI::Success& e) {  // --version
     std::ostringstream text;
     app.exit(e, text, text);
     throw Asked{text.str()};

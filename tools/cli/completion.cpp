@@ -20,7 +20,7 @@ struct Known {
   Options options;
 };
 
-std::string words_of(const Option& o) { return fmt::format("{}", fmt::join(o.words(), " ")); }
+std::string words_of(const Option& o) { return fmt::format("{}", fmt::join(o.words, " ")); }
 
 std::deque<Known> all_known() {
   std::deque<Known> all;
@@ -158,7 +158,7 @@ std::string fish(const std::deque<Known>& all) {
 
 Action define_completion(Options& o) {
   const auto shell = std::make_shared<Shell>(Shell::bash);
-  o.add("SHELL", one_of(*shell, shell_names), "For which (default: bash)");
+  o.add("SHELL", one_of(*shell, shell_names), "{} (default: bash)");
   return [shell](Report&) {
     const std::deque<Known> all = all_known();
     print(*shell == Shell::bash ? bash(all) : *shell == Shell::zsh ? zsh(all) : fish(all));

@@ -1,6 +1,7 @@
 #include "cli/options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,7 @@ namespace tools {
 namespace {
 
 [[noreturn]] void out_of(const std::string& text, const std::string& from, const std::string& to) {
-  throw std::invalid_argument(fmt::format("Value {} not in range {} to {}", text, from, to));
+  throw std::invalid_argument(fmt::format("must be from {} to {}, not {}", from, to, text));
 }
 
 template <class T>
@@ -18,9 +19,9 @@ T number(const Option& o, const std::string& text) {
   T value{};
   const bool is_number = parse_number(text, value);
   if (is_number && std::isnan(static_cast<double>(value)))
-    throw std::invalid_argument("Value " + text + " is no number");
-  if (!is_number && !o.range) throw std::invalid_argument("Could not convert: " + o.name + " = " + text);
-  const auto in_words = [](double end) { return std::to_string(static_cast<T>(end)); };
+    throw std::invalid_argument("must be a number, not " + text);
+  if (!is_number && !o.range) throw std::invalid_argument("must be a number, not " + text);
+  const auto in_words = [](double end) { return fmt::format("{:.7g}", end); };
   if (o.range && (!is_number || value < o.range->from || value > o.range->to))
     out_of(text, in_words(o.range->from), in_words(o.range->to));
   return value;
@@ -37,12 +38,17 @@ std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
   if (binary) unit.pop_back();
   const std::size_t power = unit.empty() ? 0 : std::string_view("?kmgtpe").find(unit);
   if (digits == 0 || unit.size() > 1 || power == std::string_view::npos || (binary && unit.empty()))
-    throw std::invalid_argument("Value " + text + " is not a size such as 500M");
+    throw std::invalid_argument("must be a size such as 500M, not " + text);
   const double bytes =
       std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, static_cast<double>(power));
   if (bytes < o.range->from || bytes > o.range->to)
     out_of(fmt::format("{:.0f}", bytes), fmt::format("{:.0f}", o.range->from), fmt::format("{:.0f}", o.range->to));
   return static_cast<std::uint64_t>(bytes);
+}
+
+std::string not_among(const std::string& text, const Option& o) {
+  return o.words.empty() ? fmt::format("must be {}, not {}", o.type, text)
+                         : fmt::format("must be one of {}, not '{}'", fmt::join(o.words, ", "), text);
 }
 
 struct Putting {
@@ -61,19 +67,27 @@ struct Putting {
   void operator()(const Size& v) const { *v.variable = size(option, text, v.decimal); }
   void operator()(const Triple& v) const {
     *v.variable = triple_of(text, v.one_for_all);
-    if (!*v.variable) throw std::invalid_argument(fmt::format("'{}' is not {}", text, option.type));
+    if (!*v.variable) throw std::invalid_argument(fmt::format("must be {}, not {}", option.type, text));
   }
   void operator()(const Choice& v) const {
     const int k = index_of(text, v.words);
-    if (k < 0) throw std::invalid_argument("'" + text + "' is none of " + option.type);
+    if (k < 0) throw std::invalid_argument(not_among(text, option));
     v.put(v.variable, k);
   }
 };
 
-// As CLI11's Range has it: N:INT in [1 - 65536].
-std::string ranged(std::string_view type, const Value& value, const Range& range) {
-  const bool whole = std::holds_alternative<int*>(value) || std::holds_alternative<std::optional<int>*>(value);
-  return fmt::format("{}:{} in [{:g} - {:g}]", type, whole ? "INT" : "FLOAT", range.from, range.to);
+// "--size" of "--size N", and N of it; else N is SIZE.
+std::pair<std::string, std::string> name_and_type(std::string_view name) {
+  const std::size_t space = name.find(' ');
+  if (space != name.npos) return {std::string(name.substr(0, space)), std::string(name.substr(space + 1))};
+  std::string type(name.substr(name.rfind('-') + 1));
+  std::ranges::transform(type, type.begin(), [](unsigned char c) { return std::toupper(c); });
+  return {std::string(name), name.starts_with('-') ? type : ""};
+}
+
+std::string with_words(std::string help, const std::vector<std::string>& words) {
+  const std::size_t mark = help.find("{}");
+  return mark == help.npos ? help : help.replace(mark, 2, fmt::format("{}", fmt::join(words, " ")));
 }
 
 }  // namespace
@@ -83,44 +97,48 @@ bool Option::takes_several() const {
                     std::holds_alternative<std::vector<double>*>(value));
 }
 
-std::vector<std::string> Option::words() const {
-  return type.find('|') == type.npos ? std::vector<std::string>{} : split(type, '|');
-}
-
 void Option::put(const std::string& text) const {
   if (!parse) std::visit(Putting{*this, text}, value);
-  if (parse && !parse(text)) throw std::invalid_argument("'" + text + "' is none of " + type);
+  if (parse && !parse(text)) throw std::invalid_argument(not_among(text, *this));
 }
 
 Option& Options::add(std::string_view name, std::string_view type, const Value& value, std::string_view help) {
   Option& o = rows.emplace_back(Option{std::string(name), std::string(type), std::string(help), value});
+  o.group = group;
   if (name.size() > 1 && name[0] == '-' && name[1] != '-') o.letter = name[1], o.name = name.substr(3);  // "-q,--quiet"
   return o;
 }
 Option& Options::add(std::string_view name, std::string_view type, const Value& value, Range range,
                      std::string_view help) {
-  const bool has_type = std::holds_alternative<Size>(value);
-  Option& o = add(name, has_type ? std::string(type) : ranged(type, value, range), value, help);
+  Option& o = add(name, type, value, help);
   o.range = range;
   if (o.takes_several()) o.several = Several::joined;
   return o;
 }
 Option& Options::add(std::string_view name, std::string_view words, Parse parse, std::string_view help) {
-  Option& o = add(name, words, Value{}, help);
+  const bool several = words.find('|') != words.npos;
+  const auto [flag, type] = name_and_type(name);
+  Option& o = add(flag, several ? type : std::string(words), Value{}, help);
   o.parse = std::move(parse);
+  if (several) o.words = split(std::string(words), '|');
+  o.help = with_words(o.help, o.words);
   return o;
 }
 Option& Options::add(std::string_view name, const Choice& choice, std::string_view help) {
-  return add(name, tools::joined(choice.words), choice, help);
+  const auto [flag, type] = name_and_type(name);
+  Option& o = add(flag, type, choice, help);
+  o.words.assign(choice.words.begin(), choice.words.end());
+  o.help = with_words(o.help, o.words);
+  return o;
 }
 Option& Options::flag(std::string_view name, bool& value, std::string_view help) { return add(name, "", &value, help); }
 Option& Options::reads(std::string_view name, std::string& path, std::string_view help) {
-  Option& o = add(name, "TEXT", &path, help);
+  Option& o = add(name, "", &path, help);
   o.file = File::input;
   return o;
 }
 Option& Options::writes(std::string_view name, std::string& path, std::string_view help) {
-  Option& o = add(name, "TEXT", &path, help);
+  Option& o = add(name, "", &path, help);
   o.file = File::output;
   return o;
 }

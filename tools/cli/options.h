@@ -68,10 +68,12 @@ enum class Several { words, joined, repeated };
 
 struct Option {
   std::string name;  ///< "--size"; of an argument "INPUT".
-  std::string type;  ///< The value's name in help, or all words that are allowed, with | between them. Empty: a flag.
+  std::string type;  ///< The value's name in help, such as N. Empty for flags and arguments.
   std::string help;
   Value value;
   Parse parse = {};  ///< Used instead of `value`.
+  std::vector<std::string> words = {};  ///< All words that are allowed; empty if any is.
+  std::string_view group = {};          ///< The heading in help.
   std::optional<Range> range = {};
   char letter = 0;  ///< q of -q, beside --quiet.
   File file = File::none;
@@ -85,18 +87,26 @@ struct Option {
   [[nodiscard]] bool is_argument() const { return !name.starts_with('-'); }
   [[nodiscard]] bool is_flag() const { return type.empty() && !is_argument(); }
   [[nodiscard]] bool takes_several() const;
-  [[nodiscard]] std::vector<std::string> words() const;  ///< Those of `type`, or none.
   /// Reads one value. @throws std::invalid_argument with what is wrong.
   void put(const std::string& text) const;
 };
 
-/// In the order of --help. Rows keep their addresses.
+/// The headings of --help that several commands share.
+namespace groups {
+constexpr std::string_view output_map = "Output map", output_file = "Output file", quality = "Quality",
+                           input_map = "Input map", colour = "Colour and exposure", light = "Light",
+                           builds = "Large maps and builds", reports = "Reports";
+}
+
+/// In the order of --help; rows of one group need not be neighbours. Rows keep their addresses. In the help of a row with
+/// words, {} stands for them. The name may end with the name of the value: "--to PROJECTION".
 class Options {
  public:
+  std::string_view group;  ///< The heading of rows that are added from here on.
   Option& add(std::string_view name, std::string_view type, const Value& value, std::string_view help);
   Option& add(std::string_view name, std::string_view type, const Value& value, Range range, std::string_view help);
   Option& add(std::string_view name, std::string_view words, Parse parse, std::string_view help);
-  Option& add(std::string_view name, const Choice& choice, std::string_view help);  ///< Its type is the words.
+  Option& add(std::string_view name, const Choice& choice, std::string_view help);
   Option& flag(std::string_view name, bool& value, std::string_view help);
   /// Arguments.
   Option& reads(std::string_view name, std::string& path, std::string_view help);

@@ -1,6 +1,7 @@
 // The help texts of a command, from text/COMMAND.txt, which is built into the program.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,12 +23,21 @@ struct Text {
   std::vector<std::string> description;  ///< Paragraphs.
   std::vector<Example> examples;
   std::vector<Key> keys;  ///< Includes the keys that every report has.
+  std::map<std::string, std::string, std::less<>> details;  ///< By option: more text for its place in the man page.
 };
 
-/// Reads text/COMMAND.txt. Its first line is the summary. Other lines are paragraphs, but for these:
-/// "  LINE" continues a paragraph on a line of its own; "$ COMMAND" is an example, and the next line says what it does;
-/// "KEY | TYPE | WHAT" is a key of the report; "+NAME" stands for text/NAME.txt. {filters} becomes a sentence for each
-/// filter.
+/// Reads text/COMMAND.txt, then text/options.txt, which has details of options that several commands share. The first line is
+/// the summary. The others are:
+///   $ COMMAND           an example; the next line says what it does
+///   KEY | TYPE | WHAT   a key of the report
+///   --OPTION: TEXT      a detail of an option; the first one counts
+///   +NAME               stands for text/NAME.txt
+///   = HEADING           a heading in the description
+///   * NAME: TEXT        an item of a list in the description; {filters} stands for one for each filter
+///   - TEXT              an item of a list
+///   | A | B |           a row of a table; {engines} and {formats} stand for rows
+///   two spaces          the paragraph before goes on, on a line of its own
+/// and else paragraphs of the description.
 Text text_of(std::string_view command);
 
 }  // namespace tools

@@ -25,7 +25,7 @@ constexpr std::string_view readme = "README.txt";
 
 struct Request {
   std::string input, folder, costs;
-  bool list = false;
+  std::string list;  // An engine or "all".
   const Engine* engine = nullptr;
   ReadOptions read;
   double exposure = 0;
@@ -39,16 +39,18 @@ std::vector<std::string> map_names(const Engine& e) {
   return names;
 }
 
-int list(Report& report) {
-  if (!settings().json) print(engine_list());
+int list(const std::string& which, Report& report) {
+  if (!settings().json && which == "all") print(engine_list());
   for (const Engine& e : engines()) {
+    if (which != "all" && which != e.name) continue;
+    if (!settings().json && which != "all") print(engine_text(e));
     report.append("engines[]");
     report.put("engines[].name", e.name);
     report.put("engines[].title", e.title);
     report.put("engines[].version", e.version);
     report.put("engines[].maps", map_names(e));
     report.put("engines[].frame", frame_words(e.maps.front().frame));
-    report.put("engines[].turns", e.turns);
+    report.put("engines[].turns", turns_of(e));
     report.put("engines[].light", e.light);
   }
   return 0;
@@ -73,7 +75,7 @@ std::string readme_text(const Engine& e, const std::vector<Baked>& maps, double 
                                  exposure == 0 ? "" : fmt::format(", multiplied by 2^{:g}", exposure));
   for (const Baked& b : maps)
     text += fmt::format("{}: {}, {}, {}; {}.\n", b.map.file, frame_words(b.map.frame), b.size, b.depth, b.accuracy);
-  return text + fmt::format("Frame: {}.\nRough and diffuse light: {}.\n\n{}\n", e.turns, e.light, e.steps);
+  return text + fmt::format("Orientation: {}\nRough and diffuse light: {}.\n\n{}\n", turns_of(e), e.light, e.steps);
 }
 
 std::string size_of(const std::vector<Rows>& levels) {
@@ -111,19 +113,19 @@ Baked bake_map(const Request& o, const EngineMap& map, Baker& maker, const Outpu
     report.put_written("maps[]", shown, written);
     return {map, size_of(made.rows), std::string(name(written.depth)), made.accuracy};
   } catch (const OutputError& e) {
-    throw folder.as_it_will_be(e, map.file);
+    throw folder.with_final_path(e, map.file);
   } catch (const NotReached& e) {
-    const std::string depth = depth_that_holds(file, how, *o.maps.max_error);
-    throw NotReached(fmt::format("{}: --max-error {:g} is not held by {}: allow more{}", shown, *o.maps.max_error, e.what(),
-                                 depth.empty() ? "" : ", or say " + depth));
+    const std::string depth = depth_for_error(file, how, *o.maps.max_error);
+    throw NotReached(fmt::format("{}: cannot meet --max-error {:g}: {}: raise --max-error{}", shown, *o.maps.max_error, e.what(),
+                                 depth.empty() ? "" : " or use " + depth));
   }
 }
 
 int run(Request& o, Report& report) {
-  if (o.list) return list(report);
-  if (o.input.empty() || o.folder.empty()) throw UsageError("name a PROBE and a FOLDER, or say --list");
-  if (o.folder == "-") throw UsageError("FOLDER: '-' is standard output, which holds no folder: name one");
-  if (!o.engine) throw UsageError("--for: which engine? " + engine_names());
+  if (!o.list.empty()) return list(o.list, report);
+  if (o.input.empty() || o.folder.empty()) throw UsageError("needs PROBE and FOLDER, or --list");
+  if (o.folder == "-") throw UsageError("FOLDER: '-' is standard output: give the name of a folder");
+  if (!o.engine) throw UsageError("needs --for ENGINE: 'envmap bake --list' lists engines");
   const Engine& e = *o.engine;
   std::vector<std::string> outputs;
   for (const std::string_view file : files_of(e)) outputs.push_back(o.folder + "/" + std::string(file));
@@ -134,7 +136,7 @@ int run(Request& o, Report& report) {
   const Source source = read_probe(o);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   o.write.provenance = source.provenance;
-  tell_what_is_cut(e, source.map.base(), "bake");
+  warn_about_clamping(e, source.map.base(), "bake");
 
   OutputFolder folder(o.folder, files_of(e), settings().commit);
   open_depfile();
@@ -157,10 +159,18 @@ int run(Request& o, Report& report) {
 
 Action define_bake(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("PROBE", r->input, "File to read, '-' for standard input; {face} in the name reads six files");
+  o.reads("PROBE", r->input, "File to read, or '-' for stdin ({face} in the name reads six files)");
   o.writes("FOLDER", r->folder, "Folder to write").file = File::folder;
-  add_engine(o, r->engine, "The engine; 'list' prints them", &r->list);
-  o.flag("--list", r->list, "Print the engines and what they load");
+  o.group = "Engine";
+  add_engine(o, r->engine, "{}");
+  o.add("--list [ENGINE]", engine_names() + "|all",
+        [&list = r->list](const std::string& word) {
+          list = word;
+          return word == "all" || std::ranges::find(engines(), word, &Engine::name) != engines().end();
+        },
+        "List the engines, or show what one engine loads")
+      .alone = "all";
+  o.group = groups::quality;
   o.add(
       "--quality", "draft|normal|high",
       [&quality = r->maps.quality](const std::string& word) {
@@ -168,21 +178,19 @@ Action define_bake(Options& o) {
         if (found != qualities.end()) quality = *found;
         return found != qualities.end();
       },
-      "Sizes, and errors of rough and diffuse light (default: normal)");
+      "Size and error of rough and diffuse light: {} (normal)");
   o.add("--max-error", "E", &r->maps.max_error, {1e-6, 10},
-        "Largest error of a texel of any of the files, relative to it or to 0.001 x the mean (default: by the quality, "
-        "and what the depth rounds by)");
-  add_size(o, &r->maps.size,
-           "Height of the environment's map (default: the input's degrees per texel); chains have a size of their own");
-  o.add("--chain-size", "N", &r->maps.chain_size, {1, 4096},
-        "Height of a chain's first level (default: what the engine's shader was made for)");
-  add_exposure(o, r->exposure);
-  add_depth(o, r->write).help =
-      "What the files store for each value (default: what the engine wants, else as the input)";
-  add_clamp(o, r->write);
+        "Largest error of a texel, rounding included (default: by --quality)");
+  add_size(o, &r->maps.size, "Height of the environment map or face (default: same texels per degree)");
+  o.add("--chain-size", "N", &r->maps.chain_size, {1, 4096}, "Height of the first level of rough light (default: the engine's)");
   add_costs(o, r->costs);
+  o.group = groups::output_file;
+  add_depth(o, r->write, "engine's, or input's");
+  add_clamp(o, r->write);
   add_read_options(o, r->read);
   add_repair(o, r->read);
+  o.group = groups::colour;
+  add_exposure(o, r->exposure);
   return [r](Report& report) { return run(*r, report); };
 }
 

@@ -88,13 +88,13 @@ std::string unlike(const Request& o, const Source& a, const Source& b) {
     return fmt::format("{} is {}, {} {} (--same-shape)", o.a, shape(a), o.b, shape(b));
   const std::size_t levels = a.map.levels.size(), wanted = b.map.levels.size();
   if (o.same_levels && levels != wanted)
-    return fmt::format("{} has {} level{}, {} {} (--same-levels)", o.a, levels, levels > 1 ? "s" : "", o.b, wanted);
-  // Levels of the reference that nothing was held against.
+    return fmt::format("{} has {} level{}, {} has {} (--same-levels)", o.a, levels, levels > 1 ? "s" : "", o.b, wanted);
+  // The reference has levels that were not compared.
   if (o.limited() && levels < wanted)
-    return fmt::format("{} has {} level{}, {} {}: say --level 0 to compare one", o.a, levels, levels > 1 ? "s" : "", o.b,
+    return fmt::format("{} has {} level{}, {} has {}: use --level 0 to compare one level", o.a, levels, levels > 1 ? "s" : "", o.b,
                        wanted);
   if (o.same_depth && a.depth != b.depth)
-    return fmt::format("{} holds {}, {} {} (--same-depth)", o.a, name(a.depth), o.b, name(b.depth));
+    return fmt::format("{} has depth {}, {} has {} (--same-depth)", o.a, name(a.depth), o.b, name(b.depth));
   return {};
 }
 
@@ -112,7 +112,7 @@ Verdict verdict_of(const EnvironmentMap& a, const EnvironmentMap& b, const Level
 std::string words(const Difference& d, const Verdict& v) {
   if (d.maximum == 0) return "identical";
   if (!std::isfinite(v.differs)) return "the reference is black";
-  return fmt::format("{:.3g}% of the light differs; the brightest texel moved by {:.3g} degrees", 100 * v.differs, v.moved);
+  return fmt::format("light gained or lost: {:.3g}% of the reference; brightest texel moved by {:.3g} degrees", 100 * v.differs, v.moved);
 }
 
 struct Comparison {
@@ -217,27 +217,30 @@ int run(Request& o, Report& report) {
 }
 
 void add_limit(Options& o, std::string_view name, std::optional<double>& limit, std::string_view help) {
-  o.add(name, "E", &limit, {0, std::numeric_limits<double>::max()}, help).type = "E:NONNEGATIVE";
+  o.add(name, "E", &limit, {0, std::numeric_limits<double>::max()}, help);
 }
 
 }  // namespace
 
 Action define_compare(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("A", r->a, "Map to judge").required = true;
-  o.reads("B", r->b, "Reference").required = true;
-  add_limit(o, "--max-error", r->max_error, "Exit with 1 if max is larger");
-  add_limit(o, "--max-rms", r->max_rms, "Exit with 1 if rms is larger");
-  add_limit(o, "--max-flux", r->max_flux, "Exit with 1 if flux of any channel differs by more");
-  o.flag("--same-shape", r->same_shape, "Exit with 1 where projection, size or forward axis differ");
-  o.flag("--same-levels", r->same_levels, "Exit with 1 where one has more levels than the other");
-  o.flag("--same-depth", r->same_depth, "Exit with 1 where one holds half floats, say, and the other floats");
-  o.flag("--golden", r->golden, "--same-shape and --same-levels, and --max-error 0 where no limit is given");
+  o.reads("A", r->a, "Map to judge, or '-' for stdin").required = true;
+  o.reads("B", r->b, "Reference, or '-' for stdin").required = true;
+  o.group = "Limits (exit 1 if one is exceeded)";
+  add_limit(o, "--max-rms", r->max_rms, "Largest allowed rms difference");
+  add_limit(o, "--max-error", r->max_error, "Largest allowed difference of a texel (max)");
+  add_limit(o, "--max-flux", r->max_flux, "Largest allowed difference of the flux of a channel");
+  o.flag("--golden", r->golden, "--same-shape and --same-levels, and without a limit --max-error 0");
+  o.flag("--same-shape", r->same_shape, "Require equal projection, size and forward axis");
+  o.flag("--same-levels", r->same_levels, "Require equal numbers of mip levels");
+  o.flag("--same-depth", r->same_depth, "Require equal depths, such as half");
+  o.group = "Comparison";
   o.add("--difference", "FILE", &r->difference, "Write |A-B| as a map").file = File::output;
-  add_filter(o, r->filter, "How A is resampled if it must be (default: area)");
+  add_filter(o, r->filter, "Filter that resamples A to the texels of B (default: area)");
   add_read_options(o, r->read);
   add_repair(o, r->read);
-  add_projection(o, "--from-b", r->from_b, "Projection of B, if not that of --from");
+  o.group = groups::input_map;
+  add_projection(o, "--from-b PROJECTION", r->from_b, "Projection of B (default: as for A)");
   return [r, &o](Report& report) {
     r->one_level = o.given("--level");
     return run(*r, report);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <span>
 
 #include "cli/console.h"
@@ -106,7 +107,7 @@ bool tell_choice(const FilterChoice& choice, double max_error) {
   if (choice.reached)
     note(chosen);
   else
-    warn(fmt::format("envmap convert: --max-error {:g} is not reached: {}", max_error, chosen));
+    warn(fmt::format("envmap convert: cannot meet --max-error {:g}: {}", max_error, chosen));
   return choice.reached;
 }
 
@@ -126,8 +127,8 @@ void tell(Report& report, const Convert& o, const Resampler& resampler) {
 }
 
 void refuse(const Convert& o, double max_error, const std::string& what) {
-  warn(fmt::format("envmap convert: {}: --max-error {:g} is not held by the file: {}; --depth float in .exr holds it", o.output,
-                   max_error, what));
+  warn(fmt::format("envmap convert: {}: cannot meet --max-error {:g}: {}: use an .exr file with --depth float", o.output, max_error,
+                   what));
 }
 
 std::string words(const Rounding& r, double rounded) { return fmt::format("{} rounds by up to {:.1e}", name(r), rounded); }
@@ -139,7 +140,7 @@ bool leave_to_filter(Convert& o, const std::optional<Rounding>& rounding) {
   const double rounded = rounding ? rounding->largest.value_or(0.5 * asked) : 0;
   o.convert.max_error = asked - rounded;
   if (rounding && rounded < asked) return true;
-  refuse(o, asked, rounding ? words(*rounding, rounded) : "integers, compressions that lose and --openexr-envmap have no bound");
+  refuse(o, asked, rounding ? words(*rounding, rounded) : "integers, lossy compression and --openexr-envmap have no bound");
   return false;
 }
 
@@ -163,12 +164,11 @@ int run(Convert& o, Report& report) {
   if (o.to) check_output(o.output, o.write, *o.to);
   Source source = read_map(o.input, o.read);
   if (source.levels > 1 && !o.one_level)
-    warn(fmt::format("{}: of {} levels {} is converted; say --level 0 if that is meant, and make levels of the result with "
-                     "'envmap mipmap'",
+    warn(fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, and 'envmap mipmap' to add levels",
                      o.input, source.levels, o.read.level));
   o.convert.ball = ball_camera(o, source.map);
   grade(source, o.grade, o.read.colour);
-  if (engine) tell_what_is_cut(*o.engine, source.map.base(), "convert");
+  if (engine) warn_about_clamping(*o.engine, source.map.base(), "convert");
   const Frame from = source.map.frame();
   const Projection to = o.to.value_or(from.projection);
   o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
@@ -189,7 +189,7 @@ int run(Convert& o, Report& report) {
 
   if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
     throw UsageError(
-        "--filter sat needs a table of all texels in memory: leave out --max-memory or choose another filter");
+        "--filter sat needs a table of all texels in memory: remove --max-memory or choose another filter");
   const std::string made_of = o.shard.part ? digest(source.map) : "";
   const Resampler resampler(std::move(source.map), o.convert);
   const auto& choice = resampler.choice();
@@ -222,65 +222,67 @@ int run(Convert& o, Report& report) {
   return 0;
 }
 
+// --to, which takes projections of maps and lenses of camera views.
+void add_target(Options& o, Convert& c) {
+  std::string words = joined(camera_model_names);
+  for (const Projection p : std::views::reverse(all_projections)) words.insert(0, fmt::format("{}|", name(p)));
+  o.add(
+      "--to PROJECTION", words,
+      [&c](const std::string& word) {
+        const int lens = index_of(word, camera_model_names);
+        if (lens >= 0) c.lens = CameraModel(lens);
+        c.to = lens >= 0 ? std::nullopt : projection_named(word);
+        return lens >= 0 || c.to;
+      },
+      "{} (default: the input's)");
+}
+
 }  // namespace
 
 Action define_convert(Options& o) {
   const auto c = std::make_shared<Convert>();
-  o.reads("INPUT", c->input,
-          "File to read, '-' for standard input; {face} in the name reads six files, {half} a paraboloid's two")
-      .required = true;
-  o.writes("OUTPUT", c->output,
-           "File to write, '-' for standard output; {face} in the name writes six files, {half} a paraboloid's two")
-      .required = true;
-  add_engine(o, c->engine,
-             "Make what this engine loads as its environment: projection, frame, file type and depth; 'list' prints "
-             "the engines");
-  Option& to =
-      add_projection(o, "--to", c->to, "Projection of the output (default: as the input), or the lens of a picture");
-  to.type += "|" + joined(camera_model_names);
-  to.parse = [&c = *c](const std::string& word) {
-    const int lens = index_of(word, camera_model_names);
-    if (lens >= 0) c.lens = static_cast<CameraModel>(lens);
-    c.to = lens >= 0 ? std::nullopt : projection_named(word);
-    return lens >= 0 || c.to;
-  };
-  o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "Of pictures: world direction in the middle (default: 0,0,1)");
-  o.add("--fov", "DEGREES", &c->fov, {0.01, 360},
-        "Of pictures: angle from the bottom to the top (default: perspective 60, fisheye 180, cylinder 90)");
-  o.add("--width", "N", &c->width, range_of(limits::picture_width),
-        "Of pictures; --size is their height, 480 if nothing is said (default: 4 to 3; square; once round)");
-  add_display(o, c->display, Display::clip);
-  add_size(o, &c->convert.size, "Height of a face (default: the input's degrees per texel)");
-  add_layout(o, "--layout", c->write.layout, "Where the output's cube faces lie (default: column)");
-  add_filter(o, c->convert.filter, "How the input is sampled (default: auto)");
-  o.add("--samples", "N", &c->samples, range_of(limits::samples),
-        "N x N samples a texel, of nearest, bilinear and bicubic (default: 1; of auto as above)");
-  o.add("--area-error", "E", &c->convert.area_error, range_of(limits::area_error),
-        "Error of a texel, relative to it, at which 'area' stops refining (default: 1e-4; 1e-3 where 'auto' chose it); "
-        "1e-6 takes some 10 times as long");
+  o.reads("INPUT", c->input, "File to read, or '-' for stdin ({face} in the name: six files, {half}: two)").required = true;
+  o.writes("OUTPUT", c->output, "File to write, or '-' for stdout ({face} and {half} as for INPUT)").required = true;
+  o.group = groups::output_map;
+  add_target(o, *c);
+  add_size(o, &c->convert.size, "Height of the image or of one cube face (default: same texels per degree)");
+  add_engine(o, c->engine, "Projection, orientation and file format of an engine ('list' lists engines)");
+  o.add("--rotate", "Y,P,R", Triple{&c->turn}, "Rotate the environment by yaw, pitch and roll in degrees");
+  add_forward(o, "--forward AXIS", c->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
+  add_layout(o, "--layout", c->write.layout, "Cube faces: {} (default: column)");
+  add_border(o, c->write, "part of --size");
+  add_write_options(o, c->write);
+  o.group = groups::quality;
   o.add("--max-error", "E", &c->convert.max_error, {1e-6, 10},
-        "Take the cheapest filter whose max and rms errors against 'area', measured in some texels of this map, and "
-        "what the file's depth rounds the "
-        "largest channel by are together below E; exit status 1 where none is");
-  o.add("--rotate", "Y,P,R", Triple{&c->turn}, "Turn the environment by yaw, pitch, roll in degrees");
-  o.add("--ball-distance", "R", &c->ball_distance, {BallCamera::nearest, BallCamera::farthest},
-        "The input is the photo of a mirror ball by a camera R ball radii from the ball's centre (default: infinitely "
-        "far)");
-  o.add("--ball-fov", "DEGREES", &c->ball_fov, {1.2e-4, 157},
-        "The same by the angle that the ball fills at the camera, from one side to the other")
-      .excludes = "--ball-distance";
-  add_forward(o, "--forward", c->forward, "World axis at the centre of latlong and angular images (default: +z)");
+        "Use the fastest filter with errors in the file below E, or exit with 1");
+  add_filter(o, c->convert.filter, "{} (default: auto)");
+  o.add("--samples", "N", &c->samples, range_of(limits::samples),
+        "N x N samples per texel for nearest, bilinear, bicubic (default: 1 or auto)");
+  o.add("--area-error", "E", &c->convert.area_error, range_of(limits::area_error),
+        "Relative error at which 'area' stops (default: 1e-4; with auto 1e-3)");
+  add_costs(o, c->costs);
+  add_read_options(o, c->read);
+  add_repair(o, c->read);
+  o.group = groups::colour;
   add_exposure(o, c->exposure);
   add_grade(o, c->grade);
   o["--scale-to"].excludes = "--exposure";
-  add_border(o, c->write, "--size counts them");
-  add_costs(o, c->costs);
-  add_write_options(o, c->write);
-  add_shard(o, "convert", c->shard);
-  add_read_options(o, c->read);
   add_output_space(o, c->write);
+  o.group = "Photo of a mirror ball (--from sphere)";
+  o.add("--ball-distance", "R", &c->ball_distance, {BallCamera::nearest, BallCamera::farthest},
+        "Camera distance from the ball's centre in ball radii (default: infinite)");
+  o.add("--ball-fov", "DEGREES", &c->ball_fov, {1.2e-4, 157},
+        "Angle that the ball subtends at the camera, instead of --ball-distance")
+      .excludes = "--ball-distance";
+  o.group = "Camera view (--to perspective, fisheye or cylinder)";
+  o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "World direction at the centre of the view (default: 0,0,1)");
+  o.add("--fov", "DEGREES", &c->fov, {0.01, 360},
+        "Vertical field of view (default: perspective 60, fisheye 180, cylinder 90)");
+  o.add("--width", "N", &c->width, range_of(limits::picture_width),
+        "Width, with --size as height (default: height 480, width by projection)");
+  add_display(o, c->display, Display::clip);
+  add_shard(o, "convert", c->shard);
   add_max_memory(o, c->read);
-  add_repair(o, c->read);
   return [c, &o](Report& report) {
     c->one_level = o.given("--level");
     refuse_options(o, c->lens.has_value());

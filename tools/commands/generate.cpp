@@ -75,26 +75,27 @@ int run(const Request& o) {
 
 Action define_generate(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.add("KIND", one_of(r->kind, kinds), "What to make").required = true;
-  o.writes("OUTPUT", r->output, "File to write, '-' for standard output").required = true;
-  add_projection(o, "--to", r->to, "Projection (default: latlong)");
-  add_size(o, &r->size, "Height of a face (default: 256)");
-  add_layout(o, "--layout", r->write.layout, "Where cube faces lie (default: column)");
-  add_forward(o, "--forward", r->forward, "World axis at the centre of a latlong or angular map (default: +z)");
-  o.add("--value", "R,G,B", Triple{&r->value, true}, "Radiance: of all, at the top, of even squares, of the sun");
-  o.add("--value2", "R,G,B", Triple{&r->value2, true}, "Radiance at the bottom, of odd squares (default: 0.1)");
+  o.add("KIND", one_of(r->kind, kinds), "{}").required = true;
+  o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} in the name: six files)").required = true;
+  o.group = "Pattern";
+  o.add("--value", "R,G,B", Triple{&r->value, true}, "Radiance: constant, top of gradient, even squares, sun (default: 1)");
+  o.add("--value2", "R,G,B", Triple{&r->value2, true}, "Radiance: bottom of gradient, odd squares (default: 0.1)");
   o.add("--squares", "N", &r->squares, "checker: squares from pole to pole (default: 8)");
-  o.add("--direction", "X,Y,Z", Triple{&r->towards}, "sun: where it stands (default: 0,0,1)");
-  o.add("--radius", "DEGREES", &r->sun.radius, "sun: its angular radius in degrees (default: 0.2666)");
+  o.add("--direction", "X,Y,Z", Triple{&r->towards}, "sun: direction (default: 0,0,1)");
+  o.add("--radius", "DEGREES", &r->sun.radius, "sun: angular radius in degrees (default: 0.2666)");
   o.add("--zenith", "R,G,B", Triple{&r->zenith, true}, "sun, sky: radiance of the zenith (default: 1)");
-  o.add("--horizon", "R,G,B", Triple{&r->horizon, true},
-        "sun, sky: radiance at the horizon, linear in y from there to the zenith (default: a third of the zenith's)");
+  o.add("--horizon", "R,G,B", Triple{&r->horizon, true}, "sun, sky: radiance of the horizon (default: a third of the zenith's)");
   o.add("--ground", "R,G,B", Triple{&r->ground, true}, "sun, sky: radiance of the ground (default: 0.2)");
-  o.add("--degree", "L", &r->harmonic.degree, "sh: degree of the harmonic (default: 2)");
-  o.add("--order", "M", &r->harmonic.order, "sh: order of the harmonic, -L to L (default: 0)");
-  o.add("--base", "L", &r->harmonic.base, "sh: radiance the harmonic is added to (default: 1)");
+  o.add("--degree", "L", &r->harmonic.degree, "sh: degree l of the harmonic (default: 2)");
+  o.add("--order", "M", &r->harmonic.order, "sh: order m of the harmonic, -L to L (default: 0)");
+  o.add("--base", "L", &r->harmonic.base, "sh: radiance to which the harmonic is added (default: 1)");
   o.add("--amplitude", "A", &r->harmonic.amplitude, "sh: factor of the harmonic (default: 0.5)");
-  add_write_options(o, r->write);
+  o.group = groups::output_map;
+  add_projection(o, "--to PROJECTION", r->to, "{} (default: latlong)");
+  add_size(o, &r->size, "Height of the image or of one cube face (default: 256)");
+  add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
+  add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_write_options(o, r->write, "float, or nearest");
   return [r](Report&) { return run(*r); };
 }
 

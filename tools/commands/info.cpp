@@ -54,7 +54,7 @@ void print_levels(const EnvironmentMap& map) {
 }
 
 int run(Request& o, Report& report) {
-  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
+  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
   o.read.all_levels = o.levels;
   const Source source = read_map(o.input, o.read);
   const MapFacts facts = facts_of(source, o.input, o.read.colour.space, o.towards);
@@ -81,11 +81,11 @@ int run(Request& o, Report& report) {
 
 Action define_info(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("INPUT", r->input, "File to read, '-' for standard input; {face} in the name reads six files")
-      .required = true;
-  o.flag("--levels", r->levels, "Add the table of mip levels and how far the flux of each is off");
-  o.flag("--sampling", r->sampling, "Add the table of texel solid angle and anisotropy from centre to rim");
-  o.add("--towards", "X,Y,Z", Triple{&r->towards}, "What the plane of the illuminance faces (default: up, 0,1,0)");
+  o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face} in the name reads six files)").required = true;
+  o.group = "Facts";
+  o.flag("--levels", r->levels, "Print the size and the flux of every mip level");
+  o.flag("--sampling", r->sampling, "Print solid angle and anisotropy of texels, from the centre to the rim");
+  o.add("--towards", "X,Y,Z", Triple{&r->towards}, "Normal of the plane of the illuminance (default: 0,1,0, up)");
   add_read_options(o, r->read);
   add_max_memory(o, r->read);
   r->read.flaws = FlawPolicy::keep;

@@ -38,7 +38,7 @@ void check_promise(const std::string& output, const Joined& parts, const WriteOp
   const auto was = rounding_of("-", parts.write), is = rounding_of(output, now);
   const auto most = [](const std::optional<Rounding>& r) { return r ? r->largest.value_or(1) : 1; };
   if (most(is) > most(was))
-    throw UsageError(output, "does not hold the --max-error that the parts were made with: leave out --depth and --compression, and write .exr");
+    throw UsageError(output, "cannot keep the --max-error of the parts: remove --depth and --compression, and write .exr");
 }
 
 // The levels that `mipmap` was asked for.
@@ -55,7 +55,7 @@ void add_levels(EnvironmentMap& map, Facts& making, int border) {
 }
 
 int run(Request& o) {
-  if (o.names.size() < 2) throw UsageError("name the parts and the file to write");
+  if (o.names.size() < 2) throw UsageError("needs the parts, and last the file to write");
   const std::string& output = o.names.back();
   const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
   Joined joined = join_parts(parts, o.read.max_pixels);
@@ -70,12 +70,10 @@ int run(Request& o) {
 
 Action define_merge(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.files(
-      r->names, File::inputs_then_output,
-      "Parts, in any order, and last the file to write; '-' is standard output, {face} in its name writes six files");
-  add_layout(o, "--layout", r->write.layout,
-             "Where the output's cube faces lie (default: as the parts were asked for)");
-  add_write_options(o, r->write);
+  o.files(r->names, File::inputs_then_output, "Parts in any order, and last the file to write, or '-' for stdout");
+  add_write_options(o, r->write, "that of the parts");
+  add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: that of the parts)");
+  o.group = groups::input_map;
   add_max_pixels(o, r->read);
   return [r](Report&) { return run(*r); };
 }

@@ -31,7 +31,7 @@ struct Request {
 // A part of level 0: the other levels are made when it is joined with the others.
 void make_part(Request& o, const EnvironmentMap& map) {
   if (settings().json) throw UsageError("--json reports of all levels: leave it out with --shard");
-  if (o.keep) throw UsageError("--shard makes level 0 alone, and merge the others anew: leave out --keep");
+  if (o.keep) throw UsageError("--shard makes level 0 alone, and merge the others anew: remove --keep");
   o.write.facts["whole-levels"] = std::to_string(o.levels);
   o.write.facts["whole-weights"] = weight_names[static_cast<std::size_t>(o.weights)];
   const Rows rows = rows_of(map);
@@ -46,8 +46,8 @@ EnvironmentMap in_frame(EnvironmentMap map, const Frame& frame) {
 }
 
 int run(Request& o, Report& report) {
-  if (o.keep && o.engine) throw UsageError("--for makes levels anew: leave out --keep");
-  if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: leave out --level");
+  if (o.keep && o.engine) throw UsageError("--for makes levels anew: remove --keep");
+  if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: remove --level");
   o.read.all_levels = o.keep;
   choose_working_space(o.read, o.write);
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
@@ -91,26 +91,22 @@ int run(Request& o, Report& report) {
 
 Action define_mipmap(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("INPUT", r->input,
-          "File to read, '-' for standard input; {face} in the name reads six files, {level} one a level")
+  o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face}: six files, {level}: one per level)")
       .required = true;
-  o.writes("OUTPUT", r->output,
-           "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level")
-      .required = true;
-  add_engine(o, r->engine,
-             "Make what this engine loads as its environment, with levels: projection, frame, file type and depth; "
-             "'list' prints the engines");
-  o.add("--levels", "N", &r->levels, range_of(limits::levels), "How many, with the map itself (default: down to one texel)");
-  o.add("--weights", one_of(r->weights, weight_names), "What texels count for in a mean (default: solid-angle)");
-  o.flag("--keep", r->keep, "Keep the levels that the input has, and make those that it lacks");
-  add_layout(o, "--layout", r->write.layout, "Where the output's cube faces lie (default: column)");
-  add_border(o, r->write, "they come round the map as it is, and each level halves with them");
+  o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} and {level} as for INPUT)").required = true;
+  o.group = groups::output_map;
+  o.add("--levels", "N", &r->levels, range_of(limits::levels), "Number of levels, the map included (default: down to one texel)");
+  o.add("--weights", one_of(r->weights, weight_names), "Weights of texels in a mean: {} (default: solid-angle)");
+  o.flag("--keep", r->keep, "Keep the levels of the input, and compute the missing ones");
+  add_engine(o, r->engine, "Projection, orientation and file format of an engine ('list' lists engines)");
+  add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_border(o, r->write, "added to the image size");
   add_write_options(o, r->write);
-  add_shard(o, "mipmap", r->shard);
   add_read_options(o, r->read);
-  add_output_space(o, r->write);
-  add_max_memory(o, r->read);
   add_repair(o, r->read);
+  add_output_space(o, r->write);
+  add_shard(o, "mipmap", r->shard);
+  add_max_memory(o, r->read);
   return [r](Report& report) { return run(*r, report); };
 }
 

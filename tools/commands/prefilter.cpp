@@ -80,9 +80,9 @@ std::vector<Prefilter> levels_of(const Request& o) {
         parameters.push_back(static_cast<double>(k) / (levels - 1));
     }
     if (has_exponent(o.map.shape) && !o.exponent)
-      throw UsageError(fmt::format("--lobe {}: say --exponent M or --exponents A,B,...", name_of(o.map.shape)));
+      throw UsageError(fmt::format("--lobe {}: needs --exponent M or --exponents A,B,...", name_of(o.map.shape)));
     if (has_roughness(o.map.shape) && !o.roughness && levels == 1)
-      throw UsageError(fmt::format("--lobe {}: say --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
+      throw UsageError(fmt::format("--lobe {}: needs --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
     if (o.roughness && levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
   }
   std::vector<Prefilter> all;
@@ -114,9 +114,9 @@ Facts record(const std::vector<Prefilter>& levels) {
 
 // The file does not hold what --max-error asks for: says which depth does.
 [[noreturn]] void refuse(const Request& o, const std::string& what) {
-  const std::string depth = depth_that_holds(o.output, o.write, *o.max_error);
-  throw NotReached(fmt::format("{}: --max-error {:g} is not held by {}; by {} it is", o.output, *o.max_error, what,
-                               depth.empty() ? ".exr of --depth float" : depth));
+  const std::string depth = depth_for_error(o.output, o.write, *o.max_error);
+  throw NotReached(fmt::format("{}: cannot meet --max-error {:g}: {}: use {}", o.output, *o.max_error, what,
+                               depth.empty() ? "an .exr file with --depth float" : depth));
 }
 
 void tell(const Prefilter& p, const BakedLevel& made) {
@@ -148,7 +148,7 @@ void check_brdf_table(const Request& o) {
   if (o.table.empty()) return;
   if (o.lobe && has_exponent(*o.lobe))
     throw UsageError(fmt::format("--brdf-table: --lobe {} has no table: {}", name_of(*o.lobe),
-                                 o.input.empty() ? "choose --lobe ggx or --lobe charlie" : "leave out --brdf-table"));
+                                 o.input.empty() ? "choose --lobe ggx or --lobe charlie" : "remove --brdf-table"));
   check_table(o.table);
 }
 
@@ -170,10 +170,10 @@ void leave_to_prefilter(Request& o, const FileError& error) {
 // Of the one map that is made, what --shard leaves to this run.
 void choose_rows(const Request& o, const std::optional<Rounding>& rounding, std::vector<Prefilter>& wanted) {
   if (!o.shard.part) return;
-  if (wanted.size() > 1) throw UsageError("--shard: a chain is made a level at a time");
-  if (!o.table.empty()) throw UsageError("--shard: --brdf-table is made by itself");
+  if (wanted.size() > 1) throw UsageError("--shard: use one command per level of a chain");
+  if (!o.table.empty()) throw UsageError("--shard: use a separate command for --brdf-table");
   if (o.max_error && (!rounding || rounding->read_back))
-    throw UsageError("--shard: --max-error needs --depth float, since what a depth rounds by is known of the whole map alone");
+    throw UsageError("--shard: --max-error needs --depth float, because the rounding of other depths depends on the whole map");
   Prefilter& p = wanted.front();
   const Grid grid = part_grid(o.write, p.to);
   p.rows = shown_rows(grid, p.size, band_of(grid.rows * p.size, *o.shard.part));
@@ -186,7 +186,7 @@ const EngineMap* settle_engine(Request& o) {
   settle(*o.engine, map, o.output, o.to, o.forward, o.write);
   if (map.diffuse > 0 && !o.size) o.size = map.diffuse;
   if (!map.chain) return &map;
-  if (o.scale) throw UsageError(fmt::format("--for {}: its levels keep white as it is: leave out --scale", o.engine->name));
+  if (o.scale) throw UsageError(fmt::format("--for {}: its levels keep white as it is: remove --scale", o.engine->name));
   if (!o.size) o.size = map.chain->size;
   o.map.shape = o.lobe.value_or(Shape::ggx);
   if (o.map.shape == Shape::ggx && !o.roughness && o.roughnesses.empty())
@@ -239,12 +239,12 @@ EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted
 
 int run(Request& o, Report& report) {
   if (o.input.empty() != o.output.empty() || (o.input.empty() && o.table.empty()))
-    throw UsageError("name an INPUT and an OUTPUT, or --brdf-table FILE alone");
-  if (settings().json && o.input.empty()) throw UsageError("--json reports of a map: name an INPUT and an OUTPUT");
+    throw UsageError("needs INPUT and OUTPUT, or only --brdf-table FILE");
+  if (settings().json && o.input.empty()) throw UsageError("--json: needs INPUT and OUTPUT");
   check_brdf_table(o);
   if (o.input.empty()) return table_alone(o);
   choose_working_space(o.read, o.write);
-  if (out_of_working(o.write.colour).apply) throw UsageError("--output-space: light that was averaged is written to a linear space");
+  if (out_of_working(o.write.colour).apply) throw UsageError("--output-space: must be a linear space for prefiltered light");
   o.read.assumed_forward = o.forward;
   o.map.shape = o.lobe.value_or(Shape::diffuse);
   const EngineMap* engine = settle_engine(o);
@@ -286,43 +286,36 @@ int run(Request& o, Report& report) {
 
 Action define_prefilter(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("INPUT", r->input,
-          "File to read, '-' for standard input; {face} in the name reads six files, {level} one a level");
-  o.writes("OUTPUT", r->output,
-           "File to write, '-' for standard output; {face} in the name writes six files, {level} one a level");
-  add_engine(o, r->engine,
-             "Make what this engine loads: its frame, file type and depth, and its levels of GGX or, with --lobe "
-             "diffuse, its diffuse map; 'list' prints "
-             "the engines");
-  o.add("--lobe", one_of(r->lobe, shape_names),
-        "The material's lobe (default: diffuse; ggx for engines that take a chain of it)");
-  o.add("--exponent", "M", &r->exponent, range_of(limits::exponent), "M of phong and blinn-phong, 0 to 1e9");
-  o.add("--exponents", "M,...", &r->exponents, range_of(limits::exponent), "One for each level");
+  o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face}: six files, {level}: one per level)");
+  o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} and {level} as for INPUT)");
+  o.group = "Lobe and levels";
+  o.add("--lobe", one_of(r->lobe, shape_names), "{} (default: diffuse, or the engine's)");
   o.add("--roughness", "R", &r->roughness, range_of(limits::roughness), "Perceptual roughness of ggx and charlie, 0 to 1");
-  o.add("--roughnesses", "R,...", &r->roughnesses, range_of(limits::roughness), "One for each level");
-  o.add("--levels", "N", &r->levels, {1, 17},
-        "Levels of the chain (default: 1; with --for as many as the engine takes)");
-  o.add("--scale", "K", &r->scale, range_of(limits::scale), "The factor k (default: white stays 1)");
-  add_projection(o, "--to", r->to, "Projection of the output (default: cube)");
-  add_size(o, &r->size,
-           "Height of a face (default: 64 a cube's face for diffuse, the engine's for --for, else the input's degrees "
-           "per texel)");
-  add_layout(o, "--layout", r->write.layout, "Where the output's cube faces lie (default: column)");
-  add_forward(o, "--forward", r->forward, "World axis at the centre of latlong and angular images (default: +z)");
-  o.add("--method", one_of(r->map.method, method_names), "How it is worked out (default: auto)");
+  o.add("--exponent", "M", &r->exponent, range_of(limits::exponent), "Exponent of phong and blinn-phong, 0 to 1e9");
+  o.add("--levels", "N", &r->levels, {1, 17}, "Levels of the chain (default: 1; with --for, the engine's number)");
+  o.add("--roughnesses", "R,...", &r->roughnesses, range_of(limits::roughness), "Roughness of each level");
+  o.add("--exponents", "M,...", &r->exponents, range_of(limits::exponent), "Exponent of each level");
+  o.add("--scale", "K", &r->scale, range_of(limits::scale), "Multiply the map by K instead of keeping white at 1");
+  add_engine(o, r->engine, "Levels, orientation and file format of an engine ('list' lists engines)");
+  o.group = groups::output_map;
+  add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
+  add_size(o, &r->size, "Height of a face (default: diffuse 64; others the engine's or input's)");
+  add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
+  add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_border(o, r->write, "part of --size");
+  o.group = groups::quality;
   o.add("--max-error", "E", &r->max_error, {1e-7, 10},
-        "Largest error of a texel of the file, relative to it or to 0.001 x the mean (default: 1e-3, and what the "
-        "file's depth rounds by)");
-  o.add("--brdf-table", "FILE", &r->table, "Write the split sum's table of scale and bias, too; with --lobe charlie the albedo of sheen").file = File::output;
-  o.add("--table-size", "N", &r->table_size, range_of(limits::table_size), "Texels a side of that table (default: 128)");
-  add_border(o, r->write, "--size counts them, in each level");
-  add_depth(o, r->write), add_format(o, r->write), add_clamp(o, r->write);
-  add_shard(o, "prefilter", r->shard);
-  add_file_options(o, r->write);
+        "Largest error of a texel, rounding included (default: 1e-3 + rounding)");
+  o.add("--method", one_of(r->map.method, method_names), "{} (default: auto)");
   add_costs(o, r->costs);
+  add_write_options(o, r->write);
+  o.group = "BRDF table";
+  o.add("--brdf-table", "FILE", &r->table, "Write the split-sum table of ggx, or the sheen albedo of charlie").file = File::output;
+  o.add("--table-size", "N", &r->table_size, range_of(limits::table_size), "Width and height of the table (default: 128)");
   add_read_options(o, r->read);
-  add_output_space(o, r->write);
   add_repair(o, r->read);
+  add_output_space(o, r->write);
+  add_shard(o, "prefilter", r->shard);
   return [r](Report& report) { return run(*r, report); };
 }
 

@@ -93,19 +93,21 @@ int run(Request& o, Report& report) {
 
 Action define_sh(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("INPUT", r->input, "File to read, '-' for standard input; {face} in the name reads six files")
-      .required = true;
-  o.add("--order", "N", &r->order, range_of(limits::order), "The largest degree l (default: 2)");
-  o.flag("--irradiance", r->irradiance, "Coefficients of the irradiance, not of the radiance");
+  o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face} in the name reads six files)").required = true;
+  o.group = "Coefficients";
+  o.add("--order", "N", &r->order, range_of(limits::order), "Largest degree l (default: 2)");
+  o.flag("--irradiance", r->irradiance, "Print coefficients of the irradiance instead of the radiance");
   o.add("--window", one_of(r->window, window_names),
-        "Less ringing round bright lights for less detail (default: none; --window alone: hann)")
+        "Reduce ringing around lights: {} (default: none; bare: hann)")
       .alone = "hann";
-  o.add("--evaluate", "OUT", &r->output, "Write the series as a map, too; below 0 it is cut to 0").file = File::output;
-  add_projection(o, "--to", r->to, "Projection of that map (default: cube)");
-  add_size(o, &r->size, "Height of its faces (default: 64)");
-  add_layout(o, "--layout", r->write.layout, "Where its cube faces lie (default: column)");
-  add_forward(o, "--forward", r->forward, "World axis at the centre of latlong and angular images (default: +z)");
-  add_depth(o, r->write);
+  o.group = groups::output_map;
+  o.add("--evaluate", "FILE", &r->output, "Write the series as a map, with negative values clamped to 0").file = File::output;
+  add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
+  add_size(o, &r->size, "Height of the image or of one cube face (default: 64)");
+  add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
+  o.group = groups::output_file;
+  add_depth(o, r->write, "float, or nearest");
   add_format(o, r->write);
   add_clamp(o, r->write);
   add_read_options(o, r->read);

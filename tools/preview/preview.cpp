@@ -125,18 +125,18 @@ int width_of(const std::vector<TileRow>& rows) {
 }
 
 void check_page(Request& o) {
-  if (o.names.size() != 1) throw UsageError("--html: name one map, and no picture");
+  if (o.names.size() != 1) throw UsageError("--html takes exactly one map and no output image");
   if (o.sheet || o.levels || o.marks || o.balls || o.histogram || o.face || o.view)
-    throw UsageError("--html has all of a map: leave out --sheet, --marks, --levels, --balls, --histogram, --face and --view");
+    throw UsageError("--html has all of a map: remove --sheet, --marks, --levels, --balls, --histogram, --face and --view");
   o.read.all_levels = o.read.level == 0;
 }
 
 void check(Request& o) {
   if (o.sheet) o.marks = o.balls = o.histogram = o.levels = true;
-  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: leave out --level");
+  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
   if (!o.html.empty()) return check_page(o);
   if (o.size > 0) throw UsageError("--size is for --html");
-  if (o.names.size() < 2) throw UsageError("name at least one map and the picture to write");
+  if (o.names.size() < 2) throw UsageError("needs at least one map, and last the picture to write");
   if (const std::string extension = std::filesystem::path(o.names.back()).extension().string();
       o.names.back() != "-" && extension != ".png" && extension != ".jpg")
     throw UsageError(o.names.back(), "the picture must be a .png or .jpg");
@@ -185,28 +185,25 @@ int run(Request& o) {
 }
 
 void add_parts(Options& o, Request& r) {
-  o.flag("--sheet", r.sheet, "All of --marks, --levels, --balls and --histogram");
-  o.flag("--marks", r.marks,
-         "Mark the world's axes, the horizon, the faces of cubes, and by a ring the brightest direction");
+  o.group = "Picture";
+  o.flag("--sheet", r.sheet, "Draw --marks, --levels, --balls and --histogram");
+  o.flag("--marks", r.marks, "Mark the world axes, the horizon, cube faces and the brightest direction");
   o.flag("--levels", r.levels, "Draw all mip levels of each map");
-  o.flag("--balls", r.balls,
-         "Draw balls that each map lights, seen from the middle of its image (+Z) as a mirror ball is: a mirror, white "
-         "metal "
-         "of GGX roughness 0.25, 0.5 and 0.75, white diffuse");
-  o.flag("--histogram", r.histogram, "Draw which share of the sphere, and of the light, each luminance has, in stops");
-  o.add("--face", one_of(r.face, cube_face_names), "Draw one face of a cube alone, or pz or nz of a paraboloid map");
+  o.flag("--balls", r.balls, "Draw a mirror, rough metal and white diffuse balls lit by each map");
+  o.flag("--histogram", r.histogram, "Draw a histogram of luminance in stops, by solid angle and by light");
+  o.add("--face", one_of(r.face, cube_face_names), "Draw one face of a cube or paraboloid map: {}");
+  o.add("--height", "N", &r.height, {16, 4096}, "Height of each picture (default: 256)");
+  o.add("--columns", "N", &r.columns, {1, 64}, "Pictures per row (default: 3)");
 }
 
 void add_tone_curve(Options& o, Request& r) {
+  o.group = "Exposure and tone curve";
   o.add("--exposure", "STOPS", &r.exposure, {-100, 100},
-        "Multiply radiance by 2^STOPS before the tone curve (default: the mean becomes middle grey; "
-        "0 where the first file is of 8 or 16 bits)");
-  o.add("--percentile", "P", &r.percentile, {0, 100},
-        "Expose so that P percent of the sphere are at most 1 before the tone curve, to a sixteenth of a stop")
+        "Multiply radiance by 2^STOPS (default: mean becomes middle grey)");
+  o.add("--percentile", "P", &r.percentile, {0, 100}, "Expose so that P percent of the sphere is at most 1")
       .excludes = "--exposure";
   add_display(o, r.display, Display::reinhard);
-  o.add("--view", "VIEW", &r.view,
-        "Instead of --display: a view of the config of --ocio, VIEW of its default display or DISPLAY:VIEW")
+  o.add("--view", "VIEW", &r.view, "OpenColorIO view instead of --display: VIEW or DISPLAY:VIEW")
       .excludes = "--display";
 }
 
@@ -214,15 +211,12 @@ void add_tone_curve(Options& o, Request& r) {
 
 Action define_preview(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.files(r->names, File::inputs_then_output,
-          "Maps to draw, and last the PNG or JPEG to write unless --html; '-' is standard input or output");
-  add_tone_curve(o, *r);
+  o.files(r->names, File::inputs_then_output, "Maps, and last the .png or .jpg to write (not with --html)");
   add_parts(o, *r);
-  o.add("--height", "N", &r->height, {16, 4096}, "Height of each picture (default: 256)");
-  o.add("--columns", "N", &r->columns, {1, 64}, "Pictures side by side (default: 3)");
-  o.add("--html", "FILE", &r->html, "Write a page of one map instead of a picture");
-  o.add("--size", "N", &r->size, {16, 2048},
-        "Of a face of the cubes in the page (default: as fine as the map, up to 256)");
+  add_tone_curve(o, *r);
+  o.group = "Page";
+  o.add("--html", "FILE", &r->html, "Write an interactive page of one map instead of a picture");
+  o.add("--size", "N", &r->size, {16, 2048}, "Height of the cube faces in the page (default: the map's, at most 256)");
   add_read_options(o, r->read);
   add_repair(o, r->read);
   return [r](Report&) { return run(*r); };

@@ -31,7 +31,7 @@ MirrorWish wish(const Scene& scene, const std::string& text) {
     if (node && to && std::ranges::find(map_names, name(*to)) != std::end(map_names)) return {*node, false, to};
   }
   throw UsageError(
-      fmt::format("--mirror: '{}' is no node, nor a node with :sphere, :paraboloid, :cube or :off behind it", text));
+      fmt::format("--mirror: '{}' must be a node of the scene, or NODE:sphere, NODE:paraboloid, NODE:cube or NODE:off", text));
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ std::vector<Mirror> mirrors_of(const Scene& scene, const std::vector<std::string
     const MirrorWish wished = wish(scene, text);
     const bool is_empty = std::ranges::none_of(
         instances(scene), [&](const Instance& instance) { return lies_under(scene, instance.node, wished.node); });
-    if (is_empty) throw UsageError(fmt::format("--mirror: '{}' holds nothing that is drawn: no mirror", text));
+    if (is_empty) throw UsageError(fmt::format("--mirror: '{}' has no triangles", text));
     decided.push_back(wished.node);
     if (!wished.off) all.push_back(make_mirror(scene, wished.node, wished.to.value_or(maps)));
   }
@@ -54,7 +54,7 @@ std::vector<Mirror> mirrors_of(const Scene& scene, const std::vector<std::string
 
 std::vector<std::string> map_files(const std::string& folder, const Scene& scene, const std::vector<int>& nodes) {
   std::vector<std::string> files;
-  if (!std::filesystem::is_directory(folder)) throw UsageError(folder, "is no folder to save maps in");
+  if (!std::filesystem::is_directory(folder)) throw UsageError(folder, "is not a folder: create it first");
   for (const int node : nodes) {
     std::string name = scene.nodes[static_cast<std::size_t>(node)].name;
     const auto ends_names = [](unsigned char c) {

@@ -71,14 +71,14 @@ Direction direction(const Request& o, const Scene& scene, const Pose& pose) {
   if (const auto along = triple_of(o.forward)) return *along;
   if (const auto there = direction_to(scene, pose, o.from.at, o.forward)) return *there;
   if (o.forward == "camera") throw UsageError(fmt::format("--forward: {} has no camera", o.scene.path));
-  throw UsageError(fmt::format("--forward: '{}' is no axis (+z, -z, +x, -x), no X,Y,Z, no node of {} and not 'camera'",
+  throw UsageError(fmt::format("--forward: '{}' must be +z, -z, +x, -x, X,Y,Z, a node of {} or 'camera'",
                                o.forward, o.scene.path));
 }
 
 void check(const Request& o) {
-  if (o.from.near >= o.from.far) throw UsageError("--near: not below --far");
+  if (o.from.near >= o.from.far) throw UsageError("--near must be less than --far");
   if (forward_named(o.forward) && !has_forward(o.from.to))
-    throw UsageError("--forward: an axis is for latlong and angular maps; others take a node, X,Y,Z or camera");
+    throw UsageError("--forward: an axis needs a latlong or angular map: use a node, X,Y,Z or camera");
   if (o.method == DrawMethod::raycast) check_no_context(o.scene);
   const bool distorts = o.method == DrawMethod::distort || o.method == DrawMethod::tessellate;
   if (o.from.epsilon > 0 && !distorts) throw UsageError("--epsilon is for --method distort and tessellate");
@@ -152,30 +152,29 @@ int run(Request& o, Report& report) {
 Action define_render(Options& o) {
   const auto r = std::make_shared<Request>();
   add_scene(o, r->scene);
-  o.writes("OUTPUT", r->output,
-           "File to write, '-' for standard output; {face} in the name writes six files, {half} a paraboloid's two, "
-           "{frame} or %04d one a frame")
+  o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face}: six files, {frame}: one per frame)")
       .required = true;
-  add_projection(o, "--to", r->to, "Projection of the map (default: cube)");
-  o.add("--at", "NODE|X,Y,Z", &r->at, "Where from: a node of the scene, or a place (default: 0,0,0)");
-  add_size(o, &r->from.size, "Height of a face (default: 256)");
-  o.add("--samples", "N", &r->from.samples, {1, 1024}, "Rays a texel (default: 1)");
-  o.add("--near", "METRES", &r->from.near, {1e-9, 1e9}, "Nothing nearer is drawn (default: 0.01)");
-  o.add("--far", "METRES", &r->from.far, {1e-9, 1e12}, "Nothing further is drawn (default: 1000)");
-  o.add("--bounces", "N", &r->bounces, {0, 64},
-        "Mirrors and glass show what is round them, and each other: so many rounds of their maps, or so often a ray is "
-        "followed (default: 0; they show the environment alone)");
-  o.add("--method", one_of(r->method, draw_method_names), "How it is drawn (default: auto)");
+  o.group = groups::output_map;
+  o.add("--at", "NODE|X,Y,Z", &r->at, "Centre of the map: a node of the scene or a point (default: 0,0,0)");
+  add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
+  add_size(o, &r->from.size, "Height of the image or of one cube face (default: 256)");
   o.add("--forward", "AXIS|NODE|X,Y,Z|camera", &r->forward,
-        "World axis at the centre of latlong and angular maps: +z, -z, +x or -x (default: +z). Of any map, what its +Z "
-        "looks at: a node, a direction, or 'camera', the scene's first, as the sphere maps of viewers have it; the map "
-        "is turned then");
+        "Axis, node, direction or camera at the centre");
+  o.add("--near", "METRES", &r->from.near, {1e-9, 1e9}, "Distance of the near plane (default: 0.01)");
+  o.add("--far", "METRES", &r->from.far, {1e-9, 1e12}, "Distance of the far plane (default: 1000)");
+  add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_light(o, r->scene);
+  add_context(o, r->scene);
+  o.add("--method", one_of(r->method, draw_method_names), "{} (default: auto)");
+  o.add("--samples", "N", &r->from.samples, {1, 1024}, "Rays per texel (default: 1)");
+  o.add("--bounces", "N", &r->bounces, {0, 64},
+        "Reflections between mirrors (0: of the environment only) (default: 0)");
   o.add("--epsilon", "Z", &r->from.epsilon, {1e-6, 1},
-        "distort, tessellate: move vertices with z < -1 + Z to infinity (default: paraboloids 0.5, other maps "
-        "0.05 for distort and 0.01 for tessellate)");
-  add_layout(o, "--layout", r->write.layout, "Where cube faces lie (default: column)");
+        "distort, tessellate: move vertices with z < -1 + Z to infinity");
   add_costs(o, r->costs);
-  add_write_options(o, r->write);
+  add_frames(o, r->scene);
+  add_write_options(o, r->write, "float, or nearest");
+  add_scene_input(o, r->scene);
   return [r](Report& report) { return run(*r, report); };
 }
 

@@ -17,26 +17,40 @@ namespace tools {
 using namespace envmap;
 
 void add_scene(Options& o, SceneOptions& s) {
-  o.reads("SCENE", s.path, "File to read: .gltf, .glb or .obj, '-' for standard input").required = true;
-  o.add("--context", one_of(s.context, context_names), "OpenGL through OSMesa (CPU) or through EGL (GPU or CPU) (default: auto)");
-  o.add("--environment", "FILE", &s.environment, "Map that is the background and a light").file = File::input;
+  o.reads("SCENE", s.path, "Scene to read: .gltf, .glb or .obj, '-' for stdin").required = true;
+}
+
+void add_light(Options& o, SceneOptions& s) {
+  o.group = groups::light;
+  o.add("--environment", "FILE", &s.environment, "Environment map for background and lighting").file = File::input;
   o.add("--ambient", "R,G,B", Triple{&s.ambient, true},
-        "Radiance from everywhere, which nothing keeps off (default: 0)");
-  o.flag("--no-shadows", s.no_shadows, "Let punctual lights shine through everything");
+        "Uniform radiance from all directions, without occlusion (default: 0)");
+  o.flag("--no-shadows", s.no_shadows, "Draw point, spot and directional lights without shadows");
   o.add("--occlusion", "N", &s.occlusion, {0, most_distant_lights},
-        "Distant lights that stand for the environment where surfaces keep its diffuse light from each other; 0: it "
-        "shines "
-        "through everything (default: 64)");
-  o.add("--time", "T", &s.time, {-1e6, 1e6}, "Of animations, in seconds (default: 0)");
-  o.add("--frames", "A:B", &s.frames, "Draw the frames A to B, a file each");
-  o.add("--fps", "F", &s.rate, {1e-3, 1e6}, "Frames a second (default: 24)");
+        "Lights that approximate the environment's shadows (0: none) (default: 64)");
+}
+
+void add_frames(Options& o, SceneOptions& s) {
+  o.group = "Animation";
+  o.add("--time", "T", &s.time, {-1e6, 1e6}, "Time of the animation in seconds (default: 0)");
+  o.add("--frames", "A:B", &s.frames, "Draw frames A to B, one file each (put {frame} or %04d into OUTPUT)");
+  o.add("--fps", "F", &s.rate, {1e-3, 1e6}, "Frames per second (default: 24)");
+}
+
+void add_context(Options& o, SceneOptions& s) {
+  o.group = "Drawing";
+  o.add("--context", one_of(s.context, context_names), "OpenGL renderer: {} (default: auto)");
+}
+
+void add_scene_input(Options& o, SceneOptions& s) {
+  o.group = groups::input_map;
   add_max_pixels(o, s.read);
   add_repair(o, s.read);
 }
 
 void check_no_context(const SceneOptions& o) {
   if (o.context != ContextKind::automatic)
-    throw UsageError("--context is for OpenGL, which --method raycast does not use: leave out one of them");
+    throw UsageError("--context is for OpenGL, which --method raycast does not use: remove one of them");
 }
 
 std::string Frames::path(const std::string& output, int frame) const {
@@ -44,7 +58,7 @@ std::string Frames::path(const std::string& output, int frame) const {
   static const std::regex mark(R"(\{frame\}|%0?(\d?)d)");
   std::smatch found;
   if (!std::regex_search(output, found, mark))
-    throw UsageError(fmt::format("{}: a file a frame wants {{frame}} or %04d in its name", output));
+    throw UsageError(fmt::format("{}: the name must contain {{frame}} or %04d for --frames", output));
   const int digits = found[0].str().front() == '{' ? 4 : found[1].length() > 0 ? std::stoi(found[1]) : 1;
   return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
 }
@@ -101,7 +115,7 @@ Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::str
   } else if (const auto place = triple_of(at)) {
     from.at = *place;
   } else {
-    throw UsageError(fmt::format("--at: '{}' is no node of {} and not X,Y,Z", at, path));
+    throw UsageError(fmt::format("--at: '{}' is neither a node of {} nor a point X,Y,Z", at, path));
   }
   return from;
 }
@@ -114,7 +128,7 @@ bool is_dark(const LoadedScene& loaded, const SceneOptions& o) {
 
 void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
   if (is_dark(loaded, o))
-    warn(fmt::format("{}: no light in it and none given, so it is black: say --environment MAP or --ambient 1", o.path));
+    warn(fmt::format("{}: the scene has no light and is black: use --environment MAP or --ambient 1", o.path));
 }
 
 void tell_rate(const Frames& frames, double seconds) {

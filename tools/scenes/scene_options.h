@@ -24,7 +24,11 @@ struct SceneOptions {
   double time = 0, rate = 24;
   envmap::ReadOptions read;
 };
-void add_scene(Options& o, SceneOptions& scene);
+void add_scene(Options& o, SceneOptions& scene);  ///< The argument. The others add a group each.
+void add_light(Options& o, SceneOptions& scene);
+void add_context(Options& o, SceneOptions& scene);
+void add_frames(Options& o, SceneOptions& scene);
+void add_scene_input(Options& o, SceneOptions& scene);
 /// For --method raycast. @throws UsageError where --context is given, which rays have no use for.
 void check_no_context(const SceneOptions& options);
 

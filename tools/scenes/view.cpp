@@ -141,10 +141,10 @@ void check(const Request& o) {
                        });
   if (o.method == Through::rays && of_maps)
     throw UsageError(
-        "--method raycast draws no maps: leave out --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all and NODE:MAP");
+        "--method raycast draws no maps: remove --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all and NODE:MAP");
   if (o.max_error && (of_maps || o.method == Through::rays || o.drawing.bounces))
     throw UsageError(
-        "--max-error chooses how mirrors are drawn: leave out --method, --maps, --size, --max-size, --lookup, --bounces, --show-maps, --save-maps, "
+        "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, --show-maps, --save-maps, "
         "--all and NODE:MAP");
   if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
 }
@@ -199,7 +199,7 @@ int run(Request& o) {
   if (!is_picture(frames.path(o.output, frames.first), how))
     throw UsageError(o.output, "the picture must be a .png, .jpg, .exr or .hdr");
   if (o.display && is_linear_picture(frames.path(o.output, frames.first), how))
-    throw UsageError(o.output, "holds radiance as it is: leave out --display");
+    throw UsageError(o.output, "holds radiance as it is: remove --display");
   std::vector<std::string> outputs;
   for (const std::string& path : frames.paths(o.output)) std::ranges::copy(eye_files(path), std::back_inserter(outputs));
   check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
@@ -244,61 +244,51 @@ int run(Request& o) {
 Action define_view(Options& o) {
   const auto r = std::make_shared<Request>();
   add_scene(o, r->scene);
-  o.writes(
-       "OUTPUT", r->output,
-       "Picture to write: .png, .jpg, .exr or .hdr, '-' for standard output; {frame} or %04d in the name is the frame")
-      .required = true;
-  o.add("--format", "EXT", &r->format, "File type, for '-' and names without one (default: png)");
+  o.writes("OUTPUT", r->output, "Picture: .png .jpg .exr .hdr, or '-' for stdout ({frame}: one per frame)").required = true;
+  o.group = "Camera";
   o.add("--camera", "NAME|X,Y,Z", &r->from.camera,
-        "Camera of the scene, by its name or its node's, or a point in the world (default: the first, or one that sees "
-        "all)");
+        "Camera of the scene, or a point (default: the first, or one for all)");
   o.add("--look-at", "X,Y,Z", Triple{&r->from.look_at},
-        "Point in the middle of the picture (default: where the camera looks; of a point, the middle of the scene)");
-  o.add("--fov", "DEGREES", &r->from.fov, {0.01, 179},
-        "Angle from the bottom to the top of the picture (default: the camera's, or 40)");
-  o.add("--orbit", "DEGREES", &r->from.orbit, {-36000, 36000},
-        "Over all --frames, carry the camera round what it looks at, or the middle of the scene (default: 0)");
-  o.add("--width", "N", &r->width, {1, 16384}, "Of the picture (default: 640)");
-  o.add("--height", "N", &r->height, {1, 16384}, "Of the picture (default: 480)");
-  o.add("--samples", "N", &r->samples, {1, 1024}, "Rays a pixel (default: 4)");
-  o.add("--method", one_of(r->method, method_names),
-        "How mirrors find what they show: in dynamic maps, or by rays, the reference (default: maps)");
-  o.add("--exposure", "STOPS", &r->exposure, {-100, 100}, "Stops (default: 0)");
+        "Point at the centre (default: the camera's, or the scene's middle)");
+  o.add("--fov", "DEGREES", &r->from.fov, {0.01, 179}, "Vertical field of view (default: the camera's, or 40)");
+  o.add("--orbit", "DEGREES", &r->from.orbit, {-36000, 36000}, "Orbit the camera by this angle during --frames (default: 0)");
+  o.group = "Picture";
+  o.add("--width", "N", &r->width, {1, 16384}, "Width in pixels (default: 640)");
+  o.add("--height", "N", &r->height, {1, 16384}, "Height in pixels (default: 480)");
+  o.add("--samples", "N", &r->samples, {1, 1024}, "Rays per pixel (default: 4)");
+  o.add("--exposure", "STOPS", &r->exposure, {-100, 100}, "Multiply radiance by 2^STOPS (default: 0)");
   add_display(o, r->display, Display::clip);
+  o.add("--anaglyph", "METRES", &r->anaglyph, {1e-9, 1e9},
+        "Red-cyan stereo picture with this eye distance ({eye}: three files)");
+  o.add("--format", "EXT", &r->format, "File type for '-' or a name without extension (default: png)");
+  add_light(o, r->scene);
+  o.group = "Mirrors";
+  o.add("--method", one_of(r->method, method_names), "How mirrors are drawn: {}, the reference (default: maps)");
   o.add(
-      "--maps", joined(map_names),
+      "--maps PROJECTION", joined(map_names),
       [&maps = r->maps](const std::string& word) {
         if (index_of(word, map_names) >= 0) maps = projection_named(word);
         return index_of(word, map_names) >= 0;
       },
-      "Projection of the mirrors' maps (default: paraboloid)");
-  o.add("--size", "N", &r->drawing.size, {4, 8192}, "Height of a face of the maps (default: what the picture needs)");
-  o.add("--max-size", "N", &r->drawing.largest, {4, 8192}, "The most that it may be (default: 1024)");
-  o.add("--mirror", "NODE", &r->mirrors,
-        "A node that is a mirror, too; with :sphere, :paraboloid or :cube behind it mapped so; with :off no mirror, "
-        "though its material says so: it shows the environment. May be given more than once")
+      "Projection of mirror maps: {} (default: paraboloid)");
+  o.add("--size", "N", &r->drawing.size, {4, 8192}, "Height of a map or cube face (default: as the picture needs)");
+  o.add("--max-size", "N", &r->drawing.largest, {4, 8192}, "Upper limit of the automatic size (default: 1024)");
+  o.add("--mirror", "NODE[:HOW]", &r->mirrors,
+        "Draw a node as a mirror (HOW: sphere paraboloid cube off), repeatable")
       .several = Several::repeated;
   o.add("--bounces", "N", &r->drawing.bounces, {1, 64},
-        "Rounds in which mirrors draw each other, a frame (default: in the first one until nothing changes by more "
-        "than 1/255, then 1); how often a ray is followed (default: 32)");
-  o.add("--near", "METRES", &r->drawing.near, {1e-9, 1e9},
-        "Nothing nearer to a mirror's middle is in its map (default: 0.01)");
-  o.add("--far", "METRES", &r->drawing.far, {1e-9, 1e12}, "Nothing further is (default: 1000)");
-  o.add("--lookup", one_of(r->lookup, mirror_lookup_names),
-        "How maps are looked up: by direction, as if all were far away; where rays meet what is at a distance; by "
-        "direction at vertices, as it used to be done (default: distance)");
-  o.add(
-      "--max-error", "E", &r->max_error, {1e-6, 10},
-      "Draw mirrors by the smallest maps whose picture is off by E at most, as the rms of the difference over that of "
-      "the picture by rays, or by rays: tried in all of it, of --frames in the first, the middle and the last one");
-  o.flag("--show-maps", r->look.tinted, "Tint what mirrors show by the face of the map");
-  o.add("--save-maps", "FOLDER", &r->saved,
-        "Write the map of each mirror that is drawn into this folder, too: NODE.exr, of frames NODE.0001.exr, along "
-        "the axes of the world");
-  o.add("--anaglyph", "METRES", &r->anaglyph, {1e-9, 1e9},
-        "Two eyes so far apart; both see the same at 30 times the distance. {eye} in OUTPUT writes three files: left, "
-        "right and both");
-  o.flag("--all", r->drawing.all, "Draw all of every map, needed or not");
+        "Reflections between mirrors per frame (default: first all, then 1)");
+  o.add("--lookup", one_of(r->lookup, mirror_lookup_names), "How maps are looked up: {} (default: distance)");
+  o.add("--max-error", "E", &r->max_error, {1e-6, 10},
+        "Use the smallest maps whose picture is within rms E of ray casting");
+  o.add("--near", "METRES", &r->drawing.near, {1e-9, 1e9}, "Distance of the near plane of maps (default: 0.01)");
+  o.add("--far", "METRES", &r->drawing.far, {1e-9, 1e12}, "Distance of the far plane of maps (default: 1000)");
+  o.flag("--all", r->drawing.all, "Draw every part of every map, needed or not");
+  o.flag("--show-maps", r->look.tinted, "Tint reflections by the face of the map that they come from");
+  o.add("--save-maps", "FOLDER", &r->saved, "Write the map of each mirror into this folder as NODE.exr");
+  add_context(o, r->scene);
+  add_frames(o, r->scene);
+  add_scene_input(o, r->scene);
   return [r](Report&) { return run(*r); };
 }
 

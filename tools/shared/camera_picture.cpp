@@ -34,7 +34,7 @@ int take_photograph(const PhotographJob& job, Report& report) {
   const PictureOptions how{job.format, job.display.value_or(Display::clip), settings().commit};
   if (!is_picture(job.output, how)) throw UsageError(job.output, "the picture must be a .png, .jpg, .exr or .hdr");
   if (job.display && is_linear_picture(job.output, how))
-    throw UsageError(job.output, "holds radiance as it is: leave out --display");
+    throw UsageError(job.output, "holds radiance as it is: remove --display");
   Source source = read_map(job.input, job.read);
   grade(source, job.grade, job.read.colour);
   PhotographOptions options = settled(job);

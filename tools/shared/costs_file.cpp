@@ -31,12 +31,12 @@ Costs read_costs(const std::string& path) {
   const auto& figures = json["nanoseconds"];
   for (const auto& [name, value] : figures.items())
     if (std::ranges::find(cost_facts(), name, &CostFact::name) == cost_facts().end())
-      throw InputError(path, fmt::format("'{}' is no figure that is known here; calibrate anew", printable(name.substr(0, 40))));
+      throw InputError(path, fmt::format("'{}' is not a known timing: run 'envmap tradeoff --calibrate' again", printable(name.substr(0, 40))));
   Costs costs;
   for (std::size_t k = 0; k < cost_count; ++k) {
     const std::string name(cost_facts()[k].name);
     if (!figures.contains(name)) throw InputError(path, fmt::format("has no figure '{}'; calibrate anew", name));
-    if (!figures[name].is_number()) throw InputError(path, fmt::format("'{}' is no number", name));
+    if (!figures[name].is_number()) throw InputError(path, fmt::format("'{}' must be a number", name));
     costs.nanoseconds[k] = figures[name].get<double>();
     if (!(costs.nanoseconds[k] > 0 && costs.nanoseconds[k] <= most))
       throw InputError(path, fmt::format("'{}' is not above 0 and up to 1e12", name));

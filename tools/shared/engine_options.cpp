@@ -18,7 +18,7 @@ using namespace envmap;
 namespace {
 
 [[noreturn]] void contradict(const Engine& e, const EngineMap& map, const std::string& what) {
-  throw UsageError(fmt::format("--for {}: {} takes {} in .{} files: leave out {}", e.name, e.title, frame_words(map.frame),
+  throw UsageError(fmt::format("--for {}: {} loads {} from .{} files: remove {}", e.name, e.title, frame_words(map.frame),
                                extension_of(map.file), what));
 }
 
@@ -30,29 +30,57 @@ std::string engine_names() {
   return joined(names);
 }
 
-Option& add_engine(Options& o, const Engine*& engine, std::string_view help, bool* list) {
+Option& add_engine(Options& o, const Engine*& engine, std::string_view help) {
   return o.add(
-      "--for", engine_names(),
-      [&engine, list](const std::string& word) {
+      "--for ENGINE", engine_names(),
+      [&engine](const std::string& word) {
+        if (word == "list") throw Asked{engine_list()};
         const auto found = std::ranges::find(engines(), word, &Engine::name);
-        if (word == "list" && list == nullptr) throw Asked{engine_list()};
-        if (word == "list") return *list = true;
-        if (found == engines().end()) return false;
-        engine = &*found;
-        return true;
+        if (found != engines().end()) engine = &*found;
+        return found != engines().end();
       },
       help);
 }
 
+namespace {
+
+std::string files_of(const Engine& e, std::string_view between) {
+  std::vector<std::string_view> files;
+  for (const EngineMap& map : e.maps) files.push_back(map.file);
+  return fmt::format("{}", fmt::join(files, between));
+}
+
+}  // namespace
+
+std::string image_of(const Engine& e) {
+  const Frame& frame = e.maps.front().frame;
+  const std::string axis = has_forward(frame.projection) ? fmt::format(" {}", forward_names[std::size_t(frame.forward)]) : "";
+  return name(frame.projection) + axis;
+}
+
+bool was_run(const Engine& e) { return e.version.find("not run") == e.version.npos; }
+
 std::string engine_list() {
-  std::string list;
+  std::string list = fmt::format("{:12} {:40} {:11} {:10} {:8} {}\n", "engine", "files", "image", "axes", "mirrored", "tested");
   for (const Engine& e : engines()) {
-    std::vector<std::string_view> files;
-    for (const EngineMap& map : e.maps) files.push_back(map.file);
-    list += fmt::format("{:12}{} ({})\n{:12}{}: {}; {}\n{:12}rough and diffuse light: {}\n", e.name, e.title, e.version,
-                        "", fmt::join(files, ", "), frame_words(e.maps.front().frame), e.turns, "", e.light);
+    list += fmt::format("{:12} {:40} {:11} {:10} {:8} {}\n", e.name, files_of(e, " "), image_of(e), e.axes, e.mirrored,
+                        was_run(e) ? "yes" : "no");
   }
-  return list;
+  return list +
+         "image: projection, and the world axis at its centre. axes: directions in the engine of +X +Y +Z of the probe.\n"
+         "mirrored: by what, for a left-handed world or lookup. tested: the engine itself loaded the files.\n"
+         "Details: envmap bake --list ENGINE\n";
+}
+
+std::string engine_text(const Engine& e) {
+  return fmt::format("{} ({})\nFiles: {} ({})\nOrientation: {}\nRough and diffuse light: {}.\nUse:\n{}\n", e.title, e.version,
+                     files_of(e, ", "), frame_words(e.maps.front().frame), turns_of(e), e.light, e.steps);
+}
+
+std::string turns_of(const Engine& e) {
+  const std::string mirrored = e.mirrored == "no" ? ""
+                               : e.mirrored == "file" ? " The file is mirrored." : fmt::format(" {} mirrors the map.", e.title);
+  return fmt::format("+X +Y +Z of the probe are {} in {}.{}{}{}", e.axes, e.title, mirrored, e.turns.empty() ? "" : " ", e.turns);
 }
 
 std::string frame_words(const Frame& frame) {
@@ -65,7 +93,7 @@ std::string frame_words(const Frame& frame) {
 const EngineMap& environment_of(const Engine& engine) {
   const EngineMap& map = engine.maps.front();
   if (map.chain)
-    throw UsageError(fmt::format("--for {0}: {1} takes levels of rising roughness alone: 'envmap prefilter --for {0}' makes them",
+    throw UsageError(fmt::format("--for {0}: {1} loads prefiltered levels only: use 'envmap prefilter --for {0}'",
                                  engine.name, engine.title));
   return map;
 }
@@ -84,7 +112,7 @@ void settle(const Engine& engine, const EngineMap& map, const std::string& outpu
   if (write.border > 0) contradict(engine, map, "--border");
   const std::string type = extension_of(map.file), asked = write.format.empty() ? extension_of(output) : write.format;
   if (!asked.empty() && asked != type)
-    throw UsageError(output, fmt::format("--for {}: {} takes this map in .{} files", engine.name, engine.title, type));
+    throw UsageError(output, fmt::format("--for {}: {} loads this map from .{} files", engine.name, engine.title, type));
   write.format = type;
   if (!write.depth) write.depth = map.depth;
   to = map.frame.projection;
@@ -98,16 +126,16 @@ void settle(const Engine& engine, const EngineMap& map, const std::string& outpu
 }
 
 void tell_frame(const std::string& path, const Engine& engine, const EngineMap& map) {
-  note(fmt::format("{}: {}: {}", path, frame_words(map.frame), engine.turns));
+  note(fmt::format("{}: {}. {}", path, frame_words(map.frame), turns_of(engine)));
 }
 
 void add_frame(Report& report, const Engine& engine, const EngineMap& map) {
   report.put("engine", engine.name);
   report.put("frame", frame_words(map.frame));
-  report.put("turns", engine.turns);
+  report.put("turns", turns_of(engine));
 }
 
-void tell_what_is_cut(const Engine& engine, const Level& level, const std::string& command) {
+void warn_about_clamping(const Engine& engine, const Level& level, const std::string& command) {
   if (engine.largest == 0) return;
   std::int64_t texels = 0;
   float most = 0;
@@ -119,8 +147,8 @@ void tell_what_is_cut(const Engine& engine, const Level& level, const std::strin
         most = std::max(most, value);
       }
   if (texels > 0)
-    warn(fmt::format("envmap {}: {} keeps values up to {:g}: {} texels up to {:.3g} are cut off by its loader", command, engine.title,
-                     engine.largest, texels, most));
+    warn(fmt::format("envmap {}: {} texels exceed {:g}, up to {:.3g}, and the loader of {} clamps them", command, texels, engine.largest,
+                     most, engine.title));
 }
 
 }  // namespace tools

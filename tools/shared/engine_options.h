@@ -10,14 +10,22 @@
 
 namespace tools {
 
-/// --for. 'list' sets `list`. @throws Asked with engine_list() where `list` is null.
-Option& add_engine(Options& o, const envmap::Engine*& engine, std::string_view help, bool* list = nullptr);
+/// --for. @throws Asked with engine_list() for the word 'list'.
+Option& add_engine(Options& o, const envmap::Engine*& engine, std::string_view help);
 
 /// "babylon|bevy|...".
 std::string engine_names();
 
-/// The engines, what they load, and how the map's directions stand there, as a text.
+/// A table with a line for each engine.
 std::string engine_list();
+/// What one engine loads, in several lines.
+std::string engine_text(const envmap::Engine& engine);
+/// "latlong +x": the projection of the environment, and the axis at its centre.
+std::string image_of(const envmap::Engine& engine);
+/// Whether the engine itself loaded the files, or only its source was read.
+bool was_run(const envmap::Engine& engine);
+/// The orientation of a map in the engine's world, in sentences.
+std::string turns_of(const envmap::Engine& engine);
 
 /// "latlong, +x at the centre".
 std::string frame_words(const envmap::Frame& frame);
@@ -39,7 +47,7 @@ void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const st
 void tell_frame(const std::string& path, const envmap::Engine& engine, const envmap::EngineMap& map);
 /// The same in a report.
 void add_frame(Report& report, const envmap::Engine& engine, const envmap::EngineMap& map);
-/// Says what the engine's loader would cut off without a word.
-void tell_what_is_cut(const envmap::Engine& engine, const envmap::Level& level, const std::string& command);
+/// Warns about values that the engine's loader clamps silently.
+void warn_about_clamping(const envmap::Engine& engine, const envmap::Level& level, const std::string& command);
 
 }  // namespace tools

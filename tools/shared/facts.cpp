@@ -140,7 +140,7 @@ FactLines lines_of(const MapFacts& f) {
   const std::optional<float>& white = s.provenance.white_luminance;
   line("illuminance", fmt::format("{:12.6g} lux on a plane facing ({:g}, {:g}, {:g}); 1 is {:g} cd/m^2 ({})",
                                   f.illuminance, f.towards.x, f.towards.y, f.towards.z, double{white.value_or(1.0F)},
-                                  white ? "whiteLuminance" : "taken so"));
+                                  white ? "whiteLuminance" : "assumed"));
   line("dynamic range", std::isfinite(f.stops) ? fmt::format("{:.6g} : 1 ({:.1f} stops)", f.range, f.stops)
                                                : "none: nothing is brighter than 0");
   const Direction& d = m.brightest_direction;

@@ -19,23 +19,17 @@ void choose_working_space(ReadOptions& read, WriteOptions& write) {
 }
 
 void add_grade(Options& o, GradeOptions& g) {
+  o.group = groups::colour;
+  o.add("--scale-to", "lux=E|nits=L", &g.scale_to, "Scale to illuminance E, or to luminance L, in direction --towards");
+  o.add("--towards", "X,Y,Z", Triple{&g.towards}, "Direction for --scale-to (default: 0,1,0, up)");
+  o.add("--white", "X,Y,Z|KELVIN", &g.white, "White balance on direction X,Y,Z, or on a colour temperature");
   o.add("--gain", "R,G,B", Triple{&g.gain, true}, "Multiply the channels");
-  o.add("--white", "X,Y,Z|KELVIN", &g.white,
-        "White balance: make grey, at its luminance, what is seen within 1 degree of direction X,Y,Z; or a black body "
-        "of so many kelvins, 1000 to "
-        "25000, as 5600 or 5600K");
-  o.add("--saturation", "S", &g.saturation, range_of(limits::saturation),
-        "0: grey; above 1 more colourful, as far as no channel falls below 0; luminance stays (default: 1)");
-  o.add("--scale-to", "lux=E|nits=L", &g.scale_to,
-        "Scale the light so that a plane facing --towards receives lux=E, or so that the luminance seen within 1 "
-        "degree of --towards is nits=L; values "
-        "are then candelas a square metre");
-  o.add("--towards", "X,Y,Z", Triple{&g.towards}, "Direction of --scale-to (default: up, 0,1,0)");
+  o.add("--saturation", "S", &g.saturation, range_of(limits::saturation), "0 is grey, 1 is unchanged, luminance is preserved (default: 1)");
 }
 
 Direction unit_or_up(const std::optional<Direction>& direction, const char* option) {
   const Direction d = direction.value_or(Direction(0, 1, 0));
-  if (glm::dot(d, d) == 0) throw UsageError(fmt::format("{} 0,0,0 is no direction", option));
+  if (glm::dot(d, d) == 0) throw UsageError(fmt::format("{}: 0,0,0 is not a direction", option));
   return glm::normalize(d);
 }
 
@@ -77,7 +71,7 @@ double scale_of(const EnvironmentMap& map, const GradeOptions& o, const Flux& lu
   const Direction towards = unit_or_up(o.towards, "--towards");
   const Flux light = unit == "lux" ? irradiance(map, towards) : radiance_within(map, towards, seen_within);
   const double is = glm::dot(light, luminance);
-  if (!(is > 0)) throw UsageError(fmt::format("--scale-to {}: no light comes from there", o.scale_to));
+  if (!(is > 0)) throw UsageError(fmt::format("--scale-to {}: no light arrives from that direction", o.scale_to));
   return wanted / is;
 }
 
@@ -94,7 +88,7 @@ void check_finite(const Level& level, const char* option) {
 
 void grade(Source& source, const GradeOptions& o, const ColourOptions& working) {
   if (o.gain && !(o.gain->x >= 0 && o.gain->y >= 0 && o.gain->z >= 0))
-    throw UsageError("--gain: a factor below 0 makes no light");
+    throw UsageError("--gain: factors must not be negative");
   if (o.towards && o.scale_to.empty()) throw UsageError("--towards is for --scale-to");
   const Primaries primaries = primaries_of(working.config, working.working).value_or(rec709);
   Grade grade{.saturation = o.saturation, .luminance = luminance_weights(primaries)};

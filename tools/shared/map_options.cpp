@@ -55,7 +55,7 @@ Option& add_filter(Options& o, std::optional<Filter>& value, std::string_view he
   std::string words = "auto";
   for (const FilterInfo& f : filters()) words += fmt::format("|{}", f.name);
   return o.add(
-      "--filter", words,
+      "--filter FILTER", words,
       [&value](const std::string& word) {
         const auto found = std::ranges::find(filters(), word, &FilterInfo::name);
         value = found == filters().end() ? std::nullopt : std::optional(found->filter);
@@ -65,105 +65,92 @@ Option& add_filter(Options& o, std::optional<Filter>& value, std::string_view he
 }
 
 Option& add_display(Options& o, std::optional<Display>& value, Display otherwise) {
-  return o.add("--display", one_of(value, display_names),
-               fmt::format("Tone curve of files of 8 bits: clip at 1; reinhard, x / (1 + x); neutral, colours as they "
-                           "are and only what is bright drawn in (default: {})",
-                           display_names[static_cast<std::size_t>(otherwise)]));
+  return o.add("--display CURVE", one_of(value, display_names),
+               fmt::format("Tone curve of 8-bit pictures: {{}} (default: {})", display_names[std::size_t(otherwise)]));
 }
 Option& add_size(Options& o, const Value& value, std::string_view help) {
   return o.add("--size", "N", value, range_of(limits::size), help);
 }
 Option& add_exposure(Options& o, double& stops) {
-  return o.add("--exposure", "STOPS", &stops, {-100, 100}, "Multiply radiance by 2^STOPS");
+  return o.add("--exposure", "STOPS", &stops, {-100, 100}, "Multiply radiance by 2^STOPS (default: 0)");
 }
 
 void add_read_options(Options& o, ReadOptions& r) {
-  add_projection(o, "--from", r.projection, "Projection of the input (default: its metadata, then its shape)");
-  add_layout(o, "--from-layout", r.layout, "Where the input's cube faces lie (default: metadata, then shape)");
-  add_forward(o, "--from-forward", r.forward,
-              "World axis at the centre of a latlong or angular input (default: metadata, then --forward, then +z)");
+  o.group = groups::input_map;
+  add_projection(o, "--from PROJECTION", r.projection, "Projection of the input (default: metadata, then image shape)");
+  add_forward(o, "--from-forward AXIS", r.forward,
+              "Axis at the centre of the input (default: metadata, --forward, then +z)");
+  add_layout(o, "--from-layout LAYOUT", r.layout, "Layout of the input's cube faces (default: metadata, then image shape)");
   o.add("--from-border", "N", &r.border, range_of(limits::border),
-        "Texels on each side of an octahedral or equal-area input that repeat others (default: metadata, then 0)");
-  o.flag("--ignore-envmap-attribute", r.ignore_envmap_attribute,
-         "Read files with OpenEXR's envmap attribute as cell-centred, not as border samples");
-  o.add("--level", "N", &r.level, range_of(limits::level), "Mip level to read, of files that have some; 0 is the finest (default: 0)");
-  o.flag("--drop-channels", r.drop_channels, "Read R, G and B of files with more channels");
-  o.add("--part", "PART", &r.choice.part,
-        "Of an EXR file with several: its name, or its number from 0 (default: the first)");
-  o.add("--layer", "LAYER", &r.choice.layer, "Of an EXR file: read LAYER.R, LAYER.G and LAYER.B");
-  o.add("--channels", "R,G,B", &r.choice.channels, "Of an EXR file: read these three as R, G and B, or one as grey")
+        "Wrapped texels per side of the input (default: metadata, then 0)");
+  o.add("--level", "N", &r.level, range_of(limits::level), "Mip level to read, 0 is the finest (default: 0)");
+  o.flag("--drop-channels", r.drop_channels, "Read R, G and B of a file that has more channels");
+  o.add("--part", "PART", &r.choice.part, "EXR: name of a part, or its number from 0 (default: the first)");
+  o.add("--layer", "LAYER", &r.choice.layer, "EXR: read LAYER.R, LAYER.G and LAYER.B");
+  o.add("--channels", "R,G,B", &r.choice.channels, "EXR: read these channels as R, G and B, or one channel as grey")
       .excludes = "--layer";
-  o.flag("--crop", r.choice.crop,
-         "Of an EXR file whose data window is not its display window: read the data window as the whole image");
+  o.flag("--crop", r.choice.crop, "EXR: read the data window as the whole image");
+  o.flag("--ignore-envmap-attribute", r.ignore_envmap_attribute,
+         "Treat samples as texel centres, against the envmap attribute");
   add_max_pixels(o, r);
+  o.group = groups::colour;
   o.add("--input-space", "SPACE", &r.colour.space,
-        "Colour space of the input's values (default: what it says; else linear Rec.709 of floats, sRGB of integers)");
+        "Colour space of the input (default: the file's, else Rec.709 or sRGB)");
   o.add(
        "--ocio", "CONFIG",
        [&r](const std::string& file) { return r.colour.config = file == "builtin" ? "" : file, true; },
-       "OpenColorIO config that names of spaces are looked up in; 'builtin' is a small one of our own: 'Linear "
-       "Rec.709', sRGB, ACEScg, ACES2065-1, "
-       "'Linear Rec.2020', XYZ, 'Linear P3-D65', 'Display P3' (default: $OCIO, then builtin)")
+       "OpenColorIO config, or 'builtin' (default: $OCIO, then builtin)")
       .environment = "OCIO";
 }
 
 void add_max_pixels(Options& o, ReadOptions& r) {
-  o.add("--max-pixels", "N:SIZE [b, kb(=1000b), kib(=1024b), ...]:number of pixels, such as 100M",
-        Size{&r.max_pixels, true}, {1, 0x1p50},
-        "Refuse larger images, before memory is taken for them (default: 2147483648, as 65536x32768: 24 GiB)");
+  o.add("--max-pixels", "N", Size{&r.max_pixels, true}, {1, 0x1p50},
+        "Reject larger images before memory is allocated (default: 2147483648)");
 }
 void add_max_memory(Options& o, ReadOptions& r) {
+  o.group = groups::builds;
   constexpr Range range{0x1p26, 0x1p50};
-  o.add("--max-memory", "SIZE:SIZE [b, kb(=1024b), ...]:SIZE of 64M and more", Size{&r.max_memory, false}, range,
-        "Memory to take, such as 2G or 500M: a map too large for it lies in a scratch file in $TMPDIR, else in "
-        "/var/tmp (default: no limit)");
+  o.add("--max-memory", "SIZE", Size{&r.max_memory, false}, range,
+        "Memory limit, such as 2G (larger maps use a scratch file) (default: none)");
 }
 void add_repair(Options& o, ReadOptions& r) {
-  static constexpr std::string_view help =
-      "Replace NaN and infinite texels by their neighbours' mean and negative values by 0";
+  o.group = groups::input_map;
+  static constexpr std::string_view help = "Replace NaN and infinity by the mean of neighbours, negatives by 0";
   o.add(
       "--repair", "", [&r](const std::string&) { return r.flaws = FlawPolicy::repair, true; }, help);
 }
 
-Option& add_depth(Options& o, WriteOptions& w) {
-  return o.add("--depth", one_of(w.depth, depth_names),
-               "What the file stores for each value (default: as the input, or the nearest the format holds)");
+Option& add_depth(Options& o, WriteOptions& w, std::string_view otherwise) {
+  return o.add("--depth", one_of(w.depth, depth_names), fmt::format("{{}} (default: {})", otherwise));
 }
 void add_format(Options& o, WriteOptions& w) {
-  o.add("--format", "EXT", &w.format, "File type, for '-' and names without one (default: exr)");
+  o.add("--format", "EXT", &w.format, "File type for '-' or a name without extension (default: exr)");
 }
 void add_file_options(Options& o, WriteOptions& w) {
-  o.flag("--openexr-envmap", w.openexr_envmap,
-         "Write EXR as OpenEXR's own tools do: with the envmap attribute and samples on the border of the image");
   o.add("--compression", "KIND", &w.compression,
-        "Of EXR files: none, rle, zips, zip, piz or pxr24; b44, b44a, dwaa or dwab lose something; zip:1 ... zip:9 and "
-        "dwaa:45 set how hard (default: zip)");
-  o.flag("--zstd", w.zstd, "Compress a KTX2 file with Zstandard");
+        "EXR: none rle zips zip[:1-9] piz pxr24 b44 b44a dwaa[:N] dwab[:N] (zip)");
+  o.flag("--zstd", w.zstd, "Compress KTX2 with Zstandard");
+  o.flag("--openexr-envmap", w.openexr_envmap, "Write OpenEXR's envmap attribute, with samples on the image border");
 }
 void add_clamp(Options& o, WriteOptions& w) {
-  o.flag("--clamp", w.clamp, "Clamp values that the depth cannot hold, and say the flux lost");
+  o.flag("--clamp", w.clamp, "Clamp values that the depth cannot store, and report the lost flux");
 }
-void add_write_options(Options& o, WriteOptions& w) {
-  add_depth(o, w), add_format(o, w), add_file_options(o, w), add_clamp(o, w);
+void add_write_options(Options& o, WriteOptions& w, std::string_view depth) {
+  o.group = groups::output_file;
+  add_depth(o, w, depth), add_format(o, w), add_clamp(o, w), add_file_options(o, w);
 }
 void add_border(Options& o, WriteOptions& w, std::string_view size) {
   o.add("--border", "N", &w.border, range_of(limits::border),
-        fmt::format("Of octahedral and equal-area maps: write every level with N texels on each side that repeat what "
-                    "the square goes on with, for textures; {}; "
-                    "envmap:border records it, and reading leaves it out (default: 0)",
-                    size));
+        fmt::format("Octahedral, equal-area: wrapped texels per side, {} (0)", size));
 }
 void add_output_space(Options& o, WriteOptions& w) {
+  o.group = groups::colour;
   o.add("--output-space", "SPACE", &w.colour.space,
-        "Colour space of the output's values (default: linear Rec.709 of floats, sRGB of integers)");
-  o.flag("--encoded", w.encoded,
-         "Write an encoded --output-space, such as 'Display P3', to a format whose values other programs take for linear");
+        "Colour space of the output (default: Rec.709 for floats, else sRGB)");
+  o.flag("--encoded", w.encoded, "Allow an encoded --output-space, such as 'Display P3', in float files");
 }
 void add_costs(Options& o, std::string& path) {
-  o.add("--costs", "FILE", &path,
-        "Choose methods by the times in FILE, which 'envmap tradeoff --calibrate --save' writes: quicker on this "
-        "machine, but with another file the same "
-        "command may give other bytes (default: the times of a common x86-64 server)")
+  o.add("--costs", "FILE", &path, "Choose methods by timings of 'tradeoff --calibrate' (may change bytes)")
       .environment = "ENVMAP_COSTS";
 }
 
@@ -173,7 +160,7 @@ int size_inside_border(int size, const WriteOptions& w) {
   return size - 2 * w.border;
 }
 
-std::string depth_that_holds(const std::string& path, const WriteOptions& options, double max_error) {
+std::string depth_for_error(const std::string& path, const WriteOptions& options, double max_error) {
   for (const Depth depth : {Depth::half, Depth::single}) {
     WriteOptions other = options;
     other.depth = depth, other.compression.clear(), other.openexr_envmap = false;

@@ -25,11 +25,13 @@ void add_read_options(Options& o, envmap::ReadOptions& read);  ///< --from to --
 void add_max_pixels(Options& o, envmap::ReadOptions& read);
 void add_max_memory(Options& o, envmap::ReadOptions& read);
 void add_repair(Options& o, envmap::ReadOptions& read);
-Option& add_depth(Options& o, envmap::WriteOptions& write);
+/// @param otherwise what help says of the default depth.
+Option& add_depth(Options& o, envmap::WriteOptions& write, std::string_view otherwise = "as input, or nearest");
 void add_format(Options& o, envmap::WriteOptions& write);
 void add_file_options(Options& o, envmap::WriteOptions& write);  ///< --openexr-envmap, --compression, --zstd.
 void add_clamp(Options& o, envmap::WriteOptions& write);
-void add_write_options(Options& o, envmap::WriteOptions& write);  ///< --depth, --format, the file options, --clamp.
+/// --depth, --format, --clamp and the file options.
+void add_write_options(Options& o, envmap::WriteOptions& write, std::string_view depth = "as input, or nearest");
 void add_border(Options& o, envmap::WriteOptions& write, std::string_view size);  ///< `size`: what help says of --size.
 void add_output_space(Options& o, envmap::WriteOptions& write);  ///< --output-space, --encoded.
 void add_costs(Options& o, std::string& path);
@@ -38,6 +40,6 @@ void add_costs(Options& o, std::string& path);
 int size_inside_border(int size, const envmap::WriteOptions& write);
 
 /// "--depth half": the least depth and what else of the options must go, so that the file holds an error; empty where its format has none.
-std::string depth_that_holds(const std::string& path, const envmap::WriteOptions& options, double max_error);
+std::string depth_for_error(const std::string& path, const envmap::WriteOptions& options, double max_error);
 
 }  // namespace tools

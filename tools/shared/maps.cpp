@@ -69,7 +69,7 @@ std::string identity(const std::string& path) {
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
   depfile() = {outputs, inputs, nullptr, false};
   if (settings().json && std::ranges::find(outputs, "-") != outputs.end())
-    throw UsageError("--json and the output would both be standard output: name a file");
+    throw UsageError("--json and the output cannot both be standard output: give a file name");
   if (std::ranges::count(inputs, "-") > 1) throw UsageError("-: standard input can be read once, and is named twice");
   std::set<std::string> written, read;
   for (const std::string& input : inputs_of(inputs)) read.insert(identity(input));
@@ -79,7 +79,7 @@ void check_files(const std::vector<std::string>& outputs, const std::vector<std:
   for (const std::string& output : files)
     for (const std::string& file : files_of(output, 1)) {
       const std::string id = identity(file);
-      if (read.contains(id)) throw UsageError(file, "is read and would be overwritten: give the output another name");
+      if (read.contains(id)) throw UsageError(file, "is both input and output: choose another output name");
       if (!id.empty() && !written.insert(id).second)
         throw UsageError(file, "would be written twice: give each output a name of its own");
       if (!settings().commit.if_changed) check_replaceable(file, settings().commit);  // Else only what differs is replaced.

@@ -62,6 +62,7 @@ std::optional<PartNumber> part_number(const std::string& text) {
 
 void add_shard(Options& o, std::string_view command, Shard& shard) {
   shard.command = command, shard.options = &o;
+  o.group = groups::builds;
   o.add(
       "--shard", "I/N",
       [&shard](const std::string& text) {
@@ -69,8 +70,7 @@ void add_shard(Options& o, std::string_view command, Shard& shard) {
         if (!shard.part) throw std::invalid_argument(fmt::format("'{}' is not I/N, with I from 1 to N", text));
         return true;
       },
-      "Make part I of N alone, a band of the output's rows: an .exr file that 'envmap merge' joins with the others to "
-      "the bytes of the whole");
+      "Compute part I of N ('envmap merge' joins the parts to the same bytes)");
 }
 
 std::string digest(const EnvironmentMap& source) {

@@ -27,7 +27,7 @@ bool is_of_scene(const std::string& task) {
 
 Task make_scene_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options, const std::string& at) {
   const std::vector<std::string> parts = parts_of(name);
-  if (parts.size() != 2 && parts.size() != 3) throw UsageError(fmt::format("--task '{}' is none of {}", name, task_words()));
+  if (parts.size() != 2 && parts.size() != 3) throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
   Viewpoint from = viewpoint_of(at, loaded.scene, options.path);
   from.to = projection_of(name, parts[1]);
   if (parts.size() == 3) from.size = size_of(name, parts[2]);

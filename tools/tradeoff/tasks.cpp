@@ -127,6 +127,30 @@ void add_depths(const EnvironmentMap& map, Task& task) {
   task.truth = [&map] { return whole(map.base().clone()); };
 }
 
+// ---- sizes ------------------------------------------------------------------------------------------------------------
+
+Outcome resized(const EnvironmentMap& map, Projection to, int size) {
+  Level level = convert(map, {.to = {to}, .size = size}).base().clone();
+  constexpr int half_rgb = 6;
+  const std::int64_t bytes = half_rgb * std::int64_t{level.faces()} * level.width() * level.height();
+  return {std::move(level), bytes};
+}
+
+// @return how far a smaller map is off when it is converted back.
+Difference loss(const EnvironmentMap& map, const Level& level) {
+  EnvironmentMap small;
+  small.levels.push_back(level.clone());
+  return compare(convert(small, {.to = map.frame(), .size = map.base().height()}).base(), map.base());
+}
+
+void add_sizes(const EnvironmentMap& map, const std::vector<int>& sizes, Task& task) {
+  for (const Projection to : all_projections)
+    for (const int size : sizes)
+      task.ways.push_back({std::string(name(to)), fmt::format("--size {}", size), [&map, to, size] { return resized(map, to, size); },
+                           [&map](const Outcome& out) { return loss(map, out.level); }});
+  task.reference = "the map, to which each smaller map is converted back";
+}
+
 // ---- names ------------------------------------------------------------------------------------------------------------
 
 template <class T>
@@ -134,7 +158,7 @@ T number_of(const std::string& task, const std::string& text, T least, T most) {
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !(value >= least && value <= most))
-    throw UsageError(fmt::format("--task {}: '{}' is no number from {} to {}", task, text, least, most));
+    throw UsageError(fmt::format("--task {}: '{}' must be a number from {} to {}", task, text, least, most));
   return value;
 }
 
@@ -149,13 +173,13 @@ std::vector<std::string> parts_of(const std::string& name) { return split(name, 
 
 Projection projection_of(const std::string& task, const std::string& text) {
   if (const auto p = projection_named(text)) return *p;
-  throw UsageError(fmt::format("--task {}: '{}' is no projection", task, text));
+  throw UsageError(fmt::format("--task {}: '{}' is not a projection", task, text));
 }
 
 int size_of(const std::string& task, const std::string& text) { return number_of(task, text, 1, 1 << 15); }
 
 std::string task_words() {
-  return "convert:P[:N] mipmap:K diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] depth bake:ENGINE; of scenes "
+  return "convert:P[:N] mipmap:K diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] sizes:N,... depth bake:ENGINE "
          "render:P[:N] view[:N]";
 }
 
@@ -163,7 +187,7 @@ Task make_task(const std::string& name, const EnvironmentMap& map, const Costs& 
   const std::vector<std::string> parts = parts_of(name);
   Task task{.name = name};
   const auto expect = [&](bool right) {
-    if (!right) throw UsageError(fmt::format("--task '{}' is none of {}", name, task_words()));
+    if (!right) throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
   };
   if (const auto shape = shape_named(parts[0])) {
     const std::size_t first = *shape == Shape::diffuse ? 1 : 2;
@@ -181,6 +205,11 @@ Task make_task(const std::string& name, const EnvironmentMap& map, const Costs& 
   } else if (parts[0] == "mipmap") {
     expect(parts.size() == 2);
     add_mipmaps(map, number_of(name, parts[1], 1, 16), task);
+  } else if (parts[0] == "sizes") {
+    expect(parts.size() == 2);
+    std::vector<int> sizes;
+    for (const std::string& text : split(parts[1], ',')) sizes.push_back(size_of(name, text));
+    add_sizes(map, sizes, task);
   } else {
     expect(name == "depth");
     add_depths(map, task);

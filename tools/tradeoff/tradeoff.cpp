@@ -209,7 +209,7 @@ void tell(const Study& study, const Request& o, Report& report) {
   else if (o.plot != "-")
     print(table_of(study, o));
   if (study.left_out > 0)
-    warn(fmt::format("envmap tradeoff: {} of {} ways left out after {:g} s; say --budget to allow more", study.left_out,
+    warn(fmt::format("envmap tradeoff: {} of {} methods skipped after {:g} s: raise --budget", study.left_out,
                      study.task.ways.size(), o.budget));
 }
 
@@ -234,13 +234,13 @@ int calibrate(const Request& o) {
   }
   if (o.saved == "-") return 0;
   print(table);
-  if (!o.saved.empty()) note(fmt::format("{}: say --costs {}, or ENVMAP_COSTS in the environment", o.saved, o.saved));
+  if (!o.saved.empty()) note(fmt::format("{}: use it with --costs {} or ENVMAP_COSTS", o.saved, o.saved));
   return 0;
 }
 
 int run(Request& o, Report& report) {
   if (o.calibrate != o.input.empty() || o.calibrate == !o.task.empty())
-    throw UsageError("name an INPUT and a --task, or say --calibrate alone");
+    throw UsageError("needs INPUT and --task, or --calibrate");
   if (o.calibrate) return calibrate(o);
   if (!o.saved.empty()) throw UsageError("--save is for --calibrate");
   check(o);
@@ -269,25 +269,23 @@ int run(Request& o, Report& report) {
 
 Action define_tradeoff(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("INPUT", r->input,
-          "Map, or scene where the task is render, '-' for standard input; {face} in the name reads six files");
+  o.reads("INPUT", r->input, "Map, or scene for the tasks render and view, or '-' for stdin");
+  o.group = "Measurement";
   o.add("--task", "TASK", &r->task, "What to measure: " + task_words());
-  o.flag("--calibrate", r->calibrate,
-         "Measure the times that automatic choices rest on, about a minute, and print them beside the defaults");
-  o.add("--save", "FILE", &r->saved, "Write what --calibrate measures, for --costs; '-' for standard output");
-  add_costs(o, r->costs);
-  o.add("--only", "WORDS", &r->only,
-        "Measure only the ways whose method and options, as the table shows them, hold these words");
-  o.add("--by", one_of(r->by, metric_names), "The error that stars and plot are about (default: rms)");
-  o.add("--budget", "SECONDS", &r->budget, {0, 1e6}, "Time for all ways together, the reference apart (default: 60)");
-  o.add("--camera", "NAME|X,Y,Z", &r->camera,
-        "Of view: camera of the scene, or a point, as 'view' takes it (default: as of 'view')");
-  o.add("--at", "NODE|X,Y,Z", &r->at, "Of render: the node or the point X,Y,Z that is drawn from (default: 0,0,0)");
-  o.add("--environment", "FILE", &r->environment, "Of scenes: map that is the background and a light");
+  o.add("--by", one_of(r->by, metric_names), "Error metric of the stars and the plot: {} (default: rms)");
+  o.add("--only", "WORDS", &r->only, "Measure only rows of the table that contain WORDS");
+  o.add("--budget", "SECONDS", &r->budget, {0, 1e6}, "Time limit of all rows, without the reference (default: 60)");
+  o.group = "Output";
+  o.add("--plot", "FILE", &r->plot, "Plot time or size against error, as .svg ('-' for stdout) or .png").file = File::output;
   o.flag("--csv", r->csv, "Print the table as comma-separated values");
-  o.add("--plot", "FILE", &r->plot,
-        "Write a picture of cost against error on logarithmic axes: .svg ('-' for standard output) or .png")
-      .file = File::output;
+  o.group = "Scenes (tasks render and view)";
+  o.add("--environment", "FILE", &r->environment, "Environment map for background and lighting");
+  o.add("--at", "NODE|X,Y,Z", &r->at, "render: centre of the map, a node or a point (default: 0,0,0)");
+  o.add("--camera", "NAME|X,Y,Z", &r->camera, "view: camera of the scene, or a point (default: as 'envmap view')");
+  o.group = "Timings for automatic choices";
+  o.flag("--calibrate", r->calibrate, "Measure the timings of this machine, in about a minute, and print them");
+  o.add("--save", "FILE", &r->saved, "Write the timings of --calibrate for --costs ('-' for stdout)");
+  add_costs(o, r->costs);
   add_read_options(o, r->read);
   add_repair(o, r->read);
   return [r](Report& report) { return run(*r, report); };

@@ -79,7 +79,7 @@ void add_maps(const std::shared_ptr<const Stage>& stage, ContextKind kind, Task&
 
 Task make_view_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options, const std::string& camera) {
   const std::vector<std::string> parts = parts_of(name);
-  if (parts.size() > 2) throw UsageError(fmt::format("--task '{}' is none of {}", name, task_words()));
+  if (parts.size() > 2) throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
   const int size = parts.size() == 2 ? size_of(name, parts[1]) : 256;
   const Shot shot = loaded.shot(options.time, options);
   const View view = Viewpoints({.camera = camera}, 1, loaded.scene, options.path, shot.pose).view(shot.pose, 0);

@@ -118,8 +118,10 @@ const Engine table[] = {
     {"babylon", "Babylon.js", "9.34, run: tests/engines",
      {{"background.dds", Projection::cube, Depth::half, MirroredAxis::x},
       {"environment.dds", Projection::cube, Depth::half, MirroredAxis::x, EngineChain{128, 0, babylon_roughness}}}, 0,
-     "mirrored for its left-handed world: +X, +Y and +Z of the probe are -X, +Y and +Z, where imported glTF files have them",
-     "environment.dds has levels down to one texel for its shader (lodGenerationScale 0.8); Babylon.js makes diffuse light of the first",
+     "-X +Y +Z", "file",
+     "Imported glTF files have the same axes.",
+     "environment.dds has levels down to one texel for the shader (lodGenerationScale 0.8); Babylon.js computes diffuse "
+     "light from the first level",
      {},
      "scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData('FOLDER/environment.dds', scene);\n"
      "const sky = new BABYLON.CubeTexture('FOLDER/background.dds', scene);\n"
@@ -128,10 +130,11 @@ const Engine table[] = {
      "In a scene with useRightHandedSystem turn both half round Y (CubeTexture.rotationY = Math.PI)."},
     {"babylon-env", "Babylon.js (.env)", "9.34, run: tests/engines",
      {{"environment.env", Projection::cube, Depth::rgbd, MirroredAxis::none, EngineChain{256, 0, babylon_roughness, IrradianceForm::babylon}}}, 0,
-     "mirrored for its left-handed world, as all .env files are: +X, +Y and +Z of the probe are -X, +Y and +Z, where imported glTF "
-     "files have them",
-     "environment.env has levels down to one texel for its shader (lodGenerationScale 0.8), and the irradiance as a polynomial of "
-     "degree 2; windowed where it would fall below 0. Bytes: values up to 255, rounded by up to 0.6% above 1 and more below",
+     "-X +Y +Z", "file",
+     "All .env files are mirrored. Imported glTF files have the same axes.",
+     "environment.env has levels down to one texel for the shader (lodGenerationScale 0.8) and the irradiance as a "
+     "polynomial of degree 2, windowed where it would be negative; values up to 255, rounded by up to 0.6% above 1 and more "
+     "below",
      {},
      "scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData('FOLDER/environment.env', scene);\n"
      "scene.createDefaultSkybox(scene.environmentTexture, true, 1000, 0, false);"},
@@ -139,8 +142,9 @@ const Engine table[] = {
      {{"skybox.ktx2", Projection::cube, Depth::rgb9e5, MirroredAxis::z},
       {"specular.ktx2", Projection::cube, Depth::rgb9e5, MirroredAxis::z, EngineChain{256, 5, even_roughness}},
       {"diffuse.ktx2", Projection::cube, Depth::rgb9e5, MirroredAxis::z, {}, 64}}, 0,
-     "+X, +Y and +Z of the probe are +X, +Y and +Z; mirrored in Z, as its shaders look cubes up in a left-handed frame",
-     "specular.ktx2 has 5 levels, roughness k/4 in level k; diffuse.ktx2 is the irradiance over pi",
+     "+X +Y +Z", "file",
+     "The shaders look cubes up in a left-handed frame, so the mirrored axis is Z.",
+     "specular.ktx2 has 5 levels, with roughness k/4 in level k; diffuse.ktx2 is the irradiance over pi",
      {},
      "With the feature ktx2:\n"
      "commands.spawn((Camera3d::default(),\n"
@@ -150,16 +154,19 @@ const Engine table[] = {
      "brightness and intensity are what radiance 1 is in cd/m^2: give both the same value."},
     {"blender", "Blender", "3.4.1, run: tests/blender.py",
      {{background_exr, {Projection::latlong, Forward::plus_x}}}, 0,
-     "Z up: +X, +Y and +Z of the probe are +X, +Z and -Y, as of imported glTF files; +X lies at the centre of the image",
-     "Cycles and EEVEE sample the image itself",
+     "+X +Z -Y", "no",
+     "Z is up. Imported glTF files have the same axes.",
+     "Cycles and EEVEE sample the image",
      {"world.py", blender_script},
      "Open world.py in the text editor of Blender and run it, or: blender SCENE.blend --python world.py"},
     {"filament", "Filament", "1.53.4 (npm), run: tests/engines",
      {{"sky.ktx", Projection::cube, Depth::half},
       {"ibl.ktx", Projection::cube, Depth::half, MirroredAxis::none, EngineChain{256, 5, filament_roughness, IrradianceForm::filament}}}, 0,
-     "+X, +Y and +Z of the probe are +X, +Y and +Z",
-     "ibl.ktx has 5 levels, roughness 1 - sqrt(1 - k/4) in level k, and under the key 'sh' the irradiance over pi of a surface "
-     "that faces (x, y, z), as 9 colours before 1, y, z, x, xy, yz, 3z^2 - 1, zx, x^2 - y^2; windowed where it would fall below 0",
+     "+X +Y +Z", "no",
+     "",
+     "ibl.ktx has 5 levels, with roughness 1 - sqrt(1 - k/4) in level k; the key 'sh' holds the irradiance over pi of a "
+     "surface that faces (x, y, z), as 9 colours for 1, y, z, x, xy, yz, 3z^2 - 1, zx, x^2 - y^2, windowed where it would be "
+     "negative",
      {},
      "const light = engine.createIblFromKtx1('FOLDER/ibl.ktx');\n"
      "scene.setIndirectLight(light);\n"
@@ -168,30 +175,34 @@ const Engine table[] = {
      "light.setIntensity(1 / EXPOSURE) shows radiance 1 as 1, as the sky does: EXPOSURE as of camera.setExposureDirect()."},
     {"gltf", "glTF EXT_lights_image_based", "its README of commit 01b16a09b944; run in Babylon.js 9.28: tests/engines",
      {{"light.glb", Projection::cube, Depth::rgbd, MirroredAxis::none, EngineChain{256, 5, even_roughness, IrradianceForm::gltf}}}, 0,
-     "+X, +Y and +Z of the probe are +X, +Y and +Z of the glTF scene",
-     "light.glb has 5 levels, roughness k/4 in level k (the extension's; Babylon.js' shader looks elsewhere for it), and irradiance as "
-     "spherical harmonics of degree 2; windowed where they would fall below 0. Bytes: values up to 255, rounded by up to 0.6% above 1 "
-     "and more below",
+     "+X +Y +Z", "no",
+     "",
+     "light.glb has 5 levels, with roughness k/4 in level k as the extension defines (the shader of Babylon.js uses another "
+     "roughness), and the irradiance as spherical harmonics of degree 2, windowed where it would be negative; values up to "
+     "255, rounded by up to 0.6% above 1 and more below",
      {},
      "light.glb holds the light in an empty scene: load it beside the model, or move extensions, images and bufferViews into its file.\n"
      "Babylon.js: await BABYLON.SceneLoader.AppendAsync('FOLDER/', 'light.glb', scene);\n"
      "scene.environmentTexture.gammaSpace = false; (its loader leaves it true, and levels would be decoded twice)"},
     {"godot", "Godot", "4, commit 0095d7d0c0c9, read; not run",
      {{background_exr, {Projection::latlong, Forward::plus_z}}}, 0,
-     "+X, +Y and +Z of the probe are +X, +Y and +Z; +Z lies at the centre of the image",
-     "Godot makes them when it starts",
+     "+X +Y +Z", "no",
+     "",
+     "Godot computes it at start",
      {"environment.tres", godot_resource},
      "Copy this folder into the project and load environment.tres as the Environment of a WorldEnvironment node."},
     {"pbrt", "pbrt-v4", "commit 015ab47032f3, read; not run",
      {{background_exr, {Projection::equal_area}}}, 0,
-     "with the Rotate of light.pbrt +X, +Y and +Z of the probe are +X, +Y and +Z; without it +Y is +Z and -Z is +Y",
-     "pbrt samples the image itself",
+     "+X +Y +Z", "no",
+     "light.pbrt holds a Rotate. Without it +Y is +Z and -Z is +Y.",
+     "pbrt samples the image",
      {"light.pbrt", pbrt_light},
      "Write Include \"FOLDER/light.pbrt\" behind WorldBegin."},
     {"playcanvas", "PlayCanvas", "2.23, run: tests/engines",
      {{"background.hdr", {Projection::latlong, Forward::plus_z}}}, 0,
-     "+X, +Y and +Z of the probe are +X, +Y and +Z; +Z lies at the centre of the image",
-     "EnvLighting makes them when the map is set",
+     "+X +Y +Z", "no",
+     "",
+     "EnvLighting computes it when the map is set",
      {},
      "Load background.hdr as a texture asset without mipmaps, and say\n"
      "texture.projection = pc.TEXTUREPROJECTION_EQUIRECT;\n"
@@ -200,8 +211,9 @@ const Engine table[] = {
      "app.scene.skyboxMip = 0;"},
     {"three", "three.js", "r187, run: tests/engines",
      {{background_exr, {Projection::latlong, Forward::plus_x}}}, 65504,
-     "+X, +Y and +Z of the probe are +X, +Y and +Z; +X lies at the centre of the image",
-     "PMREMGenerator makes them when the map is set",
+     "+X +Y +Z", "no",
+     "",
+     "PMREMGenerator computes it when the map is set",
      {},
      "import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';\n"
      "const probe = await new EXRLoader().loadAsync('FOLDER/background.exr');\n"
@@ -209,26 +221,27 @@ const Engine table[] = {
      "scene.background = scene.environment = probe;"},
     {"unity", "Unity", "2017 to 6, built-in panoramic sky shader, read; not run",
      {{background_exr, {Projection::latlong, Forward::minus_x}, Depth::half}}, 0,
-     "mirrored for its left-handed world by Unity itself: +X, +Y and +Z of the probe are -X, +Y and +Z, where glTFast and UnityGLTF put "
-     "imported files; -X of the probe lies at the centre of the image",
-     "Unity makes them: reflections when the sky is baked (Lighting window), or by the importer's Convolution Type",
+     "-X +Y +Z", "engine",
+     "glTFast and UnityGLTF give imported files the same axes.",
+     "Unity computes reflections when the sky is baked (Lighting window), or by the importer's Convolution Type",
      {},
      "Copy background.exr into Assets; importer: sRGB off, Max Size at least its width, Texture Shape 2D.\n"
      "Make a material with the shader Skybox/Panoramic (Latitude Longitude Layout) and give it to Lighting > Environment > Skybox Material.\n"
      "Texture Shape Cube, Mapping Latitude-Longitude gives a cubemap for HDRP's HDRI Sky and for reflection probes."},
     {"unreal", "Unreal Engine", "4.27 to 5, texture build as quoted in public forks, read; not run",
      {{"background.hdr", {Projection::latlong, Forward::minus_z}}}, 0,
-     "mirrored for its left-handed world by Unreal itself: +X, +Y and +Z of the probe are +X, +Z and +Y, where its glTF importer puts "
-     "them; -Z of the probe lies at the centre of the image",
-     "Unreal makes them when a Sky Light takes the cubemap",
+     "+X +Z +Y", "engine",
+     "Z is up. The glTF importer of Unreal gives files the same axes.",
+     "Unreal computes it when a Sky Light uses the cubemap",
      {},
      "Import background.hdr: a long-lat .hdr becomes a Texture Cube (an .exr would become a flat texture).\n"
      "Its faces are as high as the image, rounded down to a power of two, and no higher than the asset's Maximum Texture Size (512 by default).\n"
      "Sky Light: Source Type SLS Specified Cubemap, Cubemap the asset, Intensity Scale 1. HDRI Backdrop shows it, too."},
     {"usd", "USD", "openusd.org's user guide of DomeLight, read; not run",
      {{background_exr, {Projection::latlong, Forward::plus_z}}}, 0,
-     "Y up: +X, +Y and +Z of the probe are +X, +Y and +Z; +Z lies at the centre of the image",
-     "the renderer samples the image itself",
+     "+X +Y +Z", "no",
+     "Y is up.",
+     "the renderer samples the image",
      {"light.usda", usd_layer},
      "Reference or sublayer light.usda into a stage with upAxis Y."},
 };

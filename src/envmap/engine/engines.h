@@ -47,8 +47,10 @@ struct Engine {
   std::string_view version;  ///< What was read of it, and whether it was run.
   std::vector<EngineMap> maps;  ///< The first shows the environment.
   double largest;            ///< That the engine's loader keeps; 0: any, or what the depth says.
-  std::string_view turns;    ///< How the map's directions stand in the engine's world.
-  std::string_view light;    ///< Who makes diffuse and rough light of it.
+  std::string_view axes;     ///< Where +X, +Y and +Z of the probe lie in the engine's world: "-X +Y +Z".
+  std::string_view mirrored; ///< What mirrors the map for a left-handed world or lookup: "file", "engine" or "no".
+  std::string_view turns;    ///< More about the orientation, in sentences.
+  std::string_view light;    ///< How diffuse and rough light is made.
   TextFile text;             ///< What loads the map, or nothing.
   std::string_view steps;    ///< What to do with the folder.
 };

@@ -15,13 +15,13 @@ namespace {
 
 [[noreturn]] void refuse(const FileError& error) {
   throw NotReached(error.rounding ? rounding_words(*error.rounding, *error.rounding->largest)
-                                  : "integers, a compression that loses, or OpenEXR's layout of cubes");
+                                  : "integers, lossy compression and OpenEXR's envmap layout have no bound");
 }
 
 void check(const BakedLevel& made, const FileError& error) {
   if (error.asked && made.in_file() > *error.asked)
     throw NotReached(error.rounding->read_back ? rounding_words(*error.rounding, made.rounded)
-                                               : fmt::format("what was found: {:.1e}", made.done.error));
+                                               : fmt::format("the error is {:.1e}", made.done.error));
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std:
   BakedLevel made{.done = {.map = {}, .method = Method::exact, .resampled = resampler.filter().filter}, .sampled = true};
   if (const auto& choice = resampler.choice()) {
     made.done.error = choice->trials.back().maximum;
-    if (!choice->reached) throw NotReached(fmt::format("the area filter's own error, {:.1e}", made.done.error));
+    if (!choice->reached) throw NotReached(fmt::format("the error of the filter area is {:.1e}", made.done.error));
   }
   made.done.map.forward = frame.forward;
   made.done.map.levels.push_back(level_of(resampler.rows()));

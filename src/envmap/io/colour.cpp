@@ -276,7 +276,7 @@ std::string space_word(const std::string& config, const std::string& space) {
 }
 
 std::string words(const ClaimedSpace& claimed) {
-  if (claimed.by.empty()) return fmt::format("{} (taken so: the file says nothing)", linear_rec709);
+  if (claimed.by.empty()) return fmt::format("{} (assumed, not specified in the file)", linear_rec709);
   const std::string name = !claimed.name.empty() ? claimed.name : fmt::format("primaries {:.4g}", fmt::join(chromaticities(*claimed.primaries), " "));
   return fmt::format("{} ({})", name, claimed.by);
 }

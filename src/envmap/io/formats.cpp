@@ -27,7 +27,7 @@ const Formats& load() {
     if (place == name && folder.is_absolute() && fs::exists(folder / name, error)) place = folder / name;
   void* module = ::dlopen(place.c_str(), RTLD_LAZY | RTLD_LOCAL);
   if (void* table = module ? ::dlsym(module, "envmap_formats") : nullptr) return *static_cast<const Formats*>(table);
-  throw InputError(std::string("the module for formats other than EXR, HDR, KTX and DDS cannot be loaded: ") + ::dlerror());
+  throw InputError(std::string("cannot load envmap-formats.so, which reads and writes this format: ") + ::dlerror());
 }
 
 }  // namespace

@@ -60,9 +60,9 @@ void write_gltf_light(OutputFile& file, std::span<const Page> levels, const KeyV
   const auto size = static_cast<unsigned>(levels[0].width());
   const auto harmonics = pairs.find("irradianceCoefficients");
   if (!std::has_single_bit(size) || levels.size() < 2)
-    throw OutputError(fmt::format("the light of a .glb file has several levels of faces of a power of two, not {} of {}x{}",
+    throw OutputError(fmt::format(".glb files need several levels and a power-of-two face size, not {} level(s) of {}x{}",
                                   levels.size(), size, size));
-  if (harmonics == pairs.end()) throw OutputError("the light of a .glb file has irradiance, too, which this map lacks");
+  if (harmonics == pairs.end()) throw OutputError(".glb files need irradiance as well, which this map lacks");
   const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);
   std::string text = document(faces, Json::parse(harmonics->second), static_cast<int>(size)).dump();
   text.resize(padded(text.size()), ' ');

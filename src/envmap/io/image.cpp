@@ -78,7 +78,7 @@ void check_file(const Image& image, const std::string& path) {
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status))
     image.fail(error && error != std::errc::no_such_file_or_directory ? error.message() : "no such file");
-  if (fs::is_directory(status)) image.fail("is a folder; name a file");
+  if (fs::is_directory(status)) image.fail("is a folder: give a file name");
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
   bear_limits();
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
-  if (path != "-" && fs::is_directory(status)) throw OutputError(path, "is a folder; name a file");
+  if (path != "-" && fs::is_directory(status)) throw OutputError(path, "is a folder: give a file name");
   // A file without a name would show it only at the end, when other outputs are there.
   if (ignored == std::errc::filename_too_long || ignored == std::errc::too_many_symbolic_link_levels) throw OutputError(path, "not written: " + ignored.message());
   if (path != "-" && !how.if_changed) check_replaceable(path, how);  // Else only where the bytes differ.
@@ -98,7 +98,7 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
     }
     if (descriptor_ < 0)
       throw OutputError(fmt::format("{}: cannot write into {}: {}{}", shown(path), folder, std::strerror(why),
-                                    stream_ ? "; name another folder in TMPDIR" : ""));
+                                    stream_ ? ": set TMPDIR to another folder" : ""));
   }
   // Never one of the standard three, even where the caller has closed them: `-` would write into its own file.
   if (const int low = descriptor_; low < 3) {
@@ -159,7 +159,7 @@ void OutputFile::expect(std::uint64_t bytes) const {
   if (target_.empty() || has_room(descriptor_, bytes)) return;  // Memory has no folder.
   const std::string what = fmt::format("takes at least {:.3g} GiB, more than is free in {}", double(bytes) / 0x1p30,
                                        stream_ ? temporary_folder() : folder_of(target_));
-  throw OutputError(shown(path_), what + (stream_ ? "; name another folder in TMPDIR" : ""));
+  throw OutputError(shown(path_), what + (stream_ ? ": set TMPDIR to another folder" : ""));
 }
 
 void OutputFile::copy_to_stream() {
@@ -230,7 +230,7 @@ bool OutputFile::is_there_already() const {
 void OutputFile::check() const {
   if (error_ == 0) return;
   if (!stream_) throw OutputError(path_, fmt::format("not written: {}", std::strerror(error_)));
-  throw OutputError(shown(path_), fmt::format("cannot be held in {}: {}; name another folder in TMPDIR", temporary_folder(),
+  throw OutputError(shown(path_), fmt::format("cannot be held in {}: {}: set TMPDIR to another folder", temporary_folder(),
                                               std::strerror(error_)));
 }
 

@@ -95,11 +95,11 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string_view> f
   while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
   std::error_code error;
   if (fs::exists(path_, error)) {
-    if (!fs::is_directory(path_, error)) throw UsageError(path_, "is no folder; name another");
+    if (!fs::is_directory(path_, error)) throw UsageError(path_, "is not a folder: choose another name");
     check_replaceable(path_, how_);
     for (const auto& entry : fs::directory_iterator(path_))
       if (const std::string name = entry.path().filename(); std::ranges::find(files_, name) == files_.end())
-        throw UsageError(path_, fmt::format("holds {}, which would be lost; name another folder", name));
+        throw UsageError(path_, fmt::format("contains {}, which would be lost: choose another folder", name));
   }
   const fs::path full = fs::absolute(path_);
   const std::string stem = (full.parent_path() / fmt::format(".{}.envmap-", full.filename().string())).string();
@@ -123,7 +123,7 @@ OutputFolder::~OutputFolder() {
 
 std::string OutputFolder::file(std::string_view name) const { return hidden_ + "/" + std::string(name); }
 
-OutputError OutputFolder::as_it_will_be(const OutputError& e, std::string_view name) const {
+OutputError OutputFolder::with_final_path(const OutputError& e, std::string_view name) const {
   const std::string hidden = file(name);
   if (e.file() != hidden) return e;
   return {path_ + "/" + std::string(name), std::string(e.what()).substr(hidden.size() + 2), e.remedy()};
@@ -135,7 +135,7 @@ void OutputFolder::write(std::string_view name, std::string_view text) const {
     out.write(text.data(), text.size());
     out.commit();
   } catch (const OutputError& e) {
-    throw as_it_will_be(e, name);
+    throw with_final_path(e, name);
   }
 }
 

@@ -27,7 +27,7 @@ class OutputFolder {
   /// Where to write a file of it.
   [[nodiscard]] std::string file(std::string_view name) const;
   /// An error of writing it, with the name that the file shall have.
-  [[nodiscard]] OutputError as_it_will_be(const OutputError& e, std::string_view name) const;
+  [[nodiscard]] OutputError with_final_path(const OutputError& e, std::string_view name) const;
   /// Writes a text as one.
   void write(std::string_view name, std::string_view text) const;
 

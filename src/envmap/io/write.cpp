@@ -103,7 +103,7 @@ void check_fit(const std::string& path, const FileFormat& format, const Misfits&
   const Range range = range_of(done.depth, format.largest);
   if (level.nan > 0) throw OutputError(path, fmt::format("{} texels are NaN", level.nan), Remedy::repair);
   if (level.over > 0 && !options.clamp)
-    throw OutputError(path, fmt::format("{} texels over {:g} do not fit {}", level.over, range.largest, name(done.depth)),
+    throw OutputError(path, fmt::format("{} texels exceed {:g}, the maximum of {}", level.over, range.largest, name(done.depth)),
                       fits_float(format, done.depth, level.brightest) ? Remedy::clamp_or_deepen
                       : is_integer(done.depth)                        ? Remedy::clamp_or_darken
                                                                       : Remedy::clamp_or_dim);
@@ -303,8 +303,8 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   const FileFormat* format = format_with_extension(ext);
   if (!format) {
     const std::string known = writable_extensions(projection, levels && !has_level(path));
-    if (ext.empty()) throw UsageError(path, "no file type; end the name in " + known, Remedy::choose_format);
-    throw UsageError(path, fmt::format("no format writes .{}; try {}", ext, known));
+    if (ext.empty()) throw UsageError(path, "has no file type: end the name in " + known, Remedy::choose_format);
+    throw UsageError(path, fmt::format("cannot write .{} files: try {}", ext, known));
   }
   choose_depth(*format, options);
   if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
@@ -325,7 +325,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   const std::string folder = parent.empty() ? "." : parent.string();
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw OutputError(path, "no such folder: " + folder);
-  if (fs::is_directory(path, error)) throw OutputError(path, "is a folder; name a file");
+  if (fs::is_directory(path, error)) throw OutputError(path, "is a folder: give a file name");
 }
 
 std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options) {

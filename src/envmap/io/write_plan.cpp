@@ -24,7 +24,7 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
     if (std::ranges::find(held, *options.depth) != held.end()) return *options.depth;
     std::vector<std::string_view> names;  // A view of them is beyond clang 14 with GCC's library.
     for (const Depth d : held) names.push_back(name(d));
-    throw UsageError(fmt::format("{} is no depth of {} files: they hold {}", name(*options.depth), format.title,
+    throw UsageError(fmt::format("{} files cannot store {}: choose {}", format.title, name(*options.depth),
                                  fmt::join(names, " or ")));
   }
   // What came out of blocks or RGBD are halves; blocks are written where they are asked for.

@@ -25,7 +25,7 @@ Colour* map_scratch_file(std::size_t bytes) {
   const std::string folder = wanted && *wanted ? wanted : "/var/tmp";
   const auto fail = [&](int error) {
     throw OutputError(
-        fmt::format("{}: cannot hold {:.1f} GiB of scratch: {}; name another folder in TMPDIR", folder,
+        fmt::format("{}: cannot hold {:.1f} GiB of scratch: {}: set TMPDIR to another folder", folder,
                     static_cast<double>(bytes) / 0x1p30, std::strerror(error)));
   };
   std::string path = folder + "/envmap-XXXXXX";

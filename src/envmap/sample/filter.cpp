@@ -106,17 +106,16 @@ Sampler make_probes(const Levels& levels, const Target& target, Probes (*plan)(c
 }
 
 constexpr std::array<FilterInfo, 7> table{{
-    {Filter::nearest, "nearest", "takes the texel at the centre of each texel of the result", false},
-    {Filter::bilinear, "bilinear", "interpolates there", false},
-    {Filter::bicubic, "bicubic", "does so by Catmull-Rom's curve, kept within the range of the four texels around", false},
+    {Filter::nearest, "nearest", "Source texel at the centre of each output texel", false},
+    {Filter::bilinear, "bilinear", "Bilinear interpolation at this point", false},
+    {Filter::bicubic, "bicubic", "Catmull-Rom interpolation, clamped to the range of the four nearest texels", false},
     {Filter::trilinear, "trilinear",
-     "reads solid-angle weighted mip levels: it never aliases, but blurs where a texel is long and narrow in the source",
+     "Two solid-angle weighted mip levels. Never aliases, but blurs texels that are long and narrow in the source",
      true},
-    {Filter::sat, "sat", "takes the mean over an upright box in the source, from a summed-area table", false},
-    {Filter::ewa, "ewa", "puts the footprint of each texel together from trilinear probes", true},
+    {Filter::sat, "sat", "Mean over an axis-aligned box in the source, from a summed-area table", false},
+    {Filter::ewa, "ewa", "Elliptical footprint of several trilinear samples", true},
     {Filter::area, "area",
-     "is the reference: the solid-angle mean of the bilinearly reconstructed source over the footprint, right to "
-     "the error asked for",
+     "Solid-angle mean of the bilinearly reconstructed source over the exact footprint, accurate to the requested error. The reference",
      false},
 }};
 

@@ -34,7 +34,7 @@ bool is_gltf(std::string_view bytes) {
 
 Scene read_any(const std::string& path, std::uint64_t max_pixels) {
   std::error_code error;
-  if (path != "-" && fs::is_directory(path, error)) throw InputError("is a folder; name a file");
+  if (path != "-" && fs::is_directory(path, error)) throw InputError("is a folder: give a file name");
   const std::vector<std::byte> bytes = path == "-" ? standard_input() : file_bytes(path);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const SceneFolder folder(path);
