@@ -1,5 +1,5 @@
-"""Runs what the documents say word for word, on files of the names that they take: every command of README.md that begins with
-`envmap`, in its order, and every recipe of man/envmap.7.
+"""Runs the commands of the documents word for word, on files with the names that they use: every indented line of README.md and of
+docs/ that begins with `envmap`, in its order, and every recipe of man/envmap.7. Where output follows a command, it is compared.
 
   recipes.py SOURCE_DIR ENVMAP
 """
@@ -14,19 +14,30 @@ import tempfile
 source, program = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
 
 
-def commands():
-    """Indented lines of README.md, comments left out: the shell takes them as they are."""
-    for line in (source / 'README.md').read_text().splitlines():
+def commands(page):
+    """Indented lines, as the shell takes them. @return pairs of a command and the lines of output right below it."""
+    found, following = [], False
+    for line in page.read_text().splitlines():
         if line.startswith('    envmap '):
-            yield line.strip()
+            found.append((line.strip(), []))
+        elif line.startswith('    ') and following:
+            found[-1][1].append(line[4:].rstrip())
+        following = line.startswith('    envmap ') or (following and line.startswith('    '))
+    return found
 
 
-def run(command, folder):
-    """@return what is wrong, or nothing."""
+def without_times(text):
+    return re.sub(r'[\d.]+ (us|s)\b', r'TIME \1', text)
+
+
+def run(command, folder, wanted=()):
+    """@return what is wrong, or nothing. @param wanted lines that the output must have, apart from times."""
     path = f'{program.parent}{os.pathsep}{os.environ["PATH"]}'
     done = subprocess.run(['sh', '-c', command], cwd=folder, env={**os.environ, 'PATH': path}, capture_output=True, text=True)
     if done.returncode == 0:
-        return ''
+        lines = without_times(done.stdout + done.stderr).splitlines()
+        lacking = [line for line in wanted if without_times(line) not in [x.rstrip() for x in lines]]
+        return ''.join(f'{command}\n  does not print: {line}\n' for line in lacking)
     return f'{command}\n  exit status {done.returncode}: {done.stderr.strip()}\n'
 
 
@@ -44,6 +55,9 @@ def prepare(folder):
     subprocess.run([sys.executable, source / 'samples/scenes/make.py', scenes], check=True, stdout=subprocess.DEVNULL)
     shutil.copy(scenes / 'cellar.glb', folder)
     shutil.copy(scenes / 'ball.glb', folder / 'model.glb')
+    shutil.copy(scenes / 'room-4.glb', folder / 'room.glb')
+    for scene in scenes.glob('*.glb'):
+        shutil.copy(scene, folder)
     return wrong
 
 
@@ -63,10 +77,12 @@ def prepare_recipes(folder):
     return wrong
 
 
-def check_readme(folder):
-    wrong = prepare(folder)
-    every = list(commands())
-    return wrong + ''.join(run(command, folder) for command in every), len(every)
+def check_page(page):
+    def check(folder):
+        wrong = prepare(folder)
+        every = commands(page)
+        return wrong + ''.join(run(command, folder, wanted) for command, wanted in every), len(every)
+    return check
 
 
 def check_recipes(folder):
@@ -80,7 +96,11 @@ def check_recipes(folder):
 
 def main():
     failed = 0
-    for what, check, least in (('commands of README.md', check_readme, 10), ('recipes of envmap(7)', check_recipes, 7)):
+    checks = [('recipes of envmap(7)', check_recipes, 7), ('commands of README.md', check_page(source / 'README.md'), 25)]
+    for page in sorted((source / 'docs').rglob('*.md')):
+        if commands(page):
+            checks.append((f'commands of {page.relative_to(source)}', check_page(page), 1))
+    for what, check, least in checks:
         with tempfile.TemporaryDirectory() as name:
             wrong, count = check(pathlib.Path(name))
         print(wrong or f'{count} {what}')

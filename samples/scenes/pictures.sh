@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the pictures of the README, all of generated scenes, skies and rooms:
+# Makes the pictures of docs/how-to/scenes.md, all of generated scenes, skies and rooms:
 #   cellar.jpg    two views of the cellar through dynamic maps
 #   lookup.jpg    a mirror ball on a table, its map looked up by vertex, by direction and by distance, and the truth by rays
 #   facing.jpg    two mirrors that face each other: 1, 2 and 4 rounds of pictures in pictures and maps, and by rays
