@@ -45,6 +45,24 @@ TEST_F(View, AMirrorShowsWhatIsBehindTheCamera) {
   }
 }
 
+// Levels mix roughness .2 and .4 for .3; a sun shows it. tests/render/lobe_integral_test.cpp has the integral itself.
+TEST_F(View, RoughReflectionsOfTheEnvironmentCanBeIntegrated) {
+  std::string scene = read("scene.gltf");
+  const std::string smooth = "\"roughnessFactor\":0";
+  ASSERT_NE(scene.find(smooth), std::string::npos);
+  write("rough.gltf", scene.replace(scene.find(smooth), smooth.size(), smooth + ".3"));
+  succeeds({"generate", "sun", "sun.exr", "--size", "64", "--to", "latlong", "--radius", "2.5", "--value", "100"});
+  const auto middle = [&](const std::string& samples) {
+    succeeds({"view", "rough.gltf", "a.exr", "--method", "raycast", "--environment", "sun.exr", "--width", "9", "--height", "9",
+              "--lobe-samples", samples});
+    return load(path("a.exr")).at(4, 4)[0];
+  };
+  const float levels = middle("0"), integral = middle("512"), finer = middle("4096");
+  EXPECT_NEAR(integral / finer, 1, 0.03);
+  EXPECT_GT(std::abs(levels / finer - 1), 0.05);
+  fails(2, {"view", "rough.gltf", "a.exr", "--lobe-samples", "64"}, {"--lobe-samples", "--method raycast"});
+}
+
 // The lamp of 2 x 2 m at z = 6 is seen in the mirror as if it hung at -6, 9 m from the camera.
 TEST_F(View, RaysShowTheMirroredLampInItsPlace) {
   succeeds({"view", "scene.gltf", "a.exr", "--method", "raycast", "--width", "64", "--height", "64", "--samples", "1"});

@@ -22,7 +22,7 @@ struct Request {
   std::optional<Projection> to;
   Viewpoint from;
   DrawMethod method = DrawMethod::automatic;
-  int bounces = 0;
+  int bounces = 0, lobe_samples = 0;
   WriteOptions write;
 };
 
@@ -80,6 +80,7 @@ void check(const Request& o) {
   if (forward_named(o.forward) && !has_forward(o.from.to))
     throw UsageError("--forward: an axis needs a latlong or angular map: use a node, X,Y,Z or camera");
   if (o.method == DrawMethod::raycast) check_no_context(o.scene);
+  if (o.lobe_samples > 0 && o.method != DrawMethod::raycast) throw UsageError("--lobe-samples is for --method raycast");
   const bool distorts = o.method == DrawMethod::distort || o.method == DrawMethod::tessellate;
   if (o.from.epsilon > 0 && !distorts) throw UsageError("--epsilon is for --method distort and tessellate");
   if (!can_draw(o.method, o.from.to))
@@ -123,7 +124,7 @@ int run(Request& o, Report& report) {
     if (turned) o.from.axes = turned_to(direction(o, loaded.scene, shot.pose));
     const Stopwatch watch;
     Drawn drawn = painter ? painter->paint(shot, moved, method)
-                          : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far}, progress_line("cast"));
+                          : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far, o.lobe_samples}, progress_line("cast"));
     const double took = watch.seconds();
     seconds += took;
     drawn.radiance.forward = forward;
@@ -169,6 +170,8 @@ Action define_render(Options& o) {
   o.add("--samples", "N", &r->from.samples, {1, 1024}, "Rays per texel (default: 1)");
   o.add("--bounces", "N", &r->bounces, {0, 64},
         "Reflections between mirrors (0: of the environment only) (default: 0)");
+  o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
+        "raycast: samples of each rough reflection (0: prefiltered levels) (default: 0)");
   o.add("--epsilon", "Z", &r->from.epsilon, {1e-6, 1},
         "distort, tessellate: move vertices with z < -1 + Z to infinity");
   add_costs(o, r->costs);

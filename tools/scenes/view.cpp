@@ -36,7 +36,7 @@ struct Request {
   std::vector<std::string> mirrors;
   Through method = Through::maps;
   std::optional<Projection> maps;
-  int width = 640, height = 480, samples = 4;
+  int width = 640, height = 480, samples = 4, lobe_samples = 0;
   double exposure = 0;
   std::optional<Display> display;
   std::optional<double> anaglyph;
@@ -128,7 +128,7 @@ class MapPainter {
 Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes) {
   Pictures pictures;
   for (const Eye& eye : eyes)
-    pictures.push_back(raycast_picture(shot, eye.from, {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far},
+    pictures.push_back(raycast_picture(shot, eye.from, {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far, o.lobe_samples},
                                        progress_line("cast")));
   return pictures;
 }
@@ -142,6 +142,7 @@ void check(const Request& o) {
   if (o.method == Through::rays && of_maps)
     throw UsageError(
         "--method raycast draws no maps: remove --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all and NODE:MAP");
+  if (o.lobe_samples > 0 && o.method != Through::rays) throw UsageError("--lobe-samples is for --method raycast");
   if (o.max_error && (of_maps || o.method == Through::rays || o.drawing.bounces))
     throw UsageError(
         "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, --show-maps, --save-maps, "
@@ -278,6 +279,8 @@ Action define_view(Options& o) {
       .several = Several::repeated;
   o.add("--bounces", "N", &r->drawing.bounces, {1, 64},
         "Reflections between mirrors per frame (default: first all, then 1)");
+  o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
+        "raycast: samples of each rough reflection (0: prefiltered levels) (default: 0)");
   o.add("--lookup", one_of(r->lookup, mirror_lookup_names), "How maps are looked up: {} (default: distance)");
   o.add("--max-error", "E", &r->max_error, {1e-6, 10},
         "Use the smallest maps whose picture is within rms E of ray casting");

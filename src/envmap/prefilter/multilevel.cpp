@@ -45,7 +45,7 @@ void set_hinges(MultilevelPlan& plan, double first, double second) {
 
 // Rows of a grid whose error at the horizon is small enough: 0.06 h^3 x the third derivative over 6.
 int rows_at_horizon(const Splitting& s, double third) {
-  return rows_for(std::cbrt(s.bend * floor_density / (0.06 * std::max(1e-12, third))));
+  return rows_for(portable::cbrt(s.bend * floor_density / (0.06 * std::max(1e-12, third))));
 }
 
 std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
