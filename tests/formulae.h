@@ -65,11 +65,11 @@ inline Vector direction(envmap::Projection p, int face, Real u, Real v) {
 
 inline double angle(const Vector& a, const envmap::Direction& b) {
   const Real x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-  return static_cast<double>(2 * std::asin(std::min(Real(1), std::sqrt(x * x + y * y + z * z) / 2)));
+  return double(2 * std::asin(std::min(Real(1), std::sqrt(x * x + y * y + z * z) / 2)));
 }
 
 inline envmap::Direction rounded(const Vector& a) {
-  return {static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)};
+  return {double(a.x), double(a.y), double(a.z)};
 }
 
 // Is the centre of the texel part of the image?

@@ -42,7 +42,7 @@ Action define(const Command& command, Options& o, Settings& s) {
 int run(Parsed& parsed) {
   std::optional<tbb::global_control> limit;
   const Settings& s = settings();
-  if (s.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(s.threads));
+  if (s.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(s.threads));
   const PendingDepfile depfile;
   check_files(parsed.options.named(File::output), parsed.options.named(File::input));
   Report report;

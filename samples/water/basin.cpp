@@ -22,7 +22,7 @@ Direction normal_at(const Basin& b, const HeightField& field, double x, double y
 
 // Beer's law on the way down and up again, as if both were upright.
 glm::vec4 under_water(const Basin& b, double y) {
-  return {glm::exp(2 * static_cast<float>(std::min(y, 0.0)) * b.tint), 1};
+  return {glm::exp(2 * float(std::min(y, 0.0)) * b.tint), 1};
 }
 
 // A parallelogram from its upper left corner, cut into columns and rows; texture coordinates in metres.
@@ -38,14 +38,14 @@ Mesh wall(int material, const Direction& corner, const Direction& right, const D
     }
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
-      const auto a = static_cast<std::uint32_t>(j * (columns + 1) + i), b = a + static_cast<std::uint32_t>(columns) + 1;
+      const auto a = std::uint32_t(j * (columns + 1) + i), b = a + std::uint32_t(columns) + 1;
       for (const std::uint32_t k : {a, b, b + 1, a, b + 1, a + 1}) mesh.indices.push_back(k);
     }
   return mesh;
 }
 
 void append(Mesh& mesh, const Mesh& more) {
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto first = std::uint32_t(mesh.positions.size());
   mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
   mesh.normals.insert(mesh.normals.end(), more.normals.begin(), more.normals.end());
   mesh.coordinates.insert(mesh.coordinates.end(), more.coordinates.begin(), more.coordinates.end());
@@ -83,7 +83,7 @@ Texture tiles(const Colour& tile, const Colour& joint, float spread) {
     for (int i = 0; i < texture.width; ++i) {
       const bool between = i % side < 2 || j % side < 2;
       const int kind = (i / side * 7 + j / side * 13 + i / side * (j / side)) % 5;
-      const Colour c = between ? joint : tile * (1 - spread * static_cast<float>(kind) / 4);
+      const Colour c = between ? joint : tile * (1 - spread * float(kind) / 4);
       texture.texels.emplace_back(glm::u8vec4(255.0F * glm::pow(c, Colour(1 / 2.2F)) + 0.5F, 255));
     }
   return texture;
@@ -95,12 +95,12 @@ struct Builder {
   int material(const char* name, const Colour& colour, float roughness, int texture = -1) {
     pool.scene.materials.push_back(
         {.name = name, .base_colour = glm::vec4(colour, 1), .base_colour_texture = texture, .roughness = roughness});
-    return static_cast<int>(pool.scene.materials.size()) - 1;
+    return int(pool.scene.materials.size()) - 1;
   }
 
   // @return the mesh's number.
   int add(const char* name, Mesh mesh) {
-    const int number = static_cast<int>(pool.scene.meshes.size());
+    const int number = int(pool.scene.meshes.size());
     pool.scene.meshes.push_back(std::move(mesh));
     pool.scene.nodes.push_back({.name = name, .meshes = {number}});
     return number;
@@ -108,7 +108,7 @@ struct Builder {
 
   int texture(Texture image) {
     pool.scene.textures.push_back(std::move(image));
-    return static_cast<int>(pool.scene.textures.size()) - 1;
+    return int(pool.scene.textures.size()) - 1;
   }
 };
 
@@ -169,12 +169,12 @@ void add_water(Builder& to, const Basin& b, const HeightField& field) {
   to.pool.scene.materials.push_back({.name = "water",
                                      .roughness = 0,
                                      .transmission = 1,
-                                     .ior = static_cast<float>(1 / b.eta),
+                                     .ior = float(1 / b.eta),
                                      .solid = true});
-  const int material = static_cast<int>(to.pool.scene.materials.size()) - 1;
+  const int material = int(to.pool.scene.materials.size()) - 1;
   to.pool.water = to.add("water", wall(material, {-b.wide, 0, -b.deep}, {2 * b.wide, 0, 0}, {0, 0, 2 * b.deep},
                                        field.columns() - 1, field.rows() - 1));
-  to.pool.water_node = static_cast<int>(to.pool.scene.nodes.size()) - 1;
+  to.pool.water_node = int(to.pool.scene.nodes.size()) - 1;
 }
 
 }  // namespace
@@ -188,10 +188,10 @@ Pool make_pool(const Basin& basin, const HeightField& field) {
 }
 
 void set_waves(Pool& pool, const Basin& basin, const HeightField& field, const Direction& sun) {
-  Mesh& water = pool.scene.meshes[static_cast<std::size_t>(pool.water)];
-  Mesh& floor = pool.scene.meshes[static_cast<std::size_t>(pool.floor)];
+  Mesh& water = pool.scene.meshes[std::size_t(pool.water)];
+  Mesh& floor = pool.scene.meshes[std::size_t(pool.floor)];
   const std::vector<float> light = caustics(basin, field, sun);
-  const auto sunlight = static_cast<float>(basin.sunlight);
+  const auto sunlight = float(basin.sunlight);
   std::size_t k = 0;
   for (int j = 0; j < field.rows(); ++j)
     for (int i = 0; i < field.columns(); ++i, ++k) {
@@ -203,9 +203,9 @@ void set_waves(Pool& pool, const Basin& basin, const HeightField& field, const D
 
 std::vector<float> caustics(const Basin& basin, const HeightField& field, const Direction& sun) {
   const int columns = field.columns(), rows = field.rows();
-  std::vector<float> light(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0.0F);
+  std::vector<float> light(std::size_t(columns) * std::size_t(rows), 0.0F);
   const auto splat = [&](double x, double y, double amount) {
-    const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+    const int i = int(std::floor(x)), j = int(std::floor(y));
     for (int b = 0; b < 2; ++b)
       for (int a = 0; a < 2; ++a) {
         // What goes beyond the floor is mirrored back: walls of light tiles.
@@ -213,8 +213,8 @@ std::vector<float> caustics(const Basin& basin, const HeightField& field, const 
           return std::clamp(k < 0 ? -1 - k : k >= size ? 2 * size - 1 - k : k, 0, size - 1);
         };
         const double weight = (a ? x - i : 1 - x + i) * (b ? y - j : 1 - y + j);
-        light[static_cast<std::size_t>(back(j + b, rows)) * static_cast<std::size_t>(columns) +
-              static_cast<std::size_t>(back(i + a, columns))] += static_cast<float>(amount * weight);
+        light[std::size_t(back(j + b, rows)) * std::size_t(columns) +
+              std::size_t(back(i + a, columns))] += float(amount * weight);
       }
   };
   constexpr int fine = 3;  // Rays along each side of a column.

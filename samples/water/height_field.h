@@ -17,7 +17,7 @@ class HeightField {
   HeightField(int columns, int rows)
       : columns_(columns),
         rows_(rows),
-        heights_(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)),
+        heights_(std::size_t(columns) * std::size_t(rows)),
         speeds_(heights_.size()) {}
 
   [[nodiscard]] int columns() const { return columns_; }
@@ -40,7 +40,7 @@ class HeightField {
       for (int i = 0; i < columns_; ++i) sum += dent(i, j);
     for (int j = 0; j < rows_; ++j)
       for (int i = 0; i < columns_; ++i)
-        heights_[index(i, j)] -= dent(i, j) - sum / static_cast<double>(heights_.size());
+        heights_[index(i, j)] -= dent(i, j) - sum / double(heights_.size());
   }
 
   /// Speeds first, then heights with the new speeds (symplectic Euler): energy swings a little but does not drift.
@@ -76,7 +76,7 @@ class HeightField {
   /// Bilinear between columns; x and y in columns, held to the field.
   [[nodiscard]] double at(double x, double y) const {
     x = std::clamp(x, 0.0, columns_ - 1.001), y = std::clamp(y, 0.0, rows_ - 1.001);
-    const int i = static_cast<int>(x), j = static_cast<int>(y);
+    const int i = int(x), j = int(y);
     const double fx = x - i, fy = y - j;
     return (1 - fy) * ((1 - fx) * height(i, j) + fx * height(i + 1, j)) +
            fy * ((1 - fx) * height(i, j + 1) + fx * height(i + 1, j + 1));
@@ -84,7 +84,7 @@ class HeightField {
 
  private:
   [[nodiscard]] std::size_t index(int i, int j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(i);
+    return std::size_t(j) * std::size_t(columns_) + std::size_t(i);
   }
 
   // Each once: to the right, down, and both ways across.

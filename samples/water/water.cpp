@@ -66,7 +66,7 @@ void run(const Settings& s) {
   const Environment sky(make_sky(s.sky));
   const std::vector<DistantLight> lights = distant_lights(sky.map, 64);
   const Direction sun = sun_of(sky.map);
-  HeightField field(s.columns, static_cast<int>(s.columns * s.basin.deep / s.basin.wide));
+  HeightField field(s.columns, int(s.columns * s.basin.deep / s.basin.wide));
   Pool pool = make_pool(s.basin, field);
   const Viewpoint from = camera_of(s);
   std::optional<Context> context;
@@ -80,7 +80,7 @@ void run(const Settings& s) {
     set_waves(pool, s.basin, field, sun);
     std::vector<Colour> picture =
         painter ? painter->paint(from, shot) : raycast_picture(shot, from, {.mirrors = {pool.water_node}});
-    for (Colour& c : picture) c *= static_cast<float>(std::exp2(s.exposure));
+    for (Colour& c : picture) c *= float(std::exp2(s.exposure));
     std::string path = s.output;
     path.replace(path.find("{frame}"), 7, fmt::format("{:04}", frame));
     write_picture(path, from.lens->width, picture, {.display = Display::neutral});

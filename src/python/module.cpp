@@ -25,7 +25,7 @@ Triple triple(const Rgb<double>& c) { return {c.x, c.y, c.z}; }
 
 // A view of a level's texels, without a copy: (height, width, 3), of several faces (faces, height, width, 3).
 py::array view(const Map& map, Level& level) {
-  const auto line = static_cast<py::ssize_t>(level.stride() * static_cast<std::ptrdiff_t>(sizeof(Colour)));
+  const auto line = static_cast<py::ssize_t>(level.stride() * std::ptrdiff_t(sizeof(Colour)));
   const Colour* const first = level.texel(0, 0, 0);
   std::vector<py::ssize_t> shape{level.height(), level.width(), 3}, strides{line, sizeof(Colour), sizeof(float)};
   if (level.faces() > 1) {
@@ -47,7 +47,7 @@ Projection projection_of_array(const Array& a, const std::optional<std::string>&
 
 Level level_of_array(const Array& a, Projection p) {
   const bool several = a.ndim() == 4;
-  const auto height = static_cast<int>(a.shape(several ? 1 : 0)), width = static_cast<int>(a.shape(several ? 2 : 1));
+  const auto height = int(a.shape(several ? 1 : 0)), width = int(a.shape(several ? 2 : 1));
   if ((several ? a.shape(0) : 1) != faces(p) || (p != Projection::latlong && width != height) || a.size() == 0)
     throw UsageError("the array's shape is not that of a " + std::string(name(p)) + " map");
   Level level(p, height, width);
@@ -100,7 +100,7 @@ py::tuple state_of(const Map& map) {
   py::list levels;
   for (Level& level : map->levels) levels.append(view(map, level).attr("copy")());
   return py::make_tuple(levels, std::string(name(map->projection())),
-                        std::string(forward_names[static_cast<std::size_t>(map->forward)]));
+                        std::string(forward_names[std::size_t(map->forward)]));
 }
 
 Map of_state(const py::tuple& state) {
@@ -138,7 +138,7 @@ Map read_file(const py::object& file, const std::optional<std::string>& projecti
     const py::buffer_info bytes = py::reinterpret_borrow<py::buffer>(file).request();
     if (bytes.ndim != 1 || bytes.itemsize != 1 || bytes.strides[0] != 1) throw UsageError("a file in memory is bytes");
     const py::gil_scoped_release others;
-    return shared(std::move(read({static_cast<const std::byte*>(bytes.ptr), static_cast<std::size_t>(bytes.size)}, o).map));
+    return shared(std::move(read({static_cast<const std::byte*>(bytes.ptr), std::size_t(bytes.size)}, o).map));
   }
   const std::string path = path_of(file).string();
   const py::gil_scoped_release others;
@@ -199,7 +199,7 @@ py::list pack_map(const GivenMap& given, const std::string& format, const std::s
   py::list levels;
   for (int k = 0; k < packed.levels; ++k) {
     levels.append(packed_level(packed, k, bytes));
-    levels[static_cast<std::size_t>(k)].attr("setflags")("write"_a = false);
+    levels[std::size_t(k)].attr("setflags")("write"_a = false);
   }
   return levels;
 }
@@ -308,7 +308,7 @@ py::array_t<double> solid_angles_of(const std::string& projection, int size) {
   check(limits::size, size);
   const py::ssize_t width = py::ssize_t{size} * aspect(p);
   py::array_t<double> out({py::ssize_t{size}, width});
-  for (int j = 0; j < size; ++j) solid_angles(p, size, j, {out.mutable_data(j, 0), static_cast<std::size_t>(width)});
+  for (int j = 0; j < size; ++j) solid_angles(p, size, j, {out.mutable_data(j, 0), std::size_t(width)});
   return out;
 }
 
@@ -386,7 +386,7 @@ PYBIND11_MODULE(_envmap, m) {
       .def_property_readonly("levels", &views, "Views of all levels, the largest first.")
       .def_property_readonly("projection", [](const EnvironmentMap& map) { return name(map.projection()); })
       .def_property_readonly(
-          "forward", [](const EnvironmentMap& map) { return forward_names[static_cast<std::size_t>(map.forward)]; },
+          "forward", [](const EnvironmentMap& map) { return forward_names[std::size_t(map.forward)]; },
           "World axis at the centre of latlong and angular images.")
       .def_property_readonly(
           "size", [](const EnvironmentMap& map) { return map.base().height(); }, "Height of a face in texels.")

@@ -69,7 +69,7 @@ constexpr const char* remedy_names[] = {"none",
                                         "leave_out_shadows",
                                         "force",
                                         "make_levels"};
-static_assert(std::size(remedy_names) == static_cast<std::size_t>(Remedy::make_levels) + 1);
+static_assert(std::size(remedy_names) == std::size_t(Remedy::make_levels) + 1);
 
 // The number of the system's error that a message ends in, or None.
 py::object errno_of(const std::string& message) {
@@ -85,8 +85,8 @@ void raise(const Error& e, PyObject* kind) {
   std::string line = e.what() + std::string(advice(e.remedy()));
   std::replace(line.begin(), line.end(), '\n', ' ');
   const py::object raised = py::reinterpret_borrow<py::object>(kind)(line);
-  raised.attr("code") = code_names[static_cast<std::size_t>(e.code())];
-  raised.attr("remedy") = remedy_names[static_cast<std::size_t>(e.remedy())];
+  raised.attr("code") = code_names[std::size_t(e.code())];
+  raised.attr("remedy") = remedy_names[std::size_t(e.remedy())];
   const py::object file = e.file().empty() ? py::object(py::none()) : py::str(e.file());
   raised.attr("file") = file;
   const auto* const usage = dynamic_cast<const UsageError*>(&e);
@@ -136,7 +136,7 @@ void add_errors(py::module_& module) {
     const py::dict members("__str__"_a = py::eval("lambda self: self.args[0] if self.args else ''"));
     PyObject* const kind = PyErr_NewException((std::string("envmap.") + name).c_str(), bases.ptr(), members.ptr());
     module.add_object(name, py::handle(kind));
-    kinds[static_cast<std::size_t>(code)] = kind;
+    kinds[std::size_t(code)] = kind;
   };
   add(ErrorCode::usage, "UsageError", PyExc_ValueError);
   add(ErrorCode::input, "InputError", PyExc_OSError);
@@ -146,7 +146,7 @@ void add_errors(py::module_& module) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Error& e) {
-      raise(e, kinds[static_cast<std::size_t>(e.code())]);
+      raise(e, kinds[std::size_t(e.code())]);
     }
   });
 }

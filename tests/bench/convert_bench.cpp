@@ -36,8 +36,8 @@ void fill(Level& level) {
     for (int j = 0; j < level.height(); ++j)
       for (Colour& c : level.row(face, j)) {
         state = state * 1664525U + 1013904223U;
-        const float noise = 0.9F + 0.2F * static_cast<float>(state >> 8) * 0x1p-24F;
-        c = Colour(1, 2, 3) * noise * (1 + static_cast<float>(j) / static_cast<float>(level.height()));
+        const float noise = 0.9F + 0.2F * float(state >> 8) * 0x1p-24F;
+        c = Colour(1, 2, 3) * noise * (1 + float(j) / float(level.height()));
       }
 }
 
@@ -63,7 +63,7 @@ Sample sample_of(const Rows& rows) {
   Sample s;
   for (int run = 0; run < runs; ++run)
     for (int k = 0; k < each; ++k) {
-      const auto at = static_cast<int>((run + 0.5) * all / runs) - each / 2 + k;
+      const auto at = int((run + 0.5) * all / runs) - each / 2 + k;
       s.rows.emplace_back(at / rows.size, at % rows.size);
       const Columns in = columns(rows.projection, rows.size, at % rows.size);
       s.texels += in.end - in.first;
@@ -75,13 +75,13 @@ void time_rows(benchmark::State& state, const EnvironmentMap& from, const Conver
   const Resampler resampler(from, wanted);
   const Rows rows = resampler.rows();
   const Sample sample = sample_of(rows);
-  std::vector<Colour> out(static_cast<std::size_t>(rows.size) * static_cast<std::size_t>(aspect(rows.projection)));
+  std::vector<Colour> out(std::size_t(rows.size) * std::size_t(aspect(rows.projection)));
   for (auto _ : state) {
     for (const auto& [face, row] : sample.rows) rows.fill(face, row, out);
     benchmark::DoNotOptimize(out.data());
     benchmark::ClobberMemory();
   }
-  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * sample.texels);
+  state.SetItemsProcessed(std::int64_t(state.iterations()) * sample.texels);
 }
 
 void add(const std::string& name, Projection from, int size, const ConvertOptions& wanted) {

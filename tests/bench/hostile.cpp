@@ -223,7 +223,7 @@ std::vector<SourceTexel> texels_of_source(const Level& level) {
 // @param close relative to `floor`, which is what is left alone of the result.
 Flux truth(const std::vector<SourceTexel>& source, Projection p, const Kernel& f, const Direction& r, double floor) {
   Flux total(0);
-  const double allowed = 1e-7 * floor / static_cast<double>(source.size());
+  const double allowed = 1e-7 * floor / double(source.size());
   for (const SourceTexel& t : source) {
     const double brightest = std::max({t.radiance.x, t.radiance.y, t.radiance.z});
     if (brightest <= 0) continue;
@@ -277,24 +277,24 @@ void set_pattern(Level& level, Any&& any, Even&& even) {
   const Direction normals[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 2, 0}, {0, 1, 1}};
   const double tilt = any(2) ? 0.1 * std::pow(even(), 4) : 0, shift = any(2) ? 0 : 0.1 * std::pow(even(), 2);
   const Direction normal = normals[any(6)] + tilt * Direction(even() - 0.5, even() - 0.5, even() - 0.5);
-  const auto dark = static_cast<float>(even()), bright = static_cast<float>(std::pow(10, 6 * even()));
+  const auto dark = float(even()), bright = float(std::pow(10, 6 * even()));
   const int side = any(2) ? 0 : 1 << (1 + any(4));
-  std::vector<Colour> block(static_cast<std::size_t>(side * side));
+  std::vector<Colour> block(std::size_t(side * side));
   const bool grey = any(2);
   for (Colour& c : block)
-    for (int k = 0; k < 3; ++k) c[k] = k > 0 && grey ? c[0] : static_cast<float>(std::exp(8 * even() * even()));
+    for (int k = 0; k < 3; ++k) c[k] = k > 0 && grey ? c[0] : float(std::exp(8 * even() * even()));
   for (const Texel& t : texels_of(level)) {
     const double u = (t.i + 0.5) / level.width(), v = (t.j + 0.5) / level.height();
     const Direction d = formulae::rounded(formulae::direction(level.projection(), t.face, u, v));
     Colour& c = *level.texel(t.face, t.i, t.j);
-    c = side ? block[static_cast<std::size_t>(t.j % side * side + t.i % side)] : Colour(glm::dot(d, normal) > shift ? bright : dark);
+    c = side ? block[std::size_t(t.j % side * side + t.i % side)] : Colour(glm::dot(d, normal) > shift ? bright : dark);
   }
 }
 
 Case make_case(int number) {
-  std::mt19937_64 random(static_cast<std::uint64_t>(number) * 7919 + 13);
-  const auto any = [&](int n) { return static_cast<int>(random() % static_cast<std::uint64_t>(n)); };
-  const auto even = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  std::mt19937_64 random(std::uint64_t(number) * 7919 + 13);
+  const auto any = [&](int n) { return int(random() % std::uint64_t(n)); };
+  const auto even = [&] { return double(random() >> 11) * 0x1p-53; };
   Case c;
   const Projection from = all_projections[any(5)];
   const bool pattern = number % 4 == 3;
@@ -309,10 +309,10 @@ Case make_case(int number) {
         for (int k = 0; k < 3; ++k) {
           float& x = (*level.texel(face, i, j))[k];
           if (content == 0) x = 0.5F;
-          if (content == 1) x = static_cast<float>(even());
+          if (content == 1) x = float(even());
           if (content == 2) x = (i + j) % 2 ? 1.F : 0.F;
           if (content == 3) x = 0;
-          if (content == 4) x = static_cast<float>(std::exp(12 * even() - 6));
+          if (content == 4) x = float(std::exp(12 * even() - 6));
         }
     }
   const int suns = content == 3 ? 1 : any(4);
@@ -325,8 +325,8 @@ Case make_case(int number) {
     const Columns row = columns(from, size, j);
     const int i = any(3) == 0 ? row.first : any(3) == 0 ? row.end - 1 : row.first + any(row.end - row.first);
     const double strength = std::pow(10, 4 + 5 * even()) * (any(3) == 0 ? 1e-4 : 1);
-    *level.texel(face, i, j) = Colour(static_cast<float>(strength), static_cast<float>(strength * (any(2) ? 1 : even())),
-                                      static_cast<float>(strength * (any(2) ? 1 : even())));
+    *level.texel(face, i, j) = Colour(float(strength), float(strength * (any(2) ? 1 : even())),
+                                      float(strength * (any(2) ? 1 : even())));
   }
   const double errors[] = {1e-2, 3e-3, 1e-3, 1e-3, 3e-4, 1e-4};
   Prefilter& p = c.wanted;
@@ -344,7 +344,7 @@ Case make_case(int number) {
     p.size = p.to == Projection::cube ? 1 + 2 * any(5) : p.size;  // With directions along the axes.
   }
   c.words = fmt::format("{} {} {} {} suns {}, {} {:.4g}, {:g}, {} {}", name(from), size, pattern ? "pattern" : "content", content, suns,
-                        shape_names[static_cast<std::size_t>(p.shape)], p.parameter, p.max_error, name(p.to), p.size);
+                        shape_names[std::size_t(p.shape)], p.parameter, p.max_error, name(p.to), p.size);
   return c;
 }
 
@@ -393,7 +393,7 @@ Found judge(int number, bool quick, Method method) {
       if (off / c.wanted.max_error <= found.worst) continue;
       found.worst = off / c.wanted.max_error;
       found.words = fmt::format("{:.3f} E at {} {} {}: {:.7g} for {:.7g} (mean {:.4g}), {}", found.worst, t.face, t.i, t.j,
-                                a[k], b[k], 1e3 * floor, method_names[static_cast<std::size_t>(done.method)]);
+                                a[k], b[k], 1e3 * floor, method_names[std::size_t(done.method)]);
     }
   }
   found.seconds = seconds;
@@ -414,9 +414,9 @@ int main(int argc, char** argv) {
       method = static_cast<Method>(named - std::begin(method_names));
     else
       quick = std::string_view(argv[k]) == "quick";
-  std::vector<Found> all(static_cast<std::size_t>(std::max(0, count)));
+  std::vector<Found> all(std::size_t(std::max(0, count)));
   tbb::parallel_for(0, count, [&](int k) {
-    Found& f = all[static_cast<std::size_t>(k)];
+    Found& f = all[std::size_t(k)];
     f = judge(first + k, quick, method);
     if (f.worst > 0.5 || f.seconds > 5) fmt::print("{}\n", f.words), std::fflush(stdout);
   });

@@ -57,7 +57,7 @@ Picture read(const std::string& path, const std::string& projection, std::string
   const Level& level = picture.level;
   if (spec.nchannels < 3 || spec.width != level.width() * faces_in.columns || spec.height != level.height() * faces_in.rows)
     throw std::runtime_error(fmt::format("{}: {}x{} is no {} map", path, spec.width, spec.height, projection));
-  std::vector<Colour> pixels(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
+  std::vector<Colour> pixels(std::size_t(spec.width) * std::size_t(spec.height));
   if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, pixels.data()))
     throw std::runtime_error(fmt::format("{}: {}", path, input->geterror()));
   scatter(pixels, spec.width, 0, spec.height, faces_in, picture.level);
@@ -70,8 +70,8 @@ Direction bilinear(const Picture& from, const Location<double>& at) {
   const double y = at.v * (level.height() - from.samples.less) - from.samples.offset;
   // Border samples have nothing beyond them; the others read the apron there.
   const int past = from.samples.less > 0 ? 2 : 1;
-  const int i = std::min(static_cast<int>(std::floor(x)), level.width() - past);
-  const int j = std::min(static_cast<int>(std::floor(y)), level.height() - past);
+  const int i = std::min(int(std::floor(x)), level.width() - past);
+  const int j = std::min(int(std::floor(y)), level.height() - past);
   const auto texel = [&](int column, int row) {
     return Direction(*(from.padded ? from.padded->texel(at.face, column, row) : level.texel(at.face, column, row)));
   };
@@ -90,7 +90,7 @@ Mean truth(const Picture& source, const Picture& result, int face, int i, int j,
   static thread_local std::vector<Direction> towards;
   static thread_local std::vector<double> density;
   static thread_local std::vector<Location<double>> where;
-  const auto count = static_cast<std::size_t>(steps);
+  const auto count = std::size_t(steps);
   points.resize(count), towards.resize(count), density.resize(count), where.resize(count);
   const Level& level = result.level;
   const double across = level.width() - result.samples.less, down = level.height() - result.samples.less;
@@ -98,7 +98,7 @@ Mean truth(const Picture& source, const Picture& result, int face, int i, int j,
   for (int y = 0; y < steps; ++y) {
     const double v = (j + result.samples.offset + (y + 0.5) / steps - 0.5) / down;
     for (int x = 0; x < steps; ++x)
-      points[static_cast<std::size_t>(x)] = {(i + result.samples.offset + (x + 0.5) / steps - 0.5) / across, v};
+      points[std::size_t(x)] = {(i + result.samples.offset + (x + 0.5) / steps - 0.5) / across, v};
     densities(level.projection(), points, density);
     directions(level.projection(), face, points, towards);
     locate(source.level.projection(), towards, where);
@@ -116,7 +116,7 @@ int steps_for(const Picture& source, const Picture& result) {
   const auto pitch = [](const Level& level) {
     return visit(level.projection(), [](auto p) { return decltype(p)::span; }) / level.height();
   };
-  return std::max(8, static_cast<int>(std::ceil(8 * pitch(result.level) / pitch(source.level))));
+  return std::max(8, int(std::ceil(8 * pitch(result.level) / pitch(source.level))));
 }
 
 // The measures of envmap-accuracy(7); rows are summed in order, so that threads change nothing.
@@ -128,9 +128,9 @@ void judge(const Picture& source, const Picture& result) {
   const Level& level = result.level;
   const int steps = steps_for(source, result);
   Level truths(level.projection(), level.height());
-  std::vector<Sums> rows(static_cast<std::size_t>(level.faces() * level.height()));
+  std::vector<Sums> rows(std::size_t(level.faces() * level.height()));
   for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
-    Sums& s = rows[static_cast<std::size_t>(face * level.height() + row)];
+    Sums& s = rows[std::size_t(face * level.height() + row)];
     for (int i = 0; i < level.width(); ++i) {
       const Mean t = truth(source, result, face, i, row, steps);
       const Direction off = Direction(*level.texel(face, i, row)) - t.value;

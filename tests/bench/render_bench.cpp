@@ -25,10 +25,10 @@ Drawn once(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMeth
 
 void measure(benchmark::State& state, DrawMethod method, Projection to) {
   static Context context(ContextKind::osmesa);
-  const Scene scene = rooms::room(static_cast<int>(state.range(0)));
+  const Scene scene = rooms::room(int(state.range(0)));
   Renderer renderer(scene, nullptr);
   const Shot shot{scene, pose(scene, 0)};
-  const Viewpoint from{.to = to, .size = static_cast<int>(state.range(1)), .at = {0.1, -0.2, 0.15}, .axes = rotation(20, 30, 40)};
+  const Viewpoint from{.to = to, .size = int(state.range(1)), .at = {0.1, -0.2, 0.15}, .axes = rotation(20, 30, 40)};
   const rooms::Faults faults = rooms::judge(once(renderer, from, shot, method), from);
   MapTexture map(from.to, from.size);
   for (auto _ : state) {
@@ -47,16 +47,16 @@ Scene hall(int mirrors) {
   Scene scene = rooms::room(21);
   scene.materials.push_back({.metallic = 1, .roughness = 0});
   scene.meshes.push_back(rooms::ball(24, 0.1));
-  scene.meshes.back().material = static_cast<int>(scene.materials.size()) - 1;
+  scene.meshes.back().material = int(scene.materials.size()) - 1;
   for (int k = 0; k < mirrors; ++k)
     scene.nodes.push_back({.local = glm::translate(Matrix(1), Direction(-0.45 + 0.3 * (k % 4), 0.45 - 0.3 * (k / 4), -0.2 * (k % 3))),
-                           .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+                           .meshes = {int(scene.meshes.size()) - 1}});
   return scene;
 }
 
 void measure_view(benchmark::State& state, Projection to) {
   static Context context(ContextKind::osmesa);
-  const Scene scene = hall(static_cast<int>(state.range(0)));
+  const Scene scene = hall(int(state.range(0)));
   const std::vector<Mirror> found = find_mirrors(scene, to);
   std::vector<int> nodes;
   for (const Mirror& mirror : found) nodes.push_back(mirror.node);
@@ -65,7 +65,7 @@ void measure_view(benchmark::State& state, Projection to) {
   Shot shot{scene, pose(scene, 0)};
   const Viewpoint from{.size = 240, .at = {0.1, 0.05, 0.95}, .lens = Lens{320, {0.8, 0.6}, 0}};
   for (auto _ : state) {
-    shot.pose[static_cast<std::size_t>(nodes.front())][3].z += 1e-3;
+    shot.pose[std::size_t(nodes.front())][3].z += 1e-3;
     shot.mirrors = {};
     mirrors.update(renderer, shot, {{.at = from.at, .pixel = 1.2 / from.size}},
                    {.size = to == Projection::cube ? 128 : 256, .bounces = 1}, [](const std::string&) {});
@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
     for (const DrawMethod method :
          {DrawMethod::exact, DrawMethod::distort, DrawMethod::tessellate, DrawMethod::resample, DrawMethod::raycast}) {
       if (to == Projection::latlong && (method == DrawMethod::distort || method == DrawMethod::tessellate)) continue;
-      benchmark::RegisterBenchmark(fmt::format("{}/{}", draw_method_names[static_cast<std::size_t>(method)], name(to)).c_str(),
+      benchmark::RegisterBenchmark(fmt::format("{}/{}", draw_method_names[std::size_t(method)], name(to)).c_str(),
                                    measure, method, to)
           ->ArgNames({"edge", "size"})
           ->ArgsProduct({{2, 4, 21, 77, 209}, {512}})

@@ -83,8 +83,8 @@ TEST_F(Bake, EveryEngineFindsItsDirections) {
           const double length = std::sqrt(x * x + y * y + z * z);
           const Vec d{x / length, y / length, z / length};
           const Place at = l.place(d);
-          const float* found = map.at(std::min(static_cast<int>(at.u * map.width), map.width - 1),
-                                      std::min(static_cast<int>(at.v * map.height), map.height - 1));
+          const float* found = map.at(std::min(int(at.u * map.width), map.width - 1),
+                                      std::min(int(at.v * map.height), map.height - 1));
           const auto wanted = colour_of(d);
           // Half the diagonal of a texel of 1.4 to 2.8 degrees, by half the range; a Radiance file rounds by 1/256.
           for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(found[c], wanted[c], 0.025) << x << " " << y << " " << z;
@@ -141,7 +141,7 @@ TEST_F(Bake, BevysDiffuseMapIsTheIrradianceMirroredInZ) {
     const double most = std::max({std::abs(x), std::abs(y), std::abs(z)});
     const int face = most == std::abs(x) ? (x > 0 ? 0 : 1) : most == std::abs(y) ? (y > 0 ? 2 : 3) : (z > 0 ? 4 : 5);
     const double s[] = {z, -z, x, x, -x, x}, t[] = {y, y, z, -z, y, y};
-    return p.at(static_cast<int>(32 * (1 + s[face] / most)), face * 64 + static_cast<int>(32 * (1 - t[face] / most)))[0];
+    return p.at(int(32 * (1 + s[face] / most)), face * 64 + int(32 * (1 - t[face] / most)))[0];
   };
   for (const Vec d : {Vec{0.93, 0.2, 0.3}, {-0.83, 0.1, 0.5}, {0.3, 0.91, 0.2}, {-0.2, -0.73, 0.4}, {0.1, 0.3, 0.83}, {0.4, -0.2, -0.91}})
     EXPECT_NEAR(at(found, d[0], d[1], -d[2]), at(wanted, d[0], d[1], d[2]), 4e-3 * at(wanted, d[0], d[1], d[2]));

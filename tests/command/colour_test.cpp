@@ -146,7 +146,7 @@ TEST_F(Colours, OfPngAndJpegAreInTheirProfile) {
     return std::string();
   };
   const auto fixed = [&](const std::string& element, std::size_t k) {
-    return static_cast<std::int32_t>(number(element, 8 + 4 * k)) / 65536.0;
+    return std::int32_t(number(element, 8 + 4 * k)) / 65536.0;
   };
   constexpr double apple[3][3] = {{0.51512, 0.24120, -0.00105}, {0.29198, 0.69225, 0.04189}, {0.15710, 0.06657, 0.78407}};
   for (const std::string file : {"p3.png", "p3.jpg", "p3.tif"}) {

@@ -47,7 +47,7 @@ TEST_P(Damage, CutFilesAreRefused) {
 // everywhere; the standard's distributions are not.
 std::string mutated(std::string bytes, unsigned seed) {
   std::mt19937 random(seed);
-  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random()) % n; };
+  const auto below = [&](std::size_t n) { return std::size_t(random()) % n; };
   constexpr unsigned char extremes[] = {0x00, 0x01, 0x7f, 0x80, 0xff};
   for (std::size_t changes = 1 + below(3); changes > 0 && bytes.size() > 8; --changes) {
     const std::size_t reach = below(2) == 0 ? std::min<std::size_t>(bytes.size(), 360) : bytes.size();
@@ -71,7 +71,7 @@ class DamagedTiff : public CommandTest {
   static void set_tag(std::string& tiff, unsigned tag, std::uint32_t value) {
     const auto number = [&](std::size_t at, int bytes) {
       std::uint32_t n = 0;
-      for (int k = bytes; k-- > 0;) n = n << 8 | static_cast<unsigned char>(tiff.at(at + static_cast<std::size_t>(k)));
+      for (int k = bytes; k-- > 0;) n = n << 8 | static_cast<unsigned char>(tiff.at(at + std::size_t(k)));
       return n;
     };
     const std::size_t directory = number(4, 4);

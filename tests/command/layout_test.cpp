@@ -52,7 +52,7 @@ TEST_F(Layouts, OfProjectionsHaveTheNamesOfOtherProgramsToo) {
 TEST_F(Layouts, OfSixFilesAreNamedByFace) {
   generate("face_{face}.exr");
   for (int face = 0; face < 6; ++face) {
-    const std::string name = std::string("face_") + face_names.at(static_cast<std::size_t>(face)) + ".exr";
+    const std::string name = std::string("face_") + face_names.at(std::size_t(face)) + ".exr";
     SCOPED_TRACE(name);
     EXPECT_LT(difference(load(path(name)), face_directions(face, size)), 1e-6);
   }
@@ -91,7 +91,7 @@ TEST_F(Layouts, AreKnownByTheirShapeAlone) {
       EXPECT_EQ(column_of("bare." + type), column);
     }
   for (int face = 0; face < 6; ++face)
-    save(path(std::string("bare_") + face_names.at(static_cast<std::size_t>(face)) + ".pfm"), face_directions(face, size));
+    save(path(std::string("bare_") + face_names.at(std::size_t(face)) + ".pfm"), face_directions(face, size));
   EXPECT_EQ(column_of("bare_{face}.pfm"), column);
 }
 

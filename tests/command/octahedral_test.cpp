@@ -84,7 +84,7 @@ TEST_F(OctahedralMaps, PbrtFindsItsDirections) {
           u = 1 - v, v = 1 - old;
         }
         u = 0.5 * (std::copysign(u, w[0]) + 1), v = 0.5 * (std::copysign(v, w[1]) + 1);
-        const auto found = map.at(static_cast<int>(u * n), static_cast<int>(v * n));
+        const auto found = map.at(int(u * n), int(v * n));
         const double wanted[] = {w[0], w[2], -w[1]};
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(2 * found[c] - 1, wanted[c], 3.0 / n) << x << " " << y << " " << z;
       }

@@ -42,7 +42,7 @@ Layout layout_named(const std::string& name) {
 
 // With its first column and row at (x,y); `turned` by half a turn.
 void draw_face(Picture& picture, int face, int x, int y, int size, bool turned) {
-  const Axes& a = axes.at(static_cast<std::size_t>(face));
+  const Axes& a = axes.at(std::size_t(face));
   const double sign = turned ? -1 : 1;
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
@@ -57,14 +57,14 @@ void save_pfm(const std::string& path, const Picture& picture) {
   static_assert(std::endian::native == std::endian::little, "the scale below says little-endian");
   std::ofstream file(path, std::ios::binary);
   file << "PF\n" << picture.width << ' ' << picture.height << "\n-1.0\n";
-  const auto row_bytes = static_cast<std::streamsize>(sizeof(float)) * picture.width * picture.channels;
+  const auto row_bytes = std::streamsize(sizeof(float)) * picture.width * picture.channels;
   for (int y = picture.height - 1; y >= 0; --y) file.write(reinterpret_cast<const char*>(picture.at(0, y)), row_bytes);
 }
 
 }  // namespace
 
 Picture Picture::filled(int width, int height, float fill, int channels) {
-  const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(channels);
+  const auto count = std::size_t(width) * std::size_t(height) * std::size_t(channels);
   return {width, height, channels, std::vector<float>(count, fill)};
 }
 
@@ -108,7 +108,7 @@ double difference(const Picture& a, const Picture& b) {
 std::array<float, 3> colour_of(const Vec& d) {
   const double length = std::hypot(d[0], d[1], d[2]);
   std::array<float, 3> colour;
-  for (std::size_t k = 0; k < 3; ++k) colour[k] = static_cast<float>(0.5 * (d[k] / length + 1));
+  for (std::size_t k = 0; k < 3; ++k) colour[k] = float(0.5 * (d[k] / length + 1));
   return colour;
 }
 
@@ -130,7 +130,7 @@ Picture cube_directions(const std::string& layout, int size) {
   const Layout l = layout_named(layout);
   Picture picture = Picture::filled(l.columns * size, l.rows * size);
   for (int face = 0; face < 6; ++face) {
-    const auto [column, row] = l.places.at(static_cast<std::size_t>(face));
+    const auto [column, row] = l.places.at(std::size_t(face));
     draw_face(picture, face, column * size, row * size, size, layout == "vcross" && face == 4);
   }
   return picture;

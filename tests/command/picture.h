@@ -21,8 +21,8 @@ struct Picture {
   static Picture filled(int width, int height, float fill = 0, int channels = 3);
 
   float* at(int x, int y) {
-    return values.data() + (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
-                               static_cast<std::size_t>(channels);
+    return values.data() + (std::size_t(y) * std::size_t(width) + std::size_t(x)) *
+                               std::size_t(channels);
   }
   const float* at(int x, int y) const { return const_cast<Picture*>(this)->at(x, y); }
   bool operator==(const Picture&) const = default;

@@ -42,7 +42,7 @@ class Shards : public CommandTest {
     make_parts(job, count);
     std::vector<std::string> merge;
     for (int k = 1; k <= count; ++k) merge.push_back(part(k));
-    std::ranges::shuffle(merge, std::mt19937(static_cast<unsigned>(job.name.size())));
+    std::ranges::shuffle(merge, std::mt19937(unsigned(job.name.size())));
     merge.insert(merge.begin(), "merge");
     merge.push_back(job.output);
     merge.insert(merge.end(), job.of_file.begin(), job.of_file.end());

@@ -42,7 +42,7 @@ class Texture : public CommandTest {
     for (const Entry& e : api_table) {
       const auto colour = colour_of(e.direction);
       const std::size_t at =
-          start + static_cast<std::size_t>(e.face) * face_bytes + static_cast<std::size_t>(2 * e.j + e.i) * texel;
+          start + std::size_t(e.face) * face_bytes + std::size_t(2 * e.j + e.i) * texel;
       for (std::size_t k = 0; k < 3; ++k)
         EXPECT_NEAR(value_at<float>(bytes, at + 4 * k), colour[k], 1e-6) << "face " << e.face << ": " << e.i << "," << e.j;
       if (texel == 16) {
@@ -279,14 +279,14 @@ class OtherKtx : public Texture {
     std::string bytes("\xabKTX 11\xbb\r\n\x1a\n", 12), pair = std::string("KTXorientation") + '\0' + orientation + '\0', image;
     const auto add = [&](std::uint32_t word) { bytes.append(reinterpret_cast<const char*>(&word), 4); };
     for (const std::string& row : rows) image += row + std::string(padding, '\x7f');
-    const auto pairs = static_cast<std::uint32_t>(orientation.empty() ? 0 : 4 + (pair.size() + 3) / 4 * 4);
+    const auto pairs = std::uint32_t(orientation.empty() ? 0 : 4 + (pair.size() + 3) / 4 * 4);
     for (const std::uint32_t word : {0x04030201U, names[0], 1U, names[1], names[2], names[3], 4U, 2U, 0U, 0U, 1U, 1U, pairs})
       add(word);
     if (pairs > 0) {
-      add(static_cast<std::uint32_t>(pair.size()));
+      add(std::uint32_t(pair.size()));
       bytes += pair + std::string(pairs - 4 - pair.size(), '\0');
     }
-    add(static_cast<std::uint32_t>(image.size()));
+    add(std::uint32_t(image.size()));
     return bytes + image;
   }
 };
@@ -408,7 +408,7 @@ TEST_F(Texture, SaysWhatItCannotBe) {
   std::string bytes = read("out.ktx2");
   for (const auto& [offset, value] : {std::pair{12, 145}, {44, 1}, {28, 2}, {32, 7}, {36, 5}}) {  // BC7, BasisLZ, ...
     std::string other = bytes;
-    other.at(static_cast<std::size_t>(offset)) = static_cast<char>(value);
+    other.at(std::size_t(offset)) = static_cast<char>(value);
     write("other.ktx2", other);
     fails(3, {"info", "other.ktx2"}, {"other.ktx2"});
   }

@@ -78,7 +78,7 @@ TEST_F(Tradeoff, FilesAreAsLargeAsTheyAreWritten) {
   const json all = trials("depth");
   const json half = trial(all, ".exr", "--depth half --compression zip");
   succeeds({"convert", "in.exr", "half.exr", "--depth", "half", "--compression", "zip", "-q"});
-  EXPECT_NEAR(half["bytes"].get<double>(), static_cast<double>(std::filesystem::file_size(path("half.exr"))), 400);  // Attributes.
+  EXPECT_NEAR(half["bytes"].get<double>(), double(std::filesystem::file_size(path("half.exr"))), 400);  // Attributes.
   expect_as_compared(half, "half.exr", "in.exr");
   EXPECT_EQ(trial(all, ".ktx2", "--depth float")["max"], 0);
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path()))
@@ -181,7 +181,7 @@ TEST_F(Tradeoff, BakedMapsAreJudgedAsTheyAreReadBack) {
   succeeds({"convert", "in.exr", "truth.exr", "--for", "three", "--size", "8", "--filter", "area", "--area-error", "1e-6", "--depth", "float", "-q"});
   const json t = json::parse(r.out)["trials"][0];
   expect_as_compared(t, "three/background.exr", "truth.exr");
-  EXPECT_NEAR(t["bytes"].get<double>(), static_cast<double>(std::filesystem::file_size(path("three/background.exr"))), 400);
+  EXPECT_NEAR(t["bytes"].get<double>(), double(std::filesystem::file_size(path("three/background.exr"))), 400);
   for (const std::string task : {"bake", "bake:quake", "bake:three:8"}) fails(2, {"tradeoff", "in.exr", "--task", task}, {"bake"});
 }
 
@@ -205,9 +205,9 @@ TEST_F(Tradeoff, BothPicturesShowTheSame) {
     const std::string points = (*m)[1];
     double x = 0, y = 0, count = 0;
     for (std::sregex_iterator p(points.begin(), points.end(), place); p != end; ++p, ++count) x += std::stod((*p)[1]), y += std::stod((*p)[2]);
-    const float* pixel = png.at(static_cast<int>(2 * x / count), static_cast<int>(2 * y / count));
+    const float* pixel = png.at(int(2 * x / count), int(2 * y / count));
     const long colour = std::stol((*m)[2], nullptr, 16);
-    const bool same = std::abs(pixel[0] * 255 - static_cast<float>(colour >> 16)) < 2 && std::abs(pixel[2] * 255 - static_cast<float>(colour & 255)) < 2;
+    const bool same = std::abs(pixel[0] * 255 - float(colour >> 16)) < 2 && std::abs(pixel[2] * 255 - float(colour & 255)) < 2;
     shown += same ? 1 : 0;
   }
   EXPECT_GE(marks, 5);
@@ -216,12 +216,12 @@ TEST_F(Tradeoff, BothPicturesShowTheSame) {
   const std::regex label("<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" font-size=\"11\" text-anchor=\"(\\w+)\"[^>]*>([^<]*)<");
   std::vector<std::array<double, 3>> lines;  // Left, right, baseline.
   for (std::sregex_iterator m(svg.begin(), svg.end(), label), end; m != end; ++m) {
-    const double y = std::stod((*m)[2]), wide = 0.5 * 11 * static_cast<double>((*m)[4].length());
+    const double y = std::stod((*m)[2]), wide = 0.5 * 11 * double((*m)[4].length());
     const double x = std::stod((*m)[1]) - ((*m)[3] == "end" ? wide : (*m)[3] == "middle" ? 0.5 * wide : 0);
     lines.push_back({x, x + wide, y});
     bool written = false;
-    for (int j = static_cast<int>(2 * y) - 20; j < static_cast<int>(2 * y); ++j)
-      for (int i = static_cast<int>(2 * x); i < static_cast<int>(2 * lines.back()[1]); ++i) written |= png.at(i, j)[0] < 0.4F;
+    for (int j = int(2 * y) - 20; j < int(2 * y); ++j)
+      for (int i = int(2 * x); i < int(2 * lines.back()[1]); ++i) written |= png.at(i, j)[0] < 0.4F;
     EXPECT_TRUE(written) << (*m)[4];
   }
   ASSERT_GE(lines.size(), 3U);

@@ -29,7 +29,7 @@ Drawn drawn(double scale, const Direction& offset, const Direction& at, Projecti
   for (Node& node : scene.nodes) node.local = glm::scale(glm::translate(Matrix(1), offset), Direction(scale));
   const Viewpoint from{.to = to, .size = 48, .at = offset + scale * at, .near = 0.01 * scale, .far = 100 * scale};
   Drawn map = drawn({.scene = scene, .pose = pose(scene, 0)}, from, by_rays);
-  for (float& distance : map.distances) distance = static_cast<float>(distance / scale);
+  for (float& distance : map.distances) distance = float(distance / scale);
   return map;
 }
 

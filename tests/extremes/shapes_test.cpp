@@ -61,7 +61,7 @@ TEST(Sizes, TexelsOf32768AtTheCorner) {
   std::vector<double> row(n);
   solid_angles(Projection::cube, n, 0, row);
   EXPECT_NEAR(row[0] * n * n / (4 * std::pow(3, -1.5)), 1, 1e-4);  // The centre is half a texel from the corner.
-  EXPECT_NEAR(row[0] / row[static_cast<std::size_t>(n) - 1], 1, 1e-12);
+  EXPECT_NEAR(row[0] / row[std::size_t(n) - 1], 1, 1e-12);
   for (const Projection p : {Projection::sphere, Projection::angular, Projection::paraboloid}) {
     std::vector<double> middle(static_cast<std::size_t>(n));
     solid_angles(p, n, n / 2, middle);

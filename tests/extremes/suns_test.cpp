@@ -19,9 +19,9 @@ using extremes::for_each_sun;
 constexpr double half_ulp = 0x1p-24;  // Of a float, relative.
 
 double solid_angle(const Level& level, const Texel& at) {
-  std::vector<double> row(static_cast<std::size_t>(level.width()));
+  std::vector<double> row(std::size_t(level.width()));
   solid_angles(level.projection(), level.height(), at.j, row);
-  return row[static_cast<std::size_t>(at.i)];
+  return row[std::size_t(at.i)];
 }
 
 // The sum has two parts, sun x its solid angle and the rest of 4 pi; solid angles sum to 4 pi within 1e-12 (design), and
@@ -51,7 +51,7 @@ TEST(Suns, LevelsKeepFluxAndRange) {
       EXPECT_GE(least, 1 - 1e-6F);
       EXPECT_LE(most, sun);
       const Flux off = flux_difference(level, map.base());
-      for (int c = 0; c < 3; ++c) EXPECT_LE(std::abs(off[c]), static_cast<double>(k) * half_ulp + 1e-12);
+      for (int c = 0; c < 3; ++c) EXPECT_LE(std::abs(off[c]), double(k) * half_ulp + 1e-12);
     }
   });
 }
@@ -89,7 +89,7 @@ TEST(Suns, CompareSeesAMillionthOfTheSun) {
     EnvironmentMap other = map.clone();
     Colour& c = *other.base().texel(at.face, at.i, at.j);
     c.x *= 1 + 1e-6F;
-    const double step = (static_cast<double>(c.x) - sun) / sun;
+    const double step = (double(c.x) - sun) / sun;
     const Difference d = compare(other.base(), map.base());
     EXPECT_NEAR(d.maximum, step, 1e-12);
     EXPECT_EQ(d.worst.i, at.i);
@@ -110,7 +110,7 @@ TEST(Suns, Harmonics) {
     EXPECT_NEAR(h.coefficients[0].x / total.x * std::sqrt(4 * pi), 1, allowed);
     for (int l = 0; l <= 4; ++l)
       for (int m = -l; m <= l; ++m)
-        EXPECT_LE(std::abs(h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)].x) / total.x,
+        EXPECT_LE(std::abs(h.coefficients[std::size_t(l * (l + 1) + m)].x) / total.x,
                   std::sqrt((2 * l + 1) / (4 * pi)) * (1 + allowed));
   });
 }
@@ -120,7 +120,7 @@ TEST(Suns, Harmonics) {
 TEST(Suns, PrefiltersKeepToTheRange) {
   for (const auto& [shape, parameter] : {std::pair(Shape::diffuse, 0.0), {Shape::phong, 50.0}, {Shape::ggx, 0.5}})
     for_each_sun(6, [&](const EnvironmentMap& map, const std::string& what, const Texel&, float sun) {
-      SCOPED_TRACE(what + ", " + std::string(shape_names[static_cast<std::size_t>(shape)]));
+      SCOPED_TRACE(what + ", " + std::string(shape_names[std::size_t(shape)]));
       const Prefiltered made = PrefilterSource(map).make({.shape = shape, .parameter = parameter, .size = 2});
       EXPECT_LE(made.error, 1e-3);
       const auto [least, most] = extremes::range(made.map.base());

@@ -63,7 +63,7 @@ void fuzz_command(Bytes data) {
   const std::size_t choice = std::to_integer<std::size_t>(data.back()) % (of_images.size() + commands_of_scenes.size());
   if (choice < of_images.size()) {
     std::ofstream(image, std::ios::binary)
-        .write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
+        .write(reinterpret_cast<const char*>(data.data()), std::streamsize(data.size()));
     return run(of_images[choice]);
   }
   Words words = commands_of_scenes[choice - of_images.size()];
@@ -73,7 +73,7 @@ void fuzz_command(Bytes data) {
 
 void fuzz_costs(Bytes data) {
   const std::string path = "fuzz_costs.json";
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data.data()), std::streamsize(data.size()));
   try {
     for (const double nanoseconds : tools::read_costs(path).nanoseconds)
       if (!(nanoseconds > 0 && nanoseconds < 1e13)) std::abort();

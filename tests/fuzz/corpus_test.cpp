@@ -42,7 +42,7 @@ std::vector<char> damaged(std::vector<char> bytes, std::mt19937& random) {
     // Headers are where it counts.
     const std::size_t at = below(below(2) == 0 ? std::min<std::size_t>(bytes.size(), 200) : bytes.size());
     const std::size_t length = std::min(std::size_t{1} << below(7), bytes.size() - at);
-    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at), end = place + static_cast<std::ptrdiff_t>(length);
+    const auto place = bytes.begin() + std::ptrdiff_t(at), end = place + std::ptrdiff_t(length);
     switch (below(6)) {
       case 0: *place ^= static_cast<char>(1U << below(8)); break;
       case 1: *place = static_cast<char>(below(256)); break;
@@ -105,7 +105,7 @@ TEST_P(DamagedCorpus, IsReadOrRefusedInOneLine) {
   std::mt19937 random(1);
   for (int k = 0; k < 20000 && std::chrono::steady_clock::now() - start < std::chrono::milliseconds(300); ++k) {
     const std::vector<char> bytes = damaged(bytes_of(files[random() % files.size()]), random);
-    std::ofstream(last, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(last, std::ios::binary).write(bytes.data(), std::streamsize(bytes.size()));
     fuzz(GetParam(), std::as_bytes(std::span(bytes)));
   }
   fs::remove(last);

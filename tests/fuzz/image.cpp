@@ -34,8 +34,8 @@ void read_texture_levels(const Image& image) {
     const int width = t.level_width(k), height = t.level_height(k), faces = t.cube ? 6 : 1;
     if (std::int64_t{width} * height * faces > most) continue;
     const std::vector<std::byte> stored = t.bytes(*image.file, k);
-    if (stored.size() != static_cast<std::uint64_t>(faces) * t.image_bytes(k)) std::abort();
-    std::vector<Colour> out(static_cast<std::size_t>(width * format.side));
+    if (stored.size() != std::uint64_t(faces) * t.image_bytes(k)) std::abort();
+    std::vector<Colour> out(std::size_t(width * format.side));
     for (std::size_t at = 0; at < stored.size(); at += format.row_bytes(width))
       (void)decode(t.texels, std::span(stored).subspan(at, format.row_bytes(width)), out);
   }
@@ -45,17 +45,17 @@ void read_image_levels(const Image& image) {
   for (int k = 0; k < 32; ++k) {
     const auto facts = image.reader->level(k);
     if (!facts) break;
-    const int channels = std::min<int>(3, static_cast<int>(facts->channels.size()));
+    const int channels = std::min<int>(3, int(facts->channels.size()));
     const int unit = facts->tile_height > 0 ? facts->tile_height : 16;
     if (facts->width < 1 || facts->height < 1 || channels < 1 || !facts->flat || unit > 4096 ||
         facts->tile_width > 4096 || std::int64_t{facts->width} * std::max(facts->height, unit) > most)
       continue;
-    std::vector<float> rows(static_cast<std::size_t>(facts->width) * static_cast<std::size_t>(unit * channels));
+    std::vector<float> rows(std::size_t(facts->width) * std::size_t(unit * channels));
     for (int begin = 0; begin < facts->height; begin += unit) {
       const int end = std::min(begin + unit, facts->height);
       image.reader->read(k, begin, end, 0, channels,
-                         std::span(rows).first(static_cast<std::size_t>(facts->width) *
-                                               static_cast<std::size_t>((end - begin) * channels)));
+                         std::span(rows).first(std::size_t(facts->width) *
+                                               std::size_t((end - begin) * channels)));
     }
   }
 }

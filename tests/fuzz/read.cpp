@@ -40,7 +40,7 @@ void fuzz_read(Bytes data) {
   const std::string bytes(reinterpret_cast<const char*>(data.data()), data.size()), file = "fuzz_read.tga";
   std::ofstream(file, std::ios::binary) << bytes;
 
-  const unsigned choice = data.empty() ? 0 : static_cast<unsigned>(data.back());
+  const unsigned choice = data.empty() ? 0 : unsigned(data.back());
   if (choice & 1) {
     // A pipe holds 64 kB, more than any input here.
     int pipe[2];

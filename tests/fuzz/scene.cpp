@@ -18,7 +18,7 @@ std::string write_scene(Bytes data) {
   if (first == 'n')
     std::ofstream(path) << "mtllib fuzz_scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
   std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
+      .write(reinterpret_cast<const char*>(data.data()), std::streamsize(data.size()));
   return path;
 }
 

@@ -16,7 +16,7 @@ std::string write_scene(Bytes bytes);
 inline void expect_sound(const envmap::Scene& scene) {
   for (const envmap::Node& node : scene.nodes)
     for (const int mesh : node.meshes)
-      if (mesh < 0 || mesh >= static_cast<int>(scene.meshes.size())) std::abort();
+      if (mesh < 0 || mesh >= int(scene.meshes.size())) std::abort();
   for (const envmap::Mesh& mesh : scene.meshes)
     for (const std::uint32_t corner : mesh.indices)
       if (corner >= mesh.positions.size()) std::abort();

@@ -32,8 +32,8 @@ void fuzz_words(Bytes data) {
   try {
     // Texels of all faces fit in the image.
     const Recognised r = recognise(shape[0], shape[1], said, recorded);
-    const double texels = static_cast<double>(faces(r.projection)) * r.size * r.size * aspect(r.projection);
-    if (r.size < 1 || texels > static_cast<double>(shape[0]) * shape[1]) std::abort();
+    const double texels = double(faces(r.projection)) * r.size * r.size * aspect(r.projection);
+    if (r.size < 1 || texels > double(shape[0]) * shape[1]) std::abort();
   } catch (const InputError&) {
   } catch (const UsageError&) {
   }

@@ -27,7 +27,7 @@ double half(std::uint16_t bits) {
 
 Rgb<double> texel(const PackedMap& map, int level, int face, int i, int j) {
   const PackedMap::Part& part = map.part(level, face);
-  const std::size_t row = part.offset + static_cast<std::size_t>(j) * part.row_bytes, k = static_cast<std::size_t>(i);
+  const std::size_t row = part.offset + std::size_t(j) * part.row_bytes, k = std::size_t(i);
   switch (map.format) {
     case PixelFormat::rgba16f:
     case PixelFormat::rgb16f: {
@@ -73,7 +73,7 @@ class EachPixelFormat : public testing::TestWithParam<PixelFormat> {};
 INSTANTIATE_TEST_SUITE_P(, EachPixelFormat,
                          testing::Values(PixelFormat::rgba16f, PixelFormat::rgba32f, PixelFormat::rgb16f,
                                          PixelFormat::rgb32f, PixelFormat::rgb9e5),
-                         [](const auto& p) { return std::string(pixel_format_names[static_cast<std::size_t>(p.param)]); });
+                         [](const auto& p) { return std::string(pixel_format_names[std::size_t(p.param)]); });
 
 TEST_P(EachPixelFormat, AnswersByWorldDirection) {
   EnvironmentMap map = generate(Directions{}, Projection::cube, 32);
@@ -100,7 +100,7 @@ TEST_P(EachPixelFormat, IsTightInOrderAndOpaque) {
   std::size_t end = 0;
   for (const PackedMap::Part& part : packed.parts) {
     EXPECT_EQ(part.offset, end);
-    EXPECT_EQ(part.size, part.row_bytes * static_cast<std::size_t>(part.height));
+    EXPECT_EQ(part.size, part.row_bytes * std::size_t(part.height));
     end += part.size;
   }
   EXPECT_EQ(end, packed.bytes.size());

@@ -33,7 +33,7 @@ TEST(Ownership, WhatIsGivenAwayIsKept) {
     EXPECT_TRUE(same(lent.make(wanted).map, given.make(wanted).map)) << roughness;
   }
   const auto first = [](const Rows& rows) {
-    std::vector<Colour> row(static_cast<std::size_t>(rows.width()));
+    std::vector<Colour> row(std::size_t(rows.width()));
     rows.fill(0, 3, row);
     return row;
   };

@@ -28,7 +28,7 @@ struct Lookup {
   [[nodiscard]] double operator()(const Direction& d) const {
     const double x = (0.5 - std::atan2(d.x, d.z) / (2 * pi)) * level.width() - 0.5;
     const double y = std::acos(std::clamp(d.y, -1.0, 1.0)) / pi * level.height() - 0.5;
-    const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+    const int i = int(std::floor(x)), j = int(std::floor(y));
     const double fx = x - i, fy = y - j;
     return (1 - fy) * ((1 - fx) * texel(i, j) + fx * texel(i + 1, j)) +
            fy * ((1 - fx) * texel(i, j + 1) + fx * texel(i + 1, j + 1));
@@ -40,7 +40,7 @@ EnvironmentMap noise(int height) {
   map.levels.emplace_back(Projection::latlong, height);
   std::mt19937 random(11);
   for (int j = 0; j < height; ++j)
-    for (Colour& c : map.base().row(0, j)) c = Colour(0.1F + static_cast<float>(random() % 1000) / 1000);
+    for (Colour& c : map.base().row(0, j)) c = Colour(0.1F + float(random() % 1000) / 1000);
   return map;
 }
 
@@ -71,11 +71,11 @@ TEST_P(EachArea, AgreesWithBruteForce) {
     const EnvironmentMap result = convert(source, {.to = p, .size = size, .filter = Filter::area});
     std::mt19937 random(5);
     for (int k = 0; k < 10; ++k) {
-      const int face = static_cast<int>(random() % static_cast<unsigned>(faces(p))),
-                j = static_cast<int>(random() % static_cast<unsigned>(size));
+      const int face = int(random() % unsigned(faces(p))),
+                j = int(random() % unsigned(size));
       const Columns in = columns(p, size, j);
-      const int i = in.first + static_cast<int>(random() % static_cast<unsigned>(in.end - in.first));
-      std::vector<double> weights(static_cast<std::size_t>(size * aspect(p)));
+      const int i = in.first + int(random() % unsigned(in.end - in.first));
+      std::vector<double> weights(std::size_t(size * aspect(p)));
       solid_angles(p, size, j, weights);
       if (weights[i] == 0) continue;
       // Texels cut by the rim: brute force is no better than its samples along the cut.
@@ -109,17 +109,17 @@ TEST_P(EachArea, AgreesWithSamples) {
     std::mt19937 random(7);
     for (int f = 0; f < map.base().faces(); ++f)
       for (int j = 0; j < map.base().height(); ++j)
-        for (Colour& c : map.base().row(f, j)) c = Colour(0.5F + static_cast<float>(random() % 1000) / 1000);
+        for (Colour& c : map.base().row(f, j)) c = Colour(0.5F + float(random() % 1000) / 1000);
     const PaddedLevel padded(std::move(map.base()));
     for (const int like : {160, 24}) {
       const Target target{GetParam(), matching_size(Projection::latlong, like, GetParam()), rotation(20, 30, 40)};
       const Sampler by_outlines = area_sampler(padded, target, 1e-4, 1e-3);
       const Sampler by_samples = adaptive_sampler(padded, target, 1e-4, 1e-3);
       for (int k = 0; k < 25; ++k) {
-        const int face = static_cast<int>(random() % static_cast<unsigned>(faces(target.to)));
-        const int j = static_cast<int>(random() % static_cast<unsigned>(target.size));
+        const int face = int(random() % unsigned(faces(target.to)));
+        const int j = int(random() % unsigned(target.size));
         const Columns in = columns(target.to, target.size, j);
-        const int i = in.first + static_cast<int>(random() % static_cast<unsigned>(in.end - in.first));
+        const int i = in.first + int(random() % unsigned(in.end - in.first));
         Colour a, b;
         by_outlines(face, j, i, {&a, 1});
         by_samples(face, j, i, {&b, 1});

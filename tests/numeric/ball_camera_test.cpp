@@ -54,8 +54,8 @@ TEST(BallCamera, IsWhereTheTracedRayIs) {
       const Direction seen = BallCamera{distance}.seen_from_afar(formulae::rounded(traced(distance, s, t)));
       ASSERT_NEAR(glm::length(seen), 1, 1e-12);
       const Location<double> at = Sphere::locate(seen);
-      ASSERT_NEAR(2 * at.u - 1, static_cast<double>(s), 1e-13) << distance << ' ' << k;
-      ASSERT_NEAR(1 - 2 * at.v, static_cast<double>(t), 1e-13) << distance << ' ' << k;
+      ASSERT_NEAR(2 * at.u - 1, double(s), 1e-13) << distance << ' ' << k;
+      ASSERT_NEAR(1 - 2 * at.v, double(t), 1e-13) << distance << ' ' << k;
     }
 }
 

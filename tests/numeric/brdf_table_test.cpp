@@ -141,7 +141,7 @@ TEST(SheenTable, StraightAheadHasAClosedForm) {
 
 TEST(SheenTable, HoldsTheAlbedoInAllChannels) {
   const std::vector<Colour> table = sheen_table(8);
-  EXPECT_EQ(table[2 * 8 + 5], Colour(static_cast<float>(one_sheen(5.5 / 8, 2.5 / 8))));
+  EXPECT_EQ(table[2 * 8 + 5], Colour(float(one_sheen(5.5 / 8, 2.5 / 8))));
 }
 
 TEST(BrdfTable, ThreadsAndInstructionSetsChangeNoBit) {

@@ -16,7 +16,7 @@ EnvironmentMap landscape(int height) {
   map.levels.emplace_back(Projection::latlong, height);
   std::mt19937 random(17);
   for (int j = 0; j < height; ++j)
-    for (Colour& c : map.base().row(0, j)) c = Colour(0.5F + 0.2F * static_cast<float>(random() % 1000) / 1000);
+    for (Colour& c : map.base().row(0, j)) c = Colour(0.5F + 0.2F * float(random() % 1000) / 1000);
   for (int k = 0; k < 4; ++k) *map.base().texel(0, 70 + k % 2, 30 + k / 2) = Colour(5000, 4000, 3000);
   return map;
 }

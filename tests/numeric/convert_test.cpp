@@ -107,7 +107,7 @@ TEST_P(EachPair, FluxOfASmoothEnvironment) {
   EnvironmentMap source;
   source.levels.emplace_back(from_, matching_size(Projection::latlong, 96, from_));
   for_texels(source.base(), [&](int f, int i, int j, const Direction& d) {
-    *source.base().texel(f, i, j) = Colour(static_cast<float>(1 + 0.5 * d.x + d.y * d.z));
+    *source.base().texel(f, i, j) = Colour(float(1 + 0.5 * d.x + d.y * d.z));
   });
   // (The same texels are copied, and the rim of this source is empty.)
   if (from_ != to_) {
@@ -153,7 +153,7 @@ TEST(Seams, CubeEdgesAndLatlongSeam) {
   const auto value = [&](const Direction& d, int& face) {
     const auto at = Cube::locate(d);
     face = at.face;
-    return static_cast<double>(level.texel(at.face, std::min(63, int(at.u * 64)), std::min(63, int(at.v * 64)))->x);
+    return double(level.texel(at.face, std::min(63, int(at.u * 64)), std::min(63, int(at.v * 64)))->x);
   };
   for (int turn = 0; turn < 500; ++turn) {
     const Rotation r = rotation(turn * 0.73, turn * 1.1, turn * 2.3);
@@ -239,7 +239,7 @@ TEST(Convert, TurnsByWholeTexelsAreExactCopies) {
   *latlong.base().texel(0, 17, 40) = Colour(6e4F);
   for (const double degrees : {90.0, -2.0, 178.0, 360.0 * 1e6 + 4}) {
     const EnvironmentMap turned = convert(latlong, {.to = Projection::latlong, .rotation = rotation(degrees, 0, 0)});
-    const int left = static_cast<int>(std::lround(degrees / 2)) % 180;  // A texel spans two degrees; +X lies to the left.
+    const int left = int(std::lround(degrees / 2)) % 180;  // A texel spans two degrees; +X lies to the left.
     for (int j = 0; j < 90; ++j)
       for (int i = 0; i < 180; ++i)
         ASSERT_EQ(*turned.base().texel(0, i, j), *latlong.base().texel(0, (i + left + 180) % 180, j)) << degrees;

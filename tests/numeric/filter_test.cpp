@@ -33,7 +33,7 @@ EnvironmentMap noise(Projection p, int height) {
   std::mt19937 random(3);
   for (int f = 0; f < map.base().faces(); ++f)
     for (int j = 0; j < height; ++j)
-      for (Colour& c : map.base().row(f, j)) c = Colour(0.1F + static_cast<float>(random() % 1000) / 1000);
+      for (Colour& c : map.base().row(f, j)) c = Colour(0.1F + float(random() % 1000) / 1000);
   return map;
 }
 
@@ -159,7 +159,7 @@ TEST(Trilinear, IsBilinearOnALevelAndBetweenLevels) {
     return out;
   };
   for (std::size_t l = 0; l < levels.size(); ++l)
-    EXPECT_EQ(trilinear(static_cast<double>(l)).x, bilinear(levels[l], at).x);
+    EXPECT_EQ(trilinear(double(l)).x, bilinear(levels[l], at).x);
   EXPECT_NEAR(trilinear(1.25).x, 0.75 * bilinear(levels[1], at).x + 0.25 * bilinear(levels[2], at).x, 1e-6);
   EXPECT_EQ(trilinear(99).x, bilinear(levels[4], at).x);
 }

@@ -19,7 +19,7 @@ INSTANTIATE_TEST_SUITE_P(, EachGenerated, testing::ValuesIn(all_projections),
 
 double irradiance_of_floor(const Level& level) {
   Sum sum;
-  std::vector<double> w(static_cast<std::size_t>(level.width()));
+  std::vector<double> w(std::size_t(level.width()));
   std::vector<Direction> d(w.size());
   for (int f = 0; f < level.faces(); ++f)
     for (int j = 0; j < level.height(); ++j) {

@@ -41,7 +41,7 @@ TEST(Irradiance, LooksIntoTheWorld) {
     for (int j = 0; j < 256; ++j) {
       texel_directions(Projection::latlong, 256, 0, j, 0, d);
       for (int i = 0; i < 512; ++i)
-        if ((image_to_world(forward) * d[static_cast<std::size_t>(i)]).x > 0) *map.base().texel(0, i, j) = Colour(1);
+        if ((image_to_world(forward) * d[std::size_t(i)]).x > 0) *map.base().texel(0, i, j) = Colour(1);
     }
     EXPECT_NEAR(irradiance(map, {1, 0, 0}).x, pi, 1e-4);
     EXPECT_NEAR(irradiance(map, {0, 0, 1}).x, pi / 2, 1e-4);

@@ -103,7 +103,7 @@ TEST_P(EachLevels, ShowTheMeanOfTheEnvironmentInEveryTexel) {
         for (int j = 0; j < level.height(); ++j)
           for (int i = 0; i < level.width(); ++i) {
             const Rect r = rect(level, i, j);
-            std::vector<double> w(static_cast<std::size_t>(level.width()));
+            std::vector<double> w(std::size_t(level.width()));
             solid_angles(GetParam(), level.height(), j, w);
             if (w[i] <= 0.3 * w[level.width() / 2]) continue;
             // Of odd sizes, texels that straddle two are taken as constant over each part: an error of their own size.

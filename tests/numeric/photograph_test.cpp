@@ -14,7 +14,7 @@ namespace {
 EnvironmentMap directions_map(Projection p, int size) { return generate(Directions{}, {p}, size); }
 
 const Colour& pixel(const std::vector<Colour>& picture, const PhotographOptions& o, int i, int row) {
-  return picture[static_cast<std::size_t>(row * o.width + i)];
+  return picture[std::size_t(row * o.width + i)];
 }
 
 // In degrees: how far the direction that a pixel of a picture of directions shows is from the one expected.

@@ -56,7 +56,7 @@ Flux brute_force(const Level& source, const Prefilter& p, const Direction& r, in
         whole += weight;
         for (int c = 0; c < 3; ++c) sums[c] += weight * (*source.texel(face, i / n, j / n))[c];
       }
-  return {static_cast<double>(sums[0] / whole), static_cast<double>(sums[1] / whole), static_cast<double>(sums[2] / whole)};
+  return {double(sums[0] / whole), double(sums[1] / whole), double(sums[2] / whole)};
 }
 
 // Colours without any relation between the channels, and a sun.
@@ -70,7 +70,7 @@ EnvironmentMap landscape(Projection projection, int size, float sun = 2000) {
       for (int i = columns(projection, size, j).first; i < columns(projection, size, j).end; ++i)
         for (int c = 0; c < 3; ++c)
           (*level.texel(face, i, j))[c] =
-              0.05F + static_cast<float>(random() % 1000) / 1000 * (c + 1) * (j < size / 2 ? 1.F : 0.1F);
+              0.05F + float(random() % 1000) / 1000 * (c + 1) * (j < size / 2 ? 1.F : 0.1F);
   *level.texel(level.faces() - 1, level.width() / 3, size / 3) = Colour(sun, 0.8F * sun, 0.5F * sun);
   return map;
 }
@@ -105,7 +105,7 @@ const Prefilter lobes[] = {{.shape = Shape::diffuse},
                            {.shape = Shape::charlie, .parameter = 0.3}};
 
 std::string words(const Prefilter& p) {
-  return std::string(shape_names[static_cast<std::size_t>(p.shape)]) + " " + std::to_string(p.parameter);
+  return std::string(shape_names[std::size_t(p.shape)]) + " " + std::to_string(p.parameter);
 }
 
 class EachPrefilter : public testing::TestWithParam<Projection> {};
@@ -325,7 +325,7 @@ TEST(Prefilter, SpectralTakesAFinerGridWhereDarkTexelsNeedIt) {
   source.levels.emplace_back(Projection::cube, 48);
   std::mt19937 random(3);
   for (const Texel& t : texels_of(source.base()))
-    *source.base().texel(t.face, t.i, t.j) = Colour(t.face == 2 ? 2000.F : 1e-9F * static_cast<float>(random() % 1000000000));
+    *source.base().texel(t.face, t.i, t.j) = Colour(t.face == 2 ? 2000.F : 1e-9F * float(random() % 1000000000));
   const double floor = 1e-3 * mean_radiance(source.base());
   Prefilter p{.shape = Shape::phong, .parameter = 400, .size = 24, .method = Method::spectral};
   const Prefiltered done = PrefilterSource(source).make(p);
@@ -335,7 +335,7 @@ TEST(Prefilter, SpectralTakesAFinerGridWhereDarkTexelsNeedIt) {
     for (int k = 0; k < 24; ++k) d.push_back(direction_of(p, face, k, 23 - k));
   const std::vector<Flux> truth = exact_prefilter(source.base(), lobe_of(p), d);
   for (std::size_t n = 0; n < d.size(); ++n) {
-    const int face = static_cast<int>(n) / 24, k = static_cast<int>(n) % 24;
+    const int face = int(n) / 24, k = int(n) % 24;
     EXPECT_LT(relative(Flux(*done.map.base().texel(face, k, 23 - k)), truth[n], floor), p.max_error) << face << ' ' << k;
   }
 }
@@ -348,7 +348,7 @@ TEST(Prefilter, SpectralCountsTheKinkAtTheHorizonOfGgx) {
     source.levels.emplace_back(from, 32);
     std::mt19937 random(5);
     for (const Texel& t : texels_of(source.base()))
-      *source.base().texel(t.face, t.i, t.j) = Colour(0.5F + 1e-9F * static_cast<float>(random() % 1000000000));
+      *source.base().texel(t.face, t.i, t.j) = Colour(0.5F + 1e-9F * float(random() % 1000000000));
     for (const int k : {3, 9, 20}) *source.base().texel(0, k, 31 - k) = Colour(60, 40, 50);
     const double floor = 1e-3 * mean_radiance(source.base());
     for (const double roughness : {0.18, 0.21}) {
@@ -452,7 +452,7 @@ TEST(Prefilter, AMirrorOfTheSourcesOwnTexelsCopiesThem) {
 TEST(Prefilter, ANarrowLobeOnAnEdgeSeesHalfOfEitherSide) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::cube, 1);
-  for (int face = 0; face < 6; ++face) *map.base().texel(face, 0, 0) = Colour(static_cast<float>(face));
+  for (int face = 0; face < 6; ++face) *map.base().texel(face, 0, 0) = Colour(float(face));
   const Direction d = glm::normalize(Direction(1, 0.1, 1));  // Between +X, 0, and +Z, 4.
   for (const Lobe& lobe : {Lobe(Phong{1e4}), Lobe(Phong{1e8}), Lobe(Ggx(0.01))})
     EXPECT_NEAR(exact_prefilter(map.base(), lobe, std::span(&d, 1))[0].x, 2, 1e-3);

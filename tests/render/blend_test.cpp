@@ -75,9 +75,9 @@ TEST(Blended, PicturesAreTheSumOfLayers) {
         Colour mean(0);
         for (int s = 0; s < samples; ++s) {
           const Vec2<double> off = 0.5 + sample_offset(s, samples);
-          mean += expected(from.at, from.lens->ray((k % 48 + off.x) / 48, (k / 48 + off.y) / 48)) / static_cast<float>(samples);
+          mean += expected(from.at, from.lens->ray((k % 48 + off.x) / 48, (k / 48 + off.y) / 48)) / float(samples);
         }
-        others += difference(picture[static_cast<std::size_t>(k)], mean) > 1e-4;
+        others += difference(picture[std::size_t(k)], mean) > 1e-4;
       }
       EXPECT_LE(others, 8 * samples) << samples;
     }
@@ -100,7 +100,7 @@ TEST(Blended, MapsAreTheSumOfLayersByAllMethods) {
       EXPECT_EQ(map.surfaces[k], 0U);  // Nothing that covers all.
     });
     EXPECT_GT(seen, 500);
-    EXPECT_LE(others, 6) << static_cast<int>(method);
+    EXPECT_LE(others, 6) << int(method);
   }
 }
 

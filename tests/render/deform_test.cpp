@@ -83,14 +83,14 @@ GltfFile tube() {
   for (int j = 0; j < rings; ++j)
     for (int i = 0; i < around; ++i) {
       const double turn = 2 * pi * i / around, y = 0.1 * j;
-      const auto c = static_cast<float>(std::cos(turn)), s = static_cast<float>(std::sin(turn));
-      positions.insert(positions.end(), {0.3F * c, static_cast<float>(y), 0.3F * s});
+      const auto c = float(std::cos(turn)), s = float(std::sin(turn));
+      positions.insert(positions.end(), {0.3F * c, float(y), 0.3F * s});
       normals.insert(normals.end(), {c, 0, s});
       joints.insert(joints.end(), {0, 1, 0, 0});
       const float upper = j < 10 ? 0 : j == 10 ? 0.5F : 1;
       weights.insert(weights.end(), {1 - upper, upper, 0, 0});
       if (j + 1 == rings) continue;
-      const auto at = [&](int di, int dj) { return static_cast<std::uint16_t>((j + dj) * around + (i + di) % around); };
+      const auto at = [&](int di, int dj) { return std::uint16_t((j + dj) * around + (i + di) % around); };
       indices.insert(indices.end(), {at(0, 0), at(0, 1), at(1, 1), at(0, 0), at(1, 1), at(1, 0)});
     }
   json& primitive = file.document["meshes"][0]["primitives"][0];

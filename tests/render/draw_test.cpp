@@ -77,7 +77,7 @@ Scene extremes() {
   };
   const auto add = [&](glm::vec3 a, glm::vec3 b, glm::vec3 c) {
     const glm::vec3 n(0, 0, 1);
-    scene.nodes[0].meshes.push_back(static_cast<int>(scene.meshes.size()));
+    scene.nodes[0].meshes.push_back(int(scene.meshes.size()));
     scene.meshes.push_back({.positions = {a, b, c}, .normals = {n, n, n}, .coordinates = {{}, {}, {}}, .indices = {0, 1, 2}});
   };
   add({-1e6F, -1e6F, -30}, {1e6F, -1e6F, -30}, {0, 2e6F, -30});  // All of -Z, and the singularity.
@@ -111,7 +111,7 @@ TEST_P(Draw, AsRaycastOfExtremeTriangles) {
     else if (truth.surfaces[k] != 0 && !(std::abs(map.distances[k] - truth.distances[k]) <= 1e-3F * truth.distances[k]))
       ++others;
   });
-  EXPECT_LE(static_cast<double>(others + holes), 2e-4 * static_cast<double>(texels)) << holes << " holes";
+  EXPECT_LE(double(others + holes), 2e-4 * double(texels)) << holes << " holes";
 }
 
 TEST(DrawMethods, DistortedFineTrianglesAreNearlyRight) {
@@ -154,7 +154,7 @@ TEST_P(Draw, SamplesAreAMean) {
   const Drawn map = drawn(scene, from, DrawMethod::exact), truth = raycast({scene, pose(scene, 0)}, from);
   double worst = 0;
   rooms::for_each_texel(from.to, from.size, [&](std::size_t k, const Direction&) {
-    worst = std::max(worst, static_cast<double>(glm::length(rooms::colour_at(map, k) - rooms::colour_at(truth, k))));
+    worst = std::max(worst, double(glm::length(rooms::colour_at(map, k) - rooms::colour_at(truth, k))));
   });
   EXPECT_LT(worst, 0.01);
 }
@@ -177,7 +177,7 @@ TEST(DrawMethods, EnvironmentIsTheBackground) {
     Level& level = coded.levels.emplace_back(p, 256);
     const int width = level.width();
     rooms::for_each_texel(p, 256, [&](std::size_t k, const Direction& ray) {
-      const auto at = static_cast<int>(k);
+      const auto at = int(k);
       *level.texel(at / (width * 256), at % width, at / width % 256) = Colour(0.5 * (ray + 1.0));
     });
     const Environment sky(std::move(coded), 4);
@@ -187,7 +187,7 @@ TEST(DrawMethods, EnvironmentIsTheBackground) {
     double worst = 0;
     rooms::for_each_texel(from.to, from.size, [&](std::size_t k, const Direction& ray) {
       const Colour wanted(0.5 * (from.axes * ray + 1.0));
-      worst = std::max(worst, static_cast<double>(glm::length(rooms::colour_at(map, k) - wanted)));
+      worst = std::max(worst, double(glm::length(rooms::colour_at(map, k) - wanted)));
     });
     EXPECT_LT(worst, p == Projection::sphere ? 0.02 : 0.01) << name(p);  // A sphere map becomes a cube of 64.
   }

@@ -19,7 +19,7 @@ constexpr int width = 120, height = 90;
 void add_mirror(Scene& scene, const Direction& at, const Direction& normal, bool double_sided) {
   const Rotation axes = upright_about(normal);
   scene.materials.push_back({.base_colour = glm::vec4(2.0F / 3, 2.0F / 3, 2.0F / 3, 1), .metallic = 1, .roughness = 0, .double_sided = double_sided});
-  Mesh mesh{.material = static_cast<int>(scene.materials.size()) - 1};
+  Mesh mesh{.material = int(scene.materials.size()) - 1};
   for (const auto& [x, y] : {std::pair(-0.7, -0.6), {0.7, -0.6}, {0.7, 0.6}, {-0.7, 0.6}}) {
     mesh.positions.emplace_back(x * axes[0] + y * axes[1]);
     mesh.normals.emplace_back(normal);
@@ -28,14 +28,14 @@ void add_mirror(Scene& scene, const Direction& at, const Direction& normal, bool
   mesh.indices = {0, 1, 2, 0, 2, 3};
   scene.meshes.push_back(mesh);
   scene.nodes.push_back({.name = "mirror " + std::to_string(scene.nodes.size()), .local = glm::translate(Matrix(1), at),
-                         .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+                         .meshes = {int(scene.meshes.size()) - 1}});
 }
 
 void add_ball(Scene& scene, const Direction& at) {
   scene.materials.push_back({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = Colour(0.9F, 0.1F, 0.1F)});
   scene.meshes.push_back(rooms::ball(24, 0.12));
-  scene.meshes.back().material = static_cast<int>(scene.materials.size()) - 1;
-  scene.nodes.push_back({.name = "ball", .local = glm::translate(Matrix(1), at), .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+  scene.meshes.back().material = int(scene.materials.size()) - 1;
+  scene.nodes.push_back({.name = "ball", .local = glm::translate(Matrix(1), at), .meshes = {int(scene.meshes.size()) - 1}});
 }
 
 // Two mirrors that face each other, not quite parallel; one ball between them, one behind each.
@@ -75,7 +75,7 @@ double wrong(const Scene& scene, const Viewpoint& from) {
     const Colour off = glm::abs(picture[k] - truth[k]);
     count += std::max({off.x, off.y, off.z}) > 0.004F ? 1 : 0;
   }
-  return 100.0 * count / static_cast<double>(truth.size());
+  return 100.0 * count / double(truth.size());
 }
 
 TEST(FlatMirrors, ShowWhatRaysDo) {

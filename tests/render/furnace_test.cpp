@@ -24,7 +24,7 @@ struct Ball {
 Scene scene_of(const std::vector<Ball>& balls) {
   Scene scene;
   for (const Ball& ball : balls) {
-    const auto k = static_cast<int>(scene.nodes.size());
+    const auto k = int(scene.nodes.size());
     scene.materials.push_back(ball.material);
     scene.meshes.push_back(rooms::ball(24, 0.6));
     scene.meshes.back().material = k;
@@ -68,7 +68,7 @@ std::vector<int> dark_pixels(const Scene& scene, Projection maps, std::optional<
     Viewpoint bright = from;
     bright.show_ambient = true;
     const std::vector<Colour> picture = draw_picture(renderer, bright, shot);
-    dark.push_back(static_cast<int>(std::ranges::count_if(picture, [](const Colour& c) {
+    dark.push_back(int(std::ranges::count_if(picture, [](const Colour& c) {
       return std::abs(c.x - 1) > 5e-3 || std::abs(c.y - 1) > 5e-3 || std::abs(c.z - 1) > 5e-3;
     })));
   }

@@ -32,9 +32,9 @@ struct GltfFile {
     bytes.append(reinterpret_cast<const char*>(values.data()), size);
     document["accessors"].push_back({{"bufferView", document["bufferViews"].size() - 1},
                                      {"componentType", kind},
-                                     {"count", values.size() / static_cast<std::size_t>(components)},
+                                     {"count", values.size() / std::size_t(components)},
                                      {"type", type}});
-    return static_cast<int>(document["accessors"].size()) - 1;
+    return int(document["accessors"].size()) - 1;
   }
 
   /// The text of a .gltf whose buffer is "data.bin", written beside it, and of a GLB.
@@ -57,7 +57,7 @@ struct GltfFile {
     while (json_text.size() % 4 != 0) json_text += ' ';
     while (bin.size() % 4 != 0) bin += '\0';
     const auto word = [](std::size_t n) {
-      const auto value = static_cast<std::uint32_t>(n);
+      const auto value = std::uint32_t(n);
       return std::string(reinterpret_cast<const char*>(&value), 4);
     };
     return "glTF" + word(2) + word(28 + json_text.size() + bin.size()) + word(json_text.size()) + "JSON" + json_text +

@@ -65,7 +65,7 @@ TEST_P(Levels, AreTheMeansThatTheLibraryMakes) {
       const double r = std::hypot(2 * (i + 0.5) / made.width() - 1, 2 * (row + 0.5) / made.width() - 1);
       const bool cut = GetParam() == Projection::sphere && r > 1 - 1.5 / made.width();
       if (GetParam() == Projection::paraboloid && r > 1) return;
-      const float off = glm::length(*made.texel(face, i, row) - *known.levels[static_cast<std::size_t>(level)].texel(face, i, row));
+      const float off = glm::length(*made.texel(face, i, row) - *known.levels[std::size_t(level)].texel(face, i, row));
       EXPECT_LT(off, cut ? 0.35 : 5e-3) << level << ": " << face << " " << i << " " << row;
     });
   }
@@ -107,7 +107,7 @@ TEST_P(Levels, OneSampleShowsTheMean) {
       const Direction ray = from.lens->ray((i + 0.5) / size, (j + 0.5) / size);
       const double b = glm::dot(ray, from.at);
       if (b * b - glm::dot(from.at, from.at) + 0.34 < 0) continue;  // Beside the ball, or on its outline.
-      const auto k = static_cast<std::size_t>(j * size + i);
+      const auto k = std::size_t(j * size + i);
       of_maps += std::pow(picture[k].x - truth[k].x, 2);
       of_rays += std::pow(one[k].x - truth[k].x, 2);
     }

@@ -119,7 +119,7 @@ const Environment& half() {
 // As probes are: a bright small sun, a sky brighter to one side, a coloured ground.
 const Environment& sunny() {
   static const Environment sky(map_of([](const Direction& d) {
-    const Colour even = d.y > 0 ? Colour(0.3, 0.5, 0.9) * (1.2F + 0.5F * static_cast<float>(d.x)) : Colour(0.2, 0.15, 0.1);
+    const Colour even = d.y > 0 ? Colour(0.3, 0.5, 0.9) * (1.2F + 0.5F * float(d.x)) : Colour(0.2, 0.15, 0.1);
     return glm::dot(d, glm::normalize(Direction(1, 1, 2))) > 0.995 ? Colour(200, 180, 150) : even;
   }));
   return sky;
@@ -148,7 +148,7 @@ Viewpoint camera(Direction at = {0.4, 0.7, 2.2}) {
 
 // f(number of the texel, ray) for the texels of the face that is drawn.
 void for_each_pixel(const Viewpoint& from, auto&& f) {
-  const auto texels = static_cast<std::size_t>(from.size) * static_cast<std::size_t>(from.size);
+  const auto texels = std::size_t(from.size) * std::size_t(from.size);
   rooms::for_each_texel(from.to, from.size, [&](std::size_t k, const Direction& ray) {
     if ((from.which >> (k / texels) & 1) != 0) f(k, from.axes * ray);
   });
@@ -222,7 +222,7 @@ TEST(HalfSky, LightsADiffuseBall) {
     double worst = 0;
     for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
       if (map.surfaces[k] == 0) return;
-      const Direction normal = glm::normalize(from.at + static_cast<double>(map.distances[k]) * ray);
+      const Direction normal = glm::normalize(from.at + double(map.distances[k]) * ray);
       worst = std::max(worst, std::abs(rooms::colour_at(map, k).y - 0.5 * (1 + normal.y)));
     });
     EXPECT_LT(worst, 0.015);  // Schlick's Fresnel reflects a little at the rim even so.
@@ -253,7 +253,7 @@ TEST(ClosedForms, AMirrorShowsTheSkyInTheReflectedDirection) {
   const Drawn map = drawn(scene, half(), from);
   for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
     if (map.surfaces[k] == 0) return;
-    const Direction place = from.at + static_cast<double>(map.distances[k]) * ray;
+    const Direction place = from.at + double(map.distances[k]) * ray;
     const Direction mirrored = glm::reflect(ray, glm::normalize(place));
     if (std::abs(mirrored.y) > 0.05) {  // Beside the horizon the map's texels mix both.
       EXPECT_NEAR(rooms::colour_at(map, k).y, mirrored.y > 0 ? 1 : 0, 1e-3);
@@ -296,7 +296,7 @@ TEST(ClosedForms, CoatsReflectByFresnelAndDarkenWhatTheyCover) {
       for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})
         for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
           if (map.surfaces[k] == 0) return;
-          const Direction normal = glm::normalize(from.at + static_cast<double>(map.distances[k]) * ray);
+          const Direction normal = glm::normalize(from.at + double(map.distances[k]) * ray);
           const double cosine = -glm::dot(normal, ray), part = 0.75 * (0.04 + 0.96 * std::pow(1 - cosine, 5));
           if (cosine < 0.2) return;  // The ball has corners.
           EXPECT_NEAR(rooms::colour_at(map, k).y, part + (1 - part) * glow, 3e-3);
@@ -320,7 +320,7 @@ TEST(ClosedForms, SheenOnBlackReflectsItsAlbedo) {
         }
       for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
         if (map.surfaces[k] == 0) return;
-        const double cosine = -glm::dot(glm::normalize(from.at + static_cast<double>(map.distances[k]) * ray), ray);
+        const double cosine = -glm::dot(glm::normalize(from.at + double(map.distances[k]) * ray), ray);
         if (std::abs(cosine - wanted) >= nearest) return;
         nearest = std::abs(cosine - wanted), found = rooms::colour_at(map, k).y;
       });
@@ -336,7 +336,7 @@ TEST(ClosedForms, PaintedVerticesShowTheirColours) {
   for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})
     for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
       if (map.surfaces[k] == 0) return;
-      const Direction place = from.at + static_cast<double>(map.distances[k]) * ray;
+      const Direction place = from.at + double(map.distances[k]) * ray;
       EXPECT_LT(difference(rooms::colour_at(map, k), Colour(0.5 * (place + 1.0))), 0.02);
     });
 }

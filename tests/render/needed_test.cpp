@@ -75,7 +75,7 @@ int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, con
     EXPECT_LE(angle_between(ray, all.axis), all.angle + 1e-9);
     EXPECT_TRUE(reached[Cube::locate(glm::transpose(axes) * ray).face]);
   }
-  return static_cast<int>(std::ranges::count(reached, true));
+  return int(std::ranges::count(reached, true));
 }
 
 TEST(Needed, EveryRayOfAMirrorIsHeld) {

@@ -28,11 +28,11 @@ TEST(Tangents, OfABallRunEast) {
   Mesh mesh = rooms::ball(16);
   for (std::size_t k = 0; k < mesh.normals.size(); ++k) {
     const std::size_t turn = k % 33, polar = k / 33;
-    mesh.coordinates[k] = {static_cast<float>(turn) / 32, static_cast<float>(polar) / 16};
+    mesh.coordinates[k] = {float(turn) / 32, float(polar) / 16};
   }
   add_tangents(mesh);
   for (std::size_t k = 33; k + 33 < 17 * 33; ++k) {
-    const double turn = pi * static_cast<double>(k % 33) / 16;
+    const double turn = pi * double(k % 33) / 16;
     const double off = glm::length(Direction(mesh.tangents[k]) - Direction(-std::sin(turn), 0, -std::cos(turn)));
     EXPECT_LT(off, k % 33 == 0 || k % 33 == 32 ? 0.12 : 1e-6) << k;  // The seam has neighbours on one side alone.
     EXPECT_EQ(mesh.tangents[k].w, 1);

@@ -199,7 +199,7 @@ TEST(Triangulate, WhatIsNoPolygonEnds) {
   }
   std::vector<Direction> large;
   for (std::size_t k = 0; k <= most_concave_corners; ++k)
-    large.push_back({static_cast<double>(k), static_cast<double>(k % 2), 0});
+    large.push_back({double(k), double(k % 2), 0});
   EXPECT_THROW(triangulate(large), InputError);
 }
 

@@ -41,7 +41,7 @@ TEST(DistantLights, ShareOutTheFlux) {
   for (const int count : {1, 2, 7, 64, 256}) {
     Flux sum(0);
     const std::vector<DistantLight> lights = distant_lights(white().map, count);
-    EXPECT_EQ(lights.size(), static_cast<std::size_t>(count));
+    EXPECT_EQ(lights.size(), std::size_t(count));
     for (const DistantLight& light : lights) {
       EXPECT_NEAR(glm::length(light.from), 1, 1e-9);
       sum += Flux(light.irradiance);
@@ -95,7 +95,7 @@ TEST(Occlusion, UnderABallIsItsFormFactor) {
         if (std::max(std::abs(place.x), std::abs(place.z)) > 1.98) return;
         const double distance = glm::length(centre - place);
         const double expected = 1 - radius * radius * centre.y / std::pow(distance, 3);
-        const double error = std::abs(picture[static_cast<std::size_t>(k)].x - expected);
+        const double error = std::abs(picture[std::size_t(k)].x - expected);
         worst = std::max(worst, error), sum += error, ++pixels, darkest = std::min(darkest, expected);
       });
       EXPECT_LT(darkest, 0.6);
@@ -163,8 +163,8 @@ TEST(Occlusion, IsDrawnAsRaysFindIt) {
     sum += error;
     far_off += error > 3.0 / 64;
   }
-  EXPECT_LT(sum / static_cast<double>(both.cast.size()), 3e-3);
-  EXPECT_LT(far_off, static_cast<int>(both.cast.size() / 200));
+  EXPECT_LT(sum / double(both.cast.size()), 3e-3);
+  EXPECT_LT(far_off, int(both.cast.size() / 200));
 }
 
 }  // namespace

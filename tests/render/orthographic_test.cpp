@@ -26,7 +26,7 @@ TEST(Orthographic, AWallIsSeenWithoutPerspective) {
     for (const auto& picture : {draw_picture(renderer, from, shot), raycast_picture(shot, from, {})})
       for (int k = 0; k < 48 * 64; ++k) {
         const double x = 0.1 + 0.8 * ((k % 64 + 0.5) / 32 - 1), y = 0.05 + 0.6 * (1 - (k / 64 + 0.5) / 24);
-        EXPECT_LT(difference(picture[static_cast<std::size_t>(k)], Colour(0.5 * (x + 1), 0.5 * (y + 1), 0)), 0.005) << k;
+        EXPECT_LT(difference(picture[std::size_t(k)], Colour(0.5 * (x + 1), 0.5 * (y + 1), 0)), 0.005) << k;
       }
   }
 }

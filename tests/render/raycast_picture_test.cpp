@@ -20,7 +20,7 @@ Viewpoint camera(const Direction& at, double tangent = 0.5) {
 
 std::vector<int> all_nodes(const Scene& scene) {
   std::vector<int> nodes;
-  for (std::size_t k = 0; k < scene.nodes.size(); ++k) nodes.push_back(static_cast<int>(k));
+  for (std::size_t k = 0; k < scene.nodes.size(); ++k) nodes.push_back(int(k));
   return nodes;
 }
 
@@ -33,7 +33,7 @@ std::vector<Colour> cast(const Scene& scene, const Viewpoint& from, const Enviro
 void for_each_pixel(const std::vector<Colour>& picture, const Viewpoint& from, auto&& f) {
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i)
-      f(picture[static_cast<std::size_t>(j * size + i)], from.axes * from.lens->ray((i + 0.5) / size, (j + 0.5) / size));
+      f(picture[std::size_t(j * size + i)], from.axes * from.lens->ray((i + 0.5) / size, (j + 0.5) / size));
 }
 
 double difference(const Colour& seen, const Direction& expected) { return glm::length(Direction(seen) - expected); }
@@ -133,7 +133,7 @@ constexpr double half = 0.3;
 // A square of half a side 0.3 at z, its front to +Z or -Z.
 void add_plate(Scene& scene, double z, float facing) {
   scene.materials.push_back({.metallic = 1, .roughness = 0});
-  Mesh mesh{.material = static_cast<int>(scene.materials.size()) - 1};
+  Mesh mesh{.material = int(scene.materials.size()) - 1};
   for (const auto& [x, y] : {std::pair(-half, -half), {half, -half}, {half, half}, {-half, half}}) {
     mesh.positions.emplace_back(facing * x, y, z);
     mesh.normals.emplace_back(0, 0, facing);
@@ -141,7 +141,7 @@ void add_plate(Scene& scene, double z, float facing) {
   }
   mesh.indices = {0, 1, 2, 0, 2, 3};
   scene.meshes.push_back(mesh);
-  scene.nodes.push_back({.name = "plate", .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+  scene.nodes.push_back({.name = "plate", .meshes = {int(scene.meshes.size()) - 1}});
 }
 
 // By unfolding: what a ray shows after at most so many reflections; black after them. None beside an edge.

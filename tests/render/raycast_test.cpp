@@ -62,7 +62,7 @@ void each_texel(const Viewpoint& v, F&& f) {
       std::vector<Direction> rays(in.count());
       texel_directions(v.to, v.size, face, j, in.first, rays);
       for (int i = in.first; i < in.end; ++i)
-        f(face, i, j, static_cast<std::size_t>((face * v.size + j) * width + i),
+        f(face, i, j, std::size_t((face * v.size + j) * width + i),
           v.axes * rays[i - in.first]);
     }
 }
@@ -90,7 +90,7 @@ TEST(Raycast, InsideOfABoxInAllProjections) {
           ++edges;
           return;
         }
-        wrong += drawn.surfaces[n] != static_cast<unsigned>(wall + 1);
+        wrong += drawn.surfaces[n] != unsigned(wall + 1);
         EXPECT_NEAR(drawn.distances[n], distance, 2e-6 * distance);
         EXPECT_LT(glm::length(*drawn.radiance.base().texel(face, i, j) - wall_colour(wall)), 1e-5F);
       });
@@ -219,8 +219,8 @@ TEST(Raycast, SamplesAreTheMeanOfWhatTheySee) {
       raycast(shot_of(scene), {.to = Projection::cube, .size = 65, .at = {0.1, 0.2, 0.3}, .samples = 256, .which = 1U << 5});
   // Face -Z shows wall -Z, 1.3 away and 0.9 wide to the right: it ends at s = 0.9 / 1.3, t = 0.8 / 1.3.
   const double edge = (0.5 + 0.5 * 0.9 / 1.3) * 65;
-  const int i = static_cast<int>(edge);
-  const float part = static_cast<float>(edge - i);
+  const int i = int(edge);
+  const float part = float(edge - i);
   const Colour expected = part * wall_colour(5) + (1 - part) * wall_colour(0);
   EXPECT_LT(glm::length(*many.radiance.base().texel(5, i, 32) - expected), 0.05F);
   EXPECT_EQ(*one.radiance.base().texel(5, 32, 32), *many.radiance.base().texel(5, 32, 32));
@@ -255,7 +255,7 @@ TEST(Raycast, ExtremeTriangles) {
     Mesh m{.positions = std::move(corners), .indices = {0, 1, 2}};
     complete(m);
     scene.meshes.push_back(m);
-    scene.nodes.push_back({.meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+    scene.nodes.push_back({.meshes = {int(scene.meshes.size()) - 1}});
   };
   mesh({{-1, 0, -1}, {1, 0, -1}, {0, 0, 2}});  // Holds the viewpoint in its plane.
   mesh({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}});     // A point.

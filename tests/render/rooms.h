@@ -28,14 +28,14 @@ inline Scene room(int edge) {
     scene.materials.push_back(
         {.base_colour = {0, 0, 0, 1}, .emissive = Colour(1), .emissive_texture = face, .double_sided = false});
     Mesh mesh{.material = face};
-    const auto last = static_cast<double>(edge - 1);
+    const auto last = double(edge - 1);
     for (int j = 0; j < edge; ++j)
       for (int i = 0; i < edge; ++i) {
         mesh.positions.emplace_back(corner(2 * i / last - 1, 1 - 2 * j / last));
         mesh.normals.emplace_back(-axes.forward);
         mesh.coordinates.emplace_back(0.25 + 0.5 * i / last, 0.25 + 0.5 * j / last);
       }
-    const auto vertex = [&](int i, int j) { return static_cast<std::uint32_t>(j * edge + i); };
+    const auto vertex = [&](int i, int j) { return std::uint32_t(j * edge + i); };
     for (int j = 0; j + 1 < edge; ++j)
       for (int i = 0; i + 1 < edge; ++i)
         for (const std::uint32_t index :
@@ -58,7 +58,7 @@ inline Mesh ball(int rings, double radius = 1) {
       mesh.normals.emplace_back(n);
       mesh.coordinates.emplace_back(0, 0);
     }
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (2 * rings + 1) + i); };
+  const auto at = [&](int i, int j) { return std::uint32_t(j * (2 * rings + 1) + i); };
   for (int j = 0; j < rings; ++j)
     for (int i = 0; i < 2 * rings; ++i)
       for (const std::uint32_t k : {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)})
@@ -78,7 +78,7 @@ inline Hit hit(const Direction& from, const Direction& ray) {
   for (int axis = 0; axis < 3; ++axis) {
     if (ray[axis] == 0) continue;
     const double distance = (std::copysign(1.0, ray[axis]) - from[axis]) / ray[axis];
-    if (distance < first.distance) first = {static_cast<std::uint32_t>(2 * axis + (ray[axis] < 0) + 1), distance, {}};
+    if (distance < first.distance) first = {std::uint32_t(2 * axis + (ray[axis] < 0) + 1), distance, {}};
   }
   first.place = from + first.distance * ray;
   return first;
@@ -94,17 +94,17 @@ void for_each_texel(Projection p, int size, F f) {
       std::vector<Direction> rays(in.count());
       texel_directions(p, size, face, row, in.first, rays);
       for (std::size_t k = 0; k < rays.size(); ++k)
-        f(static_cast<std::size_t>(face * size + row) * static_cast<std::size_t>(width) +
-              static_cast<std::size_t>(in.first) + k,
+        f(std::size_t(face * size + row) * std::size_t(width) +
+              std::size_t(in.first) + k,
           rays[k]);
     }
 }
 
 inline Colour colour_at(const Drawn& map, std::size_t texel) {
   const Level& level = map.radiance.base();
-  const auto width = static_cast<std::size_t>(level.width()), height = static_cast<std::size_t>(level.height());
-  return *level.texel(static_cast<int>(texel / (width * height)), static_cast<int>(texel % width),
-                      static_cast<int>(texel / width % height));
+  const auto width = std::size_t(level.width()), height = std::size_t(level.height());
+  return *level.texel(int(texel / (width * height)), int(texel % width),
+                      int(texel / width % height));
 }
 
 /// What is wrong in a map of the room: parts of its texels, and the largest difference in radiance where the surface is right.
@@ -125,7 +125,7 @@ inline Faults judge(const Drawn& map, const Viewpoint& from) {
     else
       faults.colour =
           std::max(faults.colour,
-                   static_cast<double>(glm::length(glm::vec3(colour_at(map, k) - Colour(0.5 * (truth.place + 1.0))))));
+                   double(glm::length(glm::vec3(colour_at(map, k) - Colour(0.5 * (truth.place + 1.0))))));
     if (!(std::abs(map.distances[k] - truth.distance) <= 0.01 * truth.distance)) ++faults.distance;
   });
   faults.holes /= texels;

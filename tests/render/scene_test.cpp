@@ -375,7 +375,7 @@ TEST_F(SceneTest, TheSampleScenesAreRead) {
   ASSERT_EQ(std::system(command.c_str()), 0);
   for (const auto& [name, side] : {std::pair("room-2.glb", 1), std::pair("room-4.glb", 3), std::pair("room-21.glb", 20)}) {
     const Scene room = read_scene(path(name));
-    EXPECT_EQ(room.meshes[0].indices.size() / 6, static_cast<std::size_t>(side * side)) << name;
+    EXPECT_EQ(room.meshes[0].indices.size() / 6, std::size_t(side * side)) << name;
     EXPECT_TRUE(room.unmodelled.empty());
   }
   EXPECT_EQ(read_scene(path("wire-cube.glb")).nodes.size(), 22U);  // 12 edges, 8 corners, a lamp, a camera.
@@ -387,13 +387,13 @@ TEST_F(SceneTest, TheSampleScenesAreRead) {
   for (const char* mirror : {"mirror ball", "mirror ring"}) {
     const auto node = find_node(cellar, mirror);
     ASSERT_TRUE(node);
-    const Mesh& mesh = cellar.meshes[cellar.nodes[static_cast<std::size_t>(*node)].meshes.at(0)];
+    const Mesh& mesh = cellar.meshes[cellar.nodes[std::size_t(*node)].meshes.at(0)];
     const Material& material = cellar.materials[mesh.material];
     EXPECT_EQ(material.metallic, 1);
     EXPECT_EQ(material.roughness, 0);
   }
   // The lamp swings on its cord: half way to a side after 0.75 s it is where 7 degrees about the hook take it.
-  const auto light = static_cast<std::size_t>(cellar.lights[2].node);
+  const auto light = std::size_t(cellar.lights[2].node);
   near(at(pose(cellar, 0.75)[light], {0, 0, 0}),
        Direction(0.3 + 1.02 * std::sin(7 * pi / 180), 3.15 - 1.02 * std::cos(7 * pi / 180), 0.6), 1e-3);
 }

@@ -80,11 +80,11 @@ TEST_P(Shaders, LocateAsProjectionsDo) {
   double there = 0, back = 0;
   int elsewhere = 0;
   for (std::size_t k = 0; k < directions.size(); ++k) {
-    const int face = static_cast<int>(places[k].z);
+    const int face = int(places[k].z);
     ASSERT_LT(face, faces(p));
     const Direction found = visit(p, [&](auto q) {
-      return decltype(q)::template direction<double>(face, static_cast<double>(places[k].x),
-                                                     static_cast<double>(places[k].y));
+      return decltype(q)::template direction<double>(face, double(places[k].x),
+                                                     double(places[k].y));
     });
     there = std::max(there, angle_between(found, directions[k]));
     const double off = std::hypot(places[k].x - known[k].u, places[k].y - known[k].v);

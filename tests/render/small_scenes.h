@@ -17,14 +17,14 @@ inline Matrix shining(const Direction& at, const Direction& along) {
 }
 
 inline void add(Scene& scene, Mesh mesh, const Material& material, const Matrix& local = Matrix(1)) {
-  mesh.material = static_cast<int>(scene.materials.size());
+  mesh.material = int(scene.materials.size());
   scene.materials.push_back(material);
-  scene.nodes.push_back({.local = local, .meshes = {static_cast<int>(scene.meshes.size())}});
+  scene.nodes.push_back({.local = local, .meshes = {int(scene.meshes.size())}});
   scene.meshes.push_back(std::move(mesh));
 }
 
 inline void add(Scene& scene, PunctualLight light, const Direction& at, const Direction& along) {
-  light.node = static_cast<int>(scene.nodes.size());
+  light.node = int(scene.nodes.size());
   scene.nodes.push_back({.local = shining(at, along)});
   scene.lights.push_back(light);
 }

@@ -21,11 +21,11 @@ Scene hall(const std::vector<Direction>& centres) {
   Scene scene = rooms::room(2);
   scene.materials.push_back({.name = "mirror", .metallic = 1, .roughness = 0});
   scene.meshes.push_back(rooms::ball(48, radius));
-  scene.meshes.back().material = static_cast<int>(scene.materials.size()) - 1;
+  scene.meshes.back().material = int(scene.materials.size()) - 1;
   for (const Direction& c : centres)
     scene.nodes.push_back({.name = "ball " + std::to_string(scene.nodes.size() - 6),
                            .local = glm::translate(Matrix(1), c),
-                           .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+                           .meshes = {int(scene.meshes.size()) - 1}});
   return scene;
 }
 
@@ -157,9 +157,9 @@ TEST_P(View, DistanceIsNearerToTheTruth) {
   Scene scene = hall({{0.35, -0.2, -0.3}, {-0.3, -0.6, -0.1}});
   scene.materials.push_back({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = Colour(0.9F, 0.1F, 0.1F)});
   scene.meshes.push_back(rooms::ball(16, 0.12));
-  scene.meshes.back().material = static_cast<int>(scene.materials.size()) - 1;
+  scene.meshes.back().material = int(scene.materials.size()) - 1;
   scene.nodes.push_back({.name = "red", .local = glm::translate(Matrix(1), Direction(0.05, -0.35, 0)),
-                         .meshes = {static_cast<int>(scene.meshes.size()) - 1}});
+                         .meshes = {int(scene.meshes.size()) - 1}});
   Stage stage(scene, GetParam());
   const std::vector<Colour> truth =
       raycast_picture({.scene = scene, .pose = pose(scene, 0)}, camera(), {.mirrors = {6, 7}});
@@ -167,7 +167,7 @@ TEST_P(View, DistanceIsNearerToTheTruth) {
     const std::vector<Colour> picture = stage.picture({}, {.lookup = lookup});
     double sum = 0;
     for (std::size_t k = 0; k < truth.size(); ++k) sum += glm::dot(Flux(picture[k] - truth[k]), Flux(picture[k] - truth[k]));
-    return std::sqrt(sum / (3 * static_cast<double>(truth.size())));
+    return std::sqrt(sum / (3 * double(truth.size())));
   };
   const double direction = rms(MirrorLookup::direction), distance = rms(MirrorLookup::distance);
   EXPECT_GT(direction, 0.03);
@@ -192,7 +192,7 @@ TEST_P(View, MirrorsSeeEachOther) {
   float most = 0;
   for (int j = 0; j < size; ++j)
     for (int i = size / 2; i < size; ++i) {
-      const auto k = static_cast<std::size_t>(j * size + i);
+      const auto k = std::size_t(j * size + i);
       most = std::max(most, furthest({alone[k]}, {together[k]}));
       EXPECT_GT(together[k].x + together[k].y + together[k].z, 0.05);
     }
@@ -295,7 +295,7 @@ TEST_P(View, AFlatMirrorShowsTheMirroredRoom) {
       const Direction place = from.at + (-0.5 - from.at.z) / ray.z * ray, mirrored(ray.x, ray.y, -ray.z);
       if (std::max(std::abs(place.x), std::abs(place.y)) > 0.29) continue;
       const Direction met = place + rooms::hit(place, mirrored).distance * mirrored;
-      EXPECT_LT(glm::length(Direction(picture[static_cast<std::size_t>(j * size + i)]) - 0.5 * (met + 1.0)), 0.02);
+      EXPECT_LT(glm::length(Direction(picture[std::size_t(j * size + i)]) - 0.5 * (met + 1.0)), 0.02);
     }
 }
 
@@ -309,7 +309,7 @@ TEST(Views, AMirrorInAMapIsAsFarAwayAsItsImage) {
   scene.meshes.push_back(second);
   scene.nodes.push_back({.name = "second", .meshes = {7}});
   scene.nodes.push_back({.name = "lamp", .local = glm::translate(Matrix(1), Direction(0.1, 0.3, 0.2))});
-  scene.lights.push_back({.node = static_cast<int>(scene.nodes.size()) - 1});
+  scene.lights.push_back({.node = int(scene.nodes.size()) - 1});
   Stage stage(scene, Projection::paraboloid);
   stage.picture({.size = 128, .bounces = 2});
   const MirrorMap& map = stage.mirrors->maps()[0];
@@ -322,12 +322,12 @@ TEST(Views, AMirrorInAMapIsAsFarAwayAsItsImage) {
   for (int j = 0; j < 128; ++j) {
     sample_directions(Projection::paraboloid, 128, 0, j, Vec2<double>(0), rays);
     for (int i = 0; i < 128; ++i) {
-      const Direction ray = map.axes * rays[static_cast<std::size_t>(i)], place = from + 1.4 / ray.z * ray;
+      const Direction ray = map.axes * rays[std::size_t(i)], place = from + 1.4 / ray.z * ray;
       const Direction back(ray.x, ray.y, -ray.z), end = place + 1.4 / ray.z * back;
       const bool meets = ray.z > 0 && std::max(std::abs(place.x), std::abs(place.y)) < 0.87;
       if (!meets || std::max(std::abs(end.x), std::abs(end.y)) < 0.5) continue;
       const double image = 1.4 / ray.z + rooms::hit(place, back).distance;
-      const float distance = distances[static_cast<std::size_t>(j) * 128 + static_cast<std::size_t>(i)];
+      const float distance = distances[std::size_t(j) * 128 + std::size_t(i)];
       images += std::abs(distance - image) < 0.03 * image;
       images -= std::abs(distance - image) > 0.1 * image;
       brightest = std::max(brightest, seen.base().texel(0, i, j)->x);

@@ -153,10 +153,10 @@ TEST(Water, StillWaterRefractsTheFloor) {
   pool.scene.textures.push_back(ramp);
   pool.scene.materials.push_back({.base_colour = glm::vec4(0, 0, 0, 1),
                                   .emissive = Colour(1),
-                                  .emissive_texture = static_cast<int>(pool.scene.textures.size()) - 1,
+                                  .emissive_texture = int(pool.scene.textures.size()) - 1,
                                   .ior = 1});
   Mesh& floor = pool.scene.meshes[pool.floor];
-  floor.material = static_cast<int>(pool.scene.materials.size()) - 1;
+  floor.material = int(pool.scene.materials.size()) - 1;
   for (std::size_t k = 0; k < floor.positions.size(); ++k)
     floor.coordinates[k] = {0.5 + 0.5 * floor.positions[k].x / basin.wide, 0.5 + 0.5 * floor.positions[k].z / basin.deep};
   for (const auto& picture : both(pool, nullptr)) {

@@ -28,7 +28,7 @@ using Bytes16 = std::array<std::byte, bc6h::bytes>;
 
 // A flat DDS image of these blocks. @param dxgi 95: UF16; 96: SF16.
 std::vector<char> dds(std::span<const Bytes16> blocks, std::uint32_t dxgi, std::uint32_t width, std::uint32_t height) {
-  const auto size = static_cast<std::uint32_t>(blocks.size_bytes());
+  const auto size = std::uint32_t(blocks.size_bytes());
   std::array<std::uint32_t, 37> header{0x20534444, 124, 0x81007, height, width, size, 0, 1};
   const std::uint32_t format[] = {32, 4, 0x30315844, 0, 0, 0, 0, 0, 0x1000, 0, 0, 0, 0, dxgi, 3, 0, 1, 0};
   std::ranges::copy(format, header.begin() + 19);
@@ -69,7 +69,7 @@ TEST(Bc6h, OfEveryModeDecodesAsOpenImageIoDecodesIt) {
         for (int c = 0; c < 3; ++c)
           wrong +=
               (*ours.texel(0, i, j))[c] !=
-              theirs[3 * (static_cast<std::size_t>(j) * width + static_cast<std::size_t>(i)) + static_cast<std::size_t>(c)];
+              theirs[3 * (std::size_t(j) * width + std::size_t(i)) + std::size_t(c)];
     EXPECT_EQ(wrong, 0) << dxgi;
   }
 }
@@ -130,12 +130,12 @@ std::pair<double, double> step_errors(const Level& made, const Level& truth) {
       for (const auto& [u, v] :
            {std::pair{-outside, middle}, {1 + outside, middle}, {middle, -outside}, {middle, 1 + outside}}) {
         const auto there = Cube::locate(Cube::direction(f, u, v));
-        const auto texel = [n](double x) { return std::clamp(static_cast<int>(x * n), 0, n - 1); };
+        const auto texel = [n](double x) { return std::clamp(int(x * n), 0, n - 1); };
         add(0, f, texel(u), texel(v), there.face, texel(there.u), texel(there.v));
       }
       for (int at = 4; at < n; at += 4) add(1, f, at - 1, k, f, at, k), add(1, f, k, at - 1, f, k, at);
     }
-  return {std::sqrt(sums[0] / static_cast<double>(counts[0])), std::sqrt(sums[1] / static_cast<double>(counts[1]))};
+  return {std::sqrt(sums[0] / double(counts[0])), std::sqrt(sums[1] / double(counts[1]))};
 }
 
 // A map with what is hard for blocks: edges, a range of 2^10, hues that turn.

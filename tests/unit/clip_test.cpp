@@ -32,10 +32,10 @@ void hold_bound(double exponent) {
   const Phong lobe{exponent};
   double worst = 0;
   for (int n = 0; n < 1000; ++n) {
-    const int size = 2 << static_cast<int>(6 * even(random));
+    const int size = 2 << int(6 * even(random));
     Level level(P::id, size);
-    const int face = static_cast<int>(level.faces() * even(random)), i = static_cast<int>(level.width() * even(random)),
-              j = n % 5 == 0 ? 0 : static_cast<int>(level.height() * even(random));
+    const int face = int(level.faces() * even(random)), i = int(level.width() * even(random)),
+              j = n % 5 == 0 ? 0 : int(level.height() * even(random));
     *level.texel(face, i, j) = Colour(1);
     const Rect rect = texel_rect(i, j, level.width(), level.height());
     const Direction middle = P::direction(face, 0.5 * (rect.u0 + rect.u1), 0.5 * (rect.v0 + rect.v1));

@@ -52,7 +52,7 @@ Points star(std::mt19937& random, double size) {
   std::uniform_real_distribution<double> any(0, 1);
   const Point2 middle(10 * any(random) - 5, 10 * any(random) - 5);
   Points p;
-  const int n = 3 + static_cast<int>(random() % 9);
+  const int n = 3 + int(random() % 9);
   for (int k = 0; k < n; ++k) {
     const double angle = 2 * pi * (k + 0.8 * any(random)) / n, r = size * (0.2 + any(random));
     p.push_back(middle + r * Point2(std::cos(angle), std::sin(angle)));
@@ -98,7 +98,7 @@ TEST(Coverage, AWholeCellIsAQuarterToEachCorner) {
   Coverage c;
   c.cover(Points{{3, 4}, {4, 4}, {4, 5}, {3, 5}});
   // Places on a border count to both cells; only four texels have a weight.
-  const std::vector<double> even(static_cast<std::size_t>(c.columns() * c.rows()), 1);
+  const std::vector<double> even(std::size_t(c.columns() * c.rows()), 1);
   const auto w = c.weights(even);
   int quarters = 0;
   for (const double weight : w) {
@@ -113,7 +113,7 @@ TEST(Coverage, NoWeightIsNegative) {
   Coverage c;
   for (int k = 0; k < 2000; ++k) {
     c.cover(star(random, k % 3 == 0 ? 1e-6 : 2));
-    const std::vector<double> even(static_cast<std::size_t>(c.columns() * c.rows()), 1);
+    const std::vector<double> even(std::size_t(c.columns() * c.rows()), 1);
     for (const double w : c.weights(even)) EXPECT_GE(w, 0);
   }
 }

@@ -43,7 +43,7 @@ Node point(const Direction& d, const NodeFlux& flux) {
 
 // Points in a disc, on a line, or in two heaps; of one colour or of several; at times one of them a sun.
 std::vector<Node> some_points(Draw& draw, const Direction& middle, double radius) {
-  const int count = 2 + static_cast<int>(20 * draw.even());
+  const int count = 2 + int(20 * draw.even());
   const bool line = draw.one_of(3), heaps = draw.one_of(3), grey = draw.one_of(2), sun = draw.one_of(3);
   const Direction along = draw.beside(middle, radius) - middle;
   std::vector<Node> all;
@@ -51,7 +51,7 @@ std::vector<Node> some_points(Draw& draw, const Direction& middle, double radius
     Direction d = line ? middle + (2 * draw.even() - 1) * along : draw.beside(middle, radius * std::sqrt(draw.even()));
     if (heaps) d = middle + (draw.one_of(3) ? 1.0 : -0.4) * along + 0.05 * radius * draw.offset();
     NodeFlux flux{};
-    for (std::size_t c = 0; c < 3; ++c) flux[c] = static_cast<float>(c > 0 && grey ? flux[0] : draw.between(1e-3, 1));
+    for (std::size_t c = 0; c < 3; ++c) flux[c] = float(c > 0 && grey ? flux[0] : draw.between(1e-3, 1));
     if (sun && k == 0)
       for (std::size_t c = 0; c < 3; ++c) flux[c] *= draw.one_of(3) ? 1.F : 1e4F;
     all.push_back(point(glm::normalize(d), flux));
@@ -88,7 +88,7 @@ Tile some_tile(Draw& draw, const Lobe& lobe, const Node& node) {
   const double radius = draw.one_of(2) ? 0 : std::min(0.1, draw.between(0.03, 1) * width);
   for (std::size_t k = 0; k < Tile::most; ++k) {
     const Direction o = draw.beside(tile.middle, radius * draw.even()) - tile.middle;
-    tile.x[k] = static_cast<float>(o.x), tile.y[k] = static_cast<float>(o.y), tile.z[k] = static_cast<float>(o.z);
+    tile.x[k] = float(o.x), tile.y[k] = float(o.y), tile.z[k] = float(o.z);
     tile.radius = std::max(tile.radius, glm::length(o) + 1e-7);
   }
   return tile;
@@ -206,7 +206,7 @@ Together off_together(const Lobe& lobe, const std::vector<std::vector<Node>>& ce
   found.clear(lobe, false, false);
   double off = 0, bounds = 0, one = 0;
   for (std::vector<Node> cell : cells) {
-    const auto side = static_cast<std::size_t>(std::lround(std::sqrt(cell.size())));
+    const auto side = std::size_t(std::lround(std::sqrt(cell.size())));
     for (std::size_t k = 0; k < cell.size(); ++k) {
       const float x = light[4 * k / side / side * 4 + 4 * (k % side) / side];
       cell[k] = point(cell[k].centre, {x, x, x});
@@ -248,7 +248,7 @@ TEST(Together, CellsOfOneLightAlongTheHorizonAreOffByLessThanCounts) {
   std::vector<double> found;
   for (int n = 0; n < 100; ++n) {
     std::array<float, 16> light;
-    for (float& x : light) x = static_cast<float>(std::exp((1 + n % 3 * 3) * draw.even()));
+    for (float& x : light) x = float(std::exp((1 + n % 3 * 3) * draw.even()));
     double worst = 0;
     for (double above = -0.5; above <= 0.5; above += 0.1) {
       const Together off = off_together(Cosine{}, cells_along_horizon(1, n % 2, above, 0.02, 10), light);

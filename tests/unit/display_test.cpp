@@ -41,7 +41,7 @@ TEST(Display, NeutralKeepsBaseColours) {
 TEST(Display, NeutralRisesWithoutAStep) {
   float before = 0;
   for (int k = 1; k <= 4000; ++k) {
-    const Colour c = shown(Colour(0.01F * static_cast<float>(k) / 10), Display::neutral);
+    const Colour c = shown(Colour(0.01F * float(k) / 10), Display::neutral);
     EXPECT_GE(c.x, before) << k;
     EXPECT_LT(c.x - before, 1.1e-3F) << k;
     EXPECT_LT(c.x, 1);

@@ -40,7 +40,7 @@ class Io : public testing::Test {
   ~Io() override { fs::remove_all(folder_); }
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
   [[nodiscard]] std::size_t entries() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {}));
+    return std::size_t(std::distance(fs::directory_iterator(folder_), {}));
   }
 
  private:
@@ -206,7 +206,7 @@ TEST_F(Io, BorderSamplesAreMovedToCellCentres) {
       const double longitude = pi - 2 * pi * i / (w - 1), latitude = pi / 2 - pi * j / (h - 1);
       const Direction d{std::cos(latitude) * std::sin(longitude), std::sin(latitude),
                         std::cos(latitude) * std::cos(longitude)};
-      for (int c = 0; c < 3; ++c) pixels.push_back(static_cast<float>(0.5 + 0.5 * d[c]));
+      for (int c = 0; c < 3; ++c) pixels.push_back(float(0.5 + 0.5 * d[c]));
     }
   Imf::Header header(w, h);
   Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
@@ -270,8 +270,8 @@ void write_exr(const std::string& path, const Imath::Box2i& window, const std::m
                const std::map<std::string, float>& values, std::optional<Imf::LevelMode> tiles,
                std::optional<Imath::Box2i> display = {}) {
   Imf::Header header(display.value_or(window), window);
-  const auto width = static_cast<std::size_t>(window.max.x - window.min.x + 1);
-  const auto height = static_cast<std::size_t>(window.max.y - window.min.y + 1);
+  const auto width = std::size_t(window.max.x - window.min.x + 1);
+  const auto height = std::size_t(window.max.y - window.min.y + 1);
   std::vector<std::vector<float>> pixels;
   Imf::FrameBuffer frame;
   for (const auto& [name, channel] : channels) {
@@ -279,7 +279,7 @@ void write_exr(const std::string& path, const Imath::Box2i& window, const std::m
     pixels.emplace_back(width * height, values.at(name));
     char* origin =
         reinterpret_cast<char*>(pixels.back().data()) -
-        static_cast<std::ptrdiff_t>(sizeof(float)) * (window.min.x + window.min.y * static_cast<std::ptrdiff_t>(width));
+        std::ptrdiff_t(sizeof(float)) * (window.min.x + window.min.y * std::ptrdiff_t(width));
     frame.insert(name, Imf::Slice(channel.type, origin, sizeof(float), sizeof(float) * width, channel.xSampling,
                                   channel.ySampling));
   }

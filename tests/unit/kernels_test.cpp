@@ -53,7 +53,7 @@ std::vector<Piece> pieces(Projection p) {
         const Columns in = columns(p, size, row);
         const int length = std::min(in.end - in.first, 61);
         for (const int first : {in.first, (in.first + in.end - length) / 2, in.end - length})
-          found.push_back({size, face, row, first, static_cast<std::size_t>(length)});
+          found.push_back({size, face, row, first, std::size_t(length)});
       }
   return found;
 }
@@ -65,7 +65,7 @@ TEST_P(EachKernel, TexelDirectionsAreTheFormula) {
       std::vector<Direction> d(r.count);
       texel_directions(GetParam(), r.size, r.face, r.row, r.first, d);
       for (std::size_t k = 0; k < r.count; ++k) {
-        const int i = r.first + static_cast<int>(k);
+        const int i = r.first + int(k);
         const double off = formulae::angle(texel_direction(GetParam(), r.size, r.face, i, r.row), d[k]);
         if (!formulae::in_image(GetParam(), r.size, i, r.row)) {
           // A point computed, not given: its rounding counts, which a sphere map magnifies near the rim.
@@ -188,7 +188,7 @@ TEST_P(EachKernel, LocationsAreTheFormula) {
       const Vec2<Real> exact = exact_place(GetParam(), d[k]);
       ASSERT_EQ(at[k].face, plain.face) << target;
       ASSERT_TRUE(at[k].u >= 0 && at[k].u <= 1 && at[k].v >= 0 && at[k].v <= 1) << target;
-      const double off = static_cast<double>(std::max(std::abs(at[k].u - exact.x), std::abs(at[k].v - exact.y)));
+      const double off = double(std::max(std::abs(at[k].u - exact.x), std::abs(at[k].v - exact.y)));
       worst = std::max(worst, off);
       ASSERT_LT(off, 3e-16) << target << " " << d[k].x << " " << d[k].y << " " << d[k].z;
     }
@@ -213,7 +213,7 @@ TEST(Kernels, RotatesLikeTheMatrix) {
   const Rotation turn = rotation(12, 34, 56);
   on_every_target([&](const char* target) {
     for (std::size_t n = 0; n <= 40; ++n) {
-      std::vector<Direction> d(all.begin() + 900, all.begin() + 900 + static_cast<std::ptrdiff_t>(n));
+      std::vector<Direction> d(all.begin() + 900, all.begin() + 900 + std::ptrdiff_t(n));
       rotate(turn, d);
       for (std::size_t k = 0; k < n; ++k) ASSERT_EQ(d[k], turn * all[900 + k]) << target << n;
     }
@@ -257,8 +257,8 @@ TEST_P(EachKernel, RemaindersStayInBounds) {
       std::vector<Direction> part(n + 1, mark), part_continued(n + 1, mark);
       std::vector<Location<double>> part_at(n + 1, {-7, -7, -7});
       // Exact heap blocks, so that a sanitizer sees a read beyond them.
-      const std::vector<Direction> part_d(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(n));
-      const std::vector<Point2> part_uv(uv.begin(), uv.begin() + static_cast<std::ptrdiff_t>(n));
+      const std::vector<Direction> part_d(d.begin(), d.begin() + std::ptrdiff_t(n));
+      const std::vector<Point2> part_uv(uv.begin(), uv.begin() + std::ptrdiff_t(n));
       texel_directions(GetParam(), size, 0, 0, 12, std::span(part).first(n));
       directions(GetParam(), 0, part_uv, std::span(part_continued).first(n));
       locate(GetParam(), part_d, std::span(part_at).first(n));

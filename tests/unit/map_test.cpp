@@ -62,7 +62,7 @@ TEST(OctahedralApron, IsTheMapItself) {
         for (int j = -g; j < n + g; ++j)
           for (int i = -g; i < n + g; ++i) {
             const auto at = P::locate(P::direction(0, (i + 0.5) / n, (j + 0.5) / n));
-            const int near_i = static_cast<int>(at.u * n), near_j = static_cast<int>(at.v * n);
+            const int near_i = int(at.u * n), near_j = int(at.v * n);
             const Direction there = P::direction(0, (near_i + 0.5) / n, (near_j + 0.5) / n);
             if (glm::length(there - P::direction(0, (i + 0.5) / n, (j + 0.5) / n)) < 1e-6) {
               EXPECT_EQ(padded.texel(0, i, j)->x, level.texel(0, near_i, near_j)->x) << n << ": " << i << "," << j;
@@ -141,7 +141,7 @@ TEST(PaddedLevel, LatlongWrapsExactlyAndCrossesThePole) {
   map.levels.emplace_back(Projection::latlong, 8);
   std::mt19937 random(3);
   for (int j = 0; j < 8; ++j)
-    for (Colour& c : map.base().row(0, j)) c = Colour(static_cast<float>(random() % 1000));
+    for (Colour& c : map.base().row(0, j)) c = Colour(float(random() % 1000));
   const PaddedLevel level(std::move(map.base()));
   for (int j = 0; j < 8; ++j) {
     EXPECT_NEAR(level.texel(0, -1, j)->x, level.texel(0, 15, j)->x, 1e-3);
@@ -155,11 +155,11 @@ TEST(Page, ScatterUndoesGather) {
   const Rows rows = rows_of(map);
   for (const Layout layout : {Layout::column, Layout::row, Layout::cross, Layout::vcross, Layout::grid3x2}) {
     const Page page{rows, grid(layout)};
-    std::vector<Colour> image(static_cast<std::size_t>(page.width() * page.height()));
+    std::vector<Colour> image(std::size_t(page.width() * page.height()));
     page.gather(0, page.height(), image);
     Level back(Projection::cube, 4);
     // In two bands, cut through a face.
-    const auto cut = static_cast<std::size_t>(3 * page.width());
+    const auto cut = std::size_t(3 * page.width());
     scatter(std::span(image).first(cut), page.width(), 0, 3, page.grid, back);
     scatter(std::span(image).subspan(cut), page.width(), 3, page.height(), page.grid, back);
     for (int f = 0; f < 6; ++f)
@@ -175,7 +175,7 @@ TEST(Page, CrossesAreTheUnfoldedCube) {
   const Rows rows = rows_of(map);
   for (const Layout layout : {Layout::cross, Layout::vcross}) {
     const Page page{rows, grid(layout)};
-    std::vector<Colour> image(static_cast<std::size_t>(page.width() * page.height()));
+    std::vector<Colour> image(std::size_t(page.width() * page.height()));
     page.gather(0, page.height(), image);
     int edges = 0;
     const auto check = [&](int x, int y, int x2, int y2) {
@@ -224,7 +224,7 @@ TEST(Storage, AScratchFileHoldsWhatMemoryHolds) {
   for (const std::size_t limit : {std::size_t{0}, std::size_t{1}}) {  // With one byte, trim() always lets go.
     Storage s(5000, limit);
     EXPECT_EQ(s.data()[4999], Colour(0));
-    for (int k = 0; k < 5000; ++k) s.data()[k] = Colour(static_cast<float>(k));
+    for (int k = 0; k < 5000; ++k) s.data()[k] = Colour(float(k));
     s.trim();
     Storage copy = s;
     s.data()[7] = Colour(1);

@@ -44,7 +44,7 @@ Truth truth_of(const std::vector<Node>& nodes) {
   Truth t;
   double whole = 0;
   const auto weight = [](const Node& l) {
-    return (static_cast<double>(l.flux[0]) + l.flux[1] + l.flux[2]) / 3;
+    return (double(l.flux[0]) + l.flux[1] + l.flux[2]) / 3;
   };
   const auto add = [](Symmetric& to, const Node& l, const Direction& off, double w) {
     for (std::size_t n = 0; n < 6; ++n) to.m[n] += w * covariance_of(l)[n];
@@ -59,7 +59,7 @@ Truth truth_of(const std::vector<Node>& nodes) {
     if (is_lit(l)) t.reach = std::max(t.reach, glm::length(off) + l.reach);
     for (std::size_t c = 0; c < node_channels; ++c) {
       t.flux[c] += l.flux[c];
-      t.dipole[c] += static_cast<double>(l.flux[c]) * off;
+      t.dipole[c] += double(l.flux[c]) * off;
       t.cubes[c] += l.flux[c] * std::pow(glm::length(off), 3);
       add(second[c], l, off, l.flux[c]);
     }

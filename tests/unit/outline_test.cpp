@@ -22,7 +22,7 @@ struct Bulging {
   [[nodiscard]] Outline followed_by(int pieces) const {
     Outline out;
     for (int side = 0; side < 4; ++side)
-      for (int k = 0; k < pieces; ++k) out.add(at(side, static_cast<double>(k) / pieces), k == 0);
+      for (int k = 0; k < pieces; ++k) out.add(at(side, double(k) / pieces), k == 0);
     out.add(out.points.front(), true);
     return out;
   }
@@ -41,12 +41,12 @@ struct Bulging {
 std::vector<double> weights(const std::vector<Point2>& polygon) {
   Coverage coverage;
   coverage.cover(polygon);
-  const std::vector<double> densities(static_cast<std::size_t>(coverage.columns() * coverage.rows()), 1.0);
+  const std::vector<double> densities(std::size_t(coverage.columns() * coverage.rows()), 1.0);
   const double* weight = coverage.weights(densities).data();
   std::vector<double> out(100, 0);
   for (int j = 0; j < coverage.rows(); ++j)
     for (int i = 0; i < coverage.columns(); ++i)
-      out[static_cast<std::size_t>(10 * (coverage.top() + j) + coverage.left() + i)] += *weight++;
+      out[std::size_t(10 * (coverage.top() + j) + coverage.left() + i)] += *weight++;
   return out;
 }
 

@@ -14,9 +14,9 @@ using Real = long double;
 
 // How far off, in units in the last place of the exact result.
 double ulps(double found, Real exact) {
-  const double rounded = std::abs(static_cast<double>(exact));
+  const double rounded = std::abs(double(exact));
   const double unit = std::max(rounded - std::nextafter(rounded, 0.0), std::numeric_limits<double>::denorm_min());
-  return static_cast<double>(std::abs(found - exact) / unit);
+  return double(std::abs(found - exact) / unit);
 }
 
 // The largest error of f against g, for 200,000 arguments spread evenly over [low, high], and as many by their
@@ -27,7 +27,7 @@ double worst(double low, double high, F f, G g) {
   std::uniform_real_distribution<double> even(low, high), exponent(-40, 0);
   double most = 0;
   for (int k = 0; k < 200000; ++k) {
-    const double x = even(random), tiny = x * std::ldexp(1.0, static_cast<int>(exponent(random)));
+    const double x = even(random), tiny = x * std::ldexp(1.0, int(exponent(random)));
     most = std::max(most, ulps(f(x), g(Real(x))));
     if (tiny >= low && tiny <= high) most = std::max(most, ulps(f(tiny), g(Real(tiny))));
   }
@@ -44,7 +44,7 @@ TEST(Portable, SinesAndArcsKeepTheirBounds) {
   }
   // Far out against the arc that is left, as long double reduces no better.
   for (double x = -1e5; x < 1e5; x += 17.3)
-    EXPECT_NEAR(portable::sin(x), static_cast<double>(std::sin(Real(x))), 2.3e-16) << x;
+    EXPECT_NEAR(portable::sin(x), double(std::sin(Real(x))), 2.3e-16) << x;
 }
 
 TEST(Portable, SinesOfHalvesOfPiAreExact) {

@@ -74,7 +74,7 @@ TEST_P(EachProjection, FloatDirectionsAreWithinTwoUlp) {
   visit(GetParam(), [&](auto q) {
     double worst = 0;
     for (const auto& at : hard_places(GetParam())) {
-      const auto u = static_cast<float>(at.u), v = static_cast<float>(at.v);
+      const auto u = float(at.u), v = float(at.v);
       const Vec3<float> f = decltype(q)::direction(at.face, u, v);
       const Direction d = decltype(q)::direction(at.face, double(u), double(v));
       worst = std::max(worst, angle_between(Direction(f), d));

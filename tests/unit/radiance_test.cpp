@@ -31,11 +31,11 @@ Read read_bytes(const std::string& bytes) {
   const ImageFacts facts = reader.facts;
   if (facts.orientation != Orientation::upright) reader = turned_upright(std::move(reader));
   Read r{reader.facts.width, reader.facts.height, {}, facts};
-  r.pixels.resize(static_cast<std::size_t>(r.width * r.height));
+  r.pixels.resize(std::size_t(r.width * r.height));
   // In two bands, the second first: rows may be asked for in any order.
   const int half = r.height / 2;
   const std::span<float> all(&r.pixels.data()->x, 3 * r.pixels.size());
-  const auto first = static_cast<std::size_t>(3 * half * r.width);
+  const auto first = std::size_t(3 * half * r.width);
   reader.read(0, half, r.height, 0, 3, all.subspan(first));
   reader.read(0, 0, half, 0, 3, all.first(first));
   return r;
@@ -112,7 +112,7 @@ TEST(Radiance, AllEightOrientations) {
     const Read r = read_bytes(file("", each.resolution, data));
     ASSERT_EQ(r.width, 3) << each.resolution;
     ASSERT_EQ(r.height, 2);
-    for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(r.pixels[k].x, static_cast<float>(k + 1)) << each.resolution;
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(r.pixels[k].x, float(k + 1)) << each.resolution;
   }
 }
 
@@ -169,7 +169,7 @@ TEST(Radiance, WhatIsWrittenIsReadByOthers) {
     const int height = 3;
     std::vector<Colour> picture;
     for (int k = 0; k < width * height; ++k) {
-      const float scale = std::ldexp(1.0F, static_cast<int>(any(random) * 40) - 20);
+      const float scale = std::ldexp(1.0F, int(any(random) * 40) - 20);
       const bool repeat = any(random) < (k % 2000 < 1000 ? 0.9F : 0.1F) && !picture.empty();
       picture.push_back(repeat ? picture.back() : scale * Colour(any(random), any(random), any(random)));
     }
@@ -178,8 +178,8 @@ TEST(Radiance, WhatIsWrittenIsReadByOthers) {
     {
       OutputFile out(path);
       const ImageWriter writer = create_radiance(out, {.levels = {{width, height}}});
-      writer.write(0, 0, 2, std::span(picture).first(static_cast<std::size_t>(2 * width)));
-      writer.write(0, 2, 3, std::span(picture).subspan(static_cast<std::size_t>(2 * width)));
+      writer.write(0, 0, 2, std::span(picture).first(std::size_t(2 * width)));
+      writer.write(0, 2, 3, std::span(picture).subspan(std::size_t(2 * width)));
       writer.close();
       out.commit();
     }

@@ -47,9 +47,9 @@ TEST(Rgbd, TheNearestByteUnderTheLargestAlpha) {
     const Colour back = colour_of(b);
     const float most = std::max({c.x, c.y, c.z});
     const int alpha = std::to_integer<int>(b[3]);
-    EXPECT_EQ(alpha, std::clamp(static_cast<int>(255 / most), 1, 255));
+    EXPECT_EQ(alpha, std::clamp(int(255 / most), 1, 255));
     for (int k = 0; k < 3; ++k) {
-      const int byte = std::to_integer<int>(b[static_cast<std::size_t>(k)]);
+      const int byte = std::to_integer<int>(b[std::size_t(k)]);
       EXPECT_NEAR(back[k], meant(byte, alpha), 1e-6L * meant(byte, alpha));
       const long double off = std::abs(meant(byte, alpha) - c[k]);
       for (const int other : {std::max(0, byte - 1), std::min(255, byte + 1)})

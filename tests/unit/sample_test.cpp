@@ -26,7 +26,7 @@ PaddedLevel rough(Projection p, int size) {
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < level.width(); ++i)
         for (int c = 0; c < 3; ++c)
-          (*level.texel(face, i, j))[c] = std::ldexp(any(random), static_cast<int>(exponent(random)));
+          (*level.texel(face, i, j))[c] = std::ldexp(any(random), int(exponent(random)));
   return PaddedLevel(std::move(level));
 }
 
@@ -39,7 +39,7 @@ std::vector<Location<double>> places(const PaddedLevel& level, std::size_t count
     for (const double u : {0.0, 0.5, 1.0})
       for (const double v : {0.0, 0.5 / level.height(), 1.0}) found.push_back({face, u, v});
   while (found.size() < count)
-    found.push_back({static_cast<int>(found.size()) % level.faces(), any(random), any(random)});
+    found.push_back({int(found.size()) % level.faces(), any(random), any(random)});
   return found;
 }
 
@@ -64,7 +64,7 @@ TEST_P(EachSampled, BilinearSpanStaysInBounds) {
   on_every_target([&](const char* target) {
     for (const std::size_t n : {0, 1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 63, 64, 65, 127, 128, 129}) {
       auto at = places(level, 200);
-      at.erase(at.begin() + static_cast<std::ptrdiff_t>(n), at.end());
+      at.erase(at.begin() + std::ptrdiff_t(n), at.end());
       at.shrink_to_fit();
       const Colour mark(-7);
       std::vector<Colour> out(n + 1, mark);

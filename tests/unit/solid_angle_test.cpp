@@ -10,7 +10,7 @@ namespace {
 
 double total(Projection p, int size) {
   Sum sum;
-  std::vector<double> row(static_cast<std::size_t>(size * aspect(p)));
+  std::vector<double> row(std::size_t(size * aspect(p)));
   for (int j = 0; j < size; ++j) {
     solid_angles(p, size, j, row);
     for (const double w : row) sum.add(w);
@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(, EachSolidAngle, testing::ValuesIn(all_projections),
 TEST_P(EachSolidAngle, TexelsHaveTheAreaTheirDirectionsSpan) {
   const Projection p = GetParam();
   const int size = 16, fine = 400;
-  std::vector<double> row(static_cast<std::size_t>(size * aspect(p)));
+  std::vector<double> row(std::size_t(size * aspect(p)));
   for (const auto& [i, j] : {std::pair{7, 7}, {5, 10}, {4, 4}, {8, 2}}) {
     solid_angles(p, size, j, row);
     const double du = 1.0 / (size * aspect(p) * fine), dv = 1.0 / (size * fine);
@@ -53,7 +53,7 @@ TEST_P(EachSolidAngle, TexelsHaveTheAreaTheirDirectionsSpan) {
 
 TEST_P(EachSolidAngle, RowsAreSymmetric) {
   const int size = 37;
-  std::vector<double> top(static_cast<std::size_t>(size * aspect(GetParam()))), bottom(top.size());
+  std::vector<double> top(std::size_t(size * aspect(GetParam()))), bottom(top.size());
   for (int j = 0; j < size; ++j) {
     solid_angles(GetParam(), size, j, top);
     solid_angles(GetParam(), size, size - 1 - j, bottom);
@@ -66,11 +66,11 @@ TEST_P(EachSolidAngle, RowsAreSymmetric) {
 
 TEST_P(EachSolidAngle, ColumnsHoldAllTheWeight) {
   for (const int size : {1, 2, 3, 5, 64, 101}) {
-    std::vector<double> row(static_cast<std::size_t>(size * aspect(GetParam())));
+    std::vector<double> row(std::size_t(size * aspect(GetParam())));
     for (int j = 0; j < size; ++j) {
       solid_angles(GetParam(), size, j, row);
       const Columns in = columns(GetParam(), size, j);
-      for (int i = 0; i < static_cast<int>(row.size()); ++i) {
+      for (int i = 0; i < int(row.size()); ++i) {
         const double w = row[i];
         EXPECT_GE(w, 0);
         if (i < in.first || i >= in.end) {

@@ -41,8 +41,8 @@ TEST(Texels, SharedExponentOfKnownValues) {
 TEST(Texels, SharedExponentRoundsToNearest) {
   std::mt19937 random(1);
   for (int k = 0; k < 20000; ++k) {
-    const float scale = std::ldexp(1.0F, static_cast<int>(random() % 38) - 22);
-    const auto value = [&] { return std::min(65408.0F, scale * static_cast<float>(random() % 100001) / 100000); };
+    const float scale = std::ldexp(1.0F, int(random() % 38) - 22);
+    const auto value = [&] { return std::min(65408.0F, scale * float(random() % 100001) / 100000); };
     const Colour c(value(), value(), value()), back = colour(Texels::rgb9e5, word(c));
     const float most = std::max({c.x, c.y, c.z}), step = std::max(std::ldexp(1.0F, -24), most / 256);
     for (int i = 0; i < 3; ++i) EXPECT_LE(std::abs(back[i] - c[i]), 0.5F * step) << c.x << " " << c.y << " " << c.z;
@@ -60,7 +60,7 @@ TEST(Texels, SmallFloatsOfKnownValues) {
 TEST(Half, IsImaths) {
   std::vector<float> floats;
   for (std::uint32_t bits = 0; bits < 65536; ++bits) {
-    const std::uint16_t here[] = {static_cast<std::uint16_t>(bits)};
+    const std::uint16_t here[] = {std::uint16_t(bits)};
     float value[1];
     from_half(here, value);
     const half theirs(half::FromBits, here[0]);
@@ -69,13 +69,13 @@ TEST(Half, IsImaths) {
       continue;
     }
     EXPECT_EQ(value[0], float{theirs}) << bits;
-    const half next(half::FromBits, static_cast<std::uint16_t>(bits + 1));
+    const half next(half::FromBits, std::uint16_t(bits + 1));
     const float middle = next.isFinite() ? 0.5F * (value[0] + float{next}) : value[0] < 0 ? -65520.0F : 65520.0F;
     for (const float x : {value[0], middle, std::nextafter(middle, -1e30F), std::nextafter(middle, 1e30F)})
       floats.push_back(x);
   }
   std::mt19937 random(1);
-  for (int k = 0; k < 200000; ++k) floats.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(random())));
+  for (int k = 0; k < 200000; ++k) floats.push_back(std::bit_cast<float>(std::uint32_t(random())));
   std::vector<std::uint16_t> halves(floats.size());
   to_half(floats, halves);
   for (std::size_t k = 0; k < floats.size(); ++k) {
@@ -90,7 +90,7 @@ TEST(Texels, AlphaIsOneAndSeen) {
   const Colour c(0.25F, 2, 1000);
   for (const Texels t : {Texels::rgba16f, Texels::rgba32f}) {
     std::array<std::byte, 16> bytes{};
-    const auto used = std::span(bytes).first(static_cast<std::size_t>(format_of(t).bytes));
+    const auto used = std::span(bytes).first(std::size_t(format_of(t).bytes));
     encode(t, std::span(&c, 1), used);
     Colour back;
     EXPECT_TRUE(decode(t, used, std::span(&back, 1)));

@@ -66,10 +66,10 @@ const Real pi_long = std::acos(Real(-1));
 
 // How far off, in units in the last place of the exact result.
 double ulps(double found, Real exact) {
-  const double rounded = static_cast<double>(exact);
+  const double rounded = double(exact);
   const double least = std::numeric_limits<double>::denorm_min();
   const double unit = std::max(std::abs(std::nextafter(rounded, 0.0) - rounded), least);
-  return static_cast<double>(std::abs(found - exact) / unit);
+  return double(std::abs(found - exact) / unit);
 }
 
 // x is taken to [-1/4,1/4] first, where long double's pi x is good to a few units of its own.

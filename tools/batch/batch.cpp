@@ -93,10 +93,10 @@ class NinjaOutput {
 
 // @return its exit status.
 int run_ninja(const std::string& file, const Request& o, std::size_t jobs, NinjaOutput& output) {
-  const auto cores = static_cast<std::size_t>(std::max(1U, std::thread::hardware_concurrency()));
-  const std::size_t at_once = o.at_once > 0 ? static_cast<std::size_t>(o.at_once) : std::min(cores, jobs);
+  const auto cores = std::size_t(std::max(1U, std::thread::hardware_concurrency()));
+  const std::size_t at_once = o.at_once > 0 ? std::size_t(o.at_once) : std::min(cores, jobs);
   const std::size_t threads =
-      settings().threads > 0 ? static_cast<std::size_t>(settings().threads) : std::max<std::size_t>(1, cores / at_once);
+      settings().threads > 0 ? std::size_t(settings().threads) : std::max<std::size_t>(1, cores / at_once);
   ::setenv("ENVMAP_THREADS", std::to_string(threads).c_str(), 1);
   ::setenv("NINJA_STATUS", fmt::format("{}[%f/%t] ", status_mark).c_str(), 1);
   const std::string line = fmt::format("exec ninja -f {} -j {}{} 2>&1", quoted(file), at_once, o.keep_going ? " -k 0" : "");

@@ -81,7 +81,7 @@ std::vector<Jobs> awaited(std::span<const Job> jobs) {
 [[noreturn]] void refuse_circle(std::span<const Job> jobs, const std::vector<Jobs>& awaits, const std::vector<int>& stage) {
   const auto is_stuck = [&](std::size_t k) { return stage[k] < 0; };
   const auto next = [&](std::size_t k) { return *std::ranges::find_if(awaits[k], is_stuck); };
-  auto first = static_cast<std::size_t>(std::ranges::find_if(stage, [](int s) { return s < 0; }) - stage.begin());
+  auto first = std::size_t(std::ranges::find_if(stage, [](int s) { return s < 0; }) - stage.begin());
   for (std::size_t k = 0; k < jobs.size(); ++k) first = next(first);  // From here on, the circle.
   std::string circle = jobs[first].where;
   std::size_t k = first;

@@ -34,7 +34,7 @@ bool is_control(std::string_view character) {
 }
 
 std::string in_words(double seconds) {
-  const int whole = static_cast<int>(std::min(seconds, 1e6));
+  const int whole = int(std::min(seconds, 1e6));
   return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{}:{:02} min", whole / 60, whole % 60);
 }
 
@@ -91,7 +91,7 @@ envmap::Progress progress_line(const std::string& what) {
   };
   return [state = std::make_shared<State>(), what](double part) {
     const std::lock_guard lock(state->mutex);
-    const int percent = static_cast<int>(100 * part);
+    const int percent = int(100 * part);
     const double seconds = std::chrono::duration<double>(Clock::now() - state->start).count();
     if (percent <= state->shown || seconds < 1) return;
     state->shown = percent;

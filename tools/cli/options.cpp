@@ -18,7 +18,7 @@ template <class T>
 T number(const Option& o, const std::string& text) {
   T value{};
   const bool is_number = parse_number(text, value);
-  if (is_number && std::isnan(static_cast<double>(value)))
+  if (is_number && std::isnan(double(value)))
     throw std::invalid_argument("must be a number, not " + text);
   if (!is_number && !o.range) throw std::invalid_argument("must be a number, not " + text);
   const auto in_words = [](double end) { return fmt::format("{:.7g}", end); };
@@ -40,10 +40,10 @@ std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
   if (digits == 0 || unit.size() > 1 || power == std::string_view::npos || (binary && unit.empty()))
     throw std::invalid_argument("must be a size such as 500M, not " + text);
   const double bytes =
-      std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, static_cast<double>(power));
+      std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, double(power));
   if (bytes < o.range->from || bytes > o.range->to)
     out_of(fmt::format("{:.0f}", bytes), fmt::format("{:.0f}", o.range->from), fmt::format("{:.0f}", o.range->to));
-  return static_cast<std::uint64_t>(bytes);
+  return std::uint64_t(bytes);
 }
 
 std::string not_among(const std::string& text, const Option& o) {
@@ -170,12 +170,12 @@ std::vector<std::string> Options::named(File kind) const {
 bool parse_number(const std::string& text, int& number) {
   char* end = nullptr;
   const long long value = std::strtoll(text.c_str(), &end, 0);
-  number = static_cast<int>(value);
+  number = int(value);
   return !text.empty() && end == text.c_str() + text.size() && number == value;
 }
 bool parse_number(const std::string& text, double& number) {
   char* end = nullptr;
-  number = static_cast<double>(std::strtold(text.c_str(), &end));
+  number = double(std::strtold(text.c_str(), &end));
   return !text.empty() && end == text.c_str() + text.size();
 }
 
@@ -206,7 +206,7 @@ std::string joined(WordList words) {
 
 int index_of(std::string_view word, WordList words) {
   const auto found = std::ranges::find(words, word);
-  return found == words.end() ? -1 : static_cast<int>(found - words.begin());
+  return found == words.end() ? -1 : int(found - words.begin());
 }
 
 }  // namespace tools

@@ -28,8 +28,8 @@ class ReportValue {
 
   ReportValue(std::nullptr_t) : value(nullptr) {}
   ReportValue(bool b) : value(b) {}
-  ReportValue(std::integral auto n) : value(static_cast<std::int64_t>(n)) {}
-  ReportValue(std::floating_point auto x) : value(static_cast<double>(x)) {}
+  ReportValue(std::integral auto n) : value(std::int64_t(n)) {}
+  ReportValue(std::floating_point auto x) : value(double(x)) {}
   ReportValue(std::string_view text) : value(std::string(text)) {}
   ReportValue(const std::string& text) : value(text) {}
   ReportValue(const char* text) : value(std::string(text)) {}

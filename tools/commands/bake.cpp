@@ -88,7 +88,7 @@ Source read_probe(const Request& o) {
   Source source = read_map(o.input, o.read);
   const double gain = portable::exp2(o.exposure);
   if (gain != 1) apply(Grade{.gain = Flux(gain)}, source.map.base());
-  if (auto& luminance = source.provenance.white_luminance) luminance = static_cast<float>(*luminance / gain);
+  if (auto& luminance = source.provenance.white_luminance) luminance = float(*luminance / gain);
   return source;
 }
 

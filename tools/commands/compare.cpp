@@ -57,7 +57,7 @@ class Limits {
 std::string shape(const Source& s) {
   const Level& base = s.map.base();
   return fmt::format("{} {}x{}{}", name(base.projection()), base.width(), base.height(),
-                     has_forward(base.projection()) ? fmt::format(" forward {}", forward_names[static_cast<int>(s.map.forward)])
+                     has_forward(base.projection()) ? fmt::format(" forward {}", forward_names[int(s.map.forward)])
                                                     : "");
 }
 
@@ -75,7 +75,7 @@ std::vector<LevelDifference> compare_levels(const EnvironmentMap& a, const Envir
   std::vector<LevelDifference> all;
   for (std::size_t k = 1; k < a.levels.size(); ++k) {
     const bool both = same_frame(a, b) && k < b.levels.size();
-    LevelDifference d{both ? compare(a.levels[k], b.levels[k]) : Difference{}, static_cast<int>(k), both};
+    LevelDifference d{both ? compare(a.levels[k], b.levels[k]) : Difference{}, int(k), both};
     if (!both) d.flux = flux_difference(a.levels[k], b.base());
     all.push_back(d);
   }

@@ -180,7 +180,7 @@ int run(Convert& o, Report& report) {
   o.write.source_depth = source.depth;
   o.write.provenance = source.provenance;
   if (auto& luminance = o.write.provenance.white_luminance)
-    luminance = static_cast<float>(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
+    luminance = float(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
   check_output(o.output, o.write, to);
   const std::optional<double> max_error = o.convert.max_error;
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;

@@ -33,7 +33,7 @@ void make_part(Request& o, const EnvironmentMap& map) {
   if (settings().json) throw UsageError("--json reports of all levels: leave it out with --shard");
   if (o.keep) throw UsageError("--shard makes level 0 alone, and merge the others anew: remove --keep");
   o.write.facts["whole-levels"] = std::to_string(o.levels);
-  o.write.facts["whole-weights"] = weight_names[static_cast<std::size_t>(o.weights)];
+  o.write.facts["whole-weights"] = weight_names[std::size_t(o.weights)];
   const Rows rows = rows_of(map);
   write_map(o.output, rows, part_or_whole(o.shard, o.write, rows, digest(map)), "write");
 }
@@ -63,7 +63,7 @@ int run(Request& o, Report& report) {
     return 0;
   }
   check_output(o.output, o.write, map.projection(), o.levels != 1 && has_next(map.base()));
-  if (o.levels > 0 && map.levels.size() > static_cast<std::size_t>(o.levels))
+  if (o.levels > 0 && map.levels.size() > std::size_t(o.levels))
     map.levels.erase(map.levels.begin() + o.levels, map.levels.end());
   if (o.write.border > 0)
     add_levels_with_border(map.levels, o.write.border, o.weights, o.levels);
@@ -75,7 +75,7 @@ int run(Request& o, Report& report) {
   if (!settings().json) return 0;
   report.put("input", o.input);
   if (engine) add_frame(report, *o.engine, *engine);
-  report.put("weights", weight_names[static_cast<std::size_t>(o.weights)]);
+  report.put("weights", weight_names[std::size_t(o.weights)]);
   for (const Level& level : map.levels) {
     report.append("levels[]");
     report.put("levels[].face_width", level.width());

@@ -39,7 +39,7 @@ struct Request {
   Shard shard;
 };
 
-std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
+std::string_view name_of(Shape shape) { return shape_names[std::size_t(shape)]; }
 bool has_exponent(Shape shape) { return shape == Shape::phong || shape == Shape::blinn_phong; }
 bool has_roughness(Shape shape) { return shape == Shape::ggx || shape == Shape::charlie; }
 
@@ -48,7 +48,7 @@ bool has_roughness(Shape shape) { return shape == Shape::ggx || shape == Shape::
 double exponent_of(double first, int k, int levels) {
   const double left = first / portable::exp2(2 * (levels - 1));
   if (left >= 1 || k == 0) return first / portable::exp2(2 * k);
-  return first <= 1 ? first : portable::pow(first, 1 - static_cast<double>(k) / (levels - 1));
+  return first <= 1 ? first : portable::pow(first, 1 - double(k) / (levels - 1));
 }
 
 // What to make for each level: as many as were asked for, or as parameters were given.
@@ -68,7 +68,7 @@ std::vector<Prefilter> levels_of(const Request& o) {
     throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
                                 : "--roughness and --roughnesses: give one of them");
   if (o.map.shape == Shape::diffuse && levels > 1) throw UsageError("--levels: a diffuse map has one");
-  if (!parameters.empty() && levels > 1 && levels != static_cast<int>(parameters.size()))
+  if (!parameters.empty() && levels > 1 && levels != int(parameters.size()))
     throw UsageError(fmt::format("--levels {}: {} parameters are given", levels, parameters.size()));
   if (parameters.empty()) {
     for (int k = 0; k < levels; ++k) {
@@ -77,7 +77,7 @@ std::vector<Prefilter> levels_of(const Request& o) {
       else if (o.roughness || levels == 1)
         parameters.push_back(o.roughness.value_or(0));
       else
-        parameters.push_back(static_cast<double>(k) / (levels - 1));
+        parameters.push_back(double(k) / (levels - 1));
     }
     if (has_exponent(o.map.shape) && !o.exponent)
       throw UsageError(fmt::format("--lobe {}: needs --exponent M or --exponents A,B,...", name_of(o.map.shape)));

@@ -38,7 +38,7 @@ std::string text(const Harmonics& h, const Request& o) {
   lines += fmt::format("# {} to order {}: l m red green blue\n", o.irradiance ? "irradiance" : "radiance", h.order);
   for (int l = 0; l <= h.order; ++l)
     for (int m = -l; m <= l; ++m) {
-      const Flux& c = h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)];
+      const Flux& c = h.coefficients[std::size_t(l * (l + 1) + m)];
       lines += fmt::format("{:3} {:4} {:17.9e} {:17.9e} {:17.9e}\n", l, m, c.x, c.y, c.z);
     }
   return lines;
@@ -51,7 +51,7 @@ void add(Report& report, const Harmonics& h, const Request& o) {
              "real, orthonormal, polar axis +Y, longitude from +Z to +X, m > 0 cosines, m < 0 sines, no "
              "Condon-Shortley phase");
   report.put("order", h.order);
-  if (o.window != Window::none) report.put("window", window_names[static_cast<std::size_t>(o.window)]);
+  if (o.window != Window::none) report.put("window", window_names[std::size_t(o.window)]);
   if (o.window == Window::automatic) {
     report.put("deringing.lambda", o.deringing.lambda);
     report.put("deringing.rms", o.deringing.rms);

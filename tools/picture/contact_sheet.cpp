@@ -48,7 +48,7 @@ std::vector<TileRow> in_columns(std::vector<Tile> tiles, int columns) {
   for (const Tile& tile : tiles) cell = std::max(cell, tile.picture.size.width);
   std::vector<TileRow> rows;
   for (std::size_t k = 0; k < tiles.size(); ++k) {
-    if (k % static_cast<std::size_t>(columns) == 0) rows.emplace_back();
+    if (k % std::size_t(columns) == 0) rows.emplace_back();
     Picture& picture = tiles[k].picture;
     Picture centred({cell, picture.size.height}, ground);
     paste(centred, picture, (cell - picture.size.width) / 2, 0);
@@ -77,7 +77,7 @@ Picture sheet_of(std::span<const TileRow> rows) {
 }
 
 void draw_label(Picture& picture, int x, int y, const std::string& text, int height) {
-  const int width = static_cast<int>(0.65 * height * static_cast<double>(text.size())) + 4;
+  const int width = int(0.65 * height * double(text.size())) + 4;
   const int left = std::clamp(x - width / 2, 0, std::max(0, picture.size.width - width));
   const int top = std::clamp(y - height / 2 - 2, 0, std::max(0, picture.size.height - height - 4));
   for (int j = top; j < std::min(top + height + 4, picture.size.height); ++j)
@@ -86,7 +86,7 @@ void draw_label(Picture& picture, int x, int y, const std::string& text, int hei
 }
 
 void draw_ring(Picture& picture, double x, double y, double radius) {
-  const int reach = static_cast<int>(radius) + 2, cx = static_cast<int>(x), cy = static_cast<int>(y);
+  const int reach = int(radius) + 2, cx = int(x), cy = int(y);
   for (int j = cy - reach; j <= cy + reach; ++j)
     for (int i = cx - reach; i <= cx + reach; ++i) {
       const double outside = std::sqrt((i + 0.5 - x) * (i + 0.5 - x) + (j + 0.5 - y) * (j + 0.5 - y)) - radius;

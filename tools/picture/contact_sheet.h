@@ -16,7 +16,7 @@ struct Picture {
   std::vector<envmap::Colour> pixels;
 
   Picture(envmap::Size s, envmap::Colour fill)
-      : size(s), pixels(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height), fill) {}
+      : size(s), pixels(std::size_t(s.width) * std::size_t(s.height), fill) {}
   [[nodiscard]] auto row(int x, int y) { return pixels.begin() + std::ptrdiff_t{y} * size.width + x; }
   [[nodiscard]] envmap::Colour& at(int x, int y) { return *row(x, y); }
   [[nodiscard]] bool holds(int x, int y) const { return x >= 0 && y >= 0 && x < size.width && y < size.height; }

@@ -34,13 +34,13 @@ std::string svg_of(const Words& w) {
                                       : fmt::format("x=\"{:.1f}\" y=\"{:.1f}\"", w.at.x, w.at.y);
   return fmt::format(
       "<text {} font-size=\"{:g}\" text-anchor=\"{}\" stroke=\"white\" stroke-width=\"{:g}\" paint-order=\"stroke\">{}</text>\n", place,
-      w.size, anchors[static_cast<std::size_t>(w.anchor)], 2 * rim, in_markup(w.text));
+      w.size, anchors[std::size_t(w.anchor)], 2 * rim, in_markup(w.text));
 }
 
 // ---- as pixels --------------------------------------------------------------------------------------------------------
 
 Colour colour_of(std::uint32_t rgb) {
-  return Colour(static_cast<float>(rgb >> 16 & 255), static_cast<float>(rgb >> 8 & 255), static_cast<float>(rgb & 255)) / 255.0F;
+  return Colour(float(rgb >> 16 & 255), float(rgb >> 8 & 255), float(rgb & 255)) / 255.0F;
 }
 
 bool is_inside(const std::vector<Place>& polygon, double x, double y) {
@@ -56,14 +56,14 @@ bool is_inside(const std::vector<Place>& polygon, double x, double y) {
 float coverage(const std::vector<Place>& polygon, int i, int j) {
   int count = 0;
   for (int k = 0; k < 16; ++k) count += is_inside(polygon, i + (k % 4 + 0.5) / 4, j + (k / 4 + 0.5) / 4) ? 1 : 0;
-  return static_cast<float>(count) / 16;
+  return float(count) / 16;
 }
 
 void fill(Picture& onto, const std::vector<Place>& polygon, std::uint32_t rgb) {
   const auto [left, right] = std::ranges::minmax(polygon, {}, &Place::x);
   const auto [top, bottom] = std::ranges::minmax(polygon, {}, &Place::y);
-  for (int j = static_cast<int>(top.y); j <= static_cast<int>(bottom.y); ++j)
-    for (int i = static_cast<int>(left.x); i <= static_cast<int>(right.x); ++i)
+  for (int j = int(top.y); j <= int(bottom.y); ++j)
+    for (int i = int(left.x); i <= int(right.x); ++i)
       if (onto.holds(i, j)) onto.at(i, j) = glm::mix(onto.at(i, j), colour_of(rgb), coverage(polygon, i, j));
 }
 
@@ -103,7 +103,7 @@ struct Letters {
 };
 Letters letters_of(const std::string& text, int height, int margin) {
   if (font_file().empty()) throw OutputError(fmt::format("no font to write words with: {}, or write .svg", install_font));
-  const int room = static_cast<int>(1.4 * width_of(text, height)) + 2 * margin;
+  const int room = int(1.4 * width_of(text, height)) + 2 * margin;
   Letters letters{Picture({room, 3 * height / 2 + 2 * margin}, Colour(0)), room, 0};
   Picture& cover = letters.cover;
   formats().draw_text(cover.pixels, cover.size, margin, margin + height, text, height, font_file());
@@ -119,11 +119,11 @@ Letters letters_of(const std::string& text, int height, int margin) {
 
 void draw(Picture& onto, const Words& w, int scale) {
   if (w.text.find_first_not_of(' ') == std::string::npos) return;
-  const int height = static_cast<int>(std::lround(w.size * scale)), reach = static_cast<int>(std::lround(rim * scale));
+  const int height = int(std::lround(w.size * scale)), reach = int(std::lround(rim * scale));
   Letters letters = letters_of(w.text, height, reach + 2);
   const int wide = letters.right - letters.left + 1;
   const int before = w.anchor == Anchor::start ? 0 : w.anchor == Anchor::middle ? wide / 2 : wide;
-  const int x = static_cast<int>(std::lround(w.at.x * scale)), y = static_cast<int>(std::lround(w.at.y * scale));
+  const int x = int(std::lround(w.at.x * scale)), y = int(std::lround(w.at.y * scale));
   const auto blend = [&](int i, int j, float part, const Colour& colour) {
     const int along = i - letters.left - before, down = j - (reach + 2 + height);
     const int at_x = w.upwards ? x + down : x + along, at_y = w.upwards ? y - along : y + down;
@@ -170,7 +170,7 @@ std::string svg_of(const Drawing& drawing) {
 }
 
 Picture picture_of(const Drawing& drawing, int scale) {
-  Picture picture({static_cast<int>(drawing.width) * scale, static_cast<int>(drawing.height) * scale}, Colour(1));
+  Picture picture({int(drawing.width) * scale, int(drawing.height) * scale}, Colour(1));
   for (const Outline& o : drawing.outlines) draw(picture, o, scale);
   for (const Words& w : drawing.words) draw(picture, w, scale);
   return picture;

@@ -10,22 +10,22 @@ namespace tools {
 
 using namespace envmap;
 
-Luminances::Luminances(const Level& level) : bins_(static_cast<std::size_t>((highest - lowest) * per_stop)) {
+Luminances::Luminances(const Level& level) : bins_(std::size_t((highest - lowest) * per_stop)) {
   const Flux weights = luminance_weights(rec709);
-  const double last = static_cast<double>(bins_.size() - 1);
-  std::vector<double> solid_angle(static_cast<std::size_t>(level.width()));
+  const double last = double(bins_.size() - 1);
+  std::vector<double> solid_angle(std::size_t(level.width()));
   double light = 0, sphere = 0;
   for (int j = 0; j < level.height(); ++j) {
     solid_angles(level.projection(), level.height(), j, solid_angle);
     for (int face = 0; face < level.faces(); ++face)
       for (int i = 0; i < level.width(); ++i) {
-        const double w = solid_angle[static_cast<std::size_t>(i)], l = glm::dot(weights, Flux(*level.texel(face, i, j)));
+        const double w = solid_angle[std::size_t(i)], l = glm::dot(weights, Flux(*level.texel(face, i, j)));
         sphere += w;
         if (!(l > 0) || !std::isfinite(l)) {
           black_ += w;
           continue;
         }
-        Bin& bin = bins_[static_cast<std::size_t>(std::clamp((portable::log2(l) - lowest) * per_stop, 0.0, last))];
+        Bin& bin = bins_[std::size_t(std::clamp((portable::log2(l) - lowest) * per_stop, 0.0, last))];
         bin.sphere += w, bin.light += w * l, light += w * l;
       }
   }
@@ -37,7 +37,7 @@ double Luminances::percentile(double part) const {
   double darker = black_;
   for (std::size_t k = 0; k < bins_.size(); ++k) {
     darker += bins_[k].sphere;
-    if (bins_[k].sphere > 0 && darker >= part) return portable::exp2(lowest + static_cast<double>(k + 1) / per_stop);
+    if (bins_[k].sphere > 0 && darker >= part) return portable::exp2(lowest + double(k + 1) / per_stop);
   }
   return 0;
 }

@@ -33,7 +33,7 @@ Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size
 // Every pixel k x k times: what is enlarged shows its texels, where a filter would mix them with what lies beside a face.
 std::vector<Colour> repeated(std::vector<Colour> picture, Size size, int k) {
   if (k == 1) return picture;
-  const auto wide = static_cast<std::size_t>(size.width), times = static_cast<std::size_t>(k);
+  const auto wide = std::size_t(size.width), times = std::size_t(k);
   std::vector<Colour> out(picture.size() * times * times);
   for (std::size_t j = 0; j < out.size() / (wide * times); ++j)
     for (std::size_t i = 0; i < wide * times; ++i) out[j * wide * times + i] = picture[j / times * wide + i / times];
@@ -43,13 +43,13 @@ std::vector<Colour> repeated(std::vector<Colour> picture, Size size, int k) {
 Picture page_picture(const Level& level, std::optional<int> face, const Show& show, int height) {
   const Rows rows = rows_of(level, Forward::plus_z);
   const Page page{rows, grid(layout_of(level.projection())), face.value_or(-1)};
-  std::vector<Colour> full(static_cast<std::size_t>(page.width()) * static_cast<std::size_t>(page.height()));
+  std::vector<Colour> full(std::size_t(page.width()) * std::size_t(page.height()));
   page.gather(0, page.height(), full);
   const Size size{page.width(), page.height()};
   const int k = (height + size.height - 1) / size.height;
-  const double width = static_cast<double>(height) * size.width / size.height;
+  const double width = double(height) * size.width / size.height;
   return shown_at(repeated(std::move(full), size, k), {k * size.width, k * size.height}, show,
-                  {std::max(1, static_cast<int>(std::lround(width))), height});
+                  {std::max(1, int(std::lround(width))), height});
 }
 
 constexpr std::pair<Direction, const char*> axes[] = {{{1, 0, 0}, "+X"},  {{-1, 0, 0}, "-X"}, {{0, 1, 0}, "+Y"},
@@ -63,13 +63,13 @@ constexpr int per_pixel = 2;  // Rays along each side.
 template <class Radiance>
 Picture ball(const Rotation& to_world, int size, const Show& show, const Radiance& radiance) {
   const int fine = size * per_pixel;
-  std::vector<Colour> pixels(static_cast<std::size_t>(fine) * static_cast<std::size_t>(fine), Colour(0));
+  std::vector<Colour> pixels(std::size_t(fine) * std::size_t(fine), Colour(0));
   for_each_row(1, fine, {}, [&](int, int j) {
     for (int i = 0; i < fine; ++i) {
       const double s = (2 * i + 1.0) / fine - 1, t = 1 - (2 * j + 1.0) / fine, rest = 1 - s * s - t * t;
       if (rest <= 0) continue;
       const Direction normal(s, t, std::sqrt(rest)), mirrored = 2 * normal.z * normal - Direction(0, 0, 1);
-      pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(fine) + static_cast<std::size_t>(i)] =
+      pixels[std::size_t(j) * std::size_t(fine) + std::size_t(i)] =
           radiance(to_world * normal, to_world * mirrored);
     }
   });
@@ -91,22 +91,22 @@ Range range_of(const Luminances& luminances, double white) {
   constexpr double seen = 1e-5;
   const auto& bins = luminances.bins();
   const auto holds = [](const Luminances::Bin& bin) { return bin.sphere > seen || bin.light > seen; };
-  const int at_white = static_cast<int>(std::floor(portable::log2(white)));
+  const int at_white = int(std::floor(portable::log2(white)));
   const auto first = std::ranges::find_if(bins, holds) - bins.begin();
   const auto last = bins.rend() - std::find_if(bins.rbegin(), bins.rend(), holds) - 1;
   if (last < first) return {at_white - 4, at_white + 4};  // All black.
-  const auto stop = [](std::ptrdiff_t bin) { return static_cast<int>(bin) / Luminances::per_stop + Luminances::lowest; };
+  const auto stop = [](std::ptrdiff_t bin) { return int(bin) / Luminances::per_stop + Luminances::lowest; };
   return {std::min(stop(first), at_white - 1), std::max(stop(last), at_white) + 1};
 }
 
 // Shares by so many parts of each stop.
 std::vector<Luminances::Bin> coarse(const Luminances& luminances, const Range& range, int parts) {
   const int width = Luminances::per_stop / parts;
-  std::vector<Luminances::Bin> out(static_cast<std::size_t>((range.last - range.first) * parts));
+  std::vector<Luminances::Bin> out(std::size_t((range.last - range.first) * parts));
   for (std::size_t k = 0; k < out.size(); ++k)
     for (int b = 0; b < width; ++b) {
-      const int at = (range.first - Luminances::lowest) * Luminances::per_stop + static_cast<int>(k) * width + b;
-      const Luminances::Bin& from = luminances.bins()[static_cast<std::size_t>(at)];
+      const int at = (range.first - Luminances::lowest) * Luminances::per_stop + int(k) * width + b;
+      const Luminances::Bin& from = luminances.bins()[std::size_t(at)];
       out[k].sphere += from.sphere, out[k].light += from.light;
     }
   return out;
@@ -128,7 +128,7 @@ std::optional<Point2> MapPicture::place(const Rotation& to_image, const Directio
   locate(projection_, {&turned, 1}, {&at, 1});
   if (face_) return at.face == *face_ ? std::optional(Point2(at.u * picture_.size.width, at.v * picture_.size.height)) : std::nullopt;
   const Grid cells = grid(layout_of(projection_));
-  const Slot slot = cells.slots[static_cast<std::size_t>(at.face)];
+  const Slot slot = cells.slots[std::size_t(at.face)];
   return Point2((slot.column + at.u) * picture_.size.width / cells.columns, (slot.row + at.v) * picture_.size.height / cells.rows);
 }
 
@@ -137,12 +137,12 @@ void MapPicture::mark(const EnvironmentMap& map, const Direction& brightest) {
   for (int degrees = 0; degrees < 360; degrees += 3) {
     const Direction level(portable::sin_pi(degrees / 180.0), 0, portable::cos_pi(degrees / 180.0));
     const auto at = place(to_image, level);
-    if (at && picture_.holds(static_cast<int>(at->x), static_cast<int>(at->y)))
-      picture_.at(static_cast<int>(at->x), static_cast<int>(at->y)) = Colour(degrees % 2 == 0 ? 1.0F : 0.0F);
+    if (at && picture_.holds(int(at->x), int(at->y)))
+      picture_.at(int(at->x), int(at->y)) = Colour(degrees % 2 == 0 ? 1.0F : 0.0F);
   }
   const int text = std::clamp(picture_.size.height / 24, 10, 24);
   for (const auto& [axis, name] : axes)
-    if (const auto at = place(to_image, axis)) draw_label(picture_, static_cast<int>(at->x), static_cast<int>(at->y), name, text);
+    if (const auto at = place(to_image, axis)) draw_label(picture_, int(at->x), int(at->y), name, text);
   const Grid cells = grid(layout_of(projection_));
   if (projection_ == Projection::cube && !face_)
     for (std::size_t face = 0; face < cells.slots.size(); ++face)
@@ -178,14 +178,14 @@ Picture histogram(const Luminances& luminances, double white, Size size) {
   for (const Luminances::Bin& bin : shares) most = std::max({most, bin.sphere, bin.light});
   Picture picture(size, Colour(0.06F));
   const int ground = size.height - foot;
-  const auto x_of = [&](double stop) { return static_cast<int>((stop - range.first) / (range.last - range.first) * size.width); };
-  const auto y_of = [&](double share) { return ground - static_cast<int>(std::lround(share / most * (ground - 4))); };
+  const auto x_of = [&](double stop) { return int((stop - range.first) / (range.last - range.first) * size.width); };
+  const auto y_of = [&](double share) { return ground - int(std::lround(share / most * (ground - 4))); };
   const int step = std::max(1, (range.last - range.first) / 12);
   for (int stop = range.first; stop <= range.last; ++stop)
     if (stop % step == 0) fill(picture, x_of(stop), 0, x_of(stop) + 1, ground, lines);
   int before = ground;
   for (std::size_t k = 0; k < shares.size(); ++k) {
-    const int left = x_of(range.first + static_cast<double>(k) / parts), right = x_of(range.first + static_cast<double>(k + 1) / parts);
+    const int left = x_of(range.first + double(k) / parts), right = x_of(range.first + double(k + 1) / parts);
     fill(picture, left, y_of(shares[k].sphere), right - 1, ground, bars);
     const int y = y_of(shares[k].light);
     fill(picture, left, std::min(y, before) - 1, left + 2, std::max(y, before) + 1, light);

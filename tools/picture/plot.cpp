@@ -33,7 +33,7 @@ Axis axis(std::span<const PlotPoint> points, double PlotPoint::* value, double f
     if (p.*value > 0) least = std::min(least, p.*value), most = std::max(most, p.*value);
   }
   if (most == 0) least = most = 1;
-  const int first = static_cast<int>(std::floor(std::log10(least))), last = static_cast<int>(std::ceil(std::log10(most)));
+  const int first = int(std::floor(std::log10(least))), last = int(std::ceil(std::log10(most)));
   return {has_zero ? first - 1 : first, std::max(last, first + 1), has_zero, from, to};
 }
 
@@ -156,7 +156,7 @@ void add_points(const std::vector<PlotPoint>& points, const std::vector<std::str
       if (points[k].front == of_front) labels.add(points[k].label, places[k], of_front, onto);
   for (const bool of_front : {false, true})  // On top of what they beat.
     for (std::size_t k = 0; k < points.size(); ++k) {
-      const auto which = static_cast<std::size_t>(std::ranges::find(series, points[k].series) - series.begin());
+      const auto which = std::size_t(std::ranges::find(series, points[k].series) - series.begin());
       if (points[k].front == of_front) onto.outlines.push_back(mark(which, places[k], of_front));
     }
 }

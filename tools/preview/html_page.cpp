@@ -39,13 +39,13 @@ std::string base64(std::span<const std::byte> bytes) {
 // The faces of a cube as WebGL takes them, over `scale`.
 std::string texels_of(const Level& cube, double scale) {
   const Rows rows = rows_of(cube, Forward::plus_z), stored = in_api_orientation(rows);
-  const auto size = static_cast<std::size_t>(cube.height());
+  const auto size = std::size_t(cube.height());
   std::vector<std::byte> bytes(6 * size * size * sizeof(std::uint32_t));
   std::vector<Colour> row(size);
   for (std::size_t face = 0; face < 6; ++face)
     for (std::size_t j = 0; j < size; ++j) {
-      stored.fill(static_cast<int>(face), static_cast<int>(j), row);
-      for (Colour& c : row) c = glm::max(c * static_cast<float>(1 / scale), Colour(0));
+      stored.fill(int(face), int(j), row);
+      for (Colour& c : row) c = glm::max(c * float(1 / scale), Colour(0));
       encode(Texels::rgb9e5, row, std::span(bytes).subspan((face * size + j) * size * sizeof(std::uint32_t), size * sizeof(std::uint32_t)));
     }
   return base64(bytes);
@@ -94,7 +94,7 @@ void add_ggx(Report& data, const PrefilterSource& source, int size, double scale
   while (size >> count >= least) ++count;
   add(data, "ggx", {"GGX, roughness 0", size});
   for (int k = 1; k < count; ++k) {
-    const double roughness = static_cast<double>(k) / (count - 1);
+    const double roughness = double(k) / (count - 1);
     const Prefiltered made = source.make({.shape = Shape::ggx, .parameter = roughness, .size = std::max(1, size >> k), .max_error = 1e-2});
     add(data, "ggx", page_level(fmt::format("GGX, roughness {:.2g}", roughness), made.map.base(), scale));
   }
@@ -102,7 +102,7 @@ void add_ggx(Report& data, const PrefilterSource& source, int size, double scale
 
 double azimuth_of(Forward forward) {
   constexpr double degrees[] = {0, 180, 90, -90};
-  return degrees[static_cast<std::size_t>(forward)];
+  return degrees[std::size_t(forward)];
 }
 
 // {{name}} becomes the text of that name.
@@ -136,7 +136,7 @@ std::string html_page(const Source& source, const PageOptions& o) {
   data.put("forward", azimuth_of(source.map.forward));
   data.put("scale", scale);
   data.put("exposure", std::clamp(std::round(4 * portable::log2(o.scale)) / 4, -12.0, 12.0));
-  data.put("curve", display_names[static_cast<std::size_t>(o.display)]);
+  data.put("curve", display_names[std::size_t(o.display)]);
   data.put_array("facts");
   for (const auto& [what, value] : lines_of(facts_of(source, o.file, o.space)))
     data.append("facts[]", ReportValue(std::vector<std::string>{what, value}));

@@ -62,7 +62,7 @@ Look look_for(const Source& source, const Request& o) {
     const ColourTransform view = into_view(o.read.colour, *o.view);
     settings().also_read.insert(settings().also_read.end(), view.files.begin(), view.files.end());
     return {scale, Display::reinhard, [view, scale](std::span<Colour> pixels) {
-              for (Colour& c : pixels) c *= static_cast<float>(scale);
+              for (Colour& c : pixels) c *= float(scale);
               if (view.apply) view.apply(pixels);
               for (Colour& c : pixels) c = glm::clamp(c, Colour(0), Colour(1));
             }};
@@ -81,7 +81,7 @@ std::optional<int> face_of(const Request& o, const Source& source, const std::st
   const Projection p = source.map.projection();
   const int face = p == Projection::paraboloid ? *o.face - first_of_pair : *o.face;
   if (faces(p) == 1 || face < 0)
-    throw UsageError(input, fmt::format("--face {}: a {} map has none of that name", cube_face_names[static_cast<std::size_t>(*o.face)], name(p)));
+    throw UsageError(input, fmt::format("--face {}: a {} map has none of that name", cube_face_names[std::size_t(*o.face)], name(p)));
   return face;
 }
 
@@ -156,7 +156,7 @@ int write_page(const Request& o) {
                                               .size = o.size > 0 ? o.size : std::clamp(density, 16, 256)});
   open_depfile();
   write_text(o.html, page);
-  note(fmt::format("{}: {:.1f} MB", o.html, 1e-6 * static_cast<double>(page.size())));
+  note(fmt::format("{}: {:.1f} MB", o.html, 1e-6 * double(page.size())));
   return 0;
 }
 

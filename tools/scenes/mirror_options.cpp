@@ -56,7 +56,7 @@ std::vector<std::string> map_files(const std::string& folder, const Scene& scene
   std::vector<std::string> files;
   if (!std::filesystem::is_directory(folder)) throw UsageError(folder, "is not a folder: create it first");
   for (const int node : nodes) {
-    std::string name = scene.nodes[static_cast<std::size_t>(node)].name;
+    std::string name = scene.nodes[std::size_t(node)].name;
     const auto ends_names = [](unsigned char c) {
       return c < 32 || std::string_view("/\\{}%").find(static_cast<char>(c)) != std::string_view::npos;
     };

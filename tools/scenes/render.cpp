@@ -85,7 +85,7 @@ void check(const Request& o) {
   if (o.from.epsilon > 0 && !distorts) throw UsageError("--epsilon is for --method distort and tessellate");
   if (!can_draw(o.method, o.from.to))
     throw UsageError(fmt::format("--method {} cannot draw {} maps: {}resample or raycast",
-                                 draw_method_names[static_cast<std::size_t>(o.method)], name(o.from.to),
+                                 draw_method_names[std::size_t(o.method)], name(o.from.to),
                                  can_draw(DrawMethod::exact, o.from.to) ? "exact, " : ""));
 }
 
@@ -134,7 +134,7 @@ int run(Request& o, Report& report) {
                        o.from.axes[2].y, o.from.axes[2].z));
     if (settings().verbose)
       note(fmt::format("{}: {} from {:.4g},{:.4g},{:.4g}, drawn in {:.1f} ms", path,
-                       draw_method_names[static_cast<std::size_t>(method)], o.from.at.x, o.from.at.y, o.from.at.z,
+                       draw_method_names[std::size_t(method)], o.from.at.x, o.from.at.y, o.from.at.z,
                        1e3 * took));
     write_map(path, all_rows_of(drawn.radiance), o.write, "write");
     warn_about_missing(path, method, drawn);

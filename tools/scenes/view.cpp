@@ -160,7 +160,7 @@ struct Scenery {
   [[nodiscard]] Shot shot(int frame) const { return loaded.shot(frames.time(frame), o.scene); }
   // One, or two of an anaglyph.
   [[nodiscard]] std::vector<Eye> eyes(int frame, const Pose& pose) const {
-    const View view = viewpoints.view(pose, static_cast<double>(frame - frames.first) / frames.count());
+    const View view = viewpoints.view(pose, double(frame - frames.first) / frames.count());
     const double separation = o.anaglyph.value_or(0);
     std::vector<Eye> eyes;
     for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
@@ -188,7 +188,7 @@ void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirro
     return;
   }
   note(fmt::format("mirrors by --lookup {} --max-size {}{}: off by {:.2g} of the picture (rms) against rays",
-                   mirror_lookup_names[static_cast<std::size_t>(choice.lookup)], choice.drawing.largest,
+                   mirror_lookup_names[std::size_t(choice.lookup)], choice.drawing.largest,
                    choice.drawing.bounces ? fmt::format(" --bounces {}", *choice.drawing.bounces) : "", choice.error));
   o.lookup = choice.lookup, o.drawing = choice.drawing;
 }
@@ -208,7 +208,7 @@ int run(Request& o) {
   check_files(outputs, loaded.inputs);
   open_depfile();
   const Scene& scene = loaded.scene;
-  const Viewpoints viewpoints(o.from, static_cast<double>(o.width) / o.height, scene, o.scene.path,
+  const Viewpoints viewpoints(o.from, double(o.width) / o.height, scene, o.scene.path,
                               pose(scene, frames.time(frames.first)));
   const std::vector<Mirror> mirrors = mirrors_of(scene, o.mirrors, o.maps.value_or(Projection::paraboloid));
   const std::vector<int> nodes = nodes_of(mirrors);
@@ -231,7 +231,7 @@ int run(Request& o) {
     const std::vector<std::string> files = eye_files(frames.path(o.output, frame));
     if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
     for (std::size_t k = 0; k < files.size(); ++k) {
-      for (Colour& c : pictures[k]) c *= static_cast<float>(std::exp2(o.exposure));
+      for (Colour& c : pictures[k]) c *= float(std::exp2(o.exposure));
       write_picture(files[k], o.width, pictures[k], how);
     }
   }

@@ -16,7 +16,7 @@ constexpr double default_field = 40;  // Degrees.
 
 const Camera& camera_named(const std::string& name, const Scene& scene, const std::string& path) {
   for (const Camera& camera : scene.cameras)
-    if (camera.name == name || scene.nodes[static_cast<std::size_t>(camera.node)].name == name) return camera;
+    if (camera.name == name || scene.nodes[std::size_t(camera.node)].name == name) return camera;
   std::vector<std::string> names;
   for (const Camera& camera : scene.cameras) names.push_back(camera.name);
   throw UsageError(fmt::format("--camera: '{}' is neither X,Y,Z nor a camera of {}: it has {}", name, path,

@@ -24,7 +24,7 @@ PhotographOptions settled(const PhotographJob& job) {
   const double once_round = 2 * pi / angle_across(o);
   o.width = job.width.value_or(o.lens == CameraModel::fisheye       ? o.height
                                : o.lens == CameraModel::perspective ? (4 * o.height + 2) / 3
-                                                             : static_cast<int>(std::clamp(once_round, 1.0, 65536.0)));
+                                                             : int(std::clamp(once_round, 1.0, 65536.0)));
   return o;
 }
 
@@ -45,7 +45,7 @@ int take_photograph(const PhotographJob& job, Report& report) {
   report.put("filter", name(options.filter));
   report.put("samples", options.samples);
   report.put("error", nullptr);
-  report.put("lens", camera_model_names[static_cast<std::size_t>(options.lens)]);
+  report.put("lens", camera_model_names[std::size_t(options.lens)]);
   report.put("width", options.width);
   report.put("height", options.height);
   report.put("output", job.output);

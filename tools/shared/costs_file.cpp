@@ -23,8 +23,8 @@ Costs read_costs(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path, "not found, or not to be read");
   std::string text(longest + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  file.read(text.data(), std::streamsize(text.size()));
+  text.resize(std::size_t(file.gcount()));
   const auto json = text.size() > longest ? nlohmann::json() : nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("nanoseconds") || !json["nanoseconds"].is_object())
     throw InputError(path, "is no file of 'envmap tradeoff --calibrate --save'");

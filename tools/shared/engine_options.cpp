@@ -86,7 +86,7 @@ std::string turns_of(const Engine& e) {
 std::string frame_words(const Frame& frame) {
   const std::string projection = name(frame.projection);
   return has_forward(frame.projection)
-             ? fmt::format("{}, {} at the centre", projection, forward_names[static_cast<std::size_t>(frame.forward)])
+             ? fmt::format("{}, {} at the centre", projection, forward_names[std::size_t(frame.forward)])
              : projection;
 }
 
@@ -107,7 +107,7 @@ void settle(const Engine& engine, const EngineMap& map, const std::string& outpu
             std::optional<Forward>& forward, WriteOptions& write) {
   if (to && *to != map.frame.projection) contradict(engine, map, fmt::format("--to {}", name(*to)));
   if (forward && has_forward(map.frame.projection) && *forward != map.frame.forward)
-    contradict(engine, map, fmt::format("--forward {} (the input's is --from-forward)", forward_names[static_cast<std::size_t>(*forward)]));
+    contradict(engine, map, fmt::format("--forward {} (the input's is --from-forward)", forward_names[std::size_t(*forward)]));
   if (write.openexr_envmap) contradict(engine, map, "--openexr-envmap");
   if (write.border > 0) contradict(engine, map, "--border");
   const std::string type = extension_of(map.file), asked = write.format.empty() ? extension_of(output) : write.format;

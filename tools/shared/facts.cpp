@@ -29,7 +29,7 @@ std::int64_t texels_at_most(const Level& level, double most) {
     level.trim();
     return std::ranges::count_if(columns(level.projection(), level.height(), row).of(level.row(face, row)), [&](const Colour& c) {
       const float largest = std::max({c.x, c.y, c.z});
-      return std::isfinite(largest) && largest >= static_cast<float>(most);
+      return std::isfinite(largest) && largest >= float(most);
     });
   });
   return std::accumulate(rows.begin(), rows.end(), std::int64_t{0});
@@ -77,7 +77,7 @@ void add(Report& report, const MapFacts& f) {
   report.put("height", s.image_height);
   report.put("projection", name(s.map.projection()));
   report.put("layout", name(s.layout));
-  if (has_forward(s.map.projection())) report.put("forward", forward_names[static_cast<std::size_t>(s.map.forward)]);
+  if (has_forward(s.map.projection())) report.put("forward", forward_names[std::size_t(s.map.forward)]);
   if (s.border_samples) report.put("border_samples", true);
   if (s.border > 0) report.put("border", s.border);
   report.put("levels", s.levels);
@@ -124,7 +124,7 @@ FactLines lines_of(const MapFacts& f) {
   line("projection",
        fmt::format("{}{}{}", name(s.map.projection()), level.faces() == 6 ? fmt::format(" ({})", name(s.layout)) : "",
                    has_forward(s.map.projection())
-                       ? fmt::format(", {} at the centre", forward_names[static_cast<std::size_t>(s.map.forward)])
+                       ? fmt::format(", {} at the centre", forward_names[std::size_t(s.map.forward)])
                        : ""));
   if (s.border_samples) line("", "OpenEXR envmap attribute: samples on the border, read as cell centres");
   if (s.border > 0) line("border", fmt::format("{} texels on each side, left out", s.border));

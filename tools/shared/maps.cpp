@@ -141,7 +141,7 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
   const Stopwatch watch;
   const std::vector<std::string> colours = out_of_working(options.colour).files;
   settings().also_read.insert(settings().also_read.end(), colours.begin(), colours.end());
-  open_depfile(static_cast<int>(levels.size()));
+  open_depfile(int(levels.size()));
   const Rows& rows = levels.front();
   WriteOptions how = options;
   how.commit = settings().commit;

@@ -75,16 +75,16 @@ void add_shard(Options& o, std::string_view command, Shard& shard) {
 
 std::string digest(const EnvironmentMap& source) {
   std::uint64_t sum = hash(offset_basis, name(source.projection()));
-  sum = hash(sum, static_cast<std::uint32_t>(source.forward));
+  sum = hash(sum, std::uint32_t(source.forward));
   for (const Level& level : source.levels) {
-    sum = hash(hash(sum, static_cast<std::uint32_t>(level.width())), static_cast<std::uint32_t>(level.height()));
+    sum = hash(hash(sum, std::uint32_t(level.width())), std::uint32_t(level.height()));
     const int rows = level.height();
     for (const std::uint64_t row : map_rows<std::uint64_t>(level.faces() * rows, [&](int k) {
            const std::uint64_t found = hash_row(level.row(k / rows, k % rows));
            level.trim();
            return found;
          }))
-      sum = hash(hash(sum, static_cast<std::uint32_t>(row)), static_cast<std::uint32_t>(row >> 32));
+      sum = hash(hash(sum, std::uint32_t(row)), std::uint32_t(row >> 32));
   }
   return fmt::format("{:016x}", sum);
 }

@@ -89,7 +89,7 @@ struct Baking {
       const BakedMap made = maker.make(map, rounding_of(file->path(), options));
       options.pairs = made.pairs, options.facts = made.facts;
       write(file->path(), made.rows, options);
-      *out.bytes += static_cast<std::int64_t>(std::filesystem::file_size(file->path()));
+      *out.bytes += std::int64_t(std::filesystem::file_size(file->path()));
       out.files.push_back(std::move(file));
     }
     return out;

@@ -32,7 +32,7 @@ template <class Work>
 double nanoseconds(Work&& work) {
   const std::clock_t start = std::clock();
   work();
-  return 1e9 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  return 1e9 * double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 // Of the quickest of several runs: what other programs do only adds. Some clocks tick a few times a millisecond, or less: short work
 // is done as often as takes a while.
@@ -61,7 +61,7 @@ EnvironmentMap landscape(int height) {
   map.levels.emplace_back(Projection::latlong, height);
   std::mt19937 random(17);
   for (int j = 0; j < height; ++j)
-    for (Colour& c : map.base().row(0, j)) c = Colour(0.5F + 0.5F * static_cast<float>(random() % 1000) / 1000);
+    for (Colour& c : map.base().row(0, j)) c = Colour(0.5F + 0.5F * float(random() % 1000) / 1000);
   *map.base().texel(0, height / 3, height / 4) = Colour(5000, 4000, 3000);
   return map;
 }
@@ -131,11 +131,11 @@ Scene box(int edge) {
         mesh.normals.emplace_back(-axes.forward);
         mesh.coordinates.emplace_back(0, 0);
       }
-    const auto vertex = [&](int i, int j) { return static_cast<std::uint32_t>(j * edge + i); };
+    const auto vertex = [&](int i, int j) { return std::uint32_t(j * edge + i); };
     for (int j = 0; j + 1 < edge; ++j)
       for (int i = 0; i + 1 < edge; ++i)
         mesh.indices.insert(mesh.indices.end(), {vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)});
-    scene.nodes.push_back({.name = "wall", .meshes = {static_cast<int>(scene.meshes.size())}});
+    scene.nodes.push_back({.name = "wall", .meshes = {int(scene.meshes.size())}});
     scene.meshes.push_back(std::move(mesh));
   }
   return scene;
@@ -155,7 +155,7 @@ Times times_of(const Scene& plain, const Scene& cut, Draw&& draw) {
 
 void measure_drawing(Costs& costs) {
   const Scene plain = box(2), cut = box(66);
-  const auto triangles_more = static_cast<double>(triangles(cut) - triangles(plain));
+  const auto triangles_more = double(triangles(cut) - triangles(plain));
   const auto texels_more = [](Projection p) { return texel_count(p, fine) - texel_count(p, coarse); };
   const auto view = [](Projection to, int size) { return Viewpoint{.to = to, .size = size}; };
   const Times rays = times_of(plain, cut, [&](const Scene& scene, int size) { (void)raycast({scene, pose(scene, 0)}, view(Projection::sphere, size)); });

@@ -69,7 +69,7 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
     for (const double error : {1e-1, 1e-2, 1e-3, 1e-4}) {
       Prefilter how = wanted;
       how.method = method, how.max_error = error;
-      task.ways.push_back({std::string(method_names[static_cast<std::size_t>(method)]),
+      task.ways.push_back({std::string(method_names[std::size_t(method)]),
                            fmt::format("--max-error {:g}", error), [&map, how] { return prefiltered(map, how); }});
     }
   }
@@ -88,7 +88,7 @@ void add_mipmaps(const EnvironmentMap& map, int level, Task& task) {
   const int width = map.base().width() >> level, height = map.base().height() >> level;
   if (width < 1 || height < 1) throw UsageError(fmt::format("--task mipmap:{}: the map has no level that small", level));
   for (const Weights weights : {Weights::solid_angle, Weights::uniform})
-    task.ways.push_back({"levels", fmt::format("--weights {}", weight_names[static_cast<std::size_t>(weights)]), [&map, level, weights] {
+    task.ways.push_back({"levels", fmt::format("--weights {}", weight_names[std::size_t(weights)]), [&map, level, weights] {
                            std::vector<Level> levels;
                            levels.push_back(map.base().clone());
                            add_levels(levels, weights, level + 1);
@@ -103,7 +103,7 @@ void add_mipmaps(const EnvironmentMap& map, int level, Task& task) {
 Outcome written(const EnvironmentMap& map, const std::string& extension, const WriteOptions& options) {
   const ScratchFile file(extension);
   write(file.path(), rows_of(map), options);
-  const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(file.path()));
+  const auto bytes = std::int64_t(std::filesystem::file_size(file.path()));
   return {read(file.path(), {.projection = map.projection(), .flaws = FlawPolicy::keep}).map.base().clone(), bytes};
 }
 

@@ -46,7 +46,7 @@ struct Trial {
   double missing_solid_angle = 0;  // Steradians.
   bool front = false;
 
-  [[nodiscard]] double cost() const { return bytes ? static_cast<double>(*bytes) : seconds; }
+  [[nodiscard]] double cost() const { return bytes ? double(*bytes) : seconds; }
   [[nodiscard]] double value(Metric m) const {
     return m == Metric::rms ? error.rms : m == Metric::maximum ? error.maximum : error.largest_flux();
   }
@@ -74,7 +74,7 @@ Trial measured(const Way& way, double seconds, double rest, Outcome& out) {
   if (times.size() > 1) times.erase(times.begin());
   std::ranges::sort(times);
   const double median = times[times.size() / 2], off = std::max(median - times.front(), times.back() - median);
-  return {way.method, way.setting, median, off / median, static_cast<int>(times.size()), {}, out.bytes, out.missing_solid_angle};
+  return {way.method, way.setting, median, off / median, int(times.size()), {}, out.bytes, out.missing_solid_angle};
 }
 
 // By cost, and at the same cost by error: then what is closer than all before it is beaten by none. NaN never is. A map
@@ -108,11 +108,11 @@ Study study_of(const Task& task, const Request& o) {
     const Way& way = task.ways[k];
     const Stopwatch watch;
     Outcome out{Level(Projection::latlong, 1)};
-    Trial trial = measured(way, rest / static_cast<double>(task.ways.size() - k), rest, out);
+    Trial trial = measured(way, rest / double(task.ways.size() - k), rest, out);
     rest -= watch.seconds();
     trial.error = way.judge ? as_reference([&] { return way.judge(out); }) : compare(out.level, truth->level);
     study.trials.push_back(trial);
-    if (progress) progress(static_cast<double>(k + 1) / static_cast<double>(task.ways.size()));
+    if (progress) progress(double(k + 1) / double(task.ways.size()));
   }
   mark_front(study.trials, o.by);
   return study;
@@ -134,7 +134,7 @@ std::string table_of(const Study& study, const Request& o) {
       out += fmt::format("{}: no star: surfaces near the singularity are missing, up to {:.2g} sr\n", t.label(),
                          t.missing_solid_angle);
   out += fmt::format("* nothing else is both {} and closer in {}\n", files ? "smaller" : "faster",
-                     metric_names[static_cast<std::size_t>(o.by)]);
+                     metric_names[std::size_t(o.by)]);
   return out;
 }
 
@@ -152,7 +152,7 @@ void add(Report& report, const Study& study, const Request& o) {
   report.put("task", o.task);
   report.put("reference.what", study.task.reference);
   report.put("reference.seconds", study.reference_seconds);
-  report.put("by", metric_names[static_cast<std::size_t>(o.by)]);
+  report.put("by", metric_names[std::size_t(o.by)]);
   report.put_array("trials");
   for (const Trial& t : study.trials) {
     report.append("trials[]");
@@ -178,7 +178,7 @@ void write_plot(const Study& study, const Request& o) {
   for (const Trial& t : study.trials) points.push_back({t.cost(), t.value(o.by), t.method, t.label(), t.front});
   const bool files = !study.trials.empty() && study.trials[0].bytes;
   const Drawing drawing = plot(points, fmt::format("{} of {}", o.task, printable(o.input)), files ? "bytes" : "seconds",
-                               fmt::format("{} error", metric_names[static_cast<std::size_t>(o.by)]));
+                               fmt::format("{} error", metric_names[std::size_t(o.by)]));
   if (!is_png(o.plot)) return write_text(o.plot, svg_of(drawing));
   try {
     const Picture picture = picture_of(drawing, 2);

@@ -50,7 +50,7 @@ Outcome draw_once(Gl& gl, const Stage& stage, Projection maps, MirrorLookup look
 std::string setting_of(MirrorLookup lookup, const MirrorOptions& how) {
   std::string text;
   const auto add = [&](const std::string& option) { text += (text.empty() ? "" : " ") + option; };
-  if (lookup != MirrorLookup::distance) add(fmt::format("--lookup {}", mirror_lookup_names[static_cast<std::size_t>(lookup)]));
+  if (lookup != MirrorLookup::distance) add(fmt::format("--lookup {}", mirror_lookup_names[std::size_t(lookup)]));
   if (how.size > 0) add(fmt::format("--size {}", how.size));
   if (how.bounces) add(fmt::format("--bounces {}", *how.bounces));
   return text;

@@ -33,7 +33,7 @@ enum class Cost {
   ray_texel,
   ray_triangle,
 };
-inline constexpr std::size_t cost_count = static_cast<std::size_t>(Cost::ray_triangle) + 1;
+inline constexpr std::size_t cost_count = std::size_t(Cost::ray_triangle) + 1;
 
 struct CostFact {
   std::string_view name, what;
@@ -48,8 +48,8 @@ struct Costs {
   std::array<double, cost_count> nanoseconds;
 
   Costs();
-  double operator[](Cost c) const { return nanoseconds[static_cast<std::size_t>(c)]; }
-  double& operator[](Cost c) { return nanoseconds[static_cast<std::size_t>(c)]; }
+  double operator[](Cost c) const { return nanoseconds[std::size_t(c)]; }
+  double& operator[](Cost c) { return nanoseconds[std::size_t(c)]; }
 };
 
 }  // namespace envmap

@@ -20,7 +20,7 @@ void for_each_row(int faces, int height, const Progress& progress, F&& f) {
   tbb::parallel_for(tbb::blocked_range<int>(0, rows, 4), [&](const tbb::blocked_range<int>& range) {
     for (int k = range.begin(); k < range.end(); ++k) {
       f(k / height, k % height);
-      if (progress && ++done % report == 0) progress(static_cast<double>(done) / rows);
+      if (progress && ++done % report == 0) progress(double(done) / rows);
     }
   });
 }

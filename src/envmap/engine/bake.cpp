@@ -51,7 +51,7 @@ std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, Mirror
 }
 
 std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional<int> levels, std::string_view size_name) {
-  const int possible = std::bit_width(static_cast<unsigned>(size)), fixed = levels.value_or(map.chain->levels);
+  const int possible = std::bit_width(unsigned(size)), fixed = levels.value_or(map.chain->levels);
   const int count = fixed > 0 ? fixed : possible;
   if (count > possible) throw UsageError(fmt::format("{} {}: {} has {} levels", size_name, size, map.file, count));
   std::vector<double> roughnesses;

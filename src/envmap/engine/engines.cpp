@@ -109,10 +109,10 @@ def DomeLight "Probe"
 double babylon_roughness(int k, int /*n*/, int size) { return k == 0 ? 0 : std::min(1.0, std::sqrt(portable::exp2(k / 0.8) / size)); }
 
 // Bevy: lod / (n - 1) = r.
-double even_roughness(int k, int n, int /*size*/) { return static_cast<double>(k) / (n - 1); }
+double even_roughness(int k, int n, int /*size*/) { return double(k) / (n - 1); }
 
 // Filament: lod / (n - 1) = r (2 - r).
-double filament_roughness(int k, int n, int /*size*/) { return 1 - std::sqrt(1 - static_cast<double>(k) / (n - 1)); }
+double filament_roughness(int k, int n, int /*size*/) { return 1 - std::sqrt(1 - double(k) / (n - 1)); }
 
 const Engine table[] = {
     {"babylon", "Babylon.js", "9.34, run: tests/engines",

@@ -42,8 +42,8 @@ std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uin
 }  // namespace
 
 void write_env(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs, const Progress& progress) {
-  const auto size = static_cast<unsigned>(levels[0].width());
-  if (!std::has_single_bit(size) || levels.size() != static_cast<std::size_t>(std::bit_width(size)))
+  const auto size = unsigned(levels[0].width());
+  if (!std::has_single_bit(size) || levels.size() != std::size_t(std::bit_width(size)))
     throw OutputError(fmt::format(".env files need a full mip chain and a power-of-two face size, not {} level(s) of {}x{}",
                                   levels.size(), size, size));
   const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);

@@ -13,7 +13,7 @@ void for_each_band(const Page& page, const Progress& progress, const WriteBand& 
 void for_each_band(const Page& page, const RowRange& rows, const Progress& progress, const WriteBand& write_band) {
   const auto make = [&](int begin, std::vector<Colour>& band) {
     const int end = std::min(begin + band_rows, rows.end);
-    band.resize(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(page.width()));
+    band.resize(std::size_t(end - begin) * std::size_t(page.width()));
     page.gather(begin, end, band);
   };
   std::vector<Colour> band, next;
@@ -30,7 +30,7 @@ void for_each_band(const Page& page, const RowRange& rows, const Progress& progr
     }
     ahead.wait();
     std::swap(band, next);
-    if (progress) progress(static_cast<double>(end - rows.begin) / (rows.end - rows.begin));
+    if (progress) progress(double(end - rows.begin) / (rows.end - rows.begin));
   }
 }
 

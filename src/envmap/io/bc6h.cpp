@@ -17,7 +17,7 @@ using Rgb16 = std::array<int, 3>;
 
 int sign_extended(std::uint32_t value, int bits) {
   const std::uint32_t sign = 1U << (bits - 1);
-  return static_cast<int>((value & (2 * sign - 1)) ^ sign) - static_cast<int>(sign);
+  return int((value & (2 * sign - 1)) ^ sign) - int(sign);
 }
 
 // An endpoint's value over the range of 16 bits: in steps, with both ends exact.
@@ -34,21 +34,21 @@ int unquantised(int value, int bits, bool is_signed) {
 
 // To the bits of a half: 31/64 of 16 bits end at 65504, the largest.
 std::uint16_t finished(int value, bool is_signed) {
-  if (!is_signed) return static_cast<std::uint16_t>(value * 31 >> 6);
-  return static_cast<std::uint16_t>(value < 0 ? 0x8000 | (-value * 31 >> 5) : value * 31 >> 5);
+  if (!is_signed) return std::uint16_t(value * 31 >> 6);
+  return std::uint16_t(value < 0 ? 0x8000 | (-value * 31 >> 5) : value * 31 >> 5);
 }
 
 // The four endpoints, differences added up.
 std::array<Rgb16, 4> endpoints_of(const Block& block, bool is_signed) {
-  const Mode& mode = modes[static_cast<std::size_t>(block.mode)];
+  const Mode& mode = modes[std::size_t(block.mode)];
   std::array<Rgb16, 4> all{};
   for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t e = 0; e < 2 * static_cast<std::size_t>(mode.regions); ++e) {
+    for (std::size_t e = 0; e < 2 * std::size_t(mode.regions); ++e) {
       std::uint32_t value = block.endpoints[e][c];
       if (mode.differences && e > 0)
-        value = (block.endpoints[0][c] + static_cast<std::uint32_t>(sign_extended(value, mode.others[c]))) &
+        value = (block.endpoints[0][c] + std::uint32_t(sign_extended(value, mode.others[c]))) &
                 ((1U << mode.bits) - 1);
-      all[e][c] = unquantised(is_signed ? sign_extended(value, mode.bits) : static_cast<int>(value), mode.bits, is_signed);
+      all[e][c] = unquantised(is_signed ? sign_extended(value, mode.bits) : int(value), mode.bits, is_signed);
     }
   return all;
 }
@@ -60,8 +60,8 @@ Halves halves_of(std::span<const std::byte, bytes> from, bool is_signed) {
   const std::optional<Block> block = unpack(from);
   if (!block) return halves;
   const auto endpoints = endpoints_of(*block, is_signed);
-  const bool two = modes[static_cast<std::size_t>(block->mode)].regions == 2;
-  const unsigned second = two ? partitions[static_cast<std::size_t>(block->partition)].second : 0U;
+  const bool two = modes[std::size_t(block->mode)].regions == 2;
+  const unsigned second = two ? partitions[std::size_t(block->partition)].second : 0U;
   for (std::size_t k = 0; k < texels; ++k) {
     const std::size_t first = 2 * (second >> k & 1);
     const int weight = two ? weights_of_8[block->indices[k]] : weights_of_16[block->indices[k]];
@@ -132,16 +132,16 @@ void put(const Strip& strip, std::size_t at, std::size_t lane, Wanted& wanted) {
 }
 
 Block block_of(const Found& found, std::size_t lane) {
-  Block block{.mode = static_cast<int>(found.mode[lane]), .partition = static_cast<int>(found.partition[lane])};
-  const Mode& mode = modes[static_cast<std::size_t>(block.mode)];
-  for (std::size_t e = 0; e < 2 * static_cast<std::size_t>(mode.regions); ++e)
+  Block block{.mode = int(found.mode[lane]), .partition = int(found.partition[lane])};
+  const Mode& mode = modes[std::size_t(block.mode)];
+  for (std::size_t e = 0; e < 2 * std::size_t(mode.regions); ++e)
     for (std::size_t c = 0; c < 3; ++c) {
       const float base = e > 0 && mode.differences ? found.endpoints[0][c][lane] : 0;
       const int bits = e == 0 ? mode.bits : mode.others[c];
       block.endpoints[e][c] =
-          static_cast<std::uint32_t>(static_cast<int>(found.endpoints[e][c][lane] - base)) & ((1U << bits) - 1);
+          std::uint32_t(int(found.endpoints[e][c][lane] - base)) & ((1U << bits) - 1);
     }
-  for (std::size_t k = 0; k < texels; ++k) block.indices[k] = static_cast<std::uint8_t>(found.indices[k][lane]);
+  for (std::size_t k = 0; k < texels; ++k) block.indices[k] = std::uint8_t(found.indices[k][lane]);
   return block;
 }
 

@@ -54,9 +54,9 @@ constexpr Places places_of(std::string_view layout) {
     }
     layout.remove_prefix(layout.starts_with(' ') ? 1 : 0);
     for (int bit = first;; bit += first < last ? 1 : -1) {
-      places.of_bit[static_cast<std::size_t>(places.count++)] = {static_cast<std::uint8_t>(channel),
-                                                                 static_cast<std::uint8_t>(endpoint),
-                                                                 static_cast<std::uint8_t>(bit)};
+      places.of_bit[std::size_t(places.count++)] = {std::uint8_t(channel),
+                                                                 std::uint8_t(endpoint),
+                                                                 std::uint8_t(bit)};
       if (bit == last) break;
     }
   }
@@ -73,11 +73,11 @@ constexpr std::array<Places, modes.size()> all_places = [] {
 constexpr bool is_whole(const Mode& mode, const Places& places) {
   for (int endpoint = 0; endpoint < 2 * mode.regions; ++endpoint)
     for (int channel = 0; channel < 3; ++channel) {
-      const int bits = endpoint == 0 ? mode.bits : mode.others[static_cast<std::size_t>(channel)];
+      const int bits = endpoint == 0 ? mode.bits : mode.others[std::size_t(channel)];
       std::uint32_t seen = 0;
       int found = 0;
       for (int k = 0; k < places.count; ++k)
-        if (const Place& p = places.of_bit[static_cast<std::size_t>(k)]; p.endpoint == endpoint && p.channel == channel)
+        if (const Place& p = places.of_bit[std::size_t(k)]; p.endpoint == endpoint && p.channel == channel)
           seen |= 1U << p.bit, ++found;
       if (found != bits || seen != (1U << bits) - 1) return false;
     }
@@ -98,7 +98,7 @@ class Bits {
 
   std::uint32_t take(int count) {
     std::uint32_t value = 0;
-    for (int k = 0; k < count; ++k, ++at_) value |= static_cast<std::uint32_t>(words_[at_ / 64] >> at_ % 64 & 1) << k;
+    for (int k = 0; k < count; ++k, ++at_) value |= std::uint32_t(words_[at_ / 64] >> at_ % 64 & 1) << k;
     return value;
   }
   void put(std::uint32_t value, int count) {
@@ -112,7 +112,7 @@ class Bits {
 
 // Of a texel's index; its region's anchor goes without the highest, which is 0.
 int index_bits(const Mode& mode, int partition, int texel) {
-  const bool second = mode.regions == 2 && texel == partitions[static_cast<std::size_t>(partition)].anchor;
+  const bool second = mode.regions == 2 && texel == partitions[std::size_t(partition)].anchor;
   return (mode.regions == 2 ? 3 : 4) - (texel == 0 || second ? 1 : 0);
 }
 
@@ -124,27 +124,27 @@ std::optional<Block> unpack(std::span<const std::byte, bytes> from) {
   if (number > 1) number |= bits.take(3) << 2;
   const auto* const mode = std::ranges::find(modes, number, &Mode::number);
   if (mode == modes.end()) return std::nullopt;
-  Block block{.mode = static_cast<int>(mode - modes.begin())};
-  const Places& places = all_places[static_cast<std::size_t>(block.mode)];
-  for (const Place& p : std::span(places.of_bit).first(static_cast<std::size_t>(places.count)))
+  Block block{.mode = int(mode - modes.begin())};
+  const Places& places = all_places[std::size_t(block.mode)];
+  for (const Place& p : std::span(places.of_bit).first(std::size_t(places.count)))
     block.endpoints[p.endpoint][p.channel] |= bits.take(1) << p.bit;
-  if (mode->regions == 2) block.partition = static_cast<int>(bits.take(5));
+  if (mode->regions == 2) block.partition = int(bits.take(5));
   for (int k = 0; k < texels; ++k)
-    block.indices[static_cast<std::size_t>(k)] =
-        static_cast<std::uint8_t>(bits.take(index_bits(*mode, block.partition, k)));
+    block.indices[std::size_t(k)] =
+        std::uint8_t(bits.take(index_bits(*mode, block.partition, k)));
   return block;
 }
 
 void pack(const Block& block, std::span<std::byte, bytes> to) {
-  const Mode& mode = modes[static_cast<std::size_t>(block.mode)];
-  const Places& places = all_places[static_cast<std::size_t>(block.mode)];
+  const Mode& mode = modes[std::size_t(block.mode)];
+  const Places& places = all_places[std::size_t(block.mode)];
   Bits bits;
   bits.put(mode.number, mode.number_bits);
-  for (const Place& p : std::span(places.of_bit).first(static_cast<std::size_t>(places.count)))
+  for (const Place& p : std::span(places.of_bit).first(std::size_t(places.count)))
     bits.put(block.endpoints[p.endpoint][p.channel] >> p.bit, 1);
-  if (mode.regions == 2) bits.put(static_cast<std::uint32_t>(block.partition), 5);
+  if (mode.regions == 2) bits.put(std::uint32_t(block.partition), 5);
   for (int k = 0; k < texels; ++k)
-    bits.put(block.indices[static_cast<std::size_t>(k)], index_bits(mode, block.partition, k));
+    bits.put(block.indices[std::size_t(k)], index_bits(mode, block.partition, k));
   std::ranges::copy(bits.as_bytes(), to.begin());
 }
 

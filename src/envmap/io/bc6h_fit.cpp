@@ -26,7 +26,7 @@ using Mask = hn::Mask<D>;
 // twice the time; 2 rounds 1% more, 6 no less.
 constexpr int tried = 4, rounds = 3;
 
-HWY_INLINE V number(double x) { return hn::Set(D(), static_cast<float>(x)); }
+HWY_INLINE V number(double x) { return hn::Set(D(), float(x)); }
 HWY_INLINE V ratio(V a, V b) { return hn::Div(a, hn::Max(b, number(1e-20))); }
 HWY_INLINE V whole(V x) { return hn::Floor(hn::Add(x, number(0.5))); }
 HWY_INLINE V dot(const V* a, const V* b) {
@@ -127,7 +127,7 @@ Regions regions_of(V partition) {
   HWY_ALIGN std::array<std::int32_t, batch> numbers, seconds, anchors;
   hn::Store(hn::ConvertTo(di, partition), di, numbers.data());
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-    const Partition& p = partitions[static_cast<std::size_t>(numbers[k])];
+    const Partition& p = partitions[std::size_t(numbers[k])];
     seconds[k] = p.second, anchors[k] = 1 << p.anchor | 1;
   }
   const auto second = hn::Load(di, seconds.data()), anchor = hn::Load(di, anchors.data());
@@ -184,7 +184,7 @@ struct Steps {
 };
 
 Steps steps_of(int mode) {
-  const int bits = modes[static_cast<std::size_t>(mode)].bits;
+  const int bits = modes[std::size_t(mode)].bits;
   const double step = 1 << (16 - bits);
   return {number(mode),
           number(step),
@@ -215,7 +215,7 @@ template <int n>
 Mask holds(const Mode& mode, const Endpoints<n>& q) {
   Mask fits = hn::Eq(number(0), number(0));
   for (int c = 0; c < 3 && mode.differences; ++c) {
-    const double half = 1 << (mode.others[static_cast<std::size_t>(c)] - 1);
+    const double half = 1 << (mode.others[std::size_t(c)] - 1);
     for (int e = 1; e < n; ++e) {
       const V difference = hn::Sub(q.value[e][c], q.value[0][c]);
       fits = hn::And(fits, hn::And(hn::Ge(difference, number(-half)), hn::Le(difference, number(half - 1))));
@@ -234,7 +234,7 @@ Steps finest(const Texels& t, const Line* lines) {
   Steps best = steps_of(order[0]);
   for (const int mode : order.subspan(1)) {
     const Steps s = steps_of(mode);
-    const Mask fits = holds<n>(modes[static_cast<std::size_t>(mode)], rounded<n>(s, t, lines));
+    const Mask fits = holds<n>(modes[std::size_t(mode)], rounded<n>(s, t, lines));
     choose(fits, s.mode, best.mode);
     choose(fits, s.step, best.step);
     choose(fits, s.inverse, best.inverse);
@@ -377,7 +377,7 @@ void rank(const Texels& t, V (&ranked)[tried]) {
       if (partitions[p].second >> k & 1)
         for (int n = 0; n < 10; ++n) second.sum[n] = hn::Add(second.sum[n], of[k].sum[n]);
     for (int n = 0; n < 10; ++n) first.sum[n] = hn::Sub(all.sum[n], second.sum[n]);
-    V left = hn::Add(axis_of(first).rest, axis_of(second).rest), number_of = number(static_cast<double>(p));
+    V left = hn::Add(axis_of(first).rest, axis_of(second).rest), number_of = number(double(p));
     for (int r = 0; r < tried; ++r) {  // Insertion: what is pushed out goes on to the next place.
       const Mask better = hn::Lt(left, rest[r]);
       const V out = hn::IfThenElse(better, rest[r], left), out_number = hn::IfThenElse(better, ranked[r], number_of);

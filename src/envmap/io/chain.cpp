@@ -22,7 +22,7 @@ Chain::Chain(std::span<const Rows> levels, Layout layout, bool to_one_texel) {
     pages_.push_back({rows_[k], places, -1, wide(pages_.size()), high(pages_.size())});
   Colour mean(0);
   for (int f = 0; f < more_.back().faces(); ++f) mean += *more_.back().texel(f, 0, 0);
-  mean /= static_cast<float>(more_.back().faces());
+  mean /= float(more_.back().faces());
   while (pages_.back().width() > 1 || pages_.back().height() > 1)
     pages_.push_back({rows_.back(), {1, 1, {}}, -1, wide(pages_.size()), high(pages_.size()), mean});
 }

@@ -97,7 +97,7 @@ constexpr std::pair<std::string_view, int> sizes_of_types[] = {{"box2f", 16},
 
 bool size_fits(Cursor& in, std::string_view type, std::uint64_t size) {
   const auto* const known = std::ranges::find(sizes_of_types, type, &std::pair<std::string_view, int>::first);
-  if (known != std::end(sizes_of_types)) return size == static_cast<std::uint64_t>(known->second);
+  if (known != std::end(sizes_of_types)) return size == std::uint64_t(known->second);
   if (type != "chlist") return true;
   // Names, each with its type, flags and sampling; an empty one is the last.
   const std::uint64_t begin = in.at();
@@ -112,9 +112,9 @@ bool read_header(Cursor& in, Part& part) {
     const std::string type = in.text();
     const auto size = in.get<std::int32_t>();
     // OpenEXR takes the memory before it looks.
-    if (size < 0 || static_cast<std::uint64_t>(size) > in.left())
+    if (size < 0 || std::uint64_t(size) > in.left())
       throw InputError(fmt::format("damaged: an attribute of {} bytes in a file of fewer", size));
-    const std::uint64_t begin = in.at(), end = begin + static_cast<std::uint64_t>(size);
+    const std::uint64_t begin = in.at(), end = begin + std::uint64_t(size);
     if (!size_fits(in, type, end - begin))
       throw InputError(fmt::format("damaged: an attribute of type {} has {} bytes", type, size));
     in.skip_to(begin);
@@ -153,7 +153,7 @@ double chunks_of(const Part& p) {
   const int mode = p.mode & 15;
   const bool up = p.mode >> 4 != 0;
   const auto levels = [&](double side) {
-    return 1 + static_cast<int>(up ? std::ceil(portable::log2(side)) : std::floor(portable::log2(side)));
+    return 1 + int(up ? std::ceil(portable::log2(side)) : std::floor(portable::log2(side)));
   };
   const auto across = [&](int level) { return tiles_along(p.width(), level, up, p.tile_width); };
   const auto down = [&](int level) { return tiles_along(p.height(), level, up, p.tile_height); };
@@ -187,12 +187,12 @@ void check_openexr(const InputFile& file) {
     // No compression in use makes a map 20,000 times smaller. OpenEXR takes memory for all lines of a chunk, if there are
     // fewer in the image, too.
     const double bytes = part.width() * std::max(part.height(), lines_of_chunk(part.compression)) * 12;
-    if (bytes > 0x1p28 && bytes > 2e4 * static_cast<double>(file.size()))
+    if (bytes > 0x1p28 && bytes > 2e4 * double(file.size()))
       throw InputError(fmt::format("truncated or damaged: {} bytes cannot hold {:.0f}x{:.0f}", file.size(),
                                    part.width(), part.height()));
     chunks += chunks_of(part);
     // The file begins with the places of all of them, 8 bytes each.
-    if (8 * chunks > static_cast<double>(in.left()))
+    if (8 * chunks > double(in.left()))
       throw InputError(fmt::format("truncated or damaged: {} bytes cannot hold {:.0f} chunks", file.size(), chunks));
   }
 }

@@ -81,7 +81,7 @@ void check_space(const Config& config, const std::string& name) {
   const std::vector<std::string> spaces = colour_spaces(config.file);
   const std::size_t shown = std::min<std::size_t>(spaces.size(), 12);
   throw UsageError(fmt::format("no colour space '{}' in {}: there are {}{}", name, where,
-                               fmt::join(spaces.begin(), spaces.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                               fmt::join(spaces.begin(), spaces.begin() + std::ptrdiff_t(shown), ", "),
                                shown < spaces.size() ? ", ..." : ""));
 }
 
@@ -282,7 +282,7 @@ std::string words(const ClaimedSpace& claimed) {
 }
 
 std::array<float, 8> chromaticities(const Primaries& p) {
-  const auto f = [](double x) { return static_cast<float>(x); };
+  const auto f = [](double x) { return float(x); };
   return {f(p.red.x), f(p.red.y), f(p.green.x), f(p.green.y), f(p.blue.x), f(p.blue.y), f(p.white.x), f(p.white.y)};
 }
 

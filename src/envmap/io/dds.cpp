@@ -14,8 +14,8 @@ namespace envmap {
 namespace {
 
 constexpr std::uint32_t four(const char (&c)[5]) {
-  return static_cast<std::uint32_t>(c[0]) | static_cast<std::uint32_t>(c[1]) << 8 |
-         static_cast<std::uint32_t>(c[2]) << 16 | static_cast<std::uint32_t>(c[3]) << 24;
+  return std::uint32_t(c[0]) | std::uint32_t(c[1]) << 8 |
+         std::uint32_t(c[2]) << 16 | std::uint32_t(c[3]) << 24;
 }
 
 struct Header {
@@ -65,12 +65,12 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
   h.magic = four("DDS ");
   h.size = sizeof(Header) - 4;
   h.flags = flags_of_texture | (format.side > 1 ? flag_size : flag_pitch) | (chain ? flag_levels : 0);
-  h.width = static_cast<std::uint32_t>(levels[0].width());
-  h.height = cube ? h.width : static_cast<std::uint32_t>(levels[0].height());
+  h.width = std::uint32_t(levels[0].width());
+  h.height = cube ? h.width : std::uint32_t(levels[0].height());
   // Of blocks the size of the first image, else that of a row.
-  h.pitch = static_cast<std::uint32_t>(format.side > 1 ? format.image_bytes(levels[0].width(), static_cast<int>(h.height))
+  h.pitch = std::uint32_t(format.side > 1 ? format.image_bytes(levels[0].width(), int(h.height))
                                                        : format.row_bytes(levels[0].width()));
-  h.levels = static_cast<std::uint32_t>(levels.size());
+  h.levels = std::uint32_t(levels.size());
   h.format = {.size = sizeof(Header::PixelFormat), .flags = format_four_cc, .four_cc = four("DX10")};
   h.caps = caps_texture | (chain || cube ? caps_complex : 0) | (chain ? caps_levels : 0);
   h.caps2 = cube ? caps2_cube | caps2_all_faces : 0;
@@ -125,9 +125,9 @@ std::optional<TextureFile> open_dds(const InputFile& file) {
   constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "dds",
                 .texels = format->texels,
-                .width = static_cast<int>(std::min(h.width, most)),
-                .height = static_cast<int>(std::min(h.height, most)),
-                .levels = static_cast<int>(std::clamp(h.levels, 1U, most)),
+                .width = int(std::min(h.width, most)),
+                .height = int(std::min(h.height, most)),
+                .levels = int(std::clamp(h.levels, 1U, most)),
                 .cube = cube};
   check_texture(t, file.size());
   t.bytes = [start, t](const InputFile& from, int level) {

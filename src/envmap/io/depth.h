@@ -15,7 +15,7 @@ enum class Depth { uint8, uint16, rgbd, bc6h, rgb9e5, half, single };
 
 inline constexpr std::string_view depth_names[] = {"uint8", "uint16", "rgbd", "bc6h", "rgb9e5", "half", "float"};
 
-inline std::string_view name(Depth d) { return depth_names[static_cast<int>(d)]; }
+inline std::string_view name(Depth d) { return depth_names[int(d)]; }
 
 /// Integers hold sRGB-encoded values from 0 to 1, floating point holds radiance.
 inline bool is_integer(Depth d) { return d == Depth::uint8 || d == Depth::uint16; }

@@ -24,7 +24,7 @@ struct ChunkHeader {
   std::uint32_t size, type;
 };
 
-std::uint32_t padded(std::size_t size) { return static_cast<std::uint32_t>((size + 3) / 4 * 4); }
+std::uint32_t padded(std::size_t size) { return std::uint32_t((size + 3) / 4 * 4); }
 
 Json document(const std::vector<RgbdFaces>& levels, const Json& harmonics, int size) {
   Json images = Json::array(), views = Json::array(), specular = Json::array();
@@ -57,22 +57,22 @@ Json document(const std::vector<RgbdFaces>& levels, const Json& harmonics, int s
 }  // namespace
 
 void write_gltf_light(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs, const Progress& progress) {
-  const auto size = static_cast<unsigned>(levels[0].width());
+  const auto size = unsigned(levels[0].width());
   const auto harmonics = pairs.find("irradianceCoefficients");
   if (!std::has_single_bit(size) || levels.size() < 2)
     throw OutputError(fmt::format(".glb files need several levels and a power-of-two face size, not {} level(s) of {}x{}",
                                   levels.size(), size, size));
   if (harmonics == pairs.end()) throw OutputError(".glb files need irradiance as well, which this map lacks");
   const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);
-  std::string text = document(faces, Json::parse(harmonics->second), static_cast<int>(size)).dump();
+  std::string text = document(faces, Json::parse(harmonics->second), int(size)).dump();
   text.resize(padded(text.size()), ' ');
   std::size_t binary = 0;
   for (const RgbdFaces& level : faces)
     for (const std::vector<char>& image : level) binary += padded(image.size());
   const std::size_t all = sizeof(GlbHeader) + text.size() + sizeof(ChunkHeader) + binary;
   if (all > 0xffffffff) throw OutputError("a .glb file holds up to 4 GiB");
-  const GlbHeader header{glb_mark, 2, static_cast<std::uint32_t>(all), static_cast<std::uint32_t>(text.size()), json_chunk};
-  const ChunkHeader chunk{static_cast<std::uint32_t>(binary), binary_chunk};
+  const GlbHeader header{glb_mark, 2, std::uint32_t(all), std::uint32_t(text.size()), json_chunk};
+  const ChunkHeader chunk{std::uint32_t(binary), binary_chunk};
   file.write(&header, sizeof header);
   file.write(text.data(), text.size());
   file.write(&chunk, sizeof chunk);

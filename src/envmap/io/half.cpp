@@ -14,7 +14,7 @@ void to_half(std::span<const float> from, std::span<std::uint16_t> to) {
     const std::uint32_t normal = (x - 0x38000000 + 0xfff + (x >> 13 & 1)) >> 13;
     const std::uint32_t large = x > 0x7f800000 ? 0x7e00 : 0x7c00;
     const std::uint32_t half = x < 0x38800000 ? small : x < 0x477ff000 ? normal : large;
-    to[i] = static_cast<std::uint16_t>(sign | half);
+    to[i] = std::uint16_t(sign | half);
   }
 }
 

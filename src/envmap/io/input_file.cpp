@@ -29,8 +29,8 @@ void InputFile::start() {
   const off_t at = ::lseek(descriptor_, 0, SEEK_CUR);
   stream_ = !S_ISREG(status.st_mode) || at < 0;
   if (stream_) return take(head);
-  start_ = static_cast<std::uint64_t>(at);
-  size_ = static_cast<std::uint64_t>(std::max<off_t>(0, status.st_size - at));
+  start_ = std::uint64_t(at);
+  size_ = std::uint64_t(std::max<off_t>(0, status.st_size - at));
 }
 
 InputFile::InputFile(std::span<const char> bytes) {
@@ -57,12 +57,12 @@ void InputFile::take(std::size_t most) {
     const ssize_t n = ::read(descriptor_, block_.get() + size_, std::min<std::uint64_t>(room_, most) - size_);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) throw InputError(std::strerror(errno));
-    size_ += static_cast<std::uint64_t>(n);
+    size_ += std::uint64_t(n);
     stream_ = n > 0;
   }
 }
 
-void InputFile::read_all() { take(static_cast<std::size_t>(-1)); }
+void InputFile::read_all() { take(std::size_t(-1)); }
 
 void InputFile::hold() {
   read_all();
@@ -82,10 +82,10 @@ std::size_t InputFile::pread(void* buffer, std::size_t size, std::uint64_t offse
   std::size_t done = 0;
   while (done < wanted) {
     const ssize_t n =
-        ::pread(descriptor_, static_cast<char*>(buffer) + done, wanted - done, static_cast<off_t>(start_ + offset + done));
+        ::pread(descriptor_, static_cast<char*>(buffer) + done, wanted - done, off_t(start_ + offset + done));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) break;
-    done += static_cast<std::size_t>(n);
+    done += std::size_t(n);
   }
   return done;
 }

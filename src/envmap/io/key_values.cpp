@@ -25,7 +25,7 @@ std::string key_value_bytes(const KeyValues& pairs) {
   std::string bytes;
   for (const auto& [key, value] : pairs) {
     const std::string pair = key + '\0' + value + '\0';
-    const auto size = static_cast<std::uint32_t>(pair.size());
+    const auto size = std::uint32_t(pair.size());
     bytes.append(reinterpret_cast<const char*>(&size), sizeof size).append(pair);
     bytes.append((4 - bytes.size() % 4) % 4, '\0');
   }
@@ -43,7 +43,7 @@ KeyValues parse_key_values(std::span<const std::byte> bytes) {
     std::string_view value = pair.substr(std::min(pair.size(), key.size() + 1));
     if (value.ends_with('\0')) value.remove_suffix(1);
     pairs.emplace(key, value);
-    at += 4 + (static_cast<std::size_t>(size) + 3) / 4 * 4;
+    at += 4 + (std::size_t(size) + 3) / 4 * 4;
   }
   return pairs;
 }

@@ -84,11 +84,11 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels wanted, b
   h.format = gl.format;
   h.internal = gl.internal;
   h.base = rgb;
-  h.width = static_cast<std::uint32_t>(levels[0].width());
-  h.height = cube ? h.width : static_cast<std::uint32_t>(levels[0].height());
+  h.width = std::uint32_t(levels[0].width());
+  h.height = cube ? h.width : std::uint32_t(levels[0].height());
   h.faces = cube ? 6 : 1;
-  h.levels = static_cast<std::uint32_t>(levels.size());
-  h.pairs_size = static_cast<std::uint32_t>(kvd.size());
+  h.levels = std::uint32_t(levels.size());
+  h.pairs_size = std::uint32_t(kvd.size());
   file.put(&h, sizeof h);
   file.put(kvd.data(), kvd.size());
 
@@ -101,7 +101,7 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels wanted, b
     const std::uint64_t row = format.row_bytes(images[0].width());
     const std::uint64_t size = format.image_bytes(images[0].width(), images[0].height()) / row * padded(row);
     if (size > 0xffffffff) throw OutputError(fmt::format("KTX holds images of up to 4 GiB, not of {} bytes", size));
-    const auto image_size = static_cast<std::uint32_t>(size);
+    const auto image_size = std::uint32_t(size);
     file.put(&image_size, sizeof image_size);
     for (const Page& image : images) {
       const double part = 1.0 * image.width() * image.height();
@@ -134,9 +134,9 @@ TextureFile open_ktx1(const InputFile& file) {
   constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "ktx",
                 .texels = texels,
-                .width = static_cast<int>(std::min(h.width, most)),
-                .height = static_cast<int>(std::min(h.height, most)),
-                .levels = static_cast<int>(std::clamp(h.levels, 1U, most)),
+                .width = int(std::min(h.width, most)),
+                .height = int(std::min(h.height, most)),
+                .levels = int(std::clamp(h.levels, 1U, most)),
                 .cube = h.faces == 6};
   check_texture(t, file.size());
   const KeyValues pairs = parse_key_values(read_bytes(file, sizeof(Header), h.pairs_size));
@@ -161,14 +161,14 @@ TextureFile open_ktx1(const InputFile& file) {
     at += 4 + faces * padded(size);
   }
   t.bytes = [t, places](const InputFile& from, int level) {
-    const LevelPlace place = places[static_cast<std::size_t>(level)];
+    const LevelPlace place = places[std::size_t(level)];
     const std::uint64_t tight = format_of(t.texels).row_bytes(t.level_width(level)), rows = t.image_bytes(level) / tight;
     std::vector<std::byte> bytes;
     for (std::uint64_t face = 0; face < (t.cube ? 6 : 1); ++face) {
       const auto image = read_bytes(from, place.offset + face * padded(rows * place.row_bytes), rows * place.row_bytes);
       for (std::uint64_t row = 0; row < rows; ++row) {
-        const auto begin = image.begin() + static_cast<std::ptrdiff_t>(row * place.row_bytes);
-        bytes.insert(bytes.end(), begin, begin + static_cast<std::ptrdiff_t>(tight));
+        const auto begin = image.begin() + std::ptrdiff_t(row * place.row_bytes);
+        bytes.insert(bytes.end(), begin, begin + std::ptrdiff_t(tight));
       }
     }
     return bytes;

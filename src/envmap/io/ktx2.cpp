@@ -49,10 +49,10 @@ Words descriptor(const TexelFormat& format, KhrColour colour) {
   constexpr std::uint32_t one = 0x3f800000, minus_one = 0xbf800000;  // As floats.
   constexpr std::uint32_t rgbsda = 1, bc6h = 133;
   const std::uint32_t model = format.depth == Depth::bc6h ? bc6h : rgbsda,
-                      side = static_cast<std::uint32_t>(format.side) - 1;
+                      side = std::uint32_t(format.side) - 1;
   const std::uint32_t primaries = colour.primaries, transfer = colour.transfer;
   Words words{
-      0, 0, 0, model | primaries << 8 | transfer << 16, side | side << 8, static_cast<std::uint32_t>(format.bytes), 0};
+      0, 0, 0, model | primaries << 8 | transfer << 16, side | side << 8, std::uint32_t(format.bytes), 0};
   if (model == bc6h) {
     const bool is_negative = format.texels == Texels::bc6h_sfloat;
     add_sample(words, 0, 128, is_float | (is_negative ? is_signed : 0), is_negative ? minus_one : 0, one);
@@ -62,11 +62,11 @@ Words descriptor(const TexelFormat& format, KhrColour colour) {
       add_sample(words, 27, 5, c | is_exponent, 15, 31);
     }
   } else {
-    const auto channels = static_cast<unsigned>(format.channels), bits = static_cast<unsigned>(8 * format.bytes) / channels;
+    const auto channels = unsigned(format.channels), bits = unsigned(8 * format.bytes) / channels;
     for (unsigned c = 0; c < channels; ++c)
       add_sample(words, c * bits, bits, (c == 3 ? alpha : c) | is_float | is_signed, minus_one, one);
   }
-  const auto size = static_cast<std::uint32_t>(4 * words.size());
+  const auto size = std::uint32_t(4 * words.size());
   words[0] = size;
   words[2] = 2 | (size - 4) << 16;  // Version 1.3 and later; size of the block.
   return words;
@@ -76,7 +76,7 @@ Words descriptor(const TexelFormat& format, KhrColour colour) {
 KhrColour described_colour(const InputFile& file, const Header& h) {
   if (h.dfd_size < 16 || std::uint64_t{h.dfd_offset} + h.dfd_size > file.size()) return {};
   const auto word = read_as<std::uint32_t>(file, h.dfd_offset + 12U);
-  return {static_cast<std::uint8_t>(word >> 8), static_cast<std::uint8_t>(word >> 16)};
+  return {std::uint8_t(word >> 8), std::uint8_t(word >> 16)};
 }
 
 // ---- levels ----------------------------------------------------------------------------------------------------------
@@ -88,7 +88,7 @@ class LevelWriter {
   LevelWriter(OutputFile& file, bool zstd) : file_(file), context_(zstd ? ZSTD_createCCtx() : nullptr, ZSTD_freeCCtx) {
     if (!zstd) return;
     const auto workers = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_nbWorkers, static_cast<int>(std::max<std::size_t>(1, workers)));
+    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_nbWorkers, int(std::max<std::size_t>(1, workers)));
     packed_.resize(ZSTD_CStreamOutSize());
   }
 
@@ -147,15 +147,15 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
   std::ranges::copy(ktx2_mark, h.identifier.begin());
   h.vk_format = format.vulkan;
   h.type_size = format.type_size;
-  h.width = static_cast<std::uint32_t>(levels[0].width());
-  h.height = options.cube ? h.width : static_cast<std::uint32_t>(levels[0].height());
+  h.width = std::uint32_t(levels[0].width());
+  h.height = options.cube ? h.width : std::uint32_t(levels[0].height());
   h.faces = options.cube ? 6 : 1;
-  h.levels = static_cast<std::uint32_t>(levels.size());
+  h.levels = std::uint32_t(levels.size());
   h.scheme = options.zstd ? zstandard : plain;
-  h.dfd_offset = static_cast<std::uint32_t>(sizeof(Header) + levels.size() * sizeof(LevelIndex));
-  h.dfd_size = static_cast<std::uint32_t>(4 * dfd.size());
+  h.dfd_offset = std::uint32_t(sizeof(Header) + levels.size() * sizeof(LevelIndex));
+  h.dfd_size = std::uint32_t(4 * dfd.size());
   h.kvd_offset = h.dfd_offset + h.dfd_size;
-  h.kvd_size = static_cast<std::uint32_t>(kvd.size());
+  h.kvd_size = std::uint32_t(kvd.size());
 
   double all = 0, done = 0;
   for (const Page& page : levels) all += 1.0 * page.width() * page.height();
@@ -165,9 +165,9 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
   file.seek(h.kvd_offset + h.kvd_size);
   for (std::size_t k = levels.size(); k-- > 0;) {
     const std::vector<Page> images = images_of(levels[k], options.cube);
-    const auto align = options.zstd ? 1 : std::lcm(static_cast<std::int64_t>(format.bytes), std::int64_t{4});
+    const auto align = options.zstd ? 1 : std::lcm(std::int64_t(format.bytes), std::int64_t{4});
     file.seek((file.tell() + align - 1) / align * align);
-    index[k].offset = static_cast<std::uint64_t>(file.tell());
+    index[k].offset = std::uint64_t(file.tell());
     index[k].plain_size = images.size() * format.image_bytes(images[0].width(), images[0].height());
     out.begin(index[k].plain_size);
     for (const Page& image : images) {
@@ -180,7 +180,7 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
       done += part;
     }
     out.end();
-    index[k].size = static_cast<std::uint64_t>(file.tell()) - index[k].offset;
+    index[k].size = std::uint64_t(file.tell()) - index[k].offset;
   }
   file.seek(0);
   file.put(&h, sizeof h);
@@ -201,9 +201,9 @@ TextureFile open_ktx2(const InputFile& file) {
   constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "ktx2",
                 .texels = format->texels,
-                .width = static_cast<int>(std::min(h.width, most)),
-                .height = static_cast<int>(std::min(h.height, most)),
-                .levels = static_cast<int>(std::clamp(h.levels, 1U, most)),
+                .width = int(std::min(h.width, most)),
+                .height = int(std::min(h.height, most)),
+                .levels = int(std::clamp(h.levels, 1U, most)),
                 .cube = h.faces == 6};
   check_texture(t, file.size());
   KeyValues pairs;
@@ -218,13 +218,13 @@ TextureFile open_ktx2(const InputFile& file) {
 
   std::vector<LevelIndex> index;
   for (int k = 0; k < t.levels; ++k) {
-    index.push_back(read_as<LevelIndex>(file, sizeof(Header) + static_cast<std::size_t>(k) * sizeof(LevelIndex)));
+    index.push_back(read_as<LevelIndex>(file, sizeof(Header) + std::size_t(k) * sizeof(LevelIndex)));
     const std::uint64_t wanted = (t.cube ? 6 : 1) * t.image_bytes(k);
     if (index.back().plain_size != wanted || (h.scheme == plain && index.back().size != wanted))
       throw InputError(fmt::format("damaged: level {} has {} bytes, not {}", k, index.back().plain_size, wanted));
   }
   t.bytes = [index, scheme = h.scheme](const InputFile& from, int level) {
-    const LevelIndex& at = index[static_cast<std::size_t>(level)];
+    const LevelIndex& at = index[std::size_t(level)];
     std::vector<std::byte> bytes = read_bytes(from, at.offset, at.size);
     return scheme == plain ? bytes : decompressed(bytes, at.plain_size);
   };

@@ -28,10 +28,10 @@ Limited::Limited(const Rows& rows, const Range& range, bool weigh)
     : range_(range),
       weigh_(weigh || range.step > 0),
       limited_(rows),
-      misfits_(static_cast<std::size_t>(faces(rows.projection)) * static_cast<std::size_t>(rows.size)) {
+      misfits_(std::size_t(faces(rows.projection)) * std::size_t(rows.size)) {
   limited_.fill = [this, &rows](int face, int row, std::span<Colour> out) {
     rows.fill(face, row, out);
-    misfits_[static_cast<std::size_t>(face) * static_cast<std::size_t>(rows.size) + static_cast<std::size_t>(row)] =
+    misfits_[std::size_t(face) * std::size_t(rows.size) + std::size_t(row)] =
         cut(row, out);
   };
 }
@@ -52,7 +52,7 @@ Misfits Limited::total() const {
 
 Misfits Limited::cut(int row, std::span<Colour> out) const {
   Misfits m;
-  const auto largest = static_cast<float>(range_.largest);
+  const auto largest = float(range_.largest);
   const double fine = range_.fine, step = range_.step;
   std::vector<double> w;
   if (weigh_) {

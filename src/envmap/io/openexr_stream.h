@@ -18,7 +18,7 @@ class ExrInput final : public Imf::IStream {
  public:
   explicit ExrInput(const InputFile& file) : IStream("exr"), file_(file) {}
   bool read(char* to, int size) override {
-    const auto wanted = static_cast<std::size_t>(size);
+    const auto wanted = std::size_t(size);
     if (file_.pread(to, wanted, at_) != wanted) throw Iex::InputExc("it ends too early");
     at_ += wanted;
     return at_ < file_.size();
@@ -35,11 +35,11 @@ class ExrOutput final : public Imf::OStream {
  public:
   explicit ExrOutput(OutputFile& file) : OStream("exr"), file_(file) {}
   void write(const char* from, int size) override {
-    const auto wanted = static_cast<std::size_t>(size);
+    const auto wanted = std::size_t(size);
     if (file_.write(from, wanted) != wanted) throw Iex::IoExc("the disk is full or the file cannot be written");
   }
-  std::uint64_t tellp() override { return static_cast<std::uint64_t>(file_.tell()); }
-  void seekp(std::uint64_t place) override { file_.seek(static_cast<std::int64_t>(place)); }
+  std::uint64_t tellp() override { return std::uint64_t(file_.tell()); }
+  void seekp(std::uint64_t place) override { file_.seek(std::int64_t(place)); }
 
  private:
   OutputFile& file_;
@@ -48,7 +48,7 @@ class ExrOutput final : public Imf::OStream {
 /// OpenEXR's helpers beside the caller, who works, too, where there are none.
 inline void use_our_threads() {
   const auto cores = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  Imf::setGlobalThreadCount(cores > 1 ? static_cast<int>(cores) : 0);
+  Imf::setGlobalThreadCount(cores > 1 ? int(cores) : 0);
 }
 
 /// Without what OpenEXR puts before it: `Error reading pixel data from image file "exr". `.

@@ -45,7 +45,7 @@ std::string first_line(const std::string& message, const char* otherwise) {
 void use_our_threads() {
   static const bool told =
       OIIO::attribute("threads",
-                      static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
+                      int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
   (void)told;
 }
 
@@ -173,7 +173,7 @@ ImageWriter create(OutputFile& file, const std::string& extension, const ImagePl
   spec.attribute("DateTime", "");  // OpenImageIO would write the time of day.
   const std::string profile = plan.icc_profile.value_or("");
   if (!profile.empty())
-    spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())), profile.data());
+    spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, int(profile.size())), profile.data());
   // Not in TIFF: it would go into an EXIF directory, and OpenImageIO 2.4 leaves the file's header pointing at that.
   if (out->writer->format_name() != std::string("tiff") && !plan.icc_profile)
     spec.attribute("oiio:ColorSpace", is_integer(plan.depth) ? "sRGB" : "Linear");
@@ -208,7 +208,7 @@ OIIO::ImageSpec spec_of(Size size) { return {size.width, size.height, 3, OIIO::T
 
 std::vector<Colour> resized(std::span<const Colour> picture, Size from, Size to) {
   use_our_threads();
-  std::vector<Colour> out(static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height));
+  std::vector<Colour> out(std::size_t(to.width) * std::size_t(to.height));
   const OIIO::ImageBuf source(spec_of(from), const_cast<Colour*>(picture.data()));
   OIIO::ImageBuf wanted(spec_of(to), out.data());
   OIIO::ImageBufAlgo::resize(wanted, source);

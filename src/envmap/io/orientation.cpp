@@ -40,10 +40,10 @@ ImageReader turned_upright(ImageReader stored) {
   const auto whole = std::make_shared<Whole>();
   upright.read = [stored = std::move(stored), facts = upright.facts, orientation,
                   whole](int, int begin, int end, int first, int count, std::span<float> out) {
-    const auto channels = static_cast<std::size_t>(count);
+    const auto channels = std::size_t(count);
     if (whole->first != first || whole->count != count) {
       const int rows = stored.facts.height;
-      whole->values.resize(static_cast<std::size_t>(stored.facts.width) * static_cast<std::size_t>(rows) * channels);
+      whole->values.resize(std::size_t(stored.facts.width) * std::size_t(rows) * channels);
       stored.read(0, 0, rows, first, count, whole->values);
       whole->first = first, whole->count = count;
     }
@@ -51,8 +51,8 @@ ImageReader turned_upright(ImageReader stored) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < facts.width; ++x) {
         const auto [column, row] = place_in_file(orientation, facts.width, facts.height, x, y);
-        const std::size_t at = static_cast<std::size_t>(row) * static_cast<std::size_t>(stored.facts.width) +
-                               static_cast<std::size_t>(column);
+        const std::size_t at = std::size_t(row) * std::size_t(stored.facts.width) +
+                               std::size_t(column);
         for (std::size_t c = 0; c < channels; ++c) *to++ = whole->values[at * channels + c];
       }
   };

@@ -115,7 +115,7 @@ std::vector<std::byte> OutputFile::bytes() const {
   check();
   std::vector<std::byte> all(static_cast<std::size_t>(end_));
   for (std::size_t done = 0; done < all.size();) {
-    const std::size_t n = pread(all.data() + done, all.size() - done, static_cast<std::int64_t>(done));
+    const std::size_t n = pread(all.data() + done, all.size() - done, std::int64_t(done));
     if (n == 0) throw OutputError("cannot be read back from memory");
     done += n;
   }
@@ -131,22 +131,22 @@ OutputFile::~OutputFile() {
 
 std::size_t OutputFile::pread(void* buffer, std::size_t size, std::int64_t offset) const {
   const ssize_t n = ::pread(descriptor_, buffer, size, offset);
-  return n < 0 ? 0 : static_cast<std::size_t>(n);
+  return n < 0 ? 0 : std::size_t(n);
 }
 
 std::size_t OutputFile::write(const void* buffer, std::size_t size) {
   std::size_t done = 0;
   while (done < size) {
     const ssize_t n =
-        ::pwrite(descriptor_, static_cast<const char*>(buffer) + done, size - done, at_ + static_cast<std::int64_t>(done));
+        ::pwrite(descriptor_, static_cast<const char*>(buffer) + done, size - done, at_ + std::int64_t(done));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       if (error_ == 0) error_ = n < 0 ? errno : ENOSPC;
       break;
     }
-    done += static_cast<std::size_t>(n);
+    done += std::size_t(n);
   }
-  at_ += static_cast<std::int64_t>(done);
+  at_ += std::int64_t(done);
   end_ = std::max(end_, at_);
   return done;
 }
@@ -221,7 +221,7 @@ bool OutputFile::is_there_already() const {
     const std::size_t n = pread(ours.data(), ours.size(), at);
     same = n > 0 && ::pread(other, theirs.data(), n, at) == static_cast<ssize_t>(n) &&
            std::memcmp(ours.data(), theirs.data(), n) == 0;
-    at += static_cast<std::int64_t>(n);
+    at += std::int64_t(n);
   }
   if (other >= 0) ::close(other);
   return same;

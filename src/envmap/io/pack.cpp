@@ -24,7 +24,7 @@ constexpr std::array texels_of_format{Texels::rgba16f, Texels::rgba32f, Texels::
                                       Texels::rgb32f,  Texels::rgb9e5,  Texels::bc6h_ufloat};
 
 const TexelFormat& format_of(PixelFormat format) {
-  return format_of(texels_of_format[static_cast<std::size_t>(format)]);
+  return format_of(texels_of_format[std::size_t(format)]);
 }
 
 // Each level as it is packed, and what of it does not fit.
@@ -47,7 +47,7 @@ void check(const Level& level, const TexelFormat& format, const std::string& whi
 }
 
 std::size_t aligned(std::size_t bytes, int to) {
-  const auto step = static_cast<std::size_t>(to);
+  const auto step = std::size_t(to);
   return (bytes + step - 1) / step * step;
 }
 
@@ -58,7 +58,7 @@ PackedMap::Part part_of(const TexelFormat& format, const Level& level, int align
 
 // One image into its place. BC6H looks at blocks beside each other, so that an image is packed whole.
 void put(const Page& image, const TexelFormat& format, const PackedMap::Part& part, std::span<std::byte> to) {
-  std::vector<Colour> texels(static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height));
+  std::vector<Colour> texels(std::size_t(part.width) * std::size_t(part.height));
   image.gather(0, part.height, texels);
   std::vector<std::byte> tight;
   encode_rows(format, image, 0, part.height, texels, tight);
@@ -80,7 +80,7 @@ void check_fit(const Misfits& level, const TexelFormat& format, const PackOption
 const PackedMap::Part& PackedMap::part(int level, int face) const {
   envmap::check({"level", 0, levels - 1.0}, level);
   envmap::check({"face", 0, faces - 1.0}, face);
-  return parts.at(static_cast<std::size_t>(level * faces + face));
+  return parts.at(std::size_t(level * faces + face));
 }
 
 PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Progress& progress) {
@@ -97,7 +97,7 @@ PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Prog
   made.bytes.resize(size);
   const SteadyProgress steady(progress);
   for (int k = 0; k < made.levels; ++k) {
-    const Level& level = map.levels[static_cast<std::size_t>(k)];
+    const Level& level = map.levels[std::size_t(k)];
     if (level.faces() != made.faces) throw UsageError("levels of one map must have one projection");
     check(level, format, k > 0 ? fmt::format(" of level {}", k) : "");
     const Stored stored(level, format, api);

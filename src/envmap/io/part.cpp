@@ -114,7 +114,7 @@ void check_sizes(const std::vector<Head>& parts, const Grid& places, std::uint64
       throw InputError(h.path, fmt::format("is {}x{}; {} of such a map is {}x{}: damaged", h.width, h.height, words(h), width,
                                            band.end - band.begin));
   }
-  if (static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > max_pixels)
+  if (std::uint64_t(width) * std::uint64_t(height) > max_pixels)
     throw InputError(first.path, fmt::format("is part of a map of {}x{}, over {} pixels", width, height, max_pixels), Remedy::allow_pixels);
 }
 
@@ -130,7 +130,7 @@ void read_rows(const Head& head, const Grid& places, Level& level) {
   const auto opened = head.standard ? head.standard : open_part(head.path);
   const Image& image = *opened;
   const RowRange band = band_of(places.rows * level.height(), head.number);
-  std::vector<Colour> rows(static_cast<std::size_t>(head.width) * static_cast<std::size_t>(head.height));
+  std::vector<Colour> rows(std::size_t(head.width) * std::size_t(head.height));
   try {
     image.reader->read(0, 0, head.height, 0, 3, std::span(&rows.data()->x, 3 * rows.size()));
   } catch (const InputError& e) {
@@ -159,7 +159,7 @@ void restore(Facts& facts, Joined& joined, std::uint64_t max_pixels) {
   w.openexr_envmap = !take(making, "openexr-envmap").empty();
   w.border = number(take(making, "border")).value_or(0);
   const Projection projection = joined.map.projection();
-  const std::uint64_t whole_size = static_cast<std::uint64_t>(joined.map.base().height()) + 2 * static_cast<std::uint64_t>(w.border);
+  const std::uint64_t whole_size = std::uint64_t(joined.map.base().height()) + 2 * std::uint64_t(w.border);
   if ((w.layout && projection != Projection::cube) ||
       (w.border > 0 && (!is_octahedral(projection) || whole_size > largest || whole_size * whole_size > max_pixels)))
     throw InputError(fmt::format("the parts ask for what a {} map of this size has not: damaged", name(projection)));
@@ -169,7 +169,7 @@ void restore(Facts& facts, Joined& joined, std::uint64_t max_pixels) {
 
 RowRange band_of(int rows, const PartNumber& part) {
   if (rows < part.count) throw UsageError(fmt::format("{} parts: the image has {} rows", part.count, rows));
-  const auto edge = [&](int k) { return static_cast<int>(std::int64_t{rows} * k / part.count); };
+  const auto edge = [&](int k) { return int(std::int64_t{rows} * k / part.count); };
   return {edge(part.index - 1), edge(part.index)};
 }
 

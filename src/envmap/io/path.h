@@ -24,7 +24,7 @@ inline bool has_level(const std::string& path) { return path.find(level_mark) !=
 
 /// The name of one face's file: px nx py ny pz nz for faces 0 to 5, front and back for halves.
 inline std::string face_path(std::string path, int face) {
-  const auto k = static_cast<std::size_t>(face);
+  const auto k = std::size_t(face);
   if (has_half(path)) return path.replace(path.find(half_mark), half_mark.size(), half_names[k]);
   return path.replace(path.find(face_mark), face_mark.size(), cube_face_names[k]);
 }

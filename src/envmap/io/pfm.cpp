@@ -14,13 +14,13 @@ void write_pfm(OutputFile& file, const Page& page) {
   constexpr bool little = std::endian::native == std::endian::little;
   const std::string header = fmt::format("PF\n{} {}\n{}\n", page.width(), page.height(), little ? "-1.0" : "1.0");
   file.put(header.data(), header.size());
-  const auto width = static_cast<std::size_t>(page.width());
+  const auto width = std::size_t(page.width());
   std::vector<Colour> band;
   for (int end = page.height(); end > 0; end -= band_rows) {
     const int begin = std::max(0, end - band_rows);
-    band.resize(static_cast<std::size_t>(end - begin) * width);
+    band.resize(std::size_t(end - begin) * width);
     page.gather(begin, end, band);
-    for (auto row = static_cast<std::size_t>(end - begin); row-- > 0;)
+    for (auto row = std::size_t(end - begin); row-- > 0;)
       file.put(band.data() + row * width, width * sizeof(Colour));
   }
 }

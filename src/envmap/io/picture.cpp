@@ -41,7 +41,7 @@ void write_picture(const std::string& path, int width, std::span<const Colour> p
 
 void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth,
                   const PictureOptions& options) {
-  const int height = static_cast<int>(pixels.size()) / width;
+  const int height = int(pixels.size()) / width;
   OutputFile file(path, options.commit);
   const ImageWriter writer =
       make_writer(file, path, extension(path, options), {.levels = {{width, height}}, .depth = depth});

@@ -19,8 +19,8 @@ void begin(Image& image, std::span<const std::byte> png) {
   if (!png_image_begin_read_from_memory(&image, png.data(), png.size()))
     throw InputError(fmt::format("damaged: a face is no PNG image: {}", image.message));
   // A header can promise anything; deflate makes nothing smaller than a 1032nd.
-  const double bytes = static_cast<double>(PNG_IMAGE_SIZE(image));
-  if (image.width > 1 << 16 || image.height > 1 << 16 || bytes > 4 * 1032.0 * static_cast<double>(png.size()))
+  const double bytes = double(PNG_IMAGE_SIZE(image));
+  if (image.width > 1 << 16 || image.height > 1 << 16 || bytes > 4 * 1032.0 * double(png.size()))
     throw InputError(fmt::format("damaged: {} bytes cannot hold a face of {}x{}", png.size(), image.width, image.height));
 }
 
@@ -42,14 +42,14 @@ std::vector<char> png_of_rgba(std::span<const std::byte> rgba, int width, int he
 Size size_of_png(std::span<const std::byte> png) {
   Image image;
   begin(image, png);
-  return {static_cast<int>(image.width), static_cast<int>(image.height)};
+  return {int(image.width), int(image.height)};
 }
 
 RgbaImage rgba_of_png(std::span<const std::byte> png) {
   Image image;
   begin(image, png);
   image.format = PNG_FORMAT_RGBA;
-  RgbaImage out{static_cast<int>(image.width), static_cast<int>(image.height), std::vector<std::byte>(PNG_IMAGE_SIZE(image))};
+  RgbaImage out{int(image.width), int(image.height), std::vector<std::byte>(PNG_IMAGE_SIZE(image))};
   if (!png_image_finish_read(&image, nullptr, out.bytes.data(), 0, nullptr))
     throw InputError(fmt::format("damaged: a face does not decompress: {}", image.message));
   return out;

@@ -35,8 +35,8 @@ bool is(const std::string& channel, char wanted) {
 // Some names, so that a line stays a line.
 std::string listed(std::span<const std::string> names, int without, int count) {
   std::string list;
-  for (int c = 0; c < static_cast<int>(names.size()) && list.size() < 40; ++c)
-    if (c < without || c >= without + count) list += (list.empty() ? "" : ", ") + names[static_cast<std::size_t>(c)];
+  for (int c = 0; c < int(names.size()) && list.size() < 40; ++c)
+    if (c < without || c >= without + count) list += (list.empty() ? "" : ", ") + names[std::size_t(c)];
   return list;
 }
 
@@ -46,19 +46,19 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   if (facts.chosen > 0) return {0, facts.chosen};
   int first = -1, count = 3;
   for (std::size_t c = 0; c + 2 < names.size() && first < 0; ++c)
-    if (is(names[c], 'R') && is(names[c + 1], 'G') && is(names[c + 2], 'B')) first = static_cast<int>(c);
+    if (is(names[c], 'R') && is(names[c + 1], 'G') && is(names[c + 2], 'B')) first = int(c);
   if (first < 0 && names.size() >= 3 && !facts.names) first = 0;
   if (names.size() == 1 && (is(names[0], 'Z') || is(names[0], 'A')))
     image.fail(fmt::format("holds only {} ({}), no radiance", names[0], is(names[0], 'Z') ? "depth" : "alpha"));
   if (first < 0 && names.size() == 1) first = 0, count = 1;
   if (first < 0) image.fail(fmt::format("no R, G and B among its {} channels ({})", names.size(), listed(names, 0, 0)));
-  if (static_cast<int>(names.size()) > count && !options.drop_channels)
+  if (int(names.size()) > count && !options.drop_channels)
     image.fail(fmt::format("has channels besides R, G and B ({})", listed(names, first, count)), Remedy::drop_channels);
   return {first, count};
 }
 
 void check_pixels(const Image& image, const ReadOptions& options, int width, int height, int faces) {
-  const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * static_cast<std::uint64_t>(faces);
+  const auto pixels = std::uint64_t(width) * std::uint64_t(height) * std::uint64_t(faces);
   if (pixels > options.max_pixels)
     image.fail(fmt::format("{}x{}{} is over {} pixels", width, height, faces > 1 ? fmt::format(" x {} faces", faces) : "",
                            options.max_pixels),
@@ -70,10 +70,10 @@ void check_size(const Image& image, const ReadOptions& options) {
   if (!facts.flat) image.fail("holds deep samples or a volume, not a flat image");
   if (facts.width < 1 || facts.height < 1) image.fail("not a flat image");
   check_pixels(image, options, facts.width, facts.height, 1);
-  const double bytes = static_cast<double>(facts.width) * facts.height * sizeof(Colour);
-  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+  const double bytes = double(facts.width) * facts.height * sizeof(Colour);
+  const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
   // A header can promise anything. No compression in use makes a map 20,000 times smaller.
-  if (image.size > 0 && bytes > 0x1p28 && bytes > 2e4 * static_cast<double>(image.size))
+  if (image.size > 0 && bytes > 0x1p28 && bytes > 2e4 * double(image.size))
     image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, facts.width, facts.height));
   if (bytes > memory && options.max_memory == 0)
     image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}", facts.width, facts.height,
@@ -84,7 +84,7 @@ void check_size(const Image& image, const ReadOptions& options) {
 // Rows [begin, end) of a level as RGB.
 void read_band(const Image& image, int level, const Channels& channels, int begin, int end, std::span<Colour> out) {
   // Grey values come into the last third, and are spread from the first on.
-  const std::size_t values = out.size() * static_cast<std::size_t>(channels.count);
+  const std::size_t values = out.size() * std::size_t(channels.count);
   const std::span<float> last = std::span(&out.data()->x, 3 * out.size()).last(values);
   try {
     image.reader->read(level, begin, end, channels.first, channels.count, last);
@@ -97,7 +97,7 @@ void read_band(const Image& image, int level, const Channels& channels, int begi
 
 // The limit where the map would take more than half of it; else none.
 std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
-  const auto texels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  const auto texels = std::size_t(image.width) * std::size_t(image.height);
   return texels * sizeof(Colour) > max_memory / 2 ? max_memory : 0;
 }
 
@@ -118,12 +118,12 @@ Level read_pixels(Image& image, int stored, const Channels& channels, const Reco
   // Whole rows of tiles; enough lines that every core decompresses.
   const int unit = facts.tile_width > 0 ? facts.tile_height : 16;
   const int band_rows = (std::max(128, unit) / unit) * unit;
-  std::vector<Colour> band(static_cast<std::size_t>(std::min(band_rows, facts.height)) *
-                           static_cast<std::size_t>(facts.width));
+  std::vector<Colour> band(std::size_t(std::min(band_rows, facts.height)) *
+                           std::size_t(facts.width));
   std::optional<Level> level;
   for (int begin = 0; begin < facts.height; begin += band_rows) {
     const int end = std::min(begin + band_rows, facts.height);
-    const auto rows = std::span(band).first(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(facts.width));
+    const auto rows = std::span(band).first(std::size_t(end - begin) * std::size_t(facts.width));
     read_band(image, stored, channels, begin, end, rows);
     if (facts.encoded && image.decode) decode_srgb(rows);
     if (!level) level.emplace(base.projection, face.height, face.width, scratch(max_memory, facts));

@@ -85,19 +85,19 @@ Provenance colours_of(const Imf::Header& header) {
 // @param wanted channels that are to come first.
 ImageFacts facts_of(const Imf::Header& header, const std::vector<std::string>& wanted) {
   const Imath::Box2i data = header.dataWindow();
-  ImageFacts f{.width = static_cast<int>(std::min<std::int64_t>(1L + data.max.x - data.min.x, INT_MAX)),
-               .height = static_cast<int>(std::min<std::int64_t>(1L + data.max.y - data.min.y, INT_MAX)),
+  ImageFacts f{.width = int(std::min<std::int64_t>(1L + data.max.x - data.min.x, INT_MAX)),
+               .height = int(std::min<std::int64_t>(1L + data.max.y - data.min.y, INT_MAX)),
                .flat = !header.hasType() || !Imf::isDeepData(header.type()),
                .depth = Depth::half,
                .channels = wanted,
                .attributes = attributes_of(header),
                .provenance = colours_of(header),
-               .chosen = static_cast<int>(wanted.size())};
+               .chosen = int(wanted.size())};
   for (const std::string& name : channel_names(header.channels()))
     if (std::ranges::find(wanted, name) == wanted.end()) f.channels.push_back(name);
   if (in_tiles(header)) {
-    f.tile_width = static_cast<int>(std::min<unsigned>(header.tileDescription().xSize, INT_MAX));
-    f.tile_height = static_cast<int>(std::min<unsigned>(header.tileDescription().ySize, INT_MAX));
+    f.tile_width = int(std::min<unsigned>(header.tileDescription().xSize, INT_MAX));
+    f.tile_height = int(std::min<unsigned>(header.tileDescription().ySize, INT_MAX));
   }
   const std::size_t colours = wanted.empty() ? std::min<std::size_t>(f.channels.size(), 3) : wanted.size();
   for (std::size_t k = 0; k < colours; ++k)
@@ -113,7 +113,7 @@ std::optional<ImageFacts> level_facts(const File& file, ImageFacts f, int level)
   const bool up = header.tileDescription().roundingMode == Imf::ROUND_UP;
   const int longer = std::max(f.width, f.height);
   if (level > 30 || (up ? (longer - 1) >> (level - 1) : longer >> level) == 0) return std::nullopt;
-  const auto side = [&](int n) { return std::max(1, static_cast<int>((n + (up ? (1L << level) - 1 : 0)) >> level)); };
+  const auto side = [&](int n) { return std::max(1, int((n + (up ? (1L << level) - 1 : 0)) >> level)); };
   f.width = side(f.width), f.height = side(f.height);
   return f;
 }
@@ -121,17 +121,17 @@ std::optional<ImageFacts> level_facts(const File& file, ImageFacts f, int level)
 // Where the channels of an image go: (0, 0) of the window is at its place in the file.
 Imf::FrameBuffer frame(const File& file, const ImageFacts& f, int begin, int first, int count, float* out) {
   const Imath::Box2i window = file.header().dataWindow();
-  const auto pixel = static_cast<std::ptrdiff_t>(sizeof(float)) * count, line = pixel * f.width;
+  const auto pixel = std::ptrdiff_t(sizeof(float)) * count, line = pixel * f.width;
   char* origin = reinterpret_cast<char*>(out) - pixel * window.min.x - line * (std::ptrdiff_t{window.min.y} + begin);
   Imf::FrameBuffer buffer;
   for (int c = 0; c < count; ++c) {
-    const std::string& name = f.channels[static_cast<std::size_t>(first + c)];
+    const std::string& name = f.channels[std::size_t(first + c)];
     const Imf::Channel& channel = file.header().channels()[name];
     if (channel.type == Imf::UINT) throw InputError(fmt::format("channel {} holds whole numbers, not radiance", name));
     if (channel.xSampling != 1 || channel.ySampling != 1)
       throw InputError(fmt::format("channel {} is not sampled in every pixel", name));
-    buffer.insert(name, Imf::Slice(Imf::FLOAT, origin + static_cast<std::ptrdiff_t>(sizeof(float)) * c,
-                                   static_cast<std::size_t>(pixel), static_cast<std::size_t>(line)));
+    buffer.insert(name, Imf::Slice(Imf::FLOAT, origin + std::ptrdiff_t(sizeof(float)) * c,
+                                   std::size_t(pixel), std::size_t(line)));
   }
   return buffer;
 }
@@ -184,7 +184,7 @@ void choose_part(File& file, const std::string& wanted, ImageFacts& facts) {
     return;
   }
   for (int k = 0; k < count; ++k)
-    if (names[static_cast<std::size_t>(k)] == wanted || std::to_string(k) == wanted) {
+    if (names[std::size_t(k)] == wanted || std::to_string(k) == wanted) {
       file.part = k;
       return;
     }
@@ -248,10 +248,10 @@ void read_luminance(File& file, const ImageFacts& f, int begin, int end, int fir
   try {
     if (!file.luminance) file.luminance.emplace(file.again);
     const Imath::Box2i window = file.header().dataWindow();
-    std::vector<Imf::Rgba> rows(static_cast<std::size_t>(end - begin) * static_cast<std::size_t>(f.width));
+    std::vector<Imf::Rgba> rows(std::size_t(end - begin) * std::size_t(f.width));
     const std::ptrdiff_t line = f.width;
     file.luminance->setFrameBuffer(rows.data() - window.min.x - line * (std::ptrdiff_t{window.min.y} + begin), 1,
-                                   static_cast<std::size_t>(line));
+                                   std::size_t(line));
     file.luminance->readPixels(window.min.y + begin, window.min.y + end - 1);
     float* to = out.data();
     for (const Imf::Rgba& p : rows)
@@ -303,7 +303,7 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
       choice.crop ? "the data window is read as the whole image" : "what is missing is black"));
   if (choice.crop) return reader;
   const auto length = [](std::int64_t from, std::int64_t to) {
-    return static_cast<int>(std::min<std::int64_t>(1 + to - from, INT_MAX));
+    return int(std::min<std::int64_t>(1 + to - from, INT_MAX));
   };
   return in_window(std::move(reader), {std::int64_t{data.min.x} - display.min.x, std::int64_t{data.min.y} - display.min.y,
                                        length(display.min.x, display.max.x), length(display.min.y, display.max.y)});

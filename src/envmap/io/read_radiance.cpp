@@ -40,7 +40,7 @@ std::vector<double> numbers(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc()) return found;
     found.push_back(value);
-    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    text.remove_prefix(std::size_t(end - text.data()));
   }
 }
 
@@ -85,7 +85,7 @@ void read_resolution(Header& h, std::string_view line) {
     line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
     int length = 0;
     const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), length);
-    line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+    line.remove_prefix(std::size_t(end - line.data()));
     return error == std::errc() ? length : 0;
   };
   char sign[2] = {}, name[2] = {};
@@ -122,7 +122,7 @@ Header read_header(const InputFile& file) {
   read_resolution(h, next_line());
   h.pixels = at;
   // The new run lengths name 127 texels in 2 bytes of each channel; of the old ones a scanline takes 4 bytes at least.
-  const double rest = static_cast<double>(file.size() - at);
+  const double rest = double(file.size() - at);
   if (4.0 * h.height > rest || 1e-3 * h.width > rest)
     throw InputError(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", file.size(), h.width, h.height));
   return h;
@@ -183,7 +183,7 @@ void read_old_runs(Bytes& in, Rgbe first, std::span<Rgbe> out) {
     if (p[0] == 1 && p[1] == 1 && p[2] == 1) {
       const std::size_t count = shift < 32 ? std::size_t{p[3]} << shift : out.size() + 1;
       if (at == 0 || count > out.size() - at) throw InputError("a run of texels leaves its row");
-      std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(at), count, out[at - 1]);
+      std::fill_n(out.begin() + std::ptrdiff_t(at), count, out[at - 1]);
       at += count;
       shift += 8;
     } else {
@@ -223,12 +223,12 @@ struct Reader {
   Reader(const InputFile& f, const Header& h)
       : file(f), header(h), matrix(h.xyz ? from_xyz(h.primaries) : Rotation(1)) {
     for (int c = 0; c < 3; ++c) matrix[c] /= h.applied[c];
-    for (int e = 0; e < 256; ++e) unit[static_cast<std::size_t>(e)] = e == 0 ? 0 : std::ldexp(1.0, e - 136);
+    for (int e = 0; e < 256; ++e) unit[std::size_t(e)] = e == 0 ? 0 : std::ldexp(1.0, e - 136);
   }
 
   void read(int begin, int end, int first, int count, std::span<float> out) {
     if (!bytes || begin < next) bytes.emplace(file, header.pixels), next = 0;
-    line.resize(static_cast<std::size_t>(header.width));
+    line.resize(std::size_t(header.width));
     float* to = out.data();
     for (; next < end; ++next) {
       read_scanline(*bytes, line);
@@ -237,7 +237,7 @@ struct Reader {
         const double u = unit[p[3]];
         const Flux colour = matrix * Flux(p[0] * u, p[1] * u, p[2] * u);
         for (int c = first; c < first + count; ++c)
-          *to++ = static_cast<float>(header.xyz ? std::max(colour[c], 0.0) : colour[c]);
+          *to++ = float(header.xyz ? std::max(colour[c], 0.0) : colour[c]);
       }
     }
   }

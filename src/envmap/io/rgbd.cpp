@@ -16,7 +16,7 @@ namespace {
 const std::array<float, 256>& linear_of_byte() {
   static const auto table = [] {
     std::array<float, 256> t;
-    for (int k = 0; k < 256; ++k) t[static_cast<std::size_t>(k)] = static_cast<float>(portable::pow(k / 255.0, 2.2));
+    for (int k = 0; k < 256; ++k) t[std::size_t(k)] = float(portable::pow(k / 255.0, 2.2));
     return t;
   }();
   return table;
@@ -36,14 +36,14 @@ std::size_t placed(std::size_t face) { return face < 2 ? 1 - face : face; }
 
 // Upside down and, X being negated, every row reversed: from the image of a face to that of a file, and back.
 void turn(std::span<std::byte> image, int size) {
-  const std::size_t row = 4 * static_cast<std::size_t>(size);
+  const std::size_t row = 4 * std::size_t(size);
   for (int j = 0; j < size / 2; ++j)
-    std::ranges::swap_ranges(image.subspan(static_cast<std::size_t>(j) * row, row),
-                             image.subspan(static_cast<std::size_t>(size - 1 - j) * row, row));
+    std::ranges::swap_ranges(image.subspan(std::size_t(j) * row, row),
+                             image.subspan(std::size_t(size - 1 - j) * row, row));
   for (std::size_t at = 0; at < image.size(); at += row)
     for (std::size_t i = 0; i < row / 2; i += 4)
-      std::swap_ranges(image.begin() + static_cast<std::ptrdiff_t>(at + i), image.begin() + static_cast<std::ptrdiff_t>(at + i + 4),
-                       image.begin() + static_cast<std::ptrdiff_t>(at + row - 4 - i));
+      std::swap_ranges(image.begin() + std::ptrdiff_t(at + i), image.begin() + std::ptrdiff_t(at + i + 4),
+                       image.begin() + std::ptrdiff_t(at + row - 4 - i));
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ void encode_rgbd(std::span<const Colour> from, std::span<std::byte> to) {
   for (std::size_t i = 0; i < from.size(); ++i) {
     const Colour& c = from[i];
     const float most = std::max({c.x, c.y, c.z, 1.0F}), alpha = std::max(1.0F, std::floor(255 / most));
-    for (int k = 0; k < 3; ++k) to[4 * i + static_cast<std::size_t>(k)] = nearest_byte(c[k] * alpha / 255);
+    for (int k = 0; k < 3; ++k) to[4 * i + std::size_t(k)] = nearest_byte(c[k] * alpha / 255);
     to[4 * i + 3] = static_cast<std::byte>(alpha);
   }
 }
@@ -62,7 +62,7 @@ void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to) {
   const auto value = [&](std::size_t at) { return table[std::to_integer<std::size_t>(from[at])]; };
   for (std::size_t i = 0; i < to.size(); ++i) {
     const int alpha = std::to_integer<int>(from[4 * i + 3]);
-    const float scale = alpha == 0 ? 0 : 255 / static_cast<float>(alpha);
+    const float scale = alpha == 0 ? 0 : 255 / float(alpha);
     to[i] = scale * Colour(value(4 * i), value(4 * i + 1), value(4 * i + 2));
   }
 }
@@ -75,7 +75,7 @@ std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const Progress& 
     const std::vector<Page> images = images_of(page, true);
     RgbdFaces& faces = files.emplace_back();
     const int size = images[0].width();
-    const std::size_t texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+    const std::size_t texels = std::size_t(size) * std::size_t(size);
     for (std::size_t face = 0; face < faces.size(); ++face) {
       std::vector<Colour> colours(texels);
       std::vector<std::byte> bytes(4 * texels);
@@ -100,14 +100,14 @@ TextureFile rgbd_texture(const InputFile& file, const char* container, std::vect
                 .texels = Texels::rgbd8,
                 .width = first.width,
                 .height = first.height,
-                .levels = static_cast<int>(std::min<std::size_t>(parts.size() / 6, 64)),
+                .levels = int(std::min<std::size_t>(parts.size() / 6, 64)),
                 .cube = true};
   check_texture(t, file.size());
   t.bytes = [t, image, parts = std::move(parts)](const InputFile& from, int level) {
     const std::uint64_t size = t.image_bytes(level);
     std::vector<std::byte> bytes;
     for (std::size_t face = 0; face < 6; ++face) {
-      const FilePart& part = parts[6 * static_cast<std::size_t>(level) + placed(face)];
+      const FilePart& part = parts[6 * std::size_t(level) + placed(face)];
       RgbaImage found = image(from, part);
       if (found.bytes.size() != size || found.width != t.level_width(level))
         throw InputError(fmt::format("damaged: a face of level {} is {}x{}", level, found.width, found.height));

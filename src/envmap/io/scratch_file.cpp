@@ -13,7 +13,7 @@ namespace envmap {
 
 ScratchFile::ScratchFile(const std::string& extension)
     : path_((std::filesystem::temp_directory_path() / ("envmap-XXXXXX." + extension)).string()) {
-  const int descriptor = ::mkstemps(path_.data(), static_cast<int>(extension.size() + 1));
+  const int descriptor = ::mkstemps(path_.data(), int(extension.size() + 1));
   if (descriptor < 0) throw OutputError(path_, "not written; TMPDIR names another folder");
   ::close(descriptor);
   remove_on_signal(path_.c_str());

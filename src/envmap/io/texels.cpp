@@ -24,14 +24,14 @@ std::uint32_t to_rgb9e5(const Colour& c) {
   std::frexp(most, &exponent);  // most < 2^exponent.
   exponent = std::max(exponent, -15);
   if (std::lround(std::ldexp(most, 9 - exponent)) == 512) ++exponent;
-  const auto mantissa = [&](float x) { return static_cast<std::uint32_t>(std::lround(std::ldexp(x, 9 - exponent))); };
-  return mantissa(c.x) | mantissa(c.y) << 9 | mantissa(c.z) << 18 | static_cast<std::uint32_t>(exponent + 15) << 27;
+  const auto mantissa = [&](float x) { return std::uint32_t(std::lround(std::ldexp(x, 9 - exponent))); };
+  return mantissa(c.x) | mantissa(c.y) << 9 | mantissa(c.z) << 18 | std::uint32_t(exponent + 15) << 27;
 }
 
 Colour from_rgb9e5(std::uint32_t word) {
-  const float step = std::ldexp(1.0F, static_cast<int>(word >> 27) - 24);
-  return step * Colour(static_cast<float>(word & 511), static_cast<float>(word >> 9 & 511),
-                       static_cast<float>(word >> 18 & 511));
+  const float step = std::ldexp(1.0F, int(word >> 27) - 24);
+  return step * Colour(float(word & 511), float(word >> 9 & 511),
+                       float(word >> 18 & 511));
 }
 
 // A float without sign, 5 bits of exponent and `bits` of mantissa: as half, but shorter.
@@ -40,7 +40,7 @@ float small_float(std::uint32_t word, int bits) {
   if (exponent == 31)
     return mantissa ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
   const std::uint32_t whole = exponent ? mantissa | 1U << bits : mantissa;
-  return std::ldexp(static_cast<float>(whole), std::max(1, static_cast<int>(exponent)) - 15 - bits);
+  return std::ldexp(float(whole), std::max(1, int(exponent)) - 15 - bits);
 }
 
 // Floats with three or four channels.
@@ -81,7 +81,7 @@ void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to
 bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to) {
   const TexelFormat& format = format_of(texels);
   if (format.depth == Depth::bc6h) {
-    decode_bc6h(from, texels == Texels::bc6h_sfloat, to.size() / static_cast<std::size_t>(format.side), to);
+    decode_bc6h(from, texels == Texels::bc6h_sfloat, to.size() / std::size_t(format.side), to);
     return true;
   }
   if (texels == Texels::rgbd8) {
@@ -98,10 +98,10 @@ bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to
     }
     return true;
   }
-  const auto channels = static_cast<std::size_t>(format.channels);
+  const auto channels = std::size_t(format.channels);
   std::vector<float> values(channels * to.size());
   if (format.depth == Depth::uint8) {
-    std::ranges::transform(from, values.begin(), [](std::byte b) { return static_cast<float>(b) / 255; });
+    std::ranges::transform(from, values.begin(), [](std::byte b) { return float(b) / 255; });
     const bool opaque = colours(values, channels, to);
     if (texels == Texels::rgb8_srgb || texels == Texels::rgba8_srgb) decode_srgb(to);
     return opaque;

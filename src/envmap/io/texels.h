@@ -26,11 +26,11 @@ struct TexelFormat {
   int side = 1;             ///< Of a block, in texels.
 
   /// Bytes of a row of texels, or of blocks, and of an image: blocks reach over its right and lower side.
-  [[nodiscard]] std::uint64_t row_bytes(int width) const { return blocks(width) * static_cast<std::uint64_t>(bytes); }
+  [[nodiscard]] std::uint64_t row_bytes(int width) const { return blocks(width) * std::uint64_t(bytes); }
   [[nodiscard]] std::uint64_t image_bytes(int width, int height) const { return row_bytes(width) * blocks(height); }
   /// Rows of texels or blocks that so many texels take.
   [[nodiscard]] std::uint64_t blocks(int length) const {
-    return (static_cast<std::uint64_t>(length) + static_cast<std::uint64_t>(side) - 1) / static_cast<std::uint64_t>(side);
+    return (std::uint64_t(length) + std::uint64_t(side) - 1) / std::uint64_t(side);
   }
 };
 
@@ -53,7 +53,7 @@ inline constexpr TexelFormat texel_formats[] = {
     {Texels::rgbd8, "RGBD", 4, 4, Depth::rgbd, no_vulkan, 0, 1},
 };
 
-inline const TexelFormat& format_of(Texels t) { return texel_formats[static_cast<int>(t)]; }
+inline const TexelFormat& format_of(Texels t) { return texel_formats[int(t)]; }
 
 /// What a depth is written as. @param depth half, single, rgb9e5, bc6h or rgbd.
 inline Texels texels_of(Depth depth) {

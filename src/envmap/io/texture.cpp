@@ -34,12 +34,12 @@ void check_texture(const TextureFile& t, std::uint64_t file_size) {
     throw InputError(fmt::format("its size of {}x{} is beyond {} a side", t.width, t.height, most));
   if (t.cube && t.width != t.height)
     throw InputError(fmt::format("damaged: cube faces of {}x{} are not square", t.width, t.height));
-  if (t.levels < 1 || t.levels > static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(t.width, t.height)))))
+  if (t.levels < 1 || t.levels > int(std::bit_width(unsigned(std::max(t.width, t.height)))))
     throw InputError(fmt::format("damaged: {}x{} cannot have {} levels", t.width, t.height, t.levels));
   const double bytes = (t.cube ? 6.0 : 1.0) * t.width * t.height * sizeof(Colour);
-  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+  const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
   // A header can promise anything. No map compresses to a 20,000th.
-  if (bytes > 0x1p28 && bytes > 2e4 * static_cast<double>(file_size))
+  if (bytes > 0x1p28 && bytes > 2e4 * double(file_size))
     throw InputError(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", file_size, t.width, t.height));
   if (bytes > memory)
     throw InputError(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}", t.width, t.height,
@@ -48,15 +48,15 @@ void check_texture(const TextureFile& t, std::uint64_t file_size) {
 
 void encode_rows(const TexelFormat& format, const Page& page, int begin, int end, std::span<const Colour> from,
                  std::vector<std::byte>& to) {
-  const auto width = static_cast<std::size_t>(page.width());
+  const auto width = std::size_t(page.width());
   const std::size_t row_bytes = format.row_bytes(page.width());
-  const int strips = static_cast<int>(format.blocks(end - begin));
-  to.resize(static_cast<std::size_t>(strips) * row_bytes);
+  const int strips = int(format.blocks(end - begin));
+  to.resize(std::size_t(strips) * row_bytes);
   tbb::parallel_for(0, strips, [&](int k) {
     const int top = begin + k * format.side, bottom = std::min(end, top + format.side);
     const auto rows =
-        from.subspan(static_cast<std::size_t>(top - begin) * width, static_cast<std::size_t>(bottom - top) * width);
-    const auto out = std::span(to).subspan(static_cast<std::size_t>(k) * row_bytes, row_bytes);
+        from.subspan(std::size_t(top - begin) * width, std::size_t(bottom - top) * width);
+    const auto out = std::span(to).subspan(std::size_t(k) * row_bytes, row_bytes);
     if (format.depth == Depth::bc6h)
       encode_bc6h(rows, width, top == 0, bottom == page.height(), out);
     else
@@ -87,15 +87,15 @@ using PutRow = std::function<void(int face, int row, std::span<const Colour> tex
 // All rows of the images of a level, from many threads at once. @return whether every alpha is 1.
 bool decode_images(const TexelFormat& format, std::span<const std::byte> bytes, int faces, int width, int height,
                    const PutRow& put) {
-  const std::size_t row_bytes = format.row_bytes(width), columns = static_cast<std::size_t>(width);
-  const int strips = static_cast<int>(format.blocks(height));
+  const std::size_t row_bytes = format.row_bytes(width), columns = std::size_t(width);
+  const int strips = int(format.blocks(height));
   std::atomic<bool> opaque{true};
   tbb::parallel_for(0, faces * strips, [&](int k) {
-    std::vector<Colour> rows(static_cast<std::size_t>(format.side) * columns);
-    if (!decode(format.texels, bytes.subspan(static_cast<std::size_t>(k) * row_bytes, row_bytes), rows)) opaque = false;
+    std::vector<Colour> rows(std::size_t(format.side) * columns);
+    if (!decode(format.texels, bytes.subspan(std::size_t(k) * row_bytes, row_bytes), rows)) opaque = false;
     const int top = k % strips * format.side;
     for (int j = 0; j < std::min(format.side, height - top); ++j)
-      put(k / strips, top + j, std::span(rows).subspan(static_cast<std::size_t>(j) * columns, columns));
+      put(k / strips, top + j, std::span(rows).subspan(std::size_t(j) * columns, columns));
   });
   return opaque;
 }
@@ -123,9 +123,9 @@ Level decode_cube(const Stored& s, bool& opaque) {
 // @param number the level of `base` that it is.
 Level decode_flat(const Stored& s, const Recognised& base, int number, bool& opaque) {
   const int w = s.texture.level_width(s.number), h = s.texture.level_height(s.number);
-  std::vector<Colour> image(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  std::vector<Colour> image(std::size_t(w) * std::size_t(h));
   opaque = decode_images(format_of(s.texture.texels), s.bytes, 1, w, h, [&](int, int row, std::span<const Colour> texels) {
-    const auto to = static_cast<std::ptrdiff_t>(s.texture.bottom_up ? h - 1 - row : row) * w;
+    const auto to = std::ptrdiff_t(s.texture.bottom_up ? h - 1 - row : row) * w;
     std::ranges::copy(texels, image.begin() + to);
   });
   const FaceSize face = face_size(base, number);
@@ -159,7 +159,7 @@ Level read_back(const Level& level, Texels texels) {
   int width = 0, height = 0;
   for (const Page& image : images_of({stored, grid(layout)}, cube)) {
     width = image.width(), height = image.height();
-    std::vector<Colour> all(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    std::vector<Colour> all(std::size_t(width) * std::size_t(height));
     image.gather(0, height, all);
     encode_rows(format_of(texels), image, 0, height, all, packed);
     bytes.insert(bytes.end(), packed.begin(), packed.end());

@@ -16,7 +16,7 @@ std::uint64_t whole_number(const Json& json) {
   const double number = json.is_number() ? json.template get<double>() : -1;
   if (!(number >= 0 && number <= 0x1p53 && number == std::floor(number)))
     throw InputError("damaged: its JSON has no whole number where one must be");
-  return static_cast<std::uint64_t>(number);
+  return std::uint64_t(number);
 }
 
 }  // namespace envmap

@@ -21,10 +21,10 @@ ImageReader in_window(ImageReader stored, const DataWindow& window) {
     const std::int64_t left = std::max<std::int64_t>(0, -window.x), right = std::min(width, window.width - window.x);
     if (top >= bottom || left >= right) return;
     const auto at = [count](std::int64_t across, std::int64_t row, std::int64_t column) {
-      return static_cast<std::size_t>((row * across + column) * count);
+      return std::size_t((row * across + column) * count);
     };
     std::vector<float> rows(at(width, bottom - top, 0));
-    stored.read(0, static_cast<int>(top), static_cast<int>(bottom), first, count, rows);
+    stored.read(0, int(top), int(bottom), first, count, rows);
     for (std::int64_t row = in_file(begin); row < in_file(end); ++row) {
       const auto from = std::span(rows).subspan(at(width, row - top, left), at(1, right - left, 0));
       std::ranges::copy(from, out.subspan(at(window.width, row + window.y - begin, left + window.x)).begin());

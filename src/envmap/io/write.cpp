@@ -84,7 +84,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
     const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
     for_each_band(levels[k], options.rows.value_or(RowRange{0, levels[k].height()}), so_far, [&](int begin, int end, std::vector<Colour>& band) {
       if (is_integer(depth) && options.colour.space.empty()) encode_srgb(band);
-      writer.write(static_cast<int>(k), begin, end, band);
+      writer.write(int(k), begin, end, band);
     });
     done += part;
   }
@@ -252,13 +252,13 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
     }
   };
   if (levels.size() > 1 && !has_level(path)) {
-    if (!format.texture) data.levels = static_cast<int>(levels.size());
+    if (!format.texture) data.levels = int(levels.size());
     write_file(path, Chain(rows, done.layout, !format.texture).pages(), progress);
   } else {
     const int count = done.layout == Layout::files ? faces(base.projection) : 1;
     for (std::size_t level = 0; level < levels.size(); ++level)
       for (int k = 0; k < count; ++k) {
-        const std::string one = level_path(path, static_cast<int>(level));
+        const std::string one = level_path(path, int(level));
         const Page page{rows[level], grid(done.layout), count > 1 ? k : -1};
         const Progress part =
             !progress || level > 0 ? Progress() : [&progress, k, count](double p) { progress((k + p) / count); };

@@ -55,7 +55,7 @@ void set_compression(Imf::Header& header, const std::string& wanted) {
   if (name.starts_with("zip"))
     header.zipCompressionLevel() = level;
   else
-    header.dwaCompressionLevel() = static_cast<float>(level);
+    header.dwaCompressionLevel() = float(level);
 }
 
 Imf::Header header_of(const ImagePlan& plan) {
@@ -78,8 +78,8 @@ Imf::Header header_of(const ImagePlan& plan) {
 
 // Three channels of which the first value, of row `begin`, lies at `first`.
 Imf::FrameBuffer frame(Imf::PixelType type, const void* first, int begin, int width) {
-  const std::size_t value = type == Imf::HALF ? 2 : 4, line = 3 * value * static_cast<std::size_t>(width);
-  char* origin = static_cast<char*>(const_cast<void*>(first)) - static_cast<std::ptrdiff_t>(line) * begin;
+  const std::size_t value = type == Imf::HALF ? 2 : 4, line = 3 * value * std::size_t(width);
+  char* origin = static_cast<char*>(const_cast<void*>(first)) - std::ptrdiff_t(line) * begin;
   Imf::FrameBuffer buffer;
   for (std::size_t c = 0; c < 3; ++c) buffer.insert(channels[c], Imf::Slice(type, origin + c * value, 3 * value, line));
   return buffer;
@@ -96,7 +96,7 @@ const void* as_stored(File& file, std::span<const Colour> rows) {
 }
 
 void write_rows(File& file, const ImagePlan& plan, int level, int begin, int end, std::span<const Colour> rows) {
-  const int width = plan.levels[static_cast<std::size_t>(level)].width;
+  const int width = plan.levels[std::size_t(level)].width;
   const Imf::FrameBuffer buffer = frame(file.type, as_stored(file, rows), begin, width);
   if (file.lines) {
     file.lines->setFrameBuffer(buffer);

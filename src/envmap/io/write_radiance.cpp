@@ -68,8 +68,8 @@ ImageWriter create_radiance(OutputFile& file, const ImagePlan& plan) {
   file.put(header.data(), header.size());
   return {.write =
               [&file, size](int, int begin, int end, std::span<const Colour> pixels) {
-                const auto width = static_cast<std::size_t>(size.width);
-                std::vector<std::string> rows(static_cast<std::size_t>(end - begin));
+                const auto width = std::size_t(size.width);
+                std::vector<std::string> rows(std::size_t(end - begin));
                 tbb::parallel_for(std::size_t{0}, rows.size(),
                                   [&](std::size_t k) { add_row(pixels.subspan(k * width, width), rows[k]); });
                 for (const std::string& row : rows) file.put(row.data(), row.size());
@@ -81,7 +81,7 @@ void round_to_radiance(std::span<Colour> texels) {
   for (Colour& c : texels) {
     const Rgbe stored = to_rgbe(c);
     for (int k = 0; k < 3; ++k)
-      c[k] = stored[3] == 0 ? 0 : std::ldexp(static_cast<float>(stored[static_cast<std::size_t>(k)]), stored[3] - 136);
+      c[k] = stored[3] == 0 ? 0 : std::ldexp(float(stored[std::size_t(k)]), stored[3] - 136);
   }
 }
 

@@ -20,7 +20,7 @@ Level with_border(const Level& map, int border) {
 Level without_border(const Level& texture, int border) {
   Level map(texture.projection(), texture.height() - 2 * border);
   for (int j = 0; j < map.height(); ++j)
-    std::ranges::copy(texture.row(0, j + border).subspan(static_cast<std::size_t>(border), static_cast<std::size_t>(map.width())),
+    std::ranges::copy(texture.row(0, j + border).subspan(std::size_t(border), std::size_t(map.width())),
                       map.row(0, j).begin());
   return map;
 }

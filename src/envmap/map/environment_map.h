@@ -47,9 +47,9 @@ class Level {
     return stored(face, i, j);
   }
 
-  [[nodiscard]] std::span<Colour> row(int face, int j) { return {texel(face, 0, j), static_cast<std::size_t>(width_)}; }
+  [[nodiscard]] std::span<Colour> row(int face, int j) { return {texel(face, 0, j), std::size_t(width_)}; }
   [[nodiscard]] std::span<const Colour> row(int face, int j) const {
-    return {texel(face, 0, j), static_cast<std::size_t>(width_)};
+    return {texel(face, 0, j), std::size_t(width_)};
   }
 
   /// The limit that the texels were made with, and what holds to it: to be called while many of them are gone through.
@@ -67,7 +67,7 @@ class Level {
   [[nodiscard]] const Colour* stored(int face, int i, int j) const { return pixels_.data() + index(face, i, j); }
 
   [[nodiscard]] std::size_t index(int face, int i, int j) const {
-    return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(face) * (height_ + 2 * apron) + j + apron) * stride() +
+    return std::size_t((std::ptrdiff_t(face) * (height_ + 2 * apron) + j + apron) * stride() +
                                     i + apron);
   }
 

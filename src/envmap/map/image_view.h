@@ -20,7 +20,7 @@ class ImageView {
 
   /// How many values such an image has.
   [[nodiscard]] static std::size_t count(int width, int height, int faces = 1) {
-    return static_cast<std::size_t>(faces) * static_cast<std::size_t>(height) * static_cast<std::size_t>(width);
+    return std::size_t(faces) * std::size_t(height) * std::size_t(width);
   }
 
   [[nodiscard]] int width() const { return width_; }
@@ -29,7 +29,7 @@ class ImageView {
 
   [[nodiscard]] T& operator()(int face, int i, int j) const {
     assert(face >= 0 && face < faces_ && i >= 0 && i < width_ && j >= 0 && j < height_);
-    return values_[(static_cast<std::ptrdiff_t>(face) * height_ + j) * width_ + i];
+    return values_[(std::ptrdiff_t(face) * height_ + j) * width_ + i];
   }
   [[nodiscard]] T& operator()(int i, int j) const { return (*this)(0, i, j); }
   [[nodiscard]] std::span<T> row(int face, int j) const { return {&(*this)(face, 0, j), std::size_t(width_)}; }

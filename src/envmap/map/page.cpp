@@ -10,8 +10,8 @@ namespace {
 // The columns of one face in row y of an image band that begins at row `begin`.
 template <class T>
 std::span<T> part(std::span<T> band, int width, int y, int begin, const Slot& slot, int face_width) {
-  const auto row = static_cast<std::size_t>(y - begin) * static_cast<std::size_t>(width);
-  return band.subspan(row + static_cast<std::size_t>(slot.column * face_width), static_cast<std::size_t>(face_width));
+  const auto row = std::size_t(y - begin) * std::size_t(width);
+  return band.subspan(row + std::size_t(slot.column * face_width), std::size_t(face_width));
 }
 
 }  // namespace
@@ -26,11 +26,11 @@ void Page::gather(int begin, int end, std::span<Colour> out) const {
     if (slot.turned) std::ranges::reverse(to);
   };
   tbb::parallel_for(begin, end, [&](int y) {
-    std::ranges::fill(out.subspan(static_cast<std::size_t>(y - begin) * static_cast<std::size_t>(w),
-                                  static_cast<std::size_t>(w)),
+    std::ranges::fill(out.subspan(std::size_t(y - begin) * std::size_t(w),
+                                  std::size_t(w)),
                       background);
     if (face >= 0) return fill(face, {0, 0}, y);
-    for (std::size_t f = 0; f < grid.slots.size(); ++f) fill(static_cast<int>(f), grid.slots[f], y);
+    for (std::size_t f = 0; f < grid.slots.size(); ++f) fill(int(f), grid.slots[f], y);
   });
 }
 

@@ -26,14 +26,14 @@ Colour* map_scratch_file(std::size_t bytes) {
   const auto fail = [&](int error) {
     throw OutputError(
         fmt::format("{}: cannot hold {:.1f} GiB of scratch: {}: set TMPDIR to another folder", folder,
-                    static_cast<double>(bytes) / 0x1p30, std::strerror(error)));
+                    double(bytes) / 0x1p30, std::strerror(error)));
   };
   std::string path = folder + "/envmap-XXXXXX";
   const int file = ::mkostemp(path.data(), O_CLOEXEC);
   if (file < 0) fail(errno);
   ::unlink(path.c_str());
   // Which is known at once; to fill the disk first takes minutes.
-  const int full = has_room(file, bytes) ? ::posix_fallocate(file, 0, static_cast<off_t>(bytes)) : ENOSPC;
+  const int full = has_room(file, bytes) ? ::posix_fallocate(file, 0, off_t(bytes)) : ENOSPC;
   void* const data = full ? MAP_FAILED : ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   const int error = full ? full : errno;
   ::close(file);
@@ -49,7 +49,7 @@ std::size_t resident() {
     if (std::fscanf(file, "%lu %lu", &all, &pages) != 2) pages = 0;
     std::fclose(file);
   }
-  return pages * static_cast<std::size_t>(::sysconf(_SC_PAGE_SIZE));
+  return pages * std::size_t(::sysconf(_SC_PAGE_SIZE));
 }
 
 }  // namespace

@@ -104,14 +104,14 @@ double exp(double x) {
   if (!(x < 710)) return x * infinity;  // NaN stays NaN.
   if (x < -746) return 0;
   const double k = std::nearbyint(x / ln2);
-  return std::ldexp(exp_near_0(x - k * ln2_high, k * ln2_low), static_cast<int>(k));
+  return std::ldexp(exp_near_0(x - k * ln2_high, k * ln2_low), int(k));
 }
 
 double exp2(double x) {
   if (!(x < 1025)) return x * infinity;
   if (x < -1076) return 0;
   const double k = std::nearbyint(x);
-  return std::ldexp(exp_near_0((x - k) * ln2, 0), static_cast<int>(k));
+  return std::ldexp(exp_near_0((x - k) * ln2, 0), int(k));
 }
 
 double expm1(double x) {

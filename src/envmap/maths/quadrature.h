@@ -82,7 +82,7 @@ double cut_by_disc(const Rect& r, F&& f) {
   }
   std::sort(breaks.begin(), breaks.end());
   double sum = 0;
-  for (int k = 0; k + 1 < static_cast<int>(breaks.size()); ++k) {
+  for (int k = 0; k + 1 < int(breaks.size()); ++k) {
     if (breaks[k] >= breaks[k + 1]) continue;
     sum += line<N>(breaks[k], breaks[k + 1], [&](double a) {
       const double s = portable::sin(a), edge = portable::cos(a);

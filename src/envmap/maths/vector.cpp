@@ -14,7 +14,7 @@ std::array<double, 2> cos_sin_degrees(double degrees) {
   const double quarter = std::nearbyint(turn / 90.0);
   const double rest = (turn - 90.0 * quarter) / 180.0;
   const double c = portable::cos_pi(rest), s = portable::sin_pi(rest);
-  switch (static_cast<int>(quarter) & 3) {
+  switch (int(quarter) & 3) {
     case 0: return {c, s};
     case 1: return {-s, c};
     case 2: return {-c, -s};

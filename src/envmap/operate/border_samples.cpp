@@ -15,12 +15,12 @@ Level to_cell_centres(const Level& border) {
   tbb::parallel_for(0, level.faces() * level.height(), [&](int k) {
     const int face = k / level.height(), j = k % level.height();
     const double y = (j + 0.5) * sy;
-    const int top = std::min(static_cast<int>(y), level.height() - 2);
-    const float fy = static_cast<float>(y - top);
+    const int top = std::min(int(y), level.height() - 2);
+    const float fy = float(y - top);
     for (int i = 0; i < level.width(); ++i) {
       const double x = (i + 0.5) * sx;
-      const int left = std::min(static_cast<int>(x), level.width() - 2);
-      const float fx = static_cast<float>(x - left);
+      const int left = std::min(int(x), level.width() - 2);
+      const float fx = float(x - left);
       const Colour *a = border.texel(face, left, top), *b = a + border.stride();
       *level.texel(face, i, j) = (1 - fy) * ((1 - fx) * a[0] + fx * a[1]) + fy * ((1 - fx) * b[0] + fx * b[1]);
     }

@@ -51,14 +51,14 @@ std::vector<Texel> every(std::int64_t count, Projection p, int size) {
   std::int64_t all = 0;
   for (int row = 0; row < size; ++row) all += columns(p, size, row).end - columns(p, size, row).first;
   all *= faces(p);
-  const double step = std::max(1.0, static_cast<double>(all) / static_cast<double>(count));
+  const double step = std::max(1.0, double(all) / double(count));
   double next = 0.5 * step;
   std::int64_t index = 0;
   for (int face = 0; face < faces(p); ++face)
     for (int row = 0; row < size; ++row) {
       const Columns in = columns(p, size, row);
-      for (; next < static_cast<double>(index + in.end - in.first); next += step)
-        found.push_back({face, in.first + static_cast<int>(next - static_cast<double>(index)), row});
+      for (; next < double(index + in.end - in.first); next += step)
+        found.push_back({face, in.first + int(next - double(index)), row});
       index += in.end - in.first;
     }
   return found;
@@ -74,10 +74,10 @@ std::vector<Texel> hardest(const std::vector<PaddedLevel>& levels, const Target&
   const auto take = [&](std::size_t count, auto error) {
     for (std::size_t k = 0; k < texels.size(); ++k) order[k] = {-error(k), k};
     count = std::min(count, order.size());
-    std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(count));
+    std::ranges::partial_sort(order, order.begin() + std::ptrdiff_t(count));
     for (std::size_t k = 0; k < count; ++k) found.push_back(texels[order[k].second]);
   };
-  take(brightest, [&](std::size_t k) { return static_cast<double>(largest(glm::abs(one[k] - four[k]))); });
+  take(brightest, [&](std::size_t k) { return double(largest(glm::abs(one[k] - four[k]))); });
   take(worst,
        [&](std::size_t k) { return largest(glm::abs(one[k] - four[k])) / std::max<double>(largest(four[k]), floor); });
   return found;
@@ -115,16 +115,16 @@ FilterTrial measured(const Candidate& candidate, std::span<const Colour> result,
 
 FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target& target, double max_error, double floor,
                            const Costs& costs) {
-  std::vector<Texel> texels = every(static_cast<std::int64_t>(spread), target.to, target.size);
+  std::vector<Texel> texels = every(std::int64_t(spread), target.to, target.size);
   texels.resize(std::min(texels.size(), spread));
   const std::size_t even = texels.size();
   std::ranges::copy(hardest(levels, target, floor), std::back_inserter(texels));
   const std::vector<double> w = weights(target, texels);
   const double all = texel_count(target.to, target.size);
-  const double share = std::max(1.0, all / static_cast<double>(even));
+  const double share = std::max(1.0, all / double(even));
   const auto truth = sampled(make_sampler(levels, target, {Filter::area, 1, std::max(1e-7, 0.1 * max_error), floor}), texels);
 
-  FilterChoice choice{.filter = {}, .trials = {}, .texels = static_cast<std::int64_t>(texels.size()), .reached = false};
+  FilterChoice choice{.filter = {}, .trials = {}, .texels = std::int64_t(texels.size()), .reached = false};
   const auto attempt = [&](const Candidate& candidate) {
     choice.filter = {candidate.filter, candidate.samples, std::max(1e-7, 0.25 * max_error), floor};
     const auto start = std::chrono::steady_clock::now();
@@ -133,7 +133,7 @@ FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target&
     const auto result = sampled(sampler, texels);
     const std::chrono::duration<double> making = made - start, sampling = std::chrono::steady_clock::now() - made;
     FilterTrial trial = measured(candidate, result, truth, w, even, share, floor);
-    trial.seconds_per_texel = making.count() / all + sampling.count() / static_cast<double>(texels.size());
+    trial.seconds_per_texel = making.count() / all + sampling.count() / double(texels.size());
     choice.trials.push_back(trial);
     choice.reached = trial.rms <= max_error && trial.maximum <= max_error;
     return choice.reached;

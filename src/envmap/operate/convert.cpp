@@ -95,7 +95,7 @@ bool interpolates(const FilterOptions& f) {
 std::size_t between_trims(const Target& target, const Level& source) {
   if (source.max_memory() == 0) return std::numeric_limits<std::size_t>::max();
   const double covers = covered(target, source);
-  return static_cast<std::size_t>(std::clamp(256 * 64 / (covers * covers), 1.0, 256.0));
+  return std::size_t(std::clamp(256 * 64 / (covers * covers), 1.0, 256.0));
 }
 
 }  // namespace
@@ -153,7 +153,7 @@ void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
     std::ranges::copy(in.of(unchanged->row(face, row)), texels.begin());
   }
   for (std::size_t k = 0; k < texels.size() && !unchanged; k += texels_between_trims) {
-    sampler(face, row, in.first + static_cast<int>(k), texels.subspan(k, std::min(texels_between_trims, texels.size() - k)));
+    sampler(face, row, in.first + int(k), texels.subspan(k, std::min(texels_between_trims, texels.size() - k)));
     for (const PaddedLevel& level : levels) level.trim();
   }
   if (gain != 1)

@@ -108,7 +108,7 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
         if (const Direction world = to_world * d[k]; to_edge(pattern, world) > reach)
           sum[k] = radiance(pattern, world);
         else
-          supersample(pattern, level, to_world, face, row, in.first + static_cast<int>(k), std::span(sum).subspan(k, 1));
+          supersample(pattern, level, to_world, face, row, in.first + int(k), std::span(sum).subspan(k, 1));
       }
     }
     std::ranges::transform(sum, in.of(level.row(face, row)).begin(), [](const Rgb<double>& c) { return Colour(c); });
@@ -151,9 +151,9 @@ void add_coverage(const Cone& cone, Level& coverage) {
   const double reach = h < 8 ? pi : 1.2 * texel_reach(coverage.projection(), h) + 1e-9;
   const double outside = cone.radius + reach < pi ? portable::cos(cone.radius + reach) : -2;
   const double inside = cone.radius > reach ? portable::cos(cone.radius - reach) : 2;
-  std::vector<double> inner(static_cast<std::size_t>(h) * P::faces, cone.radius);
+  std::vector<double> inner(std::size_t(h) * P::faces, cone.radius);
   for_each_row(P::faces, h, {}, [&](int face, int row) {
-    double& least = inner[static_cast<std::size_t>(face) * static_cast<std::size_t>(h) + static_cast<std::size_t>(row)];
+    double& least = inner[std::size_t(face) * std::size_t(h) + std::size_t(row)];
     const Columns in = columns(coverage.projection(), h, row);
     std::vector<Direction> centres(in.count());
     texel_directions(coverage.projection(), h, face, row, in.first, centres);
@@ -176,24 +176,24 @@ void add_coverage(const Cone& cone, Level& coverage) {
                steradians = 4 * pi * portable::sin(0.5 * (cone.radius - ring)) * portable::sin(0.5 * (cone.radius + ring));
   if (steradians <= 0) return;
   const double texels = steradians * P::faces * w * h / (4 * pi);
-  const auto points = static_cast<std::int64_t>(std::clamp(256 * texels, 0x1p20, 0x1p26));
+  const auto points = std::int64_t(std::clamp(256 * texels, 0x1p20, 0x1p26));
   const Direction e1 =
       glm::normalize(glm::cross(std::abs(cone.axis.x) < 0.7 ? Direction(1, 0, 0) : Direction(0, 1, 0), cone.axis));
   const Direction e2 = glm::cross(cone.axis, e1);
   for (std::int64_t k = 0; k < points; ++k) {
-    const double part = (static_cast<double>(k) + 0.5) / static_cast<double>(points), z = z0 + part * (z1 - z0);
+    const double part = (double(k) + 0.5) / double(points), z = z0 + part * (z1 - z0);
     // 1 - z without cancellation, so that a sun of seconds of arc is round.
     const double sine = std::sqrt(std::max(0.0, (2 * portable::pow(portable::sin(0.5 * ring), 2) + part * (z0 - z1)) * (1 + z)));
-    const double turn = 2 * pi * std::fmod(static_cast<double>(k) * std::numbers::phi, 1.0);
+    const double turn = 2 * pi * std::fmod(double(k) * std::numbers::phi, 1.0);
     const auto at = P::locate(z * cone.axis + sine * (portable::cos(turn) * e1 + portable::sin(turn) * e2));
-    const int i = std::clamp(static_cast<int>(at.u * w), 0, w - 1), j = std::clamp(static_cast<int>(at.v * h), 0, h - 1);
+    const int i = std::clamp(int(at.u * w), 0, w - 1), j = std::clamp(int(at.v * h), 0, h - 1);
     coverage.texel(at.face, i, j)->y += 1;
   }
   for_each_row(P::faces, h, {}, [&](int face, int row) {
     for (int i = 0; i < w; ++i)
       if (Colour& c = *coverage.texel(face, i, row); c.x < 1 && c.y > 0)
-        c.x = static_cast<float>(
-            std::min(1.0, c.y * steradians / static_cast<double>(points) / P::solid_angle(rect(i, row))));
+        c.x = float(
+            std::min(1.0, c.y * steradians / double(points) / P::solid_angle(rect(i, row))));
   });
 }
 

@@ -25,12 +25,12 @@ struct Cells {
 Cells cells(int fine, int coarse) {
   Cells all{{0}, {}, {0}};
   for (int k = 0; k < coarse; ++k) {
-    const double from = static_cast<double>(k) * fine / coarse, to = static_cast<double>(k + 1) * fine / coarse;
-    for (int i = static_cast<int>(from); i < to; ++i) {
+    const double from = double(k) * fine / coarse, to = double(k + 1) * fine / coarse;
+    for (int i = int(from); i < to; ++i) {
       all.edges.push_back(std::min<double>(to, i + 1) / fine);
       all.source.push_back(i);
     }
-    all.first.push_back(static_cast<int>(all.source.size()));
+    all.first.push_back(int(all.source.size()));
   }
   return all;
 }
@@ -44,8 +44,8 @@ struct RowWeights {
 
 void weigh(Projection p, Weights weights, const Cells& across, const Cells& down, int row, RowWeights& out) {
   const std::size_t count = across.source.size(), half = (count + 1) / 2;
-  const auto first = static_cast<std::size_t>(down.first[row]),
-             end = static_cast<std::size_t>(down.first[static_cast<std::size_t>(row) + 1]);
+  const auto first = std::size_t(down.first[row]),
+             end = std::size_t(down.first[std::size_t(row) + 1]);
   out.whole.assign(across.first.size() - 1, 0);
   out.parts.resize(std::max(out.parts.size(), end - first));
   for (std::size_t part = 0; part < end - first; ++part) {
@@ -116,7 +116,7 @@ Level coarser_level(const Level& fine, int width, int height, Weights weights) {
     std::vector<const Colour*> rows;
     for (int row = range.begin(); row < range.end(); ++row) {
       weigh(fine.projection(), weights, across, down, row, shared);
-      const auto first = static_cast<std::size_t>(down.first[row]), end = static_cast<std::size_t>(down.first[row + 1]);
+      const auto first = std::size_t(down.first[row]), end = std::size_t(down.first[row + 1]);
       const std::span<const int> sources = std::span(down.source).subspan(first, end - first);
       const auto halve = [&](int face, bool mirrored) {
         rows.clear();
@@ -139,7 +139,7 @@ void add_levels_with_border(std::vector<Level>& levels, int border, Weights weig
   check_levels(levels, count);
   check(limits::border, border);
   const int whole = levels.front().height() + 2 * border;
-  for (int k = static_cast<int>(levels.size()); (whole >> k) > 2 * border && (count == 0 || k < count); ++k) {
+  for (int k = int(levels.size()); (whole >> k) > 2 * border && (count == 0 || k < count); ++k) {
     const int size = (whole >> k) - 2 * border;
     levels.push_back(coarser_level(levels.back(), size, size, weights));
   }
@@ -149,7 +149,7 @@ void add_levels(EnvironmentMap& map, Weights weights, int count) { add_levels(ma
 
 void add_levels(std::vector<Level>& levels, Weights weights, int count) {
   check_levels(levels, count);
-  while (has_next(levels.back()) && (count == 0 || levels.size() < static_cast<std::size_t>(count)))
+  while (has_next(levels.back()) && (count == 0 || levels.size() < std::size_t(count)))
     levels.push_back(half_level(levels.back(), weights));
 }
 

@@ -49,7 +49,7 @@ double ratio(double x, double y) { return x == 0 ? 0 : x / y; }
 
 // Solid angles of row j of every face: computed once, used for all faces.
 std::vector<double> weights(const Level& level, int j) {
-  std::vector<double> w(static_cast<std::size_t>(level.width()));
+  std::vector<double> w(std::size_t(level.width()));
   solid_angles(level.projection(), level.height(), j, w);
   return w;
 }
@@ -219,7 +219,7 @@ std::vector<Texel> texels_of(const Level& level) {
 }
 
 std::size_t index_of(const Level& level, const Texel& texel) {
-  return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(texel.face) * level.height() + texel.j) * level.width() + texel.i);
+  return std::size_t((std::ptrdiff_t(texel.face) * level.height() + texel.j) * level.width() + texel.i);
 }
 
 Totals totals(const Level& level) {

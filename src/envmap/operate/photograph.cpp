@@ -86,7 +86,7 @@ int samples_of(const PhotographOptions& o, const Level& source) {
   if (o.samples) return *o.samples;
   const double texel = visit(source.projection(), [](auto p) { return decltype(p)::span; }) * pi / 180 / source.height();
   const double pixel = 2 * half_height(o) / o.height;  // In the middle, where it is widest.
-  return std::clamp(static_cast<int>(std::ceil(2 * pixel / texel)), 1, most_samples);
+  return std::clamp(int(std::ceil(2 * pixel / texel)), 1, most_samples);
 }
 
 std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o) {
@@ -94,27 +94,27 @@ std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o
   require_finite(source);
   const Camera camera{.lens = o.lens,
                       .half = half_height(o),
-                      .aspect = static_cast<double>(o.width) / o.height,
+                      .aspect = double(o.width) / o.height,
                       .width = o.width,
                       .height = o.height,
                       .samples = samples_of(o, source.base()),
                       .to_image = glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) *
                                   upright_about(glm::normalize(o.towards))};
   const PaddedLevel base(std::move(source.base()));
-  const auto width = static_cast<std::size_t>(o.width), each = static_cast<std::size_t>(camera.samples * camera.samples);
-  std::vector<Colour> picture(width * static_cast<std::size_t>(o.height));
+  const auto width = std::size_t(o.width), each = std::size_t(camera.samples * camera.samples);
+  std::vector<Colour> picture(width * std::size_t(o.height));
   for_each_row(1, o.height, {}, [&](int, int row) {
     std::vector<Direction> directions;
     std::vector<Location<double>> places(each);
     std::vector<Colour> found(each);
-    const std::span<Colour> pixels = std::span(picture).subspan(static_cast<std::size_t>(row) * width, width);
+    const std::span<Colour> pixels = std::span(picture).subspan(std::size_t(row) * width, width);
     for (int i = 0; i < o.width; ++i) {
       camera.look(i, row, directions);
       const std::span<Colour> colours = std::span(found).first(directions.size());
       sample(base, o.filter, directions, std::span(places).first(directions.size()), colours);
       Rgb<double> sum(0);
       for (const Colour& c : colours) sum += Rgb<double>(c);
-      pixels[static_cast<std::size_t>(i)] = Colour(sum * (o.gain / static_cast<double>(each)));
+      pixels[std::size_t(i)] = Colour(sum * (o.gain / double(each)));
     }
     base.trim();
   });

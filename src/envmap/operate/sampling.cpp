@@ -29,7 +29,7 @@ std::vector<SamplingRow> sampling_table(Projection p, int size, int steps) {
   std::vector<double> weights(static_cast<std::size_t>(width));
   for (int k = 0; k <= steps; ++k) {
     const auto along = [&](int from, int to) {
-      return from + static_cast<int>(std::lround((to - from) * double(k) / steps));
+      return from + int(std::lround((to - from) * double(k) / steps));
     };
     const int i = p == Projection::latlong ? ci : along(ci, columns(p, size, cj).end - 1);
     const int j = on_disc(p) ? cj : along(cj, 0);

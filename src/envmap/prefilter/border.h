@@ -52,7 +52,7 @@ BorderPoint border_point(int face, const Side& side, double w) {
     const double longitude = 2 * (0.5 - side.fixed);
     return {l, pi * Direction(portable::cos_pi(longitude), 0, -portable::sin_pi(longitude))};
   } else {
-    const Cube::Axes& a = Cube::axes[static_cast<std::size_t>(face)];
+    const Cube::Axes& a = Cube::axes[std::size_t(face)];
     return {l, glm::dot(l, a.forward) * glm::cross(l, side.along_u ? 2.0 * a.right : -2.0 * a.up)};
   }
 }
@@ -75,7 +75,7 @@ struct Border {
     for (std::size_t n = 0; n < sides.size(); ++n) {
       const Side& s = edges[n].side = sides[n];
       for (std::size_t k = 0; k <= steps; ++k)
-        edges[n].along[k] = s.template direction<P>(face, s.at(static_cast<double>(k) / steps));
+        edges[n].along[k] = s.template direction<P>(face, s.at(double(k) / steps));
       edges[n].rules = {rule(face, s, s.from, s.to), rule(face, s, s.from, s.at(0.5)), rule(face, s, s.at(0.5), s.to)};
     }
   }
@@ -103,7 +103,7 @@ const Border<P>& recent_border(int face, const Rect& rect) {
     Border<P> border;
   };
   thread_local std::vector<std::optional<Kept>> kept(128);
-  std::uint64_t hash = static_cast<std::uint64_t>(face);
+  std::uint64_t hash = std::uint64_t(face);
   for (const double x : {rect.u0, rect.v0, rect.u1, rect.v1}) hash = 0x9E3779B97F4A7C15U * (hash ^ std::bit_cast<std::uint64_t>(x));
   std::optional<Kept>& place = kept[hash >> 57];
   const auto is_it = [&](const Rect& r) { return r.u0 == rect.u0 && r.v0 == rect.v0 && r.u1 == rect.u1 && r.v1 == rect.v1; };
@@ -182,7 +182,7 @@ class RoundBorder {
     for (std::size_t k = 0; k < steps; ++k) {
       const bool before = above(edge.along[k]);
       if (above(edge.along[k + 1]) == before) continue;
-      const double w = crossing(side, side.at(static_cast<double>(k) / steps), side.at((k + 1.0) / steps));
+      const double w = crossing(side, side.at(double(k) / steps), side.at((k + 1.0) / steps));
       // Not off a sliver.
       const double least = 1e-6 * std::abs(side.to - side.from);
       if (std::abs(w - rest.from) <= least || std::abs(w - side.to) <= least) continue;

@@ -144,13 +144,13 @@ std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness) {
 std::vector<Colour> brdf_table(int size, const Progress& progress) {
   check(limits::table_size, size);
   const SteadyProgress steady(progress);
-  const auto n = static_cast<std::size_t>(size);
+  const auto n = std::size_t(size);
   std::vector<double> cosines;
   for (int i = 0; i < size; ++i) cosines.push_back((i + 0.5) / size);
   std::vector<Colour> table(n * n);
   for_each_row(1, size, steady.callback(), [&](int, int j) {
     const std::vector<ScaleBias> row = brdf(cosines, (j + 0.5) / size);
-    for (std::size_t i = 0; i < n; ++i) table[static_cast<std::size_t>(j) * n + i] = Colour(row[i].scale, row[i].bias, 0);
+    for (std::size_t i = 0; i < n; ++i) table[std::size_t(j) * n + i] = Colour(row[i].scale, row[i].bias, 0);
   });
   steady.finish();
   return table;

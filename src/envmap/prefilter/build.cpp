@@ -44,7 +44,7 @@ struct SolidAngles {
 
   SolidAngles(const Level& source, const Span& block) : in(block), texels(in.count()) {
     std::vector<double> edges;
-    for (int i = in.left; i <= in.right; ++i) edges.push_back(i / static_cast<double>(source.width()));
+    for (int i = in.left; i <= in.right; ++i) edges.push_back(i / double(source.width()));
     const double h = source.height();
     for (int j = in.top; j < in.bottom; ++j)
       solid_angles(source.projection(), edges, j / h, (j + 1) / h,
@@ -58,7 +58,7 @@ std::vector<Direction>& directions_of(const Level& source, int face, const Span&
   found.resize(in.count());
   for (int j = in.top; j < in.bottom; ++j)
     texel_directions(source.projection(), source.height(), face, j, in.left,
-                     std::span(found).subspan(in.index(in.left, j), static_cast<std::size_t>(in.width())));
+                     std::span(found).subspan(in.index(in.left, j), std::size_t(in.width())));
   return found;
 }
 
@@ -109,8 +109,8 @@ void plain_blocks(const Tree& tree, int face, const SolidAngles& omega, std::spa
   for (const Span& b : blocks) width = std::max(width, b.width()), height = std::max(height, b.height());
   thread_local std::vector<ShapeBatch> rows;
   thread_local std::vector<TexelBatch> parts;
-  const auto across = static_cast<std::size_t>(width);
-  rows.resize(static_cast<std::size_t>(height)), parts.resize(across * rows.size());
+  const auto across = std::size_t(width);
+  rows.resize(std::size_t(height)), parts.resize(across * rows.size());
   for (std::size_t k = 0; k < parts.size(); ++k) parts[k] = {.row = &rows[k / across]};
 
   std::array<Direction, batch_size> origins, shifts;
@@ -125,7 +125,7 @@ void plain_blocks(const Tree& tree, int face, const SolidAngles& omega, std::spa
       const Moments alike = parallelogram(at(middle + 1, j) - at(middle, j), at(middle, other) - at(middle, j));
       const auto& m = alike.covariance.m;
       const double inside = 1 - 0.5 * (m[0] + m[3] + m[5]);  // Length of a texel's mean direction.
-      const auto row = static_cast<std::size_t>(j - b.top);
+      const auto row = std::size_t(j - b.top);
       rows[row].set(lane, alike);
       const Colour* colours = source.texel(face, b.left, j);
       std::size_t from = in.index(b.left, j), to = row * across;
@@ -227,15 +227,15 @@ void Tree::Blocks::set_quads(int face, int j) {
   for (int y = 2 * j; y < std::min(height, 2 * j + 2); ++y)
     for (int i = 0; i < width; ++i)
       if (const Node& one = node(face, i, y); is_lit(one))
-        to[i / 2].set(static_cast<std::size_t>(2 * (y % 2) + i % 2), one);
+        to[i / 2].set(std::size_t(2 * (y % 2) + i % 2), one);
 }
 
 Tree::Tree(const Level& source, double mean, int parts) : source_(source), parts_(parts), mean_(mean), darkest_(0) {
   if (mean_ > 0) darkest_ = Flux(darkest_of(source)) / mean_;
   const int width = source.width(), height = source.height(), faces = source.faces();
-  const auto blocks = [&] { return static_cast<std::int64_t>(faces) * (width >> first_) * (height >> first_); };
+  const auto blocks = [&] { return std::int64_t(faces) * (width >> first_) * (height >> first_); };
   for (const std::int64_t most = most_stored(blocks()); blocks() > most;) ++first_;
-  const int side = 1 << first_, at_once = static_cast<int>(batch_size) * side;
+  const int side = 1 << first_, at_once = int(batch_size) * side;
   Blocks lowest(faces, (width + side - 1) / side, (height + side - 1) / side);
   for_each_row(1, lowest.height, {}, [&](int, int j) {
     for (int left = 0; left < width; left += at_once) {
@@ -249,7 +249,7 @@ Tree::Tree(const Level& source, double mean, int parts) : source_(source), parts
   while (blocks_.back().width > 1 || blocks_.back().height > 1) {
     const Blocks& fine = blocks_.back();
     const auto row_of = [&](int face, int j) {
-      return j < fine.height ? std::span<const Node>(fine.row(face, j), static_cast<std::size_t>(fine.width))
+      return j < fine.height ? std::span<const Node>(fine.row(face, j), std::size_t(fine.width))
                              : std::span<const Node>{};
     };
     Blocks coarse(faces, halves(fine.width), halves(fine.height));

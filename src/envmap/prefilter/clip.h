@@ -43,7 +43,7 @@ FlatPiece flat_piece(const Direction& r, int face, const Rect& rect) {
     piece.bend = 0.5 * (most * p * p + 2 * level * p * q + q * q);
     piece.uneven = (most - least) * q / (sine * portable::sin_pi(half_v));
   } else {
-    const Cube::Axes& axes = Cube::axes[static_cast<std::size_t>(face)];
+    const Cube::Axes& axes = Cube::axes[std::size_t(face)];
     const double s = 2 * u - 1, t = 1 - 2 * v, p = 2 * half_u, q = 2 * half_v, near = glm::dot(l, axes.forward);
     const auto slope = [&](const Direction& along) { return near * (glm::dot(r, along) - piece.cosine * glm::dot(l, along)); };
     piece.across = p * std::abs(slope(axes.right)), piece.down = q * std::abs(slope(axes.up));

@@ -139,7 +139,7 @@ Direction times(const std::array<float, 6>& m, const Direction& v) {
 // narrow lobe looks along the node, and would put a point into its peak.
 float most_variance(const Node& node, double distance) {
   const double a = node.spread * std::min(1.0, distance + 0.5 * (node.reach + node.spread));
-  return static_cast<float>(a * a);
+  return float(a * a);
 }
 
 }  // namespace
@@ -160,12 +160,12 @@ void add_seen(const Node& node, const Direction& middle, std::size_t& count, std
   SeenNodes& s = seen.back();
   const std::array<float, 6> covariance = covariance_of(node);
   const Direction at = node.centre - middle, slope = times(covariance, middle);
-  s.versine[k] = static_cast<float>(0.5 * (glm::dot(at, at) + sag_of(covariance)));
+  s.versine[k] = float(0.5 * (glm::dot(at, at) + sag_of(covariance)));
   const float most = most_variance(node, glm::length(at));
-  s.variance[k] = std::max(std::min(static_cast<float>(glm::dot(middle, slope)), most), least_variance(most));
+  s.variance[k] = std::max(std::min(float(glm::dot(middle, slope)), most), least_variance(most));
   for (std::size_t c = 0; c < node_channels; ++c) {
     s.flux[c][k] = node.flux[c];
-    s.lean[c][k] = static_cast<float>(glm::dot(Direction(node.dipole[c]), middle));
+    s.lean[c][k] = float(glm::dot(Direction(node.dipole[c]), middle));
   }
 }
 
@@ -177,21 +177,21 @@ TileNode seen_from_tile(const Node& node, const Direction& middle, double radius
   const std::array<float, 6> covariance = covariance_of(node);
   const Direction at = node.centre - middle, slope = times(covariance, middle);
   TileNode seen{};
-  seen.sag = static_cast<float>(sag_of(covariance));
-  seen.variance = static_cast<float>(glm::dot(middle, slope));
+  seen.sag = float(sag_of(covariance));
+  seen.variance = float(glm::dot(middle, slope));
   const double far = glm::length(at) + radius;
   seen.most_variance = most_variance(node, far);
   seen.near_horizon = 0.5 * far * far + 1.74 * node.spread + 0.5 * node.spread * node.spread >= 1;
   for (std::size_t k = 0; k < 3; ++k) {
-    seen.centre[k] = static_cast<float>(at[static_cast<int>(k)]);
-    seen.slope[k] = static_cast<float>(2 * slope[static_cast<int>(k)]);
+    seen.centre[k] = float(at[int(k)]);
+    seen.slope[k] = float(2 * slope[int(k)]);
   }
   for (std::size_t k = 0; k < 6; ++k)
     seen.covariance[k] = (k == 0 || k == 3 || k == 5 ? 1.0F : 2.0F) * covariance[k];
   seen.flux = node.flux;
   for (std::size_t c = 0; c < node_channels; ++c) {
     const Vec3<float>& d = node.dipole[c];
-    seen.lean[c] = static_cast<float>(glm::dot(Direction(d), middle));
+    seen.lean[c] = float(glm::dot(Direction(d), middle));
     seen.dipole[c] = {d.x, d.y, d.z};
   }
   return seen;

@@ -180,7 +180,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
     if (together) {
       texel.centre = p.centre, texel.reach = p.reach, texel.simple = simple;
       texel.radiance = {radiance.x, radiance.y, radiance.z};
-      points->set(static_cast<std::size_t>(i), 1 / w, 1 / h, texel);
+      points->set(std::size_t(i), 1 / w, 1 / h, texel);
       add_texel(lobe, close, texel, sums, left);
     }
     std::optional<Border<P>> border;
@@ -188,7 +188,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
       const double d = std::max(0.0, glm::length(directions[k] - p.centre) - p.reach);
       if (0.5 * d * d >= close.end) continue;
       const double part = texel_over<P>(lobe, directions[k], face, rect, p, simple, border);
-      for (std::size_t c = 0; c < 3; ++c) sums.flux[c][k] += part * radiance[static_cast<int>(c)];
+      for (std::size_t c = 0; c < 3; ++c) sums.flux[c][k] += part * radiance[int(c)];
     }
   }
   std::vector<Flux> found(directions.size());
@@ -214,10 +214,10 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
       });
       for (const auto& row : found)
         for (std::size_t k = 0; k < some.size(); ++k)
-          for (int c = 0; c < 3; ++c) totals[k][static_cast<std::size_t>(c)].add(row[k][c]);
+          for (int c = 0; c < 3; ++c) totals[k][std::size_t(c)].add(row[k][c]);
       if (progress)
-        progress((static_cast<double>(first) + static_cast<double>(some.size()) * (start + band) / rows) /
-                 static_cast<double>(directions.size()));
+        progress((double(first) + double(some.size()) * (start + band) / rows) /
+                 double(directions.size()));
     }
     for (std::size_t k = 0; k < some.size(); ++k)
       out[first + k] = {totals[k][0].value(), totals[k][1].value(), totals[k][2].value()};

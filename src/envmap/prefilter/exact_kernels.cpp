@@ -82,7 +82,7 @@ void add_lanes(const L& lobe, const Closeness& close, const ExactTexel& t, Exact
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::AndNot(hn::Or(few, many), seen), bits);
     for (std::size_t n = 0; n < hn::Lanes(d) && k + n < sums.count; ++n)
-      if (bits[0] >> n & 1) left.push_back(static_cast<std::uint32_t>(k + n));
+      if (bits[0] >> n & 1) left.push_back(std::uint32_t(k + n));
   }
 }
 
@@ -104,7 +104,7 @@ ExactSums::ExactSums(std::span<const Direction> directions) : count(directions.s
   const std::size_t padded = (count + lanes - 1) / lanes * lanes;
   for (std::size_t n = 0; n < 3; ++n) {
     direction[n].resize(padded, 0), flux[n].resize(padded, 0);
-    for (std::size_t k = 0; k < count; ++k) direction[n][k] = directions[k][static_cast<int>(n)];
+    for (std::size_t k = 0; k < count; ++k) direction[n][k] = directions[k][int(n)];
   }
 }
 

@@ -40,7 +40,7 @@ struct Recursion {
       double before = 0, now = sectoral;
       for (int l = m; l <= order; ++l) {
         if (l > m) {
-          const auto [a, b] = steps[static_cast<std::size_t>(l * (l + 1) / 2 + m)];
+          const auto [a, b] = steps[std::size_t(l * (l + 1) / 2 + m)];
           const double next = a * (d.y * now - b * before);
           before = now;
           now = next;
@@ -58,7 +58,7 @@ struct Recursion {
 
 template <class P>
 std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const Rotation& to_world, int face, int row) {
-  std::vector<Flux> sums(static_cast<std::size_t>((recursion.order + 1) * (recursion.order + 1)), Flux(0));
+  std::vector<Flux> sums(std::size_t((recursion.order + 1) * (recursion.order + 1)), Flux(0));
   const double w = level.width(), h = level.height();
   for (int i = 0; i < level.width(); ++i) {
     const Flux radiance(*level.texel(face, i, row));
@@ -66,7 +66,7 @@ std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const R
     // Four Gauss points integrate harmonics of degree l over a texel to (l x side)^4 / 4320.
     prefiltering::for_points<P>(face, prefiltering::texel_rect(i, row, w, h), 0.4 / (1 + recursion.order), [&](const Direction& d, double weight) {
       const Flux part = weight * radiance;
-      recursion.each(to_world * d, [&](int k, double y) { sums[static_cast<std::size_t>(k)] += y * part; });
+      recursion.each(to_world * d, [&](int k, double y) { sums[std::size_t(k)] += y * part; });
     });
   }
   return sums;
@@ -149,7 +149,7 @@ class LatlongRows {
   std::vector<int> sectors_;                          // m by index of a coefficient.
 };
 
-std::size_t coefficient_count(int order) { return static_cast<std::size_t>(order + 1) * static_cast<std::size_t>(order + 1); }
+std::size_t coefficient_count(int order) { return std::size_t(order + 1) * std::size_t(order + 1); }
 
 void check_order(int order) { check(limits::order, order); }
 
@@ -166,7 +166,7 @@ void harmonics_at(int order, const Direction& d, std::span<double> out) {
   check_order(order);
   if (out.size() < coefficient_count(order))
     throw UsageError(fmt::format("out must hold {} values, not {}", coefficient_count(order), out.size()));
-  Recursion(order).each(d, [&](int k, double y) { out[static_cast<std::size_t>(k)] = y; });
+  Recursion(order).each(d, [&](int k, double y) { out[std::size_t(k)] = y; });
 }
 
 Harmonics project(const EnvironmentMap& map, int order, const Progress& progress) {
@@ -176,7 +176,7 @@ Harmonics project(const EnvironmentMap& map, int order, const Progress& progress
   const Level& level = cube ? cube->base() : map.base();
   const Recursion recursion(order);
   const Rotation to_world = image_to_world(cube ? cube->forward : map.forward);
-  Harmonics found{order, std::vector<Flux>(static_cast<std::size_t>((order + 1) * (order + 1)), Flux(0))};
+  Harmonics found{order, std::vector<Flux>(std::size_t((order + 1) * (order + 1)), Flux(0))};
   std::vector<std::array<Sum, 3>> totals(found.coefficients.size());
   std::optional<LatlongRows> latlong;
   if (level.projection() == Projection::latlong) latlong.emplace(level, recursion, to_world);
@@ -191,8 +191,8 @@ Harmonics project(const EnvironmentMap& map, int order, const Progress& progress
     });
     for (const auto& part : parts)
       for (std::size_t k = 0; k < totals.size(); ++k)
-        for (int c = 0; c < 3; ++c) totals[k][static_cast<std::size_t>(c)].add(part[k][c]);
-    if (progress) steady.callback()(static_cast<double>(std::min(rows, start + band)) / rows);
+        for (int c = 0; c < 3; ++c) totals[k][std::size_t(c)].add(part[k][c]);
+    if (progress) steady.callback()(double(std::min(rows, start + band)) / rows);
   }
   steady.finish();
   for (std::size_t k = 0; k < totals.size(); ++k)
@@ -203,7 +203,7 @@ Harmonics project(const EnvironmentMap& map, int order, const Progress& progress
 Flux evaluate(const Harmonics& h, const Direction& d) {
   check_series(h);
   Flux sum(0);
-  Recursion(h.order).each(d, [&](int k, double y) { sum += y * h.coefficients[static_cast<std::size_t>(k)]; });
+  Recursion(h.order).each(d, [&](int k, double y) { sum += y * h.coefficients[std::size_t(k)]; });
   return sum;
 }
 
@@ -222,8 +222,8 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
     texel_directions(to, size, face, row, in.first, d);
     for (std::size_t k = 0; k < d.size(); ++k) {
       Flux sum(0);
-      recursion.each(to_world * d[k], [&](int n, double y) { sum += y * h.coefficients[static_cast<std::size_t>(n)]; });
-      *level.texel(face, in.first + static_cast<int>(k), row) = Colour(glm::max(sum, Flux(0)));
+      recursion.each(to_world * d[k], [&](int n, double y) { sum += y * h.coefficients[std::size_t(n)]; });
+      *level.texel(face, in.first + int(k), row) = Colour(glm::max(sum, Flux(0)));
     }
   });
   return map;
@@ -252,7 +252,7 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
   for (std::size_t k = 0; k + 1 < breaks.size(); ++k) {
     // P_l turns over about every pi / l radians.
     const double lo = breaks[k], hi = breaks[k + 1];
-    const int parts = 1 + static_cast<int>((portable::acos(1 - hi) - portable::acos(1 - lo)) * order / 10);
+    const int parts = 1 + int((portable::acos(1 - hi) - portable::acos(1 - lo)) * order / 10);
     for (int n = 0; n < parts; ++n) add(lo + (hi - lo) * n / parts, lo + (hi - lo) * (n + 1) / parts);
   }
   // Degree by degree, all points at once.
@@ -290,11 +290,11 @@ std::vector<double> irradiance_factors(int order) {
 
 void scale_degrees(Harmonics& h, std::span<const double> factors) {
   check_series(h);
-  if (factors.size() <= static_cast<std::size_t>(h.order))
+  if (factors.size() <= std::size_t(h.order))
     throw UsageError(fmt::format("factors must hold {} values, one for each degree, not {}", h.order + 1, factors.size()));
   for (int l = 0; l <= h.order; ++l)
     for (int m = -l; m <= l; ++m)
-      h.coefficients[static_cast<std::size_t>(l * (l + 1) + m)] *= factors[static_cast<std::size_t>(l)];
+      h.coefficients[std::size_t(l * (l + 1) + m)] *= factors[std::size_t(l)];
 }
 
 }  // namespace envmap

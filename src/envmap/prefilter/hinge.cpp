@@ -77,17 +77,17 @@ class Summation {
       : source_(source), error_(error), least_(least), order_(source.order()) {}
 
   HingeSums over(const Direction& n) {
-    for (int face = 0; face < Grid::faces; ++face) seen_[static_cast<std::size_t>(face)] = Grid::seen(face, n);
+    for (int face = 0; face < Grid::faces; ++face) seen_[std::size_t(face)] = Grid::seen(face, n);
     settled_ = {}, terms_.clear();
     for (std::size_t k = 0; k < 2; ++k)
-      for (int c = 0; c < 3; ++c) settled_.sum[k][static_cast<std::size_t>(c)] = whole[k] * source_.darkest()[c];
+      for (int c = 0; c < 3; ++c) settled_.sum[k][std::size_t(c)] = whole[k] * source_.darkest()[c];
     for (Channels& off : settled_.off) off.fill(numerical * 12 * pi);  // The flux of a channel is 12 pi times the mean at most.
     for (int face = 0; face < Grid::faces; ++face) add_face(face);
     refine();
     HingeSums out;
     for (std::size_t k = 0; k < 2; ++k)
       for (int c = 0; c < 3; ++c)
-        out.sum[k][c] = settled_.sum[k][static_cast<std::size_t>(c)], out.bound[k][c] = settled_.off[k][static_cast<std::size_t>(c)];
+        out.sum[k][c] = settled_.sum[k][std::size_t(c)], out.bound[k][c] = settled_.off[k][std::size_t(c)];
     return out;
   }
 
@@ -96,7 +96,7 @@ class Summation {
   void add_face(int face) {
     const auto& cells = source_.base();
     const auto& grid = cells.grid;
-    const FaceDirection& n = seen_[static_cast<std::size_t>(face)];
+    const FaceDirection& n = seen_[std::size_t(face)];
     if (!grid.slopes.empty()) border_angles(n.z / std::max(1e-9, std::sqrt(n.x * n.x + n.y * n.y)), grid.slopes, angles_);
     batch_.clear();
     spans_.clear();
@@ -111,7 +111,7 @@ class Summation {
     }
     typename HingeSource<Grid>::Sums sums{};
     for (int row = 0; row < grid.down.count(); ++row)
-      if (const RowSpan& span = spans_[static_cast<std::size_t>(row)]; span.last > span.first)
+      if (const RowSpan& span = spans_[std::size_t(row)]; span.last > span.first)
         source_.add(face, row, span.first, span.last, sums);
     bound_cells(n, batch_, order_, terms_);
     for (std::size_t c = 0; c < 3; ++c) {
@@ -189,7 +189,7 @@ class Summation {
   void add_quarters(std::size_t level, const HingeTerm& t) {
     const auto& cells = source_.levels()[level];
     const auto& grid = cells.grid;
-    const FaceDirection& n = seen_[static_cast<std::size_t>(t.face)];
+    const FaceDirection& n = seen_[std::size_t(t.face)];
     batch_.clear();
     for (int row = 2 * t.row; row < std::min(2 * t.row + 2, grid.down.count()); ++row)
       for (int column = 2 * t.column; column < std::min(2 * t.column + 2, grid.across.count()); ++column)
@@ -199,7 +199,7 @@ class Summation {
 
   void add_texels(const HingeTerm& t, const std::array<Channels, 2>& most, double share) {
     const auto& grid = source_.levels().front().grid;
-    const FaceDirection& n = seen_[static_cast<std::size_t>(t.face)];
+    const FaceDirection& n = seen_[std::size_t(t.face)];
     for (int row = grid.down.first(t.row); row < grid.down.end(t.row); ++row)
       for (int column = grid.across.first(t.column); column < grid.across.end(t.column); ++column) {
         const Flux radiance = source_.radiance(t.face, row, column);
@@ -216,7 +216,7 @@ class Summation {
     const PartTerm term = cut ? cut_part(v, extent) : PartTerm{{v.first, v.second}, {0, 0}};
     bool fine = true;
     for (std::size_t k = 0; k < std::size_t(order_); ++k)
-      for (int c = 0; c < 3; ++c) fine = fine && term.off[k] * radiance[c] <= share * most[k][static_cast<std::size_t>(c)];
+      for (int c = 0; c < 3; ++c) fine = fine && term.off[k] * radiance[c] <= share * most[k][std::size_t(c)];
     constexpr int deepest = 12;
     if (!fine && depth < deepest) {
       const Division<Part> smaller = part.divided();
@@ -225,8 +225,8 @@ class Summation {
     }
     for (std::size_t k = 0; k < 2; ++k)
       for (int c = 0; c < 3; ++c) {
-        settled_.sum[k][static_cast<std::size_t>(c)] += term.sum[k] * radiance[c];
-        settled_.off[k][static_cast<std::size_t>(c)] += (term.off[k] + numerical * v.solid_angle) * radiance[c];
+        settled_.sum[k][std::size_t(c)] += term.sum[k] * radiance[c];
+        settled_.off[k][std::size_t(c)] += (term.off[k] + numerical * v.solid_angle) * radiance[c];
       }
   }
 

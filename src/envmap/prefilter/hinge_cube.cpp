@@ -51,10 +51,10 @@ struct Distances {
 CubeGrid::CubeGrid(int /*width*/, int height) : size_(height) {}
 
 CubeGrid::Row CubeGrid::row(int row, int order) const {
-  Row made{std::vector<std::array<double, 10>>(static_cast<std::size_t>(size_))};
+  Row made{std::vector<std::array<double, 10>>(std::size_t(size_))};
   for (int i = 0; i < size_; ++i) {
     const Part p = texel({}, row, i);
-    std::array<double, 10>& m = made.moments[static_cast<std::size_t>(i)];
+    std::array<double, 10>& m = made.moments[std::size_t(i)];
     at_points(p.x, p.y, p.half, [&](double s, double t, double weight) {
       const double q = 1 / std::sqrt(1 + s * s + t * t), o = weight * q * q * q, x = s * q, y = t * q;
       m[0] += o, m[1] += o * x, m[2] += o * y, m[3] += o * q;
@@ -67,7 +67,7 @@ CubeGrid::Row CubeGrid::row(int row, int order) const {
 void CubeGrid::Row::add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const {
   const std::size_t count = order == 1 ? 4 : 10;
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    const std::array<double, 10>& weights = moments[static_cast<std::size_t>(first) + i];
+    const std::array<double, 10>& weights = moments[std::size_t(first) + i];
     const Flux light(texels[i]);
     block.least = glm::min(block.least, texels[i]);
     for (std::size_t m = 0; m < count; ++m)
@@ -84,14 +84,14 @@ CubeGrid::Cells CubeGrid::cells(int side) const {
     for (int j = made.down.first(k); j < made.down.end(k); ++j) {
       const Row texels = row(j, 1);
       for (int i = 0; i < size_; ++i)
-        for (std::size_t m = 0; m < 4; ++m) sums[static_cast<std::size_t>(i / side)][m] += texels.moments[static_cast<std::size_t>(i)][m];
+        for (std::size_t m = 0; m < 4; ++m) sums[std::size_t(i / side)][m] += texels.moments[std::size_t(i)][m];
     }
     const double y = 1 - double(made.down.first(k) + made.down.end(k)) / size_, half_y = double(made.down.end(k) - made.down.first(k)) / size_;
     for (int i = 0; i < count; ++i) {
       const double x = double(made.across.first(i) + made.across.end(i)) / size_ - 1;
       const double half_x = double(made.across.end(i) - made.across.first(i)) / size_;
       const Distances r(x, half_x, y, half_y);
-      const auto& [o, mx, my, mz] = sums[static_cast<std::size_t>(i)];
+      const auto& [o, mx, my, mz] = sums[std::size_t(i)];
       const double weight = 4 * half_x * half_y * r.middle * r.middle * r.middle * r.middle / o;
       made.shapes.push_back({.near = r.near, .far = r.far, .solid_angle = o, .mean = {mx / o, my / o, mz / o},
                              .weight1 = weight, .uneven1 = r.uneven4(), .weight2 = weight * r.middle, .uneven2 = r.uneven5()});

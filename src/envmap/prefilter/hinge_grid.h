@@ -104,9 +104,9 @@ class LatlongGrid {
     std::vector<CellShape> rows;
     std::vector<double> slopes;  // y of the borders of rows, from the first pole to the other.
 
-    [[nodiscard]] const CellShape& shape(int row, int /*column*/) const { return rows[static_cast<std::size_t>(row)]; }
+    [[nodiscard]] const CellShape& shape(int row, int /*column*/) const { return rows[std::size_t(row)]; }
     [[nodiscard]] double solid_angle(int row, int column) const {
-      return rows[static_cast<std::size_t>(row)].solid_angle * columns[static_cast<std::size_t>(column)].width;
+      return rows[std::size_t(row)].solid_angle * columns[std::size_t(column)].width;
     }
     [[nodiscard]] CellView view(const FaceDirection& n, int row, int column) const;
     /// @param angles of the borders of the row, see border_angles().
@@ -143,7 +143,7 @@ class CubeGrid {
   CubeGrid(int width, int height);
   static constexpr int faces = 6;
   static FaceDirection seen(int face, const Direction& n) {
-    const Cube::Axes& a = Cube::axes[static_cast<std::size_t>(face)];
+    const Cube::Axes& a = Cube::axes[std::size_t(face)];
     return {glm::dot(n, a.right), glm::dot(n, a.up), glm::dot(n, a.forward)};
   }
   struct Row {
@@ -158,7 +158,7 @@ class CubeGrid {
     std::vector<double> slopes;  // None.
 
     [[nodiscard]] const CellShape& shape(int row, int column) const {
-      return shapes[static_cast<std::size_t>(row) * static_cast<std::size_t>(across.count()) + static_cast<std::size_t>(column)];
+      return shapes[std::size_t(row) * std::size_t(across.count()) + std::size_t(column)];
     }
     [[nodiscard]] double solid_angle(int row, int column) const { return shape(row, column).solid_angle; }
     [[nodiscard]] CellView view(const FaceDirection& n, int row, int column) const;
@@ -192,8 +192,8 @@ inline void set_polar(CellView& view, double z, double centre, double half, doub
 }
 
 inline CellView LatlongGrid::Cells::view(const FaceDirection& n, int row, int column) const {
-  const CellShape& s = rows[static_cast<std::size_t>(row)];
-  const Column& c = columns[static_cast<std::size_t>(column)];
+  const CellShape& s = rows[std::size_t(row)];
+  const Column& c = columns[std::size_t(column)];
   const double level = n.x * c.cosine + n.y * c.sine, turn = n.x * c.sine - n.y * c.cosine;
   CellView view{};
   view.even = n.z * s.mean[2] + level * c.mean * s.mean[0];

@@ -49,7 +49,7 @@ LatlongGrid::Row LatlongGrid::row(int row, int /*order*/) const {
 void LatlongGrid::Row::add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const {
   Flux even(0), x(0), y(0), xx(0), xy(0);
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    const std::array<double, 4>& a = grid->across_[static_cast<std::size_t>(first) + i];
+    const std::array<double, 4>& a = grid->across_[std::size_t(first) + i];
     const Flux light(texels[i]);
     block.least = glm::min(block.least, texels[i]);
     even += light, x += a[0] * light, y += a[1] * light;
@@ -139,8 +139,8 @@ RowSpan LatlongGrid::Cells::span(const FaceDirection& n, const double* angles, i
 }
 
 LatlongGrid::Part LatlongGrid::texel(const FaceDirection& n, int row, int column) const {
-  const auto [cosine, sine] = rows_[static_cast<std::size_t>(row)];
-  const auto [c, s] = columns_[static_cast<std::size_t>(column)];
+  const auto [cosine, sine] = rows_[std::size_t(row)];
+  const auto [c, s] = columns_[std::size_t(column)];
   return {this, sine, cosine, n.x * c + n.y * s, n.x * s - n.y * c, 0, 0, row == 0 ? 1 : row == height_ - 1 ? -1 : 0};
 }
 

@@ -29,7 +29,7 @@ void hinge_map(const Hinges& hinges, const std::array<double, 2>& factors, const
                std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
   const double error = max_error - 3 * rounding;
   for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
-    if (!rows.empty() && rows[static_cast<std::size_t>(face * out.height() + row)] == 0) return;
+    if (!rows.empty() && rows[std::size_t(face * out.height() + row)] == 0) return;
     const Columns in = columns(target.to, target.size, row);
     std::vector<Direction> directions(in.count());
     texel_directions(target.to, target.size, face, row, in.first, directions);

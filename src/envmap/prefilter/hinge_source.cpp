@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t flux = 9, least = 12, numbers = 15;  // Places in a cell.
 
 std::size_t place(int rows, int columns, int face, int row) {
-  return static_cast<std::size_t>(face * rows + row) * static_cast<std::size_t>(columns);
+  return std::size_t(face * rows + row) * std::size_t(columns);
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ struct HingeSource<Grid>::Rows {
     return s;
   }
   explicit Rows(std::span<const Cells> levels) {
-    for (const Cells& level : levels) sums.emplace_back(static_cast<std::size_t>(level.grid.across.count()), nothing());
+    for (const Cells& level : levels) sums.emplace_back(std::size_t(level.grid.across.count()), nothing());
     base.resize(sums.back().size());
   }
 };
@@ -62,11 +62,11 @@ void HingeSource<Grid>::set_band(int band) {
   for (int row = first; row < std::min(first + steps, fine.down.count()); ++row) {
     std::vector<typename Grid::Row> texels;  // The same on all faces.
     for (int j = fine.down.first(row); j < fine.down.end(row); ++j) texels.push_back(grid_.row(j, order_));
-    for (int face = 0; face < Grid::faces; ++face) add_row(face, row, texels, rows[static_cast<std::size_t>(face)]);
+    for (int face = 0; face < Grid::faces; ++face) add_row(face, row, texels, rows[std::size_t(face)]);
   }
   for (int face = 0; face < Grid::faces; ++face) {
     double* p = &prefix_[place(grid.down.count(), grid.across.count() + 1, face, band) * stride()];
-    for (const HingeBlock& b : rows[static_cast<std::size_t>(face)].base)
+    for (const HingeBlock& b : rows[std::size_t(face)].base)
       for (std::size_t k = 0; k < stride(); ++k, ++p) p[stride()] = *p + unit_ * b.moments[1 + k / 3][k % 3];
   }
   source_.trim();
@@ -79,7 +79,7 @@ void HingeSource<Grid>::add_row(int face, int row, std::span<const typename Grid
   const int steps = base().grid.across.side / fine.across.side;
   std::vector<Colour> light;
   for (int i = 0; i < fine.across.count(); ++i) {
-    const auto from = static_cast<std::size_t>(fine.across.first(i)), count = static_cast<std::size_t>(fine.across.end(i)) - from;
+    const auto from = std::size_t(fine.across.first(i)), count = std::size_t(fine.across.end(i)) - from;
     HingeBlock block;
     for (std::size_t j = 0; j < texels.size(); ++j) {
       const auto all = source_.row(face, fine.down.first(row) + int(j)).subspan(from, count);
@@ -87,10 +87,10 @@ void HingeSource<Grid>::add_row(int face, int row, std::span<const typename Grid
       for (Colour& texel : light) texel -= darkest_;
       texels[j].add(light, int(from), order_, block);
     }
-    HingeBlock& sum = rows.base[static_cast<std::size_t>(i / steps)];
+    HingeBlock& sum = rows.base[std::size_t(i / steps)];
     for (std::size_t m = 0; m <= stride() / 3; ++m)
       for (std::size_t k = 0; k < 3; ++k) sum.moments[m][k] += block.moments[m][k];
-    Sum& cell = rows.sums.front()[static_cast<std::size_t>(i)];
+    Sum& cell = rows.sums.front()[std::size_t(i)];
     const bool polar = fine.shape(row, i).polar;
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t m = 0; m < 3; ++m) cell[3 * m + k] = unit_ * block.moments[m + 1][k];
@@ -124,7 +124,7 @@ template <class Grid>
 void HingeSource<Grid>::add(int face, int row, int first, int last, Sums& sums) const {
   const int count = base().grid.across.count();
   const double* start = &prefix_[place(base().grid.down.count(), count + 1, face, row) * stride()];
-  const auto border = [&](int k) { return start + static_cast<std::size_t>(k) * stride(); };
+  const auto border = [&](int k) { return start + std::size_t(k) * stride(); };
   const auto add = [&](const double* to, const double* from) {
     if (order_ == 1)
       for (std::size_t k = 0; k < 9; ++k) sums[k] += to[k] - from[k];
@@ -142,7 +142,7 @@ void HingeSource<Grid>::prefetch(int face, int row, int first, int last) const {
   const int count = base().grid.across.count();
   const double* start = &prefix_[place(base().grid.down.count(), count + 1, face, row) * stride()];
   for (const int border : {first, last}) {
-    const double* at = start + static_cast<std::size_t>(border < count ? border : border - count) * stride();
+    const double* at = start + std::size_t(border < count ? border : border - count) * stride();
     __builtin_prefetch(at), __builtin_prefetch(at + 8);
   }
 }

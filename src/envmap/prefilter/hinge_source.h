@@ -29,8 +29,8 @@ class HingeSource {
     typename Grid::Cells grid;
     std::unique_ptr<HingeCell[]> light;  ///< By face, row and column.
     [[nodiscard]] const HingeCell& cell(int face, int row, int column) const {
-      return light[static_cast<std::size_t>(face * grid.down.count() + row) * static_cast<std::size_t>(grid.across.count()) +
-                   static_cast<std::size_t>(column)];
+      return light[std::size_t(face * grid.down.count() + row) * std::size_t(grid.across.count()) +
+                   std::size_t(column)];
     }
   };
 

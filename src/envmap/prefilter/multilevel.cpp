@@ -140,7 +140,7 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
 void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target,
                     std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
   for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
-    if (!rows.empty() && rows[static_cast<std::size_t>(face * out.height() + row)] == 0) return;
+    if (!rows.empty() && rows[std::size_t(face * out.height() + row)] == 0) return;
     const Columns in = columns(target.to, target.size, row);
     std::vector<Direction> directions(in.count());
     texel_directions(target.to, target.size, face, row, in.first, directions);

@@ -161,11 +161,11 @@ void unite(std::span<const NodeBatch> parts, NodeBatch& whole) { HWY_DYNAMIC_DIS
 Node node_of(const Moments& patch, const Flux& radiance) {
   const double w = patch.solid_angle;
   Node node{.centre = patch.centre,
-              .flux = {static_cast<float>(w * radiance.x), static_cast<float>(w * radiance.y), static_cast<float>(w * radiance.z)},
-              .spread = static_cast<float>(patch.spread),
-              .reach = static_cast<float>(patch.reach)};
+              .flux = {float(w * radiance.x), float(w * radiance.y), float(w * radiance.z)},
+              .spread = float(patch.spread),
+              .reach = float(patch.reach)};
   for (auto& second : node.second)
-    for (std::size_t n = 0; n < 6; ++n) second[n] = static_cast<float>(patch.covariance.m[n]);
+    for (std::size_t n = 0; n < 6; ++n) second[n] = float(patch.covariance.m[n]);
   return node;
 }
 
@@ -215,23 +215,23 @@ Node united(std::span<const Node> parts) {
 }
 
 void ShapeBatch::set(std::size_t lane, const Moments& patch) {
-  for (std::size_t n = 0; n < 6; ++n) covariance[n][lane] = static_cast<float>(patch.covariance.m[n]);
-  spread[lane] = static_cast<float>(patch.spread), reach[lane] = static_cast<float>(patch.reach);
+  for (std::size_t n = 0; n < 6; ++n) covariance[n][lane] = float(patch.covariance.m[n]);
+  spread[lane] = float(patch.spread), reach[lane] = float(patch.reach);
 }
 
 void TexelBatch::set(std::size_t lane, const Direction& offset, double solid_angle, const Flux& radiance) {
   for (std::size_t n = 0; n < 3; ++n) {
-    centre[n][lane] = static_cast<float>(offset[static_cast<int>(n)]);
-    flux[n][lane] = static_cast<float>(solid_angle * radiance[static_cast<int>(n)]);
+    centre[n][lane] = float(offset[int(n)]);
+    flux[n][lane] = float(solid_angle * radiance[int(n)]);
   }
 }
 
 void NodeBatch::set(std::size_t lane, const Node& node, const Direction& origin) {
   const Vec3<float> at(node.centre - origin);
-  for (std::size_t n = 0; n < 3; ++n) centre[n][lane] = at[static_cast<int>(n)];
+  for (std::size_t n = 0; n < 3; ++n) centre[n][lane] = at[int(n)];
   for (std::size_t c = 0; c < node_channels; ++c) {
     flux[c][lane] = node.flux[c];
-    for (std::size_t n = 0; n < 3; ++n) dipole[c][n][lane] = node.dipole[c][static_cast<int>(n)];
+    for (std::size_t n = 0; n < 3; ++n) dipole[c][n][lane] = node.dipole[c][int(n)];
     for (std::size_t n = 0; n < 6; ++n) second[c][n][lane] = node.second[c][n];
   }
   uneven[lane] = node.uneven, spread[lane] = node.spread, reach[lane] = node.reach;

@@ -31,7 +31,7 @@ std::array<float, 6> covariance_of(const Node& node);
 
 /// 1 - |centre|^2: for directions, which are unit vectors, that is their mean square offset, of which float32 has more digits.
 inline double sag_of(const std::array<float, 6>& covariance) {
-  return static_cast<double>(covariance[0]) + covariance[3] + covariance[5];
+  return double(covariance[0]) + covariance[3] + covariance[5];
 }
 
 /// One channel of a node as a node, about its own mean direction.

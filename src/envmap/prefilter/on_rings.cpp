@@ -90,9 +90,9 @@ class Spots {
   }
   [[nodiscard]] Row sorted() const {
     Row row{std::vector<Spot>(all_.size()),
-            std::vector<std::size_t>(static_cast<std::size_t>((grid_.rings + stripe - 1) / stripe) + 1, 0)};
+            std::vector<std::size_t>(std::size_t((grid_.rings + stripe - 1) / stripe) + 1, 0)};
     const auto stripe_of = [&](const Spot& s) {
-      return static_cast<std::size_t>(std::clamp(static_cast<int>(s.down[0]), 0, grid_.rings - 1) / stripe);
+      return std::size_t(std::clamp(int(s.down[0]), 0, grid_.rings - 1) / stripe);
     };
     for (const Spot& s : all_) ++row.starts[stripe_of(s) + 1];
     for (std::size_t k = 1; k < row.starts.size(); ++k) row.starts[k] += row.starts[k - 1];
@@ -110,7 +110,7 @@ template <class P>
 Row spots_of(const Level& source, const OrbitRow& in, int order, double error, double mean, const RingGrid& grid) {
   const int size = source.height();
   const double w = source.width(), h = size;
-  const auto count = static_cast<std::size_t>(std::max(0, in.end - in.first));
+  const auto count = std::size_t(std::max(0, in.end - in.first));
   std::vector<Direction> d(count), beside(count), points;
   std::vector<double> omega, weights;
   texel_directions(source.projection(), size, in.face, in.row, in.first, d);
@@ -122,7 +122,7 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
   };
   std::vector<Texel> texels;
   for (std::size_t k = 0; k < count; ++k) {
-    const int i = in.first + static_cast<int>(k);
+    const int i = in.first + int(k);
     const Orbit orbit = orbit_of(source, in.face, i, in.row);
     RingLight light{{}, orbit.count};
     float brightest = 0;
@@ -138,10 +138,10 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
         1.1 * std::max(glm::length(d[k] - d[k > 0 ? k - 1 : std::min(count - 1, k + 1)]), glm::length(d[k] - beside[k]));
     if (count > 1 && size > 1 && reach < most.one) {
       if (omega.empty()) {
-        omega.resize(static_cast<std::size_t>(source.width()));
+        omega.resize(std::size_t(source.width()));
         solid_angles(source.projection(), size, in.row, omega);
       }
-      points.push_back(d[k]), weights.push_back(omega[static_cast<std::size_t>(i)]);
+      points.push_back(d[k]), weights.push_back(omega[std::size_t(i)]);
     } else {
       for_points<P>(in.face, rect, most.four,
                     [&](const Direction& at, double weight) { points.push_back(at), weights.push_back(weight); });
@@ -180,7 +180,7 @@ RingGrid on_rings(const Level& source, int order, int columns, double error, con
     });
     for (int parity = 0; parity < 2; ++parity)
       tbb::parallel_for(0, (stripes - parity + 1) / 2, [&](int k) {
-        const auto s = static_cast<std::size_t>(2 * k + parity);
+        const auto s = std::size_t(2 * k + parity);
         for (const Row& row : found)
           spread(grid, std::span(row.spots).subspan(row.starts[s], row.starts[s + 1] - row.starts[s]));
       });
@@ -189,7 +189,7 @@ RingGrid on_rings(const Level& source, int order, int columns, double error, con
   for (int ring = 0; ring < grid.rings; ++ring)
     for (std::size_t c = 0; c < 3; ++c) {
       double* row = grid.row(ring, c);
-      for (std::size_t k = 0; k < taps; ++k) row[k] += row[static_cast<std::size_t>(grid.columns) + k];
+      for (std::size_t k = 0; k < taps; ++k) row[k] += row[std::size_t(grid.columns) + k];
     }
   return grid;
 }

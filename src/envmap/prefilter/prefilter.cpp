@@ -58,12 +58,12 @@ double factor(const Prefilter& p) {
 // Whether a spectrum may be cheaper than the tree for so many texels, of a lobe that is bent but little at its horizon: more would
 // take more degrees than there are.
 bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source, std::size_t texels) {
-  const auto of_source = static_cast<double>(index_of(source, {source.faces(), 0, 0}));
+  const auto of_source = double(index_of(source, {source.faces(), 0, 0}));
   const Cost each = source.projection() == Projection::latlong ? Cost::spectral_row_source : Cost::spectral_source;
   const Costs costs = p.costs ? *p.costs : Costs();
   const double transform =
       costs[Cost::spectral_start] + costs[Cost::spectral_texel] * texel_count(p.to, p.size) + costs[each] * of_source;
-  return transform < costs[Cost::tree_texel] * static_cast<double>(texels) &&
+  return transform < costs[Cost::tree_texel] * double(texels) &&
          std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
 }
 
@@ -136,7 +136,7 @@ struct Making {
   const Progress& progress;
 
   [[nodiscard]] bool is_wanted(const Texel& t) const {
-    return wanted.rows.empty() || wanted.rows[static_cast<std::size_t>(t.face * wanted.size + t.j)] != 0;
+    return wanted.rows.empty() || wanted.rows[std::size_t(t.face * wanted.size + t.j)] != 0;
   }
 
   // What is decided for the map is decided from all of it; what is then made are the rows wanted.
@@ -148,11 +148,11 @@ struct Making {
     const bool any = wanted.method == Method::automatic;
     if (wanted.method == Method::exact || wanted.max_error < finest) {
       exact_texels(source, lobe, target, all, out, progress);
-      done.method = Method::exact, done.exact = static_cast<std::int64_t>(all.size());
+      done.method = Method::exact, done.exact = std::int64_t(all.size());
       return;
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
-    const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= static_cast<float>(wanted.max_error); };
+    const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= float(wanted.max_error); };
     if (const auto factors = hinge_factors(lobe); factors && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
       if (light.mean > 0)
         hinge_map(hinges((*factors)[1] > 0 ? 2 : 1), *factors, target, wanted.max_error, light.mean, wanted.rows, out, figures, progress);
@@ -176,7 +176,7 @@ struct Making {
     std::size_t texels = whole.size();
     for (double part = 1; part >= 0.01 && worth(texels); part *= 0.1)
       texels = spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out, figures, progress);
-    const bool mostly = 2 * static_cast<std::size_t>(std::ranges::count_if(whole, known)) > whole.size();
+    const bool mostly = 2 * std::size_t(std::ranges::count_if(whole, known)) > whole.size();
     done.method = mostly ? Method::spectral : Method::hierarchical;
     treecode_prefilter(tree(), lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
     finish(all, figures, out, done);
@@ -193,12 +193,12 @@ struct Making {
   void finish(const std::vector<Texel>& all, std::span<const float> figures, Level& out, Prefiltered& done) const {
     std::vector<Texel> left;
     for (const Texel& t : all)
-      if (const float figure = figures[index_of(out, t)]; figure > static_cast<float>(wanted.max_error))
+      if (const float figure = figures[index_of(out, t)]; figure > float(wanted.max_error))
         left.push_back(t);
       else
         done.error = std::max<double>(done.error, figure);
     exact_texels(source, lobe, target, left, out, progress);
-    done.exact = static_cast<std::int64_t>(left.size());
+    done.exact = std::int64_t(left.size());
     if (left.size() == all.size()) done.method = Method::exact;
   }
 };
@@ -206,7 +206,7 @@ struct Making {
 }  // namespace
 
 std::string_view method_name(const Prefiltered& done) {
-  return done.resampled ? name(*done.resampled) : method_names[static_cast<std::size_t>(done.method)];
+  return done.resampled ? name(*done.resampled) : method_names[std::size_t(done.method)];
 }
 
 namespace {
@@ -215,7 +215,7 @@ void check(const Prefilter& p) {
   check(limits::size, p.size);
   check(limits::max_error, p.max_error);
   if (p.scale) check(limits::scale, *p.scale);
-  const std::size_t rows = static_cast<std::size_t>(faces(p.to)) * static_cast<std::size_t>(p.size);
+  const std::size_t rows = std::size_t(faces(p.to)) * std::size_t(p.size);
   if (!p.rows.empty() && p.rows.size() != rows)
     throw UsageError(
         fmt::format("rows must be empty or {} flags, one for each row of each face, not {}", rows, p.rows.size()));

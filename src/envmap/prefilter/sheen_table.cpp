@@ -58,14 +58,14 @@ std::vector<double> sheen_albedo(double cosine, std::span<const double> roughnes
 std::vector<Colour> sheen_table(int size, const Progress& progress) {
   check(limits::table_size, size);
   const SteadyProgress steady(progress);
-  const auto n = static_cast<std::size_t>(size);
+  const auto n = std::size_t(size);
   std::vector<double> roughnesses;
   for (int j = 0; j < size; ++j) roughnesses.push_back((j + 0.5) / size);
   std::vector<Colour> table(n * n);
   for_each_row(1, size, steady.callback(), [&](int, int i) {
     const std::vector<double> column = sheen_albedo((i + 0.5) / size, roughnesses);
     for (std::size_t j = 0; j < n; ++j)
-      table[j * n + static_cast<std::size_t>(i)] = Colour(static_cast<float>(column[j]));
+      table[j * n + std::size_t(i)] = Colour(float(column[j]));
   });
   steady.finish();
   return table;

@@ -21,11 +21,11 @@ int columns_for(std::span<const double> factors, double error) {
   for (int columns = 64;; columns *= 2) {
     double off = 0, peak = 0;
     for (std::size_t l = 0; l < factors.size(); ++l) {
-      const double part = (2.0 * static_cast<double>(l) + 1) * std::abs(factors[l]);
+      const double part = (2.0 * double(l) + 1) * std::abs(factors[l]);
       peak += part;
-      off += 4 * 1.07e-3 * portable::pow(2 * pi * static_cast<double>(l) / columns, 8) * part;
+      off += 4 * 1.07e-3 * portable::pow(2 * pi * double(l) / columns, 8) * part;
     }
-    if (columns > 2 * static_cast<int>(factors.size()) && off <= 0.1 * error * peak) return columns;
+    if (columns > 2 * int(factors.size()) && off <= 0.1 * error * peak) return columns;
   }
 }
 
@@ -34,13 +34,13 @@ int columns_for(std::span<const double> factors, double error) {
 // Sum of z_k exp(-2 pi i k m / n), n a power of two: Stockham's scheme, which needs no reordering.
 class Fourier {
  public:
-  explicit Fourier(int n) : n_(static_cast<std::size_t>(n)), cosine_(n_ / 2), sine_(n_ / 2), re_(n_), im_(n_) {
+  explicit Fourier(int n) : n_(std::size_t(n)), cosine_(n_ / 2), sine_(n_ / 2), re_(n_), im_(n_) {
     for (std::size_t k = 0; k < n_ / 2; ++k) {
-      const double angle = -2 * pi * static_cast<double>(k) / n;
+      const double angle = -2 * pi * double(k) / n;
       cosine_[k] = portable::cos(angle), sine_[k] = portable::sin(angle);
     }
   }
-  [[nodiscard]] int size() const { return static_cast<int>(n_); }
+  [[nodiscard]] int size() const { return int(n_); }
   void operator()(std::vector<double>& re, std::vector<double>& im) {
     for (std::size_t half = n_ / 2, run = 1; half >= 1; half /= 2, run *= 2) {
       for (std::size_t p = 0; p < half; ++p) {
@@ -72,25 +72,25 @@ struct Bands {
   int blocks;
   std::vector<Band> values;
   Bands(int order, int rings)
-      : blocks((rings / 2) / static_cast<int>(block)),
-        values(static_cast<std::size_t>(order + 1) * static_cast<std::size_t>(blocks)) {}
-  Band& at(int m, int b) { return values[static_cast<std::size_t>(m * blocks + b)]; }
+      : blocks((rings / 2) / int(block)),
+        values(std::size_t(order + 1) * std::size_t(blocks)) {}
+  Band& at(int m, int b) { return values[std::size_t(m * blocks + b)]; }
 };
 
 // Two real rings at once, as real and imaginary part.
 void analyse_rings(RingGrid& grid, int order, Bands& bands) {
   for_each_row(1, bands.blocks, {}, [&](int, int b) {
-    const auto n = static_cast<std::size_t>(grid.columns);
+    const auto n = std::size_t(grid.columns);
     Fourier transform(grid.columns);
     std::vector<double> re(n), im(n);
     for (std::size_t k = 0; k < block; ++k)
       for (std::size_t c = 0; c < 3; ++c) {
-        const int ring = b * static_cast<int>(block) + static_cast<int>(k);
+        const int ring = b * int(block) + int(k);
         std::copy_n(grid.row(ring, c), n, re.begin());
         std::copy_n(grid.row(grid.rings - 1 - ring, c), n, im.begin());
         transform(re, im);
         for (int m = 0; m <= order; ++m) {
-          const auto to = static_cast<std::size_t>(m), from = (n - to) % n;
+          const auto to = std::size_t(m), from = (n - to) % n;
           const std::complex north(0.5 * (re[to] + re[from]), 0.5 * (im[to] - im[from]));
           const std::complex south(0.5 * (im[to] + im[from]), 0.5 * (re[from] - re[to]));
           Band& band = bands.at(m, b);
@@ -106,7 +106,7 @@ void analyse_rings(RingGrid& grid, int order, Bands& bands) {
 // A latlong image is rings already, if there are enough of them: a Fourier transform along each row, the integral over its
 // texels' width in closed form, and Gauss points over their height. Rows go to the rings as points do.
 bool is_on_rings(const Level& source, int order) {
-  const auto width = static_cast<unsigned>(source.width());
+  const auto width = unsigned(source.width());
   return source.projection() == Projection::latlong && std::has_single_bit(width) && order * pi < source.height();
 }
 
@@ -123,14 +123,14 @@ std::vector<std::complex<double>> first_texel(int n, int order) {
 
 // Coefficients of a row: integrals of radiance x exp(-i m longitude). @param turns those of the first texel.
 std::vector<Parts> row_waves(const Level& source, int row, std::span<const std::complex<double>> turns, Fourier& transform) {
-  const auto n = static_cast<std::size_t>(source.width());
+  const auto n = std::size_t(source.width());
   const std::span<const Colour> texels = source.row(0, row);
   std::vector<Parts> waves(turns.size(), Parts{});
   std::vector<double> re(n), im(n);
   for (std::size_t c = 0; c < 3; ++c) {
     // Red and green at once, as real and imaginary part; blue alone.
     if (c == 1) continue;
-    for (std::size_t k = 0; k < n; ++k) re[k] = texels[k][static_cast<int>(c)], im[k] = c == 0 ? texels[k].y : 0;
+    for (std::size_t k = 0; k < n; ++k) re[k] = texels[k][int(c)], im[k] = c == 0 ? texels[k].y : 0;
     transform(re, im);
     for (std::size_t m = 0; m < waves.size(); ++m) {
       const std::size_t back = (n - m) % n;
@@ -157,8 +157,8 @@ std::array<std::pair<Stencil, double>, 3> row_points(int row, int height, const 
 void analyse_rows(const Level& source, int order, int rings, Bands& bands, const Progress& progress) {
   RingGrid places;  // Without values: only where rings lie.
   places.rings = rings, places.columns = 2 * rings;
-  const auto count = static_cast<std::size_t>(order + 1);
-  std::vector<Parts> waves(static_cast<std::size_t>(rings) * count, Parts{});
+  const auto count = std::size_t(order + 1);
+  std::vector<Parts> waves(std::size_t(rings) * count, Parts{});
   const std::vector<std::complex<double>> turns = first_texel(source.width(), order);
   constexpr int batch = 256;
   for (int start = 0; start < source.height(); start += batch) {
@@ -176,13 +176,13 @@ void analyse_rows(const Level& source, int order, int rings, Bands& bands, const
         for (const auto& [stencil, weight] : row_points(start + k, source.height(), places))
           for (std::size_t n = 0; n < taps; ++n) {
             // Beyond a pole longitudes are half a turn on: odd waves change sign.
-            const int ring = stencil.ring + static_cast<int>(n);
+            const int ring = stencil.ring + int(n);
             const bool beyond = ring < 0 || ring >= rings;
             const int to = ring < 0 ? -1 - ring : ring >= rings ? 2 * rings - 1 - ring : ring;
             const double even = weight * stencil.down[n], odd = beyond ? -even : even;
             for (std::size_t m = begin; m < end; ++m) {
-              Parts& sum = waves[static_cast<std::size_t>(to) * count + m];
-              const Parts& wave = found[static_cast<std::size_t>(k)][m];
+              Parts& sum = waves[std::size_t(to) * count + m];
+              const Parts& wave = found[std::size_t(k)][m];
               for (std::size_t s = 0; s < sum.size(); ++s) sum[s] += (m % 2 == 0 ? even : odd) * wave[s];
             }
           }
@@ -191,8 +191,8 @@ void analyse_rows(const Level& source, int order, int rings, Bands& bands, const
   }
   for (int b = 0; b < bands.blocks; ++b)
     for (std::size_t k = 0; k < block; ++k) {
-      const auto ring = static_cast<std::size_t>(b) * block + k;
-      const Parts *north = &waves[ring * count], *south = &waves[(static_cast<std::size_t>(rings) - 1 - ring) * count];
+      const auto ring = std::size_t(b) * block + k;
+      const Parts *north = &waves[ring * count], *south = &waves[(std::size_t(rings) - 1 - ring) * count];
       for (int m = 0; m <= order; ++m)
         for (std::size_t s = 0; s < 6; ++s) {
           bands.at(m, b).even[k][s] = north[m][s] + south[m][s];
@@ -203,7 +203,7 @@ void analyse_rows(const Level& source, int order, int rings, Bands& bands, const
 
 void synthesise_rings(Bands& bands, int order, RingGrid& grid) {
   for_each_row(1, bands.blocks, {}, [&](int, int b) {
-    const auto n = static_cast<std::size_t>(grid.columns);
+    const auto n = std::size_t(grid.columns);
     Fourier transform(grid.columns);
     std::vector<double> re(n), im(n);
     for (std::size_t k = 0; k < block; ++k)
@@ -214,13 +214,13 @@ void synthesise_rings(Bands& bands, int order, RingGrid& grid) {
           const std::complex even(band.even[k][2 * c], band.even[k][2 * c + 1]);
           const std::complex odd(band.odd[k][2 * c], band.odd[k][2 * c + 1]);
           const std::complex north = even + odd, south = even - odd;
-          const auto to = static_cast<std::size_t>(m), back = (n - to) % n;
+          const auto to = std::size_t(m), back = (n - to) % n;
           re[back] = north.real() + south.imag(), im[back] = south.real() - north.imag();
           re[to] = north.real() - south.imag(), im[to] = north.imag() + south.real();
           if (m == 0) re[0] = north.real(), im[0] = south.real();
         }
         transform(im, re);  // Parts changed about: the other way round the circle.
-        const int ring = b * static_cast<int>(block) + static_cast<int>(k);
+        const int ring = b * int(block) + int(k);
         double *north = grid.row(ring, c), *south = grid.row(grid.rings - 1 - ring, c);
         std::ranges::copy(re, north), std::ranges::copy(im, south);
         std::copy_n(north, taps, north + n), std::copy_n(south, taps, south + n);
@@ -230,24 +230,24 @@ void synthesise_rings(Bands& bands, int order, RingGrid& grid) {
 
 // ---- across the rings -------------------------------------------------------------------------------------------------
 
-std::size_t first_of(int order, int m) { return static_cast<std::size_t>(m * (order + 1) - m * (m - 1) / 2); }
+std::size_t first_of(int order, int m) { return std::size_t(m * (order + 1) - m * (m - 1) / 2); }
 
 // f(block, Legendre functions of l = m, m + 1, ... order) for every block of rings on which any of them counts.
 template <class F>
 void for_blocks(int order, int m, int rings, F&& f) {
-  const auto count = static_cast<std::size_t>(order - m + 1);
+  const auto count = std::size_t(order - m + 1);
   std::vector<double> a(count), b(count);
   for (int l = m + 1; l <= order; ++l) {
     const legendre::Step step = legendre::step(l, m);
-    a[static_cast<std::size_t>(l - m)] = step.a, b[static_cast<std::size_t>(l - m)] = step.b;
+    a[std::size_t(l - m)] = step.a, b[std::size_t(l - m)] = step.b;
   }
   double scale = legendre::first();
   for (int k = 0; k < m; ++k) scale *= legendre::diagonal(k);
   std::vector<std::array<double, block>> p(count);
-  for (int n = 0; n < rings / 2 / static_cast<int>(block); ++n) {
+  for (int n = 0; n < rings / 2 / int(block); ++n) {
     std::array<double, block> y, first;
     for (std::size_t k = 0; k < block; ++k) {
-      const double polar = pi * (n * static_cast<int>(block) + static_cast<int>(k) + 0.5) / rings;
+      const double polar = pi * (n * int(block) + int(k) + 0.5) / rings;
       y[k] = portable::cos(polar);
       // No P_l^m of a degree that we go to grows from here to where it matters.
       const double power = m * portable::log(portable::sin(polar));
@@ -261,13 +261,13 @@ void for_blocks(int order, int m, int rings, F&& f) {
 
 // Size of degree l in what a lobe makes of the light of one steradian: (2 l + 1) / (4 pi) |factor|, |P_l| being 1 at most.
 double part(std::span<const double> factors, std::size_t l) {
-  return (2.0 * static_cast<double>(l) + 1) / (4 * pi) * std::abs(factors[l]);
+  return (2.0 * double(l) + 1) / (4 * pi) * std::abs(factors[l]);
 }
 
 }  // namespace
 
 Cut spectral_cut(std::vector<double> factors, double tail) {
-  const auto most = static_cast<double>(factors.size() - 1);
+  const auto most = double(factors.size() - 1);
   // What lies beyond is taken to fall as it does in the last ten, and no slower than l^-3.
   double last = 0;
   for (std::size_t l = factors.size() - 10; l < factors.size(); ++l) last = std::max(last, std::abs(factors[l]));
@@ -280,7 +280,7 @@ Cut spectral_cut(std::vector<double> factors, double tail) {
 }
 
 Spectrum::Spectrum(const Level& source, std::span<const double> factors, double error, const Progress& progress)
-    : order_(static_cast<int>(factors.size()) - 1), error_(error), coefficients_(first_of(order_, order_) + 1) {
+    : order_(int(factors.size()) - 1), error_(error), coefficients_(first_of(order_, order_) + 1) {
   const int order = order_, columns = columns_for(factors, error), rings = columns / 2;
   Bands bands(order, rings);
   if (is_on_rings(source, order)) {
@@ -291,7 +291,7 @@ Spectrum::Spectrum(const Level& source, std::span<const double> factors, double 
   }
   tbb::parallel_for(0, order + 1, [&](int m) {
     const std::span<Parts> all =
-        std::span(coefficients_).subspan(first_of(order, m), static_cast<std::size_t>(order - m + 1));
+        std::span(coefficients_).subspan(first_of(order, m), std::size_t(order - m + 1));
     for_blocks(order, m, rings, [&](int b, const auto& p) {
       const Band& band = bands.at(m, b);
       project_rings(p, band.even, band.odd, all);
@@ -300,14 +300,14 @@ Spectrum::Spectrum(const Level& source, std::span<const double> factors, double 
 }
 
 void Spectrum::convolve(std::span<const double> factors, const Target& target, Level& out, const Progress& progress) const {
-  const int order = static_cast<int>(factors.size()) - 1;
+  const int order = int(factors.size()) - 1;
   RingGrid grid(columns_for(factors, error_));
   Bands bands(order, grid.rings);
   tbb::parallel_for(0, order + 1, [&](int m) {
-    std::vector<Parts> scaled(static_cast<std::size_t>(order - m + 1));
+    std::vector<Parts> scaled(std::size_t(order - m + 1));
     for (std::size_t k = 0; k < scaled.size(); ++k)
       for (std::size_t c = 0; c < scaled[k].size(); ++c)
-        scaled[k][c] = factors[static_cast<std::size_t>(m) + k] * coefficients_[first_of(order_, m) + k][c];
+        scaled[k][c] = factors[std::size_t(m) + k] * coefficients_[first_of(order_, m) + k][c];
     for_blocks(order, m, grid.rings, [&](int b, const auto& p) {
       Band& band = bands.at(m, b);
       evaluate_rings(p, scaled, band.even, band.odd);
@@ -316,7 +316,7 @@ void Spectrum::convolve(std::span<const double> factors, const Target& target, L
   synthesise_rings(bands, order, grid);
   for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
     const Columns in = columns(out.projection(), out.height(), row);
-    const auto count = static_cast<std::size_t>(std::max(0, in.end - in.first));
+    const auto count = std::size_t(std::max(0, in.end - in.first));
     std::vector<Direction> d(count);
     std::vector<Location<double>> places(count);
     texel_directions(out.projection(), out.height(), face, row, in.first, d);
@@ -324,7 +324,7 @@ void Spectrum::convolve(std::span<const double> factors, const Target& target, L
     locate(Projection::latlong, d, places);
     for (std::size_t k = 0; k < count; ++k) {
       const std::array<double, 3> found = interpolate(grid, stencil_at(grid, places[k].u, places[k].v));
-      *out.texel(face, in.first + static_cast<int>(k), row) = Colour(glm::max(Flux(found[0], found[1], found[2]), Flux(0)));
+      *out.texel(face, in.first + int(k), row) = Colour(glm::max(Flux(found[0], found[1], found[2]), Flux(0)));
     }
   });
 }
@@ -352,7 +352,7 @@ double difference(const Lobe& lobe, double angle, double azimuth, double h, int 
     const double t = (k - 0.5 * n) * h;
     const double x = 1 - portable::cos(angle) * portable::cos(t) - portable::sin(angle) * portable::sin(t) * portable::cos(azimuth);
     sum += (k % 2 == 0 ? binomial : -binomial) * std::visit([x](const auto& l) { return l.value(std::max(0.0, x)); }, lobe);
-    binomial *= static_cast<double>(n - k) / (k + 1);
+    binomial *= double(n - k) / (k + 1);
   }
   return std::abs(sum);
 }
@@ -400,9 +400,9 @@ Leak leak_of(const Lobe& lobe, const Lobe& wide, const Level& source, int order,
 double left_out(const Lobe& lobe, std::span<const double> factors) {
   const std::size_t count = 16 * factors.size() + 1;
   std::vector<double> cosine(count), sum(count, 0), now(count, 1), before(count, 0);
-  for (std::size_t k = 0; k < count; ++k) cosine[k] = portable::cos(pi * static_cast<double>(k) / static_cast<double>(count - 1));
+  for (std::size_t k = 0; k < count; ++k) cosine[k] = portable::cos(pi * double(k) / double(count - 1));
   for (std::size_t l = 0; l < factors.size(); ++l) {
-    const auto degree = static_cast<double>(l);
+    const auto degree = double(l);
     const double factor = (2 * degree + 1) / (4 * pi) * factors[l], a = (2 * degree + 1) / (degree + 1), b = degree / (degree + 1);
     for (std::size_t k = 0; k < count; ++k) {
       sum[k] += factor * now[k];
@@ -412,7 +412,7 @@ double left_out(const Lobe& lobe, std::span<const double> factors) {
   }
   double most = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const double half = portable::sin(0.5 * pi * static_cast<double>(k) / static_cast<double>(count - 1));
+    const double half = portable::sin(0.5 * pi * double(k) / double(count - 1));
     most = std::max(most, std::abs(std::visit([&](const auto& l) { return l.value(2 * half * half); }, lobe) - sum[k]));
   }
   return 1.05 * most;
@@ -422,7 +422,7 @@ double left_out(const Lobe& lobe, std::span<const double> factors) {
 double interpolation_error(std::span<const double> factors, int columns) {
   double sum = 0;
   for (std::size_t l = 0; l < factors.size(); ++l)
-    sum += 4 * 1.07e-3 * portable::pow(2 * pi * static_cast<double>(l) / columns, 8) * part(factors, l);
+    sum += 4 * 1.07e-3 * portable::pow(2 * pi * double(l) / columns, 8) * part(factors, l);
   return sum;
 }
 
@@ -437,7 +437,7 @@ std::size_t spectral_prefilter(const Level& source, const Totals& light, const L
   const double wanted = 0.2 * max_error * 1e-3 * mean / brightest;
   Cut cut = spectral_cut(zonal(lobe, most_spectral_order), wanted);
   if (cut.tail > wanted) cut.tail = std::min(cut.tail, left_out(lobe, cut.factors));
-  const int order = static_cast<int>(cut.factors.size()) - 1;
+  const int order = int(cut.factors.size()) - 1;
   const Lobe wide = widened(lobe);
   const int columns = columns_for(cut.factors, grid_error);
   const Leak leak = leak_of(lobe, wide, source, order, columns, grid_error);
@@ -459,7 +459,7 @@ std::size_t spectral_prefilter(const Level& source, const Totals& light, const L
     const Flux value = glm::max(Flux(*out.texel(t.face, t.i, t.j)), Flux(floor)), above(*wider.texel(t.face, t.i, t.j));
     const auto largest = [&](const Flux& off) { return std::max({off.x / value.x, off.y / value.y, off.z / value.z}); };
     float& figure = figures[index_of(out, t)];
-    figure = static_cast<float>(largest(leak.envelope * above + everywhere));
+    figure = float(largest(leak.envelope * above + everywhere));
     if (figure > max_error && largest(total * (cut.tail + leak.rest)) <= 0.5 * max_error) ++finer;
   }
   return finer;

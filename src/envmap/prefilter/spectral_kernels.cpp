@@ -21,7 +21,7 @@ struct Place {
   int ring, column;
 };
 HWY_INLINE Place place(const RingGrid& grid, const Stencil& at, std::size_t k) {
-  const int ring = at.ring + static_cast<int>(k);
+  const int ring = at.ring + int(k);
   if (ring >= 0 && ring < grid.rings) return {ring, at.column};
   return {ring < 0 ? -1 - ring : 2 * grid.rings - 1 - ring, (at.column + grid.columns / 2) % grid.columns};
 }
@@ -32,8 +32,8 @@ void SpreadOne(RingGrid& grid, const Spot& spot) {
   double row_sum = 0, column_sum = 0;
   for (std::size_t n = 0; n < spot.count; ++n) row_sum += spot.down[n], column_sum += spot.across[n];
   constexpr int before = taps / 2 - 1;
-  const int ring = static_cast<int>(std::floor(row_sum / static_cast<double>(spot.count))) - before;
-  const int column = static_cast<int>(std::floor(column_sum / static_cast<double>(spot.count))) - before;
+  const int ring = int(std::floor(row_sum / double(spot.count))) - before;
+  const int column = int(std::floor(column_sum / double(spot.count))) - before;
   alignas(64) std::array<std::array<double, taps>, taps> table{};
   for (std::size_t n = 0; n < spot.count; ++n) {
     const std::array<double, taps> down = lagrange(spot.down[n] - ring), across = lagrange(spot.across[n] - column);
@@ -47,7 +47,7 @@ void SpreadOne(RingGrid& grid, const Spot& spot) {
   for (std::size_t k = 0; k < taps; ++k) {
     const Place first = place(grid, at, k);
     for (std::size_t turn = 0; turn < spot.light.turns; ++turn) {
-      const int to = (first.column + static_cast<int>(turn) * (grid.columns / 4)) % grid.columns;
+      const int to = (first.column + int(turn) * (grid.columns / 4)) % grid.columns;
       for (std::size_t c = 0; c < 3; ++c) {
         double* row = grid.row(first.ring, c) + to;
         const V colour = hn::Set(d, spot.light.colours[turn][c]);
@@ -145,7 +145,7 @@ HWY_EXPORT(EvaluateRings);
 Stencil stencil_at(const RingGrid& grid, double u, double v) {
   constexpr int before = taps / 2 - 1;
   const double down = v * grid.rings - 0.5, across = u * grid.columns;
-  const int ring = static_cast<int>(std::floor(down)) - before, column = static_cast<int>(std::floor(across)) - before;
+  const int ring = int(std::floor(down)) - before, column = int(std::floor(across)) - before;
   return {ring, (column + 2 * grid.columns) % grid.columns, lagrange(down - ring), lagrange(across - column)};
 }
 

@@ -18,10 +18,10 @@ struct RingGrid {
   std::vector<double> values;  ///< By ring, channel and column; `taps` columns more, for stencils that run over.
 
   RingGrid() = default;
-  explicit RingGrid(int n) : rings(n / 2), columns(n), values(static_cast<std::size_t>(rings) * 3 * stride(), 0) {}
-  [[nodiscard]] std::size_t stride() const { return static_cast<std::size_t>(columns) + taps; }
+  explicit RingGrid(int n) : rings(n / 2), columns(n), values(std::size_t(rings) * 3 * stride(), 0) {}
+  [[nodiscard]] std::size_t stride() const { return std::size_t(columns) + taps; }
   [[nodiscard]] double* row(int ring, std::size_t channel) {
-    return &values[(static_cast<std::size_t>(ring) * 3 + channel) * stride()];
+    return &values[(std::size_t(ring) * 3 + channel) * stride()];
   }
 };
 
@@ -33,11 +33,11 @@ inline std::array<double, taps> lagrange(double t) {
   double below = 1, above = 1;
   for (std::size_t k = 0; k < taps; ++k) {
     weights[k] = scale[k] * below;
-    below *= t - static_cast<double>(k);
+    below *= t - double(k);
   }
   for (std::size_t k = taps; k-- > 0;) {
     weights[k] *= above;
-    above *= t - static_cast<double>(k);
+    above *= t - double(k);
   }
   return weights;
 }

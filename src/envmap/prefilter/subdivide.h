@@ -124,8 +124,8 @@ class Subdivision {
         recent_border<P>(texel.face, rect), P::solid_angle(rect), node.reach, nearest, 0.1 * criterion_.limit / each);
     if (criterion_.surveying) {
       const Flux& l = texel.radiance;
-      found_.add_least(criterion_, {static_cast<float>(l.x), static_cast<float>(l.y), static_cast<float>(l.z)},
-                       static_cast<float>(std::max(0.0, found.value - found.error)));
+      found_.add_least(criterion_, {float(l.x), float(l.y), float(l.z)},
+                       float(std::max(0.0, found.value - found.error)));
     } else {
       add(texel, found.value, found.error * each);
     }
@@ -134,14 +134,14 @@ class Subdivision {
   // What a part of the lobe counts for, in such light.
   [[nodiscard]] double weight(const Flux& radiance) const {
     double most = 0;
-    for (int c = 0; c < 3; ++c) most = std::max(most, radiance[c] * criterion_.most[static_cast<std::size_t>(c)]);
+    for (int c = 0; c < 3; ++c) most = std::max(most, radiance[c] * criterion_.most[std::size_t(c)]);
     return most;
   }
   // A piece as its integral.
   void add(Texel& texel, double integral, double off) {
     ++found_.count;
     texel.error += off;
-    for (int c = 0; c < 3; ++c) found_.integrated[static_cast<std::size_t>(c)] += integral * texel.radiance[c];
+    for (int c = 0; c < 3; ++c) found_.integrated[std::size_t(c)] += integral * texel.radiance[c];
   }
   // What is too large for simple moments is cut without a look at it.
   void cut(Texel& texel, const Rect& rect, int depth) {

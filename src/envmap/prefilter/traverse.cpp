@@ -52,7 +52,7 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   const V x = hn::Sub(hn::Load(d, &b.centre[0][n]), hn::Set(d, middle.x)),
           y = hn::Sub(hn::Load(d, &b.centre[1][n]), hn::Set(d, middle.y)),
           z = hn::Sub(hn::Load(d, &b.centre[2][n]), hn::Set(d, middle.z));
-  const V radius = hn::Set(d, static_cast<float>(criterion.radius) + slack), reach = hn::Load(d, &b.reach[n]);
+  const V radius = hn::Set(d, float(criterion.radius) + slack), reach = hn::Load(d, &b.reach[n]);
   const V distance = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
   const V low = hn::Max(zero, hn::Sub(hn::Sub(distance, radius), reach)), high = hn::Add(hn::Add(distance, radius), reach);
   const V near = hn::Mul(half, hn::Mul(low, low)), far = hn::Mul(half, hn::Mul(high, high));
@@ -69,7 +69,7 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
     const auto range = range_over(lobe, d, near, far);
     const V gap = hn::Sub(range.most, range.least);
     hn::Store(range.least, d, &found.least[n]);
-    const auto small = hn::Lt(reach, hn::Set(d, 0.5F * static_cast<float>(criterion.radius)));
+    const auto small = hn::Lt(reach, hn::Set(d, 0.5F * float(criterion.radius)));
     found.good |= bits_of(hn::And(visible, hn::Or(small, hn::Lt(hn::Mul(gap, flux), limit)))) << n;
     return;
   }
@@ -160,7 +160,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
     const Judged v = judge_group(lobe, criterion, group, 4 * several, middle, slack);
     for (std::size_t n = 4 * several; n-- > 0;) {
       const Entry& e = quads[n / 4];
-      const int lane = static_cast<int>(n % 4), i = 2 * e.i + lane % 2, j = 2 * e.j + lane / 2;
+      const int lane = int(n % 4), i = 2 * e.i + lane % 2, j = 2 * e.j + lane / 2;
       if (v.good >> n & 1) {
         if (criterion.surveying) {
           found.add_least(criterion, {group.flux[0][n], group.flux[1][n], group.flux[2][n]}, v.least[n]);

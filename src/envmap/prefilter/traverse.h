@@ -32,7 +32,7 @@ struct alignas(4 * N) NodeHeads {
   /// @param from what the centre is counted from.
   void set(std::size_t lane, const Node& node, const Direction& from = Direction(0)) {
     for (std::size_t n = 0; n < 3; ++n)
-      centre[n][lane] = static_cast<float>(node.centre[static_cast<int>(n)] - from[static_cast<int>(n)]);
+      centre[n][lane] = float(node.centre[int(n)] - from[int(n)]);
     reach[lane] = node.reach, spread[lane] = node.spread, uneven[lane] = node.uneven;
     for (std::size_t c = 0; c < node_channels; ++c) flux[c][lane] = node.flux[c];
   }
@@ -86,7 +86,7 @@ struct Judged {
 Judged judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& nodes, std::size_t count);
 
 inline constexpr double least_part = 1e-3;
-inline float least_variance(float most) { return std::max(1e-30F, static_cast<float>(least_part) * most); }
+inline float least_variance(float most) { return std::max(1e-30F, float(least_part) * most); }
 
 class Tree;
 
@@ -165,7 +165,7 @@ struct Traversal {
   }
   void add_crossed(const Node& node, const Direction& middle, float error) {
     if (steps_) return;
-    crossed.push_back({Vec3<float>(node.centre - middle), static_cast<float>(1 - 0.5 * sag_of(covariance_of(node))), node.reach, error});
+    crossed.push_back({Vec3<float>(node.centre - middle), float(1 - 0.5 * sag_of(covariance_of(node))), node.reach, error});
   }
   /// What all nodes together are off. @param crossed_sum of the bounds of those that the horizon crosses.
   [[nodiscard]] double figure(double crossed_sum) const {

@@ -19,11 +19,11 @@ struct Span {
   [[nodiscard]] int width() const { return right - left; }
   [[nodiscard]] int height() const { return bottom - top; }
   [[nodiscard]] std::size_t count() const {
-    return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
+    return std::size_t(width()) * std::size_t(height());
   }
   /// Of a texel, by row and column.
   [[nodiscard]] std::size_t index(int i, int j) const {
-    return static_cast<std::size_t>(j - top) * static_cast<std::size_t>(width()) + static_cast<std::size_t>(i - left);
+    return std::size_t(j - top) * std::size_t(width()) + std::size_t(i - left);
   }
   [[nodiscard]] std::array<Span, 4> quarters() const {
     const int middle = (left + right) / 2, centre = (top + bottom) / 2;
@@ -52,14 +52,14 @@ class Tree {
     [[nodiscard]] const Node& node(int face, int i, int j) const { return row(face, j)[i]; }
     /// Blocks 2i, 2i + 1 of rows 2j, 2j + 1.
     [[nodiscard]] const NodeQuad& quad(int face, int i, int j) const {
-      return quads[place((width + 1) / 2, (height + 1) / 2, face, j) + static_cast<std::size_t>(i)];
+      return quads[place((width + 1) / 2, (height + 1) / 2, face, j) + std::size_t(i)];
     }
     /// Sets the quads of rows 2j and 2j + 1.
     void set_quads(int face, int j);
 
    private:
     static std::size_t place(int across, int down, int face, int j) {
-      return static_cast<std::size_t>(face * down + j) * static_cast<std::size_t>(across);
+      return std::size_t(face * down + j) * std::size_t(across);
     }
   };
 
@@ -77,11 +77,11 @@ class Tree {
   }
   [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
   [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
-  [[nodiscard]] int last() const { return first_ + static_cast<int>(blocks_.size()) - 1; }
+  [[nodiscard]] int last() const { return first_ + int(blocks_.size()) - 1; }
   /// The quarters of a block of those that are stored, or smaller; nothing where a rim cuts or stretches one, or one has a
   /// single row or column.
   [[nodiscard]] std::optional<std::array<Node, 4>> quarters(int face, const Span& in) const;
-  [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[static_cast<std::size_t>(k - first_)]; }
+  [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[std::size_t(k - first_)]; }
 
  private:
   const Level& source_;

@@ -48,7 +48,7 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
   for (std::size_t k = 0; k < Tile::most; ++k) {
     const Vec3<float> o(directions[std::min(k, tile.count - 1)] - tile.middle);
     tile.x[k] = o.x, tile.y[k] = o.y, tile.z[k] = o.z;
-    square = std::max(square, static_cast<double>(o.x * o.x + o.y * o.y + o.z * o.z));
+    square = std::max(square, double(o.x * o.x + o.y * o.y + o.z * o.z));
   }
   tile.radius = std::sqrt(square);
 }
@@ -58,7 +58,7 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
 // as long as thousands of nodes.
 std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
   const Level& s = tree.source();
-  const std::size_t texels = index_of(s, {s.faces(), 0, 0}), parts = static_cast<std::size_t>(tree.parts());
+  const std::size_t texels = index_of(s, {s.faces(), 0, 0}), parts = std::size_t(tree.parts());
   const std::size_t sum = directions * (parts > 1 ? 8 * texels / (parts * parts) : texels / 8);
   const bool breaks_off = std::visit([](const auto& l) { return l.breaks_off(); }, lobe);
   const std::size_t least = breaks_off ? 1 << 14 : parts > 1 ? 1 << 12 : 1 << 8;
@@ -71,8 +71,8 @@ class TileNodes {
   TileNodes(const Job& job, const Tile& tile) : job_(job), tile_(tile) {
     criterion_ = {.middle = tile.middle, .radius = tile.radius, .surveying = true};
     for (std::size_t c = 0; c < node_channels; ++c) {
-      criterion_.darkest[c] = static_cast<float>(job.tree.darkest()[static_cast<int>(c)]);
-      criterion_.most[c] = 1 / std::max(static_cast<float>(floor_of_error), criterion_.darkest[c]);
+      criterion_.darkest[c] = float(job.tree.darkest()[int(c)]);
+      criterion_.most[c] = 1 / std::max(float(floor_of_error), criterion_.darkest[c]);
     }
     // The least that any direction gets, from below: first from afar, then closer.
     for (const float gap : {1.F, 0.05F}) {
@@ -93,7 +93,7 @@ class TileNodes {
     constexpr int most_tries = 10;
     for (int n = 0; n < most_tries; ++n) {
       clear();
-      criterion_.limit = static_cast<float>(limit);
+      criterion_.limit = float(limit);
       go(add);
       if (found().count > criterion_.most_nodes) return std::nullopt;
       const double figure = error_figure(found(), tile_);
@@ -163,11 +163,11 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
     const Columns in = columns(job.target.to, job.target.size, j);
     const int first = std::max(x, in.first), end = std::min(x + w, in.end);
     if (first >= end) continue;
-    const std::span row = std::span(directions).subspan(count, static_cast<std::size_t>(end - first));
+    const std::span row = std::span(directions).subspan(count, std::size_t(end - first));
     texel_directions(job.target.to, job.target.size, face, j, first, row);
     for (int i = first; i < end; ++i) {
       texels[count++] = {face, i, j};
-      unknown += job.figure(texels[count - 1]) <= static_cast<float>(job.max_error) ? 0 : 1;
+      unknown += job.figure(texels[count - 1]) <= float(job.max_error) ? 0 : 1;
     }
   }
   if (unknown == 0) return;
@@ -183,7 +183,7 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
     limit *= std::clamp(0.8 * job.max_error / std::max(*figure, 1e-30), 0.5, 1.5);
     for (std::size_t k = 0; k < count; ++k) {
       *job.out.texel(texels[k].face, texels[k].i, texels[k].j) = colours[k];
-      job.figure(texels[k]) = static_cast<float>(*figure);
+      job.figure(texels[k]) = float(*figure);
     }
   } else if (count > 1) {
     const int left = w >= h ? w / 2 : w, top = w >= h ? h : h / 2;
@@ -212,7 +212,7 @@ void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target
   const Job job{tree, lobe, target, max_error, tile_radius(lobe), out, figures};
   for_each_row(out.faces(), (out.height() + tile_side - 1) / tile_side, progress, [&](int face, int row) {
     const int y = row * tile_side, h = std::min(tile_side, out.height() - y);
-    const auto of_tiles = [&] { return rows.subspan(static_cast<std::size_t>(face * out.height() + y), static_cast<std::size_t>(h)); };
+    const auto of_tiles = [&] { return rows.subspan(std::size_t(face * out.height() + y), std::size_t(h)); };
     if (!rows.empty() && std::ranges::count(of_tiles(), 0) == h) return;
     double limit = 0.3 * max_error;  // Of the first tile of a row, as good as any.
     for (int x = 0; x < out.width(); x += tile_side)

@@ -13,7 +13,7 @@ namespace {
 // An irradiance, degree by degree, so that windows can be tried.
 class Irradiance {
  public:
-  explicit Irradiance(const Harmonics& radiance) : degrees_(static_cast<std::size_t>(radiance.order) + 1), series_(radiance) {
+  explicit Irradiance(const Harmonics& radiance) : degrees_(std::size_t(radiance.order) + 1), series_(radiance) {
     scale_degrees(series_, irradiance_factors(radiance.order));
     rows_ = 8 * (radiance.order + 1), columns_ = 2 * rows_;
     step_ = pi / rows_;
@@ -41,9 +41,9 @@ class Irradiance {
     Flux change(0), whole(0);  // Parseval: integrals of squares are sums of squares.
     for (int l = 0; l <= series_.order; ++l)
       for (int m = -l; m <= l; ++m) {
-        const Flux square = series_.coefficients[static_cast<std::size_t>(l * (l + 1) + m)] *
-                            series_.coefficients[static_cast<std::size_t>(l * (l + 1) + m)];
-        const double lost = 1 - window[static_cast<std::size_t>(l)];
+        const Flux square = series_.coefficients[std::size_t(l * (l + 1) + m)] *
+                            series_.coefficients[std::size_t(l * (l + 1) + m)];
+        const double lost = 1 - window[std::size_t(l)];
         whole += square, change += lost * lost * square;
       }
     double most = 0;
@@ -75,8 +75,8 @@ class Irradiance {
   }
 
   [[nodiscard]] std::size_t index(int row, int column) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>((column + columns_) % columns_);
+    return std::size_t(row) * std::size_t(columns_) +
+           std::size_t((column + columns_) % columns_);
   }
 
   [[nodiscard]] bool negative(std::span<const double> window, int channel) const {
@@ -106,10 +106,10 @@ class Irradiance {
     for (int l = 0; l <= series_.order; ++l) {
       double square = 0;
       for (int k = l * l; k < (l + 1) * (l + 1); ++k) {
-        const double c = series_.coefficients[static_cast<std::size_t>(k)][channel];
+        const double c = series_.coefficients[std::size_t(k)][channel];
         square += c * c;
       }
-      bend += window[static_cast<std::size_t>(l)] * l * l * std::sqrt((2 * l + 1) / (4 * pi) * square);
+      bend += window[std::size_t(l)] * l * l * std::sqrt((2 * l + 1) / (4 * pi) * square);
     }
     return 0.25 * step_ * step_ * bend;
   }

@@ -72,7 +72,7 @@ void TexelDirections(Projection p, int size, int face, int row, int first, std::
     const double left = 2.0 * first + 1 - size * P::aspect;
     const auto steps = hn::Mul(hn::Iota(d, 0), hn::Set(d, 2));
     for (std::size_t k = 0; k < out.size(); k += hn::Lanes(d)) {
-      const auto column = hn::Add(hn::Set(d, left + 2 * static_cast<double>(k)), steps);
+      const auto column = hn::Add(hn::Set(d, left + 2 * double(k)), steps);
       auto a = hn::Mul(column, hn::Set(d, 1.0 / P::aspect)), at_b = b;
       if constexpr (P::on_disc && !P::filled) move_inside_rim(d, scale, a, at_b);
       hn::Vec<Lanes> x, y, z;

@@ -26,7 +26,7 @@ struct Scale {
         inverse(1 / size),
         square(size * size),
         inverse_square(1 / square),
-        split(0x1.8p27 * std::bit_ceil(static_cast<unsigned>(size))) {}
+        split(0x1.8p27 * std::bit_ceil(unsigned(size))) {}
 
   double n, inverse, square, inverse_square;
   double split;  ///< Added and taken away again it rounds a and b to 26 bits or so.

@@ -27,7 +27,7 @@ struct Paraboloid {
 
   template <class T>
   static Location<T> locate(const Vec3<T>& d) {
-    const double x = d.x, y = d.y, half = 0.5 / (1 + std::abs(static_cast<double>(d.z)));
+    const double x = d.x, y = d.y, half = 0.5 / (1 + std::abs(double(d.z)));
     return {d.z < 0, static_cast<T>(0.5 + half * x), static_cast<T>(0.5 - half * y)};
   }
 

@@ -67,7 +67,7 @@ std::optional<Projection> projection_named(std::string_view wanted) {
 int matching_size(Projection from, int size, Projection to) {
   check(limits::level_height, size);
   const auto span = [](Projection p) { return visit(p, [](auto q) { return decltype(q)::span; }); };
-  return std::max(1, static_cast<int>(std::lround(size * span(to) / span(from))));
+  return std::max(1, int(std::lround(size * span(to) / span(from))));
 }
 
 Columns columns(Projection p, int size, int row) {
@@ -80,7 +80,7 @@ Columns columns(Projection p, int size, int row) {
       // Nearest |t| of the row, in texels from the middle; the disc's half width there, widened to whole texels.
       const double middle = 0.5 * size, near = std::max({0.0, row - middle, middle - row - 1});
       const double half = std::sqrt(middle * middle - near * near);
-      return {static_cast<int>(std::floor(middle - half)), static_cast<int>(std::ceil(middle + half))};
+      return {int(std::floor(middle - half)), int(std::ceil(middle + half))};
     }
   });
 }
@@ -120,7 +120,7 @@ void solid_angles(Projection p, int size, int row, std::span<double> out) {
   check_row(size, row);
   visit(p, [&](auto q) {
     using P = decltype(q);
-    const double width = static_cast<double>(out.size()), v0 = static_cast<double>(row) / size, v1 = (row + 1.0) / size;
+    const double width = double(out.size()), v0 = double(row) / size, v1 = (row + 1.0) / size;
     if constexpr (std::is_same_v<P, Latlong>) {
       std::fill(out.begin(), out.end(), P::solid_angle({0, v0, 1, v1}) / width);
     } else if constexpr (std::is_same_v<P, EqualArea>) {
@@ -128,7 +128,7 @@ void solid_angles(Projection p, int size, int row, std::span<double> out) {
     } else {
       // The right half of every projection mirrors the left one.
       for (std::size_t i = 0, j = out.size(); i < j--; ++i)
-        out[i] = out[j] = P::solid_angle({static_cast<double>(i) / width, v0, (static_cast<double>(i) + 1) / width, v1});
+        out[i] = out[j] = P::solid_angle({double(i) / width, v0, (double(i) + 1) / width, v1});
     }
   });
 }

@@ -47,11 +47,11 @@ int matching_size(Projection from, int size, Projection to);
 struct Columns {
   int first, end;
 
-  [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(end - first); }
+  [[nodiscard]] std::size_t count() const { return std::size_t(end - first); }
   /// Those of a row.
   template <class T>
   [[nodiscard]] std::span<T> of(std::span<T> row) const {
-    return row.subspan(static_cast<std::size_t>(first), count());
+    return row.subspan(std::size_t(first), count());
   }
 };
 Columns columns(Projection p, int size, int row);

@@ -54,7 +54,7 @@ struct ProjectionList {
   static constexpr bool is_complete() {
     std::size_t k = 0;
     return sizeof...(P) == std::size(all_projections) &&
-           ((P::id == all_projections[k] && static_cast<std::size_t>(P::id) == k++) && ...);
+           ((P::id == all_projections[k] && std::size_t(P::id) == k++) && ...);
   }
 
   template <class F>

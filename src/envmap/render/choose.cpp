@@ -4,7 +4,7 @@
 
 namespace envmap {
 double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles, const Costs& costs) {
-  const auto count = static_cast<double>(triangles);
+  const auto count = double(triangles);
   if (method == DrawMethod::raycast) return costs[Cost::ray_texel] * texel_count(to, size) + costs[Cost::ray_triangle] * count;
   if (method == DrawMethod::resample)
     return costs[Cost::cube_texel] * texel_count(Projection::cube, size) + costs[Cost::cube_triangle] * count +

@@ -27,8 +27,8 @@ std::vector<SkyTexel> texels_of(const EnvironmentMap& environment) {
     texel_directions(Projection::latlong, rows, 0, row, 0, from);
     solid_angles(Projection::latlong, rows, row, solid_angle);
     for (int i = 0; i < columns_a_row; ++i) {
-      const Flux all = solid_angle[static_cast<std::size_t>(i)] * Flux(*map.base().texel(0, i, row));
-      texels.push_back({from[static_cast<std::size_t>(i)], all, 0.2126 * all.x + 0.7152 * all.y + 0.0722 * all.z});
+      const Flux all = solid_angle[std::size_t(i)] * Flux(*map.base().texel(0, i, row));
+      texels.push_back({from[std::size_t(i)], all, 0.2126 * all.x + 0.7152 * all.y + 0.0722 * all.z});
     }
   }
   return texels;
@@ -81,7 +81,7 @@ class Sky {
   }
 
  private:
-  [[nodiscard]] const SkyTexel& at(int i, int j) const { return texels_[static_cast<std::size_t>(j * columns_a_row + i)]; }
+  [[nodiscard]] const SkyTexel& at(int i, int j) const { return texels_[std::size_t(j * columns_a_row + i)]; }
   std::vector<SkyTexel> texels_;
 };
 
@@ -90,7 +90,7 @@ class Sky {
 std::vector<DistantLight> distant_lights(const EnvironmentMap& environment, int count) {
   const Sky sky(texels_of(environment));
   std::vector<Part> parts{sky.part(0, 0, columns_a_row, rows)}, whole;
-  while (!parts.empty() && static_cast<int>(parts.size() + whole.size()) < count) {
+  while (!parts.empty() && int(parts.size() + whole.size()) < count) {
     const auto brightest = std::ranges::max_element(parts, {}, &Part::luminance);
     const std::vector<Part> halves = sky.halves(*brightest);
     parts.erase(brightest);

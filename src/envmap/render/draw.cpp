@@ -9,7 +9,7 @@ namespace envmap {
 std::vector<Instance> instances(const Scene& scene) {
   std::vector<Instance> all;
   for (std::size_t node = 0; node < scene.nodes.size(); ++node)
-    for (const int mesh : scene.nodes[node].meshes) all.push_back({static_cast<int>(node), mesh});
+    for (const int mesh : scene.nodes[node].meshes) all.push_back({int(node), mesh});
   return all;
 }
 
@@ -42,7 +42,7 @@ void sample_directions(Projection p, int size, int face, int row, const Vec2<dou
   std::vector<Vec2<double>> points(out.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
     Vec2<double>& at = points[k];
-    at = {(first + static_cast<double>(k) + 0.5 + offset.x) / (size * aspect(p)), (row + 0.5 + offset.y) / size};
+    at = {(first + double(k) + 0.5 + offset.x) / (size * aspect(p)), (row + 0.5 + offset.y) / size};
     if (const double r = glm::length(2.0 * at - 1.0); stop_at_rim && r > 1) at = 0.5 + (at - 0.5) / r;
   }
   directions(p, face, points, out);

@@ -36,7 +36,7 @@ gl::Texture upload_sheen_table() { return upload_table(sheen_table_size, GL_R32F
 
 LightTexture upload(const EnvironmentLight& light) {
   LightTexture out{gl::make_texture(GL_TEXTURE_CUBE_MAP_ARRAY), light.irradiance};
-  const int size = light.glossy.front().height(), levels = static_cast<int>(light.glossy.size());
+  const int size = light.glossy.front().height(), levels = int(light.glossy.size());
   glTextureStorage3D(out.glossy, 1, GL_RGB32F, size, size, 6 * levels);
   for (int level = 0; level < levels; ++level)
     for (int face = 0; face < 6; ++face)

@@ -54,7 +54,7 @@ Shader compile(const Stage& stage, const Definitions& definitions) {
   std::string message(4096, '\0');
   GLsizei length = 0;
   glGetShaderInfoLog(shader, static_cast<GLsizei>(message.size()), &length, message.data());
-  message.resize(static_cast<std::size_t>(length));
+  message.resize(std::size_t(length));
   throw std::runtime_error(fmt::format("{}: {}", names, message));
 }
 
@@ -120,7 +120,7 @@ Program make_program(const std::vector<Stage>& stages, const Definitions& defini
   std::string message(4096, '\0');
   GLsizei length = 0;
   glGetProgramInfoLog(program, static_cast<GLsizei>(message.size()), &length, message.data());
-  message.resize(static_cast<std::size_t>(length));
+  message.resize(std::size_t(length));
   throw std::runtime_error(message);
 }
 

@@ -58,7 +58,7 @@ gl::Texture upload(const Texture& image) {
   if (std::max(image.width, image.height) > largest)
     throw UsageError(fmt::format("a texture of {}x{}: this renderer takes {}", image.width, image.height, largest));
   gl::Texture texture = gl::make_texture(GL_TEXTURE_2D);
-  const int levels = 1 + static_cast<int>(std::log2(std::max(image.width, image.height)));
+  const int levels = 1 + int(std::log2(std::max(image.width, image.height)));
   glTextureStorage2D(texture, levels, image.srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, image.width, image.height);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTextureSubImage2D(texture, 0, 0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, image.texels.data());
@@ -92,7 +92,7 @@ std::vector<GpuMaterial> materials_of(const Scene& scene) {
 
 int mirror_of(const Scene& scene, int node, std::span<const int> mirrors) {
   for (std::size_t k = 0; k < mirrors.size(); ++k)
-    if (lies_under(scene, node, mirrors[k])) return static_cast<int>(k);
+    if (lies_under(scene, node, mirrors[k])) return int(k);
   return -1;
 }
 
@@ -105,7 +105,7 @@ int group_of(const Material& m, int mirror, std::vector<Group>& groups) {
                     m.coat > 0,
                     m.sheen != Colour(0)};
   const auto known = std::ranges::find(groups, group);
-  const auto number = static_cast<int>(known - groups.begin());
+  const auto number = int(known - groups.begin());
   if (known == groups.end()) groups.push_back(group);
   return number;
 }
@@ -147,20 +147,20 @@ gl::Texture texels_of(const gl::Buffer& buffer) {
 }
 
 GpuLight from_viewpoint(const PlacedLight& light, const Direction& eye, int first_face) {
-  return {{glm::vec3(light.position - eye), static_cast<float>(light.kind)},
-          {glm::vec3(light.direction), static_cast<float>(light.range)},
+  return {{glm::vec3(light.position - eye), float(light.kind)},
+          {glm::vec3(light.direction), float(light.range)},
           {light.intensity, 0},
           {light.inner, light.outer, first_face, light_faces(light)}};
 }
 
 }  // namespace
 
-GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(static_cast<int>(scene.lights.size())) {
+GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(int(scene.lights.size())) {
   std::vector<glm::vec3> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<GpuCorner> corners;
   for (const Mesh& mesh : scene.meshes) {
-    const auto base = static_cast<std::uint32_t>(vertices.size());
+    const auto base = std::uint32_t(vertices.size());
     first_.push_back({vertices.size(), indices.size()});
     vertices.insert(vertices.end(), mesh.positions.begin(), mesh.positions.end());
     for (const std::uint32_t k : mesh.indices) indices.push_back(base + k);
@@ -174,7 +174,7 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
               .mesh = instance.mesh,
               .indices = static_cast<GLsizei>(mesh.indices.size()),
               .first_index = at(first_, instance.mesh).index,
-              .stencil = static_cast<std::uint8_t>(1 + group),
+              .stencil = std::uint8_t(1 + group),
               .material = mesh.material,
               .group = group,
               .holes = material.alpha_cutoff > 0,
@@ -187,7 +187,7 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(s
   }
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (corner_texels * corners.size() > static_cast<std::size_t>(most))
+  if (corner_texels * corners.size() > std::size_t(most))
     throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / (3 * corner_texels)));
   if (groups_.size() > 255)
     throw UsageError(fmt::format("materials with {} sets of textures and mirrors: this renderer takes 255", groups_.size()));

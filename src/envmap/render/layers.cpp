@@ -32,7 +32,7 @@ void Renderer::add_sample(const MapTexture& to, int face, int sample, int sample
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_DEPTH_TEST);
   glBindTextureUnit(unit_behind, layers_->sample);
-  gl::set(adding_, "weight", static_cast<float>(1.0 / samples));
+  gl::set(adding_, "weight", float(1.0 / samples));
   glUseProgram(adding_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }

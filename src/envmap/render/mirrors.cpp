@@ -36,7 +36,7 @@ bool is_metal(const Scene& scene, int node) {
 bool same_surroundings(const Scene& scene, int mirror, const Pose& a, const Pose& b) {
   if (a.size() != b.size()) return false;
   for (std::size_t node = 0; node < a.size(); ++node)
-    if (a[node] != b[node] && !lies_under(scene, static_cast<int>(node), mirror)) return false;
+    if (a[node] != b[node] && !lies_under(scene, int(node), mirror)) return false;
   return true;
 }
 
@@ -60,13 +60,13 @@ unsigned all_faces(Projection p) { return (1U << faces(p)) - 1; }
 constexpr double texels_a_pixel = 64;
 
 // Down to 4 texels.
-int level_count(int size) { return std::max(1, static_cast<int>(std::bit_width(static_cast<unsigned>(size))) - 2); }
+int level_count(int size) { return std::max(1, int(std::bit_width(unsigned(size))) - 2); }
 
 // As fine as the pixels are, or as they can afford. @param step radians between texels.
 int fitting_size(const Mirror& mirror, double step, double pixels) {
   const double fine = spacing(mirror.to) / std::max(step, 1e-6);
   const double affordable = std::sqrt(texels_a_pixel * pixels / faces(mirror.to));
-  return static_cast<int>(std::clamp(std::ceil(std::min(fine, affordable) / 32) * 32, 32.0, 8192.0));
+  return int(std::clamp(std::ceil(std::min(fine, affordable) / 32) * 32, 32.0, 8192.0));
 }
 
 // What can be told apart in a picture: 1/255 of white, or of what is brighter.

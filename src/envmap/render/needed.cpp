@@ -75,7 +75,7 @@ struct Search {
     if (arc + widest > 3) return caps.push_back({along.axis, pi});
     // Between caps of this size two arcs part by no more than 1 / cos(arc / 2) times as much as at their ends.
     const double radius = widest / std::cos(0.5 * arc);
-    const int pieces = 1 + static_cast<int>(arc / (2 * fineness));
+    const int pieces = 1 + int(arc / (2 * fineness));
     for (int k = 0; k < pieces; ++k) {
       const double part = (k + 0.5) / pieces;
       const Direction axis = std::sin((1 - part) * arc) * start.axis + std::sin(part * arc) * along.axis;

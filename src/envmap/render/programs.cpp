@@ -11,10 +11,10 @@
 namespace envmap {
 namespace {
 
-std::string number(auto value) { return std::to_string(static_cast<int>(value)); }
+std::string number(auto value) { return std::to_string(int(value)); }
 
 gl::Definitions constants() {
-  return {{"PI", fmt::format("{}", static_cast<float>(pi))},
+  return {{"PI", fmt::format("{}", float(pi))},
           {"APRON", fmt::format("{}.0", Level::apron)},
           {"GLOSSY_LEVELS", number(glossy_levels)},
           {"POINT", number(PunctualLight::Kind::point)},

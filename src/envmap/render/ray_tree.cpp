@@ -60,7 +60,7 @@ struct Meeting {
   template <class T>
   [[nodiscard]] T of(const std::vector<T>& values) const {
     T sum(0);
-    for (int k = 0; k < 3; ++k) sum += static_cast<float>(weights[k]) * values[corners[k]];
+    for (int k = 0; k < 3; ++k) sum += float(weights[k]) * values[corners[k]];
     return sum;
   }
 };
@@ -214,11 +214,11 @@ RayTree::RayTree(const Shot& shot, const Direction& centre, int without) : world
   for (std::size_t k = 0; k < all.size(); ++k) {
     w.placed[k] = place(shot, centre, all[k]);
     w.placed[k].seen = without < 0 || !lies_under(shot.scene, all[k].node, without);
-    w.add(static_cast<unsigned>(k));
+    w.add(unsigned(k));
   }
   rtcCommitScene(w.tree.get());
   if (const RTCError error = rtcGetDeviceError(w.device.get()); error != RTC_ERROR_NONE)
-    throw UsageError(fmt::format("Embree cannot hold the scene (error {})", static_cast<int>(error)));
+    throw UsageError(fmt::format("Embree cannot hold the scene (error {})", int(error)));
 }
 
 RayTree::RayTree(RayTree&&) noexcept = default;
@@ -235,18 +235,18 @@ std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ra
   query.medium = medium;
   RTCRayHit hit{};
   const glm::vec3 from(origin), along(ray);
-  hit.ray = {.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = static_cast<float>(near),
-             .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = static_cast<float>(far), .mask = ~0U};
+  hit.ray = {.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = float(near),
+             .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = float(far), .mask = ~0U};
   hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   embree::intersect(world_->tree.get(), query, hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const Placed& p = world_->placed[hit.hit.geomID];
   const Meeting m = meet(p, hit.hit.primID, origin, ray);
   // A ray along the triangle's plane meets it where Embree says.
-  const double distance = m.distance > 0 && std::isfinite(m.distance) ? m.distance : static_cast<double>(hit.ray.tfar);
+  const double distance = m.distance > 0 && std::isfinite(m.distance) ? m.distance : double(hit.ray.tfar);
   return RayHit{.surface = surface_at(p, m, world_->centre, origin + distance * ray, ray),
                 .distance = distance,
-                .instance = static_cast<int>(hit.hit.geomID),
+                .instance = int(hit.hit.geomID),
                 .blended = p.material->blended,
                 .back = m.back};
 }
@@ -261,7 +261,7 @@ bool RayTree::blocked(const Direction& place, const Direction& normal, const Dir
   query.but = but;
   const glm::vec3 from(query.origin), along(towards);
   RTCRay ray{.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = 0,
-             .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = static_cast<float>(distance), .mask = ~0U};
+             .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = float(distance), .mask = ~0U};
   embree::occlude(world_->tree.get(), query, ray);
   return ray.tfar < 0;
 }

@@ -24,8 +24,8 @@ Seen look(const RayTree& tree, const Tracer& tracer, const Lighting& lighting, c
     const float part = left * hit->surface.opacity;
     if (part > 0) seen.radiance += part * Colour(tracer.from_surface(*hit, ray));
     if (!hit->blended) {
-      seen.distance = static_cast<float>(hit->distance);
-      seen.surface = static_cast<std::uint32_t>(hit->instance + 1);
+      seen.distance = float(hit->distance);
+      seen.surface = std::uint32_t(hit->instance + 1);
       return seen;
     }
     left -= part;
@@ -71,7 +71,7 @@ Drawn raycast(const Shot& shot, const Viewpoint& from, const RayPaths& paths, co
       }
     }
     for (std::size_t i = 0; i < rays.size(); ++i)
-      *level.texel(face, in.first + static_cast<int>(i), row) = Colour(sums[i] / static_cast<double>(from.samples));
+      *level.texel(face, in.first + int(i), row) = Colour(sums[i] / double(from.samples));
   });
   return drawn;
 }

@@ -11,7 +11,7 @@ std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, con
   if (integral) light.integral = &*integral;
   const Tracer tracer(tree, light, shot, from, paths);
   const Lens& lens = *from.lens;
-  std::vector<Colour> picture(static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(from.size));
+  std::vector<Colour> picture(std::size_t(lens.width) * std::size_t(from.size));
   for_each_row(1, from.size, progress, [&](int, int row) {
     for (int i = 0; i < lens.width; ++i) {
       Flux sum(0);
@@ -20,8 +20,8 @@ std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, con
         const double u = (i + 0.5 + offset.x) / lens.width, v = (row + 0.5 + offset.y) / from.size;
         sum += tracer.from_eye(from.axes * lens.origin(u, v), from.axes * lens.ray(u, v));
       }
-      picture[static_cast<std::size_t>(row) * static_cast<std::size_t>(lens.width) + static_cast<std::size_t>(i)] =
-          Colour(sum / static_cast<double>(from.samples));
+      picture[std::size_t(row) * std::size_t(lens.width) + std::size_t(i)] =
+          Colour(sum / double(from.samples));
     }
   });
   return picture;

@@ -34,7 +34,7 @@ Drawn resample(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
     std::vector<Location<double>> places(rays.size());
     locate(Projection::cube, rays, places);
     for (std::size_t k = 0; k < places.size(); ++k) {
-      const auto at = [&](double u) { return std::min(static_cast<int>(u * from.size), from.size - 1); };
+      const auto at = [&](double u) { return std::min(int(u * from.size), from.size - 1); };
       const int i = at(places[k].u), j = at(places[k].v);
       in.of(distances.row(face, row))[k] = cube_distances(places[k].face, i, j);
       in.of(surfaces.row(face, row))[k] = cube_surfaces(places[k].face, i, j);

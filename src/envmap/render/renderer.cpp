@@ -125,7 +125,7 @@ void Renderer::set_light(const gl::Program& program, const Group& group, const V
   gl::set(program, "light_count", image ? 0 : gpu_.lights());
   gl::set(program, "shadows", shot.shadows ? 1 : 0);
   // A map of its own shows what is round it.
-  gl::set(program, "distant_count", own ? 0 : static_cast<int>(shot.distant.size()));
+  gl::set(program, "distant_count", own ? 0 : int(shot.distant.size()));
   gl::set(program, "ambient", own ? none : shot.ambient);
   gl::set(program, "reflected_ambient", mirror != nullptr || picture != nullptr ? none : shot.ambient);
   gl::set(program, "blur", (mirror != nullptr && !own) || picture != nullptr ? 0.0F : 1.0F);
@@ -182,8 +182,8 @@ void Renderer::begin_shading() const {
 void Renderer::light(const gl::Program& program, const Viewpoint& from, int stencil) const {
   gl::set(program, "to_world", from.axes);
   gl::set(program, "to_environment", environment_.to_map);
-  gl::set(program, "weight", layers_ ? 1.0F : static_cast<float>(1.0 / from.samples));
-  gl::set(program, "spread", static_cast<float>(1 / std::sqrt(from.samples)));
+  gl::set(program, "weight", layers_ ? 1.0F : float(1.0 / from.samples));
+  gl::set(program, "spread", float(1 / std::sqrt(from.samples)));
   glUseProgram(program);
   glStencilFunc(GL_EQUAL, stencil, 0xff);
   glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -204,7 +204,7 @@ void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t 
   const gl::Program& program = shading(group, shot);
   set_light(program, group, from, shot);
   gl::set(program, "blended", blended ? 1 : 0);
-  light(program, from, static_cast<int>(1 + k));
+  light(program, from, int(1 + k));
 }
 
 // Maps that are not of this moment yet.
@@ -244,9 +244,9 @@ double Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method
                       std::vector<std::uint32_t>* surfaces) {
   if (!from.lens && !can_draw(method, from.to))
     throw UsageError(
-        fmt::format("{} cannot draw {} maps", draw_method_names[static_cast<std::size_t>(method)], name(from.to)));
+        fmt::format("{} cannot draw {} maps", draw_method_names[std::size_t(method)], name(from.to)));
   prepare_canvas(from);
-  const std::size_t texels = static_cast<std::size_t>(canvas_->width) * static_cast<std::size_t>(from.size);
+  const std::size_t texels = std::size_t(canvas_->width) * std::size_t(from.size);
   std::vector<glm::uvec2> seen;
   draw_shadows(shot);
   gpu_.place(shot.scene, shot.pose, from.at, from.axes);
@@ -269,8 +269,8 @@ double Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method
         seen.resize(texels);
         glGetTextureImage(canvas_->surfaces, 0, GL_RG_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(8 * texels),
                           seen.data());
-        surfaces->resize(texels * static_cast<std::size_t>(count));
-        for (std::size_t k = 0; k < texels; ++k) (*surfaces)[static_cast<std::size_t>(face) * texels + k] = seen[k].x;
+        surfaces->resize(texels * std::size_t(count));
+        for (std::size_t k = 0; k < texels; ++k) (*surfaces)[std::size_t(face) * texels + k] = seen[k].x;
       }
       layers_ ? bind_sample() : bind_map(to, face, sample);
       begin_shading();

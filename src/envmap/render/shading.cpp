@@ -30,12 +30,12 @@ EnvironmentLight environment_light(const EnvironmentMap& map, int size, const Pr
   const PrefilterSource source(map);
   for (int k = 1; k <= glossy_levels; ++k) {
     Prefiltered made = source.make({.shape = Shape::ggx,
-                                    .parameter = static_cast<double>(k) / glossy_levels,
+                                    .parameter = double(k) / glossy_levels,
                                     .size = size,
                                     .method = Method::hierarchical,
                                     .max_error = 1e-2});
     light.glossy.emplace_back(std::move(made.map.base()));
-    if (progress) progress(static_cast<double>(k) / glossy_levels);
+    if (progress) progress(double(k) / glossy_levels);
   }
   return light;
 }
@@ -67,7 +67,7 @@ ScaleBias split_sum(double cosine, double roughness) {
   const std::vector<Colour>& table = split_sum_table();
   const auto along = [](double x) { return std::clamp(x * split_sum_size - 0.5, 0.0, split_sum_size - 1.0); };
   const double x = along(cosine), y = along(roughness);
-  const int i = std::min(static_cast<int>(x), split_sum_size - 2), j = std::min(static_cast<int>(y), split_sum_size - 2);
+  const int i = std::min(int(x), split_sum_size - 2), j = std::min(int(y), split_sum_size - 2);
   const Colour* a = &table[j * split_sum_size + i];
   const Flux upper = glm::mix(Flux(a[0]), Flux(a[1]), x - i);
   const Flux lower = glm::mix(Flux(a[split_sum_size]), Flux(a[split_sum_size + 1]), x - i);
@@ -102,7 +102,7 @@ double specular(double alpha, const Direction& n, const Direction& h, double nv,
 }
 
 // A smooth surface shows a punctual light as a spot of finite size.
-double alpha_of(float roughness) { return std::max(1e-3, static_cast<double>(roughness) * roughness); }
+double alpha_of(float roughness) { return std::max(1e-3, double(roughness) * roughness); }
 
 // ---- layers of the material ------------------------------------------------------------------------------------------
 
@@ -125,7 +125,7 @@ Flux lit(const Base& b, const Surface& s, const Direction& v, const Direction& f
   const Direction h = glm::normalize(from + v);
   const double side = schlick_weight(glm::dot(v, h));
   const Flux of_plain = b.plain + (b.edge - b.plain) * side;
-  const Flux fresnel = glm::mix(of_plain, b.colour + (1.0 - b.colour) * side, static_cast<double>(s.metallic));
+  const Flux fresnel = glm::mix(of_plain, b.colour + (1.0 - b.colour) * side, double(s.metallic));
   const Flux diffuse = (1.0 - of_plain) * (1.0 - s.transmission) / pi;
   return nl * (diffuse * b.dielectric + fresnel * specular(alpha_of(s.roughness), s.normal, h, b.nv, nl));
 }
@@ -187,7 +187,7 @@ Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness)
   const Flux ambient(l.ambient);
   if (l.environment == nullptr) return ambient;
   const double level = std::clamp(roughness, 0.0, 1.0) * glossy_levels;
-  const int lower = std::min(static_cast<int>(level), glossy_levels - 1);
+  const int lower = std::min(int(level), glossy_levels - 1);
   const auto at = [&](int k) {
     if (k == 0) return Flux(background(l.environment, from));
     return Flux(bilinear(l.environment->light.glossy[k - 1], Cube::locate(from)));
@@ -253,7 +253,7 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   };
   const Flux reached = l.obstacles != nullptr ? unoccluded(*l.obstacles, s, l.distant) : Flux(1);
   const Flux &plain = base.plain, rest = 1.0 - once(plain, base.edge) - later(plain, base.edge);
-  const Flux irradiance = static_cast<double>(s.reached) * irradiance_over_pi(l, n, reached);
+  const Flux irradiance = double(s.reached) * irradiance_over_pi(l, n, reached);
   const Flux even = rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
   const Flux fibre_light = through * Flux(s.sheen) * cloth(s, v, l, fibres.albedo, reached, irradiance);
   Scattered out{.radiance = through * Flux(s.emissive) + fibre_light + (under * even + coat.part * (1 - coat.once)) * irradiance,

@@ -35,10 +35,10 @@ const gl::Program& ShadowMaps::program(bool holes) {
 void ShadowMaps::make(std::size_t faces) {
   GLint layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
-  if (faces > std::min(static_cast<std::size_t>(layers), most_texels / 4096))
+  if (faces > std::min(std::size_t(layers), most_texels / 4096))
     throw UsageError(fmt::format("shadow maps of {} faces: this renderer takes {}", faces, layers), Remedy::leave_out_shadows);
-  const auto affordable = static_cast<std::size_t>(std::sqrt(static_cast<double>(most_texels / faces)));
-  size_ = static_cast<int>(std::min(largest, std::bit_floor(affordable)));
+  const auto affordable = std::size_t(std::sqrt(double(most_texels / faces)));
+  size_ = int(std::min(largest, std::bit_floor(affordable)));
   maps_ = gl::make_texture(GL_TEXTURE_2D_ARRAY);
   glTextureStorage3D(maps_, 1, GL_RGBA32F, size_, size_, static_cast<GLsizei>(faces));
   glTextureParameteri(maps_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
@@ -80,8 +80,8 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& sh
   for (const bool holes : {false, true}) {
     const gl::Program& with = program(holes);
     glUseProgram(with);
-    gl::set(with, "light_face", static_cast<int>(face));
-    gl::set(with, "pixel", std::array{2.0F / static_cast<float>(size_), 2.0F / static_cast<float>(size_)});
+    gl::set(with, "light_face", int(face));
+    gl::set(with, "pixel", std::array{2.0F / float(size_), 2.0F / float(size_)});
     for (std::size_t k = 0; k < gpu.parts().size(); ++k) {
       const Part& part = gpu.parts()[k];
       const Ball& ball = gpu.placed()[k].ball;
@@ -89,14 +89,14 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& sh
       if (f.but >= 0 && lies_under(shot.scene, part.node, f.but)) continue;
       if (!f.parallel && glm::dot(ball.centre, f.axes[2]) + ball.radius < 0) continue;
       if (holes) {
-        const Group& group = gpu.groups()[static_cast<std::size_t>(part.group)];
+        const Group& group = gpu.groups()[std::size_t(part.group)];
         gpu.bind(group);
         gl::set(with, "material", part.material);
         gl::set(with, "textured", group.is_painted() ? 1 : 0);
       }
       gl::set(with, "to_map", gpu.placed()[k].to_map);
-      gl::set(with, "instance", static_cast<int>(k));
-      gl::set(with, "first_triangle", static_cast<int>(part.first_index / 3));
+      gl::set(with, "instance", int(k));
+      gl::set(with, "first_triangle", int(part.first_index / 3));
       gpu.draw(part);
     }
   }

@@ -48,7 +48,7 @@ const std::vector<float>& sheen_table() {
     for (const auto& row : map_rows<std::vector<float>>(n, [&](int j) {
            std::vector<float> of_row;
            for (int i = 0; i < n; ++i)
-             of_row.push_back(static_cast<float>(std::min(1.0, albedo((i + 0.5) / n, (j + 0.5) / n))));
+             of_row.push_back(float(std::min(1.0, albedo((i + 0.5) / n, (j + 0.5) / n))));
            return of_row;
          }))
       made.insert(made.end(), row.begin(), row.end());
@@ -61,7 +61,7 @@ double sheen_albedo(double nv, double roughness) {
   constexpr int n = sheen_table_size;
   const std::vector<float>& table = sheen_table();
   const double x = std::clamp(nv * n - 0.5, 0.0, n - 1.0), y = std::clamp(roughness * n - 0.5, 0.0, n - 1.0);
-  const int i = std::min(static_cast<int>(x), n - 2), j = std::min(static_cast<int>(y), n - 2);
+  const int i = std::min(int(x), n - 2), j = std::min(int(y), n - 2);
   const float* a = &table[j * n + i];
   return std::lerp(std::lerp(a[0], a[1], x - i), std::lerp(a[n], a[n + 1], x - i), y - j);
 }

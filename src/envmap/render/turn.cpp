@@ -10,7 +10,7 @@ namespace envmap {
 std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from, const std::string& name) {
   if (name == "camera") {
     if (scene.cameras.empty()) return std::nullopt;
-    return Direction(pose[static_cast<std::size_t>(scene.cameras.front().node)][3]) - from;
+    return Direction(pose[std::size_t(scene.cameras.front().node)][3]) - from;
   }
   if (const auto node = find_node(scene, name)) return centre_of(scene, pose, *node) - from;
   return std::nullopt;

@@ -89,10 +89,10 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
   const bool parallel = from.lens && from.lens->parallel;
   begin_finding(into, blended);
   (from.lens ? glEnable : glDisable)(GL_CLIP_DISTANCE0);
-  const std::array<float, 2> range{static_cast<float>(from.near), static_cast<float>(from.far)};
-  const std::array<float, 2> pixel{2.0F / static_cast<float>(canvas_->width), 2.0F / static_cast<float>(canvas_->height)};
+  const std::array<float, 2> range{float(from.near), float(from.far)};
+  const std::array<float, 2> pixel{2.0F / float(canvas_->width), 2.0F / float(canvas_->height)};
   const Vec2<double> offset = sample_offset(sample, from.samples);
-  const std::array<float, 2> shift{-static_cast<float>(offset.x) * pixel[0], -static_cast<float>(offset.y) * pixel[1]};
+  const std::array<float, 2> shift{-float(offset.x) * pixel[0], -float(offset.y) * pixel[1]};
   for (const bool holes : {false, true}) {
     const gl::Program* program = nullptr;
     for (std::size_t k = 0; k < gpu_.parts().size(); ++k) {
@@ -113,7 +113,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
         gl::set(*program, "before", in_frame(from.before, from));
         gl::set(*program, "singularity", from.epsilon > 0 ? float(from.epsilon) : singularity(method, image));
         gl::set(*program, "counts", counts ? 1 : 0);
-        gl::set(*program, "tolerance", static_cast<float>(tessellation_tolerance));
+        gl::set(*program, "tolerance", float(tessellation_tolerance));
         glUseProgram(*program);
       }
       if (holes) {
@@ -123,8 +123,8 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
         gl::set(*program, "textured", group.is_painted() ? 1 : 0);
       }
       gl::set(*program, "to_map", placed.to_map);
-      gl::set(*program, "instance", static_cast<int>(k));
-      gl::set(*program, "first_triangle", static_cast<int>(part.first_index / 3));
+      gl::set(*program, "instance", int(k));
+      gl::set(*program, "first_triangle", int(part.first_index / 3));
       gl::set(*program, "facing", part.double_sided ? 0 : placed.mirrored ? -1 : 1);
       glStencilFunc(GL_ALWAYS, part.stencil, 0xff);
       // Geometry shaders see to sides themselves. Images that show the world mirrored turn those of the others round.

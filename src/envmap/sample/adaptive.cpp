@@ -128,7 +128,7 @@ struct Workspace {
   // Least and largest of the texels that the reconstruction uses in a box.
   static void add_range(const PaddedLevel& source, int face, const Rect& box, Colour& low, Colour& high) {
     constexpr int g = Level::apron;
-    const auto whole = [](double x, int n) { return std::clamp(static_cast<int>(std::floor(x)), -g, n + g - 1); };
+    const auto whole = [](double x, int n) { return std::clamp(int(std::floor(x)), -g, n + g - 1); };
     const int i0 = whole(box.u0, source.width()), i1 = whole(box.u1 + 1, source.width());
     for (int j = whole(box.v0, source.height()); j <= whole(box.v1 + 1, source.height()); ++j)
       for (const Colour* c = source.texel(face, i0, j); c <= source.texel(face, i1, j); ++c) {
@@ -154,8 +154,8 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
   const Jacobian moved = jacobian(task.target, task.source.projection(), task.source.height(),
                                   face, {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
   const Point2 covers{glm::length(moved.du), glm::length(moved.dv)};
-  const int nu = std::clamp(static_cast<int>(std::ceil(covers.x)), 1, max_cells);
-  const int nv = std::clamp(static_cast<int>(std::ceil(covers.y)), 1, max_cells);
+  const int nu = std::clamp(int(std::ceil(covers.x)), 1, max_cells);
+  const int nv = std::clamp(int(std::ceil(covers.y)), 1, max_cells);
   Point2 side{(texel.u1 - texel.u0) / nu, (texel.v1 - texel.v0) / nv};
   double cell_size = std::max(covers.x / nu, covers.y / nv);
   ws.cells.clear();
@@ -177,7 +177,7 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
     mean = whole > 0 ? now / whole : Rgb<double>(0);
 
     const double allowed = task.tolerance * std::max(largest(mean), task.floor) * whole;
-    const double each = allowed / std::sqrt(static_cast<double>(ws.cells.size()));
+    const double each = allowed / std::sqrt(double(ws.cells.size()));
     ws.next.clear();
     for (const Cell& c : ws.cells) {
       if (error_bound(c, mean, cell_size, task.source.projection() == Projection::sphere) <= each) {
@@ -209,7 +209,7 @@ void sample_area(const Area& task, int face, int row, int first, std::span<Colou
   std::vector<Direction> centres(out.size());
   texel_directions(task.target.to, task.target.size, face, row, first, centres);
   for (std::size_t k = 0; k < out.size(); ++k) {
-    const double i = first + static_cast<double>(k);
+    const double i = first + double(k);
     const Rect texel{i / w, row / h, (i + 1) / w, (row + 1) / h};
     // Corners of a paraboloid's square lie outside the disc: no solid angle, but what the projection continues to has.
     const double s = std::clamp(0.5, texel.u0, texel.u1) - 0.5, t = std::clamp(0.5, texel.v0, texel.v1) - 0.5;

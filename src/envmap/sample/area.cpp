@@ -134,7 +134,7 @@ Outcome integrate_by_facets(const Task& task, std::size_t texel, Workspace& ws, 
 
   Outline::Shape shape{0, 0, 0};
   for (int facet = 0; facet < P::facets; ++facet) {
-    Outline& part = ws.parts[static_cast<std::size_t>(facet)];
+    Outline& part = ws.parts[std::size_t(facet)];
     cut_by_facet<P>(task.source, facet, ws.around, ws, part);
     if (part.points.size() < 4) continue;
     const Outline::Shape s = part.shape();
@@ -194,7 +194,7 @@ std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Wo
   }
   // The bend falls with the square of the pieces, the error with their fourth power once they are shorter than a texel.
   const double root = std::sqrt(1.2 * error), pieces = 4 * (error < bend ? std::sqrt(root) : root);
-  const auto whole = 4 * std::sqrt(1.2 * bend) < 0.5 ? 1 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(pieces)), 2, 16);
+  const auto whole = 4 * std::sqrt(1.2 * bend) < 0.5 ? 1 : std::clamp<std::size_t>(std::size_t(std::ceil(pieces)), 2, 16);
   // An octahedral map of odd size has creases in the middles of sides.
   return is_octahedral(task.target.to) ? whole + whole % 2 : whole;
 }
@@ -202,7 +202,7 @@ std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Wo
 // Texels of one block; those that need more pieces one by one, with four times as many each time.
 void sample_block(const Task& task, const Sampler& otherwise, int face, int row, int first, std::span<Colour> out) {
   static thread_local Workspace ws;
-  const auto column = [&](std::size_t k) { return first + static_cast<int>(k); };
+  const auto column = [&](std::size_t k) { return first + int(k); };
   std::size_t pieces = pieces_for(task, face, row, first, ws);
   task.find(ws.sides, face, row, first, out.size(), pieces, false);
   ws.open.clear();
@@ -232,7 +232,7 @@ int division_for(const PaddedLevel& source, double tolerance) {
   const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
   int times = 1;
   while (curvature * texel * texel > tolerance * times * times) times += 2;
-  return times == 1 || static_cast<double>(source.faces()) * source.width() * source.height() * times * times < most_texels ? times : 0;
+  return times == 1 || double(source.faces()) * source.width() * source.height() * times * times < most_texels ? times : 0;
 }
 
 // The same reconstruction from texels an odd number of times as small: their centres meet those of the source's, and a
@@ -242,7 +242,7 @@ PaddedLevel divided(const PaddedLevel& source, int times) {
   for_each_row(fine.faces(), fine.height(), {}, [&](int face, int row) {
     const std::span<Colour> out = fine.row(face, row);
     for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] = bilinear(source, {face, (static_cast<double>(i) + 0.5) / fine.width(), (row + 0.5) / fine.height()});
+      out[i] = bilinear(source, {face, (double(i) + 0.5) / fine.width(), (row + 0.5) / fine.height()});
     fine.trim();
   });
   return PaddedLevel(std::move(fine));
@@ -259,9 +259,9 @@ Sampler area_sampler(const PaddedLevel& source, const Target& target, double tol
   const Task task{finer ? *finer : source, target, bend_for_error * tolerance, times};
   return [finer, task, otherwise](int face, int row, int first, std::span<Colour> out) {
     while (!out.empty()) {
-      const auto count = std::min(out.size(), static_cast<std::size_t>(block - first % block));
+      const auto count = std::min(out.size(), std::size_t(block - first % block));
       sample_block(task, otherwise, face, row, first, out.first(count));
-      first += static_cast<int>(count);
+      first += int(count);
       out = out.subspan(count);
     }
   };

@@ -9,8 +9,8 @@ namespace {
 // Weights of the texels at -1, 0, 1 and 2 for a place t beyond the one at 0.
 std::array<float, 4> catmull_rom(double t) {
   const double t2 = t * t, t3 = t2 * t;
-  return {static_cast<float>(0.5 * (-t3 + 2 * t2 - t)), static_cast<float>(0.5 * (3 * t3 - 5 * t2 + 2)),
-          static_cast<float>(0.5 * (-3 * t3 + 4 * t2 + t)), static_cast<float>(0.5 * (t3 - t2))};
+  return {float(0.5 * (-t3 + 2 * t2 - t)), float(0.5 * (3 * t3 - 5 * t2 + 2)),
+          float(0.5 * (-3 * t3 + 4 * t2 + t)), float(0.5 * (t3 - t2))};
 }
 
 }  // namespace
@@ -19,10 +19,10 @@ Colour bicubic(const PaddedLevel& level, const Location<double>& at) {
   const double x = at.u * level.width() - 0.5, y = at.v * level.height() - 0.5;
   const double left = std::floor(x), top = std::floor(y);
   const std::array<float, 4> wx = catmull_rom(x - left), wy = catmull_rom(y - top);
-  const Colour* rows = level.texel(at.face, static_cast<int>(left) - 1, static_cast<int>(top) - 1);
+  const Colour* rows = level.texel(at.face, int(left) - 1, int(top) - 1);
   Colour sum(0);
   for (std::size_t j = 0; j < 4; ++j) {
-    const Colour* c = rows + static_cast<std::ptrdiff_t>(j) * level.stride();
+    const Colour* c = rows + std::ptrdiff_t(j) * level.stride();
     sum += wy[j] * (wx[0] * c[0] + wx[1] * c[1] + wx[2] * c[2] + wx[3] * c[3]);
   }
   const Colour* a = rows + level.stride() + 1;

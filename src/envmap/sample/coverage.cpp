@@ -14,9 +14,9 @@ void Coverage::cover(std::span<const Point2> points) {
     area += (b.y - a.y) * (a.x + b.x - 2 * points[0].x);
   }
   sign_ = area > 0 ? -1 : 1;  // A side that goes down takes from what lies to its right.
-  left_ = static_cast<int>(std::floor(low.x)), top_ = static_cast<int>(std::floor(low.y));
-  across_ = static_cast<int>(std::floor(high.x)) - left_ + 1, down_ = static_cast<int>(std::floor(high.y)) - top_ + 1;
-  cells_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_), {});
+  left_ = int(std::floor(low.x)), top_ = int(std::floor(low.y));
+  across_ = int(std::floor(high.x)) - left_ + 1, down_ = int(std::floor(high.y)) - top_ + 1;
+  cells_.assign(std::size_t(across_) * std::size_t(down_), {});
   const Point2 origin(left_, top_);
   for (std::size_t k = 0; k < points.size(); ++k)
     add_side(points[k] - origin, points[k + 1 < points.size() ? k + 1 : 0] - origin);
@@ -33,7 +33,7 @@ void Coverage::add_side(const Point2& a, const Point2& b) {
   }
   const double slope = (b.x - a.x) / (b.y - a.y);
   Point2 from = a;
-  for (int row = static_cast<int>(a.y); from.y < b.y; ++row) {
+  for (int row = int(a.y); from.y < b.y; ++row) {
     const Point2 to = row + 1 < b.y ? Point2(a.x + (row + 1 - a.y) * slope, row + 1) : b;
     from.x <= to.x ? add_in_row(row, from, to) : add_in_row(row, to, from);
     from = to;
@@ -44,7 +44,7 @@ void Coverage::add_side(const Point2& a, const Point2& b) {
 void Coverage::add_in_row(int row, const Point2& a, const Point2& b) {
   const double slope = b.x > a.x ? (b.y - a.y) / (b.x - a.x) : 0;
   Point2 from = a;
-  for (int column = static_cast<int>(a.x);; ++column) {
+  for (int column = int(a.x);; ++column) {
     const bool last = !(column + 1 < b.x);
     const Point2 to = last ? b : Point2(column + 1, a.y + (column + 1 - a.x) * slope);
     add_piece(cells_[std::min(row, down_ - 1) * across_ + std::min(column, across_ - 1)],
@@ -71,14 +71,14 @@ void Coverage::add_piece(Cell& cell, const Point2& a, const Point2& b) {
 }
 
 std::span<const double> Coverage::weights(std::span<const double> densities) {
-  const auto wide = static_cast<std::size_t>(columns());
-  weights_.assign(wide * static_cast<std::size_t>(rows()), 0);
+  const auto wide = std::size_t(columns());
+  weights_.assign(wide * std::size_t(rows()), 0);
   // Rounding must not make a weight negative: there may be a sun of 1e9 beside it.
   const auto add = [&](std::size_t k, double weight) { weights_[k] += std::max(0.0, weight); };
   const Cell* cell = cells_.data();
-  for (std::size_t row = 0; row < static_cast<std::size_t>(down_); ++row) {
+  for (std::size_t row = 0; row < std::size_t(down_); ++row) {
     double one = 0, y = 0, yy = 0;  // What the sides to the left of the cell give it.
-    for (std::size_t k = row * wide; k < row * wide + static_cast<std::size_t>(across_); ++k, ++cell) {
+    for (std::size_t k = row * wide; k < row * wide + std::size_t(across_); ++k, ++cell) {
       const Cell m{cell->one + one,  cell->x + one / 2, cell->xx + one / 3, cell->y + y,
                    cell->xy + y / 2, cell->xxy + y / 3, cell->yy + yy,      cell->xyy + yy / 2};
       one += cell->beyond, y += cell->beyond_y, yy += cell->beyond_yy;

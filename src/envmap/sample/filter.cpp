@@ -38,14 +38,14 @@ void weigh(Projection p, int size, int row, int first, std::span<double> weights
   std::array<Point2, block> points;
   const double h = size, w = h * aspect(p);
   for (std::size_t k = 0; k < weights.size(); ++k)
-    points[k] = {(first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h};
+    points[k] = {(first + double(k) + 0.5) / w, (row + 0.5) / h};
   densities(p, std::span(points).first(weights.size()), weights);
   for (double& weight : weights) weight = std::max(weight, 1e-30);
 }
 
 // n x n samples a texel: one in each texel of a map n times as fine, and their solid-angle weighted means.
 Sampler grid_sampler(const PaddedLevel& base, const Target& target, int n, bool inverse_bilinear, Sample sample) {
-  const auto fine = static_cast<std::size_t>(n), at_once = block / fine;
+  const auto fine = std::size_t(n), at_once = block / fine;
   return [=, &base](int face, int row, int first, std::span<Colour> out) {
     std::array<Colour, block> colours;
     std::array<double, block> weights;
@@ -53,7 +53,7 @@ Sampler grid_sampler(const PaddedLevel& base, const Target& target, int n, bool 
     std::array<double, block> wholes;
     for (std::size_t start = 0; start < out.size(); start += at_once) {
       const std::span texels = out.subspan(start, std::min(at_once, out.size() - start));
-      const int column = n * (first + static_cast<int>(start));
+      const int column = n * (first + int(start));
       const std::size_t count = fine * texels.size();
       sums.fill(Rgb<double>(0));
       wholes.fill(0);
@@ -76,7 +76,7 @@ Sampler grid_sampler(const PaddedLevel& base, const Target& target, int n, bool 
 Sampler point_sampler(const PaddedLevel& base, const Target& target, bool inverse_bilinear, Sample sample) {
   return [=, &base](int face, int row, int first, std::span<Colour> out) {
     for (std::size_t k = 0; k < out.size(); k += block)
-      sample_row(base, target, inverse_bilinear, sample, target.size, face, row, first + static_cast<int>(k),
+      sample_row(base, target, inverse_bilinear, sample, target.size, face, row, first + int(k),
                  out.subspan(k, std::min(block, out.size() - k)));
   };
 }
@@ -135,7 +135,7 @@ constexpr std::array<Make, table.size()> makers{
 std::span<const FilterInfo> filters() { return table; }
 
 Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options) {
-  return makers[static_cast<std::size_t>(options.filter)](levels, target, options);
+  return makers[std::size_t(options.filter)](levels, target, options);
 }
 
 }  // namespace envmap

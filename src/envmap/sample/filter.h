@@ -31,7 +31,7 @@ struct FilterInfo {
 /// In the order of the enumerators.
 std::span<const FilterInfo> filters();
 
-inline std::string_view name(Filter f) { return filters()[static_cast<std::size_t>(f)].name; }
-inline bool reads_levels(Filter f) { return filters()[static_cast<std::size_t>(f)].reads_levels; }
+inline std::string_view name(Filter f) { return filters()[std::size_t(f)].name; }
+inline bool reads_levels(Filter f) { return filters()[std::size_t(f)].reads_levels; }
 
 }  // namespace envmap

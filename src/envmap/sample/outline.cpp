@@ -29,7 +29,7 @@ bool shows(const Target& target, const Sides& sides, std::size_t texel, const Di
   const Direction d[1] = {glm::transpose(target.to_source) * direction};
   Location<double> at[1];
   locate(target.to, d, at);
-  const double x = at[0].u * target.size * aspect(target.to) - sides.first - static_cast<double>(texel);
+  const double x = at[0].u * target.size * aspect(target.to) - sides.first - double(texel);
   const double y = at[0].v * target.size - sides.row;
   return at[0].face == sides.face && x >= 0 && x <= 1 && y >= 0 && y <= 1;
 }
@@ -45,12 +45,12 @@ bool Sides::is_corner(std::size_t point, std::size_t n) const {
 }
 
 void Sides::find(const Target& target, Projection source, bool inside) {
-  const double h = target.size, w = h * aspect(target.to), n = static_cast<double>(pieces);
+  const double h = target.size, w = h * aspect(target.to), n = double(pieces);
   folded = is_octahedral(target.to);
   points.clear();
   for (std::size_t r = 0; r <= pieces; ++r)
     for (std::size_t k = 0; k <= pieces * texels; k += r == 0 || r == pieces ? 1 : pieces) {
-      const Point2 p((first * n + static_cast<double>(k)) / n / w, (row * n + static_cast<double>(r)) / n / h);
+      const Point2 p((first * n + double(k)) / n / w, (row * n + double(r)) / n / h);
       points.push_back(inside ? moved_onto_rim(p, 1 / (n * h)) : p);
     }
   directions.resize(points.size());

@@ -113,8 +113,8 @@ void add_neighbours(TangentFit& fit, const PaddedLevel& level, int face, double 
   std::array<const Colour*, most> colours;
   std::array<double, most> weights;
   std::size_t count = 0;
-  for (int j = static_cast<int>(std::ceil(y - reach)); j <= y + reach; ++j)
-    for (int i = static_cast<int>(std::ceil(x - reach)); i <= x + reach; ++i) {
+  for (int j = int(std::ceil(y - reach)); j <= y + reach; ++j)
+    for (int i = int(std::ceil(x - reach)); i <= x + reach; ++i) {
       const double distance = glm::length(Point2(i - x, j - y));
       if (distance >= reach || !is_image(level, i, j)) continue;
       const double near = (reach - distance) / (distance + 1e-6);

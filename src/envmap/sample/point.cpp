@@ -5,8 +5,8 @@
 namespace envmap {
 
 Colour nearest(const PaddedLevel& level, const Location<double>& at) {
-  const int i = std::clamp(static_cast<int>(at.u * level.width()), 0, level.width() - 1);
-  const int j = std::clamp(static_cast<int>(at.v * level.height()), 0, level.height() - 1);
+  const int i = std::clamp(int(at.u * level.width()), 0, level.width() - 1);
+  const int j = std::clamp(int(at.v * level.height()), 0, level.height() - 1);
   return *level.texel(at.face, i, j);
 }
 

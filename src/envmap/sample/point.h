@@ -16,8 +16,8 @@ Colour nearest(const PaddedLevel& level, const Location<double>& at);
 inline Colour bilinear(const PaddedLevel& level, const Location<double>& at) {
   const double x = at.u * level.width() - 0.5, y = at.v * level.height() - 0.5;
   const double left = std::floor(x), top = std::floor(y);
-  const float fx = static_cast<float>(x - left), fy = static_cast<float>(y - top);
-  const Colour* a = level.texel(at.face, static_cast<int>(left), static_cast<int>(top));
+  const float fx = float(x - left), fy = float(y - top);
+  const Colour* a = level.texel(at.face, int(left), int(top));
   const Colour* b = a + level.stride();
   // Two weights a tap, not a + f (b - a): beside a sun of 1e9 the difference would swallow a dim neighbour.
   const Colour upper = (1 - fx) * a[0] + fx * a[1], lower = (1 - fx) * b[0] + fx * b[1];

@@ -26,7 +26,7 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
   constexpr std::size_t block = 32;  // Texels whose probes' places all stay in a near cache.
   if (out.size() > block) {
     for (std::size_t k = 0; k < out.size(); k += block)
-      sample_probes(target, face, row, first + static_cast<int>(k), out.subspan(k, std::min(block, out.size() - k)),
+      sample_probes(target, face, row, first + int(k), out.subspan(k, std::min(block, out.size() - k)),
                     find, plan, probe);
     return;
   }
@@ -36,7 +36,7 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
   std::vector<Point2> points;
   texel_directions(target.to, target.size, face, row, first, directions);
   const auto centre = [&](std::size_t k) {
-    return Point2((first + static_cast<double>(k) + 0.5) / w, (row + 0.5) / h);
+    return Point2((first + double(k) + 0.5) / w, (row + 0.5) / h);
   };
   for (std::size_t k = 0; k < out.size(); ++k) {
     const auto& p = plans[k] = plan(face, centre(k));
@@ -57,7 +57,7 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
   std::vector<Colour> colours;
   std::size_t next = 0;
   for (std::size_t k = 0; k < out.size(); ++k) {
-    const std::size_t count = static_cast<std::size_t>(plans[k].across) * static_cast<std::size_t>(plans[k].down);
+    const std::size_t count = std::size_t(plans[k].across) * std::size_t(plans[k].down);
     if (count > 1) {
       const std::span<const double> weight = std::span(weights).subspan(next, count);
       colours.resize(count);

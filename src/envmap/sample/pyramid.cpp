@@ -19,9 +19,9 @@ constexpr double most_probes = 32;  // Along a side of a texel: what is more obl
 }  // namespace
 
 void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out) {
-  const double level = std::clamp(lod, 0.0, static_cast<double>(levels.size() - 1));
-  const auto fine = static_cast<std::size_t>(level);
-  const auto f = static_cast<float>(level - static_cast<double>(fine));
+  const double level = std::clamp(lod, 0.0, double(levels.size() - 1));
+  const auto fine = std::size_t(level);
+  const auto f = float(level - double(fine));
   sample_bilinear(levels[fine], at, out);
   if (f == 0) return;
   static thread_local std::vector<Colour> coarse;
@@ -40,7 +40,7 @@ Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const P
   const double across = glm::length(j.du), down = glm::length(j.dv);
   const double texel = std::max({1.0, ellipse(j).minor / finer, across / most_probes, down / most_probes});
   const auto count = [&](double length) {
-    return std::clamp(static_cast<int>(std::ceil(length / texel)), 1, static_cast<int>(most_probes));
+    return std::clamp(int(std::ceil(length / texel)), 1, int(most_probes));
   };
   return {count(across), count(down), portable::log2(texel)};
 }

@@ -47,13 +47,13 @@ SummedArea::SummedArea(const PaddedLevel& level, int margin)
     : margin_(margin),
       width_(level.width() + 2 * margin),
       height_(level.height() + 2 * margin),
-      entries_(static_cast<std::size_t>(level.faces()) * static_cast<std::size_t>(width_ + 1) *
-               static_cast<std::size_t>(height_ + 1)) {
+      entries_(std::size_t(level.faces()) * std::size_t(width_ + 1) *
+               std::size_t(height_ + 1)) {
   tbb::parallel_for(0, level.faces(), [&](int face) { fill_face(level, face); });
 }
 
 const SummedArea::Entry* SummedArea::entry(int face, int i, int j) const {
-  return entries_.data() + (static_cast<std::ptrdiff_t>(face) * (height_ + 1) + j) * (width_ + 1) + i;
+  return entries_.data() + (std::ptrdiff_t(face) * (height_ + 1) + j) * (width_ + 1) + i;
 }
 
 void SummedArea::fill_face(const PaddedLevel& level, int face) {
@@ -76,7 +76,7 @@ void SummedArea::fill_face(const PaddedLevel& level, int face) {
 
 // The table is linear between its entries, as the sum over a texel of one colour is.
 void SummedArea::add_corner(int face, double x, double y, double sign, Rgb<double>& light, double& weight) const {
-  const int i = std::clamp(static_cast<int>(x), 0, width_ - 1), j = std::clamp(static_cast<int>(y), 0, height_ - 1);
+  const int i = std::clamp(int(x), 0, width_ - 1), j = std::clamp(int(y), 0, height_ - 1);
   const double fx = x - i, fy = y - j;
   const Entry* a = entry(face, i, j);
   const Entry* b = entry(face, i, j + 1);
@@ -98,8 +98,8 @@ Colour SummedArea::mean(const Location<double>& at, Point2 half) const {
 }
 
 Sampler summed_area_sampler(const PaddedLevel& source, const Target& target) {
-  const double covers = static_cast<double>(matching_size(source.projection(), source.height(), target.to)) / target.size;
-  const int margin = std::clamp(static_cast<int>(2 * covers) + 2, 2, std::max(2, source.height() / 2));
+  const double covers = double(matching_size(source.projection(), source.height(), target.to)) / target.size;
+  const int margin = std::clamp(int(2 * covers) + 2, 2, std::max(2, source.height() / 2));
   const auto table = std::make_shared<SummedArea>(source, margin);
   return [&source, target, table](int face, int row, int first, std::span<Colour> out) {
     const auto plan = [&](int on, const Point2& at) {

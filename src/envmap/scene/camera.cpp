@@ -15,14 +15,14 @@ template <class F>
 void for_vertices(const Scene& scene, const Pose& pose, F&& f) {
   for (std::size_t n = 0; n < scene.nodes.size(); ++n)
     for (const int mesh : scene.nodes[n].meshes)
-      for (const glm::vec3& p : scene.meshes[static_cast<std::size_t>(mesh)].positions)
+      for (const glm::vec3& p : scene.meshes[std::size_t(mesh)].positions)
         f(Direction(pose[n] * glm::vec<4, double, glm::highp>(p, 1)));
 }
 
 }  // namespace
 
 View view_of(const Camera& camera, const Pose& pose) {
-  const Matrix& world = pose[static_cast<std::size_t>(camera.node)];
+  const Matrix& world = pose[std::size_t(camera.node)];
   View view{.at = Direction(world[3]),
             .axes = Rotation(world),
             .vertical_field = camera.vertical_field,

@@ -11,7 +11,7 @@ namespace {
 using Linear = glm::mat<3, 3, double, glm::highp>;
 
 void add(std::vector<glm::vec3>& to, const std::vector<glm::vec3>& displacements, double weight) {
-  for (std::size_t k = 0; k < displacements.size(); ++k) to[k] += static_cast<float>(weight) * displacements[k];
+  for (std::size_t k = 0; k < displacements.size(); ++k) to[k] += float(weight) * displacements[k];
 }
 
 void morph(const Deformation& d, double time, Vertices& v) {
@@ -22,23 +22,23 @@ void morph(const Deformation& d, double time, Vertices& v) {
     add(v.positions, target.positions, weights[k]);
     add(v.normals, target.normals, weights[k]);
     for (std::size_t n = 0; n < std::min(v.tangents.size(), target.tangents.size()); ++n)
-      v.tangents[n] += static_cast<float>(weights[k]) * glm::vec4(glm::vec3(target.tangents[n]), 0);
+      v.tangents[n] += float(weights[k]) * glm::vec4(glm::vec3(target.tangents[n]), 0);
   }
   for (std::size_t n = 0; n < v.normals.size(); ++n) v.normals[n] = glm::vec3(unit(Direction(v.normals[n]), Direction(d.rest.normals[n])));
 }
 
 // The node's own matrix moves nothing: what the joints say is brought into its frame.
 void skin(const Deformation& d, const Pose& pose, Vertices& v) {
-  const Matrix& own = pose[static_cast<std::size_t>(d.node)];
+  const Matrix& own = pose[std::size_t(d.node)];
   if (d.joints.empty() || glm::determinant(own) == 0) return;
   const Matrix from_world = glm::inverse(own);
   std::vector<Matrix> of_joint;
   for (std::size_t k = 0; k < d.joints.size(); ++k)
-    of_joint.push_back(from_world * pose[static_cast<std::size_t>(d.joints[k])] * d.inverse_bind[k]);
+    of_joint.push_back(from_world * pose[std::size_t(d.joints[k])] * d.inverse_bind[k]);
   for (std::size_t n = 0; n < v.positions.size(); ++n) {
     Matrix m(0);
     for (int k = 0; k < 4; ++k)
-      if (d.parts[n][k] != 0) m += of_joint[d.influences[n][k]] * static_cast<double>(d.parts[n][k]);
+      if (d.parts[n][k] != 0) m += of_joint[d.influences[n][k]] * double(d.parts[n][k]);
     const Linear turn(m);
     // The cofactors are the inverse transposed but for its scale.
     const Linear normals(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1]));
@@ -54,7 +54,7 @@ void skin(const Deformation& d, const Pose& pose, Vertices& v) {
 std::vector<int> deform(Scene& scene, const Pose& pose, double time) {
   std::vector<int> moved;
   for (const Deformation& d : scene.deformations) {
-    Mesh& mesh = scene.meshes[static_cast<std::size_t>(d.mesh)];
+    Mesh& mesh = scene.meshes[std::size_t(d.mesh)];
     Vertices now = d.rest;
     morph(d, time, now);
     skin(d, pose, now);

@@ -18,7 +18,7 @@ void make_flat(Mesh& mesh) {
   Mesh flat{.material = mesh.material};
   for (std::size_t k = 0; k < mesh.indices.size(); ++k) {
     const std::uint32_t v = mesh.indices[k];
-    flat.indices.push_back(static_cast<std::uint32_t>(k));
+    flat.indices.push_back(std::uint32_t(k));
     flat.positions.push_back(mesh.positions[v]);
     flat.normals.push_back(triangle_normal(mesh, k - k % 3));
     if (!mesh.coordinates.empty()) flat.coordinates.push_back(mesh.coordinates[v]);

@@ -39,7 +39,7 @@ Pose pose(const Scene& scene, double time) {
 std::optional<int> find_node(const Scene& scene, const std::string& name) {
   const auto found = std::ranges::find(scene.nodes, name, &Node::name);
   if (found == scene.nodes.end()) return std::nullopt;
-  return static_cast<int>(found - scene.nodes.begin());
+  return int(found - scene.nodes.begin());
 }
 
 bool lies_under(const Scene& scene, int node, int ancestor) {

@@ -44,7 +44,7 @@ using Place = std::array<float, 9>;  // Of a vertex in all that it is told apart
 
 Place place_of(const Mesh& mesh, std::uint32_t v, int handed) {
   const glm::vec3 &p = mesh.positions[v], &n = mesh.normals[v];
-  return {p.x, p.y, p.z, n.x, n.y, n.z, mesh.coordinates[v].x, mesh.coordinates[v].y, static_cast<float>(handed)};
+  return {p.x, p.y, p.z, n.x, n.y, n.z, mesh.coordinates[v].x, mesh.coordinates[v].y, float(handed)};
 }
 
 void repeat_vertex(Mesh& mesh, std::uint32_t v) {
@@ -79,11 +79,11 @@ void add_tangents(Mesh& mesh) {
     auto sum = sums.end();
     for (const int side : {1, -1})  // A triangle without an image takes what its neighbours have.
       if (sum == sums.end() && (handed == 0 || handed == side)) sum = sums.find(place_of(mesh, v, side));
-    if (handed == 0) handed = sum == sums.end() ? 1 : static_cast<int>(sum->first.back());
+    if (handed == 0) handed = sum == sums.end() ? 1 : int(sum->first.back());
     Direction tangent = sum == sums.end() ? Direction(0) : without(normal, sum->second);
     if (tangent == Direction(0)) tangent = across(normal);
-    if (mesh.tangents[v].w == static_cast<float>(-handed)) {
-      const auto [other, is_new] = repeated.try_emplace({v, handed}, static_cast<std::uint32_t>(mesh.positions.size()));
+    if (mesh.tangents[v].w == float(-handed)) {
+      const auto [other, is_new] = repeated.try_emplace({v, handed}, std::uint32_t(mesh.positions.size()));
       if (is_new) repeat_vertex(mesh, v);
       v = other->second;
     }

@@ -57,8 +57,8 @@ double Field::number(double otherwise, double least, double most) const {
 std::size_t Field::index(std::size_t end) const {
   const double found = number();
   if (found < 0 || found != std::floor(found)) fail(fmt::format("is {}, no whole number from 0", found));
-  if (found >= static_cast<double>(end)) fail(fmt::format("is {}, but there are {}", found, end));
-  return static_cast<std::size_t>(found);
+  if (found >= double(end)) fail(fmt::format("is {}, but there are {}", found, end));
+  return std::size_t(found);
 }
 
 std::string Field::text(const std::string& otherwise) const {
@@ -99,13 +99,13 @@ std::vector<std::byte> from_base64(std::string_view text, const Field& where) {
   static const auto values = [] {
     std::array<int, 256> table;
     table.fill(-1);
-    for (std::size_t k = 0; k < digits.size(); ++k) table[static_cast<unsigned char>(digits[k])] = static_cast<int>(k);
+    for (std::size_t k = 0; k < digits.size(); ++k) table[static_cast<unsigned char>(digits[k])] = int(k);
     return table;
   }();
   for (const char c : text) {
     const int value = values[static_cast<unsigned char>(c)];
     if (value < 0) where.fail("is not Base64");
-    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    bits = bits << 6 | std::uint32_t(value);
     held += 6;
     if (held < 8) continue;
     held -= 8;
@@ -253,7 +253,7 @@ std::span<const std::byte> elements(std::span<const std::byte> view, std::size_t
 double component(const std::byte* at, int type, bool normalized) {
   const auto as = [&]<class T>(T value, double scale) {
     std::memcpy(&value, at, sizeof value);
-    return normalized ? std::max(static_cast<double>(value) / scale, -1.0) : static_cast<double>(value);
+    return normalized ? std::max(double(value) / scale, -1.0) : double(value);
   };
   switch (type) {
     case 5120: return as(std::int8_t{}, 127);
@@ -276,11 +276,11 @@ void place_sparse(const GltfDocument& document, const Field& accessor, std::size
     return elements(bytes, part["byteOffset"].index(bytes.size() + 1, 0), count, size, size, part);
   };
   const auto places = list(indices, narrow), with = list(values, element);
-  const int type = static_cast<int>(indices["componentType"].number());
+  const int type = int(indices["componentType"].number());
   for (std::size_t k = 0; k < count; ++k) {
     const double at = component(places.data() + k * narrow, type, false);
-    if (!(at >= 0) || at >= static_cast<double>(all)) indices.fail(fmt::format("holds {}, but there are {}", at, all));
-    place(static_cast<std::size_t>(at), with.data() + k * element);
+    if (!(at >= 0) || at >= double(all)) indices.fail(fmt::format("holds {}, but there are {}", at, all));
+    place(std::size_t(at), with.data() + k * element);
   }
 }
 
@@ -297,14 +297,14 @@ Accessor open_accessor(const GltfDocument& document, const Field& index) {
   const Field field = document.refer(index, "accessors"), view = field["bufferView"];
   Accessor a;
   const std::size_t size = bytes_of_component(field["componentType"]);
-  a.type = static_cast<int>(field["componentType"].number());
+  a.type = int(field["componentType"].number());
   a.components = components_of(field["type"]);
   a.normalized = field["normalized"].truth(false);
   a.sparse = field["sparse"].there();
   // Without a view all is zero, and nothing in the file bounds how much: more than this nobody means.
   constexpr std::size_t most = std::size_t{1} << 31, most_zeros = std::size_t{1} << 20;
   a.count = field["count"].index(view.there() ? most : most_zeros);
-  const std::size_t element = size * static_cast<std::size_t>(a.components);
+  const std::size_t element = size * std::size_t(a.components);
   a.stride = element;
   if (!view.there()) return a;
   const Field stride = document.refer(view, "bufferViews")["byteStride"];
@@ -319,7 +319,7 @@ std::vector<double> accessor_numbers(const GltfDocument& document, const Field& 
   const Accessor a = open_accessor(document, index);
   const Field field = document.refer(index, "accessors");
   if (a.components != components) field.fail(fmt::format("has {} components, not {}", a.components, components));
-  const auto wide = static_cast<std::size_t>(components);
+  const auto wide = std::size_t(components);
   const std::size_t size = bytes_of_component(field["componentType"]);
   std::vector<double> numbers(a.count * wide);
   const auto place = [&](std::size_t element, const std::byte* from) {

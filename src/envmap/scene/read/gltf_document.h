@@ -95,11 +95,11 @@ std::vector<V> vectors(const GltfDocument& document, const Field& accessor, std:
   std::vector<V> found;
   if (!accessor.there()) return found;
   const std::vector<double> numbers = accessor_numbers(document, accessor, V::length());
-  found.resize(numbers.size() / static_cast<std::size_t>(V::length()));
+  found.resize(numbers.size() / std::size_t(V::length()));
   if (expected > 0 && found.size() != expected)
     accessor.fail(fmt::format("has {} values for {} vertices", found.size(), expected));
   for (std::size_t k = 0; k < numbers.size(); ++k)
-    found[k / static_cast<std::size_t>(V::length())][static_cast<int>(k) % V::length()] = static_cast<float>(numbers[k]);
+    found[k / std::size_t(V::length())][int(k) % V::length()] = float(numbers[k]);
   return found;
 }
 

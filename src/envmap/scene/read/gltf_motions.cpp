@@ -41,7 +41,7 @@ std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field&
       const T p1 = as(values, (3 * k + 1) * wide, wide, kind), m1 = as(values, 3 * k * wide, wide, kind);
       const double span = times[k] - times[k - 1];
       for (int piece = 1; piece < pieces; ++piece) {
-        const double t = static_cast<double>(piece) / pieces, t2 = t * t, t3 = t2 * t;
+        const double t = double(piece) / pieces, t2 = t * t, t3 = t2 * t;
         keys.push_back({times[k - 1] + t * span, T(p0 * (2 * t3 - 3 * t2 + 1) + m0 * (span * (t3 - 2 * t2 + t)) +
                                                      p1 * (3 * t2 - 2 * t3) + m1 * (span * (t3 - t2)))});
       }

@@ -53,7 +53,7 @@ bool read_skin(const GltfDocument& document, const Field& skin, std::span<const 
     const std::vector<double> numbers = accessor_numbers(document, inverse, 16);
     if (numbers.size() < 16 * count) inverse.fail("has no matrix for each joint");
     for (std::size_t k = 0; k < 16 * count; ++k)
-      d.inverse_bind[k / 16][static_cast<int>(k % 16 / 4)][static_cast<int>(k % 4)] = numbers[k];
+      d.inverse_bind[k / 16][int(k % 16 / 4)][int(k % 4)] = numbers[k];
   }
   return std::ranges::find(d.joints, -1) == d.joints.end();
 }
@@ -102,7 +102,7 @@ void read_deformations(const GltfDocument& document, std::span<const int> placed
   std::size_t vertices = 0;
   for (std::size_t n = 0; n < placed.size(); ++n) {
     if (placed[n] < 0) continue;
-    for (int& mesh : scene.nodes[static_cast<std::size_t>(placed[n])].meshes) {
+    for (int& mesh : scene.nodes[std::size_t(placed[n])].meshes) {
       const auto shape = shapes.find(mesh);
       const bool is_skinned = nodes[n]["skin"].there();
       if (shape == shapes.end() || (shape->second.targets.empty() && !is_skinned)) continue;
@@ -116,8 +116,8 @@ void read_deformations(const GltfDocument& document, std::span<const int> placed
       }
       d.weights = weights_of(document, nodes[n], d.targets.size());
       if (!taken.insert(mesh).second) {
-        scene.meshes.push_back(Mesh(scene.meshes[static_cast<std::size_t>(mesh)]));
-        mesh = static_cast<int>(scene.meshes.size()) - 1;
+        scene.meshes.push_back(Mesh(scene.meshes[std::size_t(mesh)]));
+        mesh = int(scene.meshes.size()) - 1;
       }
       d.mesh = mesh;
       d.node = placed[n];

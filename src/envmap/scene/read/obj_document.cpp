@@ -20,7 +20,7 @@ struct Names {
   std::map<std::string, int> numbers = {};
 
   int operator[](const std::string& name) {
-    const auto [found, first] = numbers.try_emplace(name, static_cast<int>(list.size()));
+    const auto [found, first] = numbers.try_emplace(name, int(list.size()));
     if (first) list.push_back(name);
     return found->second;
   }
@@ -62,7 +62,7 @@ int index(std::string_view text, std::size_t there, const Words& words) {
   const long place = value > 0 ? value - 1L : static_cast<long>(there) + value;
   if (error != std::errc() || end != text.data() + text.size() || value == 0 || place < 0)
     words.fail(quoted(text) + " is no index of a vertex");
-  return static_cast<int>(place);
+  return int(place);
 }
 
 // v, v/vt, v//vn or v/vt/vn.
@@ -87,7 +87,7 @@ void read_face(Reader& r, Words& words, int line) {
   while (words.more()) d.corners.push_back(corner(d, words.word(), words));
   if (d.corners.size() > most_corners)
     words.fail(fmt::format("over {} million corners of faces", most_corners / 1000000));
-  face.count = static_cast<int>(d.corners.size() - face.first);
+  face.count = int(d.corners.size() - face.first);
   face.line = line;
   if (face.count == 0) words.fail("a face has no corners");
   if (face.count >= 3) return d.faces.push_back(face);
@@ -141,9 +141,9 @@ void read_statement(Reader& r, std::string_view key, Words& words, int line) {
 
 void check_indices(const ObjDocument& d) {
   for (const ObjDocument::Face& face : d.faces)
-    for (std::size_t k = face.first; k < face.first + static_cast<std::size_t>(face.count); ++k) {
+    for (std::size_t k = face.first; k < face.first + std::size_t(face.count); ++k) {
       const auto check = [&](int index, std::size_t count, const char* what) {
-        if (index >= static_cast<int>(count))
+        if (index >= int(count))
           throw InputError(fmt::format("line {}: names {} {}, but there are {}", face.line, what, index + 1L, count));
       };
       check(d.corners[k].position, d.positions.size(), "vertex");

@@ -99,7 +99,7 @@ int texture(Reader& r, const Field& info, bool colour) {
     if (sampler["magFilter"].index(65536, 9729) == 9728) r.lacks("textures without interpolation");
   }
   r.scene.textures.push_back(std::move(t));
-  return r.textures[key] = static_cast<int>(r.scene.textures.size()) - 1;
+  return r.textures[key] = int(r.scene.textures.size()) - 1;
 }
 
 TextureTransform transform_of(Reader& r, const Field& info) {
@@ -132,20 +132,20 @@ void make_unlit(Material& m) {
 
 // KHR_materials_clearcoat.
 void read_coat(Reader& r, const Field& coat, Material& m) {
-  m.coat = static_cast<float>(coat["clearcoatFactor"].number(0, 0, 1));
-  m.coat_roughness = static_cast<float>(coat["clearcoatRoughnessFactor"].number(0, 0, 1));
+  m.coat = float(coat["clearcoatFactor"].number(0, 0, 1));
+  m.coat_roughness = float(coat["clearcoatRoughnessFactor"].number(0, 0, 1));
   if (m.coat == 0) return;
   m.coat_texture = texture(r, coat["clearcoatTexture"], false);
   m.coat_roughness_texture = texture(r, coat["clearcoatRoughnessTexture"], false);
   m.coat_normal_texture = texture(r, coat["clearcoatNormalTexture"], false);
-  m.coat_normal_scale = static_cast<float>(coat["clearcoatNormalTexture"]["scale"].number(1, -1e6, 1e6));
+  m.coat_normal_scale = float(coat["clearcoatNormalTexture"]["scale"].number(1, -1e6, 1e6));
 }
 
 // KHR_materials_sheen.
 void read_sheen(Reader& r, const Field& sheen, Material& m) {
   const auto colour = sheen["sheenColorFactor"].numbers({0, 0, 0});
-  for (int k = 0; k < 3; ++k) m.sheen[k] = static_cast<float>(std::clamp(colour[static_cast<std::size_t>(k)], 0.0, 1.0));
-  m.sheen_roughness = static_cast<float>(sheen["sheenRoughnessFactor"].number(0, 0, 1));
+  for (int k = 0; k < 3; ++k) m.sheen[k] = float(std::clamp(colour[std::size_t(k)], 0.0, 1.0));
+  m.sheen_roughness = float(sheen["sheenRoughnessFactor"].number(0, 0, 1));
   if (m.sheen == Colour(0)) return;
   m.sheen_texture = texture(r, sheen["sheenColorTexture"], true);
   m.sheen_roughness_texture = texture(r, sheen["sheenRoughnessTexture"], false);
@@ -157,32 +157,32 @@ Material material(Reader& r, const Field& field) {
   const auto base = metallic["baseColorFactor"].numbers({1, 1, 1, 1});
   m.base_colour = glm::vec4(base[0], base[1], base[2], base[3]);
   m.base_colour_texture = texture(r, metallic["baseColorTexture"], true);
-  m.metallic = static_cast<float>(metallic["metallicFactor"].number(1, 0, 1));
-  m.roughness = static_cast<float>(metallic["roughnessFactor"].number(1, 0, 1));
+  m.metallic = float(metallic["metallicFactor"].number(1, 0, 1));
+  m.roughness = float(metallic["roughnessFactor"].number(1, 0, 1));
   m.metallic_roughness_texture = texture(r, metallic["metallicRoughnessTexture"], false);
   const auto emissive = field["emissiveFactor"].numbers({0, 0, 0});
   const double strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"].number(1, 0, 1e30);
   m.emissive = Colour(Flux(emissive[0], emissive[1], emissive[2]) * strength);
   m.emissive_texture = texture(r, field["emissiveTexture"], true);
   const Field transmission = extensions["KHR_materials_transmission"];
-  m.transmission = static_cast<float>(transmission["transmissionFactor"].number(0, 0, 1));
+  m.transmission = float(transmission["transmissionFactor"].number(0, 0, 1));
   if (transmission["transmissionTexture"].there()) r.lacks("textures of transmission");
   // 0 stands for infinity there, the old metal-like workflow; it reflects everything.
-  m.ior = static_cast<float>(extensions["KHR_materials_ior"]["ior"].number(1.5, 0, 1e6));
+  m.ior = float(extensions["KHR_materials_ior"]["ior"].number(1.5, 0, 1e6));
   if (m.ior < 1) m.ior = m.ior == 0 ? 1e6F : 1;
   const Field volume = extensions["KHR_materials_volume"];
   m.solid = volume["thicknessFactor"].number(0, 0, 1e30) > 0;
   if (m.solid && volume["attenuationDistance"].there()) r.lacks("absorption inside glass");
   m.double_sided = field["doubleSided"].truth(false);
   const std::string mode = field["alphaMode"].text("OPAQUE");
-  if (mode == "MASK") m.alpha_cutoff = static_cast<float>(field["alphaCutoff"].number(0.5, 0, 1e6));
+  if (mode == "MASK") m.alpha_cutoff = float(field["alphaCutoff"].number(0.5, 0, 1e6));
   // Light passes or it does not: it takes half as the limit.
   if (mode == "BLEND") m.blended = true, m.alpha_cutoff = 0.5F;
   const Field normal = field["normalTexture"], occlusion = field["occlusionTexture"];
   m.normal_texture = texture(r, normal, false);
-  m.normal_scale = static_cast<float>(normal["scale"].number(1, -1e6, 1e6));
+  m.normal_scale = float(normal["scale"].number(1, -1e6, 1e6));
   m.occlusion_texture = texture(r, occlusion, false);
-  m.occlusion_strength = static_cast<float>(occlusion["strength"].number(1, 0, 1));
+  m.occlusion_strength = float(occlusion["strength"].number(1, 0, 1));
   const Field coat = extensions["KHR_materials_clearcoat"], sheen = extensions["KHR_materials_sheen"];
   read_coat(r, coat, m);
   read_sheen(r, sheen, m);
@@ -195,9 +195,9 @@ Material material(Reader& r, const Field& field) {
 }
 
 int material_of(Reader& r, const Field& index) {
-  if (index.there()) return static_cast<int>(index.index(r.document.root()["materials"].size()));
+  if (index.there()) return int(index.index(r.document.root()["materials"].size()));
   if (r.plain_material < 0) {
-    r.plain_material = static_cast<int>(r.scene.materials.size());
+    r.plain_material = int(r.scene.materials.size());
     r.scene.materials.push_back({.metallic = 1, .roughness = 1});
   }
   return r.plain_material;
@@ -208,13 +208,13 @@ int material_of(Reader& r, const Field& index) {
 std::vector<std::uint32_t> corners(const GltfDocument& document, const Field& accessor, std::size_t vertices) {
   std::vector<std::uint32_t> found;
   if (!accessor.there()) {
-    for (std::size_t k = 0; k < vertices; ++k) found.push_back(static_cast<std::uint32_t>(k));
+    for (std::size_t k = 0; k < vertices; ++k) found.push_back(std::uint32_t(k));
     return found;
   }
   for (const double n : accessor_numbers(document, accessor, 1)) {
-    if (!(n >= 0) || n >= static_cast<double>(vertices) || n != std::floor(n))
+    if (!(n >= 0) || n >= double(vertices) || n != std::floor(n))
       accessor.fail(fmt::format("points to vertex {}, but there are {}", n, vertices));
-    found.push_back(static_cast<std::uint32_t>(n));
+    found.push_back(std::uint32_t(n));
   }
   return found;
 }
@@ -260,11 +260,11 @@ Mesh plain(const GltfDocument& document, const Field& primitive) {
 Mesh compressed(const GltfDocument& document, const Field& primitive) {
   const Field extension = primitive["extensions"]["KHR_draco_mesh_compression"], attributes = extension["attributes"];
   const auto id = [](const Field& field) {
-    return field.there() ? std::optional(static_cast<unsigned>(field.index(std::size_t{1} << 31))) : std::nullopt;
+    return field.there() ? std::optional(unsigned(field.index(std::size_t{1} << 31))) : std::nullopt;
   };
   try {
     return decode_draco(view_bytes(document, extension["bufferView"]),
-                        {.position = static_cast<unsigned>(attributes["POSITION"].index(std::size_t{1} << 31)),
+                        {.position = unsigned(attributes["POSITION"].index(std::size_t{1} << 31)),
                          .normal = id(attributes["NORMAL"]),
                          .coordinate = id(attributes["TEXCOORD_0"])});
   } catch (const InputError& e) {
@@ -306,10 +306,10 @@ void read_mesh(Reader& r, const Field& field) {
     }
     if (primitive["material"].there())
       std::ranges::transform(mesh.coordinates, mesh.coordinates.begin(),
-                             r.transforms[static_cast<std::size_t>(mesh.material)]);
+                             r.transforms[std::size_t(mesh.material)]);
     complete(mesh);
-    complete_tangents(mesh, r.scene.materials[static_cast<std::size_t>(mesh.material)]);
-    made.push_back(static_cast<int>(r.scene.meshes.size()));
+    complete_tangents(mesh, r.scene.materials[std::size_t(mesh.material)]);
+    made.push_back(int(r.scene.meshes.size()));
     if (shape) {
       finish_shape(*shape, before, mesh);
       r.shapes.emplace(made.back(), std::move(*shape));
@@ -401,16 +401,16 @@ std::vector<int> parents(const Field& nodes) {
     for (std::size_t c = 0; c < children.size(); ++c) {
       const std::size_t child = children[c].index(nodes.size());
       if (found[child] >= 0) children[c].fail(fmt::format("is node {}, which has another parent", child));
-      found[child] = static_cast<int>(k);
+      found[child] = int(k);
     }
   }
   std::vector<int> checked(nodes.size(), -1);  // By the walk that came through.
   for (std::size_t k = 0; k < nodes.size(); ++k)
-    for (int up = static_cast<int>(k); up >= 0; up = found[up]) {
+    for (int up = int(k); up >= 0; up = found[up]) {
       int& mark = checked[up];
-      if (mark == static_cast<int>(k)) nodes[k].fail("lies below itself");
+      if (mark == int(k)) nodes[k].fail("lies below itself");
       if (mark >= 0) break;
-      mark = static_cast<int>(k);
+      mark = int(k);
     }
   return found;
 }
@@ -439,7 +439,7 @@ void read_nodes(Reader& r) {
   std::vector<std::size_t> order = roots(r.document, parent);
   for (std::size_t next = 0; next < order.size(); ++next) {
     const Field field = all[order[next]], children = field["children"];
-    const int index = static_cast<int>(next), above = parent[order[next]];
+    const int index = int(next), above = parent[order[next]];
     r.nodes[order[next]] = index;
     Node node{.name = field["name"].text(), .local = local_matrix(field)};
     if (above >= 0) node.parent = r.nodes[above];

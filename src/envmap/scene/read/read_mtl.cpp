@@ -81,7 +81,7 @@ bool read_number(const std::string& key, Words& words, Statements& s) {
   } else if (key == "ni") {
     m.ior = bounded(1, 1e6F);
   } else if (key == "illum") {
-    s.illumination = static_cast<int>(bounded(0, 10));
+    s.illumination = int(bounded(0, 10));
   } else if (key == "pr") {
     s.roughness = bounded(0, 1);
   } else if (key == "pm") {

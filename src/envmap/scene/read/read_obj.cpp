@@ -81,7 +81,7 @@ int texture(Materials& m, const MtlMap& map, const fs::path& below) {
     }
   };
   const fs::path path = read([&] { return m.folder.file(map.name, below); });
-  const auto [found, first] = m.textures.try_emplace({path, map.clamp}, static_cast<int>(m.scene.textures.size()));
+  const auto [found, first] = m.textures.try_emplace({path, map.clamp}, int(m.scene.textures.size()));
   if (!first) return found->second;
   const std::vector<std::byte> bytes = read([&] { return file_bytes(path); });
   Texture made = decode_texture(map.name, {text_of(bytes).begin(), text_of(bytes).end()}, m.pixels_left);
@@ -120,7 +120,7 @@ void read_materials(const ObjDocument& d, const SceneFolder& folder, std::uint64
 
 std::vector<Direction> corners_of(const ObjDocument& d, const Face& face) {
   std::vector<Direction> made;
-  for (const Corner& c : std::span(d.corners).subspan(face.first, static_cast<std::size_t>(face.count)))
+  for (const Corner& c : std::span(d.corners).subspan(face.first, std::size_t(face.count)))
     made.push_back(d.positions[c.position]);
   return made;
 }
@@ -129,11 +129,11 @@ std::vector<Direction> corners_of(const ObjDocument& d, const Face& face) {
 void add_normals(ObjDocument& d) {
   std::map<std::pair<int, int>, int> smooth;  // By position and smoothing group.
   for (const Face& face : d.faces) {
-    const auto corners = std::span(d.corners).subspan(face.first, static_cast<std::size_t>(face.count));
+    const auto corners = std::span(d.corners).subspan(face.first, std::size_t(face.count));
     if (std::ranges::none_of(corners, [](const Corner& c) { return c.normal < 0; })) continue;
     const std::vector<Direction> at = corners_of(d, face);
     const Direction normal = unit(area_vector(at));
-    const int flat = static_cast<int>(d.normals.size());
+    const int flat = int(d.normals.size());
     if (face.smoothing == 0) d.normals.push_back(normal);
     for (std::size_t k = 0; k < corners.size(); ++k) {
       if (corners[k].normal >= 0) continue;
@@ -142,7 +142,7 @@ void add_normals(ObjDocument& d) {
         continue;
       }
       const auto [found, first] =
-          smooth.try_emplace({corners[k].position, face.smoothing}, static_cast<int>(d.normals.size()));
+          smooth.try_emplace({corners[k].position, face.smoothing}, int(d.normals.size()));
       if (first) d.normals.emplace_back(0);
       const Direction before = unit(at[(k + at.size() - 1) % at.size()] - at[k]),
                       after = unit(at[(k + 1) % at.size()] - at[k]);
@@ -156,7 +156,7 @@ struct CornerHash {
   std::size_t operator()(const Corner& c) const {
     std::size_t hash = 0;
     for (const int index : {c.position, c.coordinate, c.normal})
-      hash = (hash ^ static_cast<std::size_t>(index)) * 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio (Knuth, 6.4).
+      hash = (hash ^ std::size_t(index)) * 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio (Knuth, 6.4).
     return hash ^ hash >> 32;
   }
 };
@@ -168,7 +168,7 @@ struct Part {
 };
 
 std::uint32_t vertex(const ObjDocument& d, Part& part, const Corner& c) {
-  const auto number = static_cast<std::uint32_t>(part.mesh.positions.size());
+  const auto number = std::uint32_t(part.mesh.positions.size());
   const auto [found, first] = part.vertices.try_emplace(c, number);
   if (!first) return found->second;
   part.mesh.positions.emplace_back(d.positions[c.position]);
@@ -179,7 +179,7 @@ std::uint32_t vertex(const ObjDocument& d, Part& part, const Corner& c) {
 }
 
 void add_face(const ObjDocument& d, const Face& face, Part& part) {
-  const std::span corners = std::span(d.corners).subspan(face.first, static_cast<std::size_t>(face.count));
+  const std::span corners = std::span(d.corners).subspan(face.first, std::size_t(face.count));
   try {
     for (const auto& triangle : triangulate(corners_of(d, face)))
       for (const std::uint32_t corner : triangle) part.mesh.indices.push_back(vertex(d, part, corners[corner]));
@@ -197,9 +197,9 @@ void read_faces(const ObjDocument& d, Scene& scene) {
     const auto [group, material] = place;
     if (group != last) scene.nodes.push_back({.name = group < 0 ? "" : d.groups[group]});
     last = group;
-    part.mesh.material = material < 0 ? static_cast<int>(scene.materials.size()) - 1 : material;
+    part.mesh.material = material < 0 ? int(scene.materials.size()) - 1 : material;
     complete(part.mesh);
-    scene.nodes.back().meshes.push_back(static_cast<int>(scene.meshes.size()));
+    scene.nodes.back().meshes.push_back(int(scene.meshes.size()));
     scene.meshes.push_back(std::move(part.mesh));
   }
 }

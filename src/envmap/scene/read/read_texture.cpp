@@ -20,16 +20,16 @@ Texture decode_texture(const std::string& name, std::vector<char> bytes, std::ui
   if (facts.width < 1 || facts.height < 1 || !facts.flat || facts.width > most || facts.height > most)
     image.fail(fmt::format("is {}x{}; textures have 1 to {} texels a side", facts.width, facts.height, most));
   // No picture is compressed by more: the header promises what the file cannot hold.
-  const double texels = static_cast<double>(facts.width) * facts.height;
-  if (texels > 0x1p24 && texels > 5e3 * static_cast<double>(image.size))
+  const double texels = double(facts.width) * facts.height;
+  if (texels > 0x1p24 && texels > 5e3 * double(image.size))
     image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, facts.width, facts.height));
-  const int channels = std::min(static_cast<int>(facts.channels.size()), 4);
-  const auto count = static_cast<std::size_t>(facts.width) * static_cast<std::size_t>(facts.height);
+  const int channels = std::min(int(facts.channels.size()), 4);
+  const auto count = std::size_t(facts.width) * std::size_t(facts.height);
   if (count > pixels_left)
     image.fail(fmt::format("{}x{}: with it the scene's textures have too many pixels", facts.width, facts.height),
                Remedy::allow_pixels);
   pixels_left -= count;
-  std::vector<float> values(count * static_cast<std::size_t>(channels));
+  std::vector<float> values(count * std::size_t(channels));
   try {
     image.reader->read(0, 0, facts.height, 0, channels, values);
   } catch (const InputError& e) {
@@ -38,7 +38,7 @@ Texture decode_texture(const std::string& name, std::vector<char> bytes, std::ui
   Texture texture{.width = facts.width, .height = facts.height, .texels = std::vector<glm::u8vec4>(count)};
   for (std::size_t k = 0; k < count; ++k) {
     const auto v = [&](int c) {
-      const float value = values[k * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)];
+      const float value = values[k * std::size_t(channels) + std::size_t(c)];
       return static_cast<unsigned char>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
     };
     const bool grey = channels < 3;

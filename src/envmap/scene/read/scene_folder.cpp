@@ -27,7 +27,7 @@ std::vector<std::byte> file_bytes(const fs::path& path) {
     throw InputError(too_large);
   std::vector<std::byte> bytes(size);
   std::ifstream stream(path, std::ios::binary);
-  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size())))
     throw InputError("cannot be read");
   return bytes;
 }
@@ -39,7 +39,7 @@ std::vector<std::byte> standard_input() {
     const ssize_t n = ::read(STDIN_FILENO, bytes.data() + size, bytes.size() - size);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) throw InputError(std::strerror(errno));
-    size += static_cast<std::size_t>(n);
+    size += std::size_t(n);
     if (size > std::numeric_limits<std::uint32_t>::max()) throw InputError(too_large);
     if (n > 0) continue;
     if (size == 0) throw InputError("is empty: what should have written it may have failed");

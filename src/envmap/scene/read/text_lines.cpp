@@ -66,7 +66,7 @@ float Words::number() {
   // What is below all doubles is 0.
   if (error == std::errc::invalid_argument || end != digits.data() + digits.size())
     fail(quoted(found) + " is no number");
-  const auto narrow = static_cast<float>(value);
+  const auto narrow = float(value);
   const bool too_large = error == std::errc::result_out_of_range && digits.find('-', 1) == digits.npos;
   if (too_large || !std::isfinite(narrow)) fail(quoted(found) + " is NaN, infinite or beyond float32");
   return narrow;

@@ -35,7 +35,7 @@ struct Ring {
   std::vector<std::uint32_t> before, after;
 
   explicit Ring(const std::vector<Point>& p) : points(p), before(p.size()), after(p.size()) {
-    const auto n = static_cast<std::uint32_t>(p.size());
+    const auto n = std::uint32_t(p.size());
     for (std::uint32_t k = 0; k < n; ++k) before[k] = (k + n - 1) % n, after[k] = (k + 1) % n;
   }
   [[nodiscard]] double turn(std::uint32_t k) const { return area(points[before[k]], points[k], points[after[k]]); }
@@ -123,7 +123,7 @@ Direction area_vector(std::span<const Direction> corners) {
 }
 
 std::vector<Triangle> triangulate(std::span<const Direction> corners) {
-  const auto count = static_cast<std::uint32_t>(corners.size());
+  const auto count = std::uint32_t(corners.size());
   std::vector<Triangle> found;
   if (count == 3) return {{0, 1, 2}};
   const std::vector<Point> flat = flattened(corners);
