@@ -55,7 +55,8 @@ inline Vector direction(envmap::Projection p, int face, Real u, Real v) {
       const Real d = 1 - (std::abs(s) + std::abs(t)), r = 1 - std::abs(d);
       const Real angle = (r == 0 ? 1 : (std::abs(t) - std::abs(s)) / r + 1) * pi / 4;
       const Real level = r * std::sqrt(2 - r * r);
-      return {std::copysign(level * std::cos(angle), s), std::copysign(1 - r * r, d), std::copysign(level * std::sin(angle), t)};
+      return {std::copysign(level * std::cos(angle), s), std::copysign(1 - r * r, d),
+              std::copysign(level * std::sin(angle), t)};
     }
     case envmap::Projection::angular: break;
   }

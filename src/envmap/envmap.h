@@ -2,8 +2,8 @@
 /// The whole library, as it is installed. envmap(3) shows it at work.
 ///
 /// Pixels are linear RGB radiance, float32. The frame is right-handed with +Y up; +Z lies at the centre of latlong and
-/// angular images. Sizes are heights of a face in texels, solid angles steradians. Functions never change what they read.
-/// Errors are exceptions, subclasses of envmap::Error.
+/// angular images. Sizes are heights of a face in texels, solid angles steradians. Functions never change what they
+/// read. Errors are exceptions, subclasses of envmap::Error.
 #pragma once
 
 #include "envmap/base/error.h"

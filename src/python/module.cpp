@@ -21,7 +21,7 @@ Map shared(EnvironmentMap&& map) { return std::make_shared<EnvironmentMap>(std::
 Rgb<double> rgb(const Triple& t) { return {t[0], t[1], t[2]}; }
 Triple triple(const Rgb<double>& c) { return {c.x, c.y, c.z}; }
 
-// ---- arrays ----------------------------------------------------------------------------------------------------------
+// ---- arrays ---------------------------------------------------------------------------------------------------------
 
 // A view of a level's texels, without a copy: (height, width, 3), of several faces (faces, height, width, 3).
 py::array view(const Map& map, Level& level) {
@@ -30,7 +30,8 @@ py::array view(const Map& map, Level& level) {
   std::vector<py::ssize_t> shape{level.height(), level.width(), 3}, strides{line, sizeof(Colour), sizeof(float)};
   if (level.faces() > 1) {
     shape.insert(shape.begin(), level.faces());
-    strides.insert(strides.begin(), reinterpret_cast<const char*>(level.texel(1, 0, 0)) - reinterpret_cast<const char*>(first));
+    strides.insert(strides.begin(),
+                   reinterpret_cast<const char*>(level.texel(1, 0, 0)) - reinterpret_cast<const char*>(first));
   }
   return py::array_t<float>(shape, strides, &first->x, py::cast(map));
 }
@@ -42,7 +43,8 @@ Projection projection_of_array(const Array& a, const std::optional<std::string>&
   if (projection) return projection_of(*projection);
   if (several) return a.shape(0) == 2 ? Projection::paraboloid : Projection::cube;
   if (a.shape(1) == 2 * a.shape(0)) return Projection::latlong;
-  throw UsageError("an array that is not twice as wide as high may be of several projections", Remedy::choose_projection);
+  throw UsageError("an array that is not twice as wide as high may be of several projections",
+                   Remedy::choose_projection);
 }
 
 Level level_of_array(const Array& a, Projection p) {
@@ -62,7 +64,8 @@ Level level_of_array(const Array& a, Projection p) {
 
 EnvironmentMap map_of_array(const Array& a, const std::optional<std::string>& projection, const std::string& forward) {
   const Projection p = projection_of_array(a, projection);
-  if (p == Projection::latlong && a.shape(1) != 2 * a.shape(0)) throw UsageError("a latlong map is twice as wide as high");
+  if (p == Projection::latlong && a.shape(1) != 2 * a.shape(0))
+    throw UsageError("a latlong map is twice as wide as high");
   EnvironmentMap map{.levels = {}, .forward = Frame(p, forward_of(forward)).forward};
   map.levels.push_back(level_of_array(a, p));
   return map;
@@ -113,7 +116,7 @@ py::list views(const Map& map) {
   return all;
 }
 
-// ---- files -----------------------------------------------------------------------------------------------------------
+// ---- files ----------------------------------------------------------------------------------------------------------
 
 std::filesystem::path path_of(const py::object& file) {
   try {
@@ -167,7 +170,8 @@ py::bytes encode_map(const GivenMap& given, const std::string& format, const std
                      const std::optional<std::string>& layout, const std::string& compression, bool clamp, bool zstd,
                      const Facts& facts, const py::object& progress) {
   const WriteOptions o = write_options(depth, layout, format, compression, clamp, zstd, facts);
-  const std::vector<std::byte> bytes = Reporter(progress).run([&](const Progress& p) { return encode(*given.map, o, p); });
+  const std::vector<std::byte> bytes =
+      Reporter(progress).run([&](const Progress& p) { return encode(*given.map, o, p); });
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -204,7 +208,7 @@ py::list pack_map(const GivenMap& given, const std::string& format, const std::s
   return levels;
 }
 
-// ---- operations ------------------------------------------------------------------------------------------------------
+// ---- operations -----------------------------------------------------------------------------------------------------
 
 Map convert_map(const GivenMap& given, const std::optional<std::string>& to, std::optional<int> size,
                 const std::optional<std::string>& filter, int samples, std::optional<double> max_error,
@@ -212,7 +216,9 @@ Map convert_map(const GivenMap& given, const std::optional<std::string>& to, std
                 std::optional<double> ball_distance, std::optional<double> ball_fov, const py::object& progress) {
   const Map& map = given.map;
   const Frame from = map->frame();
-  ConvertOptions o{.to = {to ? projection_of(*to) : from.projection, forward ? forward_of(*forward) : to ? Forward::plus_z : from.forward},
+  ConvertOptions o{.to = {to ? projection_of(*to) : from.projection, forward ? forward_of(*forward)
+                                                                     : to    ? Forward::plus_z
+                                                                             : from.forward},
                    .size = size,
                    .samples = samples,
                    .max_error = max_error,
@@ -245,7 +251,8 @@ struct PrefilteredMap {
 // A number, or one for each level of a chain.
 using Parameter = std::optional<std::variant<double, std::vector<double>>>;
 
-std::vector<double> parameters(Shape shape, const std::string& lobe, const Parameter& exponent, const Parameter& roughness) {
+std::vector<double> parameters(Shape shape, const std::string& lobe, const Parameter& exponent,
+                               const Parameter& roughness) {
   const bool has_exponent = shape == Shape::phong || shape == Shape::blinn_phong;
   const Parameter& given = has_exponent ? exponent : roughness;
   if (shape != Shape::diffuse && !given)
@@ -264,7 +271,12 @@ PrefilteredMap prefilter_map(const GivenMap& given, const std::string& lobe, con
                              const std::string& method, double max_error, std::optional<double> scale,
                              const std::string& forward, const py::object& progress) {
   const Map& map = given.map;
-  Prefilter wanted{.shape = shape_of(lobe), .scale = scale, .to = projection_of(to), .forward = forward_of(forward), .method = method_of(method), .max_error = max_error};
+  Prefilter wanted{.shape = shape_of(lobe),
+                   .scale = scale,
+                   .to = projection_of(to),
+                   .forward = forward_of(forward),
+                   .method = method_of(method),
+                   .max_error = max_error};
   const std::vector<double> levels = parameters(wanted.shape, lobe, exponent, roughness);
   const int first =
       size.value_or(wanted.shape == Shape::diffuse ? matching_size(Projection::cube, 64, wanted.to)
@@ -337,19 +349,23 @@ Sky sky_of(py::kwargs& k) {
 Pattern pattern(const std::string& kind, py::kwargs& k) {
   if (kind == "constant") return Constant{take(k, "radiance", Rgb<double>(1))};
   if (kind == "gradient") return Gradient{take(k, "bottom", Rgb<double>(0.1)), take(k, "top", Rgb<double>(1))};
-  if (kind == "checker") return Checker{take(k, "squares", 8), take(k, "even", Rgb<double>(1)), take(k, "odd", Rgb<double>(0.1))};
+  if (kind == "checker")
+    return Checker{take(k, "squares", 8), take(k, "even", Rgb<double>(1)), take(k, "odd", Rgb<double>(0.1))};
   if (kind == "directions") return Directions{};
   if (kind == "faces") return Faces{};
   if (kind == "sky") return sky_of(k);
-  if (kind == "sh") return Harmonic{take(k, "degree", 2), take(k, "order", 0), take(k, "base", 1.0), take(k, "amplitude", 0.5)};
-  if (kind != "sun") throw UsageError("kind '" + kind + "' is none of constant, gradient, checker, directions, faces, sun, sky, sh");
+  if (kind == "sh")
+    return Harmonic{take(k, "degree", 2), take(k, "order", 0), take(k, "base", 1.0), take(k, "amplitude", 0.5)};
+  if (kind != "sun")
+    throw UsageError("kind '" + kind + "' is none of constant, gradient, checker, directions, faces, sun, sky, sh");
   const Triple to = take(k, "direction", Triple{0, 0, 1});
   const Direction d(to[0], to[1], to[2]);
   if (!(glm::length(d) > 0)) throw UsageError("a direction has a length");
   return Sun{glm::normalize(d), take(k, "radius", 0.2666), take(k, "radiance", Rgb<double>(1e5)), sky_of(k)};
 }
 
-Map generate_map(const std::string& kind, const std::string& to, int size, const std::string& forward, py::kwargs parameters) {
+Map generate_map(const std::string& kind, const std::string& to, int size, const std::string& forward,
+                 py::kwargs parameters) {
   const Pattern wanted = pattern(kind, parameters);
   if (parameters.size() > 0)
     throw UsageError(kind + " has no parameter " + py::cast<std::string>(parameters.begin()->first));
@@ -396,16 +412,19 @@ PYBIND11_MODULE(_envmap, m) {
            })
       .def("__repr__", [](const EnvironmentMap& map) {
         return "<envmap.Map " + std::string(name(map.projection())) + " " + std::to_string(map.base().width()) + "x" +
-               std::to_string(map.base().height()) + (map.base().faces() > 1 ? " x " + std::to_string(map.base().faces()) : "") + ">";
+               std::to_string(map.base().height()) +
+               (map.base().faces() > 1 ? " x " + std::to_string(map.base().faces()) : "") + ">";
       });
   py::class_<PrefilteredMap>(m, "Prefiltered", "What prefilter() made, and how.")
       .def_readonly("map", &PrefilteredMap::map)
-      .def_readonly("method", &PrefilteredMap::method,
-                    "exact, hierarchical, spectral, prefix-sums or multilevel: that of most texels; area or nearest of a mirror.")
+      .def_readonly(
+          "method", &PrefilteredMap::method,
+          "exact, hierarchical, spectral, prefix-sums or multilevel: that of most texels; area or nearest of a mirror.")
       .def_readonly("error", &PrefilteredMap::error, "The largest figure of a texel; 0 of exact sums.")
       .def_readonly("exact", &PrefilteredMap::exact, "Texels that were summed exactly.");
   py::class_<Difference>(m, "Difference", "Of a map against a reference; solid-angle weighted.")
-      .def_property_readonly("flux", [](const Difference& d) { return triple(d.flux); }, "(flux a - flux b) / flux b by channel.")
+      .def_property_readonly(
+          "flux", [](const Difference& d) { return triple(d.flux); }, "(flux a - flux b) / flux b by channel.")
       .def_readonly("rms", &Difference::rms, "sqrt(sum w |a-b|^2 / sum w |b|^2).")
       .def_readonly("max", &Difference::maximum, "Largest |a-b| / max(|b|, 0.001 x mean of b).");
 
@@ -441,8 +460,9 @@ PYBIND11_MODULE(_envmap, m) {
                  "world direction returns the radiance from there. orientation='seen-from-inside' leaves faces as "
                  "Map.array has them."));
   m.def("convert", &convert_map, "map"_a, "to"_a = py::none(), py::kw_only(), "size"_a = py::none(),
-        "filter"_a = py::none(), "samples"_a = 1, "max_error"_a = py::none(), "rotate"_a = Triple{0, 0, 0}, "gain"_a = 1.0,
-        "forward"_a = py::none(), "ball_distance"_a = py::none(), "ball_fov"_a = py::none(), "progress"_a = py::none(),
+        "filter"_a = py::none(), "samples"_a = 1, "max_error"_a = py::none(), "rotate"_a = Triple{0, 0, 0},
+        "gain"_a = 1.0, "forward"_a = py::none(), "ball_distance"_a = py::none(), "ball_fov"_a = py::none(),
+        "progress"_a = py::none(),
         document("convert",
                  "map, to=None, *, size=None, filter=None, samples=1, max_error=None, rotate=(0, 0, 0), gain=1.0, "
                  "forward=None, "

@@ -53,17 +53,20 @@ void stand_at(Viewpoint& from, const Place& at, const Scene& scene, const Pose& 
 }
 
 // @return the axis at the centre of the image.
-Forward look_towards(Viewpoint& from, const Place& forward, const Scene& scene, const Pose& pose, const std::string& path) {
+Forward look_towards(Viewpoint& from, const Place& forward, const Scene& scene, const Pose& pose,
+                     const std::string& path) {
   if (const auto* const along = std::get_if<Triple>(&forward)) {
     from.axes = turned_to(direction(*along));
   } else if (const auto* const name = std::get_if<std::string>(&forward)) {
     if (const auto axis = forward_named(*name)) {
-      if (!has_forward(from.to)) throw UsageError("forward: an axis is for latlong and angular maps; others take a node, (x, y, z) or camera");
+      if (!has_forward(from.to))
+        throw UsageError("forward: an axis is for latlong and angular maps; others take a node, (x, y, z) or camera");
       from.axes = image_to_world(*axis);
       return *axis;
     }
     const auto there = direction_to(scene, pose, from.at, *name);
-    if (!there) throw UsageError("forward: '" + *name + "' is no axis (+z, -z, +x, -x), no node of " + path + " and no camera");
+    if (!there)
+      throw UsageError("forward: '" + *name + "' is no axis (+z, -z, +x, -x), no node of " + path + " and no camera");
     from.axes = turned_to(*there);
   }
   return Forward::plus_z;
@@ -72,7 +75,8 @@ Forward look_towards(Viewpoint& from, const Place& forward, const Scene& scene, 
 DrawMethod method_for(const std::string& word, const Viewpoint& from, const Scene& scene, ContextKind context) {
   const auto method = named<DrawMethod>("method", word, draw_method_names);
   if (!can_draw(method, from.to))
-    throw UsageError("method '" + word + "' cannot draw " + std::string(name(from.to)) + " maps: resample or raycast can");
+    throw UsageError("method '" + word + "' cannot draw " + std::string(name(from.to)) +
+                     " maps: resample or raycast can");
   if (method == DrawMethod::raycast && context != ContextKind::automatic)
     throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");
   if (method != DrawMethod::automatic) return method;
@@ -90,7 +94,8 @@ void check(const Viewpoint& from, int occlusion) {
   if (from.size < 1 || from.size > 65536) throw UsageError("a size is 1 to 65536");
   if (from.samples < 1 || from.samples > 1024) throw UsageError("samples are 1 to 1024");
   if (!(from.near > 0 && from.near < from.far)) throw UsageError("near is above 0 and below far");
-  if (occlusion < 0 || occlusion > most_distant_lights) throw UsageError("occlusion is 0 to " + std::to_string(most_distant_lights));
+  if (occlusion < 0 || occlusion > most_distant_lights)
+    throw UsageError("occlusion is 0 to " + std::to_string(most_distant_lights));
 }
 
 Map render(const std::filesystem::path& file, const std::string& to, const Place& at, int size, int samples,
@@ -108,7 +113,10 @@ Map render(const std::filesystem::path& file, const std::string& to, const Place
   }();
   deform(scene, pose(scene, time), time);
   tell_shortcomings(scene, path, environment || ambient);
-  Shot shot{.scene = scene, .pose = pose(scene, time), .ambient = Colour(direction(ambient.value_or(Triple{}))), .shadows = shadows};
+  Shot shot{.scene = scene,
+            .pose = pose(scene, time),
+            .ambient = Colour(direction(ambient.value_or(Triple{}))),
+            .shadows = shadows};
   stand_at(from, at, scene, shot.pose, path);
   const Forward axis = look_towards(from, forward, scene, shot.pose, path);
   const DrawMethod how = method_for(method, from, scene, kind);

@@ -23,7 +23,8 @@ struct GivenMap {
 };
 
 /// Makes a map of an array. @throws UsageError in one line where it is none.
-Map map_of_object(const pybind11::object& array, const std::optional<std::string>& projection, const std::string& forward);
+Map map_of_object(const pybind11::object& array, const std::optional<std::string>& projection,
+                  const std::string& forward);
 
 /// A docstring whose first line inspect.signature() reads.
 const char* document(const char* name, const char* parameters, const char* text);

@@ -1,14 +1,14 @@
-// How far prefiltered maps are off, in every texel, over random hostile maps: what the figures of the treecode and of the
-// spherical transform are measured by.
+// How far prefiltered maps are off, in every texel, over random hostile maps: what the figures of the treecode and of
+// the spherical transform are measured by.
 //
 //   hostile [FIRST COUNT [quick] [METHOD]]
 //
 // Map number N has a random projection, size, content (suns of 1e4 to 1e9 at poles, corners, seams and rims, noise,
-// checkers, one lit texel; every fourth map has two halves or blocks that repeat, whose horizons run along texels), lobe, error
-// and target. The truth is summed here in float64, by adaptive Gauss panels over every texel of the source, cut where the horizon
-// crosses, from the definitions in envmap-prefilter(7): nothing of the library has a part in it. `quick` takes the library's own
-// exact sum instead, which METHOD `exact` checks, at 1e-5. A line is printed for each map above half its error or of more than
-// 5 s, and at the end the worst. METHOD judges that one alone.
+// checkers, one lit texel; every fourth map has two halves or blocks that repeat, whose horizons run along texels),
+// lobe, error and target. The truth is summed here in float64, by adaptive Gauss panels over every texel of the source,
+// cut where the horizon crosses, from the definitions in envmap-prefilter(7): nothing of the library has a part in it.
+// `quick` takes the library's own exact sum instead, which METHOD `exact` checks, at 1e-5. A line is printed for each
+// map above half its error or of more than 5 s, and at the end the worst. METHOD judges that one alone.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -29,7 +29,7 @@ namespace {
 
 using namespace envmap;
 
-// ---- the truth --------------------------------------------------------------------------------------------------------
+// ---- the truth ------------------------------------------------------------------------------------------------------
 
 // A lobe from its definition, not normalised, over x = 1 - cos.
 struct Kernel {
@@ -87,7 +87,8 @@ void points_of(Projection p, int face, const Panel& in, const double (&nodes)[N]
                      0.25 * in.w * in.h * weights[a] * weights[b] * density(p, u, v)});
     }
 }
-double sum(const std::vector<Point>& points, std::size_t first, std::size_t count, const Kernel& f, const Direction& r) {
+double sum(const std::vector<Point>& points, std::size_t first, std::size_t count, const Kernel& f,
+           const Direction& r) {
   double total = 0;
   for (std::size_t k = first; k < first + count; ++k) {
     const Direction d = points[k].l - r;
@@ -96,13 +97,16 @@ double sum(const std::vector<Point>& points, std::size_t first, std::size_t coun
   return total;
 }
 
-// Gauss points of ten a side, graded towards both ends (u = 3 t^2 - 2 t^3): for what vanishes, or has a kink, at an end.
+// Gauss points of ten a side, graded towards both ends (u = 3 t^2 - 2 t^3): for what vanishes, or has a kink,
+// at an end.
 struct Graded {
   static constexpr int count = 10;
   double at[count], weight[count];  // Of 0 to 1.
   Graded() {
-    constexpr double nodes[] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845, 0.9739065285171717};
-    constexpr double weights[] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159821, 0.1494513491505806, 0.0666713443086881};
+    constexpr double nodes[] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
+                                0.9739065285171717};
+    constexpr double weights[] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159821, 0.1494513491505806,
+                                  0.0666713443086881};
     for (int k = 0; k < count; ++k) {
       const double t = 0.5 + (k < 5 ? -0.5 : 0.5) * nodes[k % 5];
       at[k] = t * t * (3 - 2 * t), weight[k] = 0.5 * weights[k % 5] * 6 * t * (1 - t);
@@ -110,8 +114,8 @@ struct Graded {
   }
 };
 
-// Where the horizon of r cuts the row at v, and the column at u, and where it turns back, of a latlong map (a cosine along a
-// row, one along a column) and of a face of a cube (a line).
+// Where the horizon of r cuts the row at v, and the column at u, and where it turns back, of a latlong map (a cosine
+// along a row, one along a column) and of a face of a cube (a line).
 double height(Projection p, int face, double u, double v, const Direction& r) {
   const Direction d = formulae::rounded(formulae::direction(p, face, u, v));
   return glm::dot(d, r) / (p == Projection::latlong ? 1 : std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}));
@@ -119,8 +123,10 @@ double height(Projection p, int face, double u, double v, const Direction& r) {
 std::vector<double> cuts_of_row(Projection p, int face, const Panel& in, double v, const Direction& r) {
   const double first = height(p, face, 0, v, r);
   if (p != Projection::latlong) return {first / (first - height(p, face, 1, v, r))};
-  const double half = height(p, face, 0.5, v, r), c = (first + half) / 2, a = first - c, b = height(p, face, 0.25, v, r) - c;
-  const double to = std::acos(std::clamp(-c / std::hypot(a, b), -1.0, 1.0)), middle = std::atan2(b, a), left = in.u - in.w / 2;
+  const double half = height(p, face, 0.5, v, r), c = (first + half) / 2, a = first - c,
+               b = height(p, face, 0.25, v, r) - c;
+  const double to = std::acos(std::clamp(-c / std::hypot(a, b), -1.0, 1.0)), middle = std::atan2(b, a),
+               left = in.u - in.w / 2;
   std::vector<double> all;
   for (const double phi : {middle - to, middle + to}) all.push_back(phi / (2 * pi) - std::floor(phi / (2 * pi) - left));
   return all;
@@ -142,7 +148,8 @@ std::vector<double> cuts_within(double low, double high, const std::vector<doubl
 // The integral over what a panel has above the horizon: row by row, each from cut to cut.
 double clipped(Projection p, int face, const Panel& in, const Kernel& f, const Direction& r) {
   static const Graded rule;
-  const double left = in.u - in.w / 2, top = in.v - in.h / 2, turn = std::atan2(std::abs(r.y), std::hypot(r.x, r.z)) / pi;
+  const double left = in.u - in.w / 2, top = in.v - in.h / 2,
+               turn = std::atan2(std::abs(r.y), std::hypot(r.x, r.z)) / pi;
   std::vector<double> rows{cut_of_column(p, face, left, r), cut_of_column(p, face, left + in.w, r)};
   if (p == Projection::latlong) rows.insert(rows.end(), {turn, 1 - turn});
   rows = cuts_within(top, top + in.h, rows);
@@ -164,7 +171,8 @@ double clipped(Projection p, int face, const Panel& in, const Kernel& f, const D
   return total;
 }
 
-double adaptive(Projection p, int face, const Panel& in, const Kernel& f, const Direction& r, double tolerance, int depth) {
+double adaptive(Projection p, int face, const Panel& in, const Kernel& f, const Direction& r, double tolerance,
+                int depth) {
   std::vector<Point> points;
   points_of(p, face, in, few_nodes, few_weights, points);
   points_of(p, face, in, many_nodes, many_weights, points);
@@ -185,8 +193,8 @@ double adaptive(Projection p, int face, const Panel& in, const Kernel& f, const 
   double total = 0;
   for (int k = 0; k < 4; ++k)
     total += adaptive(p, face,
-                      {in.u + (k % 2 ? 0.25 : -0.25) * in.w, in.v + (k / 2 ? 0.25 : -0.25) * in.h, in.w / 2, in.h / 2}, f,
-                      r, tolerance / 2, depth - 1);
+                      {in.u + (k % 2 ? 0.25 : -0.25) * in.w, in.v + (k / 2 ? 0.25 : -0.25) * in.h, in.w / 2, in.h / 2},
+                      f, r, tolerance / 2, depth - 1);
   return total;
 }
 
@@ -262,7 +270,7 @@ double integral(const Kernel& f) {
   return total;
 }
 
-// ---- the maps ---------------------------------------------------------------------------------------------------------
+// ---- the maps -------------------------------------------------------------------------------------------------------
 
 struct Case {
   EnvironmentMap map;
@@ -270,8 +278,8 @@ struct Case {
   std::string words;
 };
 
-// Light in which nodes along a horizon are off alike: two halves, cut along the axes or diagonals or a little beside, or blocks of
-// 2^n texels, each lit as the others.
+// Light in which nodes along a horizon are off alike: two halves, cut along the axes or diagonals or a little beside,
+// or blocks of 2^n texels, each lit as the others.
 template <class Any, class Even>
 void set_pattern(Level& level, Any&& any, Even&& even) {
   const Direction normals[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 2, 0}, {0, 1, 1}};
@@ -298,7 +306,9 @@ Case make_case(int number) {
   Case c;
   const Projection from = all_projections[any(5)];
   const bool pattern = number % 4 == 3;
-  const int size = pattern ? 1 << (from == Projection::cube ? 2 + any(5) : 3 + any(5)) : from == Projection::cube ? 4 + any(21) : 8 + any(33);
+  const int size = pattern                    ? 1 << (from == Projection::cube ? 2 + any(5) : 3 + any(5))
+                   : from == Projection::cube ? 4 + any(21)
+                                              : 8 + any(33);
   c.map.levels.emplace_back(from, size);
   Level& level = c.map.base();
   const int content = any(5);  // What a pattern leaves.
@@ -343,8 +353,9 @@ Case make_case(int number) {
     set_pattern(level, any, even);
     p.size = p.to == Projection::cube ? 1 + 2 * any(5) : p.size;  // With directions along the axes.
   }
-  c.words = fmt::format("{} {} {} {} suns {}, {} {:.4g}, {:g}, {} {}", name(from), size, pattern ? "pattern" : "content", content, suns,
-                        shape_names[std::size_t(p.shape)], p.parameter, p.max_error, name(p.to), p.size);
+  c.words =
+      fmt::format("{} {} {} {} suns {}, {} {:.4g}, {:g}, {} {}", name(from), size, pattern ? "pattern" : "content",
+                  content, suns, shape_names[std::size_t(p.shape)], p.parameter, p.max_error, name(p.to), p.size);
   return c;
 }
 
@@ -392,8 +403,8 @@ Found judge(int number, bool quick, Method method) {
       const double off = std::abs(a[k] - b[k]) / std::max(b[k], floor);
       if (off / c.wanted.max_error <= found.worst) continue;
       found.worst = off / c.wanted.max_error;
-      found.words = fmt::format("{:.3f} E at {} {} {}: {:.7g} for {:.7g} (mean {:.4g}), {}", found.worst, t.face, t.i, t.j,
-                                a[k], b[k], 1e3 * floor, method_names[std::size_t(done.method)]);
+      found.words = fmt::format("{:.3f} E at {} {} {}: {:.7g} for {:.7g} (mean {:.4g}), {}", found.worst, t.face, t.i,
+                                t.j, a[k], b[k], 1e3 * floor, method_names[std::size_t(done.method)]);
     }
   }
   found.seconds = seconds;
@@ -431,7 +442,8 @@ int main(int argc, char** argv) {
   for (const Found& f : all) sorted.push_back(f.worst);
   std::ranges::sort(sorted);
   if (worst)
-    fmt::print("{} maps, {} above their error; median {:.3f} E, 90% {:.3f}, 99% {:.3f}; {:.2f} s at most; worst: {}\n", count, above,
-               sorted[sorted.size() / 2], sorted[sorted.size() * 9 / 10], sorted[sorted.size() * 99 / 100], seconds, worst->words);
+    fmt::print("{} maps, {} above their error; median {:.3f} E, 90% {:.3f}, 99% {:.3f}; {:.2f} s at most; worst: {}\n",
+               count, above, sorted[sorted.size() / 2], sorted[sorted.size() * 9 / 10],
+               sorted[sorted.size() * 99 / 100], seconds, worst->words);
   return above > 0 ? 1 : 0;
 }

@@ -55,7 +55,8 @@ Picture read(const std::string& path, const std::string& projection, std::string
   const Grid faces_in = grid(default_layout(*p));
   Picture picture{Level(*p, spec.height / faces_in.rows), samples_named(samples)};
   const Level& level = picture.level;
-  if (spec.nchannels < 3 || spec.width != level.width() * faces_in.columns || spec.height != level.height() * faces_in.rows)
+  if (spec.nchannels < 3 || spec.width != level.width() * faces_in.columns ||
+      spec.height != level.height() * faces_in.rows)
     throw std::runtime_error(fmt::format("{}: {}x{} is no {} map", path, spec.width, spec.height, projection));
   std::vector<Colour> pixels(std::size_t(spec.width) * std::size_t(spec.height));
   if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, pixels.data()))

@@ -1,6 +1,7 @@
 // How far multilevel sums are off of one light, over the bound that they state: what the constants of
-// docs/explanation/prefilter-multilevel.md rest on, which bound the error of every map. Measured over random lights of one texel, at a
-// pole, at the equator and anywhere, in random directions, a third of them near its horizon. The truth is the exact sum.
+// docs/explanation/prefilter-multilevel.md rest on, which bound the error of every map. Measured over random lights of
+// one texel, at a pole, at the equator and anywhere, in random directions, a third of them near its horizon.
+// The truth is the exact sum.
 //
 //   kappa [LIGHTS]
 #include <fmt/format.h>

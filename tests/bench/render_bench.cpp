@@ -1,8 +1,9 @@
-// What drawing a map costs on OSMesa: milliseconds a map, without reading it back (raycast has nothing to read back; resample
-// is the six faces of its cube, read back and converted).
+// What drawing a map costs on OSMesa: milliseconds a map, without reading it back (raycast has nothing to read back;
+// resample is the six faces of its cube, read back and converted).
 //
 //   METHOD/PROJECTION/edge:E/size:N    the box of tests/render/rooms.h, 12 (E-1)^2 triangles
-//   view/PROJECTION/mirrors:N          frames of so many mirror balls in that box, one of which moves: all maps drawn once, at
+//   view/PROJECTION/mirrors:N          frames of so many mirror balls in that box, one of which moves:
+// all maps drawn once, at
 //                                      256 (cube: 128), and a picture of 320x240
 //
 // Beside the time of a map, the part of texels that show another surface than a ray in float64 meets, in %.
@@ -49,8 +50,9 @@ Scene hall(int mirrors) {
   scene.meshes.push_back(rooms::ball(24, 0.1));
   scene.meshes.back().material = int(scene.materials.size()) - 1;
   for (int k = 0; k < mirrors; ++k)
-    scene.nodes.push_back({.local = glm::translate(Matrix(1), Direction(-0.45 + 0.3 * (k % 4), 0.45 - 0.3 * (k / 4), -0.2 * (k % 3))),
-                           .meshes = {int(scene.meshes.size()) - 1}});
+    scene.nodes.push_back(
+        {.local = glm::translate(Matrix(1), Direction(-0.45 + 0.3 * (k % 4), 0.45 - 0.3 * (k / 4), -0.2 * (k % 3))),
+         .meshes = {int(scene.meshes.size()) - 1}});
   return scene;
 }
 

@@ -26,12 +26,14 @@ Place equal_area(double x, double y, double z) {  // pbrt-v4's EqualAreaSphereTo
   return {0.5 * (std::copysign(u, x) + 1), 0.5 * (std::copysign(v, y) + 1)};
 }
 
-// Where each engine looks for the radiance from d, in the frame of the probe; sources are named in src/envmap/engine/engines.cpp.
+// Where each engine looks for the radiance from d, in the frame of the probe; sources are named in
+// src/envmap/engine/engines.cpp.
 struct Lookup {
   std::string engine, map, text;
   std::function<Place(const Vec&)> place;
 };
-// Cubes are looked at as the latlong map that they are for this program: their faces are held to the API's in texture_test.cpp.
+// Cubes are looked at as the latlong map that they are for this program:
+// their faces are held to the API's in texture_test.cpp.
 bool is_cube(const std::string& map) { return !map.ends_with(".exr") && !map.ends_with(".hdr"); }
 Place unfolded(double x, double y, double z) {
   return {0.5 - std::atan2(x, z) / (2 * pi), 0.5 - std::asin(y) / pi};
@@ -73,9 +75,11 @@ TEST_F(Bake, EveryEngineFindsItsDirections) {
   succeeds({"generate", "directions", "probe.exr", "--to", "cube", "--size", "64"});
   for (const Lookup& l : lookups) {
     SCOPED_TRACE(l.engine);
-    succeeds({"bake", "probe.exr", l.engine, "--for", l.engine, "--size", "128", "--chain-size", "64", "--quality", "draft", "-q"});
+    succeeds({"bake", "probe.exr", l.engine, "--for", l.engine, "--size", "128", "--chain-size", "64", "--quality",
+              "draft", "-q"});
     std::string name = l.engine + "/" + l.map;
-    if (is_cube(l.map)) succeeds({"convert", name, "unfolded.exr", "--to", "latlong", "--level", "0"}), name = "unfolded.exr";
+    if (is_cube(l.map))
+      succeeds({"convert", name, "unfolded.exr", "--to", "latlong", "--level", "0"}), name = "unfolded.exr";
     const Picture map = load(path(name));
     for (double x = -0.9; x < 1; x += 0.45)
       for (double y = -0.8; y < 1; y += 0.4)
@@ -104,7 +108,8 @@ TEST_F(Bake, ListsWhatIsTestedHere) {
 
 // Levels are GGX's lobes of the roughness that the shader looks for there, as `prefilter` makes them one by one.
 TEST_F(Bake, ChainsHoldTheRoughnessOfEachLevel) {
-  succeeds({"generate", "sun", "probe.exr", "--to", "cube", "--size", "32", "--radius", "8", "--direction", "1,2,3", "--value", "20"});
+  succeeds({"generate", "sun", "probe.exr", "--to", "cube", "--size", "32", "--radius", "8", "--direction", "1,2,3",
+            "--value", "20"});
   struct Wanted {
     std::string engine, chain;
     int level, size;
@@ -115,16 +120,18 @@ TEST_F(Bake, ChainsHoldTheRoughnessOfEachLevel) {
                           {"babylon", "environment.dds", 4, 2, 1}}) {
     SCOPED_TRACE(w.engine + " " + std::to_string(w.level));
     succeeds({"bake", "probe.exr", w.engine, "--for", w.engine, "--chain-size", "32", "-q"});
-    succeeds({"convert", w.engine + "/" + w.chain, "level.exr", "--level", std::to_string(w.level), "--filter", "nearest", "--depth", "float"});
-    succeeds({"prefilter", "probe.exr", "wanted.exr", "--lobe", "ggx", "--roughness", std::to_string(w.roughness), "--size",
-              std::to_string(w.size), "--method", "exact", "--depth", "float", "-q"});
+    succeeds({"convert", w.engine + "/" + w.chain, "level.exr", "--level", std::to_string(w.level), "--filter",
+              "nearest", "--depth", "float"});
+    succeeds({"prefilter", "probe.exr", "wanted.exr", "--lobe", "ggx", "--roughness", std::to_string(w.roughness),
+              "--size", std::to_string(w.size), "--method", "exact", "--depth", "float", "-q"});
     if (w.engine == "babylon") {  // A left-handed world: faces +X and -X changed, every row turned round.
       const Picture cube = load(path("wanted.exr"));
       Picture mirrored = cube;
       for (int face = 0; face < 6; ++face)
         for (int j = 0; j < w.size; ++j)
           for (int i = 0; i < w.size; ++i)
-            std::copy_n(cube.at(w.size - 1 - i, (face < 2 ? 1 - face : face) * w.size + j), 3, mirrored.at(i, face * w.size + j));
+            std::copy_n(cube.at(w.size - 1 - i, (face < 2 ? 1 - face : face) * w.size + j), 3,
+                        mirrored.at(i, face * w.size + j));
       save(path("wanted.exr"), mirrored);
     }
     succeeds({"compare", "level.exr", "wanted.exr", "--max-error", "4e-3"});
@@ -132,18 +139,25 @@ TEST_F(Bake, ChainsHoldTheRoughnessOfEachLevel) {
 }
 
 TEST_F(Bake, BevysDiffuseMapIsTheIrradianceMirroredInZ) {
-  succeeds({"generate", "sun", "probe.exr", "--to", "cube", "--size", "32", "--radius", "20", "--direction", "1,2,3", "--value", "20"});
+  succeeds({"generate", "sun", "probe.exr", "--to", "cube", "--size", "32", "--radius", "20", "--direction", "1,2,3",
+            "--value", "20"});
   succeeds({"bake", "probe.exr", "lights", "--for", "bevy", "--chain-size", "32", "-q"});
   succeeds({"convert", "lights/diffuse.ktx2", "diffuse.exr", "--filter", "nearest", "--depth", "float"});
   succeeds({"prefilter", "probe.exr", "wanted.exr", "--lobe", "diffuse", "--depth", "float", "-q"});
   const Picture found = load(path("diffuse.exr")), wanted = load(path("wanted.exr"));
-  const auto at = [](const Picture& p, double x, double y, double z) {  // On faces of 64 in a column, whose texel holds the direction.
+  // On faces of 64 in a column, whose texel holds the direction.
+  const auto at = [](const Picture& p, double x, double y, double z) {
     const double most = std::max({std::abs(x), std::abs(y), std::abs(z)});
     const int face = most == std::abs(x) ? (x > 0 ? 0 : 1) : most == std::abs(y) ? (y > 0 ? 2 : 3) : (z > 0 ? 4 : 5);
     const double s[] = {z, -z, x, x, -x, x}, t[] = {y, y, z, -z, y, y};
     return p.at(int(32 * (1 + s[face] / most)), face * 64 + int(32 * (1 - t[face] / most)))[0];
   };
-  for (const Vec d : {Vec{0.93, 0.2, 0.3}, {-0.83, 0.1, 0.5}, {0.3, 0.91, 0.2}, {-0.2, -0.73, 0.4}, {0.1, 0.3, 0.83}, {0.4, -0.2, -0.91}})
+  for (const Vec d : {Vec{0.93, 0.2, 0.3},
+                      {-0.83, 0.1, 0.5},
+                      {0.3, 0.91, 0.2},
+                      {-0.2, -0.73, 0.4},
+                      {0.1, 0.3, 0.83},
+                      {0.4, -0.2, -0.91}})
     EXPECT_NEAR(at(found, d[0], d[1], -d[2]), at(wanted, d[0], d[1], d[2]), 4e-3 * at(wanted, d[0], d[1], d[2]));
 }
 
@@ -152,12 +166,16 @@ TEST_F(Bake, StandardOutputHoldsNoFolder) {
   fails(2, {"bake", "probe.exr", "-", "--for", "unity"}, {"standard output", "name of a folder"});
 }
 
-// Of Filament's nine colours: what they give is the irradiance over pi of the map, here itself a polynomial to degree 2.
+// Of Filament's nine colours: what they give is the irradiance over pi of the map,
+// here itself a polynomial to degree 2.
 TEST_F(Bake, FilamentsHarmonicsAreTheIrradiance) {
-  succeeds({"generate", "sh", "probe.exr", "--to", "cube", "--size", "64", "--degree", "2", "--order", "1", "--amplitude", "0.3"});
+  succeeds({"generate", "sh", "probe.exr", "--to", "cube", "--size", "64", "--degree", "2", "--order", "1",
+            "--amplitude", "0.3"});
   succeeds({"bake", "probe.exr", "lights", "--for", "filament", "--chain-size", "16", "-q"});
-  fails(2, {"bake", "probe.exr", "small", "--for", "filament", "--chain-size", "8"}, {"--chain-size", "ibl.ktx", "5 levels"});
-  succeeds({"prefilter", "probe.exr", "diffuse.exr", "--lobe", "diffuse", "--size", "8", "--method", "exact", "--depth", "float", "-q"});
+  fails(2, {"bake", "probe.exr", "small", "--for", "filament", "--chain-size", "8"},
+        {"--chain-size", "ibl.ktx", "5 levels"});
+  succeeds({"prefilter", "probe.exr", "diffuse.exr", "--lobe", "diffuse", "--size", "8", "--method", "exact", "--depth",
+            "float", "-q"});
   const std::string file = read("lights/ibl.ktx");
   const std::size_t at = file.find(std::string("sh\0", 3));
   ASSERT_NE(at, std::string::npos);
@@ -198,7 +216,8 @@ TEST_F(Bake, FoldersAppearWholeOrNotAtAll) {
   // Again, with another map: replaced whole; and nothing lies about.
   succeeds({"bake", "probe.exr", "lights", "--for", "usd", "--size", "8", "-q"});
   EXPECT_NE(read("lights/background.exr"), first);
-  EXPECT_EQ(names(), (std::vector<std::string>{"lights/", "lights/README.txt", "lights/background.exr", "lights/light.usda", "probe.exr"}));
+  EXPECT_EQ(names(), (std::vector<std::string>{"lights/", "lights/README.txt", "lights/background.exr",
+                                               "lights/light.usda", "probe.exr"}));
   // A folder with something else in it is left as it is, as where the input cannot be read.
   write("lights/mine.txt", "mine");
   fails(2, {"bake", "probe.exr", "lights", "--for", "usd"}, {"lights", "mine.txt"});
@@ -222,8 +241,12 @@ TEST_F(Bake, ASignalLeavesNothing) {
 TEST_F(Bake, WhatAKilledOneLeavesTheNextRemoves) {
   succeeds({"generate", "sun", "probe.exr", "--size", "64"});
   const auto before = names();
-  const std::vector<std::string> long_bake{ENVMAP_PROGRAM, "bake", "probe.exr", "lights", "--for", "pbrt", "--size", "8192"};
-  const auto hidden = [&] { return std::ranges::count_if(names(), [](const std::string& n) { return n.starts_with(".lights.") && n.ends_with('/'); }); };
+  const std::vector<std::string> long_bake{ENVMAP_PROGRAM, "bake", "probe.exr", "lights",
+                                           "--for",        "pbrt", "--size",    "8192"};
+  const auto hidden = [&] {
+    return std::ranges::count_if(names(),
+                                 [](const std::string& n) { return n.starts_with(".lights.") && n.ends_with('/'); });
+  };
   {
     Background run(*this, long_bake);
     interrupt(run, SIGKILL, [&] { return hidden() == 1; });
@@ -267,7 +290,8 @@ TEST_F(Bake, TheSameBytesAndADepfile) {
   succeeds({"generate", "sun", "probe.exr", "--size", "32"});
   succeeds({"bake", "probe.exr", "a", "--for", "pbrt", "--threads", "1", "-q", "--depfile", "a.d"});
   succeeds({"bake", "probe.exr", "b", "--for", "pbrt", "--threads", "3", "-q"});
-  for (const std::string file : {"background.exr", "light.pbrt", "README.txt"}) EXPECT_EQ(read("a/" + file), read("b/" + file));
+  for (const std::string file : {"background.exr", "light.pbrt", "README.txt"})
+    EXPECT_EQ(read("a/" + file), read("b/" + file));
   for (const std::string file : {"a/background.exr", "a/light.pbrt", "a/README.txt", "probe.exr"})
     EXPECT_NE(read("a.d").find(file), std::string::npos) << file;
   // --if-changed leaves the folder and its times.

@@ -60,7 +60,9 @@ TEST_F(Batch, OfLinesMakesWhatChanged) {
 
 TEST_F(Batch, OfJsonGoesOnAfterFailuresAndNamesEach) {
   write("bad.hdr", "no image");
-  write("maps.json", R"([["convert", "bad.hdr", "bad $1 #.exr"], "convert 'b c.hdr' 'odd $1 #.exr' --to sphere", ["convert", "gone.hdr", "gone.exr"]])");
+  write(
+      "maps.json",
+      R"([["convert", "bad.hdr", "bad $1 #.exr"], "convert 'b c.hdr' 'odd $1 #.exr' --to sphere", ["convert", "gone.hdr", "gone.exr"]])");
   const Result r = envmap({"batch", "maps.json", "-k"});
   EXPECT_EQ(r.status, 4);
   EXPECT_NE(r.err.find("envmap batch: not made: bad $1 #.exr: envmap convert: bad.hdr: "), std::string::npos) << r.err;
@@ -82,7 +84,8 @@ TEST_F(Batch, BakesProbesForAnEngine) {
   succeeds({"batch", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"});
   EXPECT_TRUE(fs::exists(path("lights/a/world.py")));
   EXPECT_TRUE(fs::exists(path("lights/b c/background.exr")));
-  EXPECT_EQ(envmap({"batch", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"}).err, "envmap batch: nothing to do\n");
+  EXPECT_EQ(envmap({"batch", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"}).err,
+            "envmap batch: nothing to do\n");
 }
 
 TEST_F(Batch, WritesAMakefile) {
@@ -91,7 +94,8 @@ TEST_F(Batch, WritesAMakefile) {
   EXPECT_FALSE(fs::exists(path("a.exr")));
   const Result made = shell("make -s -j 2 -f maps.mk");
   EXPECT_EQ(made.status, 0) << made.err;
-  for (const char* file : {"a.exr", "chains b c.ktx2", "sheet.png", "f$1_px.exr", "f$1_nz.exr"}) EXPECT_TRUE(fs::exists(path(file))) << file;
+  for (const char* file : {"a.exr", "chains b c.ktx2", "sheet.png", "f$1_px.exr", "f$1_nz.exr"})
+    EXPECT_TRUE(fs::exists(path(file))) << file;
   EXPECT_EQ(shell("make -q -f maps.mk").status, 0);
   touch("b c.hdr");
   const auto a = time_of("a.exr"), b = time_of("b c.exr");
@@ -125,7 +129,8 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   refused("\n# nothing\n", {"wrong.txt"}, 3);
   refused("[1]", {"wrong.txt", "job 1"}, 3);
   refused("[[\"convert\", null]]", {"wrong.txt", "job 1"}, 3);
-  refused("convert c.exr b.exr\nconvert a.hdr d.exr\nconvert b.exr c.exr\nconvert c.exr e.exr\n", {"line 1", "line 3", "circle"});
+  refused("convert c.exr b.exr\nconvert a.hdr d.exr\nconvert b.exr c.exr\nconvert c.exr e.exr\n",
+          {"line 1", "line 3", "circle"});
   refused("convert c.exr b.exr\nconvert b.exr c.exr\n", {"(line 1, line 2, line 1)"});
   refused("[\"convert a.hdr a.exr\"", {"wrong.txt", "JSON"}, 3);
   refused(std::string("convert a.hdr a.exr\0.hdr\n", 25), {"line 1", "NUL"});
@@ -140,8 +145,10 @@ TEST_F(Batch, WritesAScriptForSlurmThatWaitsForWhatIsRead) {
   succeeds({"batch", "maps.txt", "--slurm", "maps.sh", "-q"});
   // sbatch as this test has it: runs every task of an array at once, and says what it was asked for.
   write("sbatch",
-        "#!/bin/sh\nprintf '%s ' \"$@\" >> asked\nfor word; do case $word in --array=1-*) n=${word#--array=1-} ;; --export=ALL,*) export "
-        "\"${word#--export=ALL,}\" ;; esac; script=$word; done\nk=1; while [ $k -le $n ]; do SLURM_ARRAY_TASK_ID=$k sh \"$script\" >&2 || exit 1; "
+        "#!/bin/sh\nprintf '%s ' \"$@\" >> asked\nfor word; do case $word in --array=1-*) n=${word#--array=1-} ;; "
+        "--export=ALL,*) export "
+        "\"${word#--export=ALL,}\" ;; esac; script=$word; done\nk=1; while [ $k -le $n ]; do SLURM_ARRAY_TASK_ID=$k sh "
+        "\"$script\" >&2 || exit 1; "
         "k=$((k + 1)); done\necho $((40 + n))\n");
   const Result r = shell("chmod +x sbatch && PATH=$PWD:$PATH sh maps.sh --mem=1G");
   EXPECT_EQ(r.status, 0) << r.err;
@@ -149,7 +156,8 @@ TEST_F(Batch, WritesAScriptForSlurmThatWaitsForWhatIsRead) {
   EXPECT_TRUE(fs::exists(path("b.exr")));
   EXPECT_TRUE(fs::exists(path("a.ktx2")));
   EXPECT_EQ(read("asked"),
-            "--parsable --array=1-2 --export=ALL,ENVMAP_FIRST=0 --mem=1G maps.sh --parsable --array=1-1 --export=ALL,ENVMAP_FIRST=2 "
+            "--parsable --array=1-2 --export=ALL,ENVMAP_FIRST=0 --mem=1G maps.sh --parsable --array=1-1 "
+            "--export=ALL,ENVMAP_FIRST=2 "
             "--dependency=afterok:42 --mem=1G maps.sh ");
 }
 

@@ -19,7 +19,8 @@ class Colours : public CommandTest {
     OIIO::ImageSpec spec;
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), chromaticities);
     Picture picture = Picture::filled(8, 4);
-    for (std::size_t k = 0; k < picture.values.size(); k += 3) picture.values[k] = r, picture.values[k + 1] = g, picture.values[k + 2] = b;
+    for (std::size_t k = 0; k < picture.values.size(); k += 3)
+      picture.values[k] = r, picture.values[k + 1] = g, picture.values[k + 2] = b;
     save(path(name), picture, OIIO::TypeDesc::FLOAT, spec);
   }
   [[nodiscard]] nlohmann::json info(const std::string& name) const {
@@ -88,7 +89,8 @@ TEST_F(Colours, OutsideOfTheSpaceAreCountedAndKeepTheirLuminance) {
   EXPECT_NE(r.err.find("32 texels of ACEScg are outside of Linear Rec.709"), std::string::npos) << r.err;
   const auto mean = info("out.exr")["mean"];
   // Luminance of AP1's green under D65, of Bradford's matrix: 0.674.
-  EXPECT_NEAR(0.2126 * mean[0].get<double>() + 0.7152 * mean[1].get<double>() + 0.0722 * mean[2].get<double>(), 0.6797, 6e-3);
+  EXPECT_NEAR(0.2126 * mean[0].get<double>() + 0.7152 * mean[1].get<double>() + 0.0722 * mean[2].get<double>(), 0.6797,
+              6e-3);
   // Into a space that holds it nothing is lost, and nothing said.
   succeeds({"convert", "green.exr", "kept.exr", "--output-space", "ACEScg"});
   const Picture kept = load(path("kept.exr"));
@@ -148,7 +150,9 @@ TEST_F(Colours, OfPngAndJpegAreInTheirProfile) {
   const auto fixed = [&](const std::string& element, std::size_t k) {
     return std::int32_t(number(element, 8 + 4 * k)) / 65536.0;
   };
-  constexpr double apple[3][3] = {{0.51512, 0.24120, -0.00105}, {0.29198, 0.69225, 0.04189}, {0.15710, 0.06657, 0.78407}};
+  constexpr double apple[3][3] = {{0.51512, 0.24120, -0.00105},
+                                  {0.29198, 0.69225, 0.04189},
+                                  {0.15710, 0.06657, 0.78407}};
   for (const std::string file : {"p3.png", "p3.jpg", "p3.tif"}) {
     SCOPED_TRACE(file);
     succeeds({"convert", "in.exr", file, "--output-space", "Display P3", "--depth", "uint8"});
@@ -181,8 +185,10 @@ TEST_F(Colours, OfAConfigAreInTheDepfile) {
   succeeds({"generate", "constant", "in.exr", "--size", "4"});
   write("studio.ocio",
         "ocio_profile_version: 2\nsearch_path: .\nroles: {default: linear, scene_linear: linear}\n"
-        "displays:\n  sRGB:\n    - !<View> {name: Raw, colorspace: linear}\ncolorspaces:\n  - !<ColorSpace>\n    name: lin_rec709\n"
-        "  - !<ColorSpace> {name: linear}\n  - !<ColorSpace>\n    name: film\n    to_scene_reference: !<FileTransform> {src: twice.spi1d}\n");
+        "displays:\n  sRGB:\n    - !<View> {name: Raw, colorspace: linear}\ncolorspaces:\n  - !<ColorSpace>\n    name: "
+        "lin_rec709\n"
+        "  - !<ColorSpace> {name: linear}\n  - !<ColorSpace>\n    name: film\n    to_scene_reference: !<FileTransform> "
+        "{src: twice.spi1d}\n");
   write("twice.spi1d", "Version 1\nFrom 0.0 1.0\nLength 2\nComponents 1\n{\n0.0\n2.0\n}\n");
   succeeds({"convert", "in.exr", "out.exr", "--input-space", "film", "--ocio", "studio.ocio", "--depfile", "out.d"});
   const std::string d = read("out.d");

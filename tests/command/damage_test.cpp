@@ -139,7 +139,8 @@ class DamagedTexture : public CommandTest, public ::testing::WithParamInterface<
 
 TEST_P(DamagedTexture, CutAnywhereIsRefused) {
   const std::string whole = sound();
-  for (const std::size_t length : {std::size_t{11}, std::size_t{90}, std::size_t{140}, whole.size() / 2, whole.size() - 1}) {
+  for (const std::size_t length :
+       {std::size_t{11}, std::size_t{90}, std::size_t{140}, whole.size() / 2, whole.size() - 1}) {
     SCOPED_TRACE(length);
     write("cut", whole.substr(0, length));
     fails(3, {"info", "cut", "--levels"}, {"cut"});
@@ -160,7 +161,8 @@ TEST_F(CommandTest, TextureHeadersThatPromiseTooMuchAreRefused) {
       fails(3, {"info", "bad"}, {"bad"}, {.memory = std::uint64_t{4} << 30});
     }
   };
-  // Format, width, height, depth, layers, faces, levels, scheme, key/value offset and length; offset and lengths of level 0.
+  // Format, width, height, depth, layers, faces, levels, scheme, key/value offset and length;
+  // offset and lengths of level 0.
   refuse("map.ktx2", {12, 20, 24, 28, 32, 36, 40, 44, 56, 60, 80, 88, 96});
   // Byte order, type, formats, width, height, depth, elements, faces, levels, length of the pairs and of the first.
   refuse("map.ktx", {12, 16, 24, 28, 36, 40, 44, 48, 52, 56, 60, 64});

@@ -54,7 +54,8 @@ TEST_F(Depfile, IsReadByMakeAndNinjaWhateverTheNames) {
       EXPECT_EQ(shell("make -s").status, 0) << "an input that is gone does not stop make";
       fs::copy_file(path("in.exr"), path(name));
     }
-    write("build.ninja", "rule r\n  command = cp in.exr out.exr; cp out.d kept.d; touch made\n  depfile = kept.d\nbuild out.exr: r\n");
+    write("build.ninja",
+          "rule r\n  command = cp in.exr out.exr; cp out.d kept.d; touch made\n  depfile = kept.d\nbuild out.exr: r\n");
     fs::remove(path("kept.d"));
     ASSERT_EQ(shell("ninja").status, 0);
     fs::remove(path("made"));
@@ -87,8 +88,8 @@ TEST_F(Depfile, NamesEveryFrameAndAllThatASceneIsMadeOf) {
   write("scene.obj", "mtllib some.mtl none.mtl\nv 0 0 -1\nv 1 0 -1\nv 0 1 -1\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
   write("some.mtl", "newmtl m\nmap_Kd in.exr\n");
   succeeds({"generate", "sky", "sky.exr", "--size", "128"});
-  const Result r = envmap({"render", "scene.obj", "{frame}.exr", "--environment", "sky.exr", "--frames", "0:1", "--size", "4",
-                           "--method", "raycast", "--depfile", "out.d", "-q"});
+  const Result r = envmap({"render", "scene.obj", "{frame}.exr", "--environment", "sky.exr", "--frames", "0:1",
+                           "--size", "4", "--method", "raycast", "--depfile", "out.d", "-q"});
   ASSERT_EQ(r.status, 0) << r.err;
   EXPECT_EQ(r.err, "scene.obj: 'none.mtl' is missing: its materials are white\n");  // Whatever --quiet.
   EXPECT_EQ(read("out.d"), "0000.exr 0001.exr: scene.obj some.mtl in.exr sky.exr\n"

@@ -12,7 +12,8 @@ namespace {
 class EngineOption : public CommandTest {
  protected:
   void make_probe() const {
-    succeeds({"generate", "sun", "probe.exr", "--to", "latlong", "--size", "32", "--radius", "12", "--direction", "1,2,3", "--value", "20"});
+    succeeds({"generate", "sun", "probe.exr", "--to", "latlong", "--size", "32", "--radius", "12", "--direction",
+              "1,2,3", "--value", "20"});
   }
 };
 
@@ -23,11 +24,20 @@ std::string out_of(const File& f) { return f.engine + f.name.substr(f.name.rfind
 
 TEST_F(EngineOption, ConvertMakesTheEnvironmentThatBakeWrites) {
   make_probe();
-  for (const File& f : {File{"babylon", "background.dds"}, {"bevy", "skybox.ktx2"}, {"blender", "background.exr"}, {"filament", "sky.ktx"},
-                        {"godot", "background.exr"}, {"pbrt", "background.exr"}, {"playcanvas", "background.hdr"}, {"three", "background.exr"},
-                        {"unity", "background.exr"}, {"unreal", "background.hdr"}, {"usd", "background.exr"}}) {
+  for (const File& f : {File{"babylon", "background.dds"},
+                        {"bevy", "skybox.ktx2"},
+                        {"blender", "background.exr"},
+                        {"filament", "sky.ktx"},
+                        {"godot", "background.exr"},
+                        {"pbrt", "background.exr"},
+                        {"playcanvas", "background.hdr"},
+                        {"three", "background.exr"},
+                        {"unity", "background.exr"},
+                        {"unreal", "background.hdr"},
+                        {"usd", "background.exr"}}) {
     SCOPED_TRACE(f.engine);
-    succeeds({"bake", "probe.exr", f.engine, "--for", f.engine, "--chain-size", "16", "--quality", "draft", "--size", "16", "-q"});
+    succeeds({"bake", "probe.exr", f.engine, "--for", f.engine, "--chain-size", "16", "--quality", "draft", "--size",
+              "16", "-q"});
     succeeds({"convert", "probe.exr", out_of(f), "--size", "16", "--for", f.engine, "-q"});
     EXPECT_TRUE(read(f.engine + "/" + f.name) == read(out_of(f)));
   }
@@ -35,8 +45,11 @@ TEST_F(EngineOption, ConvertMakesTheEnvironmentThatBakeWrites) {
 
 TEST_F(EngineOption, PrefilterMakesTheLevelsThatBakeWrites) {
   make_probe();
-  for (const File& f : {File{"babylon", "environment.dds"}, {"babylon-env", "environment.env"}, {"bevy", "specular.ktx2"},
-                        {"filament", "ibl.ktx"}, {"gltf", "light.glb"}}) {
+  for (const File& f : {File{"babylon", "environment.dds"},
+                        {"babylon-env", "environment.env"},
+                        {"bevy", "specular.ktx2"},
+                        {"filament", "ibl.ktx"},
+                        {"gltf", "light.glb"}}) {
     SCOPED_TRACE(f.engine);
     succeeds({"bake", "probe.exr", f.engine, "--for", f.engine, "--chain-size", "16", "-q"});
     succeeds({"prefilter", "probe.exr", out_of(f), "--for", f.engine, "--size", "16", "-q"});
@@ -49,8 +62,10 @@ TEST_F(EngineOption, PrefilterMakesTheLevelsThatBakeWrites) {
 // An engine that makes rough light itself: its frame and file, and the lobe that was asked for.
 TEST_F(EngineOption, PrefilterTakesTheFrameOfEnginesWithoutLevels) {
   make_probe();
-  succeeds({"prefilter", "probe.exr", "three.exr", "--for", "three", "--lobe", "ggx", "--roughness", "0.5", "--size", "16", "-q"});
-  succeeds({"prefilter", "probe.exr", "wanted.exr", "--to", "latlong", "--forward", "+x", "--lobe", "ggx", "--roughness", "0.5", "--size", "16", "-q"});
+  succeeds({"prefilter", "probe.exr", "three.exr", "--for", "three", "--lobe", "ggx", "--roughness", "0.5", "--size",
+            "16", "-q"});
+  succeeds({"prefilter", "probe.exr", "wanted.exr", "--to", "latlong", "--forward", "+x", "--lobe", "ggx",
+            "--roughness", "0.5", "--size", "16", "-q"});
   EXPECT_TRUE(read("three.exr") == read("wanted.exr"));
 }
 
@@ -76,8 +91,10 @@ TEST_F(EngineOption, MipmapGivesThatMapLevels) {
 
 TEST_F(EngineOption, WhatContradictsIsRefused) {
   make_probe();
-  fails(2, {"convert", "probe.exr", "out.exr", "--for", "three", "--to", "cube"}, {"three.js", "latlong, +x at the centre", "--to cube"});
-  fails(2, {"convert", "probe.exr", "out.exr", "--for", "three", "--forward", "-z"}, {"--forward -z", "--from-forward"});
+  fails(2, {"convert", "probe.exr", "out.exr", "--for", "three", "--to", "cube"},
+        {"three.js", "latlong, +x at the centre", "--to cube"});
+  fails(2, {"convert", "probe.exr", "out.exr", "--for", "three", "--forward", "-z"},
+        {"--forward -z", "--from-forward"});
   fails(2, {"convert", "probe.exr", "out.exr", "--for", "usd", "--openexr-envmap"}, {"--openexr-envmap"});
   fails(2, {"convert", "probe.exr", "out.exr", "--for", "pbrt", "--border", "1"}, {"--border"});
   fails(2, {"convert", "probe.exr", "out.dds", "--for", "babylon", "--layout", "row"}, {"--layout"});
@@ -118,8 +135,8 @@ TEST_F(EngineOption, QualitySetsSizesAndErrors) {
   succeeds({"generate", "constant", "probe.exr", "--size", "32"});
   int diffuse = 32;
   for (const std::string quality : {"draft", "normal", "high"}) {
-    const Result r =
-        envmap({"bake", "probe.exr", quality, "--for", "bevy", "--chain-size", "16", "--quality", quality, "--json", "-q"});
+    const Result r = envmap(
+        {"bake", "probe.exr", quality, "--for", "bevy", "--chain-size", "16", "--quality", quality, "--json", "-q"});
     ASSERT_EQ(r.status, 0) << r.err;
     const auto maps = nlohmann::json::parse(r.out)["maps"];
     EXPECT_EQ(maps[0]["size"], quality == "draft" ? 8 : 16);
@@ -127,7 +144,8 @@ TEST_F(EngineOption, QualitySetsSizesAndErrors) {
     EXPECT_EQ(maps[2]["size"], diffuse);
     diffuse *= 2;
   }
-  EXPECT_NE(read("draft/README.txt").find("specular.ktx2: cube, 16x16 in 5 levels, rgb9e5; every texel within 0.01"), std::string::npos)
+  EXPECT_NE(read("draft/README.txt").find("specular.ktx2: cube, 16x16 in 5 levels, rgb9e5; every texel within 0.01"),
+            std::string::npos)
       << read("draft/README.txt");
   EXPECT_NE(read("high/README.txt").find("within 0.0001"), std::string::npos);
 }
@@ -142,9 +160,10 @@ TEST_F(EngineOption, MaxErrorHoldsForWhatIsReadBack) {
     EXPECT_NE(read(engine + "/README.txt").find("every texel read from it within"), std::string::npos);
     for (int k = 1; k < 5; ++k) {
       const double roughness = engine == "bevy" ? k / 4.0 : 1 - std::sqrt(1 - k / 4.0);
-      succeeds({"convert", chain, "level.exr", "--level", std::to_string(k), "--filter", "nearest", "--depth", "float", "-q"});
-      succeeds({"prefilter", "probe.exr", "wanted.exr", "--lobe", "ggx", "--roughness", std::to_string(roughness), "--size",
-                std::to_string(16 >> k), "--method", "exact", "--depth", "float", "-q"});
+      succeeds({"convert", chain, "level.exr", "--level", std::to_string(k), "--filter", "nearest", "--depth", "float",
+                "-q"});
+      succeeds({"prefilter", "probe.exr", "wanted.exr", "--lobe", "ggx", "--roughness", std::to_string(roughness),
+                "--size", std::to_string(16 >> k), "--method", "exact", "--depth", "float", "-q"});
       if (engine == "bevy") {  // Z is negated: a mirror's own mirror shows the world.
         succeeds({"convert", "wanted.exr", "w.ktx2", "--for", "bevy", "--depth", "float", "-q"});
         succeeds({"convert", "w.ktx2", "wanted.exr", "--filter", "nearest", "--depth", "float", "-q"});
@@ -156,9 +175,12 @@ TEST_F(EngineOption, MaxErrorHoldsForWhatIsReadBack) {
 
 TEST_F(EngineOption, WhatADepthCannotHoldIsRefusedWithAWayOut) {
   make_probe();
-  fails(1, {"bake", "probe.exr", "lights", "--for", "filament", "--max-error", "1e-4"}, {"lights/sky.ktx", "half", "4.9e-04", "--depth float"});
-  fails(1, {"bake", "probe.exr", "lights", "--for", "babylon-env", "--max-error", "1e-3"}, {"lights/environment.env", "rgbd", "raise --max-error"});
-  fails(1, {"prefilter", "probe.exr", "ibl.ktx", "--for", "filament", "--max-error", "1e-4"}, {"ibl.ktx", "half", "--depth float"});
+  fails(1, {"bake", "probe.exr", "lights", "--for", "filament", "--max-error", "1e-4"},
+        {"lights/sky.ktx", "half", "4.9e-04", "--depth float"});
+  fails(1, {"bake", "probe.exr", "lights", "--for", "babylon-env", "--max-error", "1e-3"},
+        {"lights/environment.env", "rgbd", "raise --max-error"});
+  fails(1, {"prefilter", "probe.exr", "ibl.ktx", "--for", "filament", "--max-error", "1e-4"},
+        {"ibl.ktx", "half", "--depth float"});
 }
 
 TEST_F(EngineOption, SunsBeyondHalfAreRefusedWithWaysOutThatAreThere) {
@@ -171,9 +193,11 @@ TEST_F(EngineOption, SunsBeyondHalfAreRefusedWithWaysOutThatAreThere) {
     return all;
   };
   succeeds(with({"--depth", "float"}));
-  EXPECT_NEAR(nlohmann::json::parse(envmap({"info", "lights/sky.ktx", "--json"}).out)["maximum"][0].get<double>(), 1e6, 1);
+  EXPECT_NEAR(nlohmann::json::parse(envmap({"info", "lights/sky.ktx", "--json"}).out)["maximum"][0].get<double>(), 1e6,
+              1);
   succeeds(with({"--exposure", "-4"}));
-  EXPECT_NEAR(nlohmann::json::parse(envmap({"info", "lights/sky.ktx", "--json"}).out)["maximum"][0].get<double>(), 62500, 32);
+  EXPECT_NEAR(nlohmann::json::parse(envmap({"info", "lights/sky.ktx", "--json"}).out)["maximum"][0].get<double>(),
+              62500, 32);
   EXPECT_NE(read("lights/README.txt").find("multiplied by 2^-4"), std::string::npos);
   const Result clamped = envmap(with({"--clamp"}));
   EXPECT_EQ(clamped.status, 0);

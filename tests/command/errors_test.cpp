@@ -45,7 +45,8 @@ TEST_F(Usage, NamesTheArgumentThatIsMissing) {
 }
 
 TEST_F(Usage, PhotosOfABallAreSphereMaps) {
-  fails(usage, {"convert", "in.exr", "out.exr", "--ball-distance", "3"}, {"--ball-distance", "--from sphere", "in.exr is a latlong map"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--ball-distance", "3"},
+        {"--ball-distance", "--from sphere", "in.exr is a latlong map"});
   fails(usage, {"convert", "in.exr", "out.exr", "--ball-fov", "30"}, {"--ball-fov", "mirror ball", "in.exr"});
   fails(usage, {"convert", "in.exr", "out.exr", "--ball-distance", "1"}, {"--ball-distance", "1.02"});
   fails(usage, {"convert", "in.exr", "out.exr", "--ball-fov", "180"}, {"--ball-fov", "157"});
@@ -56,7 +57,8 @@ TEST_F(Usage, TellsWhatThePhotoOfABallDoesNotShow) {
   succeeds({"convert", "in.exr", "ball.exr", "--to", "sphere"});
   const Result r = envmap({"convert", "ball.exr", "out.exr", "--to", "latlong", "--ball-fov", "60"});
   EXPECT_EQ(r.status, 0) << r.err;
-  for (const char* word : {"ball.exr", "30 degrees of -Z", "6.7%", "rim"}) EXPECT_NE(r.err.find(word), std::string::npos) << r.err;
+  for (const char* word : {"ball.exr", "30 degrees of -Z", "6.7%", "rim"})
+    EXPECT_NE(r.err.find(word), std::string::npos) << r.err;
 }
 
 TEST_F(Usage, RefusesSizesThatNoMapHas) {
@@ -116,7 +118,8 @@ TEST_F(Usage, RefusesLayoutsOfWhatIsNoCube) {
 
 class Input : public CommandTest {
  protected:
-  void refuses(const std::string& name, std::vector<std::string> words, const std::vector<std::string>& options = {}) const {
+  void refuses(const std::string& name, std::vector<std::string> words,
+               const std::vector<std::string>& options = {}) const {
     words.push_back(name);
     std::vector<std::string> arguments{"convert", name, "out.exr"};
     arguments.insert(arguments.end(), options.begin(), options.end());
@@ -152,7 +155,8 @@ TEST_F(Input, RefusesFormatsThatHoldNoMaps) {
 // Found by tests/fuzz: an RLE bitmap of 2686976 x 393216; what OpenImageIO throws passed it by.
 TEST_F(Input, RefusesBitmapsThatPromiseTooMuch) {
   using namespace std::string_literals;
-  write("huge.bmp", "BM\x0e\1\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\0\0\x29\0\0\0\6\0\1\0\x18\0\2\0\0\0"s + std::string(40, '\0'));
+  write("huge.bmp",
+        "BM\x0e\1\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\0\0\x29\0\0\0\6\0\1\0\x18\0\2\0\0\0"s + std::string(40, '\0'));
   refuses("huge.bmp", {"huge.bmp"});
 }
 
@@ -208,9 +212,11 @@ TEST_F(Input, RefusesMorePixelsThanAreAllowed) {
     succeeds({"convert", name, "same.exr", "--max-pixels", "384"});
     fails(3, {"convert", name, "out.exr", "--max-pixels", "383"}, {"--max-pixels"});
   }
-  write("scene.obj", "mtllib m.mtl\nv 0 0 -1\nv 1 0 -1\nv 0 1 -1\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 3/1\n");
+  write("scene.obj",
+        "mtllib m.mtl\nv 0 0 -1\nv 1 0 -1\nv 0 1 -1\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 3/1\n");
   write("m.mtl", "newmtl a\nmap_Kd a.png\nnewmtl b\nmap_Kd a.png\nmap_Ke px.exr\n");
-  const std::vector<std::string> render{"render", "scene.obj", "out.exr", "--size", "2", "--method", "raycast", "--max-pixels"};
+  const std::vector<std::string> render{"render", "scene.obj", "out.exr", "--size",
+                                        "2",      "--method",  "raycast", "--max-pixels"};
   const auto with = [&](const char* most) {
     std::vector<std::string> all = render;
     all.emplace_back(most);
@@ -228,7 +234,8 @@ TEST_F(Input, RefusesShapesThatNoProjectionHas) {
   save(path("square.pfm"), Picture::filled(8, 8, 1));
   refuses("square.pfm", {"8x8", "sphere", "angular", "octahedral", "equal-area", "--from"});
   refuses("square.pfm", {"8x8", "2:1"}, {"--from", "latlong"});
-  for (const char* from : {"angular", "octahedral", "equal-area"}) succeeds({"convert", "square.pfm", "out.exr", "--from", from});
+  for (const char* from : {"angular", "octahedral", "equal-area"})
+    succeeds({"convert", "square.pfm", "out.exr", "--from", from});
 }
 
 TEST_F(Input, TakesOnePixelAsASphere) {
@@ -284,7 +291,8 @@ TEST_F(Input, JudgesBothMapsOfACompare) {
 
 class Flaws : public Input {
  protected:
-  static constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  static constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
+                         infinity = std::numeric_limits<float>::infinity();
 
   void save_flawed(const std::string& name) const {
     Picture p = Picture::filled(8, 4, 2);
@@ -332,7 +340,8 @@ TEST_F(Flaws, AreRepairedFromTheirNeighbours) {
   expected.at(2, 2)[2] = load(path("out.exr")).at(2, 2)[2];
   EXPECT_LE(difference(load(path("out.exr")), expected), 1e-6);
   EXPECT_GT(expected.at(2, 2)[2], 1.5F);
-  EXPECT_EQ(envmap({"convert", "flawed.exr", "out.exr", "--repair", "--quiet"}).err, r.err) << "what changes the result is always said";
+  EXPECT_EQ(envmap({"convert", "flawed.exr", "out.exr", "--repair", "--quiet"}).err, r.err)
+      << "what changes the result is always said";
 }
 
 TEST_F(Flaws, AreLeftAloneOutsideTheDisc) {
@@ -380,13 +389,15 @@ TEST_F(Output, WantsAFolderThatIsThere) {
 
 TEST_F(Output, IsNotThereWithoutItsDepfile) {
   fails(not_written, {"convert", "in.exr", "out.exr", "--depfile", "missing/out.d"}, {"missing/out.d"});
-  fails(not_written, {"convert", "in.exr", "out.exr", "--depfile", std::string(256, 'd')}, {"ddd: not written: ", "too long"});
+  fails(not_written, {"convert", "in.exr", "out.exr", "--depfile", std::string(256, 'd')},
+        {"ddd: not written: ", "too long"});
 }
 
 TEST_F(Output, LeavesNothingOnAFullDisk) {
   for (const char* name : {"out.exr", "out.hdr", "out.tif", "out.png", "out.pfm", "out_{face}.exr"}) {
     const std::string first = std::string(name).substr(0, 3);
-    fails(not_written, {"generate", "directions", name, "--size", "64", "--to", "cube"}, {first}, {.largest_file = 1000});
+    fails(not_written, {"generate", "directions", name, "--size", "64", "--to", "cube"}, {first},
+          {.largest_file = 1000});
   }
   fails(not_written, {"preview", "in.exr", "out.png"}, {"out.png"}, {.largest_file = 1000});
   write("out.exr", "the old file");
@@ -400,7 +411,8 @@ TEST_F(Output, LeavesNothingWhereOneOfSixFilesFails) {
 
 TEST_F(Output, SaysThatADeviceIsFull) {
   fails(not_written, {"convert", "in.exr", "/dev/full", "--format", "exr"}, {"/dev/full", "No space left"});
-  for (const char* command : {"convert in.exr -", "info in.exr", "compare in.exr in.exr --json", "completion", "--help", "convert --help", "--version"}) {
+  for (const char* command : {"convert in.exr -", "info in.exr", "compare in.exr in.exr --json", "completion", "--help",
+                              "convert --help", "--version"}) {
     SCOPED_TRACE(command);
     const Result full = shell(std::string("\"$ENVMAP\" ") + command + " > /dev/full");
     EXPECT_EQ(full.status, not_written);
@@ -442,8 +454,8 @@ TEST_F(Output, RefusesValuesOverOneInPictures) {
 TEST_F(Output, OfAnInterruptedRunLeavesNothing) {
   const std::vector<std::string> before = names();
   for (const int signal : {SIGTERM, SIGINT, SIGQUIT, SIGKILL}) {
-    Background run(*this,
-                   {ENVMAP_PROGRAM, "convert", "in.exr", "out.exr", "--to", "cube", "--size", "2048", "--filter", "area"});
+    Background run(*this, {ENVMAP_PROGRAM, "convert", "in.exr", "out.exr", "--to", "cube", "--size", "2048", "--filter",
+                           "area"});
     interrupt(run, signal, [&] { return run.writes_in(path("")) || names() != before; });
     EXPECT_EQ(names(), before);
   }

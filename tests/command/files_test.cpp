@@ -313,7 +313,8 @@ TEST_F(Places, ALoopOfLinksIsNoPlace) {
 
 TEST_F(Places, AFullTemporaryFolderIsNamed) {
   for (const char* format : {"exr", "hdr", "png", "ktx2"}) {
-    const Result r = shell(std::string("ulimit -f 1; \"$ENVMAP\" generate sky - --size 256 --clamp --to cube --format ") + format);
+    const Result r =
+        shell(std::string("ulimit -f 1; \"$ENVMAP\" generate sky - --size 256 --clamp --to cube --format ") + format);
     EXPECT_EQ(r.status, 4);
     EXPECT_NE(r.err.find("standard output: cannot be held in "), std::string::npos) << r.err;
     EXPECT_NE(r.err.find("TMPDIR"), std::string::npos) << r.err;
@@ -362,7 +363,8 @@ TEST_F(Places, StandardInputMayBeAFileOrAPipe) {
 
 TEST_F(Places, OutputsHaveTheUsualPermissions) {
   ASSERT_EQ(shell("umask 027; \"$ENVMAP\" convert in.exr out.exr").status, 0);
-  EXPECT_EQ(fs::status(path("out.exr")).permissions(), fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
+  EXPECT_EQ(fs::status(path("out.exr")).permissions(),
+            fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
 }
 
 // A new file has another inode, whatever the clock.

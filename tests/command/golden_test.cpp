@@ -1,18 +1,21 @@
 // Conversions to all projections against kept results, compared with the program's own `compare`.
 //
 // The bilinear files are the program's own, found equal to a program written apart from it within 1e-6. The area files
-// are that other program's: the mean of 700 x 700 bilinear samples of each texel, weighted by solid angle, which differs
-// from the mean of 300 x 300 by at most 4e-5. A difference is a mistake, then, unless a definition is changed on purpose.
-// To make files anew for such a change, and only once the area files have been checked by other means, in this folder:
+// are that other program's: the mean of 700 x 700 bilinear samples of each texel, weighted by solid angle, which
+// differs from the mean of 300 x 300 by at most 4e-5. A difference is a mistake, then, unless a definition is changed
+// on purpose. To make files anew for such a change, and only once the area files have been checked by other means,
+// in this folder:
 //
 //   envmap generate sun golden/source.exr --size 16 --direction 3,2,1 --radius 12 --value 40,30,20
 //   for p in latlong cube sphere paraboloid angular octahedral equal-area; do for f in bilinear area; do
-//     envmap convert golden/source.exr golden/$p-$f.exr --to $p --filter $f --size 12 --rotate 20,30,40 --area-error 1e-6
+//     envmap convert golden/source.exr golden/$p-$f.exr --to $p --filter $f --size 12 --rotate 20,30,40 --area-error
+// 1e-6
 //   done; done
 //
 // The rooms are ray casts (render's reference); what is drawn with OpenGL is compared with them:
 //
-//   envmap render room-4.glb golden/room-$p.exr --to $p --size 16 --method raycast --ambient 0.3 --at 0.3,0.2,0.1 --depth half
+//   envmap render room-4.glb golden/room-$p.exr --to $p --size 16 --method raycast --ambient 0.3 --at 0.3,0.2,0.1
+// --depth half
 #include "on_processor.h"
 #include "picture.h"
 #include "run.h"
@@ -37,7 +40,8 @@ TEST_F(Golden, TheSourceIsMadeAsEver) {
   expect_as_kept("sun.exr", "source", "3e-4");  // The edge of the sun is sampled.
 }
 
-constexpr const char* projections[] = {"latlong", "cube", "sphere", "paraboloid", "angular", "octahedral", "equal-area"};
+constexpr const char* projections[] = {"latlong", "cube",       "sphere",    "paraboloid",
+                                       "angular", "octahedral", "equal-area"};
 
 TEST_F(Golden, BilinearIsAsEver) {
   for (const std::string to : projections) {
@@ -62,7 +66,8 @@ bool can_be_drawn(const std::string& to) { return to != "octahedral" && to != "e
 TEST_F(Golden, ARoomIsDrawnAsItWasCast) {
   ASSERT_EQ(shell("python3 \"" ENVMAP_SCENES "/make.py\" .").status, 0);
   for (const std::string to : projections) {
-    std::vector<std::string> words{"render", "room-4.glb", "out.exr", "--to", to, "--size", "16", "--ambient", "0.3", "--at", "0.3,0.2,0.1"};
+    std::vector<std::string> words{"render", "room-4.glb", "out.exr", "--to", to,           "--size",
+                                   "16",     "--ambient",  "0.3",     "--at", "0.3,0.2,0.1"};
     for (const char* word : {"--method", "exact", "--context", on_processor()})
       if (can_be_drawn(to)) words.emplace_back(word);
     if (!can_be_drawn(to)) words.insert(words.end(), {"--method", "raycast"});

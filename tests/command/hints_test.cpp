@@ -89,7 +89,10 @@ TEST_F(Hints, OfLightThatDoesNotFit) {
          4,
          deepen,
          {split("convert bright.exr out.exr --depth float --exposure 100")}});
-  leads({split("convert bright.exr out.exr --gain 1e38"), 2, ": lower --gain", {split("convert bright.exr out.exr --gain 1e30")}});
+  leads({split("convert bright.exr out.exr --gain 1e38"),
+         2,
+         ": lower --gain",
+         {split("convert bright.exr out.exr --gain 1e30")}});
   leads({split("convert bright.exr out.exr --scale-to lux=1e40"),
          2,
          ": lower --scale-to",
@@ -154,12 +157,18 @@ TEST_F(Hints, OfReading) {
   Picture flawed = Picture::filled(8, 4, 1);
   flawed.values[5] = std::numeric_limits<float>::quiet_NaN();
   save(path("nan.exr"), flawed);
-  leads({split("convert nan.exr out.exr"), 3, ": use --repair to replace them", {split("convert nan.exr out.exr --repair")}});
+  leads({split("convert nan.exr out.exr"),
+         3,
+         ": use --repair to replace them",
+         {split("convert nan.exr out.exr --repair")}});
   leads({split("info sky.exr --max-pixels 10"), 3, ": raise --max-pixels", {split("info sky.exr --max-pixels 1M")}});
   OIIO::ImageSpec spec;
   spec.channelnames = {"sun.R", "sun.G", "sun.B", "fog.R", "fog.G", "fog.B"};
   save(path("layers.exr"), Picture::filled(8, 4, 1, 6), OIIO::TypeDesc::FLOAT, spec);
-  leads({split("convert layers.exr out.exr"), 3, ": choose one with --layer", {split("convert layers.exr out.exr --layer sun")}});
+  leads({split("convert layers.exr out.exr"),
+         3,
+         ": choose one with --layer",
+         {split("convert layers.exr out.exr --layer sun")}});
   succeeds({"convert", "grey.exr", "cube.ktx2", "--to", "cube", "--size", "4"});
   leads({split("convert cube.ktx2 out.exr --from-layout row"),
          2,
@@ -189,7 +198,10 @@ TEST_F(Hints, OfWriting) {
   leads({p3, 2, encoded, {with(p3, "--encoded"), split("convert grey.exr out.exr --output-space lin_p3d65")}});
   const Words levels = with({"mipmap", "grey.exr", "out.exr", "--output-space"}, "sRGB");
   leads({levels, 2, encoded, {with(levels, "--encoded"), split("mipmap grey.exr out.exr --output-space ACEScg")}});
-  leads({split("mipmap grey.exr out.exr --keep --level 1"), 2, ": remove --level", {split("mipmap grey.exr out.exr --keep")}});
+  leads({split("mipmap grey.exr out.exr --keep --level 1"),
+         2,
+         ": remove --level",
+         {split("mipmap grey.exr out.exr --keep")}});
   leads({split("mipmap grey.exr out.exr --keep --for filament"),
          2,
          ": remove --keep",

@@ -30,7 +30,8 @@ class Json : public CommandTest {
     if (value.is_object())
       for (const auto& [key, member] : value.items()) {
         keys.insert(path + key);
-        if (key != "metadata" && key != "not_finite") collect(member, path + key + (member.is_array() ? "[]." : "."), keys);
+        if (key != "metadata" && key != "not_finite")
+          collect(member, path + key + (member.is_array() ? "[]." : "."), keys);
       }
     if (value.is_array())
       for (const json& element : value) collect(element, path, keys);
@@ -73,7 +74,9 @@ TEST_F(Json, KeysAreThoseOfTheManPages) {
     EXPECT_GE(known.size(), 8U);
     for (const std::string& key : keys) {
       // A key that holds others need not be spoken of itself.
-      const bool holds = std::ranges::any_of(known, [&](const std::string& k) { return k.starts_with(key + ".") || k.starts_with(key + "[]."); });
+      const bool holds = std::ranges::any_of(known, [&](const std::string& k) {
+        return k.starts_with(key + ".") || k.starts_with(key + "[].");
+      });
       EXPECT_TRUE(known.contains(key) || holds) << key << " is printed and not in the man page";
     }
   }
@@ -90,7 +93,8 @@ TEST_F(Json, WhatIsNotFiniteIsNullAndSaysWhy) {
 }
 
 TEST_F(Json, TellsWhatWasMade) {
-  const json converted = report(envmap({"convert", "a.exr", "out.exr", "--to", "cube", "--max-error", "0.5", "--json"}));
+  const json converted =
+      report(envmap({"convert", "a.exr", "out.exr", "--to", "cube", "--max-error", "0.5", "--json"}));
   EXPECT_LE(converted["error"]["max"].get<double>(), 0.5);
   EXPECT_EQ(converted["error"]["within"], true);
   EXPECT_EQ(converted["output"], "out.exr");

@@ -41,8 +41,11 @@ TEST_F(Layouts, HaveEachFaceInItsPlaceAndTurn) {
 
 TEST_F(Layouts, OfProjectionsHaveTheNamesOfOtherProgramsToo) {
   generate("a.exr");
-  for (const auto& [alias, ours] : {std::pair{"equirect", "latlong"}, {"equirectangular", "latlong"}, {"cubemap", "cube"},
-                                    {"mirrorball", "sphere"}, {"lightprobe", "angular"}}) {
+  for (const auto& [alias, ours] : {std::pair{"equirect", "latlong"},
+                                    {"equirectangular", "latlong"},
+                                    {"cubemap", "cube"},
+                                    {"mirrorball", "sphere"},
+                                    {"lightprobe", "angular"}}) {
     succeeds({"convert", "a.exr", "b.exr", "--to", alias, "-q"});
     succeeds({"convert", "a.exr", "c.exr", "--to", ours, "-q"});
     EXPECT_EQ(read("b.exr"), read("c.exr")) << alias;
@@ -143,7 +146,9 @@ TEST_F(Layouts, OfOpenExrsOwnToolAreRead) {
   named.attribute("envmap:projection", "latlong");
   for (const OIIO::ImageSpec& spec : {OIIO::ImageSpec(), named}) {
     save(path("border.exr"), latlong_directions(65, true), OIIO::TypeDesc::FLOAT, spec);
-    ASSERT_EQ(shell("exrenvmap -li -c -w 32 border.exr cube.exr && exrenvmap -li -l -w 128 border.exr latlong.exr").status, 0);
+    ASSERT_EQ(
+        shell("exrenvmap -li -c -w 32 border.exr cube.exr && exrenvmap -li -l -w 128 border.exr latlong.exr").status,
+        0);
     for (const std::string name : {"cube", "latlong"}) {
       SCOPED_TRACE(name);
       const Result info = envmap({"info", name + ".exr"});

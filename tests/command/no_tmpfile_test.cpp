@@ -1,4 +1,5 @@
-// Outputs where the file system has no files without a name: a temporary file lies beside the output until that is whole.
+// Outputs where the file system has no files without a name: a temporary file lies beside the output until that is
+// whole.
 #include <sys/stat.h>
 
 #include <csignal>
@@ -47,7 +48,8 @@ TEST_F(NoTmpfile, NothingIsLeftByASignal) {
   const auto before = files();
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGQUIT}) {
     SCOPED_TRACE(signal);
-    Background run(*this, {"sh", "-c", "exec env " + envmap_there + "convert in.exr out.exr --to cube --size 2048 --filter area"});
+    Background run(*this, {"sh", "-c",
+                           "exec env " + envmap_there + "convert in.exr out.exr --to cube --size 2048 --filter area"});
     interrupt(run, signal, [&] { return names().size() > before.size(); });
     EXPECT_EQ(files(), before);
   }

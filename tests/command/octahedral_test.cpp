@@ -27,12 +27,14 @@ TEST_F(OctahedralMaps, ABorderIsLeftOutWhenItIsRead) {
   }
 }
 
-// The texels of the image itself: those of the border are those of the square, mirrored along each side about its middle.
+// The texels of the image itself: those of the border are those of the square,
+// mirrored along each side about its middle.
 TEST_F(OctahedralMaps, TheBorderIsTheSquareMirrored) {
   succeeds({"generate", "directions", "map.pfm", "--to", "octahedral", "--size", "6"});
   for (const int border : {1, 2, 7}) {
     const int n = 6, w = n + 2 * border;
-    succeeds({"convert", "map.pfm", "out.pfm", "--from", "octahedral", "--size", std::to_string(w), "--border", std::to_string(border)});
+    succeeds({"convert", "map.pfm", "out.pfm", "--from", "octahedral", "--size", std::to_string(w), "--border",
+              std::to_string(border)});
     const Picture map = load(path("map.pfm")), out = load(path("out.pfm"));
     ASSERT_EQ(out.width, w);
     ASSERT_EQ(out.height, w);
@@ -60,14 +62,17 @@ TEST_F(OctahedralMaps, LevelsHalveWithTheirBorderAndKeepTheLight) {
   EXPECT_EQ(map["width"], 64);
   EXPECT_EQ(map["face_width"], 60);
   EXPECT_EQ(map["levels"], 4) << "60, 28, 12, 4";
-  succeeds({"prefilter", "sun.exr", "ggx.ktx2", "--lobe", "ggx", "--to", "octahedral", "--size", "32", "--levels", "3", "--border", "1", "-q"});
-  fails(2, {"prefilter", "sun.exr", "ggx.ktx2", "--lobe", "ggx", "--to", "octahedral", "--size", "8", "--levels", "4", "--border", "2"},
+  succeeds({"prefilter", "sun.exr", "ggx.ktx2", "--lobe", "ggx", "--to", "octahedral", "--size", "32", "--levels", "3",
+            "--border", "1", "-q"});
+  fails(2,
+        {"prefilter", "sun.exr", "ggx.ktx2", "--lobe", "ggx", "--to", "octahedral", "--size", "8", "--levels", "4",
+         "--border", "2"},
         {"--border 2", "4"});
   fails(2, {"convert", "sun.exr", "out.exr", "--to", "cube", "--border", "1"}, {"octahedral", "cube"});
 }
 
-// pbrt-v4's EqualAreaSphereToSquare (util/math.cpp), by libm where pbrt has a polynomial: where pbrt looks for its direction
-// w our file shows (x, y, z) = (w.x, w.z, -w.y), as the manual says.
+// pbrt-v4's EqualAreaSphereToSquare (util/math.cpp), by libm where pbrt has a polynomial: where pbrt looks for its
+// direction w our file shows (x, y, z) = (w.x, w.z, -w.y), as the manual says.
 TEST_F(OctahedralMaps, PbrtFindsItsDirections) {
   const int n = 64;
   succeeds({"generate", "directions", "map.pfm", "--to", "equal-area", "--size", std::to_string(n)});
@@ -94,9 +99,12 @@ TEST_F(OctahedralMaps, PbrtFindsItsDirections) {
 TEST_F(OctahedralMaps, WhatCannotDrawThemSaysSo) {
   ASSERT_EQ(shell("python3 \"" ENVMAP_SCENES "/make.py\" .").status, 0);
   for (const char* method : {"exact", "distort", "tessellate"})
-    fails(2, {"render", "room-4.glb", "out.exr", "--to", "octahedral", "--size", "16", "--method", method}, {method, "resample or raycast"});
-  succeeds({"render", "room-4.glb", "cast.exr", "--to", "equal-area", "--size", "32", "--method", "raycast", "--at", "0.3,0.2,0.1", "--ambient", "0.3", "-q"});
-  succeeds({"render", "room-4.glb", "auto.exr", "--to", "equal-area", "--size", "32", "--at", "0.3,0.2,0.1", "--ambient", "0.3", "-q"});
+    fails(2, {"render", "room-4.glb", "out.exr", "--to", "octahedral", "--size", "16", "--method", method},
+          {method, "resample or raycast"});
+  succeeds({"render", "room-4.glb", "cast.exr", "--to", "equal-area", "--size", "32", "--method", "raycast", "--at",
+            "0.3,0.2,0.1", "--ambient", "0.3", "-q"});
+  succeeds({"render", "room-4.glb", "auto.exr", "--to", "equal-area", "--size", "32", "--at", "0.3,0.2,0.1",
+            "--ambient", "0.3", "-q"});
   const Result r = envmap({"compare", "auto.exr", "cast.exr", "--max-rms", "0.1"});
   EXPECT_EQ(r.status, 0) << r.out << r.err;
   fails(2, {"view", "room-4.glb", "out.png", "--maps", "octahedral"}, {"octahedral"});

@@ -38,7 +38,8 @@ TEST_F(Prefilter, MethodsAgree) {
 }
 
 TEST_F(Prefilter, AMirrorsLevelSaysItsError) {
-  const std::vector<std::string> chain{"prefilter", "in.exr", "chain.exr", "--lobe", "ggx", "--levels", "2", "--size", "8"};
+  const std::vector<std::string> chain{"prefilter", "in.exr", "chain.exr", "--lobe", "ggx",
+                                       "--levels",  "2",      "--size",    "8"};
   const Result r = envmap(chain);
   EXPECT_NE(r.err.find("ggx 0, 8: area, "), std::string::npos) << r.err;
   EXPECT_NE(r.err.find("every texel to "), std::string::npos) << r.err;
@@ -57,8 +58,11 @@ TEST_F(Prefilter, MaxErrorHoldsForWhatIsReadBack) {
     return envmap({"prefilter", "orange.exr", file, "--size", "8", "--depth", depth, "--max-error", error, "-q"});
   };
   succeeds({"prefilter", "orange.exr", "exact.exr", "--size", "8", "--depth", "float", "--method", "exact", "-q"});
-  for (const auto& [file, depth, error] : {std::tuple{"a.dds", "half", "6e-4"}, {"b.exr", "half", "1e-3"},
-                                           {"c.dds", "rgb9e5", "8e-2"}, {"d.dds", "float", "1e-5"}, {"e.hdr", "float", "1e-1"}}) {
+  for (const auto& [file, depth, error] : {std::tuple{"a.dds", "half", "6e-4"},
+                                           {"b.exr", "half", "1e-3"},
+                                           {"c.dds", "rgb9e5", "8e-2"},
+                                           {"d.dds", "float", "1e-5"},
+                                           {"e.hdr", "float", "1e-1"}}) {
     const Result r = made(file, depth, error);
     EXPECT_EQ(r.status, 0) << r.err;
     EXPECT_EQ(envmap({"compare", file, "exact.exr", "--max-error", error}).status, 0) << file;
@@ -75,7 +79,8 @@ TEST_F(Prefilter, MaxErrorHoldsForWhatIsReadBack) {
   succeeds({"prefilter", "orange.exr", "g.dds", "--size", "8", "--depth", "rgb9e5", "-q"});
   succeeds({"prefilter", "orange.exr", "h.exr", "--size", "8", "--openexr-envmap", "-q"});
   for (const std::vector<std::string>& command : {std::vector<std::string>{"prefilter"}, {"convert", "--to", "cube"}}) {
-    std::vector<std::string> all{command[0], "orange.exr", "i.exr", "--size", "8", "--openexr-envmap", "--max-error", "1e-1"};
+    std::vector<std::string> all{command[0], "orange.exr",       "i.exr",       "--size",
+                                 "8",        "--openexr-envmap", "--max-error", "1e-1"};
     all.insert(all.end(), command.begin() + 1, command.end());
     const Result r = envmap(all);
     EXPECT_EQ(r.status, no) << r.err;
@@ -87,7 +92,8 @@ TEST_F(Prefilter, MaxErrorHoldsForWhatIsReadBack) {
 TEST_F(Prefilter, AChainHoldsOneNumberALevel) {
   succeeds({"prefilter", "in.exr", "ggx.exr", "--lobe", "ggx", "--levels", "3", "--size", "8", "-q"});
   EXPECT_EQ(attribute("ggx.exr", "envmap:roughness"), "0,0.5,1");
-  succeeds({"prefilter", "in.exr", "phong_{level}.hdr", "--lobe", "phong", "--exponents", "40,10", "--size", "8", "-q"});
+  succeeds(
+      {"prefilter", "in.exr", "phong_{level}.hdr", "--lobe", "phong", "--exponents", "40,10", "--size", "8", "-q"});
   EXPECT_EQ(load(path("phong_0.hdr")).width, 8);
   EXPECT_EQ(load(path("phong_1.hdr")).width, 4);
   // The second level is the map of its exponent.
@@ -103,8 +109,8 @@ TEST_F(Prefilter, ASheenChainSaysItsLobe) {
 
 TEST_F(Prefilter, APhongChainFallsByQuartersOrToLambertsCosine) {
   const auto exponents = [&](const char* first, const char* levels) {
-    succeeds({"prefilter", "in.exr", "chain.exr", "--lobe", "phong", "--exponent", first, "--levels", levels, "--size", "16",
-              "--max-error", "1e-2", "-q"});
+    succeeds({"prefilter", "in.exr", "chain.exr", "--lobe", "phong", "--exponent", first, "--levels", levels, "--size",
+              "16", "--max-error", "1e-2", "-q"});
     return attribute("chain.exr", "envmap:exponent");
   };
   EXPECT_EQ(exponents("64", "3"), "64,16,4");
@@ -143,7 +149,8 @@ TEST_F(Prefilter, RefusesWhatMakesNoSense) {
   fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "charlie"}, {"charlie", "--roughness"});
   fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "charlie", "--roughness", "1", "--method", "spectral"},
         {"--method spectral", "charlie"});
-  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponents", "9,3", "--levels", "3"}, {"--levels"});
+  fails(usage, {"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponents", "9,3", "--levels", "3"},
+        {"--levels"});
   fails(usage, {"prefilter", "--brdf-table", "out.png"}, {"out.png", ".exr"});
   fails(bad_input, {"prefilter", "none.exr", "out.exr"}, {"none.exr"});
   fails(not_written, {"prefilter", "in.exr", "none/out.exr"}, {"none"});

@@ -53,7 +53,8 @@ TEST_F(Preview, WhiteOfBytesStaysWhite) {
 TEST_F(Preview, APercentileBecomesWhite) {
   write_halves();
   const Picture low = preview({"halves.exr", "--height", "64", "--percentile", "40", "--display", "clip"});
-  expect_colour(low.at(border + 64, border + 50), {2.0 / 2.08, 2.0 / 2.08, 2.0 / 2.08}, 4 * byte);  // To a 16th of a stop.
+  // To a 16th of a stop.
+  expect_colour(low.at(border + 64, border + 50), {2.0 / 2.08, 2.0 / 2.08, 2.0 / 2.08}, 4 * byte);
   const Picture high = preview({"halves.exr", "--height", "64", "--percentile", "99", "--display", "clip"});
   expect_colour(high.at(border + 64, border + 50), {0.24, 0.24, 0.24}, 4 * byte);
   fails(2, {"preview", "halves.exr", "out.png", "--percentile", "40", "--exposure", "1"}, {"--exposure"});
@@ -86,15 +87,19 @@ TEST_F(Preview, MarksTheBrightestDirection) {
   Picture dark = Picture::filled(128, 64, 0.1F);
   std::fill_n(dark.at(64, 16), 3, 9.0F);
   save(path("in.exr"), dark);
-  const Picture marked = preview({"in.exr", "--height", "256", "--marks"}), plain = preview({"in.exr", "--height", "256"});
+  const Picture marked = preview({"in.exr", "--height", "256", "--marks"}),
+                plain = preview({"in.exr", "--height", "256"});
   const auto at = [](const Picture& p, int x, int y) { return *p.at(border + 258 + x, border + 66 + y); };
-  for (const auto& [x, y] : {std::pair{6, 0}, {-7, 0}, {0, 6}, {0, -7}}) EXPECT_EQ(at(marked, x, y), 1) << x << " " << y;
-  for (const auto& [x, y] : {std::pair{7, 0}, {-8, 0}, {0, 7}, {0, -8}}) EXPECT_EQ(at(marked, x, y), 0) << x << " " << y;
+  for (const auto& [x, y] : {std::pair{6, 0}, {-7, 0}, {0, 6}, {0, -7}})
+    EXPECT_EQ(at(marked, x, y), 1) << x << " " << y;
+  for (const auto& [x, y] : {std::pair{7, 0}, {-8, 0}, {0, 7}, {0, -8}})
+    EXPECT_EQ(at(marked, x, y), 0) << x << " " << y;
   for (const int x : {0, 3, 12, 30}) EXPECT_EQ(at(marked, x, 0), at(plain, x, 0)) << x;
   fails(2, {"preview", "in.exr", "out.png", "--face", "py"}, {"in.exr", "latlong"});
 }
 
-// By the definitions: a mirror shows the mirrored direction; white diffuse under radiance (1 + d) / 2 is (1 + 2/3 n) / 2.
+// By the definitions: a mirror shows the mirrored direction; white diffuse under radiance (1 + d) / 2 is (1 + 2/3 n) /
+// 2.
 TEST_F(Preview, BallsAreLitByTheMap) {
   succeeds({"generate", "directions", "in.exr", "--size", "64"});
   const Picture sheet = preview({"in.exr", "--height", "64", "--balls", "--exposure", "0", "--display", "clip"});
@@ -134,9 +139,11 @@ TEST_F(Preview, ShowsAViewOfAConfig) {
         "ocio_profile_version: 2\nroles: {default: linear, scene_linear: linear}\ndisplays:\n  Monitor:\n"
         "    - !<View> {name: Film, colorspace: film}\n    - !<View> {name: Raw, colorspace: linear}\ncolorspaces:\n"
         "  - !<ColorSpace> {name: lin_rec709}\n  - !<ColorSpace> {name: linear}\n"
-        "  - !<ColorSpace>\n    name: film\n    from_scene_reference: !<ExponentTransform> {value: [0.5, 0.5, 0.5, 1]}\n");
+        "  - !<ColorSpace>\n    name: film\n    from_scene_reference: !<ExponentTransform> {value: [0.5, 0.5, 0.5, "
+        "1]}\n");
   const auto middle = [&](const std::string& view) {
-    return *preview({"in.exr", "--height", "32", "--exposure", "0", "--ocio", "film.ocio", "--view", view}).at(border + 32, border + 16);
+    return *preview({"in.exr", "--height", "32", "--exposure", "0", "--ocio", "film.ocio", "--view", view})
+                .at(border + 32, border + 16);
   };
   EXPECT_NEAR(middle("Film"), 0.5, byte);
   EXPECT_NEAR(middle("Monitor:Raw"), 0.25, byte);
@@ -147,8 +154,8 @@ TEST_F(Preview, ShowsAViewOfAConfig) {
 TEST_F(Preview, PicturesOfMapsAreTakenByConvert) {
   save(path("map.exr"), cube_directions("column", 64));
   // Towards +X, its right is +Z: a field of 90 degrees shows the face, as any other reader of the file finds it.
-  succeeds({"convert", "map.exr", "view.exr", "--to", "perspective", "--fov", "90", "--look-at", "1,0,0", "--size", "64", "--width", "64",
-            "--samples", "1"});
+  succeeds({"convert", "map.exr", "view.exr", "--to", "perspective", "--fov", "90", "--look-at", "1,0,0", "--size",
+            "64", "--width", "64", "--samples", "1"});
   EXPECT_LT(difference(load(path("view.exr")), face_directions(0, 64)), 1e-6);
   succeeds({"convert", "map.exr", "view.png", "--to", "fisheye", "--size", "40"});
   const Picture fish = load(path("view.png"));
@@ -161,7 +168,8 @@ TEST_F(Preview, PicturesOfMapsAreTakenByConvert) {
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--zstd"}, {"--zstd is for maps"});
   fails(2, {"convert", "map.exr", "out.exr", "--to", "latlong", "--fov", "40"}, {"--fov is for pictures"});
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--fov", "180"}, {"less than 180"});
-  fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--filter", "area"}, {"nearest, bilinear and bicubic"});
+  fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--filter", "area"},
+        {"nearest, bilinear and bicubic"});
   fails(2, {"convert", "map.exr", "view.ktx2", "--to", "perspective"}, {"view.ktx2", ".png, .jpg, .exr or .hdr"});
 }
 

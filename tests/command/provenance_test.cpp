@@ -29,7 +29,9 @@ class Provenance : public CommandTest {
     EXPECT_TRUE(s.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), found));
     for (int k = 0; k < 8; ++k) EXPECT_EQ(found[k], wanted[k]);
   }
-  static std::string comments(const OIIO::ImageSpec& s) { return std::string(s.get_string_attribute("ImageDescription")); }
+  static std::string comments(const OIIO::ImageSpec& s) {
+    return std::string(s.get_string_attribute("ImageDescription"));
+  }
 };
 
 TEST_F(Provenance, IsCarriedByEveryCommandThatMakesAMapOfAMap) {

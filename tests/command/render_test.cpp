@@ -16,7 +16,8 @@ class Render : public CommandTest {
 
 TEST_F(Render, TheSameBytesAtAnyThreads) {
   for (const std::string to : {"cube", "sphere"}) {
-    const std::string line = "\"$ENVMAP\" render scene.obj -q --context " + std::string(on_processor()) + " --ambient 1 --size 64 --to " + to + " ";
+    const std::string line = "\"$ENVMAP\" render scene.obj -q --context " + std::string(on_processor()) +
+                             " --ambient 1 --size 64 --to " + to + " ";
     ASSERT_EQ(shell("LP_NUM_THREADS=1 " + line + "a.exr").status, 0);
     ASSERT_EQ(shell("LP_NUM_THREADS=2 " + line + "b.exr --threads 1").status, 0);
     ASSERT_EQ(shell(line + "c.exr").status, 0);
@@ -33,7 +34,8 @@ TEST_F(Render, AFileAFrame) {
 
 // A map turned to +X is the map of the world, turned.
 TEST_F(Render, MapsLookWhereTheyAreToldTo) {
-  const std::vector<std::string> cast{"-q", "--method", "raycast", "--ambient", "1", "--size", "16", "--at", "0.1,0.2,0"};
+  const std::vector<std::string> cast{"-q",     "--method", "raycast", "--ambient", "1",
+                                      "--size", "16",       "--at",    "0.1,0.2,0"};
   const auto render = [&](std::vector<std::string> words) {
     words.insert(words.begin(), "render");
     words.insert(words.end(), cast.begin(), cast.end());
@@ -62,7 +64,8 @@ TEST_F(Render, SaysWhatMovedVerticesLack) {
   };
   const Result distorted = render("distort"), exact = render("exact");
   ASSERT_EQ(distorted.status, 0) << distorted.err;
-  EXPECT_NE(distorted.err.find("a.exr: distort left out surfaces near the singularity, up to 6.3 sr: use --method exact"),
+  EXPECT_NE(distorted.err.find(
+                "a.exr: distort left out surfaces near the singularity, up to 6.3 sr: use --method exact"),
             std::string::npos)
       << distorted.err;
   EXPECT_EQ(exact.err, "");
@@ -78,7 +81,8 @@ TEST_F(Render, ScenesMayComeThroughAPipe) {
   ASSERT_EQ(shell(line + "scene.obj a.exr").status, 0);
   ASSERT_EQ(shell("cat scene.obj | " + line + "- - >b.exr").status, 0);
   EXPECT_EQ(read("a.exr"), read("b.exr"));
-  EXPECT_NE(shell("head -c 100 /dev/zero | " + line + "- c.exr").err.find("standard input: not a scene"), std::string::npos);
+  EXPECT_NE(shell("head -c 100 /dev/zero | " + line + "- c.exr").err.find("standard input: not a scene"),
+            std::string::npos);
   EXPECT_NE(shell(line + "- c.exr </dev/null").err.find("standard input: is empty"), std::string::npos);
 }
 
@@ -93,7 +97,8 @@ TEST_F(Render, TheProcessorDrawsThroughEglWhereThereIsNoOsMesa) {
   EXPECT_NE(r.err.find("EGL, llvmpipe"), std::string::npos) << r.err;
   EXPECT_EQ(read("auto.exr"), read("egl.exr"));
   if (on_processor() == std::string("egl")) return;
-  succeeds({"render", "scene.obj", "osmesa.exr", "--ambient", "1", "--size", "64", "--method", "exact", "--context", "osmesa"});
+  succeeds({"render", "scene.obj", "osmesa.exr", "--ambient", "1", "--size", "64", "--method", "exact", "--context",
+            "osmesa"});
   EXPECT_EQ(envmap({"compare", "osmesa.exr", "egl.exr", "--max-error", "1e-6"}).status, 0);
 }
 
@@ -134,7 +139,8 @@ TEST_F(Render, WhatMakesNoSense) {
   fails(2, {"render", "scene.obj", "a.exr", "--frames", "1:2"}, {"{frame}"});
   fails(2, {"render", "scene.obj", "a{frame}.exr", "--frames", "2:1"}, {"2:1"});
   fails(2, {"render", "scene.obj", "a.exr", "--forward", "+x"}, {"--forward"});
-  fails(2, {"render", "scene.obj", "a.exr", "--size", "65536", "--method", "exact", "--context", on_processor()}, {"65536"});
+  fails(2, {"render", "scene.obj", "a.exr", "--size", "65536", "--method", "exact", "--context", on_processor()},
+        {"65536"});
   fails(3, {"render", "nothing.glb", "a.exr"}, {"nothing.glb"});
 }
 

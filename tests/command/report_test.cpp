@@ -68,7 +68,8 @@ TEST_F(Info, FindsTheBrightestDirectionInTheWorld) {
   const json j = report(envmap({"info", "map.exr", "--json", "--from-forward", "-z"}));
   const double longitude = (0.5 - 4.5 / 16) * 2 * pi, latitude = (0.5 - 3.5 / 8) * pi;
   expect_near(j["brightest"]["direction"],
-              {-std::cos(latitude) * std::sin(longitude), std::sin(latitude), -std::cos(latitude) * std::cos(longitude)},
+              {-std::cos(latitude) * std::sin(longitude), std::sin(latitude),
+               -std::cos(latitude) * std::cos(longitude)},
               1e-9);
   EXPECT_EQ(j["brightest"]["texel"], (json{4, 3}));
   EXPECT_NEAR(j["stops"].get<double>(), 4, 1e-9);
@@ -87,7 +88,8 @@ TEST_F(Info, TabulatesTheSampling) {
   const json table = report(envmap({"info", "map.exr", "--json", "--sampling"}))["sampling"];
   ASSERT_GE(table.size(), 5U);
   // A texel at a cube's corner has 3^(-3/2) of the solid angle of one at the centre.
-  EXPECT_NEAR(table.back()["solid_angle"].get<double>() / table.front()["solid_angle"].get<double>(), std::pow(3, -1.5), 0.01);
+  EXPECT_NEAR(table.back()["solid_angle"].get<double>() / table.front()["solid_angle"].get<double>(), std::pow(3, -1.5),
+              0.01);
 }
 
 // ---- compare --------------------------------------------------------------------------------------------------------
@@ -130,7 +132,8 @@ TEST_F(Compare, SaysHowFarTheSunMoved) {
   EXPECT_NEAR(j["light_differs"].get<double>(), 1, 1e-6);
   const double c = std::cos(pi / 180 * (90 - 2.5 * 22.5)), across = c * std::sin(0.5 * 3 * pi / 8);
   EXPECT_NEAR(j["brightest_moved"].get<double>(), 2 * std::asin(across) * 180 / pi, 1e-4);
-  EXPECT_NE(envmap({"compare", "p.exr", "q.exr"}).out.find("100% of the reference; brightest texel moved by"), std::string::npos);
+  EXPECT_NE(envmap({"compare", "p.exr", "q.exr"}).out.find("100% of the reference; brightest texel moved by"),
+            std::string::npos);
   EXPECT_TRUE(envmap({"compare", "p.exr", "p.exr"}).out.ends_with("\nidentical\n"));
   const json sun = report(envmap({"info", "p.exr", "--json"}));
   // Column 3 of 16: 180 - 3.5 x 22.5 degrees.
@@ -149,9 +152,13 @@ TEST_F(Compare, AnswersByItsExitStatus) {
     const json j = json::parse(r.out);
     EXPECT_EQ(j["within"], false);
     ASSERT_EQ(j["broken"].size(), 1U);
-    EXPECT_EQ(std::string("--max-") + (j["broken"][0]["metric"] == "max" ? "error" : j["broken"][0]["metric"].get<std::string>()), option);
+    EXPECT_EQ(std::string("--max-") +
+                  (j["broken"][0]["metric"] == "max" ? "error" : j["broken"][0]["metric"].get<std::string>()),
+              option);
     EXPECT_EQ(j["limits"][std::string(option).substr(2)], j["broken"][0]["limit"]);
-    EXPECT_TRUE(std::regex_match(r.err, std::regex(std::string("envmap compare: \\w+ [0-9.e-]+ > [0-9.e-]+ \\(") + option + "\\)\n"))) << r.err;
+    EXPECT_TRUE(std::regex_match(r.err, std::regex(std::string("envmap compare: \\w+ [0-9.e-]+ > [0-9.e-]+ \\(") +
+                                                   option + "\\)\n")))
+        << r.err;
     EXPECT_EQ(envmap({"compare", "a.exr", "a.exr", option, "0"}).status, 0);
   }
   EXPECT_EQ(envmap({"compare", "a.exr", "b.exr"}).status, 0) << "without a limit there is no question";
@@ -172,14 +179,17 @@ TEST_F(Compare, SeesWhereTheTwoAreNotAlike) {
   answer({"b.exr", "chain.exr", "--max-error", "1", "--level", "0"}, 0, "");
   answer({"chain.exr", "b.exr", "--max-flux", "1e-6"}, 0, "");
   answer({"chain.exr", "b.exr", "--same-levels"}, 1, "chain.exr has 4 levels, b.exr has 1 (--same-levels)");
-  answer({"cube.exr", "b.exr", "--same-shape", "-q"}, 1, "cube.exr is cube 4x4, b.exr latlong 8x4 forward +z (--same-shape)");
+  answer({"cube.exr", "b.exr", "--same-shape", "-q"}, 1,
+         "cube.exr is cube 4x4, b.exr latlong 8x4 forward +z (--same-shape)");
   answer({"half.exr", "b.exr", "--same-depth"}, 1, "half.exr has depth half, b.exr has float (--same-depth)");
   answer({"half.exr", "b.exr", "--golden"}, 0, "");
   answer({"a.exr", "b.exr", "--golden"}, 1, "max 0.5 > 0 (--max-error)");
   answer({"a.exr", "b.exr", "--golden", "--max-error", "0.6"}, 0, "");
   answer({"b.exr", "chain.exr", "--golden"}, 1, "(--same-levels)");
-  EXPECT_EQ(report(envmap({"compare", "a.exr", "b.exr", "--golden", "--max-rms", "1", "--json"}))["limits"],
-            json::parse(R"({"max-flux":null,"max-rms":1.0,"max-error":null,"same-shape":true,"same-levels":true,"same-depth":false})"));
+  EXPECT_EQ(
+      report(envmap({"compare", "a.exr", "b.exr", "--golden", "--max-rms", "1", "--json"}))["limits"],
+      json::parse(
+          R"({"max-flux":null,"max-rms":1.0,"max-error":null,"same-shape":true,"same-levels":true,"same-depth":false})"));
 }
 
 TEST_F(Compare, WritesTheDifference) {
@@ -223,7 +233,8 @@ TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
   // What the file rounds by counts.
   fails(1, {"convert", "sun.exr", "none.exr", "--to", "cube", "--size", "8", "--depth", "half", "--max-error", "4e-4"},
         {"half", "4.9e-04", "--depth float"});
-  succeeds({"convert", "sun.exr", "half.exr", "--to", "cube", "--size", "8", "--depth", "half", "--max-error", "2e-3", "-q"});
+  succeeds({"convert", "sun.exr", "half.exr", "--to", "cube", "--size", "8", "--depth", "half", "--max-error", "2e-3",
+            "-q"});
   EXPECT_EQ(envmap({"compare", "half.exr", "truth.exr", "--max-error", "2.2e-3"}).status, 0);
 }
 
@@ -232,7 +243,8 @@ TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
 TEST_F(Compare, AnAreaErrorThatTakesLongIsSaidBeforehand) {
   succeeds({"generate", "sun", "sun.exr", "--size", "16", "--direction", "1,1,2"});
   const auto made = [&](const char* error) {
-    return envmap({"convert", "sun.exr", "out.exr", "--to", "cube", "--size", "4", "--filter", "area", "--area-error", error});
+    return envmap(
+        {"convert", "sun.exr", "out.exr", "--to", "cube", "--size", "4", "--filter", "area", "--area-error", error});
   };
   EXPECT_NE(made("1e-6").err.find("10 times as long as 1e-4"), std::string::npos);
   EXPECT_EQ(made("1e-5").err, "");
@@ -283,7 +295,8 @@ TEST_F(Help, NoNumberOfARangeMayBeNan) {
   int options = 0;
   for (const std::string& command : commands()) {
     const std::string page = read("envmap-" + command + ".1");
-    for (std::sregex_iterator found(page.begin(), page.end(), option); found != std::sregex_iterator(); ++found, ++options) {
+    for (std::sregex_iterator found(page.begin(), page.end(), option); found != std::sregex_iterator();
+         ++found, ++options) {
       const std::string flag = std::regex_replace((*found)[1].str(), std::regex(R"(\\)"), "");
       for (const char* nan : {"nan", "-NaN"}) fails(2, {command, flag + "=" + nan}, {flag, "must be a number"});
     }
@@ -294,8 +307,10 @@ TEST_F(Help, NoNumberOfARangeMayBeNan) {
 TEST_F(Help, KnowsTheVersion) {
   const Result r = envmap({"--version"});
   EXPECT_EQ(r.status, 0);
-  EXPECT_TRUE(std::regex_match(r.out, std::regex("envmap \\d+\\.\\d+\\.\\d+( \\([0-9a-f]{7,}\\+?\\))?\nwith OpenEXR \\d[^\n]*, zstd \\d\\S*\n"
-                                               "draws with (EGL|OSMesa), [^\n]+, OpenGL \\d[^\n]*\n"))) << r.out;
+  EXPECT_TRUE(std::regex_match(
+      r.out, std::regex("envmap \\d+\\.\\d+\\.\\d+( \\([0-9a-f]{7,}\\+?\\))?\nwith OpenEXR \\d[^\n]*, zstd \\d\\S*\n"
+                        "draws with (EGL|OSMesa), [^\n]+, OpenGL \\d[^\n]*\n")))
+      << r.out;
 }
 
 TEST_F(Help, IsWhatTheRepositorysPagesSay) {
@@ -309,7 +324,8 @@ TEST_F(Help, IsWhatTheRepositorysPagesSay) {
   EXPECT_EQ(kept, made) << "run 'envmap manual man' in the repository";
 }
 
-// A terminal made by script(1) sees how far the work is, how fast it goes and how long it will take; a file sees nothing.
+// A terminal made by script(1) sees how far the work is, how fast it goes and how long it will take;
+// a file sees nothing.
 TEST_F(Help, LongWorkTellsATerminalHowLongItTakes) {
 #ifdef ENVMAP_SANITIZED
   GTEST_SKIP() << "too slow to get anywhere in time";
@@ -318,7 +334,8 @@ TEST_F(Help, LongWorkTellsATerminalHowLongItTakes) {
   succeeds({"generate", "sky", "sky.exr", "--size", "512"});
   const std::string job = "timeout 4 \"$ENVMAP\" prefilter sky.exr x.exr --method exact --size 24";
   const Result seen = shell("script -qec '" + job + "' /dev/null");
-  EXPECT_TRUE(std::regex_search(seen.out, std::regex(R"(prefilter diffuse +\d+%, [\d.e-]+%/s, [\d:]+ (s|min|h) left)"))) << seen.out;
+  EXPECT_TRUE(std::regex_search(seen.out, std::regex(R"(prefilter diffuse +\d+%, [\d.e-]+%/s, [\d:]+ (s|min|h) left)")))
+      << seen.out;
   EXPECT_EQ(shell(job).err, "");
   EXPECT_EQ(names(), std::vector<std::string>{"sky.exr"});
 }
@@ -326,7 +343,8 @@ TEST_F(Help, LongWorkTellsATerminalHowLongItTakes) {
 TEST_F(Help, HasPagesThatMandocAccepts) {
   if (shell("command -v mandoc").status != 0) GTEST_SKIP() << "mandoc is not installed";
   succeeds({"manual", "."});
-  const Result r = shell("mandoc -T lint -W error *.1 " + std::string(ENVMAP_MAN_DIR) + "/*.3 " + ENVMAP_MAN_DIR + "/*.7");
+  const Result r =
+      shell("mandoc -T lint -W error *.1 " + std::string(ENVMAP_MAN_DIR) + "/*.3 " + ENVMAP_MAN_DIR + "/*.7");
   EXPECT_EQ(r.status, 0) << r.out << r.err;
 }
 
@@ -370,7 +388,8 @@ TEST_F(Help, CompletesInZsh) {
 zpty shell zsh -f -i
 zpty -w shell 'PS1= fpath=($PWD $fpath); unsetopt zle_bracketed_paste; autoload -U compinit; compinit -u -D; stty -echo; show() { print -r - "<$BUFFER>"; BUFFER=; zle accept-line }; zle -N show; bindkey "^X" show; echo ready'
 zpty -r -m shell text $'*ready\r\n*'
-zpty -w -n shell $')" + line + R"(\t\C-x'
+zpty -w -n shell $')" + line +
+                         R"(\t\C-x'
 zpty -r -m shell text '*<*>*'
 [[ $text =~ '<([^>]*)>' ]] && print -r - $match[1]
 )");

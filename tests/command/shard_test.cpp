@@ -18,14 +18,18 @@ struct Job {
 
 class Shards : public CommandTest {
  protected:
-  Shards() { succeeds({"generate", "sun", "sun.exr", "--to", "latlong", "--size", "24", "--direction", "1,2,3", "--radius", "4"}); }
+  Shards() {
+    succeeds(
+        {"generate", "sun", "sun.exr", "--to", "latlong", "--size", "24", "--direction", "1,2,3", "--radius", "4"});
+  }
 
   static std::string part(int k) { return "part-" + std::to_string(k) + ".exr"; }
 
   void make_parts(const Job& job, int count) const {
     for (int k = 1; k <= count; ++k) {
       std::vector<std::string> run = job.command;
-      run.insert(run.end(), {part(k), "-q", "--threads", std::to_string(1 + k % 3), "--shard", std::to_string(k) + "/" + std::to_string(count)});
+      run.insert(run.end(), {part(k), "-q", "--threads", std::to_string(1 + k % 3), "--shard",
+                             std::to_string(k) + "/" + std::to_string(count)});
       succeeds(run);
     }
   }
@@ -54,22 +58,28 @@ class Shards : public CommandTest {
 TEST_F(Shards, OfConvertJoinToTheBytesOfTheWhole) {
   for (const std::string to : {"latlong", "cube", "sphere", "paraboloid", "angular", "octahedral", "equal-area"})
     check({to, {"convert", "sun.exr", "--to", to, "--size", "18", "--rotate", "10,20,30"}});
-  check({"cross, standing, as halves", {"convert", "sun.exr", "--to", "cube", "--size", "9", "--layout", "vcross", "--depth", "half", "--compression", "zip:9"}});
+  check({"cross, standing, as halves",
+         {"convert", "sun.exr", "--to", "cube", "--size", "9", "--layout", "vcross", "--depth", "half", "--compression",
+          "zip:9"}});
   check({"area", {"convert", "sun.exr", "--to", "cube", "--size", "7", "--max-error", "1e-2"}});
-  check({"texture", {"convert", "sun.exr", "--to", "cube", "--size", "8"}, "whole.ktx2", {"--depth", "half", "--zstd"}});
+  check(
+      {"texture", {"convert", "sun.exr", "--to", "cube", "--size", "8"}, "whole.ktx2", {"--depth", "half", "--zstd"}});
   check({"border", {"convert", "sun.exr", "--to", "octahedral", "--size", "20", "--border", "2"}});
   check({"samples on the border", {"convert", "sun.exr", "--size", "20", "--openexr-envmap"}});
   check({"colours", {"convert", "sun.exr", "--size", "20", "--output-space", "ACEScg", "--forward", "-x"}});
 }
 
 TEST_F(Shards, OfPrefilterJoinToTheBytesOfTheWhole) {
-  // Spectral, hierarchical, exact, and what auto takes: of a narrow lobe in a large map a transform, and texels near the sun
-  // that are made again by the others.
+  // Spectral, hierarchical, exact, and what auto takes: of a narrow lobe in a large map a transform, and texels near
+  // the sun that are made again by the others.
   check({"spectral and more", {"prefilter", "sun.exr", "--lobe", "phong", "--exponent", "300", "--size", "24"}});
-  check({"hierarchical", {"prefilter", "sun.exr", "--lobe", "ggx", "--roughness", "0.4", "--size", "11", "--to", "latlong"}});
+  check({"hierarchical",
+         {"prefilter", "sun.exr", "--lobe", "ggx", "--roughness", "0.4", "--size", "11", "--to", "latlong"}});
   check({"diffuse", {"prefilter", "sun.exr", "--size", "9", "--to", "paraboloid"}});
   check({"exact", {"prefilter", "sun.exr", "--method", "exact", "--size", "3"}});
-  check({"close", {"prefilter", "sun.exr", "--lobe", "phong", "--exponent", "50", "--size", "9", "--to", "octahedral", "--max-error", "2e-5", "--depth", "float"}});
+  check({"close",
+         {"prefilter", "sun.exr", "--lobe", "phong", "--exponent", "50", "--size", "9", "--to", "octahedral",
+          "--max-error", "2e-5", "--depth", "float"}});
   check({"mirror", {"prefilter", "sun.exr", "--lobe", "ggx", "--roughness", "0", "--size", "8", "--layout", "cross"}});
 }
 
@@ -98,10 +108,12 @@ TEST_F(Shards, ThatAreMissingTwiceThereOrOfAnotherMapAreRefused) {
   fails(3, {"merge", part(1), part(2), part(3), part(2), "out.exr"}, {"part-2.exr", "part 2 of 3", "name each once"});
   fails(3, {"merge", part(1), "sun.exr", "out.exr"}, {"sun.exr", "no part of a map"});
   succeeds({"convert", "sun.exr", "other.exr", "--to", "cube", "--size", "6", "--exposure", "1", "--shard", "2/3"});
-  fails(3, {"merge", part(1), "other.exr", part(3), "out.exr"}, {"other.exr", "another map or command than part-1.exr"});
+  fails(3, {"merge", part(1), "other.exr", part(3), "out.exr"},
+        {"other.exr", "another map or command than part-1.exr"});
   succeeds({"convert", "sun.exr", "darker.exr", "--exposure", "-1"});
   succeeds({"convert", "darker.exr", "other.exr", "--to", "cube", "--size", "6", "--shard", "2/3"});
-  fails(3, {"merge", part(1), "other.exr", part(3), "out.exr"}, {"other.exr", "another map or command than part-1.exr"});
+  fails(3, {"merge", part(1), "other.exr", part(3), "out.exr"},
+        {"other.exr", "another map or command than part-1.exr"});
   const std::string whole = read(part(2));
   write(part(2), whole.substr(0, whole.size() - 40));
   fails(3, {"merge", part(1), part(2), part(3), "out.exr"}, {"part-2.exr"});
@@ -109,10 +121,12 @@ TEST_F(Shards, ThatAreMissingTwiceThereOrOfAnotherMapAreRefused) {
 
 // What parts say of the whole is not believed beyond what they hold, and no memory is taken for it.
 TEST_F(Shards, OfStrangersAreRefused) {
-  succeeds({"convert", "sun.exr", "part.exr", "--to", "octahedral", "--size", "6", "--border", "1", "--shard", "1/1", "-q"});
+  succeeds(
+      {"convert", "sun.exr", "part.exr", "--to", "octahedral", "--size", "6", "--border", "1", "--shard", "1/1", "-q"});
   succeeds({"merge", "part.exr", "whole.exr"});
   const Setting little{.memory = std::uint64_t{1} << 30};
-  const auto refused = [&](const std::string& attribute, const std::string& value, const std::vector<std::string>& words) {
+  const auto refused = [&](const std::string& attribute, const std::string& value,
+                           const std::vector<std::string>& words) {
     SCOPED_TRACE(attribute);
     ASSERT_EQ(shell("exrstdattr -string envmap:" + attribute + " " + value + " part.exr odd.exr").status, 0);
     fails(3, {"merge", "odd.exr", "out.exr"}, words, little);
@@ -140,8 +154,10 @@ TEST_F(Shards, ThatCannotBeAreRefusedBeforeAnyWork) {
   fails(2, {"convert", "sun.exr", "out.hdr", "--shard", "1/2"}, {"out.hdr", ".exr"});
   fails(2, {"convert", "sun.exr", "{face}.exr", "--to", "cube", "--shard", "1/2"}, {".exr"});
   fails(2, {"convert", "sun.exr", "out.exr", "--output-space", "sRGB", "--shard", "1/2"}, {"linear"});
-  fails(2, {"prefilter", "sun.exr", "out.exr", "--lobe", "ggx", "--levels", "3", "--shard", "1/2"}, {"a level at a time"});
-  fails(2, {"prefilter", "sun.exr", "out.exr", "--max-error", "1e-2", "--depth", "half", "--shard", "1/2"}, {"--depth float"});
+  fails(2, {"prefilter", "sun.exr", "out.exr", "--lobe", "ggx", "--levels", "3", "--shard", "1/2"},
+        {"a level at a time"});
+  fails(2, {"prefilter", "sun.exr", "out.exr", "--max-error", "1e-2", "--depth", "half", "--shard", "1/2"},
+        {"--depth float"});
   fails(2, {"mipmap", "sun.exr", "out.exr", "--keep", "--shard", "1/2"}, {"--keep"});
   succeeds({"convert", "sun.exr", part(1), "--size", "8", "--max-error", "1e-2", "--shard", "1/2", "-q"});
   succeeds({"convert", "sun.exr", part(2), "--size", "8", "--max-error", "1e-2", "--shard", "2/2", "-q"});

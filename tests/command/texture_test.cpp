@@ -38,13 +38,15 @@ T value_at(const std::string& bytes, std::size_t offset) {
 class Texture : public CommandTest {
  protected:
   // Expects what `generate directions` shows towards each entry in float RGBA texels (or RGB), faces this far apart.
-  static void expect_table(const std::string& bytes, std::size_t start, std::size_t face_bytes, std::size_t texel = 16) {
+  static void expect_table(const std::string& bytes, std::size_t start, std::size_t face_bytes,
+                           std::size_t texel = 16) {
     for (const Entry& e : api_table) {
       const auto colour = colour_of(e.direction);
       const std::size_t at =
           start + std::size_t(e.face) * face_bytes + std::size_t(2 * e.j + e.i) * texel;
       for (std::size_t k = 0; k < 3; ++k)
-        EXPECT_NEAR(value_at<float>(bytes, at + 4 * k), colour[k], 1e-6) << "face " << e.face << ": " << e.i << "," << e.j;
+        EXPECT_NEAR(value_at<float>(bytes, at + 4 * k), colour[k], 1e-6)
+            << "face " << e.face << ": " << e.i << "," << e.j;
       if (texel == 16) {
         EXPECT_EQ(value_at<float>(bytes, at + 12), 1);
       }
@@ -123,7 +125,8 @@ TEST_F(Texture, OfBabylonHasItsHeaderAndAllLevels) {
   ASSERT_EQ(images.size(), 6 * 5U);
   for (const auto& image : images)
     EXPECT_EQ(file.substr(start + 1 + image["position"].get<std::size_t>(), 4), "\x89PNG");
-  EXPECT_EQ(start + 1 + images.back()["position"].get<std::size_t>() + images.back()["length"].get<std::size_t>(), file.size());
+  EXPECT_EQ(start + 1 + images.back()["position"].get<std::size_t>() + images.back()["length"].get<std::size_t>(),
+            file.size());
   // Back: RGBD's rounding, at the least values of 0.02.
   succeeds({"convert", "map.env", "back.exr", "--level", "0", "--filter", "nearest"});
   succeeds({"compare", "back.exr", "in.exr", "--max-error", "0.03"});
@@ -194,7 +197,8 @@ TEST_F(Texture, OfBlocksRefusesWhatHalfRefuses) {
   succeeds({"convert", "sun.exr", "out.dds", "--depth", "bc6h", "--exposure", "-1", "--filter", "nearest"});
   succeeds({"convert", "out.dds", "back.exr", "--exposure", "1", "--filter", "nearest", "--depth", "float"});
   succeeds({"compare", "back.exr", "sun.exr", "--max-error", "2e-3"});
-  EXPECT_NE(envmap({"convert", "sun.exr", "out.dds", "--depth", "bc6h", "--clamp"}).err.find("flux lost"), std::string::npos);
+  EXPECT_NE(envmap({"convert", "sun.exr", "out.dds", "--depth", "bc6h", "--clamp"}).err.find("flux lost"),
+            std::string::npos);
 }
 
 // As another writer might have made it: float RGB, no key/value data, the first row at the bottom.
@@ -245,8 +249,10 @@ TEST_F(Texture, OfKtxHasTheHeaderThatOpenGlDemands) {
     const char* depth;
     std::uint32_t type, type_size, format, internal, base, texel;
   };
-  for (const Names& n : {Names{"half", 0x140b, 2, 0x1907, 0x881b, 0x1907, 6}, {"float", 0x1406, 4, 0x1907, 0x8815, 0x1907, 12},
-                         {"rgb9e5", 0x8c3e, 4, 0x1907, 0x8c3d, 0x1907, 4}, {"bc6h", 0, 1, 0, 0x8e8f, 0x1907, 1}}) {
+  for (const Names& n : {Names{"half", 0x140b, 2, 0x1907, 0x881b, 0x1907, 6},
+                         {"float", 0x1406, 4, 0x1907, 0x8815, 0x1907, 12},
+                         {"rgb9e5", 0x8c3e, 4, 0x1907, 0x8c3d, 0x1907, 4},
+                         {"bc6h", 0, 1, 0, 0x8e8f, 0x1907, 1}}) {
     SCOPED_TRACE(n.depth);
     succeeds({"mipmap", "in.exr", "cube.ktx", "--depth", n.depth});
     const std::string bytes = read("cube.ktx");
@@ -276,11 +282,13 @@ class OtherKtx : public Texture {
  protected:
   static std::string file(std::array<std::uint32_t, 4> names, const std::vector<std::string>& rows, std::size_t padding,
                           const std::string& orientation = "") {
-    std::string bytes("\xabKTX 11\xbb\r\n\x1a\n", 12), pair = std::string("KTXorientation") + '\0' + orientation + '\0', image;
+    std::string bytes("\xabKTX 11\xbb\r\n\x1a\n", 12), pair = std::string("KTXorientation") + '\0' + orientation + '\0',
+                                                       image;
     const auto add = [&](std::uint32_t word) { bytes.append(reinterpret_cast<const char*>(&word), 4); };
     for (const std::string& row : rows) image += row + std::string(padding, '\x7f');
     const auto pairs = std::uint32_t(orientation.empty() ? 0 : 4 + (pair.size() + 3) / 4 * 4);
-    for (const std::uint32_t word : {0x04030201U, names[0], 1U, names[1], names[2], names[3], 4U, 2U, 0U, 0U, 1U, 1U, pairs})
+    for (const std::uint32_t word :
+         {0x04030201U, names[0], 1U, names[1], names[2], names[3], 4U, 2U, 0U, 0U, 1U, 1U, pairs})
       add(word);
     if (pairs > 0) {
       add(std::uint32_t(pair.size()));

@@ -21,7 +21,8 @@ class Tradeoff : public CommandTest {
  protected:
   void SetUp() override {
     CommandTest::SetUp();
-    succeeds({"generate", "sun", "in.exr", "--size", "16", "--direction", "3,2,1", "--radius", "12", "--value", "40,30,20", "--depth", "float"});
+    succeeds({"generate", "sun", "in.exr", "--size", "16", "--direction", "3,2,1", "--radius", "12", "--value",
+              "40,30,20", "--depth", "float"});
   }
   json trials(const std::string& task, const std::string& by = "rms") const {
     const Result r = envmap({"tradeoff", "in.exr", "--task", task, "--by", by, "--json", "--budget", "1000"});
@@ -44,12 +45,14 @@ class Tradeoff : public CommandTest {
 
 TEST_F(Tradeoff, ErrorsAreThoseOfTheFilesThatConvertWrites) {
   const json all = trials("convert:cube:8");
-  succeeds({"convert", "in.exr", "truth.exr", "--to", "cube", "--size", "8", "--filter", "area", "--area-error", "1e-6", "-q"});
+  succeeds({"convert", "in.exr", "truth.exr", "--to", "cube", "--size", "8", "--filter", "area", "--area-error", "1e-6",
+            "-q"});
   for (const std::string filter : {"nearest", "ewa"}) {
     succeeds({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "8", "--filter", filter, "-q"});
     expect_as_compared(trial(all, filter, ""), "out.exr", "truth.exr");
   }
-  succeeds({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "8", "--filter", "bilinear", "--samples", "4", "-q"});
+  succeeds(
+      {"convert", "in.exr", "out.exr", "--to", "cube", "--size", "8", "--filter", "bilinear", "--samples", "4", "-q"});
   expect_as_compared(trial(all, "bilinear", "--samples 4"), "out.exr", "truth.exr");
 }
 
@@ -65,12 +68,14 @@ TEST_F(Tradeoff, PrefiltersKeepToTheirError) {
 // 512 x 256 texels are too many to be summed for 1536 directions: the tree stands in, and says how far it is off.
 TEST_F(Tradeoff, OfLargeMapsTheReferenceStatesItsError) {
   succeeds({"generate", "sun", "large.exr", "--size", "256", "--radius", "12", "--value", "40,30,20"});
-  const Result r = envmap({"tradeoff", "large.exr", "--task", "ggx:0.6:cube:16", "--json", "--budget", "0", "--only", "hierarchical --max-error 0.1"});
+  const Result r = envmap({"tradeoff", "large.exr", "--task", "ggx:0.6:cube:16", "--json", "--budget", "0", "--only",
+                           "hierarchical --max-error 0.1"});
   ASSERT_EQ(r.status, 0) << r.err;
   const json all = json::parse(r.out);
   EXPECT_NE(all["reference"]["what"].get<std::string>().find("within 1e-5"), std::string::npos) << all;
   EXPECT_LE(all["trials"][0]["max"].get<double>(), 0.1);
-  const Result small = envmap({"tradeoff", "in.exr", "--task", "ggx:0.6:cube:4", "--json", "--budget", "0", "--only", "hierarchical --max-error 0.1"});
+  const Result small = envmap({"tradeoff", "in.exr", "--task", "ggx:0.6:cube:4", "--json", "--budget", "0", "--only",
+                               "hierarchical --max-error 0.1"});
   EXPECT_EQ(json::parse(small.out)["reference"]["what"], "--method exact");
 }
 
@@ -82,7 +87,8 @@ TEST_F(Tradeoff, FilesAreAsLargeAsTheyAreWritten) {
   expect_as_compared(half, "half.exr", "in.exr");
   EXPECT_EQ(trial(all, ".ktx2", "--depth float")["max"], 0);
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path()))
-    EXPECT_FALSE(entry.path().filename().string().starts_with("envmap-") && entry.path().extension() == ".ktx2") << entry.path();
+    EXPECT_FALSE(entry.path().filename().string().starts_with("envmap-") && entry.path().extension() == ".ktx2")
+        << entry.path();
 }
 
 // Stars by the definition: no other is at most as dear and as far off, and better in one.
@@ -128,7 +134,8 @@ TEST_F(Tradeoff, SizesAreThoseOfMapsConvertedBack) {
 // Rays meet the triangles themselves, as 'exact' does; straight sides are far off in a room of few triangles.
 TEST_F(Tradeoff, ScenesAreDrawnByEveryMethod) {
   ASSERT_EQ(shell("python3 " ENVMAP_SCENES "/make.py scenes").status, 0);
-  const Result r = envmap({"tradeoff", "scenes/room-2.glb", "--task", "render:sphere:64", "--json", "--budget", "1000"});
+  const Result r =
+      envmap({"tradeoff", "scenes/room-2.glb", "--task", "render:sphere:64", "--json", "--budget", "1000"});
   ASSERT_EQ(r.status, 0) << r.err;
   const json all = json::parse(r.out)["trials"];
   EXPECT_EQ(trial(all, "raycast", "")["max"], 0);
@@ -158,8 +165,10 @@ TEST_F(Tradeoff, PicturesAreThoseThatViewDraws) {
     }
     return std::sqrt(error / power);
   };
-  const auto expect = [&](const std::string& method, const std::string& setting, const std::vector<std::string>& words) {
-    const Result r = envmap({"tradeoff", "scenes/ball.glb", "--task", "view:48", "--json", "--budget", "0", "--only", method + " " + setting});
+  const auto expect = [&](const std::string& method, const std::string& setting,
+                          const std::vector<std::string>& words) {
+    const Result r = envmap({"tradeoff", "scenes/ball.glb", "--task", "view:48", "--json", "--budget", "0", "--only",
+                             method + " " + setting});
     ASSERT_EQ(r.status, 0) << r.err;
     const json t = trial(json::parse(r.out)["trials"], method, setting);
     const double expected = rms(view(words));
@@ -175,19 +184,23 @@ TEST_F(Tradeoff, PicturesAreThoseThatViewDraws) {
 
 // What is read back of a baked folder, against what `convert` and `prefilter` make of the probe.
 TEST_F(Tradeoff, BakedMapsAreJudgedAsTheyAreReadBack) {
-  const Result r = envmap({"tradeoff", "in.exr", "--task", "bake:three", "--json", "--budget", "0", "--only", "draft --depth half"});
+  const Result r =
+      envmap({"tradeoff", "in.exr", "--task", "bake:three", "--json", "--budget", "0", "--only", "draft --depth half"});
   ASSERT_EQ(r.status, 0) << r.err;
   succeeds({"bake", "in.exr", "three", "--for", "three", "--quality", "draft", "--depth", "half", "-q"});
-  succeeds({"convert", "in.exr", "truth.exr", "--for", "three", "--size", "8", "--filter", "area", "--area-error", "1e-6", "--depth", "float", "-q"});
+  succeeds({"convert", "in.exr", "truth.exr", "--for", "three", "--size", "8", "--filter", "area", "--area-error",
+            "1e-6", "--depth", "float", "-q"});
   const json t = json::parse(r.out)["trials"][0];
   expect_as_compared(t, "three/background.exr", "truth.exr");
   EXPECT_NEAR(t["bytes"].get<double>(), double(std::filesystem::file_size(path("three/background.exr"))), 400);
-  for (const std::string task : {"bake", "bake:quake", "bake:three:8"}) fails(2, {"tradeoff", "in.exr", "--task", task}, {"bake"});
+  for (const std::string task : {"bake", "bake:quake", "bake:three:8"})
+    fails(2, {"tradeoff", "in.exr", "--task", task}, {"bake"});
 }
 
 // Every mark of the SVG is in the PNG, twice as large and in its colour; labels are clear of each other.
 TEST_F(Tradeoff, BothPicturesShowTheSame) {
-  const std::vector<std::string> depth{"tradeoff", "in.exr", "--task", "depth", "--csv", "-q", "--budget", "0.5", "--only", "--zstd", "--plot"};
+  const std::vector<std::string> depth{"tradeoff", "in.exr", "--task", "depth",  "--csv", "-q",
+                                       "--budget", "0.5",    "--only", "--zstd", "--plot"};
   const auto plot = [&](const std::string& to) {
     std::vector<std::string> words = depth;
     words.push_back(to);
@@ -204,10 +217,12 @@ TEST_F(Tradeoff, BothPicturesShowTheSame) {
   for (std::sregex_iterator m(svg.begin(), svg.end(), mark), end; m != end; ++m, ++marks) {
     const std::string points = (*m)[1];
     double x = 0, y = 0, count = 0;
-    for (std::sregex_iterator p(points.begin(), points.end(), place); p != end; ++p, ++count) x += std::stod((*p)[1]), y += std::stod((*p)[2]);
+    for (std::sregex_iterator p(points.begin(), points.end(), place); p != end; ++p, ++count)
+      x += std::stod((*p)[1]), y += std::stod((*p)[2]);
     const float* pixel = png.at(int(2 * x / count), int(2 * y / count));
     const long colour = std::stol((*m)[2], nullptr, 16);
-    const bool same = std::abs(pixel[0] * 255 - float(colour >> 16)) < 2 && std::abs(pixel[2] * 255 - float(colour & 255)) < 2;
+    const bool same =
+        std::abs(pixel[0] * 255 - float(colour >> 16)) < 2 && std::abs(pixel[2] * 255 - float(colour & 255)) < 2;
     shown += same ? 1 : 0;
   }
   EXPECT_GE(marks, 5);
@@ -226,15 +241,17 @@ TEST_F(Tradeoff, BothPicturesShowTheSame) {
   }
   ASSERT_GE(lines.size(), 3U);
   for (const auto& a : lines)
-    for (const auto& b : lines) EXPECT_TRUE(&a == &b || a[1] < b[0] || b[1] < a[0] || std::abs(a[2] - b[2]) >= 11) << a[0] << " " << a[2];
+    for (const auto& b : lines)
+      EXPECT_TRUE(&a == &b || a[1] < b[0] || b[1] < a[0] || std::abs(a[2] - b[2]) >= 11) << a[0] << " " << a[2];
 }
 
 // Figures of a machine: all ways cost the same but those that are named.
 std::string costs_with(const json& others) {
   json file;
-  for (const char* name : {"filter nearest", "filter bilinear", "filter bicubic", "filter bilinear 2", "filter bilinear 4", "filter ewa",
-                           "filter bilinear 8", "tree texel", "spectral start", "spectral texel", "spectral row source", "spectral source", "draw texel", "draw triangle", "cube texel",
-                           "cube triangle", "resample texel", "ray texel", "ray triangle"})
+  for (const char* name :
+       {"filter nearest", "filter bilinear", "filter bicubic", "filter bilinear 2", "filter bilinear 4", "filter ewa",
+        "filter bilinear 8", "tree texel", "spectral start", "spectral texel", "spectral row source", "spectral source",
+        "draw texel", "draw triangle", "cube texel", "cube triangle", "resample texel", "ray texel", "ray triangle"})
     file["nanoseconds"][name] = 100;
   file["nanoseconds"]["filter area"] = 1000;
   file["nanoseconds"].update(others);
@@ -253,7 +270,8 @@ TEST_F(Tradeoff, ChoicesFollowTheCostsThatAreNamed) {
   EXPECT_NE(method("ENVMAP_COSTS=rays.json", "--costs draw.json").find("exact"), std::string::npos);
 
   const auto first_tried = [&](const std::string& costs) {
-    const Result r = envmap({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "4", "--max-error", "0.5", "--json", "--costs", costs});
+    const Result r = envmap({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "4", "--max-error", "0.5",
+                             "--json", "--costs", costs});
     EXPECT_EQ(r.status, 0) << r.err;
     return r.out + r.err;
   };
@@ -262,7 +280,9 @@ TEST_F(Tradeoff, ChoicesFollowTheCostsThatAreNamed) {
   EXPECT_EQ(first_tried("draw.json").find("ewa"), std::string::npos);
 
   const auto lobe = [&](const std::string& costs) {
-    return envmap({"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponent", "20", "--size", "4", "--json", "--depth", "float", "--costs", costs}).out;
+    return envmap({"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponent", "20", "--size", "4", "--json",
+                   "--depth", "float", "--costs", costs})
+        .out;
   };
   write("tree.json", costs_with({{"spectral row source", 1e9}}));
   write("spectral.json", costs_with({{"tree texel", 1e9}}));
@@ -276,7 +296,8 @@ TEST_F(Tradeoff, DamagedCostsAreRefused) {
     for (const std::string command : {"convert", "prefilter"})
       fails(3, {command, "in.exr", "out.exr", "--costs", "costs.json", "--size", "4"}, words);
   };
-  for (const std::string text : {"", "[]", "{", "{\"nanoseconds\": 3}", "\xff"}) refused(text, {"costs.json", "--calibrate"});
+  for (const std::string text : {"", "[]", "{", "{\"nanoseconds\": 3}", "\xff"})
+    refused(text, {"costs.json", "--calibrate"});
   refused(std::string(100000, '['), {"--calibrate"});
   for (const double wrong : {0.0, -1.0, 1e13}) refused(costs_with({{"tree texel", wrong}}), {"tree texel", "above 0"});
   refused(costs_with({{"tree texel", "fast"}}), {"tree texel", "must be a number"});
@@ -303,7 +324,8 @@ TEST_F(Tradeoff, PlotsAndRefuses) {
   const Result hurried = envmap({"tradeoff", "in.exr", "--task", "convert:cube:8", "--budget", "0"});
   EXPECT_EQ(hurried.status, 0);
   EXPECT_NE(hurried.err.find("say --budget"), std::string::npos) << hurried.err;
-  for (const std::string task : {"convert", "convert:oval", "convert:cube:x", "ggx", "ggx:2", "ggx:0.5:cube", "depth:1", "paint"})
+  for (const std::string task :
+       {"convert", "convert:oval", "convert:cube:x", "ggx", "ggx:2", "ggx:0.5:cube", "depth:1", "paint"})
     fails(2, {"tradeoff", "in.exr", "--task", task}, {});
   fails(2, {"tradeoff", "in.exr", "--task", "depth", "--plot", "out.gif"}, {".svg", ".png"});
 }
@@ -323,7 +345,8 @@ TEST_F(Tradeoff, CalibratedCostsAreReadBack) {
   EXPECT_EQ(found.size(), json::parse(costs_with(json::object()))["nanoseconds"].size());
   EXPECT_GT(found["filter area"].get<double>(), found["filter nearest"].get<double>());
   succeeds({"prefilter", "in.exr", "out.exr", "--size", "8", "--costs", "costs.json", "-q"});
-  succeeds({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "4", "--max-error", "0.5", "--costs", "costs.json", "-q"});
+  succeeds({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "4", "--max-error", "0.5", "--costs",
+            "costs.json", "-q"});
 }
 
 }  // namespace

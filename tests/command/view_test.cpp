@@ -53,8 +53,8 @@ TEST_F(View, RoughReflectionsOfTheEnvironmentCanBeIntegrated) {
   write("rough.gltf", scene.replace(scene.find(smooth), smooth.size(), smooth + ".3"));
   succeeds({"generate", "sun", "sun.exr", "--size", "64", "--to", "latlong", "--radius", "2.5", "--value", "100"});
   const auto middle = [&](const std::string& samples) {
-    succeeds({"view", "rough.gltf", "a.exr", "--method", "raycast", "--environment", "sun.exr", "--width", "9", "--height", "9",
-              "--lobe-samples", samples});
+    succeeds({"view", "rough.gltf", "a.exr", "--method", "raycast", "--environment", "sun.exr", "--width", "9",
+              "--height", "9", "--lobe-samples", samples});
     return load(path("a.exr")).at(4, 4)[0];
   };
   const float levels = middle("0"), integral = middle("512"), finer = middle("4096");
@@ -78,7 +78,8 @@ TEST_F(View, RaysShowTheMirroredLampInItsPlace) {
   const std::string line = "\"$ENVMAP\" view scene.gltf -q --method raycast --width 64 --height 48 ";
   ASSERT_EQ(shell(line + "b.png --threads 1 && " + line + "c.png --threads 3 --bounces 5").status, 0);
   EXPECT_EQ(read("b.png"), read("c.png"));
-  for (const std::string option : {"--maps=cube", "--size=64", "--show-maps", "--lookup=vertex", "--all", "--mirror=lamp:sphere"})
+  for (const std::string option :
+       {"--maps=cube", "--size=64", "--show-maps", "--lookup=vertex", "--all", "--mirror=lamp:sphere"})
     fails(2, {"view", "scene.gltf", "d.png", "--method", "raycast", option}, {"--method raycast", "--lookup"});
 }
 
@@ -112,7 +113,8 @@ TEST_F(View, ASceneWithoutACameraIsSeenWhole) {
   replace(R"("translation":[0,0,6],"rotation":[0,1,0,0])", R"("translation":[5,0,6])");
   write("whole.gltf", scene);
   for (const auto& [width, height] : {std::pair{64, 64}, {96, 32}, {32, 96}}) {
-    const Result r = envmap({"view", "whole.gltf", "w.exr", "--width", std::to_string(width), "--height", std::to_string(height)});
+    const Result r =
+        envmap({"view", "whole.gltf", "w.exr", "--width", std::to_string(width), "--height", std::to_string(height)});
     ASSERT_EQ(r.status, 0) << r.err;
     EXPECT_NE(r.err.find("no camera"), std::string::npos) << r.err;
     const Picture picture = load(path("w.exr"));
@@ -143,11 +145,14 @@ TEST_F(View, StreamsAreAsGoodAsFiles) {
   ASSERT_EQ(envmap({"view", "scene.gltf", "a.png", "--width", "8", "--height", "8"}).status, 0);
   ASSERT_EQ(shell("cat scene.gltf | \"$ENVMAP\" view - - --width 8 --height 8 >b.png").status, 0);
   EXPECT_EQ(read("a.png"), read("b.png"));
-  ASSERT_EQ(shell("\"$ENVMAP\" view scene.gltf - --format hdr --width 8 --height 8 | \"$ENVMAP\" info - --from sphere").status, 0);
+  ASSERT_EQ(shell("\"$ENVMAP\" view scene.gltf - --format hdr --width 8 --height 8 | \"$ENVMAP\" info - --from sphere")
+                .status,
+            0);
 }
 
 TEST_F(View, TheSameBytesAtAnyThreads) {
-  const std::string line = "\"$ENVMAP\" view scene.gltf -q --context " + std::string(on_processor()) + " --width 64 --height 48 ";
+  const std::string line =
+      "\"$ENVMAP\" view scene.gltf -q --context " + std::string(on_processor()) + " --width 64 --height 48 ";
   ASSERT_EQ(shell("LP_NUM_THREADS=1 " + line + "a.png").status, 0);
   ASSERT_EQ(shell("LP_NUM_THREADS=2 " + line + "b.png --threads 1").status, 0);
   ASSERT_EQ(shell(line + "c.png --all").status, 0);
@@ -168,7 +173,8 @@ TEST_F(View, FramesAndEyes) {
 }
 
 TEST_F(View, EachEyeHasItsFileBesideTheAnaglyph) {
-  succeeds({"view", "scene.gltf", "{eye}.exr", "-q", "--anaglyph", "0.3", "--width", "16", "--height", "12", "--samples", "1"});
+  succeeds({"view", "scene.gltf", "{eye}.exr", "-q", "--anaglyph", "0.3", "--width", "16", "--height", "12",
+            "--samples", "1"});
   EXPECT_EQ(names(), (std::vector<std::string>{"both.exr", "left.exr", "right.exr", "scene.gltf"}));
   const Picture left = load(path("left.exr")), right = load(path("right.exr")), both = load(path("both.exr"));
   for (int y = 0; y < 12; ++y)
@@ -184,7 +190,8 @@ TEST_F(View, EachEyeHasItsFileBesideTheAnaglyph) {
 // The lamp stands in direction +Z of the mirror: in the middle of the front half.
 TEST_F(View, MapsAreSavedAndMirrorsAreLeftOut) {
   std::filesystem::create_directory(path("maps"));
-  const std::vector<std::string> small{"view", "scene.gltf", "a.exr", "-q", "--width", "16", "--height", "12", "--samples", "1"};
+  const std::vector<std::string> small{"view", "scene.gltf", "a.exr", "-q",        "--width",
+                                       "16",   "--height",   "12",    "--samples", "1"};
   const auto with = [&](std::vector<std::string> words) {
     words.insert(words.begin(), small.begin(), small.end());
     return words;
@@ -204,25 +211,30 @@ TEST_F(View, MapsAreSavedAndMirrorsAreLeftOut) {
 TEST_F(View, AnOrthographicCameraSeesMetres) {
   std::string text = read("scene.gltf");
   const std::string from = R"("type":"perspective","perspective":{"yfov":0.6,"znear":0.1})";
-  text.replace(text.find(from), from.size(), R"("type":"orthographic","orthographic":{"xmag":2,"ymag":2,"znear":0.1,"zfar":50})");
+  text.replace(text.find(from), from.size(),
+               R"("type":"orthographic","orthographic":{"xmag":2,"ymag":2,"znear":0.1,"zfar":50})");
   write("scene.gltf", text);
   for (const std::string method : {"maps", "raycast"}) {
-    succeeds({"view", "scene.gltf", "a.exr", "-q", "--width", "16", "--height", "16", "--samples", "1", "--method", method});
+    succeeds(
+        {"view", "scene.gltf", "a.exr", "-q", "--width", "16", "--height", "16", "--samples", "1", "--method", method});
     const Picture picture = load(path("a.exr"));
     for (int y = 0; y < 16; ++y)
       for (int x = 0; x < 16; ++x)
-        EXPECT_NEAR(picture.at(x, y)[1], std::max(std::abs(x - 7.5), std::abs(y - 7.5)) < 4 ? 0.5 : 0, 0.02) << method << x << ',' << y;
+        EXPECT_NEAR(picture.at(x, y)[1], std::max(std::abs(x - 7.5), std::abs(y - 7.5)) < 4 ? 0.5 : 0, 0.02)
+            << method << x << ',' << y;
   }
   fails(2, {"view", "scene.gltf", "a.png", "--anaglyph", "0.1"}, {"orthographic"});
 }
 
-// The figure is that of the files; what it took is what the words say; and where no maps will do the picture is that of rays.
+// The figure is that of the files; what it took is what the words say;
+// and where no maps will do the picture is that of rays.
 TEST_F(View, MaxErrorTakesTheCheapestMapsThatDoOrRays) {
   // A pane of glass: a flat mirror would be shown without a map.
   std::string scene = read("scene.gltf");
   const std::string metal = R"({"pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":0}})";
   ASSERT_NE(scene.find(metal), std::string::npos);
-  write("scene.gltf", scene.replace(scene.find(metal), metal.size(), R"({"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0},
+  write("scene.gltf", scene.replace(scene.find(metal), metal.size(),
+                                    R"({"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0},
     "extensions":{"KHR_materials_transmission":{"transmissionFactor":1}}})"));
   const std::vector<std::string> size{"--width", "48", "--height", "40", "--samples", "1"};
   const auto view = [&](const std::string& out, std::vector<std::string> more) {
@@ -247,15 +259,22 @@ TEST_F(View, MaxErrorTakesTheCheapestMapsThatDoOrRays) {
   EXPECT_LE(std::sqrt(off / all), 0.5);
   const std::size_t first = loose.err.find("--lookup"), end = loose.err.find(": off");
   ASSERT_LT(first, end) << loose.err;
-  ASSERT_EQ(shell("\"$ENVMAP\" view scene.gltf again.exr --width 48 --height 40 --samples 1 " + loose.err.substr(first, end - first)).status, 0);
+  ASSERT_EQ(shell("\"$ENVMAP\" view scene.gltf again.exr --width 48 --height 40 --samples 1 " +
+                  loose.err.substr(first, end - first))
+                .status,
+            0);
   EXPECT_EQ(read("again.exr"), read("loose.exr"));
 
   const Result strict = view("strict.exr", {"--max-error", "1e-6"});
   ASSERT_EQ(strict.status, 0) << strict.err;
   EXPECT_NE(strict.err.find("by rays"), std::string::npos) << strict.err;
   EXPECT_EQ(read("strict.exr"), read("rays.exr"));
-  for (const std::vector<std::string>& chosen :
-       {std::vector<std::string>{"--method", "raycast"}, {"--size", "64"}, {"--max-size", "64"}, {"--lookup", "direction"}, {"--bounces", "1"}, {"--save-maps", "."}}) {
+  for (const std::vector<std::string>& chosen : {std::vector<std::string>{"--method", "raycast"},
+                                                 {"--size", "64"},
+                                                 {"--max-size", "64"},
+                                                 {"--lookup", "direction"},
+                                                 {"--bounces", "1"},
+                                                 {"--save-maps", "."}}) {
     std::vector<std::string> line{"--max-error", "0.5"};
     line.insert(line.end(), chosen.begin(), chosen.end());
     EXPECT_EQ(view("no.exr", line).status, 2) << chosen[0];

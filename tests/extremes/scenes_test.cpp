@@ -33,10 +33,10 @@ Drawn drawn(double scale, const Direction& offset, const Direction& at, Projecti
   return map;
 }
 
-// What is seen depends on no unit of length: every texel shows the wall that its ray meets, as of a room of size 1. Vertices
-// reach the card as float32 from the eye, right to 2^-24 of the room: they move by less than 1e-5 of a texel, so that of the
-// texels only those may differ whose rays meet an edge. The colour changes by 1/2 over the size of the room and is made of
-// 8-bit weights of a texture: 0.005.
+// What is seen depends on no unit of length: every texel shows the wall that its ray meets, as of a room of size 1.
+// Vertices reach the card as float32 from the eye, right to 2^-24 of the room: they move by less than 1e-5 of a texel,
+// so that of the texels only those may differ whose rays meet an edge. The colour changes by 1/2 over the size of the
+// room and is made of 8-bit weights of a texture: 0.005.
 TEST(SceneSizes, FromAMicrometreToTheDistanceOfTheSun) {
   const Direction at(0.3137, -0.1719, 0.4327);
   for (const double scale : {1e-6, 1e-3, 1.0, 1e4, 1.5e11})
@@ -51,7 +51,8 @@ TEST(SceneSizes, FromAMicrometreToTheDistanceOfTheSun) {
       }
 }
 
-// A room a million of its sizes from the origin: places are float64 until they count from the eye, 1e-10 of the room there.
+// A room a million of its sizes from the origin: places are float64 until they count from the eye,
+// 1e-10 of the room there.
 TEST(SceneSizes, FarFromTheOrigin) {
   const Direction at(0.3137, -0.1719, 0.4327);
   for (const bool by_rays : {false, true}) {
@@ -64,8 +65,8 @@ TEST(SceneSizes, FarFromTheOrigin) {
   }
 }
 
-// A sun in one texel of the environment. A smooth metal of albedo 1 shows mixtures of texels, so no more than the sun; of
-// everything else what is seen is finite and not negative. By rays: tests/render holds OpenGL against them.
+// A sun in one texel of the environment. A smooth metal of albedo 1 shows mixtures of texels, so no more than the sun;
+// of everything else what is seen is finite and not negative. By rays: tests/render holds OpenGL against them.
 TEST(SceneSuns, OfTheLargestFloat) {
   constexpr float sun = 3e38F;
   EnvironmentMap map;

@@ -21,22 +21,26 @@ inline std::vector<std::pair<std::string, envmap::Texel>> places(const envmap::L
   switch (level.projection()) {
     case Projection::latlong: return {{"pole", {0, w / 3, 0}}, {"seam", {0, w, h / 2}}, {"middle", {0, w / 2, h / 2}}};
     case Projection::cube: return {{"corner", {faces, 0, 0}}, {"seam", {1, w, h / 2}}, {"pole", {2, w / 2, h / 2}}};
-    case Projection::paraboloid: return {{"rim", {1, w / 2, 0}}, {"corner", {0, w / 6 + 1, h / 6 + 1}}, {"middle", {0, w / 2, h / 2}}};
-    default: return {{"rim", {0, w / 2, 0}}, {"slant of the rim", {0, w / 6 + 1, h / 6 + 1}}, {"middle", {0, w / 2, h / 2}}};
+    case Projection::paraboloid:
+      return {{"rim", {1, w / 2, 0}}, {"corner", {0, w / 6 + 1, h / 6 + 1}}, {"middle", {0, w / 2, h / 2}}};
+    default:
+      return {{"rim", {0, w / 2, 0}}, {"slant of the rim", {0, w / 6 + 1, h / 6 + 1}}, {"middle", {0, w / 2, h / 2}}};
   }
 }
 
-inline envmap::EnvironmentMap with_sun(envmap::Projection p, int size, const envmap::Texel& at, float sun, float sky = 1) {
+inline envmap::EnvironmentMap with_sun(envmap::Projection p, int size, const envmap::Texel& at, float sun,
+                                       float sky = 1) {
   envmap::EnvironmentMap map;
   map.levels.emplace_back(p, size);
-  for (const envmap::Texel& t : envmap::texels_of(map.base())) *map.base().texel(t.face, t.i, t.j) = envmap::Colour(sky);
+  for (const envmap::Texel& t : envmap::texels_of(map.base()))
+    *map.base().texel(t.face, t.i, t.j) = envmap::Colour(sky);
   *map.base().texel(at.face, at.i, at.j) = envmap::Colour(sun, sun / 2, sun / 4);
   return map;
 }
 
-/// How far the flux of the cube that the area filter makes of a map of 8 rows may be from that of its texels: its own error, and
-/// what bilinear interpolation changes where texels are cut by a rim or the density has a crease (measured: 7 and 8%, falling
-/// with the size of texels). Cubes and latlong maps are no cube first.
+/// How far the flux of the cube that the area filter makes of a map of 8 rows may be from that of its texels: its own
+/// error, and what bilinear interpolation changes where texels are cut by a rim or the density has a crease (measured:
+/// 7 and 8%, falling with the size of texels). Cubes and latlong maps are no cube first.
 inline double flux_error_of_cube(envmap::Projection p) {
   using envmap::Projection;
   if (p == Projection::cube || p == Projection::latlong) return 0;
@@ -68,7 +72,8 @@ void for_each_sun(int size, F&& f) {
     const envmap::EnvironmentMap blank = envmap::blank_map(p, size);
     for (const auto& [where, at] : places(blank.base()))
       for (const float sun : suns)
-        f(with_sun(p, size, at, sun), std::string(envmap::name(p)) + ", " + where + ", " + std::to_string(sun), at, sun);
+        f(with_sun(p, size, at, sun), std::string(envmap::name(p)) + ", " + where + ", " + std::to_string(sun), at,
+          sun);
   }
 }
 

@@ -24,8 +24,8 @@ double solid_angle(const Level& level, const Texel& at) {
   return row[std::size_t(at.i)];
 }
 
-// The sum has two parts, sun x its solid angle and the rest of 4 pi; solid angles sum to 4 pi within 1e-12 (design), and
-// float64 rounds each of under 400 additions by 2^-53: 1e-12 relative to the flux holds.
+// The sum has two parts, sun x its solid angle and the rest of 4 pi; solid angles sum to 4 pi within 1e-12 (design),
+// and float64 rounds each of under 400 additions by 2^-53: 1e-12 relative to the flux holds.
 TEST(Suns, FluxIsThatOfTheSunAndTheRest) {
   for_each_sun(16, [](const EnvironmentMap& map, const std::string& what, const Texel& at, float sun) {
     SCOPED_TRACE(what);
@@ -38,8 +38,8 @@ TEST(Suns, FluxIsThatOfTheSunAndTheRest) {
   });
 }
 
-// Each texel is a mean with weights above 0 that sum to 1, in float64, then rounded: between least and largest of what it
-// covers but for half an ulp. The flux keeps to one rounding of each texel for each level that was made.
+// Each texel is a mean with weights above 0 that sum to 1, in float64, then rounded: between least and largest of what
+// it covers but for half an ulp. The flux keeps to one rounding of each texel for each level that was made.
 TEST(Suns, LevelsKeepFluxAndRange) {
   for_each_sun(16, [](const EnvironmentMap& map, const std::string& what, const Texel&, float sun) {
     SCOPED_TRACE(what);
@@ -64,7 +64,8 @@ TEST(Suns, ConversionsKeepToTheRange) {
     for (const Projection to : all_projections)
       for (const Filter filter : {Filter::nearest, Filter::bilinear, Filter::trilinear, Filter::ewa, Filter::area}) {
         SCOPED_TRACE(what + " -> " + name(to) + ", " + std::string(name(filter)));
-        const EnvironmentMap made = convert(map, {.to = to, .size = 5, .filter = filter, .rotation = rotation(31, 17, 5)});
+        const EnvironmentMap made =
+            convert(map, {.to = to, .size = 5, .filter = filter, .rotation = rotation(31, 17, 5)});
         const auto [least, most] = extremes::range(made.base());
         EXPECT_GE(least, 1 - 16 * half_ulp);
         EXPECT_LE(most / sun, 1 + 16 * half_ulp);
@@ -99,8 +100,8 @@ TEST(Suns, CompareSeesAMillionthOfTheSun) {
   });
 }
 
-// Y_00 is constant, 1 / sqrt(4 pi): its coefficient is the flux over that. All others are at most flux x max |Y|, which is
-// sqrt((2 l + 1) / (4 pi)) by the addition theorem (Unsoeld 1927). The integral over a texel is right to 1e-6.
+// Y_00 is constant, 1 / sqrt(4 pi): its coefficient is the flux over that. All others are at most flux x max |Y|, which
+// is sqrt((2 l + 1) / (4 pi)) by the addition theorem (Unsoeld 1927). The integral over a texel is right to 1e-6.
 TEST(Suns, Harmonics) {
   for_each_sun(8, [](const EnvironmentMap& map, const std::string& what, const Texel&, float) {
     SCOPED_TRACE(what);
@@ -115,8 +116,8 @@ TEST(Suns, Harmonics) {
   });
 }
 
-// Lobes are not negative and have weight 1: the result keeps to the range of the source, but for the method's own error,
-// 1e-3 at most, relative to the texel (that of the mean where the texel is below a thousandth of it).
+// Lobes are not negative and have weight 1: the result keeps to the range of the source, but for the method's own
+// error, 1e-3 at most, relative to the texel (that of the mean where the texel is below a thousandth of it).
 TEST(Suns, PrefiltersKeepToTheRange) {
   for (const auto& [shape, parameter] : {std::pair(Shape::diffuse, 0.0), {Shape::phong, 50.0}, {Shape::ggx, 0.5}})
     for_each_sun(6, [&](const EnvironmentMap& map, const std::string& what, const Texel&, float sun) {
@@ -157,7 +158,8 @@ TEST(Suns, SmallSunsKeepTheirFlux) {
       for (const Projection p : {Projection::latlong, Projection::cube, Projection::sphere}) {
         const double radius = degrees * pi / 180, cap = 4 * pi * std::pow(std::sin(radius / 2), 2), radiance = 1e30;
         Sun sun;
-        sun.towards = towards, sun.radius = degrees, sun.radiance = Rgb<double>(radiance), sun.sky = {Rgb<double>(0), Rgb<double>(0)};
+        sun.towards = towards, sun.radius = degrees, sun.radiance = Rgb<double>(radiance),
+        sun.sky = {Rgb<double>(0), Rgb<double>(0)};
         EXPECT_NEAR(flux(generate(sun, p, 16).base()).x / (cap * radiance), 1, 1e-5)
             << name(p) << ", " << degrees << " degrees, towards " << towards.x << " " << towards.y << " " << towards.z;
       }

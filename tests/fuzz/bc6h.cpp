@@ -22,8 +22,8 @@ void expect_packed(std::span<const std::byte, bc6h::bytes> bytes) {
   Stored packed{};
   bc6h::pack(*said, packed);
   const auto again = bc6h::unpack(packed);
-  if (!again || again->mode != said->mode || again->partition != said->partition || again->endpoints != said->endpoints ||
-      again->indices != said->indices)
+  if (!again || again->mode != said->mode || again->partition != said->partition ||
+      again->endpoints != said->endpoints || again->indices != said->indices)
     std::abort();
 }
 

@@ -24,11 +24,13 @@ const std::vector<Words>& commands_of_images() {
   static const std::vector<Words> all{
       {"info", image, "--json"},
       {"convert", image, "fuzz_command.exr", "--to", "cube", "--size", "3"},
-      {"convert", image, "fuzz_command.hdr", "--to", "latlong", "--size", "4", "--repair", "--clamp", "--drop-channels"},
+      {"convert", image, "fuzz_command.hdr", "--to", "latlong", "--size", "4", "--repair", "--clamp",
+       "--drop-channels"},
       {"convert", image, "fuzz_command.env", "--to", "cube", "--size", "4", "--repair", "--clamp", "--drop-channels"},
       {"mipmap", image, "fuzz_command.ktx2", "--depth", "half", "--repair", "--clamp", "--drop-channels"},
       {"mipmap", image, "fuzz_command.dds", "--depth", "bc6h", "--repair", "--clamp", "--drop-channels"},
-      {"prefilter", image, "fuzz_command.exr", "--size", "2", "--method", "hierarchical", "--repair", "--drop-channels", "--clamp"},
+      {"prefilter", image, "fuzz_command.exr", "--size", "2", "--method", "hierarchical", "--repair", "--drop-channels",
+       "--clamp"},
       {"sh", image, "--irradiance", "--json", "--repair", "--drop-channels"},
       {"compare", image, image, "--json", "--difference", "fuzz_command.exr"},
   };
@@ -36,8 +38,10 @@ const std::vector<Words>& commands_of_images() {
 }
 
 const std::vector<Words> commands_of_scenes{
-    {"render", "", "fuzz_command.exr", "--at", "0.1,0.2,0.3", "--size", "3", "--samples", "1", "--method", "raycast", "--to", "cube"},
-    {"render", "", "fuzz_command.exr", "--at", "0.1,0.2,0.3", "--size", "3", "--samples", "1", "--method", "raycast", "--time", "0.5"},
+    {"render", "", "fuzz_command.exr", "--at", "0.1,0.2,0.3", "--size", "3", "--samples", "1", "--method", "raycast",
+     "--to", "cube"},
+    {"render", "", "fuzz_command.exr", "--at", "0.1,0.2,0.3", "--size", "3", "--samples", "1", "--method", "raycast",
+     "--time", "0.5"},
 };
 
 void run(Words words) {

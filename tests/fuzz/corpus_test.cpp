@@ -1,6 +1,6 @@
-// The corpus of the repository through the fuzz targets, in every build: what fuzzing found once stays away. Another one, such
-// as libFuzzer grew, is named in ENVMAP_CORPUS. And some damage to each input, of chance but the same in every run: where no
-// clang is, it finds what lies near.
+// The corpus of the repository through the fuzz targets, in every build: what fuzzing found once stays away. Another
+// one, such as libFuzzer grew, is named in ENVMAP_CORPUS. And some damage to each input, of chance but the same in
+// every run: where no clang is, it finds what lies near.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,8 @@ fs::path corpus() {
 // Damage as it happens to files: bits, bytes, numbers, what is missing, and what is there twice.
 std::vector<char> damaged(std::vector<char> bytes, std::mt19937& random) {
   const auto below = [&](std::size_t n) { return random() % n; };
-  constexpr std::uint32_t numbers[] = {0, 1, 255, 0x7fff, 0xffff, 0x10000, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000};
+  constexpr std::uint32_t numbers[] = {0,       1,          255,        0x7fff,     0xffff,
+                                       0x10000, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000};
   for (std::size_t k = below(3) + 1; k > 0 && !bytes.empty(); --k) {
     // Headers are where it counts.
     const std::size_t at = below(below(2) == 0 ? std::min<std::size_t>(bytes.size(), 200) : bytes.size());
@@ -87,8 +88,8 @@ TEST_P(Corpus, IsReadOrRefusedInOneLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, Corpus,
-                         testing::Values("hdr", "exr", "ktx2", "ktx", "dds", "env", "glb", "bc6h", "obj", "mtl", "gltf", "words", "colours",
-                                         "part", "costs", "manifest", "read", "scene", "command"),
+                         testing::Values("hdr", "exr", "ktx2", "ktx", "dds", "env", "glb", "bc6h", "obj", "mtl", "gltf",
+                                         "words", "colours", "part", "costs", "manifest", "read", "scene", "command"),
                          [](const auto& target) { return std::string(target.param); });
 
 // Readers that are ours alone: others' libraries are fuzzed by hand.
@@ -112,7 +113,8 @@ TEST_P(DamagedCorpus, IsReadOrRefusedInOneLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, DamagedCorpus,
-                         testing::Values("hdr", "ktx2", "ktx", "dds", "env", "glb", "bc6h", "obj", "mtl", "gltf", "words", "costs"),
+                         testing::Values("hdr", "ktx2", "ktx", "dds", "env", "glb", "bc6h", "obj", "mtl", "gltf",
+                                         "words", "costs"),
                          [](const auto& target) { return std::string(target.param); });
 
 }  // namespace

@@ -6,8 +6,8 @@
 
 #include "targets.h"
 
-// What a header promises must be bounded by what the file holds. The address sanitizer takes terabytes: its runs have libFuzzer's
-// own limits.
+// What a header promises must be bounded by what the file holds. The address sanitizer takes terabytes: its runs have
+// libFuzzer's own limits.
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
 #if __has_feature(address_sanitizer)
   return 0;

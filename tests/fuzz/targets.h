@@ -1,6 +1,7 @@
 /// @file
-/// What libFuzzer runs (fuzz.cpp) and what the tests run over the corpus of the repository (corpus_test.cpp): any bytes are
-/// what the target reads, or an InputError or UsageError comes out inside, in one line. Anything else ends the process.
+/// What libFuzzer runs (fuzz.cpp) and what the tests run over the corpus of the repository (corpus_test.cpp): any bytes
+/// are what the target reads, or an InputError or UsageError comes out inside, in one line.
+/// Anything else ends the process.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +20,8 @@ void fuzz_bc6h(Bytes bytes);
 void fuzz_colours(Bytes bytes);
 /// The text or document of a scene, in memory: obj, mtl, gltf (GLB by its mark).
 void fuzz_text(std::string_view format, Bytes bytes);
-/// An image of any format as a file or from standard input. The last byte chooses the options; every format can do without
-/// it, so seeds and finds are plain image files.
+/// An image of any format as a file or from standard input. The last byte chooses the options; every format can do
+/// without it, so seeds and finds are plain image files.
 void fuzz_read(Bytes bytes);
 /// A scene of any format as a file: write_scene() in sound_scene.h.
 void fuzz_scene(Bytes bytes);
@@ -30,7 +31,8 @@ void fuzz_part(Bytes bytes);
 void fuzz_costs(Bytes bytes);
 /// A manifest of `batch`; no command is run.
 void fuzz_manifest(Bytes bytes);
-/// A file as a command of the program takes it, from its options to the file it writes. The last byte chooses the command.
+/// A file as a command of the program takes it, from its options to the file it writes.
+/// The last byte chooses the command.
 void fuzz_command(Bytes bytes);
 /// An image description, attribute values and a shape: what the metadata says and what is recognised in it.
 void fuzz_words(Bytes bytes);

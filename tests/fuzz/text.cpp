@@ -1,4 +1,5 @@
-// The readers of scenes, each alone and without other files; fuzz_scene goes on to what files name, and to the scene as a whole.
+// The readers of scenes, each alone and without other files; fuzz_scene goes on to what files name,
+// and to the scene as a whole.
 #include <cstdlib>
 #include <span>
 #include <string>

@@ -33,7 +33,8 @@ struct Call {
 template <class T, class F>
 void add(std::vector<Call>& calls, const std::string& what, const std::string& field, std::vector<T> values, F&& call) {
   for (const T value : values)
-    calls.push_back({what + " " + field + " " + std::to_string(value), [=] { call(value); }, field + " must be", field});
+    calls.push_back(
+        {what + " " + field + " " + std::to_string(value), [=] { call(value); }, field + " must be", field});
 }
 
 const std::vector<int> bad_sizes{0, -1, std::numeric_limits<int>::min(), 65537, std::numeric_limits<int>::max()};
@@ -47,7 +48,8 @@ std::vector<Call> of_convert() {
   add(calls, "convert", "area_error", std::vector<double>{0, -1, nan, 2}, [=](double v) { with({.area_error = v}); });
   add(calls, "convert", "max_error", bad_errors, [=](double v) { with({.max_error = v}); });
   add(calls, "convert", "gain", bad_gains, [=](double v) { with({.gain = v}); });
-  for (const Rotation& bad : {Rotation(0), Rotation(2), Rotation(nan), glm::transpose(Rotation(0, 1, 0, 1, 0, 0, 0, 0, 1))})
+  for (const Rotation& bad :
+       {Rotation(0), Rotation(2), Rotation(nan), glm::transpose(Rotation(0, 1, 0, 1, 0, 0, 0, 0, 1))})
     calls.push_back({"convert rotation", [=] { with({.rotation = bad}); }, "rotation must be"});
   calls.push_back({"convert ball", [=] { with({.ball = BallCamera{4}}); }, "sphere maps"});
   calls.push_back({"keeps_texels", [] { (void)keeps_texels(sky(), {.size = 0}); }, "size must be", "size"});

@@ -22,7 +22,8 @@ T at(const PackedMap& map, std::size_t offset) {
 
 double half(std::uint16_t bits) {
   const int exponent = bits >> 10 & 31, mantissa = bits & 1023;
-  return (bits >> 15 ? -1 : 1) * (exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25));
+  return (bits >> 15 ? -1 : 1) *
+         (exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25));
 }
 
 Rgb<double> texel(const PackedMap& map, int level, int face, int i, int j) {
@@ -38,7 +39,8 @@ Rgb<double> texel(const PackedMap& map, int level, int face, int i, int j) {
     case PixelFormat::rgba32f:
     case PixelFormat::rgb32f: {
       const std::size_t bytes = map.format == PixelFormat::rgba32f ? 16 : 12;
-      return {at<float>(map, row + bytes * k), at<float>(map, row + bytes * k + 4), at<float>(map, row + bytes * k + 8)};
+      return {at<float>(map, row + bytes * k), at<float>(map, row + bytes * k + 4),
+              at<float>(map, row + bytes * k + 8)};
     }
     case PixelFormat::rgb9e5: {
       const auto word = at<std::uint32_t>(map, row + 4 * k);
@@ -132,7 +134,8 @@ TEST(Pack, BlocksAreThoseOfTheFile) {
     for (int level = 0; level < packed.levels; ++level) {
       const PackedMap::Part& part = packed.part(level, face);
       ASSERT_LE(offset + part.size, file.size());
-      EXPECT_EQ(std::memcmp(file.data() + offset, packed.bytes.data() + part.offset, part.size), 0) << face << " " << level;
+      EXPECT_EQ(std::memcmp(file.data() + offset, packed.bytes.data() + part.offset, part.size), 0)
+          << face << " " << level;
       offset += part.size;
     }
   EXPECT_EQ(offset, file.size());

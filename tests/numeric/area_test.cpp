@@ -123,7 +123,8 @@ TEST_P(EachArea, AgreesWithSamples) {
         Colour a, b;
         by_outlines(face, j, i, {&a, 1});
         by_samples(face, j, i, {&b, 1});
-        EXPECT_NEAR(a.x / b.x, 1, 5e-4) << name(from) << ": face " << face << " " << i << "," << j << " of " << target.size;
+        EXPECT_NEAR(a.x / b.x, 1, 5e-4) << name(from) << ": face " << face << " " << i << "," << j << " of "
+                                        << target.size;
       }
     }
   }
@@ -145,10 +146,12 @@ TEST(Area, IsRightAtThePoleOfASmallSource) {
   const EnvironmentMap source = noise(50);
   std::vector<EnvironmentMap> results;
   for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6})
-    results.push_back(convert(source, {.to = Projection::angular, .size = 14, .filter = Filter::area, .area_error = tolerance}));
+    results.push_back(
+        convert(source, {.to = Projection::angular, .size = 14, .filter = Filter::area, .area_error = tolerance}));
   for (const auto& [i, j] : {std::pair{6, 3}, {7, 3}, {6, 10}, {7, 10}}) {
     const double truth = brute_force({source.base()}, Projection::angular, 14, 0, i, j, 700);
-    for (const EnvironmentMap& result : results) EXPECT_NEAR(result.base().texel(0, i, j)->x / truth, 1, 3e-5) << i << "," << j;
+    for (const EnvironmentMap& result : results)
+      EXPECT_NEAR(result.base().texel(0, i, j)->x / truth, 1, 3e-5) << i << "," << j;
   }
 }
 
@@ -160,8 +163,9 @@ TEST_P(EachArea, KeepsTheFluxOfASunInOneTexel) {
     *source.base().texel(0, i, j) = Colour(1e6F);
     for (const int size : {5, 32}) {
       const EnvironmentMap result = convert(source, {.to = GetParam(), .size = size, .filter = Filter::area});
-      // What bilinear reconstruction makes of one texel has its own flux: 8% more in the pole's row, 4e-4 less elsewhere.
-      // The needles at the pole are the worst there is to integrate where the rim of a paraboloid cuts them, too.
+      // What bilinear reconstruction makes of one texel has its own flux: 8% more in the pole's row, 4e-4 less
+      // elsewhere. The needles at the pole are the worst there is to integrate where the rim of a paraboloid cuts them,
+      // too.
       const double polar = j == 31 ? 0.1 : 2e-3;
       EXPECT_NEAR(mean_radiance(result.base()) / mean_radiance(source.base()), 1, polar) << i << "," << j;
       const EnvironmentMap other = convert(source, {.to = Projection::cube, .size = 16, .filter = Filter::area});

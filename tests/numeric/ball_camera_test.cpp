@@ -1,5 +1,5 @@
-// Photos of a mirror ball by a camera near it, against rays that are traced to a ball: a quadratic equation and a mirrored vector,
-// in long double, and no formula of the library.
+// Photos of a mirror ball by a camera near it, against rays that are traced to a ball: a quadratic equation and a
+// mirrored vector, in long double, and no formula of the library.
 #include "envmap/projection/ball_camera.h"
 
 #include <gtest/gtest.h>
@@ -22,12 +22,15 @@ constexpr double distances[] = {BallCamera::nearest, 1.1, 1.5, 3, 10, 100, 1e4, 
 
 Real dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// What a camera at (0,0,distance) that looks along -Z sees in a mirroring ball of radius 1 round the origin, at a place of its image
-// in which the silhouette is the unit circle: the cone of rays that touch the ball has the slope 1 / sqrt(distance^2 - 1).
+// What a camera at (0,0,distance) that looks along -Z sees in a mirroring ball of radius 1 round the origin, at a place
+// of its image in which the silhouette is the unit circle: the cone of rays that touch the ball has the slope 1 /
+// sqrt(distance^2 - 1).
 Vector traced(Real distance, Real s, Real t) {
   const Vector ray = formulae::unit({s, t, -std::sqrt((distance - 1) * (distance + 1))});
-  // |eye + k ray|^2 = 1, the nearer of the two: the ray passes the centre at |eye x ray|. The point is on the ball's near side.
-  const Real passes = distance * std::hypot(ray.x, ray.y), k = -distance * ray.z - std::sqrt((1 - passes) * (1 + passes));
+  // |eye + k ray|^2 = 1, the nearer of the two: the ray passes the centre at |eye x ray|.
+  // The point is on the ball's near side.
+  const Real passes = distance * std::hypot(ray.x, ray.y),
+             k = -distance * ray.z - std::sqrt((1 - passes) * (1 + passes));
   const Real x = k * ray.x, y = k * ray.y;
   const Vector normal{x, y, std::sqrt(1 - x * x - y * y)};
   const Real twice = 2 * dot(ray, normal);
@@ -41,7 +44,8 @@ EnvironmentMap photo(double distance, int size) {
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
       const Real s = (2 * i + 1) / Real(size) - 1, t = 1 - (2 * j + 1) / Real(size);
-      const Real inside = std::min(Real(1), Real(0.999999) / std::hypot(s, t));  // Of texels on the rim, what they reach.
+      // Of texels on the rim, what they reach.
+      const Real inside = std::min(Real(1), Real(0.999999) / std::hypot(s, t));
       *map.base().texel(0, i, j) = Colour(0.5 + 0.5 * formulae::rounded(traced(distance, inside * s, inside * t)));
     }
   return map;
@@ -64,7 +68,8 @@ TEST(BallCamera, FarAwayIsTheSphereProjection) {
     const double z = 1 - (k + 0.5) / 500, h = std::sqrt(1 - z * z);
     const Direction d(h * std::cos(k), h * std::sin(k), z);
     // The angles differ by a (1 - sqrt(1 - ..)): at most of the order of 1 / distance, times how the rim stretches.
-    for (const double distance : {1e3, 1e6}) EXPECT_LT(angle_between(BallCamera{distance}.seen_from_afar(d), d), 2 / distance);
+    for (const double distance : {1e3, 1e6})
+      EXPECT_LT(angle_between(BallCamera{distance}.seen_from_afar(d), d), 2 / distance);
   }
 }
 
@@ -82,7 +87,8 @@ TEST(BallCamera, WhatItDoesNotSeeIsAtTheRimOfTheSameSide) {
     EXPECT_NEAR(BallCamera{distance}.blind_part(), (1 - std::cos(blind)) / 2, 1e-9);
     for (const double part : {0.01, 0.5, 0.99}) {
       const double angle = pi - part * blind;
-      const auto at = Sphere::locate(BallCamera{distance}.seen_from_afar({0.6 * std::sin(angle), 0.8 * std::sin(angle), std::cos(angle)}));
+      const auto at = Sphere::locate(
+          BallCamera{distance}.seen_from_afar({0.6 * std::sin(angle), 0.8 * std::sin(angle), std::cos(angle)}));
       EXPECT_NEAR(2 * at.u - 1, 0.6, 1e-9);
       EXPECT_NEAR(1 - 2 * at.v, 0.8, 1e-9);
     }
@@ -98,7 +104,8 @@ TEST(BallCamera, OfAFieldOfView) {
 void expect_directions(double distance, Filter filter, int size, double most) {
   SCOPED_TRACE(testing::Message() << distance << ' ' << name(filter));
   const EnvironmentMap map =
-      convert(photo(distance, 256), {.to = {Projection::latlong}, .size = size, .filter = filter, .ball = BallCamera{distance}});
+      convert(photo(distance, 256),
+              {.to = {Projection::latlong}, .size = size, .filter = filter, .ball = BallCamera{distance}});
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < 2 * size; ++i) {
       const Direction d =
@@ -122,7 +129,8 @@ TEST(BallCamera, AWhiteRoomStaysWhite) {
   white.levels.emplace_back(Projection::sphere, 65);
   for (int j = 0; j < 65; ++j) std::ranges::fill(white.base().row(0, j), Colour(1));
   for (const FilterInfo& filter : filters()) {
-    const EnvironmentMap map = convert(white, {.to = {Projection::cube}, .size = 16, .filter = filter.filter, .ball = BallCamera{2}});
+    const EnvironmentMap map =
+        convert(white, {.to = {Projection::cube}, .size = 16, .filter = filter.filter, .ball = BallCamera{2}});
     for (int f = 0; f < 6; ++f)
       for (int j = 0; j < 16; ++j)
         for (const Colour& c : map.base().row(f, j)) ASSERT_NEAR(c.x, 1, 2e-6) << filter.name;

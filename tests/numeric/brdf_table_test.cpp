@@ -16,9 +16,9 @@ namespace {
 
 ScaleBias one(double cosine, double roughness) { return brdf(std::span(&cosine, 1), roughness)[0]; }
 
-// By half vectors that follow D(h) cos(n,h), u = share of them nearer to the normal, in panels that halve towards the tail.
-// What D G F / (4 cos(n,v)) has more than that density, 1 / (4 cos(v,h)) of it, is G cos(v,h) / (cos(n,v) cos(n,h)). The
-// horizon of light cuts through the range: it takes so many azimuths to be right to 1e-6.
+// By half vectors that follow D(h) cos(n,h), u = share of them nearer to the normal, in panels that halve towards the
+// tail. What D G F / (4 cos(n,v)) has more than that density, 1 / (4 cos(v,h)) of it, is G cos(v,h) / (cos(n,v)
+// cos(n,h)). The horizon of light cuts through the range: it takes so many azimuths to be right to 1e-6.
 ScaleBias over_half_vectors(double cosine, double roughness) {
   constexpr int azimuths = 4096, panels = 40;
   const double a2 = std::pow(roughness, 4), sine = std::sqrt(1 - cosine * cosine);
@@ -49,8 +49,15 @@ ScaleBias over_half_vectors(double cosine, double roughness) {
 }
 
 TEST(BrdfTable, IsRightTo1e5AgainstTheIntegralOverHalfVectors) {
-  for (const auto& [cosine, roughness] : {std::pair{1 / 256.0, 255 / 256.0}, {1 / 256.0, 0.5}, {1 / 256.0, 0.1}, {0.02, 0.3},
-                                          {0.1, 0.05}, {0.3, 0.7}, {0.6, 0.2}, {0.9, 0.9}, {255 / 256.0, 0.4}}) {
+  for (const auto& [cosine, roughness] : {std::pair{1 / 256.0, 255 / 256.0},
+                                          {1 / 256.0, 0.5},
+                                          {1 / 256.0, 0.1},
+                                          {0.02, 0.3},
+                                          {0.1, 0.05},
+                                          {0.3, 0.7},
+                                          {0.6, 0.2},
+                                          {0.9, 0.9},
+                                          {255 / 256.0, 0.4}}) {
     const ScaleBias found = one(cosine, roughness), truth = over_half_vectors(cosine, roughness);
     EXPECT_NEAR(found.scale, truth.scale, 1e-5) << cosine << " " << roughness;
     EXPECT_NEAR(found.bias, truth.bias, 1e-5) << cosine << " " << roughness;
@@ -74,8 +81,8 @@ TEST(BrdfTable, SmoothIsFresnelAndAllReflectNoMoreThanThereIs) {
   }
 }
 
-// Of alpha = 1 D is 1 / pi and G 2 l v / (v + l) with l and v the cosines: what is reflected of F = 1 is the integral of
-// l / (v + l), 1 - v ln((1 + v) / v).
+// Of alpha = 1 D is 1 / pi and G 2 l v / (v + l) with l and v the cosines: what is reflected of F = 1 is the integral
+// of l / (v + l), 1 - v ln((1 + v) / v).
 TEST(BrdfTable, RoughnessOneHasAClosedForm) {
   for (const double v : {1 / 2048.0, 1 / 256.0, 0.1, 0.5, 1.0})
     EXPECT_NEAR(one(v, 1).scale + one(v, 1).bias, 1 - v * std::log((1 + v) / v), 1e-5) << v;
@@ -105,8 +112,8 @@ TEST(BrdfTable, AgreesWithAnIntegralOverDirectionsOfLight) {
 
 double one_sheen(double cosine, double roughness) { return sheen_albedo(cosine, std::span(&roughness, 1))[0]; }
 
-// By half vectors that follow D(h) cos(n,h), whose share u nearer to the normal is sin(n,h)^(p + 2): midpoints in azimuth and in
-// x, u = 1 - x^3, which lie closest at the horizon.
+// By half vectors that follow D(h) cos(n,h), whose share u nearer to the normal is sin(n,h)^(p + 2): midpoints in
+// azimuth and in x, u = 1 - x^3, which lie closest at the horizon.
 double sheen_over_half_vectors(double cosine, double roughness) {
   constexpr int n = 1500;
   const double power = 1 / std::max(9e-4, roughness * roughness), sine = std::sqrt(1 - cosine * cosine);
@@ -123,8 +130,14 @@ double sheen_over_half_vectors(double cosine, double roughness) {
 }
 
 TEST(SheenTable, AgreesWithTheIntegralOverHalfVectors) {
-  for (const auto& [cosine, roughness] :
-       {std::pair{1 / 256.0, 0.5}, {1 / 256.0, 1.0}, {0.02, 0.1}, {0.1, 0.3}, {0.5, 0.5}, {0.9, 1.0}, {0.7, 0.2}, {1.0, 0.6}}) {
+  for (const auto& [cosine, roughness] : {std::pair{1 / 256.0, 0.5},
+                                          {1 / 256.0, 1.0},
+                                          {0.02, 0.1},
+                                          {0.1, 0.3},
+                                          {0.5, 0.5},
+                                          {0.9, 1.0},
+                                          {0.7, 0.2},
+                                          {1.0, 0.6}}) {
     const double truth = sheen_over_half_vectors(cosine, roughness);
     EXPECT_NEAR(one_sheen(cosine, roughness), truth, 2e-5 * (1 + truth)) << cosine << " " << roughness;
   }

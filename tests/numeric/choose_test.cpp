@@ -27,7 +27,8 @@ TEST(Choose, TheErrorAskedForHoldsInEveryTexel) {
       const EnvironmentMap source = landscape(96);
       const Resampler resampler(source, {.to = to, .size = 20, .max_error = error});
       ASSERT_TRUE(resampler.choice()->reached) << error;
-      const EnvironmentMap reference = convert(source, {.to = to, .size = 20, .filter = Filter::area, .area_error = 1e-5});
+      const EnvironmentMap reference =
+          convert(source, {.to = to, .size = 20, .filter = Filter::area, .area_error = 1e-5});
       const Difference d = compare(level_of(resampler.rows()), reference.base());
       // The texels measured are a sample of all, but for small maps nearly all of them.
       EXPECT_LT(d.maximum, 1.5 * error) << name(to) << " at " << d.worst.i << "," << d.worst.j;

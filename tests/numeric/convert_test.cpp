@@ -26,8 +26,8 @@ EnvironmentMap directions_map(Projection p, int size) {
       for (int i = 0; i < level.width(); ++i)
         *level.texel(f, i, j) =
             formulae::in_image(p, size, i, j)
-                ? Colour(0.5 +
-                         0.5 * formulae::rounded(formulae::direction(p, f, (i + 0.5L) / level.width(), (j + 0.5L) / size)))
+                ? Colour(0.5 + 0.5 * formulae::rounded(
+                                         formulae::direction(p, f, (i + 0.5L) / level.width(), (j + 0.5L) / size)))
                 : Colour(1e30F);
   return map;
 }
@@ -68,8 +68,9 @@ double worst_angle_in_texels(Projection from, Projection to, int height, Filter 
   return worst / (pi / height);
 }
 
-// Interpolation cuts the corner at a crease, by a quarter of a texel times the jump of the slope there: of equal-area maps up to
-// 4 rad per unit of t where the diamond meets an axis, so 2 / pi of a texel, and half of that of octahedral maps.
+// Interpolation cuts the corner at a crease, by a quarter of a texel times the jump of the slope there: of equal-area
+// maps up to 4 rad per unit of t where the diamond meets an axis, so 2 / pi of a texel,
+// and half of that of octahedral maps.
 double cut_at_creases(Projection from) {
   return from == Projection::equal_area ? 2 / pi : from == Projection::octahedral ? 1 / pi : 0;
 }
@@ -80,8 +81,8 @@ TEST_P(EachPair, BilinearKeepsEveryDirectionWithinATenthOfATexel) {
 
 TEST_P(EachPair, NearestKeepsDirectionsWithinItsTexel) {
   if (from_ == Projection::sphere) GTEST_SKIP() << "texels at the rim of a sphere map span tens of degrees";
-  // Half the diagonal of a texel; those of a paraboloid's or cube's middle are 4 / pi wider than the mean, and the widest of an
-  // octahedral map 2 x 3.07 / pi.
+  // Half the diagonal of a texel; those of a paraboloid's or cube's middle are 4 / pi wider than the mean, and the
+  // widest of an octahedral map 2 x 3.07 / pi.
   const double wider = is_octahedral(from_) ? 6.14 / pi : 4 / pi;
   EXPECT_LT(worst_angle_in_texels(from_, to_, 64, Filter::nearest), 0.5 * std::numbers::sqrt2 * wider + 0.05);
 }
@@ -122,11 +123,14 @@ TEST_P(EachPair, TheSameBytesAtAnyNumberOfThreads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return convert(source, {.to = to_, .size = 20, .filter = filter});
   };
-  for (const Filter filter : {Filter::bilinear, Filter::bicubic, Filter::trilinear, Filter::sat, Filter::ewa, Filter::area}) {
+  for (const Filter filter :
+       {Filter::bilinear, Filter::bicubic, Filter::trilinear, Filter::sat, Filter::ewa, Filter::area}) {
     const EnvironmentMap one = bytes(1, filter), two = bytes(2, filter);
     for (int f = 0; f < one.base().faces(); ++f)
       for (int j = 0; j < one.base().height(); ++j)
-        ASSERT_EQ(std::memcmp(one.base().row(f, j).data(), two.base().row(f, j).data(), one.base().row(f, j).size_bytes()), 0);
+        ASSERT_EQ(std::memcmp(one.base().row(f, j).data(), two.base().row(f, j).data(),
+                              one.base().row(f, j).size_bytes()),
+                  0);
   }
 }
 

@@ -42,7 +42,8 @@ class EachFilter : public testing::TestWithParam<std::tuple<Filter, Projection>>
   Filter filter_ = std::get<0>(GetParam());
   Projection from_ = std::get<1>(GetParam());
 };
-INSTANTIATE_TEST_SUITE_P(, EachFilter, testing::Combine(testing::ValuesIn(every_filter()), testing::ValuesIn(all_projections)),
+INSTANTIATE_TEST_SUITE_P(, EachFilter,
+                         testing::Combine(testing::ValuesIn(every_filter()), testing::ValuesIn(all_projections)),
                          [](const auto& p) {
                            return std::string(name(std::get<0>(p.param))) + "_from_" + identifier(std::get<1>(p.param));
                          });
@@ -57,13 +58,14 @@ TEST_P(EachFilter, ConstantStaysConstantAtAnySize) {
           const Columns in = columns(to, result_size, j);
           for (int i = in.first; i < in.end; ++i)
             for (int c = 0; c < 3; ++c)
-              ASSERT_NEAR((*result.base().texel(f, i, j))[c], 1, 1e-6) << size << " to " << name(to) << " " << result_size;
+              ASSERT_NEAR((*result.base().texel(f, i, j))[c], 1, 1e-6)
+                  << size << " to " << name(to) << " " << result_size;
         }
     }
 }
 
-// The code of the direction is linear in it: its mean over a small texel is the code of the middle, and a seam, a flip or
-// a texel from the wrong face would show at once.
+// The code of the direction is linear in it: its mean over a small texel is the code of the middle, and a seam, a flip
+// or a texel from the wrong face would show at once.
 TEST_P(EachFilter, DirectionsStayWhereTheyAreOnTheWayDown) {
   const bool round = filter_ == Filter::trilinear || filter_ == Filter::sat;  // Blurs along a pole's rows.
   if (from_ == Projection::sphere) GTEST_SKIP() << "texels at its rim span tens of degrees";
@@ -81,7 +83,8 @@ TEST_P(EachFilter, DirectionsStayWhereTheyAreOnTheWayDown) {
           if (to == Projection::sphere && std::hypot(2 * i + 1 - size, 2 * j + 1 - size) > 0.8 * size) continue;
           const auto d =
               formulae::rounded(formulae::direction(to, f, (i + 0.5L) / result.base().width(), (j + 0.5L) / size));
-          worst = std::max(worst, angle_between(glm::normalize(2.0 * Direction(*result.base().texel(f, i, j)) - 1.0), d));
+          worst =
+              std::max(worst, angle_between(glm::normalize(2.0 * Direction(*result.base().texel(f, i, j)) - 1.0), d));
         }
     EXPECT_LT(worst / (pi / 48), filter_ == Filter::nearest ? 0.6
                                  : round                    ? 1.1

@@ -41,7 +41,8 @@ TEST_P(EachGenerated, OvercastSkyLightsAFloorBySevenNinthsPi) {
 
 // Of a floor: pi (horizon / 3 + 2 zenith / 3).
 TEST_P(EachGenerated, AClearSkyRisesFromItsHorizon) {
-  const EnvironmentMap map = generate(Sky{.zenith = {1, 2, 3}, .ground = Rgb<double>(9), .horizon = Rgb<double>(4, 2, 1)}, GetParam(), 256);
+  const EnvironmentMap map =
+      generate(Sky{.zenith = {1, 2, 3}, .ground = Rgb<double>(9), .horizon = Rgb<double>(4, 2, 1)}, GetParam(), 256);
   EXPECT_NEAR(irradiance_of_floor(map.base()) / (pi * (4.0 / 3 + 2.0 / 3)), 1, 1e-3);
   const Colour top = EnvironmentLookup(map)(Direction(0, 1, 0));
   EXPECT_NEAR(top.x, 1, 0.05);
@@ -62,7 +63,8 @@ TEST_P(EachGenerated, SunHasItsFluxAtAnySizeAndPlace) {
     for (const int size : {1, 4, 33})
       for (const Direction towards :
            {Direction(0, 0, -1), Direction(0, 1, 0), glm::normalize(Direction(1, 1, 1))}) {
-        const EnvironmentMap map = generate(Sun{towards, radius, Direction(1e4), {Rgb<double>(0), Rgb<double>(0)}}, GetParam(), size);
+        const EnvironmentMap map =
+            generate(Sun{towards, radius, Direction(1e4), {Rgb<double>(0), Rgb<double>(0)}}, GetParam(), size);
         const double flux = 2 * pi * (1 - std::cos(radius * pi / 180)) * 1e4;
         EXPECT_NEAR(measure(map).flux.x / flux, 1, 2e-3)
             << radius << " at " << size << " towards " << towards.x << "," << towards.y << "," << towards.z;
@@ -111,7 +113,8 @@ TEST_P(EachGenerated, CheckerIsHalfAndHalf) {
 
 // The harmonics by their polynomials (Sloan 2008, appendix A2, signs as documented, axes turned to +Y up).
 TEST(Harmonic, LowDegreesAreThePolynomials) {
-  for (const Direction d : {glm::normalize(Direction(1, 2, 3)), glm::normalize(Direction(-2, 0.5, 1)), Direction(0, 1, 0)}) {
+  for (const Direction d :
+       {glm::normalize(Direction(1, 2, 3)), glm::normalize(Direction(-2, 0.5, 1)), Direction(0, 1, 0)}) {
     const double x = d.z, y = d.x, z = d.y;  // Sloan's axes: z polar, longitude from x to y.
     EXPECT_NEAR(real_harmonic(0, 0, d), std::sqrt(1 / (4 * pi)), 1e-15);
     EXPECT_NEAR(real_harmonic(1, 0, d), std::sqrt(3 / (4 * pi)) * z, 1e-15);
@@ -139,7 +142,8 @@ TEST_P(EachGenerated, AnalyticHarmonicSurvivesConversion) {
             const auto d = formulae::rounded(
                 formulae::direction(GetParam(), f, (i + 0.5L) / level.width(), (j + 0.5L) / level.height()));
             const double truth = 1 + 0.5 * real_harmonic(3, 1, d);
-            // The rim texels of a sphere map span 15 degrees: a cubic is not straight over those. Nor is it over creases.
+            // The rim texels of a sphere map span 15 degrees: a cubic is not straight over those.
+            // Nor is it over creases.
             const double bound = from == Projection::sphere ? 8e-2 : is_octahedral(from) ? 1.5e-2 : 1e-3;
             ASSERT_NEAR(level.texel(f, i, j)->x, truth, bound) << name(from);
           }

@@ -34,7 +34,8 @@ TEST(Irradiance, OfAConstantIsPiTimesIt) {
 }
 
 TEST(Irradiance, LooksIntoTheWorld) {
-  // Light from the half of +X alone: a plane that faces +X receives pi, one that faces +Z half of it, one that faces -X none.
+  // Light from the half of +X alone: a plane that faces +X receives pi, one that faces +Z half of it,
+  // one that faces -X none.
   for (const Forward forward : {Forward::plus_z, Forward::minus_z, Forward::plus_x}) {
     EnvironmentMap map = blank_map({Projection::latlong, forward}, 256);
     std::vector<Direction> d(512);

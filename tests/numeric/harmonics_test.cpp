@@ -57,7 +57,9 @@ TEST_P(EachHarmonics, ComeBackFromAMapOfOne) {
         EXPECT_NEAR(h.coefficients[l * (l + 1) + m].x, truth, 4e-3) << l << " " << m;
       }
     const EnvironmentMap drawn = evaluate(h, GetParam(), 24, forward);
-    EXPECT_LT(compare(drawn.base(), generate(Harmonic{degree, order, 1, 0.5}, {GetParam(), forward}, 24).base()).maximum, 2e-2);
+    EXPECT_LT(
+        compare(drawn.base(), generate(Harmonic{degree, order, 1, 0.5}, {GetParam(), forward}, 24).base()).maximum,
+        2e-2);
   }
 }
 
@@ -75,7 +77,8 @@ TEST(Harmonics, OfOneTexelOfALatlongMapAreItsIntegrals) {
       const double u = (i + (a + 0.5) / steps) / (2 * height), v = (row + (b + 0.5) / steps) / height;
       const double longitude = -pi / 2 + pi * (1 - 2 * u), latitude = pi * (0.5 - v);
       const double solid_angle = std::cos(latitude) * std::pow(pi / height / steps, 2);
-      const Direction d(std::cos(latitude) * std::sin(longitude), std::sin(latitude), std::cos(latitude) * std::cos(longitude));
+      const Direction d(std::cos(latitude) * std::sin(longitude), std::sin(latitude),
+                        std::cos(latitude) * std::cos(longitude));
       for (int l = 0; l <= order; ++l)
         for (int m = -l; m <= l; ++m) wanted[l * (l + 1) + m] += solid_angle * real_harmonic(l, m, d);
     }
@@ -123,7 +126,8 @@ double lowest_irradiance(Harmonics h, const std::vector<double>& window) {
   constexpr int count = 50000;
   double least = 1e300;
   for (int k = 0; k < count; ++k) {
-    const double y = 1 - (2 * k + 1.0) / count, s = std::sqrt(1 - y * y), turn = 2 * pi * std::fmod(k * 0.6180339887498949, 1);
+    const double y = 1 - (2 * k + 1.0) / count, s = std::sqrt(1 - y * y),
+                 turn = 2 * pi * std::fmod(k * 0.6180339887498949, 1);
     const Flux e = evaluate(h, Direction(s * std::sin(turn), y, s * std::cos(turn)));
     least = std::min({least, e.x, e.y, e.z});
   }
@@ -147,7 +151,8 @@ TEST(Harmonics, TheWeakestWindowLeavesNoNegativeIrradianceAndIsNoStronger) {
   }
 }
 
-// Of light from one direction, at the cosine x: 1/4 + w1 x / 2 + 5/32 w2 (3 x^2 - 1), least at x = -8 w1 / (15 w2) or -1.
+// Of light from one direction, at the cosine x: 1/4 + w1 x / 2 + 5/32 w2 (3 x^2 - 1),
+// least at x = -8 w1 / (15 w2) or -1.
 TEST(Harmonics, TheWeakestWindowOfOneLightIsThatOfTheClosedForm) {
   Harmonics h{2, std::vector<Flux>(9)};
   std::vector<double> y(9);

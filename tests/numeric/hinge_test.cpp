@@ -24,7 +24,8 @@ std::vector<Direction> directions(int count) {
     for (int y = -1; y <= 1; ++y)
       for (int z = -1; z <= 1; ++z)
         if (x != 0 || y != 0 || z != 0)
-          for (const double tilt : {0.0, 1e-9, 1e-4}) all.push_back(unit(Direction(x, y, z) + tilt * Direction(0.3, -0.5, 0.8)));
+          for (const double tilt : {0.0, 1e-9, 1e-4})
+            all.push_back(unit(Direction(x, y, z) + tilt * Direction(0.3, -0.5, 0.8)));
   std::mt19937_64 random(7);
   const auto even = [&] { return double(random() >> 11) * 0x1p-52 - 1; };
   for (int k = 0; k < count; ++k) all.push_back(unit(Direction(even(), even(), even())));
@@ -64,7 +65,8 @@ void expect_bounds(const Level& level, double error, std::span<const Direction> 
         const double sum = factor * found[n].sum[k][c], bound = factor * found[n].bound[k][c];
         ASSERT_NEAR(sum, truth[n][c], bound + exact_error * std::max(truth[n][c], floor))
             << what << ", power " << k + 1 << ", direction " << n << ", channel " << c;
-        ASSERT_LE(bound, error * std::max(truth[n][c], floor) * 1.0001) << what << ", power " << k + 1 << ", direction " << n;
+        ASSERT_LE(bound, error * std::max(truth[n][c], floor) * 1.0001)
+            << what << ", power " << k + 1 << ", direction " << n;
       }
   }
 }
@@ -72,7 +74,10 @@ void expect_bounds(const Level& level, double error, std::span<const Direction> 
 #ifdef __SANITIZE_ADDRESS__  // Sums are those of the optimised build. Here memory is looked at.
 const Source sources[] = {{Projection::latlong, 64}, {Projection::cube, 33}};
 #else
-const Source sources[] = {{Projection::latlong, 64}, {Projection::latlong, 129}, {Projection::cube, 64}, {Projection::cube, 67}};
+const Source sources[] = {{Projection::latlong, 64},
+                          {Projection::latlong, 129},
+                          {Projection::cube, 64},
+                          {Projection::cube, 67}};
 #endif
 
 TEST(Hinge, LoneLightsStayWithinTheirBounds) {
@@ -80,12 +85,15 @@ TEST(Hinge, LoneLightsStayWithinTheirBounds) {
     const Level shape(s.projection, s.size);
     const int w = shape.width(), h = shape.height();
     // Poles or centres of faces, corners, seams, and the middle.
-    const int places[][2] = {{0, 0}, {w - 1, h - 1}, {w / 2, 0}, {0, h / 2}, {w - 1, h / 2 - 1}, {w / 3, h / 3}, {w / 2, h / 2}};
+    const int places[][2] = {{0, 0},         {w - 1, h - 1}, {w / 2, 0}, {0, h / 2}, {w - 1, h / 2 - 1},
+                             {w / 3, h / 3}, {w / 2, h / 2}};
     int count = 0;
     for (const auto& [x, y] : places) {
       const int at = count++ % shape.faces(), i = x, j = y;
-      const Level level = made(s, [&](int f, int a, int b, int c) { return f == at && (a + c) % w == i && b == j ? 1e9F : 0.F; });
-      for (const double error : {1e-3, 1e-4}) expect_bounds(level, error, directions(10), fmt::format("{} light {} {}", words(s), i, j));
+      const Level level =
+          made(s, [&](int f, int a, int b, int c) { return f == at && (a + c) % w == i && b == j ? 1e9F : 0.F; });
+      for (const double error : {1e-3, 1e-4})
+        expect_bounds(level, error, directions(10), fmt::format("{} light {} {}", words(s), i, j));
     }
   }
 }
@@ -108,8 +116,9 @@ TEST(Hinge, EveryKindOfLightStaysWithinItsBounds) {
 }
 
 TEST(Hinge, SmallestSourcesStayWithinTheirBounds) {
-  for (const Source& s : {Source{Projection::latlong, 1}, Source{Projection::latlong, 2}, Source{Projection::latlong, 7},
-                          Source{Projection::cube, 1}, Source{Projection::cube, 2}, Source{Projection::cube, 5}}) {
+  for (const Source& s :
+       {Source{Projection::latlong, 1}, Source{Projection::latlong, 2}, Source{Projection::latlong, 7},
+        Source{Projection::cube, 1}, Source{Projection::cube, 2}, Source{Projection::cube, 5}}) {
     const Level level = made(s, [](int face, int i, int j, int c) { return float((face + 3 * i + 7 * j + c) % 5); });
     for (const double error : {1e-3, 1e-5}) expect_bounds(level, error, directions(10), words(s));
   }
@@ -127,10 +136,13 @@ TEST(Hinge, LobesThatAreHinges) {
 
 TEST(Hinge, MapsAreMadeByPrefixSumsWithTheirBounds) {
   EnvironmentMap map;
-  map.levels.push_back(made({Projection::latlong, 64}, [](int, int i, int j, int c) { return i == 70 && j == 9 ? 1e5F : float((i + 2 * j + c) % 7); }));
+  map.levels.push_back(made({Projection::latlong, 64}, [](int, int i, int j, int c) {
+    return i == 70 && j == 9 ? 1e5F : float((i + 2 * j + c) % 7);
+  }));
   const PrefilterSource prepared(map);
-  for (const Prefilter& p : {Prefilter{.shape = Shape::diffuse}, Prefilter{.shape = Shape::ggx, .parameter = 1},
-                             Prefilter{.shape = Shape::phong, .parameter = 1}, Prefilter{.shape = Shape::phong, .parameter = 2}})
+  for (const Prefilter& p :
+       {Prefilter{.shape = Shape::diffuse}, Prefilter{.shape = Shape::ggx, .parameter = 1},
+        Prefilter{.shape = Shape::phong, .parameter = 1}, Prefilter{.shape = Shape::phong, .parameter = 2}})
     for (const double error : {1e-2, 1e-4}) {
       Prefilter wanted = p;
       wanted.size = 9, wanted.max_error = error;
@@ -155,7 +167,8 @@ TEST(Hinge, BlackStaysBlack) {
 
 TEST(Hinge, RowsComeOutAsInTheWholeMap) {
   EnvironmentMap map;
-  map.levels.push_back(made({Projection::cube, 40}, [](int face, int i, int j, int c) { return float((face + 3 * i + 7 * j + c) % 5); }));
+  map.levels.push_back(made({Projection::cube, 40},
+                            [](int face, int i, int j, int c) { return float((face + 3 * i + 7 * j + c) % 5); }));
   Prefilter wanted{.size = 6};
   const Prefiltered whole = PrefilterSource(map).make(wanted);
   wanted.rows.assign(36, 0);
@@ -167,7 +180,8 @@ TEST(Hinge, RowsComeOutAsInTheWholeMap) {
 TEST(Hinge, OtherLobesAreRefused) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::cube, 4);
-  EXPECT_ANY_THROW(PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.5, .size = 2, .method = Method::prefix_sums}));
+  EXPECT_ANY_THROW(
+      PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.5, .size = 2, .method = Method::prefix_sums}));
 }
 
 }  // namespace

@@ -59,8 +59,8 @@ TEST_P(EachLevels, KeepWhiteWhiteDownToOneTexel) {
   }
 }
 
-// What a texel of the rectangle [u0,u1] x [v0,v1] should hold: the mean over its part of the sphere, by the midpoints of a
-// fine grid and the projection's density.
+// What a texel of the rectangle [u0,u1] x [v0,v1] should hold: the mean over its part of the sphere, by the midpoints
+// of a fine grid and the projection's density.
 template <class F>
 Colour mean_over(Projection p, int face, const Rect& r, F&& f) {
   constexpr int n = 24;
@@ -80,7 +80,8 @@ Colour mean_over(Projection p, int face, const Rect& r, F&& f) {
   return whole > 0 ? Colour(sum / whole) : Colour(0);
 }
 
-// Each texel of each level shows the part of the sphere that it covers and nothing else: no seam, no shift, no dark rim.
+// Each texel of each level shows the part of the sphere that it covers and nothing else: no seam, no shift,
+// no dark rim.
 TEST_P(EachLevels, ShowTheMeanOfTheEnvironmentInEveryTexel) {
   const auto environment = [](const Direction& d) { return Flux(1 + d.x, std::exp(d.y), 1 + d.z * d.x); };
   for (const int size : {32, 45}) {

@@ -38,7 +38,9 @@ TEST(Measure, OneTexel) {
   EXPECT_NEAR(m.brightest, 0.2126 * 5 + 0.7152 + 0.0722 * 0.25, 1e-6);
 }
 
-double degrees_between(const Direction& a, const Direction& b) { return 180 / pi * std::acos(std::min(1.0, glm::dot(a, b))); }
+double degrees_between(const Direction& a, const Direction& b) {
+  return 180 / pi * std::acos(std::min(1.0, glm::dot(a, b)));
+}
 
 // A disc of equal texels round each direction, over edges, corners, seams and poles.
 TEST(Measure, TheBrightestOfAClippedLightIsItsMiddle) {
@@ -51,7 +53,8 @@ TEST(Measure, TheBrightestOfAClippedLightIsItsMiddle) {
         if (Colour& c = *map.base().texel(t.face, t.i, t.j); c.x > 4) c = Colour(4), ++clipped;
       const Measures m = measure(map);
       // Next to a rim texels span degrees.
-      EXPECT_LT(degrees_between(m.brightest_direction, middle), on_disc(p) ? 2.5 : 1) << name(p) << " " << towards.x << "," << towards.y << "," << towards.z;
+      EXPECT_LT(degrees_between(m.brightest_direction, middle), on_disc(p) ? 2.5 : 1)
+          << name(p) << " " << towards.x << "," << towards.y << "," << towards.z;
       EXPECT_GT(m.brightest_texels, 20) << name(p);
       EXPECT_LE(m.brightest_texels, clipped) << name(p);
       EXPECT_EQ(m.brightest_value, Colour(4));

@@ -50,7 +50,8 @@ std::vector<Direction> around(const Direction& light, int count) {
   const Direction other = glm::cross(light, side);
   std::vector<Direction> all;
   for (int k = 0; k < count; ++k) {
-    const double angle = k % 3 == 0 ? pi * (0.5 + 0.04 * (part() - 0.5)) : std::min(pi, std::pow(10, -3 + 3.3 * part()));
+    const double angle =
+        k % 3 == 0 ? pi * (0.5 + 0.04 * (part() - 0.5)) : std::min(pi, std::pow(10, -3 + 3.3 * part()));
     const double turn = 2 * pi * part();
     all.push_back(unit(std::cos(angle) * light + std::sin(angle) * (std::cos(turn) * side + std::sin(turn) * other)));
   }
@@ -111,9 +112,10 @@ TEST(Multilevel, LoneLightsOfCubesStayWithinTheirBounds) {
   for (const Case& c : cases)
     for (const int size : {16, sizes[0] / 2})
       for (const auto& [face, i, j] : {std::array{2, 0, 0}, std::array{1, size / 3, size - 1}}) {
-        const EnvironmentMap map = made(Projection::cube, size, [&, x = i, y = j, at = face](int f, int a, int b, int ch) {
-          return f == at && a == x && b == y && ch != 1 ? 1e9F : 0.F;
-        });
+        const EnvironmentMap map =
+            made(Projection::cube, size, [&, x = i, y = j, at = face](int f, int a, int b, int ch) {
+              return f == at && a == x && b == y && ch != 1 ? 1e9F : 0.F;
+            });
         std::vector<Direction> light(1);
         texel_directions(Projection::cube, size, face, j, i, light);
         const double error = size == 16 ? 1e-3 : 1e-4;

@@ -26,13 +26,17 @@ double off(const Colour& shown, const Direction& expected) {
 TEST(Photograph, ShowsTheFacesOfACube) {
   const int size = 16;
   const EnvironmentMap map = generate(Checker{.squares = 12}, {Projection::cube}, size);
-  const struct { int face; Direction towards; } sides[]{{0, {1, 0, 0}}, {1, {-1, 0, 0}}, {4, {0, 0, 1}}, {5, {0, 0, -1}}};
+  const struct {
+    int face;
+    Direction towards;
+  } sides[]{{0, {1, 0, 0}}, {1, {-1, 0, 0}}, {4, {0, 0, 1}}, {5, {0, 0, -1}}};
   for (const auto& side : sides) {
     const PhotographOptions o{.field = pi / 2, .width = size, .height = size, .towards = side.towards, .samples = 1};
     const std::vector<Colour> picture = photograph(map.clone(), o);
     for (int row = 0; row < size; ++row)
       for (int i = 0; i < size; ++i)
-        ASSERT_NEAR(pixel(picture, o, i, row).x, map.base().texel(side.face, i, row)->x, 1e-6) << side.face << " " << i << " " << row;
+        ASSERT_NEAR(pixel(picture, o, i, row).x, map.base().texel(side.face, i, row)->x, 1e-6)
+            << side.face << " " << i << " " << row;
   }
 }
 
@@ -67,7 +71,8 @@ TEST(Photograph, UpIsMinusZOfTheSkyAndPlusZOfTheGround) {
 TEST(Photograph, TurnsTheEnvironmentAndScalesIt) {
   const EnvironmentMap map = directions_map(Projection::latlong, 128);
   // By a quarter turn what was seen towards +Z is seen towards +X.
-  const PhotographOptions o{.width = 3, .height = 3, .towards = {1, 0, 0}, .samples = 1, .rotation = rotation(90, 0, 0), .gain = 2};
+  const PhotographOptions o{
+      .width = 3, .height = 3, .towards = {1, 0, 0}, .samples = 1, .rotation = rotation(90, 0, 0), .gain = 2};
   const Colour shown = pixel(photograph(map.clone(), o), o, 1, 1);
   EXPECT_NEAR(shown.x, 1, 0.01);
   EXPECT_NEAR(shown.z, 2, 0.01);
@@ -75,7 +80,8 @@ TEST(Photograph, TurnsTheEnvironmentAndScalesIt) {
 
 // A pixel of many texels is their mean: that of a fine checker is half way, where one sample is black or white.
 TEST(Photograph, WidePixelsAreMeans) {
-  const EnvironmentMap map = generate(Checker{.squares = 64, .even = Rgb<double>(1), .odd = Rgb<double>(0)}, {Projection::latlong}, 256);
+  const EnvironmentMap map =
+      generate(Checker{.squares = 64, .even = Rgb<double>(1), .odd = Rgb<double>(0)}, {Projection::latlong}, 256);
   const PhotographOptions o{.field = 0.7, .width = 5, .height = 5};
   for (const Colour& c : photograph(map.clone(), o)) EXPECT_NEAR(c.x, 0.5, 0.05);
 }

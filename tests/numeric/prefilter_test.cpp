@@ -22,7 +22,7 @@ using prefiltering::exact_prefilter;
 
 namespace {
 
-// ---- the definitions once more ---------------------------------------------------------------------------------------
+// ---- the definitions once more --------------------------------------------------------------------------------------
 
 // The lobe times its factor, of the cosine between the direction asked for and that of the light; not normalised.
 double kernel(const Prefilter& p, double cosine) {
@@ -30,7 +30,8 @@ double kernel(const Prefilter& p, double cosine) {
   switch (p.shape) {
     case Shape::diffuse: return cosine;
     case Shape::phong: return std::pow(cosine, p.parameter);
-    case Shape::blinn_phong: return std::pow(std::sqrt(0.5 * (1 + cosine)), p.parameter) * cosine;  // n.h of half the angle.
+    // n.h of half the angle.
+    case Shape::blinn_phong: return std::pow(std::sqrt(0.5 * (1 + cosine)), p.parameter) * cosine;
     case Shape::charlie: return std::pow(std::sqrt(0.5 * (1 - cosine)), 1 / (p.parameter * p.parameter)) * cosine;
     case Shape::ggx: break;
   }
@@ -112,7 +113,7 @@ class EachPrefilter : public testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(, EachPrefilter, testing::ValuesIn(all_projections),
                          [](const auto& p) { return identifier(p.param); });
 
-// ---- right ------------------------------------------------------------------------------------------------------------
+// ---- right ----------------------------------------------------------------------------------------------------------
 
 TEST_P(EachPrefilter, AgreesWithTheDefinition) {
   const EnvironmentMap source = source_of(landscape(GetParam(), 12));
@@ -152,7 +153,8 @@ TEST_P(EachPrefilter, WhiteStaysWhite) {
           for (const Colour& c : done.map.base().row(face, j))
             for (int k = 0; k < 3; ++k) ASSERT_NEAR(c[k], 1, 1e-6) << words(p);
       if (is_mirror(p)) continue;
-      for (const Flux& c : exact_prefilter(prepared.source().base(), lobe_of(p), some)) ASSERT_NEAR(c.x, 1, 1e-6) << words(p);
+      for (const Flux& c : exact_prefilter(prepared.source().base(), lobe_of(p), some))
+        ASSERT_NEAR(c.x, 1, 1e-6) << words(p);
     }
 }
 
@@ -181,8 +183,9 @@ TEST(Prefilter, OneTexelGivesTheLobe) {
   Direction sun[1];
   texel_directions(Projection::cube, 256, 4, 128, 128, sun);
   const PrefilterSource prepared(map);
-  for (Prefilter p :
-       {Prefilter{.shape = Shape::phong, .parameter = 8}, {.shape = Shape::phong, .parameter = 8, .scale = 2}, {.scale = 3}}) {
+  for (Prefilter p : {Prefilter{.shape = Shape::phong, .parameter = 8},
+                      {.shape = Shape::phong, .parameter = 8, .scale = 2},
+                      {.scale = 3}}) {
     p.size = 8;
     const Prefiltered done = prepared.make(p);
     const double factor = p.shape == Shape::diffuse ? 3 / pi : p.scale.value_or(9 / (2 * pi));
@@ -205,7 +208,8 @@ TEST(Prefilter, BlinnPhongIsItsClosedForm) {
   for (const double m : {1e-3, 0.5, 7.0, 300.0, 1e5, 1e9}) {
     const BlinnPhong lobe(m);
     EXPECT_NEAR(lobe.missing(0), 1, 1e-12) << m;
-    for (const double x : {1e-10, 1e-4, 0.2, 0.99}) EXPECT_NEAR(lobe.share(x) + lobe.missing(x), 1, 1e-12) << m << " " << x;
+    for (const double x : {1e-10, 1e-4, 0.2, 0.99})
+      EXPECT_NEAR(lobe.share(x) + lobe.missing(x), 1, 1e-12) << m << " " << x;
   }
 }
 
@@ -228,7 +232,8 @@ TEST(Prefilter, CharlieIsItsClosedForm) {
   }
 }
 
-// As glTF's sampler draws half vectors, sin(n,h) = u^(a / (2 a + 1)), and weighs light by cos(n,l): the mean of a gradient.
+// As glTF's sampler draws half vectors, sin(n,h) = u^(a / (2 a + 1)), and weighs light by cos(n,l):
+// the mean of a gradient.
 TEST(Prefilter, CharlieIsWhatHalfVectorsSample) {
   const EnvironmentMap map = generate(Gradient{Direction(0), Direction(1)}, Projection::cube, 64);  // (1 + y) / 2.
   const PrefilterSource prepared(map);
@@ -240,7 +245,8 @@ TEST(Prefilter, CharlieIsWhatHalfVectorsSample) {
       const double sine = std::pow((k + 0.5) / count, a / (2 * a + 1)), cosine = 1 - 2 * sine * sine;  // Of n and l.
       if (cosine > 0) sum += cosine * cosine, weight += cosine;
     }
-    const Prefiltered done = prepared.make({.shape = Shape::charlie, .parameter = roughness, .size = 3, .max_error = 1e-4});
+    const Prefiltered done =
+        prepared.make({.shape = Shape::charlie, .parameter = roughness, .size = 3, .max_error = 1e-4});
     EXPECT_NEAR(done.map.base().texel(2, 1, 1)->x, 0.5 + 0.5 * sum / weight, 3e-4) << roughness;
   }
 }
@@ -336,12 +342,13 @@ TEST(Prefilter, SpectralTakesAFinerGridWhereDarkTexelsNeedIt) {
   const std::vector<Flux> truth = exact_prefilter(source.base(), lobe_of(p), d);
   for (std::size_t n = 0; n < d.size(); ++n) {
     const int face = int(n) / 24, k = int(n) % 24;
-    EXPECT_LT(relative(Flux(*done.map.base().texel(face, k, 23 - k)), truth[n], floor), p.max_error) << face << ' ' << k;
+    EXPECT_LT(relative(Flux(*done.map.base().texel(face, k, 23 - k)), truth[n], floor), p.max_error)
+        << face << ' ' << k;
   }
 }
 
-// GGX has a kink at its horizon, which takes more degrees than there are: what that leaves is counted, not refused. Suns lie on the
-// horizons of many texels.
+// GGX has a kink at its horizon, which takes more degrees than there are: what that leaves is counted, not refused.
+// Suns lie on the horizons of many texels.
 TEST(Prefilter, SpectralCountsTheKinkAtTheHorizonOfGgx) {
   for (const Projection from : {Projection::cube, Projection::latlong}) {
     EnvironmentMap source;
@@ -362,7 +369,8 @@ TEST(Prefilter, SpectralCountsTheKinkAtTheHorizonOfGgx) {
         found.emplace_back(*done.map.base().texel(t.face, t.i, t.j));
       }
       const std::vector<Flux> truth = exact_prefilter(source.base(), lobe_of(p), d);
-      for (std::size_t n = 0; n < d.size(); ++n) EXPECT_LT(relative(found[n], truth[n], floor), 0.5 * p.max_error) << roughness << ' ' << n;
+      for (std::size_t n = 0; n < d.size(); ++n)
+        EXPECT_LT(relative(found[n], truth[n], floor), 0.5 * p.max_error) << roughness << ' ' << n;
     }
   }
 }
@@ -386,7 +394,11 @@ TEST(Prefilter, PhongKeepsTheFlux) {
   const Flux before = measure(source).flux;
   const PrefilterSource prepared(source);
   for (const auto& [exponent, size] : {std::pair{1.0, 64}, {50.0, 96}}) {
-    const Prefiltered done = prepared.make({.shape = Shape::phong, .parameter = exponent, .size = size, .method = Method::hierarchical, .max_error = 1e-3});
+    const Prefiltered done = prepared.make({.shape = Shape::phong,
+                                            .parameter = exponent,
+                                            .size = size,
+                                            .method = Method::hierarchical,
+                                            .max_error = 1e-3});
     const Flux after = measure(done.map).flux;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c] / before[c], 1, 1e-4) << exponent;
   }
@@ -404,7 +416,7 @@ TEST(Prefilter, ResolutionOfTheSourceChangesNothing) {
   }
 }
 
-// ---- extremes ---------------------------------------------------------------------------------------------------------
+// ---- extremes -------------------------------------------------------------------------------------------------------
 
 TEST(Prefilter, NarrowLobesTendToTheMirror) {
   const EnvironmentMap source = landscape(Projection::cube, 4);
@@ -430,12 +442,15 @@ TEST(Prefilter, AMirrorKeepsFluxWithinItsError) {
       for (const int size : {6, 12, 40}) {
         EnvironmentMap source = generate(Constant{Direction(0.1)}, from, 24);
         *source.base().texel(0, 17, 9) = Colour(5000, 4000, 3000);
-        const Prefiltered done = PrefilterSource(source).make({.shape = Shape::ggx, .parameter = 0, .to = to, .size = size});
+        const Prefiltered done =
+            PrefilterSource(source).make({.shape = Shape::ggx, .parameter = 0, .to = to, .size = size});
         SCOPED_TRACE(testing::Message() << name(from) << " to " << name(to) << " of " << size);
         EXPECT_EQ(method_name(done), "area");
         const Flux there = flux(source.base()), here = flux(done.map.base());
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(here[c] / there[c], 1, 4e-3);  // The bilinear reconstruction is off by 2e-3.
-        const EnvironmentMap truth = convert(source, {.to = {to}, .size = size, .filter = Filter::area, .area_error = 1e-7});
+        // The bilinear reconstruction is off by 2e-3.
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(here[c] / there[c], 1, 4e-3);
+        const EnvironmentMap truth =
+            convert(source, {.to = {to}, .size = size, .filter = Filter::area, .area_error = 1e-7});
         EXPECT_GT(done.error, 0);
         EXPECT_LE(compare(done.map.base(), truth.base()).maximum, done.error);
       }
@@ -458,7 +473,8 @@ TEST(Prefilter, ANarrowLobeOnAnEdgeSeesHalfOfEitherSide) {
     EXPECT_NEAR(exact_prefilter(map.base(), lobe, std::span(&d, 1))[0].x, 2, 1e-3);
 }
 
-// Where one half of the sphere is white and the other 0.1: the lobe's sum over rings, of each the part that lies in the white half.
+// Where one half of the sphere is white and the other 0.1: the lobe's sum over rings,
+// of each the part that lies in the white half.
 double at_an_edge(const Prefilter& p, double height) {  // Sine of the angle that the direction is from the edge.
   double white = 0, whole = 0;
   constexpr int rings = 200000;
@@ -504,24 +520,27 @@ TEST(Prefilter, ACubeOfSixTexelsNeedsNoExactSum) {
 }
 
 TEST(Prefilter, ExponentNoughtSeesThePartOfASunAboveTheHorizon) {
-  // A sun of one texel on the equator, black round it: for exponent 0 a direction on the equator gets what of its longitudes
-  // lies within a quarter turn, over 2 pi.
+  // A sun of one texel on the equator, black round it: for exponent 0 a direction on the equator gets what of its
+  // longitudes lies within a quarter turn, over 2 pi.
   EnvironmentMap map;
   map.levels.emplace_back(Projection::latlong, 16);
   for (const int j : {7, 8}) *map.base().texel(0, 5, j) = Colour(1e9F);
   const double height = 2 * std::sin(pi / 16), width = 2 * pi / 32, middle = 2 * pi * (0.5 - 5.5 / 32);
   const PrefilterSource prepared(map);
-  const Prefiltered done = prepared.make({.shape = Shape::phong, .to = Projection::latlong, .size = 17, .max_error = 1e-2});
+  const Prefiltered done =
+      prepared.make({.shape = Shape::phong, .to = Projection::latlong, .size = 17, .max_error = 1e-2});
   EXPECT_LE(done.error, 1e-2);
   const double floor = 1e-3 * mean_radiance(map.base());
   for (int i = 0; i < 34; ++i) {
     const double off = std::abs(std::remainder(2 * pi * (0.5 - (i + 0.5) / 34) - middle, 2 * pi));
-    const double seen = std::clamp(0.5 + (pi / 2 - off) / width, 0.0, 1.0), truth = 1e9 / (2 * pi) * height * width * seen;
+    const double seen = std::clamp(0.5 + (pi / 2 - off) / width, 0.0, 1.0),
+                 truth = 1e9 / (2 * pi) * height * width * seen;
     EXPECT_NEAR(done.map.base().texel(0, i, 8)->x, truth, 1.2e-2 * std::max(truth, floor)) << i;
   }
 }
 
-// The sides of a wedge at a pole all but cancel where a steep lobe has only its tail there, and a sun shows what is left.
+// The sides of a wedge at a pole all but cancel where a steep lobe has only its tail there,
+// and a sun shows what is left.
 TEST(Prefilter, TheTailOfASteepLobeOverAPoleIsNoDifferenceOfLargeNumbers) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::latlong, 18);
@@ -540,8 +559,8 @@ TEST(Prefilter, TheTailOfASteepLobeOverAPoleIsNoDifferenceOfLargeNumbers) {
   EXPECT_NEAR(exact_prefilter(map.base(), Phong{exponent}, std::span(&r, 1))[0].x, truth, 1e-4 * truth);
 }
 
-// Many directions take points by SIMD; one takes each texel by itself; texels cut in four by four see a lobe that is four
-// times as even. All but one texel are dark, so that what the tail of a lobe makes of a sun shows.
+// Many directions take points by SIMD; one takes each texel by itself; texels cut in four by four see a lobe that is
+// four times as even. All but one texel are dark, so that what the tail of a lobe makes of a sun shows.
 TEST(Prefilter, TheExactSumIsTheSameInAnyNumberOfDirectionsAndOfAnyCutTexels) {
   const EnvironmentMap map = landscape(Projection::cube, 20, 1e6F);
   const Level& source = map.base();
@@ -552,10 +571,9 @@ TEST(Prefilter, TheExactSumIsTheSameInAnyNumberOfDirectionsAndOfAnyCutTexels) {
   std::vector<Direction> all;
   for (int k = 0; k < 11; ++k)
     all.push_back(glm::normalize(Direction(std::sin(k), std::cos(3 * k), std::sin(2 * k + 1))));
-  for (const Lobe& lobe :
-       {Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.2}), Lobe(Phong{7.9}), Lobe(Phong{8}), Lobe(Phong{45}),
-        Lobe(Phong{700}), Lobe(Phong{1e5}), Lobe(Ggx(0.1)), Lobe(Ggx(0.4)), Lobe(Ggx(1)), Lobe(BlinnPhong(30)), Lobe(Charlie(1)),
-        Lobe(Charlie(0.2))}) {
+  for (const Lobe& lobe : {Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.2}), Lobe(Phong{7.9}), Lobe(Phong{8}),
+                           Lobe(Phong{45}), Lobe(Phong{700}), Lobe(Phong{1e5}), Lobe(Ggx(0.1)), Lobe(Ggx(0.4)),
+                           Lobe(Ggx(1)), Lobe(BlinnPhong(30)), Lobe(Charlie(1)), Lobe(Charlie(0.2))}) {
     const std::vector<Flux> together = exact_prefilter(source, lobe, all), finer = exact_prefilter(cut, lobe, all);
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Flux alone = exact_prefilter(source, lobe, std::span(all).subspan(k, 1))[0];
@@ -591,8 +609,8 @@ std::vector<Flux> exact_of_suns(const Level& map, const Lobe& lobe, std::span<co
   return found;
 }
 
-// Suns where they are hard: looked at through the tail of a lobe, from the pole or the corner itself, at the rim of a disc.
-// In every texel.
+// Suns where they are hard: looked at through the tail of a lobe, from the pole or the corner itself, at the rim of a
+// disc. In every texel.
 TEST(Prefilter, SunsAtPolesCornersSeamsAndRimsAreRightInEveryTexel) {
   struct Sun {
     int i, j;
@@ -635,13 +653,19 @@ TEST(Prefilter, SunsAtPolesCornersSeamsAndRimsAreRightInEveryTexel) {
   }
 }
 
-// Of a treecode whose nodes are all off the same way: a horizon along the edge of a lit half, coloured patterns, whose channels
-// spread unlike each other in every node, and a pattern round a pole, as seen from there.
+// Of a treecode whose nodes are all off the same way: a horizon along the edge of a lit half, coloured patterns, whose
+// channels spread unlike each other in every node, and a pattern round a pole, as seen from there.
 TEST(Prefilter, LightThatRepeatsIsRightInEveryTexel) {
   const auto half = [](const Texel& /*t*/, const Direction& d) { return Colour(d.x < 0 ? 1e6F : 0.5F); };
-  const auto checkers = [](const Texel& t, const Direction& /*d*/) { return t.i % 2 == t.j % 2 ? Colour(1, 0, 0.3F) : Colour(0, 1, 0.3F); };
-  const auto stripes = [](const Texel& t, const Direction& /*d*/) { return t.i * 4 % 5 + t.j % 3 < 3 ? Colour(1, 0, 0.3F) : Colour(0, 1, 0.3F); };
-  const auto rows = [](const Texel& t, const Direction& /*d*/) { return Colour(t.j % 8 < 3 ? 100.F : 1.F, t.j % 4 < 1 ? 10.F : 1.F, 1); };
+  const auto checkers = [](const Texel& t, const Direction& /*d*/) {
+    return t.i % 2 == t.j % 2 ? Colour(1, 0, 0.3F) : Colour(0, 1, 0.3F);
+  };
+  const auto stripes = [](const Texel& t, const Direction& /*d*/) {
+    return t.i * 4 % 5 + t.j % 3 < 3 ? Colour(1, 0, 0.3F) : Colour(0, 1, 0.3F);
+  };
+  const auto rows = [](const Texel& t, const Direction& /*d*/) {
+    return Colour(t.j % 8 < 3 ? 100.F : 1.F, t.j % 4 < 1 ? 10.F : 1.F, 1);
+  };
   const auto beside_a_sun = [](const Texel& t, const Direction& d) {
     return Colour(t.face == 0 && d.z < -0.68 && std::abs(d.y) < 0.05 ? 1e6F : (t.i + t.j) % 2 ? 1.F : 0.F);
   };
@@ -651,8 +675,12 @@ TEST(Prefilter, LightThatRepeatsIsRightInEveryTexel) {
     std::function<Colour(const Texel&, const Direction&)> light;
     double exponent;
   };
-  for (const Case& c : {Case{Projection::latlong, 128, half, 1}, {Projection::cube, 32, half, 1}, {Projection::cube, 48, checkers, 2},
-                        {Projection::cube, 24, stripes, 2}, {Projection::latlong, 128, rows, 34}, {Projection::cube, 24, beside_a_sun, 7.35}}) {
+  for (const Case& c : {Case{Projection::latlong, 128, half, 1},
+                        {Projection::cube, 32, half, 1},
+                        {Projection::cube, 48, checkers, 2},
+                        {Projection::cube, 24, stripes, 2},
+                        {Projection::latlong, 128, rows, 34},
+                        {Projection::cube, 24, beside_a_sun, 7.35}}) {
     EnvironmentMap map;
     map.levels.emplace_back(c.from, c.size);
     Level& level = map.base();
@@ -674,7 +702,8 @@ TEST(Prefilter, LightThatRepeatsIsRightInEveryTexel) {
       const Prefiltered fast = source.make(p);
       double worst = 0;
       for (std::size_t n = 0; n < all.size(); ++n) {
-        const Flux found(*fast.map.base().texel(texels[n].face, texels[n].i, texels[n].j)), off = glm::abs(found - truth[n]);
+        const Flux found(*fast.map.base().texel(texels[n].face, texels[n].i, texels[n].j)),
+            off = glm::abs(found - truth[n]);
         for (int k = 0; k < 3; ++k) worst = std::max(worst, off[k] / std::max(truth[n][k], fast.floor));
       }
       EXPECT_LE(worst, 0.7 * error) << name(c.from) << " " << c.size << ", exponent " << c.exponent;

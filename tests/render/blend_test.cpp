@@ -1,4 +1,5 @@
-// Blended surfaces: what OpenGL draws layer by layer, and rays that go on, against the sum of what lies behind each other.
+// Blended surfaces: what OpenGL draws layer by layer, and rays that go on,
+// against the sum of what lies behind each other.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +27,12 @@ const Card cards[] = {{{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, 0.5F},
                       {{0, 0.6, 0.8}, {0, 0, -0.5}, {1, 1, 0}, 0.4F}};
 
 Material shining(const Card& card) {
-  return {.base_colour = {0, 0, 0, card.alpha}, .roughness = 1, .emissive = card.colour, .ior = 1, .blended = true, .double_sided = true};
+  return {.base_colour = {0, 0, 0, card.alpha},
+          .roughness = 1,
+          .emissive = card.colour,
+          .ior = 1,
+          .blended = true,
+          .double_sided = true};
 }
 
 Scene stack() {
@@ -45,7 +51,8 @@ Scene stack() {
 Colour expected(const Direction& from, const Direction& ray) {
   std::vector<std::pair<double, const Card*>> met;
   for (const Card& card : cards)
-    if (const double t = glm::dot(card.normal, card.place - from) / glm::dot(card.normal, ray); t > 0) met.emplace_back(t, &card);
+    if (const double t = glm::dot(card.normal, card.place - from) / glm::dot(card.normal, ray); t > 0)
+      met.emplace_back(t, &card);
   std::ranges::sort(met, std::ranges::greater());
   Colour sum(0);
   for (const auto& [t, card] : met) sum = glm::mix(sum, card->colour, card->alpha);
@@ -113,7 +120,8 @@ TEST(Blended, WhiteInWhiteIsNotSeen) {
     return map;
   }());
   Scene scene;
-  small_scenes::add(scene, rooms::ball(24, 1), {.base_colour = {1, 1, 1, 0.5F}, .roughness = 0.6F, .blended = true, .double_sided = true});
+  small_scenes::add(scene, rooms::ball(24, 1),
+                    {.base_colour = {1, 1, 1, 0.5F}, .roughness = 0.6F, .blended = true, .double_sided = true});
   const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &white};
   drawing::context();
   Renderer renderer(scene, &white);
@@ -128,7 +136,8 @@ TEST(Blended, CardsCastShadowsWhereTheyCoverHalf) {
     small_scenes::add(scene, small_scenes::square(2), small_scenes::plaster);
     Material card{.base_colour = {1, 1, 1, alpha}, .alpha_cutoff = 0.5F, .blended = true, .double_sided = true};
     small_scenes::add(scene, small_scenes::square(0.4F), card, glm::translate(Matrix(1), Direction(0.6, 1, 0)));
-    small_scenes::add(scene, {.kind = PunctualLight::Kind::directional, .intensity = Colour(3)}, {0, 0, 0}, {-0.6, -1, 0});
+    small_scenes::add(scene, {.kind = PunctualLight::Kind::directional, .intensity = Colour(3)}, {0, 0, 0},
+                      {-0.6, -1, 0});
     const Shot shot{.scene = scene, .pose = pose(scene, 0)};
     const View view = looking_at({.at = {-1, 2, 2}}, Direction(0));  // Past the card.
     const Viewpoint from{.size = 1, .at = view.at, .axes = view.axes, .lens = Lens{1, {0.01, 0.01}, 0}};

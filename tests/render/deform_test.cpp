@@ -15,10 +15,12 @@ using DeformTest = SceneTest;
 
 constexpr float quarter = 0.70710678F;  // Of a turn, as a quaternion: sine and cosine of 45 degrees.
 
-void animate(GltfFile& file, int node, const char* path, const std::vector<float>& values, const char* type, int components) {
+void animate(GltfFile& file, int node, const char* path, const std::vector<float>& values, const char* type,
+             int components) {
   const int times = file.add<float>({0, 1}, "SCALAR", 1), output = file.add<float>(values, type, components);
   json& animation = file.document["animations"][0];
-  animation["channels"].push_back({{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
   animation["samplers"].push_back({{"input", times}, {"output", output}});
 }
 
@@ -72,8 +74,9 @@ TEST_F(DeformTest, FlatTrianglesGetNewNormals) {
     EXPECT_LT(glm::distance(n, glm::vec3(-quarter, 0, quarter)), 1e-6F);
 }
 
-// A tube of radius 0.3 along Y from 0 to 2, bones at 0 and 1; the upper one bends by 90 degrees about Z within a second. What
-// hangs on it goes from (x, 1 + t, z) to (-t, 1 + x, z); the ring at 1, which both hold, to the middle of where each has it.
+// A tube of radius 0.3 along Y from 0 to 2, bones at 0 and 1; the upper one bends by 90 degrees about Z within a
+// second. What hangs on it goes from (x, 1 + t, z) to (-t, 1 + x, z); the ring at 1, which both hold,
+// to the middle of where each has it.
 GltfFile tube() {
   GltfFile file;
   std::vector<float> positions, normals, weights;
@@ -105,9 +108,10 @@ GltfFile tube() {
                                        1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1}, "MAT4", 16);
   file.document["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", inverse}}};
   // A skin's node moves nothing by itself.
-  file.document["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"name", "tube"}, {"translation", {7, 8, 9}}, {"scale", {2, 3, 4}}},
-                            {{"name", "lower"}, {"children", {2}}},
-                            {{"name", "upper"}, {"translation", {0, 1, 0}}}};
+  file.document["nodes"] = {
+      {{"mesh", 0}, {"skin", 0}, {"name", "tube"}, {"translation", {7, 8, 9}}, {"scale", {2, 3, 4}}},
+      {{"name", "lower"}, {"children", {2}}},
+      {{"name", "upper"}, {"translation", {0, 1, 0}}}};
   file.document["scenes"][0]["nodes"] = {0, 1};
   animate(file, 2, "rotation", {0, 0, 0, 1, 0, 0, quarter, quarter}, "VEC4", 4);
   return file;
@@ -141,7 +145,8 @@ TEST_F(DeformTest, ATubeOfTwoBonesBends) {
 TEST_F(DeformTest, IsDrawnAsRaysSeeIt) {
   GltfFile file = tube();
   file.document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}, {"intensity", 3}}};
-  file.document["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}, {"rotation", {-0.5, 0.3, 0, 0.8}}});
+  file.document["nodes"].push_back(
+      {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}, {"rotation", {-0.5, 0.3, 0, 0.8}}});
   file.document["scenes"][0]["nodes"].push_back(3);
   file.write(folder / "tube.glb");
   Scene scene = read_scene(path("tube.glb"));
@@ -175,10 +180,13 @@ TEST_F(DeformTest, BrokenSkinsAreRefused) {
     file.write(folder / "broken.glb");
     return why(path("broken.glb"));
   };
-  EXPECT_NE(says([](json& d) { d["skins"][0]["joints"] = {1}; }).find("has 1 joints; a vertex names number 1"), std::string::npos);
+  EXPECT_NE(says([](json& d) { d["skins"][0]["joints"] = {1}; }).find("has 1 joints; a vertex names number 1"),
+            std::string::npos);
   EXPECT_NE(says([](json& d) { d["skins"][0]["joints"] = {1, 9}; }).find("is 9, but there are 3"), std::string::npos);
   EXPECT_NE(says([](json& d) { d["nodes"][0]["skin"] = 1; }).find("is 1, but there are 1"), std::string::npos);
-  EXPECT_NE(says([](json& d) { d["meshes"][0]["primitives"][0]["attributes"].erase("WEIGHTS_0"); }).find("does not go with"),
+  EXPECT_NE(says([](json& d) {
+              d["meshes"][0]["primitives"][0]["attributes"].erase("WEIGHTS_0");
+            }).find("does not go with"),
             std::string::npos);
   GltfFile file = square(true);
   file.document["meshes"][0]["weights"] = {1, 2};

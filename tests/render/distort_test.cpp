@@ -35,7 +35,8 @@ Scene plate(const Direction& at, double half, int edge) {
   scene.nodes.push_back({.name = "plate", .meshes = {0}});
   Mesh mesh;
   const Direction normal = -glm::normalize(at);
-  const Direction right = glm::normalize(glm::cross(std::abs(normal.y) > 0.9 ? Direction(1, 0, 0) : Direction(0, 1, 0), normal));
+  const Direction right =
+      glm::normalize(glm::cross(std::abs(normal.y) > 0.9 ? Direction(1, 0, 0) : Direction(0, 1, 0), normal));
   const Direction up = glm::cross(normal, right);
   for (int j = 0; j < edge; ++j)
     for (int i = 0; i < edge; ++i) {
@@ -46,7 +47,8 @@ Scene plate(const Direction& at, double half, int edge) {
   const auto vertex = [&](int i, int j) { return std::uint32_t(j * edge + i); };
   for (int j = 0; j + 1 < edge; ++j)
     for (int i = 0; i + 1 < edge; ++i)
-      for (const std::uint32_t k : {vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)})
+      for (const std::uint32_t k :
+           {vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)})
         mesh.indices.push_back(k);
   scene.meshes.push_back(mesh);
   return scene;
@@ -65,7 +67,9 @@ Judged judged(const Scene& scene, const Viewpoint& from, DrawMethod method) {
   return {compare(map.radiance.base(), truth.radiance.base()).rms, map.missing_solid_angle};
 }
 
-double missing(const Scene& scene, const Viewpoint& from, DrawMethod method) { return judged(scene, from, method).missing; }
+double missing(const Scene& scene, const Viewpoint& from, DrawMethod method) {
+  return judged(scene, from, method).missing;
+}
 
 // The mean over all directions of what a map shows, in the first channel.
 double mean(const Scene& scene, const Viewpoint& from, DrawMethod method) {
@@ -74,7 +78,9 @@ double mean(const Scene& scene, const Viewpoint& from, DrawMethod method) {
   return flux(draw(renderer, from, {scene, pose(scene, 0)}, method).radiance.base()).x / (4 * pi);
 }
 
-Viewpoint inside(Projection to) { return {.to = to, .size = 128, .at = {0.1, -0.2, 0.15}, .axes = rotation(20, 30, 40)}; }
+Viewpoint inside(Projection to) {
+  return {.to = to, .size = 128, .at = {0.1, -0.2, 0.15}, .axes = rotation(20, 30, 40)};
+}
 
 class Distort : public ::testing::TestWithParam<std::tuple<Projection, DrawMethod>> {
  protected:
@@ -82,7 +88,8 @@ class Distort : public ::testing::TestWithParam<std::tuple<Projection, DrawMetho
   [[nodiscard]] DrawMethod method() const { return std::get<1>(GetParam()); }
 };
 INSTANTIATE_TEST_SUITE_P(All, Distort,
-                         ::testing::Combine(::testing::Values(Projection::sphere, Projection::paraboloid, Projection::angular),
+                         ::testing::Combine(::testing::Values(Projection::sphere, Projection::paraboloid,
+                                                              Projection::angular),
                                             ::testing::Values(DrawMethod::distort, DrawMethod::tessellate)),
                          [](const auto& p) {
                            return std::string(identifier(std::get<0>(p.param))) + "_" +
@@ -106,8 +113,9 @@ TEST_P(Distort, PlatesInAnyDirectionPaintNoOther) {
     const char* where;
     Direction at;
     double half;
-  } const plates[] = {{"before", {0, 0, 1}, 0.6},     {"beside", {1, 0, 0.2}, 0.6},     {"behind", {0.02, 0.03, -1}, 0.6},
-                      {"across", {0.5, 0.1, -1}, 0.6}, {"huge before", {0.1, 0.1, 1}, 4}, {"huge behind", {0.1, 0.1, -1}, 4}};
+  } const plates[] = {{"before", {0, 0, 1}, 0.6},        {"beside", {1, 0, 0.2}, 0.6},
+                      {"behind", {0.02, 0.03, -1}, 0.6}, {"across", {0.5, 0.1, -1}, 0.6},
+                      {"huge before", {0.1, 0.1, 1}, 4}, {"huge behind", {0.1, 0.1, -1}, 4}};
   for (const auto& [where, at, half] : plates)
     for (const int edge : {2, 16}) {
       const Viewpoint from{.to = to(), .size = 128};
@@ -151,7 +159,8 @@ TEST_P(Distort, ObjectFilesHaveTwoSides) {
   for (const Mesh& mesh : room.meshes) {
     for (const glm::vec3& p : mesh.positions) text += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
     for (std::size_t k = 0; k < mesh.indices.size(); k += 3)
-      text += fmt::format("f {} {} {}\n", first + mesh.indices[k], first + mesh.indices[k + 1], first + mesh.indices[k + 2]);
+      text += fmt::format("f {} {} {}\n", first + mesh.indices[k], first + mesh.indices[k + 1],
+                          first + mesh.indices[k + 2]);
     first += mesh.positions.size();
   }
   const std::string path = ::testing::TempDir() + fmt::format("two-sided-{}.obj", ::getpid());
@@ -182,7 +191,8 @@ TEST_P(Distort, NothingIsDrawnBeyondTheRim) {
 
 TEST(DistortMissing, IsTheSolidAngleRoundTheSingularity) {
   const Viewpoint sphere{.to = Projection::sphere, .size = 128}, halves{.to = Projection::paraboloid, .size = 128};
-  const Scene behind = with(plate({0.02, 0.03, -1}, 0.6, 2), Sides::two), before = with(plate({0, 0, 1}, 0.6, 2), Sides::two);
+  const Scene behind = with(plate({0.02, 0.03, -1}, 0.6, 2), Sides::two),
+              before = with(plate({0, 0, 1}, 0.6, 2), Sides::two);
   // Two triangles; all of their solid angle, that of a square of 1.2 m seen from 1 m, but for the tilt.
   const double square = 4 * std::atan(0.36 / std::sqrt(1 + 2 * 0.36));
   EXPECT_NEAR(missing(behind, sphere, DrawMethod::distort), square, 0.02);

@@ -78,7 +78,8 @@ Scene extremes() {
   const auto add = [&](glm::vec3 a, glm::vec3 b, glm::vec3 c) {
     const glm::vec3 n(0, 0, 1);
     scene.nodes[0].meshes.push_back(int(scene.meshes.size()));
-    scene.meshes.push_back({.positions = {a, b, c}, .normals = {n, n, n}, .coordinates = {{}, {}, {}}, .indices = {0, 1, 2}});
+    scene.meshes.push_back(
+        {.positions = {a, b, c}, .normals = {n, n, n}, .coordinates = {{}, {}, {}}, .indices = {0, 1, 2}});
   };
   add({-1e6F, -1e6F, -30}, {1e6F, -1e6F, -30}, {0, 2e6F, -30});  // All of -Z, and the singularity.
   add({-1e6F, 40, -1e6F}, {1e6F, 40, -1e6F}, {0, 40, 2e6F});     // A ceiling to the horizon.

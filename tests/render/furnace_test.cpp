@@ -38,7 +38,10 @@ constexpr double up = 0.4, across = up * width / height;
 
 Viewpoint looking(const Direction& from, const Direction& towards) {
   const Direction back = glm::normalize(from - towards), right = glm::normalize(glm::cross(Direction(0, 1, 0), back));
-  return {.size = height, .at = from, .axes = {right, glm::cross(back, right), back}, .lens = Lens{width, {across, up}, 0}};
+  return {.size = height,
+          .at = from,
+          .axes = {right, glm::cross(back, right), back},
+          .lens = Lens{width, {across, up}, 0}};
 }
 
 Viewer viewer(const Viewpoint& from) {
@@ -75,7 +78,8 @@ std::vector<int> dark_pixels(const Scene& scene, Projection maps, std::optional<
   return dark;
 }
 
-const Material mirror{.metallic = 1, .roughness = 0}, glass{.roughness = 0, .transmission = 1}, rough{.roughness = 0.7F};
+const Material mirror{.metallic = 1, .roughness = 0}, glass{.roughness = 0, .transmission = 1},
+    rough{.roughness = 0.7F};
 
 class Furnace : public ::testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(Maps, Furnace, ::testing::Values(Projection::sphere, Projection::paraboloid, Projection::cube),

@@ -26,7 +26,8 @@ Level read_level(const MapTexture& map, int level) {
     glGetTextureSubImage(map.texture, level, 0, 0, map.layer(face), out.width(), out.height(), 1, GL_RGBA, GL_FLOAT,
                          static_cast<GLsizei>(texels.size() * sizeof(glm::vec4)), texels.data());
     for (int row = 0; row < out.height(); ++row)
-      std::ranges::transform(image.row(0, row), out.row(face, row).begin(), [](const glm::vec4& t) { return Colour(t); });
+      std::ranges::transform(image.row(0, row), out.row(face, row).begin(),
+                             [](const glm::vec4& t) { return Colour(t); });
   }
   return out;
 }
@@ -61,7 +62,8 @@ TEST_P(Levels, AreTheMeansThatTheLibraryMakes) {
   for (int level = 1; level < 5; ++level) {
     const Level made = read_level(map, level);
     for_each_texel(made, [&](int face, int i, int row) {
-      // Of texels that the rim cuts the part inside is a guess. Beyond that of paraboloids the library looks at the other half.
+      // Of texels that the rim cuts the part inside is a guess. Beyond that of paraboloids the library looks at the
+      // other half.
       const double r = std::hypot(2 * (i + 0.5) / made.width() - 1, 2 * (row + 0.5) / made.width() - 1);
       const bool cut = GetParam() == Projection::sphere && r > 1 - 1.5 / made.width();
       if (GetParam() == Projection::paraboloid && r > 1) return;
@@ -80,7 +82,8 @@ TEST_P(Levels, OfOddSizesKeepWhite) {
   }
 }
 
-// A ball before squares far finer than its pixels: one lookup a pixel is nearer to the mean of many rays than one ray is.
+// A ball before squares far finer than its pixels: one lookup a pixel is nearer to the mean of many rays than one ray
+// is.
 TEST_P(Levels, OneSampleShowsTheMean) {
   drawing::context();
   static const Environment squares(generate(Checker{60, Direction(1), Direction(0)}, Projection::latlong, 512), 1);

@@ -1,4 +1,5 @@
-// Integrals of lobes over an environment, against dense sums over the sphere with the formulae of glTF 2.0's appendix B.
+// Integrals of lobes over an environment, against dense sums over the sphere with the formulae of glTF 2.0's appendix
+// B.
 #include "envmap/render/lobe_integral.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +34,8 @@ Flux over_sphere(const EnvironmentLookup& lookup, auto&& f) {
   return sum;
 }
 
-Flux gltf_specular(const Direction& n, const Direction& v, const Direction& l, double alpha, const Flux& f0, double f90) {
+Flux gltf_specular(const Direction& n, const Direction& v, const Direction& l, double alpha, const Flux& f0,
+                   double f90) {
   const double nl = glm::dot(n, l), nv = glm::dot(n, v), a2 = alpha * alpha;
   if (nl <= 0) return Flux(0);
   const Direction h = glm::normalize(v + l);
@@ -56,7 +58,8 @@ const Light& sky() {
   return light;
 }
 const Light& sun() {
-  static const Light light{generate(Sun{.towards = {-std::sin(1.047), 0, std::cos(1.047)}, .radius = 2.5}, Projection::latlong, 512)};
+  static const Light light{
+      generate(Sun{.towards = {-std::sin(1.047), 0, std::cos(1.047)}, .radius = 2.5}, Projection::latlong, 512)};
   return light;
 }
 
@@ -71,10 +74,12 @@ TEST(LobeIntegral, MetalsAndDielectricsReflectTheirIntegrals) {
     for (const double roughness : {0.2, 0.4, 1.0})
       for (const double angle : {0.0, 0.7, 1.3})
         for (const auto& [f0, f90] : {std::pair(Flux(0.9, 0.6, 0.3), 1.0), std::pair(Flux(0.04), 1.0)}) {
-          SCOPED_TRACE(testing::Message() << (light == &sun() ? "sun " : "sky ") << roughness << ' ' << angle << ' ' << f0.x);
+          SCOPED_TRACE(testing::Message()
+                       << (light == &sun() ? "sun " : "sky ") << roughness << ' ' << angle << ' ' << f0.x);
           const Direction v = tilted(angle);
           const double alpha = roughness * roughness;
-          const Flux wanted = over_sphere(light->lookup, [&](const Direction& l) { return gltf_specular(n, v, l, alpha, f0, f90); });
+          const Flux wanted =
+              over_sphere(light->lookup, [&](const Direction& l) { return gltf_specular(n, v, l, alpha, f0, f90); });
           expect_near(light->integral.ggx(n, v, alpha, f0, f90), wanted, 1e-4);
         }
 }
@@ -82,7 +87,8 @@ TEST(LobeIntegral, MetalsAndDielectricsReflectTheirIntegrals) {
 TEST(LobeIntegral, DiffuseAndClothReflectTheirs) {
   const Direction n = glm::normalize(Direction(0.3, 0.4, 1));
   for (const Light* light : {&sky(), &sun()}) {
-    const Flux irradiance = over_sphere(light->lookup, [&](const Direction& l) { return Flux(std::max(0.0, glm::dot(n, l))); });
+    const Flux irradiance =
+        over_sphere(light->lookup, [&](const Direction& l) { return Flux(std::max(0.0, glm::dot(n, l))); });
     expect_near(light->integral.diffuse(n), irradiance / pi, 1e-4);
     for (const double roughness : {0.3, 0.8})
       for (const double angle : {0.0, 1.1}) {
@@ -103,8 +109,8 @@ TEST(LobeIntegral, ABlackMapGivesNothing) {
   EXPECT_EQ(dark.integral.ggx({0, 0, 1}, tilted(0.5), 0.1, Flux(1), 1), Flux(0));
 }
 
-// All layers at once: what is not reflected is diffused, so a white surface of any kind in white light is white. At roughness 1 the
-// table of the split sum, whose last row is .98, is off by 2%.
+// All layers at once: what is not reflected is diffused, so a white surface of any kind in white light is white. At
+// roughness 1 the table of the split sum, whose last row is .98, is off by 2%.
 TEST(LobeIntegral, WhiteSurfacesInAWhiteRoomStayWhite) {
   const Environment room(generate(Constant{Direction(1)}, Projection::latlong, 64), 6);
   const LobeIntegral integral(room.map, room.lookup, samples);
@@ -117,10 +123,12 @@ TEST(LobeIntegral, WhiteSurfacesInAWhiteRoomStayWhite) {
       }
 }
 
-// A metal plate under a sun of 5 degrees: prefiltered levels mix roughness .2 and .4 for .3, and show it half as bright again.
+// A metal plate under a sun of 5 degrees: prefiltered levels mix roughness .2 and .4 for .3,
+// and show it half as bright again.
 TEST(LobeIntegral, PicturesOfRoughMetalAreRight) {
-  const Environment sky(generate(Sun{.towards = {0, 0, 1}, .radius = 2.5, .radiance = Rgb<double>{500}, .sky = {Rgb<double>{0}, Rgb<double>{0}}},
-                                 Projection::latlong, 512));
+  const Environment sky(generate(
+      Sun{.towards = {0, 0, 1}, .radius = 2.5, .radiance = Rgb<double>{500}, .sky = {Rgb<double>{0}, Rgb<double>{0}}},
+      Projection::latlong, 512));
   Scene scene;
   scene.materials = {{.base_colour = {1, 1, 1, 1}, .metallic = 1, .roughness = 0.3F}};
   scene.meshes = {{.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, .normals = {4, {0, 0, 1}},
@@ -128,10 +136,14 @@ TEST(LobeIntegral, PicturesOfRoughMetalAreRight) {
   scene.nodes = {{.name = "plate", .meshes = {0}}};
   const Viewpoint from{.size = 1, .at = {0, 0, 3}, .lens = Lens{1, {1e-3, 1e-3}, 0}};
   const auto seen = [&](int lobe_samples) {
-    return raycast_picture({.scene = scene, .pose = pose(scene, 0), .environment = &sky}, from, {.lobe_samples = lobe_samples}).front().x;
+    return raycast_picture({.scene = scene, .pose = pose(scene, 0), .environment = &sky}, from,
+                           {.lobe_samples = lobe_samples})
+        .front()
+        .x;
   };
   const Direction n(0, 0, 1);
-  const double once = over_sphere(sky.lookup, [&](const Direction& l) { return gltf_specular(n, n, l, 0.09, Flux(1), 1); }).x;
+  const double once =
+      over_sphere(sky.lookup, [&](const Direction& l) { return gltf_specular(n, n, l, 0.09, Flux(1), 1); }).x;
   EXPECT_NEAR(seen(samples) / once, 1, 0.02);  // And a little that bounces between microfacets.
   EXPECT_GT(seen(0) / once, 1.3);
 }

@@ -1,4 +1,5 @@
-// Every kind of material under every kind of environment: what OpenGL draws against rays, and both against closed forms.
+// Every kind of material under every kind of environment: what OpenGL draws against rays,
+// and both against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +17,7 @@ namespace {
 
 using namespace envmap;
 
-// ---- what is lit -------------------------------------------------------------------------------------------------------
+// ---- what is lit ----------------------------------------------------------------------------------------------------
 
 struct Lit {
   const char* name;
@@ -52,17 +53,31 @@ const Lit materials[] = {
     {"Lacquer", {.roughness = 0.8F, .coat = 1, .coat_roughness = 0.1F}, true},
     {"CarPaint", {.base_colour = {0.6F, 0.05F, 0.1F, 1}, .metallic = 0.8F, .roughness = 0.5F, .coat = 1}, false},
     {"CoatedGlass", {.roughness = 0, .transmission = 1, .coat = 0.5F, .coat_roughness = 0.6F}, true},
-    {"CoatedLamp", {.roughness = 1, .emissive = Colour(2), .emissive_texture = 0, .coat = 0.7F, .coat_roughness = 0.3F}, false},
-    {"SmoothCoatOnBumps", {.roughness = 0.8F, .normal_texture = 3, .normal_scale = 0.5F, .coat = 1, .coat_roughness = 0.2F}, true},
+    {"CoatedLamp",
+     {.roughness = 1, .emissive = Colour(2), .emissive_texture = 0, .coat = 0.7F, .coat_roughness = 0.3F},
+     false},
+    {"SmoothCoatOnBumps",
+     {.roughness = 0.8F, .normal_texture = 3, .normal_scale = 0.5F, .coat = 1, .coat_roughness = 0.2F},
+     true},
     {"WornCoat",
-     {.roughness = 0.8F, .coat = 1, .coat_roughness = 1, .coat_texture = 4, .coat_roughness_texture = 1,
-      .coat_normal_texture = 3, .coat_normal_scale = 0.1F},
+     {.roughness = 0.8F,
+      .coat = 1,
+      .coat_roughness = 1,
+      .coat_texture = 4,
+      .coat_roughness_texture = 1,
+      .coat_normal_texture = 3,
+      .coat_normal_scale = 0.1F},
      true},
     {"Velvet", {.roughness = 1, .sheen = Colour(1), .sheen_roughness = 0.5F}, true},
     {"Satin", {.metallic = 0.5F, .roughness = 0.4F, .sheen = Colour(0.6F), .sheen_roughness = 0.1F}, true},
     {"CoatedFelt",
-     {.base_colour = {0.3F, 0.1F, 0.4F, 1}, .roughness = 0.8F, .coat = 0.5F, .sheen = Colour(0.9F, 0.5F, 0.2F),
-      .sheen_roughness = 1, .sheen_texture = 0, .sheen_roughness_texture = 2},
+     {.base_colour = {0.3F, 0.1F, 0.4F, 1},
+      .roughness = 0.8F,
+      .coat = 0.5F,
+      .sheen = Colour(0.9F, 0.5F, 0.2F),
+      .sheen_roughness = 1,
+      .sheen_texture = 0,
+      .sheen_roughness_texture = 2},
      false},
     {"Masked", {.base_colour_texture = 2, .roughness = 0.6F, .alpha_cutoff = 0.5F, .double_sided = true}, true},
 };
@@ -88,13 +103,14 @@ Scene scene_of(const Material& material) {
     scene.meshes[0].coordinates[k] = 0.5F + 0.25F * glm::vec2(n.x, n.y);  // Magnified: rays know no mip levels.
   }
   if (material.name == "painted")
-    for (const glm::vec3& n : scene.meshes[0].normals) scene.meshes[0].colours.emplace_back(0.5F + 0.5F * n, 0.5F + n.y);
+    for (const glm::vec3& n : scene.meshes[0].normals)
+      scene.meshes[0].colours.emplace_back(0.5F + 0.5F * n, 0.5F + n.y);
   if (is_bumpy(material)) add_tangents(scene.meshes[0]);
   scene.nodes = {{.name = "ball", .meshes = {0}}};
   return scene;
 }
 
-// ---- what lights it ----------------------------------------------------------------------------------------------------
+// ---- what lights it -------------------------------------------------------------------------------------------------
 
 EnvironmentMap map_of(auto&& radiance) {
   EnvironmentMap map;
@@ -127,7 +143,8 @@ const Environment& sunny() {
 struct Named {
   const char* name;
   const Environment& (*sky)();
-  double tolerance;  // GL filters textures with weights of 8 bits, which shows in the roughness that a sun is blurred by.
+  // GL filters textures with weights of 8 bits, which shows in the roughness that a sun is blurred by.
+  double tolerance;
 };
 const Named skies[] = {{"White", white, 5e-4}, {"Half", half, 4e-3}, {"Sunny", sunny, 0.012}};
 
@@ -159,11 +176,12 @@ double difference(const Colour& a, const Colour& b) {
   return std::max(off.x, std::max(off.y, off.z));
 }
 
-// ---- against rays ------------------------------------------------------------------------------------------------------
+// ---- against rays ---------------------------------------------------------------------------------------------------
 
 // All materials in one process: a sky's levels for rough materials are made once.
 class Materials : public ::testing::TestWithParam<Named> {};
-INSTANTIATE_TEST_SUITE_P(Under, Materials, ::testing::ValuesIn(skies), [](const auto& p) { return std::string(p.param.name); });
+INSTANTIATE_TEST_SUITE_P(Under, Materials, ::testing::ValuesIn(skies),
+                         [](const auto& p) { return std::string(p.param.name); });
 
 // In every pixel; of those whose rays graze an outline a few see something else.
 TEST_P(Materials, AreDrawnAsRaysSeeThem) {
@@ -188,7 +206,7 @@ TEST_P(Materials, AreDrawnAsRaysSeeThem) {
   }
 }
 
-// ---- against closed forms ----------------------------------------------------------------------------------------------
+// ---- against closed forms -------------------------------------------------------------------------------------------
 
 // The furnace: what reflects all light cannot be told from a white environment, whatever draws it.
 TEST(WhiteMaterials, AreNotSeenInWhite) {
@@ -200,8 +218,8 @@ TEST(WhiteMaterials, AreNotSeenInWhite) {
       for (const DrawMethod method : {DrawMethod::exact, DrawMethod::resample, DrawMethod::raycast}) {
         if (!can_draw(method, to)) continue;
         const Viewpoint from{.to = to, .size = 48, .at = {0.4, 0.7, 2.2}};
-        const Drawn map =
-            method == DrawMethod::raycast ? raycast(shot_of(scene, white()), from) : drawn(scene, white(), from, method);
+        const Drawn map = method == DrawMethod::raycast ? raycast(shot_of(scene, white()), from)
+                                                        : drawn(scene, white(), from, method);
         int on_ball = 0;
         double worst = 0;
         rooms::for_each_texel(to, from.size, [&](std::size_t k, const Direction&) {
@@ -285,8 +303,9 @@ TEST(ClosedForms, OcclusionKeepsThatMuchOfAnEvenLight) {
     });
 }
 
-// A clear coat on black that has no interface, on a lamp: Schlick's part of white, and what it leaves of the lamp, at every
-// angle, whatever its roughness (KHR_materials_clearcoat: Fresnel's term is that of the view). At the ball's middle 0.04.
+// A clear coat on black that has no interface, on a lamp: Schlick's part of white, and what it leaves of the lamp, at
+// every angle, whatever its roughness (KHR_materials_clearcoat: Fresnel's term is that of the view).
+// At the ball's middle 0.04.
 TEST(ClosedForms, CoatsReflectByFresnelAndDarkenWhatTheyCover) {
   for (const float roughness : {0.0F, 0.7F})
     for (const float glow : {0.0F, 2.0F}) {
@@ -304,10 +323,12 @@ TEST(ClosedForms, CoatsReflectByFresnelAndDarkenWhatTheyCover) {
     }
 }
 
-// Of white light sheen on black reflects its albedo, here summed over directions of light by another rule than the table's.
+// Of white light sheen on black reflects its albedo, here summed over directions of light by another rule than the
+// table's.
 TEST(ClosedForms, SheenOnBlackReflectsItsAlbedo) {
   for (const float roughness : {0.3F, 0.7F, 1.0F}) {
-    const Scene scene = scene_of({.base_colour = {0, 0, 0, 1}, .ior = 1, .sheen = Colour(0.8F), .sheen_roughness = roughness});
+    const Scene scene =
+        scene_of({.base_colour = {0, 0, 0, 1}, .ior = 1, .sheen = Colour(0.8F), .sheen_roughness = roughness});
     const Viewpoint from = camera();
     const Drawn map = drawn(scene, white(), from);
     for (const double wanted : {0.3, 0.6, 0.95}) {

@@ -60,7 +60,8 @@ double beyond(const Direction& ray, const std::vector<Cap>& caps) {
   return nearest;
 }
 
-// Every ray lies in a cap, all its points seen from a middle do, and it lies in a face that is said to be reached. @return how many faces are.
+// Every ray lies in a cap, all its points seen from a middle do,
+// and it lies in a face that is said to be reached. @return how many faces are.
 int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
   const std::vector<Cap> caps = shown_directions(viewer, mesh, world, optics).caps;
   const Rotation axes = rotation(20, 30, 40);
@@ -100,8 +101,8 @@ TEST(Needed, EveryRayOfALensIsHeld) {
 
 TEST(Needed, WhatIsOutOfSightNeedsNothing) {
   const Vector4 ahead(0, 0, -1, 0);  // The viewer at the origin sees -Z.
-  EXPECT_TRUE(
-      shown_directions({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {}).caps.empty());
+  EXPECT_TRUE(shown_directions({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {})
+                  .caps.empty());
   EXPECT_TRUE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {}).caps.empty()) << "seen from behind";
   EXPECT_FALSE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {0, true}).caps.empty());
   expect_held({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, -0.5)), {});

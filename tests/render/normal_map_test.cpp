@@ -84,22 +84,25 @@ struct Turned {
   Direction eye;
   Direction tilted;  // Where the texel's (0.6, 0, 0.8) points in the world, on the side that is seen.
 };
-const Matrix upright = glm::rotate(Matrix(1), 0.5 * pi, Direction(1, 0, 0)) * glm::rotate(Matrix(1), 0.5 * pi, Direction(0, 1, 0));
+const Matrix upright =
+    glm::rotate(Matrix(1), 0.5 * pi, Direction(1, 0, 0)) * glm::rotate(Matrix(1), 0.5 * pi, Direction(0, 1, 0));
 const Turned turned[] = {{"Flat", Matrix(1), {0, 3, 0.1}, {0.6, 0.8, 0}},
                          {"Upright", upright, {0, 0, 3}, {0, 0.6, 0.8}},
                          {"Back", upright, {0, 0, -3}, {0, -0.6, -0.8}},
                          {"Mirrored", glm::scale(Matrix(1), Direction(1, -1, 1)) * upright, {0, 0, 3}, {0, -0.6, 0.8}},
-                         {"Stretched", upright * glm::scale(Matrix(1), Direction(0.5, 7, 2)), {0, 0, 3}, {0, 0.6, 0.8}}};
+                         {"Stretched", upright* glm::scale(Matrix(1), Direction(0.5, 7, 2)), {0, 0, 3}, {0, 0.6, 0.8}}};
 
 class NormalMap : public ::testing::TestWithParam<Turned> {};
-INSTANTIATE_TEST_SUITE_P(All, NormalMap, ::testing::ValuesIn(turned), [](const auto& p) { return std::string(p.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, NormalMap, ::testing::ValuesIn(turned),
+                         [](const auto& p) { return std::string(p.param.name); });
 
 // Half a sphere of sky gives E = pi (1 + n.y) / 2 (Lambert 1760), of the normal that the map says.
 TEST_P(NormalMap, TiltsTheNormal) {
   const Turned& t = GetParam();
   Scene scene;
   scene.textures = {{.width = 1, .height = 1, .texels = {{204, 128, 230, 255}}, .srgb = false}};
-  small_scenes::add(scene, small_scenes::square(1), {.roughness = 1, .normal_texture = 0, .ior = 1, .double_sided = true}, t.local);
+  small_scenes::add(scene, small_scenes::square(1),
+                    {.roughness = 1, .normal_texture = 0, .ior = 1, .double_sided = true}, t.local);
   add_tangents(scene.meshes[0]);
   const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &half()};
   const View view = looking_at({.at = t.eye}, Direction(0));

@@ -105,8 +105,8 @@ TEST_F(SceneTest, OptionsAndExtensionsOfMaterials) {
                                       "sheen and anisotropy", "colours as spectra or CIE XYZ"}));
 }
 
-// A cube in one smoothing group: at a corner three faces meet at right angles, so the normal is (1,1,1)/sqrt(3), however the
-// faces are cut into triangles.
+// A cube in one smoothing group: at a corner three faces meet at right angles, so the normal is (1,1,1)/sqrt(3),
+// however the faces are cut into triangles.
 TEST_F(SceneTest, SmoothingGroupsShareNormals) {
   const std::string cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
   const std::string faces = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
@@ -125,7 +125,7 @@ TEST_F(SceneTest, SmoothingGroupsShareNormals) {
   EXPECT_DOUBLE_EQ(area_of(smooth.meshes[0]), 24);
 }
 
-// ---- polygons --------------------------------------------------------------------------------------------------------
+// ---- polygons -------------------------------------------------------------------------------------------------------
 
 // What triangles cover: their areas have one sign and sum to the polygon's, so they neither overlap nor leave a gap.
 void expect_exact(const std::vector<Direction>& polygon) {
@@ -160,7 +160,8 @@ TEST(Triangulate, PolygonsOfAllShapes) {
       {{0, 0, 0}, {2, 0, 0}, {0.5, 0.5, 0}, {0, 2, 0}},                               // An arrow.
       {{0.5, 0.5, 0}, {0, 2, 0}, {0, 0, 0}, {2, 0, 0}},                               // From its inner corner.
       {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 2, 0}, {1, 1, 0}, {0, 1, 0}},  // Corners on an edge.
-      {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {0, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}},  // A hole.
+      // A hole.
+      {{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {0, 0, 0}, {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}, {1, 1, 0}},
       comb,
       spiral};
   for (const auto& shape : shapes)
@@ -186,7 +187,8 @@ TEST(Triangulate, StarsAroundAPoint) {
   }
 }
 
-// Those that cross themselves, and points without any area, become triangles all the same; too many corners are refused.
+// Those that cross themselves, and points without any area, become triangles all the same;
+// too many corners are refused.
 TEST(Triangulate, WhatIsNoPolygonEnds) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> any(-1, 1);

@@ -28,14 +28,15 @@ const Environment& clear() {
 struct Pictures {
   std::vector<Colour> drawn, cast;
 };
-Pictures pictures(const Scene& scene, const Environment* sky, std::span<const DistantLight> distant, Colour ambient = Colour(0)) {
+Pictures pictures(const Scene& scene, const Environment* sky, std::span<const DistantLight> distant,
+                  Colour ambient = Colour(0)) {
   drawing::context();
   Renderer renderer(scene, sky);
   const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = sky, .ambient = ambient, .distant = distant};
   return {draw_picture(renderer, camera(), shot), raycast_picture(shot, camera(), {})};
 }
 
-// ---- the lights --------------------------------------------------------------------------------------------------------
+// ---- the lights -----------------------------------------------------------------------------------------------------
 
 TEST(DistantLights, ShareOutTheFlux) {
   for (const int count : {1, 2, 7, 64, 256}) {
@@ -64,7 +65,12 @@ TEST(DistantLights, GiveItsIrradiance) {
 
 TEST(DistantLights, StandWhereASunDoes) {
   const Direction towards = glm::normalize(Direction(1, 2, 3));
-  const Environment sun(generate(Sun{.towards = towards, .radius = 3, .radiance = Direction(1000), .sky = {Rgb<double>(0), Rgb<double>(0)}}, Projection::cube, 128), 8);
+  const Environment sun(generate(Sun{.towards = towards,
+                                     .radius = 3,
+                                     .radiance = Direction(1000),
+                                     .sky = {Rgb<double>(0), Rgb<double>(0)}},
+                                 Projection::cube, 128),
+                        8);
   double near = 0, all = 0;
   for (const DistantLight& light : distant_lights(sun.map, 32)) {
     all += light.irradiance.y;
@@ -73,10 +79,10 @@ TEST(DistantLights, StandWhereASunDoes) {
   EXPECT_GT(near / all, 0.95);
 }
 
-// ---- against closed forms ----------------------------------------------------------------------------------------------
+// ---- against closed forms -------------------------------------------------------------------------------------------
 
-// A floor in a white world, under a ball: what the ball covers of the sky, weighted by cosines, is (r/d)^2 cos(angle) where
-// all of it is above the horizon (Nusselt's analog).
+// A floor in a white world, under a ball: what the ball covers of the sky, weighted by cosines, is (r/d)^2 cos(angle)
+// where all of it is above the horizon (Nusselt's analog).
 TEST(Occlusion, UnderABallIsItsFormFactor) {
   const Direction centre(0.2, 0.7, 0);
   constexpr double radius = 0.5;
@@ -110,8 +116,10 @@ Scene closed_box(float half) {
   Material walls = plaster;
   walls.double_sided = true;
   const Matrix down = glm::translate(Matrix(1), Direction(0, -half, 0));
-  for (int k = 0; k < 4; ++k) add(scene, square(half), walls, glm::rotate(Matrix(1), 0.5 * pi * k, Direction(1, 0, 0)) * down);
-  for (const int k : {1, 3}) add(scene, square(half), walls, glm::rotate(Matrix(1), 0.5 * pi * k, Direction(0, 0, 1)) * down);
+  for (int k = 0; k < 4; ++k)
+    add(scene, square(half), walls, glm::rotate(Matrix(1), 0.5 * pi * k, Direction(1, 0, 0)) * down);
+  for (const int k : {1, 3})
+    add(scene, square(half), walls, glm::rotate(Matrix(1), 0.5 * pi * k, Direction(0, 0, 1)) * down);
   return scene;
 }
 
@@ -119,7 +127,9 @@ Scene closed_box(float half) {
 TEST(Occlusion, NoLightComesIntoAClosedBox) {
   const Scene scene = closed_box(4);
   const Pictures both = pictures(scene, &white(), distant_lights(white().map, 64));
-  const auto lit = [](const std::vector<Colour>& picture) { return std::ranges::count_if(picture, [](const Colour& c) { return c.y > 1e-6F; }); };
+  const auto lit = [](const std::vector<Colour>& picture) {
+    return std::ranges::count_if(picture, [](const Colour& c) { return c.y > 1e-6F; });
+  };
   EXPECT_EQ(lit(both.cast), 0);
   EXPECT_LE(lit(both.drawn), 8);
 }
@@ -149,9 +159,10 @@ TEST(Occlusion, IsNotOfAmbientLight) {
   }
 }
 
-// ---- against rays ------------------------------------------------------------------------------------------------------
+// ---- against rays ---------------------------------------------------------------------------------------------------
 
-// Each light's outline is right to a texel; so few of them differ in a pixel, and next to none where there are no outlines.
+// Each light's outline is right to a texel; so few of them differ in a pixel,
+// and next to none where there are no outlines.
 TEST(Occlusion, IsDrawnAsRaysFindIt) {
   const Scene scene = still_life();
   const std::vector<DistantLight> distant = distant_lights(clear().map, 64);

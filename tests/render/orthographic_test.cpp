@@ -22,7 +22,8 @@ TEST(Orthographic, AWallIsSeenWithoutPerspective) {
   drawing::context();
   Renderer renderer(scene, nullptr);
   for (const int samples : {1, 4}) {
-    const Viewpoint from{.size = 48, .at = {0.1, 0.05, 0.7}, .far = 10, .samples = samples, .lens = Lens{64, {0.8, 0.6}, 0, true}};
+    const Viewpoint from{
+        .size = 48, .at = {0.1, 0.05, 0.7}, .far = 10, .samples = samples, .lens = Lens{64, {0.8, 0.6}, 0, true}};
     for (const auto& picture : {draw_picture(renderer, from, shot), raycast_picture(shot, from, {})})
       for (int k = 0; k < 48 * 64; ++k) {
         const double x = 0.1 + 0.8 * ((k % 64 + 0.5) / 32 - 1), y = 0.05 + 0.6 * (1 - (k / 64 + 0.5) / 24);
@@ -34,7 +35,8 @@ TEST(Orthographic, AWallIsSeenWithoutPerspective) {
 // Masked, curved and shaded things, from above.
 TEST(Orthographic, ThingsAreDrawnAsRaysSeeThem) {
   Scene scene = small_scenes::still_life();
-  small_scenes::add(scene, {.kind = PunctualLight::Kind::directional, .intensity = Colour(3)}, {0, 0, 0}, {0.5, -1, -0.4});
+  small_scenes::add(scene, {.kind = PunctualLight::Kind::directional, .intensity = Colour(3)}, {0, 0, 0},
+                    {0.5, -1, -0.4});
   const Shot shot{.scene = scene, .pose = pose(scene, 0), .ambient = Colour(0.2F)};
   const View view = looking_at({.at = {0.8, 2.6, 3.2}}, {0, 0.2, 0});
   const Viewpoint from{.size = 96, .at = view.at, .axes = view.axes, .far = 8, .lens = Lens{96, {1.6, 1.6}, 0, true}};

@@ -72,8 +72,8 @@ TEST(RayPictures, AMirrorBallShowsTheSkyThatTheSphereReflects) {
   EXPECT_GT(shown, 1000);
 }
 
-// Snell's law twice and, in between, Schlick's reflections inside: in a ball all angles are the same, and each part is turned
-// by pi - 2 refracted against the one before.
+// Snell's law twice and, in between, Schlick's reflections inside: in a ball all angles are the same, and each part is
+// turned by pi - 2 refracted against the one before.
 TEST(RayPictures, AGlassBallBendsLightWhereItLeaves) {
   constexpr double ior = 1.5, f0 = 0.04;
   const Viewpoint from = camera({0, 0, 3});
@@ -101,8 +101,10 @@ TEST(RayPictures, AGlassBallBendsLightWhereItLeaves) {
 TEST(RayPictures, AThinWallBendsNothing) {
   const Viewpoint from = camera({0.4, 0.7, 3});
   for (const bool solid : {false, true})  // A solid of index 1 does not, either.
-    for_each_pixel(cast(ball_of({.roughness = 0, .transmission = 1, .ior = 1, .solid = solid}), from, &directions()), from,
-                   [&](const Colour& seen, const Direction& ray) { EXPECT_LT(difference(seen, colour_of(ray)), 0.01); });
+    for_each_pixel(cast(ball_of({.roughness = 0, .transmission = 1, .ior = 1, .solid = solid}), from, &directions()),
+                   from, [&](const Colour& seen, const Direction& ray) {
+                     EXPECT_LT(difference(seen, colour_of(ray)), 0.01);
+                   });
 }
 
 TEST(RayPictures, NothingWhiteIsSeenInWhite) {
@@ -118,7 +120,8 @@ TEST(RayPictures, NothingWhiteIsSeenInWhite) {
     scene.materials.push_back(made[k]);
     scene.meshes.push_back(rooms::ball(24, 0.5));
     scene.meshes.back().material = k;
-    scene.nodes.push_back({.local = glm::translate(Matrix(1), Direction(k % 3 - 1, k / 3 - 0.5, 0.3 * (k % 2))), .meshes = {k}});
+    scene.nodes.push_back(
+        {.local = glm::translate(Matrix(1), Direction(k % 3 - 1, k / 3 - 0.5, 0.3 * (k % 2))), .meshes = {k}});
   }
   const Viewpoint from = camera({0.2, 0.3, 4});
   for (const int bounces : {1, 2, 32})
@@ -126,7 +129,7 @@ TEST(RayPictures, NothingWhiteIsSeenInWhite) {
                    [&](const Colour& seen, const Direction&) { EXPECT_LT(difference(seen, Direction(1)), 6e-3); });
 }
 
-// ---- flat mirrors in the coloured room ---------------------------------------------------------------------------------
+// ---- flat mirrors in the coloured room ------------------------------------------------------------------------------
 
 constexpr double half = 0.3;
 
@@ -145,7 +148,8 @@ void add_plate(Scene& scene, double z, float facing) {
 }
 
 // By unfolding: what a ray shows after at most so many reflections; black after them. None beside an edge.
-std::optional<Direction> between_plates(Direction at, Direction ray, std::initializer_list<double> plates, int bounces) {
+std::optional<Direction> between_plates(Direction at, Direction ray, std::initializer_list<double> plates,
+                                        int bounces) {
   for (;; --bounces) {
     std::optional<double> nearest;
     for (const double z : plates) {
@@ -188,7 +192,8 @@ TEST(RayPictures, FacingMirrorsShowSoManyReflections) {
       EXPECT_LT(difference(seen, *expected), 0.02) << bounces;
     });
   }
-  EXPECT_TRUE(black[0] > black[1] && black[1] > black[2] && black[2] > 0) << black[0] << " " << black[1] << " " << black[2];
+  EXPECT_TRUE(black[0] > black[1] && black[1] > black[2] && black[2] > 0)
+      << black[0] << " " << black[1] << " " << black[2];
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ Scene box(double half, bool inwards = true) {
     scene.materials.push_back({.base_colour = glm::vec4(0, 0, 0, 1), .metallic = 1, .emissive = wall_colour(k)});
     scene.meshes.push_back(square(k));
     const Direction front = inwards ? -wall_axes[k] : wall_axes[k];
-    const Direction up = std::abs(front.y) > 0.5 ? Direction(0, 0, 1) : Direction(0, 1, 0), right = glm::cross(up, front);
+    const Direction up = std::abs(front.y) > 0.5 ? Direction(0, 0, 1) : Direction(0, 1, 0),
+                    right = glm::cross(up, front);
     Matrix m(1);
     m[0] = {half * right, 0};
     m[1] = {half * up, 0};
@@ -216,7 +217,8 @@ TEST(Raycast, SamplesAreTheMeanOfWhatTheySee) {
   Scene scene = box(1);
   const Drawn one = raycast(shot_of(scene), {.to = Projection::cube, .size = 65, .at = {0.1, 0.2, 0.3}});
   const Drawn many =
-      raycast(shot_of(scene), {.to = Projection::cube, .size = 65, .at = {0.1, 0.2, 0.3}, .samples = 256, .which = 1U << 5});
+      raycast(shot_of(scene),
+              {.to = Projection::cube, .size = 65, .at = {0.1, 0.2, 0.3}, .samples = 256, .which = 1U << 5});
   // Face -Z shows wall -Z, 1.3 away and 0.9 wide to the right: it ends at s = 0.9 / 1.3, t = 0.8 / 1.3.
   const double edge = (0.5 + 0.5 * 0.9 / 1.3) * 65;
   const int i = int(edge);
@@ -230,10 +232,11 @@ TEST(Raycast, ThreadsChangeNothing) {
   Scene scene = box(1.5);
   for (int k = 0; k < 300; ++k) {  // Many that touch and cut each other.
     const double a = 2.4 * k, r = 0.05 * std::sqrt(k);
-    scene.nodes.push_back({.local = glm::rotate(glm::translate(Matrix(1), Direction(r * std::cos(a), r * std::sin(a), -1)),
-                                                0.1 * k, Direction(0, 0, 1)) *
-                                    glm::scale(Matrix(1), Direction(0.2)),
-                           .meshes = {k % 6}});
+    scene.nodes.push_back(
+        {.local = glm::rotate(glm::translate(Matrix(1), Direction(r * std::cos(a), r * std::sin(a), -1)), 0.1 * k,
+                              Direction(0, 0, 1)) *
+                  glm::scale(Matrix(1), Direction(0.2)),
+         .meshes = {k % 6}});
   }
   const auto draw = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

@@ -13,15 +13,16 @@ namespace rooms {
 
 using namespace envmap;
 
-/// The box [-1,1]^3 seen from inside, `edge` vertices along each of its edges: 12 (edge - 1)^2 triangles. Each wall is an
-/// instance, in the order of a cube's faces. At p it shines with (p + 1) / 2: textures of 2x2 texels, of which only what
-/// lies between their centres is used.
+/// The box [-1,1]^3 seen from inside, `edge` vertices along each of its edges: 12 (edge - 1)^2 triangles. Each wall is
+/// an instance, in the order of a cube's faces. At p it shines with (p + 1) / 2: textures of 2x2 texels, of which only
+/// what lies between their centres is used.
 inline Scene room(int edge) {
   Scene scene;
   for (int face = 0; face < 6; ++face) {
     const Cube::Axes& axes = Cube::axes[face];
     const auto corner = [&](double s, double t) { return axes.forward + s * axes.right + t * axes.up; };
-    Texture texture{.width = 2, .height = 2, .srgb = false, .wrap_u = Texture::Wrap::clamp, .wrap_v = Texture::Wrap::clamp};
+    Texture texture{
+        .width = 2, .height = 2, .srgb = false, .wrap_u = Texture::Wrap::clamp, .wrap_v = Texture::Wrap::clamp};
     for (const double t : {1.0, -1.0})
       for (const double s : {-1.0, 1.0}) texture.texels.emplace_back(glm::u8vec3(127.5 * (corner(s, t) + 1.0)), 255);
     scene.textures.push_back(texture);
@@ -38,8 +39,8 @@ inline Scene room(int edge) {
     const auto vertex = [&](int i, int j) { return std::uint32_t(j * edge + i); };
     for (int j = 0; j + 1 < edge; ++j)
       for (int i = 0; i + 1 < edge; ++i)
-        for (const std::uint32_t index :
-             {vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)})
+        for (const std::uint32_t index : {vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i, j),
+                                          vertex(i + 1, j + 1), vertex(i + 1, j)})
           mesh.indices.push_back(index);
     scene.meshes.push_back(mesh);
     scene.nodes.push_back({.name = "wall " + std::to_string(face), .meshes = {face}});
@@ -107,7 +108,8 @@ inline Colour colour_at(const Drawn& map, std::size_t texel) {
                       int(texel / width % height));
 }
 
-/// What is wrong in a map of the room: parts of its texels, and the largest difference in radiance where the surface is right.
+/// What is wrong in a map of the room: parts of its texels, and the largest difference in radiance where the surface is
+/// right.
 struct Faults {
   double holes = 0, surface = 0, distance = 0, colour = 0;
 };

@@ -18,7 +18,8 @@ using namespace envmap;
 Direction at(const Matrix& m, const Direction& p) { return Direction(m * glm::vec<4, double, glm::highp>(p, 1)); }
 
 void near(const Direction& a, const Direction& b, double within = 1e-6) {
-  EXPECT_LT(glm::length(a - b), within) << a.x << ' ' << a.y << ' ' << a.z << " is not " << b.x << ' ' << b.y << ' ' << b.z;
+  EXPECT_LT(glm::length(a - b), within) << a.x << ' ' << a.y << ' ' << a.z << " is not " << b.x << ' ' << b.y << ' '
+                                        << b.z;
 }
 
 TEST_F(SceneTest, TransformsGoDownTheTree) {
@@ -27,7 +28,8 @@ TEST_F(SceneTest, TransformsGoDownTheTree) {
   file.document["scenes"] = {{{"nodes", {2}}}};
   file.document["nodes"] = {
       {{"mesh", 0}, {"name", "leaf"}, {"translation", {1, 0, 0}}},
-      {{"name", "turned"}, {"rotation", {0, h, 0, h}}, {"scale", {2, 2, 2}}, {"children", {0}}},  // 90 degrees about +Y.
+      // 90 degrees about +Y.
+      {{"name", "turned"}, {"rotation", {0, h, 0, h}}, {"scale", {2, 2, 2}}, {"children", {0}}},
       {{"name", "root"}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1}}, {"children", {1}}}};
   for (const char* name : {"a.gltf", "a.glb"}) {
     file.write(folder / name);
@@ -47,20 +49,21 @@ TEST_F(SceneTest, TransformsGoDownTheTree) {
 
 TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   GltfFile file = triangle();
-  file.document["materials"] = {{{"name", "lamp"},
-                                 {"pbrMetallicRoughness",
-                                  {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}, {"metallicFactor", 0.25}, {"roughnessFactor", 0.5}}},
-                                 {"emissiveFactor", {1, 0.5, 0}},
-                                 {"alphaMode", "MASK"},
-                                 {"doubleSided", true},
-                                 {"extensions",
-                                  {{"KHR_materials_emissive_strength", {{"emissiveStrength", 100}}},
-                                   {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}},
-                                   {"KHR_materials_ior", {{"ior", 1.33}}},
-                                   {"KHR_materials_sheen", {{"sheenColorFactor", {1, 0.5, 0}}, {"sheenRoughnessFactor", 0.25}}},
-                                   {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.125}}},
-                                   {"KHR_materials_volume", {{"thicknessFactor", 0.1}}}}}},
-                                {{"alphaMode", "BLEND"}}};
+  file.document["materials"] = {
+      {{"name", "lamp"},
+       {"pbrMetallicRoughness",
+        {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}, {"metallicFactor", 0.25}, {"roughnessFactor", 0.5}}},
+       {"emissiveFactor", {1, 0.5, 0}},
+       {"alphaMode", "MASK"},
+       {"doubleSided", true},
+       {"extensions",
+        {{"KHR_materials_emissive_strength", {{"emissiveStrength", 100}}},
+         {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}},
+         {"KHR_materials_ior", {{"ior", 1.33}}},
+         {"KHR_materials_sheen", {{"sheenColorFactor", {1, 0.5, 0}}, {"sheenRoughnessFactor", 0.25}}},
+         {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.125}}},
+         {"KHR_materials_volume", {{"thicknessFactor", 0.1}}}}}},
+      {{"alphaMode", "BLEND"}}};
   file.document["extensionsUsed"] = {"KHR_materials_ior", "KHR_materials_iridescence"};
   file.document["meshes"][0]["primitives"].push_back(file.document["meshes"][0]["primitives"][0]);
   file.document["meshes"][0]["primitives"][0]["material"] = 0;
@@ -194,13 +197,13 @@ TEST_F(SceneTest, TexturesLieInFilesViewsAndTheDocument) {
 
 TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
   GltfFile file = triangle();
-  file.document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"},
-                                                                   {"intensity", 10},
-                                                                   {"color", {1, 0.5, 0}},
-                                                                   {"range", 7},
-                                                                   {"spot",
-                                                                    {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
-                                                                  {{"type", "directional"}}};
+  file.document["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "spot"},
+       {"intensity", 10},
+       {"color", {1, 0.5, 0}},
+       {"range", 7},
+       {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
+      {{"type", "directional"}}};
   file.document["cameras"] = {
       {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}, {"aspectRatio", 1.5}}}},
       {{"type", "orthographic"}, {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0.5}, {"zfar", 9}}}}};
@@ -367,13 +370,14 @@ TEST_F(SceneTest, MeshesThatDracoCompressed) {
   }
 }
 
-// ---- samples ---------------------------------------------------------------------------------------------------------
+// ---- samples --------------------------------------------------------------------------------------------------------
 
 TEST_F(SceneTest, TheSampleScenesAreRead) {
   const std::string command =
       std::string("PYTHONDONTWRITEBYTECODE=1 python3 '") + ENVMAP_MAKE_SCENES + "' '" + folder.string() + "'";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  for (const auto& [name, side] : {std::pair("room-2.glb", 1), std::pair("room-4.glb", 3), std::pair("room-21.glb", 20)}) {
+  for (const auto& [name, side] :
+       {std::pair("room-2.glb", 1), std::pair("room-4.glb", 3), std::pair("room-21.glb", 20)}) {
     const Scene room = read_scene(path(name));
     EXPECT_EQ(room.meshes[0].indices.size() / 6, std::size_t(side * side)) << name;
     EXPECT_TRUE(room.unmodelled.empty());

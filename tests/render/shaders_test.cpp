@@ -68,8 +68,8 @@ class Shaders : public ::testing::TestWithParam<Projection> {};
 INSTANTIATE_TEST_SUITE_P(All, Shaders, ::testing::ValuesIn(all_projections),
                          [](const auto& p) { return identifier(p.param); });
 
-// There and back: where the shader finds a direction, C++ has that direction; and to find it there is what C++ says, but
-// for directions that lie in two places.
+// There and back: where the shader finds a direction, C++ has that direction; and to find it there is what C++ says,
+// but for directions that lie in two places.
 TEST_P(Shaders, LocateAsProjectionsDo) {
   const Projection p = GetParam();
   ASSERT_TRUE(has_shader(p));
@@ -140,7 +140,8 @@ TEST(Programs, MethodsSayWhatTheyCannotDraw) {
   EXPECT_FALSE(can_draw(DrawMethod::distort, Projection::latlong));
   EXPECT_FALSE(can_draw(DrawMethod::tessellate, Projection::latlong));
   for (const Projection p : {Projection::octahedral, Projection::equal_area})
-    for (const DrawMethod m : {DrawMethod::exact, DrawMethod::distort, DrawMethod::tessellate}) EXPECT_FALSE(can_draw(m, p));
+    for (const DrawMethod m : {DrawMethod::exact, DrawMethod::distort, DrawMethod::tessellate})
+      EXPECT_FALSE(can_draw(m, p));
 }
 
 }  // namespace

@@ -50,7 +50,10 @@ double appendix_b(const Surface& s, const Direction& v, const Direction& l, doub
 }
 
 TEST(Shading, LightsFollowAppendixB) {
-  const Surface s{.position = {1, 2, 3}, .base_colour = glm::vec4(0.5F, 0.25F, 0.75F, 1), .metallic = 0.25F, .roughness = 0.4F};
+  const Surface s{.position = {1, 2, 3},
+                  .base_colour = glm::vec4(0.5F, 0.25F, 0.75F, 1),
+                  .metallic = 0.25F,
+                  .roughness = 0.4F};
   for (const double angle : {0.1, 0.6, 1.2})
     for (const double other : {-1.3, -0.5, 0.3}) {
       const Direction v = tilted(angle), l = tilted(other);
@@ -83,8 +86,8 @@ TEST(Shading, CoatsFollowTheirExtension) {
     }
 }
 
-// KHR_materials_sheen as it stands there: Estevez and Kulla's distribution and visibility; the base scaled by the lesser of
-// what is left by the view and by the light.
+// KHR_materials_sheen as it stands there: Estevez and Kulla's distribution and visibility; the base scaled by the
+// lesser of what is left by the view and by the light.
 TEST(Shading, SheenFollowsItsExtension) {
   const auto f_sheen = [](double nh, double nv, double nl, double roughness) {
     const double alpha = roughness * roughness, d = (2 + 1 / alpha) * std::pow(1 - nh * nh, 1 / alpha / 2) / (2 * pi);
@@ -97,7 +100,10 @@ TEST(Shading, SheenFollowsItsExtension) {
     const auto lambda = [&](double c) { return c < 0.5 ? std::exp(l(c)) : std::exp(2 * l(0.5) - l(1 - c)); };
     return d / ((1 + lambda(nv) + lambda(nl)) * 4 * nv * nl);
   };
-  Surface s{.base_colour = glm::vec4(0.5F), .roughness = 0.6F, .sheen = Colour(0.9F, 0.5F, 0.1F), .sheen_roughness = 0.6F};
+  Surface s{.base_colour = glm::vec4(0.5F),
+            .roughness = 0.6F,
+            .sheen = Colour(0.9F, 0.5F, 0.1F),
+            .sheen_roughness = 0.6F};
   for (const double angle : {0.1, 0.6, 1.2})
     for (const double other : {-1.3, -0.5, 0.3}) {
       const Direction v = tilted(angle), l = tilted(other);
@@ -106,7 +112,8 @@ TEST(Shading, SheenFollowsItsExtension) {
       const double left = 1 - 0.9 * std::max(sheen_albedo(v.z, 0.6), sheen_albedo(l.z, 0.6));
       const double base = left * appendix_b(s, v, l, 0.04, 0.5);
       for (int k = 0; k < 3; ++k)
-        EXPECT_NEAR(shade(s, v, lit)[k], 2 * (base + s.sheen[k] * l.z * f_sheen(glm::normalize(v + l).z, v.z, l.z, 0.6)), 1e-5);
+        EXPECT_NEAR(shade(s, v, lit)[k],
+                    2 * (base + s.sheen[k] * l.z * f_sheen(glm::normalize(v + l).z, v.z, l.z, 0.6)), 1e-5);
     }
 }
 
@@ -133,7 +140,8 @@ TEST(Shading, RangeConeAndSun) {
   EXPECT_EQ(from(spot), 0);
 }
 
-// A diffuse floor under the CIE overcast sky: E = 7 pi / 9 of the zenith (generate.h). Of a gradient harmonics are exact.
+// A diffuse floor under the CIE overcast sky: E = 7 pi / 9 of the zenith (generate.h).
+// Of a gradient harmonics are exact.
 TEST(Shading, DiffuseLightOfTheEnvironment) {
   Surface floor{.normal = {0, 1, 0}, .roughness = 1, .ior = 1};  // No interface: all is diffuse.
   const Room sky(Sky{Rgb<double>(1), Rgb<double>(0)});
@@ -164,7 +172,8 @@ TEST(Shading, AMirrorShowsTheEnvironmentAndGlassLetsItThrough) {
 
 TEST(Shading, RoughMetalBlursAsGgxDoes) {
   const Room room(Gradient{Direction(0), Direction(1)}, 16);
-  // In a linear environment the prefiltered value is 1/2 + y c / 2, c the mean cosine of the lobe, found by its own integral.
+  // In a linear environment the prefiltered value is 1/2 + y c / 2, c the mean cosine of the lobe,
+  // found by its own integral.
   for (const float roughness : {0.3F, 0.6F, 1.0F}) {
     const double a = std::pow(roughness, 2);
     double sum = 0, weight = 0;

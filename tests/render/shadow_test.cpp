@@ -30,20 +30,25 @@ bool differ(const Colour& a, const Colour& b) {
   return std::max(off.x, std::max(off.y, off.z)) > 0.01;
 }
 
-// ---- against rays ------------------------------------------------------------------------------------------------------
+// ---- against rays ---------------------------------------------------------------------------------------------------
 
 struct Lamp {
   const char* name;
   PunctualLight light;
   Direction at, along;
 };
-const Lamp lamps[] = {{"Point", {.kind = Kind::point, .intensity = Colour(9)}, {-0.8, 2, 0.7}, {0, -1, 0}},
-                      {"Spot", {.kind = Kind::spot, .intensity = Colour(9), .inner = 0.4, .outer = 0.7}, {-0.8, 2, 0.7}, {0.4, -1, -0.3}},
-                      {"WideSpot", {.kind = Kind::spot, .intensity = Colour(9), .inner = 1, .outer = 1.3}, {-0.8, 2, 0.7}, {0.4, -1, -0.3}},
-                      {"Sun", {.kind = Kind::directional, .intensity = Colour(3)}, {0, 0, 0}, {0.5, -1, -0.4}}};
+const Lamp lamps[] = {
+    {"Point", {.kind = Kind::point, .intensity = Colour(9)}, {-0.8, 2, 0.7}, {0, -1, 0}},
+    {"Spot", {.kind = Kind::spot, .intensity = Colour(9), .inner = 0.4, .outer = 0.7}, {-0.8, 2, 0.7}, {0.4, -1, -0.3}},
+    {"WideSpot",
+     {.kind = Kind::spot, .intensity = Colour(9), .inner = 1, .outer = 1.3},
+     {-0.8, 2, 0.7},
+     {0.4, -1, -0.3}},
+    {"Sun", {.kind = Kind::directional, .intensity = Colour(3)}, {0, 0, 0}, {0.5, -1, -0.4}}};
 
 class ShadowsOf : public ::testing::TestWithParam<Lamp> {};
-INSTANTIATE_TEST_SUITE_P(All, ShadowsOf, ::testing::ValuesIn(lamps), [](const auto& p) { return std::string(p.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, ShadowsOf, ::testing::ValuesIn(lamps),
+                         [](const auto& p) { return std::string(p.param.name); });
 
 // Pixels that differ lie at an outline: within two pixels, rays see light and shadow, or another surface.
 TEST_P(ShadowsOf, AreDrawnWhereRaysFindThem) {
@@ -69,7 +74,7 @@ TEST_P(ShadowsOf, AreDrawnWhereRaysFindThem) {
   for (int k = 0; k < size * size; ++k) EXPECT_FALSE(differ(bright[k], unshaded[k])) << k;
 }
 
-// ---- against closed forms ----------------------------------------------------------------------------------------------
+// ---- against closed forms -------------------------------------------------------------------------------------------
 
 // A point of the floor is dark where the way to the light meets the ball.
 TEST_P(ShadowsOf, ABallShadesTheFloorAsASphereDoes) {
@@ -101,7 +106,8 @@ TEST_P(ShadowsOf, ABallShadesTheFloorAsASphereDoes) {
   }
 }
 
-// What is convex or concave and alone is lit wherever its normals face the light: no surface shades itself, however coarse.
+// What is convex or concave and alone is lit wherever its normals face the light: no surface shades itself,
+// however coarse.
 TEST_P(ShadowsOf, NothingShadesItself) {
   for (const int rings : {6, 16, 96}) {
     Scene scene;

@@ -65,7 +65,8 @@ inline Scene still_life() {
       glm::translate(Matrix(1), Direction(-0.3, 0.8, 0.1)) * glm::rotate(Matrix(1), 0.6, Direction(0, 0, 1)));
   add(scene, square(0.6F), plaster,
       glm::translate(Matrix(1), Direction(0, 0.6, -1.2)) * glm::rotate(Matrix(1), 0.5 * pi, Direction(1, 0, 0)));
-  add(scene, rooms::ball(24, 0.2), {.roughness = 0, .transmission = 1}, glm::translate(Matrix(1), Direction(-0.9, 0.9, 0.8)));
+  add(scene, rooms::ball(24, 0.2), {.roughness = 0, .transmission = 1},
+      glm::translate(Matrix(1), Direction(-0.9, 0.9, 0.8)));
   return scene;
 }
 

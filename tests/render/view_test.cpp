@@ -86,11 +86,13 @@ std::optional<Direction> shown_by_ball(const Viewpoint& from, int i, int j, cons
   constexpr int parts = 4;
   Direction sum(0);
   for (int k = 0; k < parts * parts; ++k) {
-    const Direction ray = from.lens->ray((i + (k % parts + 0.5) / parts) / size, (j + (k / parts + 0.5) / parts) / size);
+    const Direction ray =
+        from.lens->ray((i + (k % parts + 0.5) / parts) / size, (j + (k / parts + 0.5) / parts) / size);
     const Direction off = from.at - centre;
     const double b = glm::dot(ray, off), root = b * b - glm::dot(off, off) + radius * radius;
     if (root <= margin) return {};
-    const Direction normal = (from.at + (-b - std::sqrt(root)) * ray - centre) / radius, mirrored = glm::reflect(ray, normal);
+    const Direction normal = (from.at + (-b - std::sqrt(root)) * ray - centre) / radius,
+                    mirrored = glm::reflect(ray, normal);
     const Direction start = lookup == MirrorLookup::direction ? centre : centre + radius * normal;
     sum += 0.5 * (start + rooms::hit(start, mirrored).distance * mirrored + 1.0);
   }
@@ -166,7 +168,8 @@ TEST_P(View, DistanceIsNearerToTheTruth) {
   const auto rms = [&](MirrorLookup lookup) {
     const std::vector<Colour> picture = stage.picture({}, {.lookup = lookup});
     double sum = 0;
-    for (std::size_t k = 0; k < truth.size(); ++k) sum += glm::dot(Flux(picture[k] - truth[k]), Flux(picture[k] - truth[k]));
+    for (std::size_t k = 0; k < truth.size(); ++k)
+      sum += glm::dot(Flux(picture[k] - truth[k]), Flux(picture[k] - truth[k]));
     return std::sqrt(sum / (3 * double(truth.size())));
   };
   const double direction = rms(MirrorLookup::direction), distance = rms(MirrorLookup::distance);
@@ -220,7 +223,8 @@ TEST_P(View, MapsShowMirrorsToo) {
   };
   const Drawn truth = raycast(shot, from, {.mirrors = {6, 7}});
   const Drawn without = draw(*stage.renderer, from, shot, DrawMethod::exact);
-  stage.mirrors->update(*stage.renderer, shot, {{.at = from.at, .pixel = 0.5 * pi / size}}, {}, [](const std::string&) {});
+  stage.mirrors->update(*stage.renderer, shot, {{.at = from.at, .pixel = 0.5 * pi / size}}, {},
+                        [](const std::string&) {});
   shot.mirrors = stage.mirrors->maps();
   const double of_maps = rms(draw(*stage.renderer, from, shot, DrawMethod::exact), truth);
   EXPECT_LT(of_maps, 0.02);
@@ -231,7 +235,8 @@ TEST_P(View, MapsShowMirrorsToo) {
 TEST(Views, RaysOfMapsGoOnFromMirrors) {
   const Direction centre(0.3, -0.1, -0.3);
   const Scene scene = hall({centre});
-  const Drawn map = raycast({.scene = scene, .pose = pose(scene, 0)}, {.to = Projection::cube, .size = 48}, {.mirrors = {6}});
+  const Drawn map =
+      raycast({.scene = scene, .pose = pose(scene, 0)}, {.to = Projection::cube, .size = 48}, {.mirrors = {6}});
   int on_ball = 0;
   for (int face = 0; face < 6; ++face)
     for (int j = 0; j < 48; ++j)
@@ -240,7 +245,8 @@ TEST(Views, RaysOfMapsGoOnFromMirrors) {
         const double b = -glm::dot(ray, centre), root = b * b - glm::dot(centre, centre) + radius * radius;
         if (root < 0.002 || b > 0) continue;
         const Direction normal = ((-b - std::sqrt(root)) * ray - centre) / radius, start = centre + radius * normal;
-        const Direction mirrored = glm::reflect(ray, normal), place = start + rooms::hit(start, mirrored).distance * mirrored;
+        const Direction mirrored = glm::reflect(ray, normal),
+                        place = start + rooms::hit(start, mirrored).distance * mirrored;
         EXPECT_LT(glm::length(Direction(*map.radiance.base().texel(face, i, j)) - 0.5 * (place + 1.0)), 0.02);
         ++on_ball;
       }
@@ -299,8 +305,8 @@ TEST_P(View, AFlatMirrorShowsTheMirroredRoom) {
     }
 }
 
-// A second mirror in the plane z = 0.9 that faces the first one. In the map of the first, what it reflects of the walls is as far
-// away as their image, and a lamp leaves no glint, which would be smeared over texels.
+// A second mirror in the plane z = 0.9 that faces the first one. In the map of the first, what it reflects of the walls
+// is as far away as their image, and a lamp leaves no glint, which would be smeared over texels.
 TEST(Views, AMirrorInAMapIsAsFarAwayAsItsImage) {
   Scene scene = plate(1);
   Mesh second = scene.meshes[6];

@@ -106,7 +106,8 @@ void for_each_of_water(const Basin& basin, auto&& f) {
 // Of unpolarised light, from air.
 double fresnel(double cosine, double eta) {
   const double within = std::sqrt(1 - eta * eta * (1 - cosine * cosine));
-  const double across = (eta * cosine - within) / (eta * cosine + within), along = (eta * within - cosine) / (eta * within + cosine);
+  const double across = (eta * cosine - within) / (eta * cosine + within),
+               along = (eta * within - cosine) / (eta * within + cosine);
   return 0.5 * (across * across + along * along);
 }
 
@@ -121,11 +122,14 @@ Pool bare(const Basin& basin, bool with_floor) {
 // Under a sky of 1 above and 0 below. The library has Schlick's approximation of 1994: 0.045 off at most.
 TEST(Water, StillWaterReflectsWhatFresnelSays) {
   const Basin basin;
-  const Environment sky(generate(Sky{.zenith = Rgb<double>(1), .ground = Rgb<double>(0), .horizon = Rgb<double>(1)}, Projection::cube, 64), 8);
+  const Environment sky(generate(Sky{.zenith = Rgb<double>(1), .ground = Rgb<double>(0), .horizon = Rgb<double>(1)},
+                                 Projection::cube, 64),
+                        8);
   for (const auto& picture : both(bare(basin, false), &sky)) {
     double least = 1, most = 0;
     for_each_of_water(basin, [&](int pixel, const Direction& ray, const Direction&) {
-      const double f0 = std::pow((1 - basin.eta) / (1 + basin.eta), 2), schlick = f0 + (1 - f0) * std::pow(1 + ray.y, 5);
+      const double f0 = std::pow((1 - basin.eta) / (1 + basin.eta), 2),
+                   schlick = f0 + (1 - f0) * std::pow(1 + ray.y, 5);
       ASSERT_NEAR(picture[pixel].x, schlick, 0.012);
       ASSERT_NEAR(picture[pixel].x, fresnel(-ray.y, basin.eta), 0.045);
       least = std::min<double>(least, picture[pixel].x), most = std::max<double>(most, picture[pixel].x);
@@ -149,7 +153,8 @@ TEST(Water, StillWaterRefractsTheFloor) {
   constexpr int n = 128;
   Texture ramp{.width = n, .height = n, .srgb = false, .wrap_u = Texture::Wrap::clamp, .wrap_v = Texture::Wrap::clamp};
   for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) ramp.texels.emplace_back(glm::u8vec4(255.0 * (i + 0.5) / n + 0.5, 255.0 * (j + 0.5) / n + 0.5, 0, 255));
+    for (int i = 0; i < n; ++i)
+      ramp.texels.emplace_back(glm::u8vec4(255.0 * (i + 0.5) / n + 0.5, 255.0 * (j + 0.5) / n + 0.5, 0, 255));
   pool.scene.textures.push_back(ramp);
   pool.scene.materials.push_back({.base_colour = glm::vec4(0, 0, 0, 1),
                                   .emissive = Colour(1),
@@ -158,14 +163,17 @@ TEST(Water, StillWaterRefractsTheFloor) {
   Mesh& floor = pool.scene.meshes[pool.floor];
   floor.material = int(pool.scene.materials.size()) - 1;
   for (std::size_t k = 0; k < floor.positions.size(); ++k)
-    floor.coordinates[k] = {0.5 + 0.5 * floor.positions[k].x / basin.wide, 0.5 + 0.5 * floor.positions[k].z / basin.deep};
+    floor.coordinates[k] = {0.5 + 0.5 * floor.positions[k].x / basin.wide,
+                            0.5 + 0.5 * floor.positions[k].z / basin.deep};
   for (const auto& picture : both(pool, nullptr)) {
     int seen = 0;
     for_each_of_water(basin, [&](int pixel, const Direction& ray, const Direction& at) {
-      const Direction within = glm::refract(ray, Direction(0, 1, 0), basin.eta), place = at + basin.floor / within.y * within;
+      const Direction within = glm::refract(ray, Direction(0, 1, 0), basin.eta),
+                      place = at + basin.floor / within.y * within;
       const double u = 0.5 + 0.5 * place.x / basin.wide, v = 0.5 + 0.5 * place.z / basin.deep;
       if (std::min({u, v, 1 - u, 1 - v}) < 0.03) return;
-      const double f0 = std::pow((1 - basin.eta) / (1 + basin.eta), 2), let_in = (1 - f0) * (1 - std::pow(1 + ray.y, 5));
+      const double f0 = std::pow((1 - basin.eta) / (1 + basin.eta), 2),
+                   let_in = (1 - f0) * (1 - std::pow(1 + ray.y, 5));
       ASSERT_NEAR(picture[pixel].x, let_in * u, 0.02) << place.x << " " << place.z;
       ASSERT_NEAR(picture[pixel].y, let_in * v, 0.02) << place.x << " " << place.z;
       ++seen;

@@ -62,7 +62,8 @@ TEST(Bc6h, OfEveryModeDecodesAsOpenImageIoDecodesIt) {
     Image image;
     open_bytes(image, "blocks.dds", file);
     ASSERT_TRUE(image.texture);
-    const Level ours = read_texture(*image.file, *image.texture, 0, {Projection::latlong, Layout::single, height}, 0, true);
+    const Level ours =
+        read_texture(*image.file, *image.texture, 0, {Projection::latlong, Layout::single, height}, 0, true);
     int wrong = 0;
     for (int j = 0; j < ours.height(); ++j)
       for (int i = 0; i < ours.width(); ++i)
@@ -84,7 +85,8 @@ TEST(Bc6h, PacksWhatItUnpacks) {
   }
 }
 
-// Mode 11: endpoints 0 and the largest of 10 bits, which are 0 and 65504; index 8 lies 34/64 between them in the half's bits.
+// Mode 11: endpoints 0 and the largest of 10 bits, which are 0 and 65504;
+// index 8 lies 34/64 between them in the half's bits.
 TEST(Bc6h, DecodesABlockWorkedOutByHand) {
   bc6h::Block block{.mode = 10};
   block.endpoints[1] = {1023, 0, 1023};
@@ -108,8 +110,8 @@ EnvironmentMap through_file(const EnvironmentMap& map, Depth depth) {
   return back;
 }
 
-// What a step between two texels that meet is changed by, relative to them: root of the mean square, of steps across the edges of
-// the cube and of those across the borders of blocks within a face.
+// What a step between two texels that meet is changed by, relative to them: root of the mean square, of steps across
+// the edges of the cube and of those across the borders of blocks within a face.
 std::pair<double, double> step_errors(const Level& made, const Level& truth) {
   const int n = truth.height();
   double sums[2] = {0, 0};
@@ -180,7 +182,8 @@ TEST(Bc6h, KeepsTheFluxOfASun) {
   EXPECT_LT(compare(back.base(), map.base()).largest_flux(), 0.02);
 }
 
-// A red sun whose blue is lost, as probes have them: what is black in three texels must not cost the others their precision.
+// A red sun whose blue is lost, as probes have them: what is black in three texels must not cost the others their
+// precision.
 TEST(Bc6h, KeepsHuesWhereAChannelIsLost) {
   EnvironmentMap map = generate(Constant{{30, 20, 10}}, Projection::cube, 32);
   for (int i = 13; i < 16; ++i) *map.base().texel(2, i, 14) = {6000, 900, 1e-4F};

@@ -23,18 +23,41 @@ void expect_matrix(const ColourMatrix& m, const double (&rows)[3][3], double wit
 
 TEST(Primaries, MakePublishedMatrices) {
   // W3C, CSS Color Module Level 4, "Sample code for color conversions".
-  expect_matrix(to_xyz(rec709), {{0.4123907993, 0.3575843394, 0.1804807884}, {0.2126390059, 0.7151686788, 0.0721923154}, {0.0193308187, 0.1191947798, 0.9505321522}}, 1e-9);
-  expect_matrix(to_xyz(p3_d65), {{0.4865709486, 0.2656676932, 0.1982172852}, {0.2289745641, 0.6917385218, 0.0792869141}, {0, 0.0451133819, 1.0439443689}}, 1e-9);
-  expect_matrix(to_xyz(rec2020), {{0.6369580483, 0.1446169036, 0.1688809752}, {0.2627002120, 0.6779980715, 0.0593017165}, {0, 0.0280726930, 1.0609850577}}, 1e-9);
+  expect_matrix(to_xyz(rec709),
+                {{0.4123907993, 0.3575843394, 0.1804807884},
+                 {0.2126390059, 0.7151686788, 0.0721923154},
+                 {0.0193308187, 0.1191947798, 0.9505321522}},
+                1e-9);
+  expect_matrix(to_xyz(p3_d65),
+                {{0.4865709486, 0.2656676932, 0.1982172852},
+                 {0.2289745641, 0.6917385218, 0.0792869141},
+                 {0, 0.0451133819, 1.0439443689}},
+                1e-9);
+  expect_matrix(to_xyz(rec2020),
+                {{0.6369580483, 0.1446169036, 0.1688809752},
+                 {0.2627002120, 0.6779980715, 0.0593017165},
+                 {0, 0.0280726930, 1.0609850577}},
+                1e-9);
   // SMPTE ST 2065-1 and Academy S-2014-004.
-  expect_matrix(to_xyz(aces_ap0), {{0.9525523959, 0, 0.0000936786}, {0.3439664498, 0.7281660966, -0.0721325464}, {0, 0, 1.0088251844}}, 1e-9);
-  expect_matrix(conversion(aces_ap1, aces_ap0), {{0.6954522414, 0.1406786965, 0.1638690622}, {0.0447945634, 0.8596711185, 0.0955343182}, {-0.0055258826, 0.0040252103, 1.0015006723}}, 1e-9);
+  expect_matrix(to_xyz(aces_ap0),
+                {{0.9525523959, 0, 0.0000936786}, {0.3439664498, 0.7281660966, -0.0721325464}, {0, 0, 1.0088251844}},
+                1e-9);
+  expect_matrix(conversion(aces_ap1, aces_ap0),
+                {{0.6954522414, 0.1406786965, 0.1638690622},
+                 {0.0447945634, 0.8596711185, 0.0955343182},
+                 {-0.0055258826, 0.0040252103, 1.0015006723}},
+                1e-9);
   // ITU-R BT.2087-0.
-  expect_matrix(conversion(rec709, rec2020), {{0.6274, 0.3293, 0.0433}, {0.0691, 0.9195, 0.0114}, {0.0164, 0.0880, 0.8956}}, 5e-5);
+  expect_matrix(conversion(rec709, rec2020),
+                {{0.6274, 0.3293, 0.0433}, {0.0691, 0.9195, 0.0114}, {0.0164, 0.0880, 0.8956}}, 5e-5);
 }
 
 TEST(Primaries, OfXyzAreXyzUnderAnyWhite) {
-  expect_matrix(conversion(rec709, cie_xyz), {{0.4123907993, 0.3575843394, 0.1804807884}, {0.2126390059, 0.7151686788, 0.0721923154}, {0.0193308187, 0.1191947798, 0.9505321522}}, 1e-9);
+  expect_matrix(conversion(rec709, cie_xyz),
+                {{0.4123907993, 0.3575843394, 0.1804807884},
+                 {0.2126390059, 0.7151686788, 0.0721923154},
+                 {0.0193308187, 0.1191947798, 0.9505321522}},
+                1e-9);
 }
 
 TEST(Primaries, OfABlackBody) {
@@ -55,7 +78,8 @@ ColourMatrix matrix_of(const ColourTransform& transform) {
 ColourMatrix built_in(const char* style) {
   const auto transform = ocio::BuiltinTransform::Create();
   transform->setStyle(style);
-  const auto cpu = ocio::Config::CreateRaw()->getProcessor(transform)->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
+  const auto cpu =
+      ocio::Config::CreateRaw()->getProcessor(transform)->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
   Colour c[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   ocio::PackedImageDesc image(c, 3, 1, 3);
   cpu->apply(image);
@@ -69,7 +93,8 @@ void expect_same(const ColourMatrix& a, const ColourMatrix& b) {
 
 TEST(ColourSpaces, AreThoseOfOpenColorIO) {
   expect_same(matrix_of(into_working({.space = "ACEScg"}, {})), built_in("UTILITY - ACES-AP1_to_LINEAR-REC709_BFD"));
-  expect_same(matrix_of(into_working({.space = "ACES2065-1", .working = "XYZ"}, {})), built_in("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"));
+  expect_same(matrix_of(into_working({.space = "ACES2065-1", .working = "XYZ"}, {})),
+              built_in("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"));
 }
 
 TEST(ColourSpaces, HaveSrgbsCurve) {
@@ -99,7 +124,8 @@ TEST(ColourSpaces, OfAFileAreKnownByPrimaries) {
   const Primaries adobe{{0.64, 0.33}, {0.21, 0.71}, {0.15, 0.06}, {0.3127, 0.3290}};
   EXPECT_EQ(space_with(adobe), "");
   expect_same(matrix_of(into_working({}, {.primaries = adobe, .by = "chromaticities"})), conversion(adobe, rec709));
-  expect_same(matrix_of(into_working({.working = "ACEScg"}, {.primaries = adobe, .by = "chromaticities"})), conversion(adobe, aces_ap1));
+  expect_same(matrix_of(into_working({.working = "ACEScg"}, {.primaries = adobe, .by = "chromaticities"})),
+              conversion(adobe, aces_ap1));
 }
 
 void expect_usage(const std::string& space, const std::vector<std::string>& words) {
@@ -121,16 +147,19 @@ class OtherConfig : public ::testing::Test {
  protected:
   // @param bridge lines of roles and spaces that say how it stands to others.
   std::string config(const std::string& roles, const std::string& spaces) {
-    std::ofstream(path_) << "ocio_profile_version: 2\nroles:\n  default: half\n" << roles
+    std::ofstream(path_) << "ocio_profile_version: 2\nroles:\n  default: half\n"
+                         << roles
                          << "displays:\n  sRGB:\n    - !<View> {name: Raw, colorspace: half}\ncolorspaces:\n"
-                            "  - !<ColorSpace>\n    name: half\n    to_scene_reference: !<MatrixTransform> {matrix: [0.5,0,0,0, 0,0.5,0,0, 0,0,0.5,0, 0,0,0,1]}\n"
+                            "  - !<ColorSpace>\n    name: half\n    to_scene_reference: !<MatrixTransform> {matrix: "
+                            "[0.5,0,0,0, 0,0.5,0,0, 0,0,0.5,0, 0,0,0,1]}\n"
                          << spaces;
     return path_.string();
   }
   ~OtherConfig() override { std::filesystem::remove(path_); }
 
  private:
-  std::filesystem::path path_ = std::filesystem::temp_directory_path() / ("envmap-colour-" + std::to_string(::getpid()) + ".ocio");
+  std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / ("envmap-colour-" + std::to_string(::getpid()) + ".ocio");
 };
 
 TEST_F(OtherConfig, IsBridgedByItsRole) {

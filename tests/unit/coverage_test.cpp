@@ -13,8 +13,8 @@ namespace {
 
 using Points = std::vector<Point2>;
 
-// The integral of x^a y^b over a polygon, by triangles from the origin and a rule of the seventh degree would be one way;
-// here as Steger 1996, "On the calculation of arbitrary moments of polygons", for a, b <= 2.
+// The integral of x^a y^b over a polygon, by triangles from the origin and a rule of the seventh degree would be one
+// way; here as Steger 1996, "On the calculation of arbitrary moments of polygons", for a, b <= 2.
 double moment(const Points& p, int a, int b) {
   const auto binomial = [](int n, int k) {
     return n == k || k == 0 ? 1.0 : n == 2 ? 2.0 : n == 3 ? 3.0 : k == 2 ? 6.0 : 4.0;
@@ -90,7 +90,8 @@ TEST(Coverage, WeighsByALinearDensity) {
     const double sign = moment(p, 0, 0) < 0 ? -1 : 1;
     EXPECT_NEAR(weighted(c, p, density, one),
                 sign * (100 * moment(p, 0, 0) + 2 * moment(p, 1, 0) - 3 * moment(p, 0, 1)), 1e-8);
-    EXPECT_NEAR(weighted(c, p, density, xy), sign * (100 * moment(p, 1, 1) + 2 * moment(p, 2, 1) - 3 * moment(p, 1, 2)), 1e-6);
+    EXPECT_NEAR(weighted(c, p, density, xy), sign * (100 * moment(p, 1, 1) + 2 * moment(p, 2, 1) - 3 * moment(p, 1, 2)),
+                1e-6);
   }
 }
 

@@ -19,7 +19,8 @@ class Draw {
  public:
   explicit Draw(unsigned seed) : random_(seed) {}
   double even() { return even_(random_); }
-  double between(double least, double most) { return least * std::pow(most / least, even()); }  // Evenly by its logarithm.
+  // Evenly by its logarithm.
+  double between(double least, double most) { return least * std::pow(most / least, even()); }
   bool one_of(int n) { return std::uniform_int_distribution<int>(1, n)(random_) == 1; }
   Direction offset() { return {normal_(random_), normal_(random_), normal_(random_)}; }
   Direction direction() { return glm::normalize(offset()); }
@@ -64,8 +65,9 @@ double versine(const Direction& a, const Direction& b) {
   return 0.5 * glm::dot(d, d);
 }
 
-// What float32 makes of a lobe: its own digits, those of x = 1 - cos, those of places within a node, and those of its covariance,
-// of which a direction that looks along the node's centre sees the rounding; and a power is no less than 2^-100.
+// What float32 makes of a lobe: its own digits, those of x = 1 - cos, those of places within a node, and those of its
+// covariance, of which a direction that looks along the node's centre sees the rounding;
+// and a power is no less than 2^-100.
 double rounding_of(const Lobe& lobe, double x, double reach) {
   return std::visit(
       [&](const auto& l) {
@@ -112,7 +114,8 @@ Truth truth_of(const Lobe& lobe, const std::vector<Node>& points, const Directio
 // What a node is off over its bound, at most, where that is more than rounding.
 class Worst {
  public:
-  void expect_within(double bound, const std::array<double, node_channels>& found, const Truth& truth, const Node& node) {
+  void expect_within(double bound, const std::array<double, node_channels>& found, const Truth& truth,
+                     const Node& node) {
     for (std::size_t c = 0; c < node_channels; ++c) {
       const double off = std::abs(found[c] - truth.sums[c]), allowed = node.flux[c] * (bound + truth.rounding);
       ASSERT_LE(off, allowed + 1e-37) << "flux " << node.flux[c] << ", reach " << node.reach;
@@ -150,11 +153,12 @@ void compare(const Lobe& lobe, const std::vector<Node>& points, const Node& node
 
 class EachLobe : public testing::TestWithParam<Lobe> {};
 INSTANTIATE_TEST_SUITE_P(, EachLobe,
-                         testing::Values(Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.03}), Lobe(Phong{0.5}), Lobe(Phong{1.5}),
-                                         Lobe(Phong{2.5}), Lobe(Phong{12}), Lobe(Phong{300}), Lobe(Phong{1e5}), Lobe(Ggx(0.03)),
-                                         Lobe(Ggx(0.2)), Lobe(Ggx(0.5)), Lobe(Ggx(1)), Lobe(BlinnPhong(0.7)),
-                                         Lobe(BlinnPhong(40)), Lobe(BlinnPhong(3000)), Lobe(Charlie(1)),
-                                         Lobe(Charlie(0.6)), Lobe(Charlie(0.25)), Lobe(Charlie(0.1))));
+                         testing::Values(Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.03}), Lobe(Phong{0.5}),
+                                         Lobe(Phong{1.5}), Lobe(Phong{2.5}), Lobe(Phong{12}), Lobe(Phong{300}),
+                                         Lobe(Phong{1e5}), Lobe(Ggx(0.03)), Lobe(Ggx(0.2)), Lobe(Ggx(0.5)),
+                                         Lobe(Ggx(1)), Lobe(BlinnPhong(0.7)), Lobe(BlinnPhong(40)),
+                                         Lobe(BlinnPhong(3000)), Lobe(Charlie(1)), Lobe(Charlie(0.6)),
+                                         Lobe(Charlie(0.25)), Lobe(Charlie(0.1))));
 
 TEST_P(EachLobe, NoNodeIsFartherOffThanItsBound) {
   on_every_target([&](const char* target) {
@@ -174,8 +178,8 @@ TEST_P(EachLobe, NoNodeIsFartherOffThanItsBound) {
   });
 }
 
-// Even square cells of a flat lattice round a horizon that runs `along` so many of them one way and `up` the other, and lies
-// `above` the middle of one of them; a period of the lattice, `count` times.
+// Even square cells of a flat lattice round a horizon that runs `along` so many of them one way and `up` the other, and
+// lies `above` the middle of one of them; a period of the lattice, `count` times.
 std::vector<std::vector<Node>> cells_along_horizon(int along, int up, double above, double side, int count) {
   constexpr int points = 12;
   const double length = std::hypot(along, up), cosine = along / length, sine = up / length;
@@ -200,7 +204,8 @@ struct Together {
   double all, one;
 };
 // @param light of 4 x 4 parts of each cell.
-Together off_together(const Lobe& lobe, const std::vector<std::vector<Node>>& cells, const std::array<float, 16>& light) {
+Together off_together(const Lobe& lobe, const std::vector<std::vector<Node>>& cells,
+                      const std::array<float, 16>& light) {
   const Direction r(0, 0, 1);
   Traversal found;
   found.clear(lobe, false, false);
@@ -231,10 +236,18 @@ Together off_together(const Lobe& lobe, const std::vector<std::vector<Node>>& ce
 TEST(Together, EvenCellsAlongTheHorizonAreOffByLessThanCounts) {
   std::array<float, 16> even;
   even.fill(1);
-  for (const auto& [lobe, most] : {std::pair{Lobe(Cosine{}), 0.007}, {Lobe(Ggx(1)), 0.007}, {Lobe(Ggx(0.5)), 0.007},
-                                   {Lobe(BlinnPhong(2)), 0.007}, {Lobe(Charlie(1)), 0.007}, {Lobe(Phong{1.0001}), 0.07}, {Lobe(Phong{1.01}), 0.07},
-                                   {Lobe(Phong{1.1}), 0.07}, {Lobe(Phong{1.3}), 0.03}, {Lobe(Phong{1.5}), 0.013},
-                                   {Lobe(Phong{2}), 0.007}, {Lobe(Phong{3}), 0.007}}) {
+  for (const auto& [lobe, most] : {std::pair{Lobe(Cosine{}), 0.007},
+                                   {Lobe(Ggx(1)), 0.007},
+                                   {Lobe(Ggx(0.5)), 0.007},
+                                   {Lobe(BlinnPhong(2)), 0.007},
+                                   {Lobe(Charlie(1)), 0.007},
+                                   {Lobe(Phong{1.0001}), 0.07},
+                                   {Lobe(Phong{1.01}), 0.07},
+                                   {Lobe(Phong{1.1}), 0.07},
+                                   {Lobe(Phong{1.3}), 0.03},
+                                   {Lobe(Phong{1.5}), 0.013},
+                                   {Lobe(Phong{2}), 0.007},
+                                   {Lobe(Phong{3}), 0.007}}) {
     EXPECT_LE(most, std::visit([](const auto& l) { return together(l); }, lobe));
     for (const auto& [along, up] : {std::pair{1, 0}, {1, 1}, {2, 1}, {3, 1}, {3, 2}})
       for (double above = -0.5; above <= 0.5; above += 0.1)

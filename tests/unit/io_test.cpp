@@ -58,7 +58,8 @@ TEST_F(Io, ErrorsNameTheFileAndWhatWouldHelpInNoWordsOfACommandLine) {
     EXPECT_EQ(e.code(), ErrorCode::input);
     EXPECT_EQ(e.remedy(), Remedy::repair);
     EXPECT_EQ(e.file(), path("dark.exr"));
-    EXPECT_EQ(std::string(e.what()), path("dark.exr") + ": 1 of 128 texels are no radiance (1 negative), the first at (3,2)");
+    EXPECT_EQ(std::string(e.what()),
+              path("dark.exr") + ": 1 of 128 texels are no radiance (1 negative), the first at (3,2)");
   }
   EXPECT_EQ(read(path("dark.exr"), {.flaws = FlawPolicy::repair}).repaired, 1);
   try {
@@ -102,7 +103,8 @@ TEST_F(Io, AFullDiskEndsTheWork) {
     std::atomic<int> made = 0;
     Rows rows{Projection::latlong, 4096, Forward::plus_z, [&](int, int row, std::span<Colour> out) {
                 ++made;
-                for (std::size_t k = 0; k < out.size(); ++k) out[k] = Colour(float((k * 2654435761U + std::size_t(row) * 40503U) % 1000003U));
+                for (std::size_t k = 0; k < out.size(); ++k)
+                  out[k] = Colour(float((k * 2654435761U + std::size_t(row) * 40503U) % 1000003U));
               }};
     const rlimit small{1 << 16, before.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
@@ -139,8 +141,8 @@ TEST_F(Io, FloatExrIsExact) {
   }
 }
 
-// The table of formats against what files do: every extension at every depth comes back as that format and depth, known by
-// its bytes, with values as near as the depth has them.
+// The table of formats against what files do: every extension at every depth comes back as that format and depth, known
+// by its bytes, with values as near as the depth has them.
 TEST_F(Io, EveryFormatHoldsWhatItsRowSays) {
   const EnvironmentMap map = generate(Directions{}, Projection::latlong, 24);  // 0 to 1, smooth.
   const auto tolerance = [](const FileFormat& format, Depth depth) {
@@ -319,7 +321,8 @@ TEST_F(Io, ExrChannelsThatAreNoRadiance) {
   const std::map<std::string, float> values{{"R", 1}, {"G", 2}, {"B", 3}, {"Y", 4}};
   write_exr(path("grey.exr"), window, {{"Y", single}}, values, {});
   EXPECT_EQ(*read(path("grey.exr"), {}).map.base().texel(0, 7, 3), Colour(4));
-  write_exr(path("small.exr"), window, {{"r", single}, {"g", single}, {"b", single}}, {{"r", 1}, {"g", 2}, {"b", 3}}, {});
+  write_exr(path("small.exr"), window, {{"r", single}, {"g", single}, {"b", single}}, {{"r", 1}, {"g", 2}, {"b", 3}},
+            {});
   EXPECT_EQ(*read(path("small.exr"), {}).map.base().texel(0, 7, 3), Colour(1, 2, 3));
   write_exr(path("whole.exr"), window, {{"R", single}, {"G", whole}, {"B", single}}, values, {});
   EXPECT_THROW(read(path("whole.exr"), {}), InputError);
@@ -344,7 +347,8 @@ TEST_F(Io, ExrOfSeveralParts) {
       Imf::OutputPart part(out, k);
       Imf::FrameBuffer frame;
       for (const char* c : {"R", "G", "B"})
-        frame.insert(c, Imf::Slice(Imf::FLOAT, const_cast<char*>(reinterpret_cast<const char*>((k ? black : white).data())),
+        frame.insert(c, Imf::Slice(Imf::FLOAT,
+                                   const_cast<char*>(reinterpret_cast<const char*>((k ? black : white).data())),
                                    sizeof(float), 8 * sizeof(float)));
       part.setFrameBuffer(frame);
       part.writePixels(4);
@@ -388,7 +392,13 @@ TEST_F(Io, ExrLayersAndChannels) {
   EXPECT_EQ(colour({}), Colour(1, 2, 3)) << "the only layer";
   EXPECT_EQ(read(path("m.exr"), {}).notes.size(), 1U);
   write_exr(path("m.exr"), window,
-            {{"a.R", single}, {"a.G", single}, {"a.B", single}, {"b.c.R", single}, {"b.c.G", single}, {"b.c.B", single}, {"Z", single}},
+            {{"a.R", single},
+             {"a.G", single},
+             {"a.B", single},
+             {"b.c.R", single},
+             {"b.c.G", single},
+             {"b.c.B", single},
+             {"Z", single}},
             values, {});
   EXPECT_NE(why({}).find("layers (a, b.c)"), std::string::npos) << why({});
   EXPECT_EQ(colour({.layer = "a"}), Colour(1, 2, 3));
@@ -407,7 +417,10 @@ TEST_F(Io, ExrDataWindowsArePaddedAndCropped) {
   const Imf::Channel single(Imf::FLOAT);
   const std::map<std::string, float> values{{"R", 1}, {"G", 2}, {"B", 3}};
   const Imath::Box2i shown({100, 50}, {107, 53});
-  const Imath::Box2i datas[] = {{{102, 51}, {104, 52}}, {{90, 40}, {120, 60}}, {{90, 52}, {101, 60}}, {{200, 200}, {202, 201}}};
+  const Imath::Box2i datas[] = {{{102, 51}, {104, 52}},
+                                {{90, 40}, {120, 60}},
+                                {{90, 52}, {101, 60}},
+                                {{200, 200}, {202, 201}}};
   for (const auto& tiles :
        {std::optional<Imf::LevelMode>(), std::optional(Imf::ONE_LEVEL), std::optional(Imf::MIPMAP_LEVELS)})
     for (const Imath::Box2i& data : datas) {
@@ -454,7 +467,8 @@ TEST_F(Io, ExrsThatPromiseMoreThanTheyHold) {
             {{"R", 1}, {"G", 1}, {"B", 1}}, Imf::MIPMAP_LEVELS);
   std::ifstream stream(path("m.exr"), std::ios::binary);
   std::string whole{std::istreambuf_iterator<char>(stream), {}};
-  const auto why = [&](const std::string& attribute, std::size_t from, std::vector<std::int32_t> values) -> std::string {
+  const auto why = [&](const std::string& attribute, std::size_t from,
+                       std::vector<std::int32_t> values) -> std::string {
     std::string bytes = whole;
     bytes.replace(bytes.find(attribute) + from, 4 * values.size(), reinterpret_cast<const char*>(values.data()),
                   4 * values.size());
@@ -483,12 +497,13 @@ TEST_F(Io, ExrsThatPromiseMoreThanTheyHold) {
   EXPECT_NE(why("dataWindow", window, {17}).find("of type box2i has 17 bytes"), std::string::npos);
   // Beyond the image, whether that is all of the display window or a part.
   EXPECT_NE(why("tiles", tiles + 4, {64, 1 << 22}).find("tiles of 64x4194304"), std::string::npos);
-  whole[whole.find("displayWindow") + std::string("displayWindow").size() + window - std::string("dataWindow").size() + 12] =
-      15;
+  whole[whole.find("displayWindow") + std::string("displayWindow").size() + window - std::string("dataWindow").size() +
+        12] = 15;
   EXPECT_NE(why("tiles", tiles + 4, {64, 1 << 22}).find("tiles of 64x4194304"), std::string::npos);
 }
 
-// Half rounds by 2^-11 of a value; below 2^-14 it has only multiples of 2^-24. What loses more light than that is refused.
+// Half rounds by 2^-11 of a value; below 2^-14 it has only multiples of 2^-24.
+// What loses more light than that is refused.
 TEST_F(Io, LightThatBecomesNothingIsRefused) {
   const auto loss = [&](float radiance, Depth depth, const std::string& name) {
     const EnvironmentMap map = generate(Constant{Direction(radiance)}, Projection::latlong, 4);

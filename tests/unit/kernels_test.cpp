@@ -145,7 +145,8 @@ Vec2<Real> exact_place(Projection p, const Direction& d) {
   Real s = 0, t = 0;
   switch (p) {
     case Projection::latlong:
-      return {Real(0.5) - std::atan2(x, z) / (2 * formulae::pi), Real(0.5) - std::atan2(y, std::hypot(x, z)) / formulae::pi};
+      return {Real(0.5) - std::atan2(x, z) / (2 * formulae::pi),
+              Real(0.5) - std::atan2(y, std::hypot(x, z)) / formulae::pi};
     case Projection::cube: {
       const auto at = Cube::locate(Vec3<double>(d));
       const Cube::Axes& axes = Cube::axes[at.face];
@@ -166,7 +167,8 @@ Vec2<Real> exact_place(Projection p, const Direction& d) {
       break;
     case Projection::octahedral:
     case Projection::equal_area: {
-      Real a = std::abs(x) / (std::abs(x) + std::abs(y) + std::abs(z)), b = std::abs(z) / (std::abs(x) + std::abs(y) + std::abs(z));
+      Real a = std::abs(x) / (std::abs(x) + std::abs(y) + std::abs(z)),
+           b = std::abs(z) / (std::abs(x) + std::abs(y) + std::abs(z));
       if (p == Projection::equal_area) {
         const Real r = std::hypot(x, z) / std::sqrt(1 + std::abs(y));
         b = r * std::atan2(std::abs(z), std::abs(x)) / (formulae::pi / 2), a = r - b;
@@ -226,8 +228,9 @@ TEST_P(EachKernel, OctahedralMapsRepeatThemselves) {
   std::vector<Point2> inside, beyond;
   for (const double u : {0.1, 0.25, 0.6, 0.99})
     for (const double v : {0.02, 0.3, 0.75})
-      for (const Point2 over : {Point2(-u, 1 - v), Point2(2 - u, 1 - v), Point2(1 - u, -v), Point2(1 - u, 2 - v), Point2(u - 1, v - 1),
-                                Point2(u + 1, v + 1), Point2(u + 2, v), Point2(u - 1, v + 3), Point2(2 - u, -1 - v)})
+      for (const Point2 over :
+           {Point2(-u, 1 - v), Point2(2 - u, 1 - v), Point2(1 - u, -v), Point2(1 - u, 2 - v), Point2(u - 1, v - 1),
+            Point2(u + 1, v + 1), Point2(u + 2, v), Point2(u - 1, v + 3), Point2(2 - u, -1 - v)})
         inside.emplace_back(u, v), beyond.push_back(over);
   std::vector<Direction> wanted(inside.size()), found(inside.size());
   on_every_target([&](const char* target) {
@@ -235,7 +238,8 @@ TEST_P(EachKernel, OctahedralMapsRepeatThemselves) {
     directions(GetParam(), 0, beyond, found);
     for (std::size_t k = 0; k < inside.size(); ++k) {
       ASSERT_LT(glm::length(wanted[k] - found[k]), 3e-15) << target << " " << beyond[k].x << " " << beyond[k].y;
-      const Direction plain = visit(GetParam(), [&](auto q) { return decltype(q)::direction(0, beyond[k].x, beyond[k].y); });
+      const Direction plain =
+          visit(GetParam(), [&](auto q) { return decltype(q)::direction(0, beyond[k].x, beyond[k].y); });
       ASSERT_LT(glm::length(wanted[k] - plain), 3e-15);
     }
   });

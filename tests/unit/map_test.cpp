@@ -37,8 +37,8 @@ TEST_P(EachApron, PaddingLeavesTheSourceAsItWas) {
     for (int j = 0; j < 9; ++j) EXPECT_TRUE(std::ranges::equal(map.base().row(f, j), before.base().row(f, j)));
 }
 
-// An octahedral map goes on with the texel that lies mirrored along the side about its middle, and beyond a corner with the
-// corner opposite; however small it is.
+// An octahedral map goes on with the texel that lies mirrored along the side about its middle, and beyond a corner with
+// the corner opposite; however small it is.
 TEST(OctahedralApron, IsTheMapItself) {
   constexpr int g = Level::apron;
   for (const Projection p : {Projection::octahedral, Projection::equal_area})
@@ -218,7 +218,7 @@ TEST(Recognise, WhatIsSaidComesFirstThenWhatIsRecorded) {
   EXPECT_THROW(recognise(1000, 600, {}, paraboloid), InputError);
 }
 
-// ---- storage ---------------------------------------------------------------------------------------------------------
+// ---- storage --------------------------------------------------------------------------------------------------------
 
 TEST(Storage, AScratchFileHoldsWhatMemoryHolds) {
   for (const std::size_t limit : {std::size_t{0}, std::size_t{1}}) {  // With one byte, trim() always lets go.

@@ -31,7 +31,8 @@ struct Bulging {
   // Along the arc at even steps of its angle.
   [[nodiscard]] Point2 at(int side, double t) const {
     const double c = curvatures[side], half = std::asin(0.5 * size * c), angle = (2 * t - 1) * half;
-    const Point2 p(c == 0 ? (t - 0.5) * size : std::sin(angle) / c, 0.5 * size + (c == 0 ? 0 : (std::cos(angle) - std::cos(half)) / c));
+    const Point2 p(c == 0 ? (t - 0.5) * size : std::sin(angle) / c,
+                   0.5 * size + (c == 0 ? 0 : (std::cos(angle) - std::cos(half)) / c));
     const double a = turn + 0.5 * pi * side;
     return middle + Point2(std::cos(a) * p.x + std::sin(a) * p.y, std::cos(a) * p.y - std::sin(a) * p.x);
   }
@@ -56,7 +57,8 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
   return most;
 }
 
-// A side that is off by b all along moves 2/3 b of weight for each texel of its length; here all four may be at one texel.
+// A side that is off by b all along moves 2/3 b of weight for each texel of its length;
+// here all four may be at one texel.
 double allowed(const Outline::Shape& shape, double off, double size) {
   return 4 * (2.0 / 3) * off * std::min(1.0, size) + 1e-13 * shape.thickness;
 }

@@ -40,7 +40,10 @@ TEST(Portable, SinesAndArcsKeepTheirBounds) {
   EXPECT_LT(worst(-1, 1, portable::asin, [](Real x) { return std::asin(x); }), 4);
   EXPECT_LT(worst(-1, 1, portable::acos, [](Real x) { return std::acos(x); }), 4);
   for (const double y : {0.3, -0.7, 1e-9}) {
-    EXPECT_LT(worst(-2, 2, [&](double x) { return portable::atan2(y, x); }, [&](Real x) { return std::atan2(Real(y), x); }), 4);
+    EXPECT_LT(worst(
+                  -2, 2, [&](double x) { return portable::atan2(y, x); },
+                  [&](Real x) { return std::atan2(Real(y), x); }),
+              4);
   }
   // Far out against the arc that is left, as long double reduces no better.
   for (double x = -1e5; x < 1e5; x += 17.3)
@@ -58,7 +61,8 @@ TEST(Portable, ExponentialsKeepTheirBounds) {
   EXPECT_LT(worst(-700, 700, portable::exp, [](Real x) { return std::exp(x); }), 1);
   EXPECT_LT(worst(-1000, 1000, portable::exp2, [](Real x) { return std::exp2(x); }), 2);
   EXPECT_LT(worst(-30, 30, portable::expm1, [](Real x) { return std::expm1(x); }), 4);
-  EXPECT_LT(worst(-740, -709, portable::exp, [](Real x) { return std::exp(x); }), 1.5) << "subnormal results round twice";
+  EXPECT_LT(worst(-740, -709, portable::exp, [](Real x) { return std::exp(x); }), 1.5)
+      << "subnormal results round twice";
   for (int k = -1074; k < 1024; ++k) EXPECT_EQ(portable::exp2(k), std::ldexp(1.0, k));
   EXPECT_EQ(portable::exp(0), 1);
   EXPECT_EQ(portable::exp(1000), std::numeric_limits<double>::infinity());
@@ -85,12 +89,16 @@ TEST(Portable, PowersAndRootsKeepTheirBounds) {
   for (const double y : {1 / 2.4, 2.4, 5.0, -0.75, 30.0}) {
     const auto bound = [&](double x) { return 3 + std::abs(y * std::log(x)); };
     EXPECT_LT(worst(
-                  1e-6, 10, [&](double x) { return portable::pow(x, y); }, [&](Real x) { return std::pow(x, Real(y)); }),
+                  1e-6, 10, [&](double x) { return portable::pow(x, y); },
+                  [&](Real x) { return std::pow(x, Real(y)); }),
               bound(1e-18))
         << y;
   }
   EXPECT_LT(worst(-1e6, 1e6, portable::cbrt, [](Real x) { return std::cbrt(x); }), 2);
-  EXPECT_LT(worst(-5, 5, [](double x) { return portable::hypot(x, 0.4); }, [](Real x) { return std::hypot(x, Real(0.4)); }), 2);
+  EXPECT_LT(worst(
+                -5, 5, [](double x) { return portable::hypot(x, 0.4); },
+                [](Real x) { return std::hypot(x, Real(0.4)); }),
+            2);
   EXPECT_EQ(portable::hypot(3e300, 4e300), 5e300);
   EXPECT_EQ(portable::hypot(0, -5e-324), 5e-324);
   EXPECT_EQ(portable::pow(0, 2), 0);

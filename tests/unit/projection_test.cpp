@@ -128,7 +128,8 @@ TEST_P(EachProjection, LocatesEveryDirectionInsideItsFace) {
             ASSERT_LE(std::hypot(2 * at.u - 1, 2 * at.v - 1), 1 + 1e-15);
           }
           // And back: the rim of a sphere map turns a rounding of 1e-16 into 1e-8.
-          ASSERT_LT(angle_between(P::direction(at.face, at.u, at.v), d), GetParam() == Projection::sphere ? 3e-8 : 1e-15);
+          ASSERT_LT(angle_between(P::direction(at.face, at.u, at.v), d),
+                    GetParam() == Projection::sphere ? 3e-8 : 1e-15);
         }
   });
 }
@@ -188,11 +189,12 @@ TEST(Projection, KnownPlaces) {
   expect(at(Projection::octahedral, glm::normalize(Direction(-1, -1, 1))), 0, 1.0 / 6, 1.0 / 6);
   // 30 degrees up: r^2 = 1/2. A third of the way from +X to +Z.
   const double r = std::sqrt(0.5), level = std::sqrt(0.75);
-  expect(at(Projection::equal_area, {level * std::cos(pi / 6), 0.5, level * std::sin(pi / 6)}), 0, 0.5 + r / 3, 0.5 - r / 6);
+  expect(at(Projection::equal_area, {level * std::cos(pi / 6), 0.5, level * std::sin(pi / 6)}), 0, 0.5 + r / 3,
+         0.5 - r / 6);
 }
 
-// pbrt-v4's EqualAreaSquareToSphere (util/math.cpp) as one looks it up in its ImageInfiniteLight: x right and y down in the
-// image, +Z in the middle. Without --rotate our +Y is its +Z, our +X its +X and our -Z its +Y.
+// pbrt-v4's EqualAreaSquareToSphere (util/math.cpp) as one looks it up in its ImageInfiniteLight: x right and y down in
+// the image, +Z in the middle. Without --rotate our +Y is its +Z, our +X its +X and our -Z its +Y.
 TEST(Projection, EqualAreaIsWhatPbrtReads) {
   for (int j = 0; j < 40; ++j)
     for (int i = 0; i < 40; ++i) {

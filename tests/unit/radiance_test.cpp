@@ -70,7 +70,8 @@ TEST(Radiance, FlatOldAndNewRunsAreTheSamePicture) {
     return std::string{static_cast<char>(136), static_cast<char>(eight), 2, static_cast<char>(ninth),
                        static_cast<char>(tenth)};
   };
-  news = std::string{2, 2, 0, 10} + channel(20, 30, 40) + channel(40, 0, 255) + channel(60, 1, 7) + channel(129, 128, 0);
+  news =
+      std::string{2, 2, 0, 10} + channel(20, 30, 40) + channel(40, 0, 255) + channel(60, 1, 7) + channel(129, 128, 0);
   for (const std::string& data : {flat, olds, news}) {
     const Read r = read_bytes(file("", "-Y 2 +X 10", data + data));
     ASSERT_EQ(r.width, 10);

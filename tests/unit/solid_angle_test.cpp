@@ -89,8 +89,9 @@ TEST(SolidAngle, OfEqualAreaTexelsIsOne) {
   }
 }
 
-// A facet is an eighth of the sphere; a strip along an axis is a lune's part, whose closed form is Girard's: the triangle
-// with corners +Y, +X and the direction at (s, t) = (0, c) has a right angle at +Y, and the others by its sides.
+// A facet is an eighth of the sphere; a strip along an axis is a lune's part, whose closed form is Girard's: the
+// triangle with corners +Y, +X and the direction at (s, t) = (0, c) has a right angle at +Y,
+// and the others by its sides.
 TEST(SolidAngle, OfOctahedralMapsIsThatOfSphericalTriangles) {
   EXPECT_NEAR(Octahedral::solid_angle({0.5, 0, 1, 0.5}), pi, 1e-14);
   const double c = 0.3, y = 0.7, side = std::atan2(c, y);  // From +Y towards +Z.

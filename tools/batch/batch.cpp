@@ -99,7 +99,8 @@ int run_ninja(const std::string& file, const Request& o, std::size_t jobs, Ninja
       settings().threads > 0 ? std::size_t(settings().threads) : std::max<std::size_t>(1, cores / at_once);
   ::setenv("ENVMAP_THREADS", std::to_string(threads).c_str(), 1);
   ::setenv("NINJA_STATUS", fmt::format("{}[%f/%t] ", status_mark).c_str(), 1);
-  const std::string line = fmt::format("exec ninja -f {} -j {}{} 2>&1", quoted(file), at_once, o.keep_going ? " -k 0" : "");
+  const std::string line =
+      fmt::format("exec ninja -f {} -j {}{} 2>&1", quoted(file), at_once, o.keep_going ? " -k 0" : "");
   std::fflush(nullptr);
   std::FILE* const pipe = ::popen(line.c_str(), "r");
   if (pipe == nullptr) throw OutputError("ninja cannot be started");

@@ -30,7 +30,8 @@ struct Line {
   Texts words;
 };
 
-// A line as a shell cuts it: '...' as it stands, "..." and what follows a backslash without its meaning, # begins a comment.
+// A line as a shell cuts it: '...' as it stands, "..." and what follows a backslash without its meaning,
+// # begins a comment.
 Texts split(const std::string& line, const std::string& where) {
   Texts words;
   bool open = false;
@@ -65,8 +66,10 @@ std::vector<Line> lines_of_json(const std::string& path, const std::string& text
     Line line{fmt::format("job {}", lines.size() + 1), {}};
     if (job.is_string())
       line.words = split(job.get<std::string>(), line.where);
-    else if (job.is_array() && std::ranges::all_of(job, [](const auto& word) { return word.is_string() || word.is_number(); }))
-      for (const auto& word : job) line.words.push_back(word.is_number() ? word.dump() : word.template get<std::string>());
+    else if (job.is_array() &&
+             std::ranges::all_of(job, [](const auto& word) { return word.is_string() || word.is_number(); }))
+      for (const auto& word : job)
+        line.words.push_back(word.is_number() ? word.dump() : word.template get<std::string>());
     else
       throw InputError(path, fmt::format("{} is neither a command line nor an array of words and numbers", line.where));
     lines.push_back(line);
@@ -113,7 +116,8 @@ std::string placed(std::string word, const std::string& file) {
 std::vector<Texts> expanded(const Line& line, const std::set<std::string>& written) {
   const auto pattern = std::ranges::find_if(line.words, is_pattern);
   const bool each = std::ranges::any_of(line.words, is_place);
-  if (pattern == line.words.end() && each) throw UsageError(line.where + ": {stem} and {name} need a word such as *.hdr");
+  if (pattern == line.words.end() && each)
+    throw UsageError(line.where + ": {stem} and {name} need a word such as *.hdr");
   Texts all;
   if (!each) {
     for (const std::string& word : line.words)
@@ -211,12 +215,14 @@ std::string text_of(const std::string& path) {
 std::vector<Job> read_manifest(const std::string& path) {
   const std::string text = text_of(path);
   const auto first = text.find_first_not_of(" \t\r\n");
-  std::vector<Job> jobs = jobs_of(first != text.npos && text[first] == '[' ? lines_of_json(path, text) : lines_of_text(text));
+  std::vector<Job> jobs =
+      jobs_of(first != text.npos && text[first] == '[' ? lines_of_json(path, text) : lines_of_text(text));
   if (jobs.empty()) throw InputError(path, "holds no commands");
   return jobs;
 }
 
-std::vector<Job> bake_jobs(const std::vector<std::string>& probes, const std::string& engine, const std::string& folder) {
+std::vector<Job> bake_jobs(const std::vector<std::string>& probes, const std::string& engine,
+                           const std::string& folder) {
   std::vector<Line> lines;
   for (const std::string& probe : probes)
     lines.push_back({probe, {"bake", probe, (fs::path(folder) / fs::path(probe).stem()).string(), "--for", engine}});

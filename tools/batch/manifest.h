@@ -9,17 +9,19 @@ namespace tools {
 struct Job {
   std::string where;               ///< "line 3", "job 3": for messages.
   std::vector<std::string> words;  ///< Of the command, without the program's name.
-  std::vector<std::string> inputs, outputs;  ///< That its arguments name. A folder is known by one file that it will hold.
+  /// That its arguments name. A folder is known by one file that it will hold.
+  std::vector<std::string> inputs, outputs;
 };
 
-/// The jobs of a file: JSON, an array of commands, each an array of words or a line; or else a command a line, quoted as in a
-/// shell, with comments from # on. A word with * ? or [ stands for the files that match it or that earlier jobs write: for
-/// each of them there is a job of its own where another word has {stem} (its path without the extension) or {name} (without
-/// the folder, too), else they are words of one job. @param path '-' for standard input.
+/// The jobs of a file: JSON, an array of commands, each an array of words or a line; or else a command a line, quoted
+/// as in a shell, with comments from # on. A word with * ? or [ stands for the files that match it or that earlier jobs
+/// write: for each of them there is a job of its own where another word has {stem} (its path without the extension) or
+/// {name} (without the folder, too), else they are words of one job. @param path '-' for standard input.
 /// @throws UsageError where a command is wrong, or two jobs write the same file; InputError where it cannot be read.
 std::vector<Job> read_manifest(const std::string& path);
 
 /// `bake` of every probe into FOLDER/NAME.
-std::vector<Job> bake_jobs(const std::vector<std::string>& probes, const std::string& engine, const std::string& folder);
+std::vector<Job> bake_jobs(const std::vector<std::string>& probes, const std::string& engine,
+                           const std::string& folder);
 
 }  // namespace tools

@@ -50,8 +50,8 @@ std::map<std::string, std::size_t> writers(std::span<const Job> jobs) {
   return all;
 }
 
-// What must be there before a job begins: inputs that exist or that others write. Words of options may be such files, too.
-// What is missing the job itself says best.
+// What must be there before a job begins: inputs that exist or that others write. Words of options may be such files,
+// too. What is missing the job itself says best.
 std::vector<std::string> needed(const Job& job, const std::map<std::string, std::size_t>& writer) {
   std::vector<std::string> files;
   for (const std::string& file : job.inputs)
@@ -78,7 +78,8 @@ std::vector<Jobs> awaited(std::span<const Job> jobs) {
 }
 
 // @param stage below 0 of the jobs that cannot begin: each waits for another of them.
-[[noreturn]] void refuse_circle(std::span<const Job> jobs, const std::vector<Jobs>& awaits, const std::vector<int>& stage) {
+[[noreturn]] void refuse_circle(std::span<const Job> jobs, const std::vector<Jobs>& awaits,
+                                const std::vector<int>& stage) {
   const auto is_stuck = [&](std::size_t k) { return stage[k] < 0; };
   const auto next = [&](std::size_t k) { return *std::ranges::find_if(awaits[k], is_stuck); };
   auto first = std::size_t(std::ranges::find_if(stage, [](int s) { return s < 0; }) - stage.begin());
@@ -86,8 +87,9 @@ std::vector<Jobs> awaited(std::span<const Job> jobs) {
   std::string circle = jobs[first].where;
   std::size_t k = first;
   for (int shown = 1; (k = next(k)) != first && shown < 8; ++shown) circle += ", " + jobs[k].where;
-  throw envmap::UsageError(fmt::format("jobs wait for each other in a circle ({}, {}): let one of them read another file", circle,
-                                       k == first ? jobs[first].where : "..."));
+  throw envmap::UsageError(
+      fmt::format("jobs wait for each other in a circle ({}, {}): let one of them read another file", circle,
+                  k == first ? jobs[first].where : "..."));
 }
 
 // 0 of jobs that read what is there, one more of those that read what others write.
@@ -134,8 +136,8 @@ std::string ninja_file(std::span<const Job> jobs, const std::string& program, co
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Job& job = jobs[k];
     const std::string depfile = fmt::format("{}/{}.d", folder, k + 1);
-    text += fmt::format("build {}: envmap {}\n  run = {}\n  what = {}\n  dependencies = {}\n", joined(job.outputs, for_ninja),
-                        joined(needed(job, writer), for_ninja),
+    text += fmt::format("build {}: envmap {}\n  run = {}\n  what = {}\n  dependencies = {}\n",
+                        joined(job.outputs, for_ninja), joined(needed(job, writer), for_ninja),
                         escaped(command(job, program, {"--quiet", "--if-changed", "--depfile", depfile}), "$", '$'),
                         escaped(joined(job.words, quoted), "$", '$'), escaped(depfile, "$", '$'));
   }
@@ -150,11 +152,13 @@ std::string makefile(std::span<const Job> jobs, const std::string& program, cons
     const std::string depfile = fmt::format("{}/{}.d", folder, k + 1), outputs = joined(job.outputs, for_make);
     all += " " + outputs;
     depfiles += " " + for_make(depfile);
-    rules += fmt::format("{} {}: {}\n\t{}\n\n", outputs, job.outputs.size() > 1 ? "&" : "", joined(needed(job, writer), for_make),
+    rules += fmt::format("{} {}: {}\n\t{}\n\n", outputs, job.outputs.size() > 1 ? "&" : "",
+                         joined(needed(job, writer), for_make),
                          escaped(command(job, program, {"--quiet", "--depfile", depfile}), "$", '$'));
   }
   return fmt::format(
-      "# Written by 'envmap batch'. Changed inputs make their maps again; after a change of the manifest write it anew, and make "
+      "# Written by 'envmap batch'. Changed inputs make their maps again; after a change of the manifest write it "
+      "anew, and make "
       "-B.\nall:{}\n\n{}$(shell mkdir -p {})\n-include{}\n.PHONY: all\n.DELETE_ON_ERROR:\n",
       all, rules, escaped(quoted(folder), "$", '$'), depfiles);
 }
@@ -176,7 +180,8 @@ std::string slurm_script(std::span<const Job> jobs, const std::string& program) 
       std::size_t end = n;
       while (end < order.size() && end < n + largest_array && stage[order[end]] == of) ++end;
       submit += fmt::format(
-          "  id=$(sbatch --parsable --array=1-{} --export=ALL,ENVMAP_FIRST={} ${{before:+--dependency=afterok$before}} \"$@\" \"$0\")\n"
+          "  id=$(sbatch --parsable --array=1-{} --export=ALL,ENVMAP_FIRST={} ${{before:+--dependency=afterok$before}} "
+          "\"$@\" \"$0\")\n"
           "  these=$these:${{id%%;*}}\n",
           end - n, n);
       n = end;
@@ -187,8 +192,10 @@ std::string slurm_script(std::span<const Job> jobs, const std::string& program) 
       "#!/bin/sh\n"
       "#SBATCH --job-name=envmap\n"
       "#SBATCH --requeue\n"
-      "# Written by 'envmap batch': {} jobs. 'sh THIS [OPTIONS OF SBATCH]' submits them and prints the ids of the last: jobs that\n"
-      "# read what others write wait for these. Outputs appear whole or not at all: a job may be killed and queued again.\n"
+      "# Written by 'envmap batch': {} jobs. 'sh THIS [OPTIONS OF SBATCH]' submits them and prints the ids of the "
+      "last: jobs that\n"
+      "# read what others write wait for these. Outputs appear whole or not at all: a job may be killed and queued "
+      "again.\n"
       "set -eu\n"
       "if [ -z \"${{SLURM_ARRAY_TASK_ID:-}}\" ]; then\n{}  echo \"${{before#:}}\"\n  exit\nfi\n"
       "export ENVMAP_THREADS=\"${{SLURM_CPUS_PER_TASK:-1}}\"\n"

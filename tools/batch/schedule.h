@@ -15,8 +15,8 @@ void check_order(std::span<const Job> jobs);
 std::string ninja_file(std::span<const Job> jobs, const std::string& program, const std::string& folder);
 std::string makefile(std::span<const Job> jobs, const std::string& program, const std::string& folder);
 
-/// A script that is an array job, and that submits itself when it is run by sh: jobs that read what others write come in an
-/// array of their own that waits for these.
+/// A script that is an array job, and that submits itself when it is run by sh: jobs that read what others write come
+/// in an array of their own that waits for these.
 std::string slurm_script(std::span<const Job> jobs, const std::string& program);
 
 /// A word as sh takes it for one word.

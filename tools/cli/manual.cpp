@@ -36,13 +36,15 @@ std::string range_words(const Option& o) {
   if (!o.range || std::holds_alternative<Size>(o.value)) return "";
   const bool whole = std::holds_alternative<int*>(o.value) || std::holds_alternative<std::optional<int>*>(o.value);
   const std::string what = whole ? "Whole number" : "Number";
-  return o.range->to == std::numeric_limits<double>::max() ? fmt::format(" {}, {:g} or more.", what, o.range->from)
-                                                           : fmt::format(" {} from {:g} to {:.7g}.", what, o.range->from, o.range->to);
+  return o.range->to == std::numeric_limits<double>::max()
+             ? fmt::format(" {}, {:g} or more.", what, o.range->from)
+             : fmt::format(" {} from {:g} to {:.7g}.", what, o.range->from, o.range->to);
 }
 
 std::string option_lines(const Option& o, const Text& text) {
-  std::string names = o.is_argument() ? "\\fI" + roff(o.name) + "\\fR"
-                                      : (o.letter ? fmt::format("\\fB\\-{}\\fR, ", o.letter) : "") + "\\fB" + roff(o.name) + "\\fR";
+  std::string names = o.is_argument()
+                          ? "\\fI" + roff(o.name) + "\\fR"
+                          : (o.letter ? fmt::format("\\fB\\-{}\\fR, ", o.letter) : "") + "\\fB" + roff(o.name) + "\\fR";
   if (!o.type.empty()) names += " \\fI" + roff(o.type) + "\\fR";
   const auto detail = text.details.find(o.name);
   const std::string more = (detail == text.details.end() ? "" : " " + detail->second) + range_words(o);
@@ -125,14 +127,19 @@ struct ExitStatus {
   bool (*applies)(const Options& options);
 };
 
-bool has(const Options& o, std::string_view name) { return std::ranges::find(o.rows, name, &Option::name) != o.rows.end(); }
+bool has(const Options& o, std::string_view name) {
+  return std::ranges::find(o.rows, name, &Option::name) != o.rows.end();
+}
 bool reads_files(const Options& o) {
-  return std::ranges::any_of(o.rows, [](const Option& row) { return row.is_argument() && (row.file == File::input || row.file == File::inputs_then_output); });
+  return std::ranges::any_of(o.rows, [](const Option& row) {
+    return row.is_argument() && (row.file == File::input || row.file == File::inputs_then_output);
+  });
 }
 
 constexpr ExitStatus exit_statuses[] = {
     {0, "The command succeeded.", nullptr},
-    {1, "A check failed: a limit such as --max-error is not met.", [](const Options& o) { return has(o, "--max-error"); }},
+    {1, "A check failed: a limit such as --max-error is not met.",
+     [](const Options& o) { return has(o, "--max-error"); }},
     {2, "The command line is wrong.", nullptr},
     {3, "An input cannot be read, or is damaged.", reads_files},
     {4, "An output cannot be written.", nullptr},
@@ -152,7 +159,8 @@ std::string statuses(const Options* options) {
 std::string environment() {
   std::map<std::string, std::string> all{
       {"TMPDIR", "Folder of scratch files (default: /var/tmp for --max-memory, /tmp for standard output)."},
-      {"ENVMAP_BASELINE", "If set, only the vector instructions of every x86-64 processor are used. The output is the same."}};
+      {"ENVMAP_BASELINE",
+       "If set, only the vector instructions of every x86-64 processor are used. The output is the same."}};
   for (const Command& c : commands()) {
     Options options;
     define(c, options);
@@ -165,11 +173,13 @@ std::string environment() {
 }
 
 std::string json_lines(const Text& text) {
-  std::string lines = ".SH JSON\n" +
-                      roff("--json prints one object. NaN and infinity are written as null and listed under not_finite. "
-                           "'levels[].flux' is the key flux of each object in the array levels. 'envmap manual --schemas "
-                           "FOLDER' writes the JSON Schema.") +
-                      "\n";
+  std::string lines =
+      ".SH JSON\n" +
+      roff(
+          "--json prints one object. NaN and infinity are written as null and listed under not_finite. "
+          "'levels[].flux' is the key flux of each object in the array levels. 'envmap manual --schemas "
+          "FOLDER' writes the JSON Schema.") +
+      "\n";
   for (const Key& key : text.keys) lines += ".TP\n\\fB" + roff(key.path) + "\\fR\n" + roff(key.what) + "\n";
   return lines;
 }
@@ -185,9 +195,10 @@ std::string command_page(const Command& command) {
   for (const Example& e : text.examples) examples += ".TP\n\\fB" + roff(e.command) + "\\fR\n" + roff(e.what) + "\n";
   if (description.starts_with(".PP\n")) description.erase(0, 4);
   return title("envmap-" + std::string(command.name)) +
-         fmt::format(".SH NAME\nenvmap\\-{} \\- {}\n.SH SYNOPSIS\n{}\n.SH DESCRIPTION\n{}.SH ARGUMENTS\n{}.SH OPTIONS\n{}",
-                     command.name, roff(text.summary), synopsis, description, argument_lines(options, text),
-                     option_lines(options, text)) +
+         fmt::format(
+             ".SH NAME\nenvmap\\-{} \\- {}\n.SH SYNOPSIS\n{}\n.SH DESCRIPTION\n{}.SH ARGUMENTS\n{}.SH OPTIONS\n{}",
+             command.name, roff(text.summary), synopsis, description, argument_lines(options, text),
+             option_lines(options, text)) +
          (command.reports ? json_lines(text) : "") + ".SH EXAMPLES\n" + examples + statuses(&options) +
          ".SH SEE ALSO\n.BR envmap (1)\n";
 }
@@ -198,7 +209,8 @@ std::string main_page() {
     list += fmt::format(".TP\n\\fBenvmap {}\\fR\n{}\n", c.name, roff(text_of(c.name).summary));
     also += fmt::format("{}.BR envmap\\-{} (1)", also.empty() ? "" : ",\n", c.name);
   }
-  for (const char* topic : {"", "conventions", "orientation", "files", "accuracy", "cost", "prefilter", "scenes", "glossary"})
+  for (const char* topic :
+       {"", "conventions", "orientation", "files", "accuracy", "cost", "prefilter", "scenes", "glossary"})
     also += fmt::format(",\n.BR envmap{}{} (7)", *topic ? "\\-" : "", topic);
   std::string description;
   for (const std::string& paragraph : text_of("envmap").description) description += paragraph_lines(paragraph);
@@ -212,7 +224,8 @@ constexpr std::string_view topics[] = {"orientation", "files"};
 
 std::string topic_page(std::string_view topic) {
   const Text text = text_of(topic);
-  std::string page = fmt::format("'\\\" t\n{}.SH NAME\nenvmap\\-{} \\- {}\n", title(fmt::format("envmap-{}", topic), 7), topic, roff(text.summary));
+  std::string page = fmt::format("'\\\" t\n{}.SH NAME\nenvmap\\-{} \\- {}\n", title(fmt::format("envmap-{}", topic), 7),
+                                 topic, roff(text.summary));
   for (const std::string& paragraph : text.description) page += paragraph_lines(paragraph, "SH");
   return page + ".SH SEE ALSO\n.BR envmap (1),\n.BR envmap\\-conventions (7)\n";
 }

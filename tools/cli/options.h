@@ -98,8 +98,8 @@ constexpr std::string_view output_map = "Output map", output_file = "Output file
                            builds = "Large maps and builds", reports = "Reports";
 }
 
-/// In the order of --help; rows of one group need not be neighbours. Rows keep their addresses. In the help of a row with
-/// words, {} stands for them. The name may end with the name of the value: "--to PROJECTION".
+/// In the order of --help; rows of one group need not be neighbours. Rows keep their addresses. In the help of a row
+/// with words, {} stands for them. The name may end with the name of the value: "--to PROJECTION".
 class Options {
  public:
   std::string_view group;  ///< The heading of rows that are added from here on.

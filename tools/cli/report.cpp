@@ -102,7 +102,8 @@ struct Report::Json {
 
   ordered_json& at(std::string_view key) {
     ordered_json* place = &root;
-    walk(key, [&](const std::string& name, bool many, bool) { place = many ? &(*place)[name].back() : &(*place)[name]; });
+    walk(key,
+         [&](const std::string& name, bool many, bool) { place = many ? &(*place)[name].back() : &(*place)[name]; });
     return *place;
   }
 };

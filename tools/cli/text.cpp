@@ -22,11 +22,14 @@ void list_filters(std::vector<std::string>& paragraphs) {
 std::string table_rows(const std::string& mark) {
   std::string rows;
   if (mark == "{engines}")
-    for (const envmap::Engine& e : envmap::engines()) rows += fmt::format("\n| `{}` {} | {} | {} | {} | {} |", e.name, e.title, image_of(e), e.axes, e.mirrored, was_run(e) ? "yes" : "no");
+    for (const envmap::Engine& e : envmap::engines())
+      rows += fmt::format("\n| `{}` {} | {} | {} | {} | {} |", e.name, e.title, image_of(e), e.axes, e.mirrored,
+                          was_run(e) ? "yes" : "no");
   if (mark == "{formats}")
     for (const envmap::FileFormat& f : envmap::file_formats()) {
       std::string extensions = f.extensions.empty() ? "no" : "", depths = f.is_written() ? "" : "no";
-      for (const std::string_view e : f.extensions) extensions += fmt::format("{}.{}", extensions.empty() ? "" : " ", e);
+      for (const std::string_view e : f.extensions)
+        extensions += fmt::format("{}.{}", extensions.empty() ? "" : " ", e);
       for (const envmap::Depth d : f.depths) depths += fmt::format("{}{}", depths.empty() ? "" : " ", name(d));
       rows += fmt::format("\n| {} | {} | {} | {} |", f.title, extensions, depths, f.levels ? "yes" : "no");
     }
@@ -35,7 +38,8 @@ std::string table_rows(const std::string& mark) {
 
 std::string listed(const std::vector<std::string_view>& words) {
   std::string list;
-  for (const std::string_view w : words) list += (list.empty() ? "" : w == words.back() ? " or " : ", ") + std::string(w);
+  for (const std::string_view w : words)
+    list += (list.empty() ? "" : w == words.back() ? " or " : ", ") + std::string(w);
   return list;
 }
 

@@ -13,7 +13,8 @@ struct Example {
 };
 
 /// A key of the report. `levels[].flux` is in each element of an array. Types: text, texts, words (an object of texts),
-/// number, count, boolean, triple, triples, texel, object. After a type: "?" for keys that may be absent, or " or null".
+/// number, count, boolean, triple, triples, texel, object. After a type: "?" for keys that may be absent,
+/// or " or null".
 struct Key {
   std::string path, type, what;
 };
@@ -26,8 +27,8 @@ struct Text {
   std::map<std::string, std::string, std::less<>> details;  ///< By option: more text for its place in the man page.
 };
 
-/// Reads text/COMMAND.txt, then text/options.txt, which has details of options that several commands share. The first line is
-/// the summary. The others are:
+/// Reads text/COMMAND.txt, then text/options.txt, which has details of options that several commands share. The first
+/// line is the summary. The others are:
 ///   $ COMMAND           an example; the next line says what it does
 ///   KEY | TYPE | WHAT   a key of the report
 ///   --OPTION: TEXT      a detail of an option; the first one counts

@@ -10,7 +10,8 @@ namespace tools {
 
 std::string version_text() {
   const std::string commit = ENVMAP_COMMIT;
-  return fmt::format("envmap {}{}\nwith {}", ENVMAP_VERSION, commit.empty() ? "" : " (" + commit + ")", ENVMAP_LIBRARIES);
+  return fmt::format("envmap {}{}\nwith {}", ENVMAP_VERSION, commit.empty() ? "" : " (" + commit + ")",
+                     ENVMAP_LIBRARIES);
 }
 
 std::string renderer_text() try {

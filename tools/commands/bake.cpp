@@ -80,7 +80,8 @@ std::string readme_text(const Engine& e, const std::vector<Baked>& maps, double 
 
 std::string size_of(const std::vector<Rows>& levels) {
   const Rows& base = levels.front();
-  return fmt::format("{}x{}{}", base.width(), base.size, levels.size() > 1 ? fmt::format(" in {} levels", levels.size()) : "");
+  return fmt::format("{}x{}{}", base.width(), base.size,
+                     levels.size() > 1 ? fmt::format(" in {} levels", levels.size()) : "");
 }
 
 // The probe in the light that was asked for.
@@ -105,7 +106,8 @@ Baked bake_map(const Request& o, const EngineMap& map, Baker& maker, const Outpu
     how.facts = made.facts;
     const Written written = write(file, made.rows, how, progress_line("bake"));
     if (written.clamped > 0)
-      warn(fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", shown, written.clamped, 100 * written.flux_lost));
+      warn(fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", shown, written.clamped,
+                       100 * written.flux_lost));
     report.append("maps[]");
     report.put("maps[].size", made.rows.front().size);
     report.put("maps[].levels", made.rows.size());
@@ -116,8 +118,8 @@ Baked bake_map(const Request& o, const EngineMap& map, Baker& maker, const Outpu
     throw folder.with_final_path(e, map.file);
   } catch (const NotReached& e) {
     const std::string depth = depth_for_error(file, how, *o.maps.max_error);
-    throw NotReached(fmt::format("{}: cannot meet --max-error {:g}: {}: raise --max-error{}", shown, *o.maps.max_error, e.what(),
-                                 depth.empty() ? "" : " or use " + depth));
+    throw NotReached(fmt::format("{}: cannot meet --max-error {:g}: {}: raise --max-error{}", shown, *o.maps.max_error,
+                                 e.what(), depth.empty() ? "" : " or use " + depth));
   }
 }
 
@@ -182,7 +184,8 @@ Action define_bake(Options& o) {
   o.add("--max-error", "E", &r->maps.max_error, {1e-6, 10},
         "Largest error of a texel, rounding included (default: by --quality)");
   add_size(o, &r->maps.size, "Height of the environment map or face (default: same texels per degree)");
-  o.add("--chain-size", "N", &r->maps.chain_size, {1, 4096}, "Height of the first level of rough light (default: the engine's)");
+  o.add("--chain-size", "N", &r->maps.chain_size, {1, 4096},
+        "Height of the first level of rough light (default: the engine's)");
   add_costs(o, r->costs);
   o.group = groups::output_file;
   add_depth(o, r->write, "engine's, or input's");

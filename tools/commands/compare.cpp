@@ -91,8 +91,8 @@ std::string unlike(const Request& o, const Source& a, const Source& b) {
     return fmt::format("{} has {} level{}, {} has {} (--same-levels)", o.a, levels, levels > 1 ? "s" : "", o.b, wanted);
   // The reference has levels that were not compared.
   if (o.limited() && levels < wanted)
-    return fmt::format("{} has {} level{}, {} has {}: use --level 0 to compare one level", o.a, levels, levels > 1 ? "s" : "", o.b,
-                       wanted);
+    return fmt::format("{} has {} level{}, {} has {}: use --level 0 to compare one level", o.a, levels,
+                       levels > 1 ? "s" : "", o.b, wanted);
   if (o.same_depth && a.depth != b.depth)
     return fmt::format("{} has depth {}, {} has {} (--same-depth)", o.a, name(a.depth), o.b, name(b.depth));
   return {};
@@ -112,7 +112,8 @@ Verdict verdict_of(const EnvironmentMap& a, const EnvironmentMap& b, const Level
 std::string words(const Difference& d, const Verdict& v) {
   if (d.maximum == 0) return "identical";
   if (!std::isfinite(v.differs)) return "the reference is black";
-  return fmt::format("light gained or lost: {:.3g}% of the reference; brightest texel moved by {:.3g} degrees", 100 * v.differs, v.moved);
+  return fmt::format("light gained or lost: {:.3g}% of the reference; brightest texel moved by {:.3g} degrees",
+                     100 * v.differs, v.moved);
 }
 
 struct Comparison {
@@ -195,8 +196,9 @@ int run(Request& o, Report& report) {
   if (settings().json) {
     add(report, {o, resampled, same, d, verdict, levels, unlikeness, broken});
   } else {
-    print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n{}\n", d.flux.x,
-                      d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j, words(d, verdict)));
+    print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n{}\n",
+                      d.flux.x, d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j,
+                      words(d, verdict)));
     for (const LevelDifference& level : levels)
       print(fmt::format("level {:2}  flux {:+.3e} {:+.3e} {:+.3e}{}\n", level.number, level.flux.x, level.flux.y,
                         level.flux.z,
@@ -211,8 +213,8 @@ int run(Request& o, Report& report) {
   }
   if (!unlikeness.empty()) warn("envmap compare: " + unlikeness);
   for (const Breach& x : broken)
-    warn(fmt::format("envmap compare: {}{} {:.3g} > {:g} ({})", x.level > 0 ? fmt::format("level {}: ", x.level) : "", x.metric,
-                     x.value, x.limit, x.option));
+    warn(fmt::format("envmap compare: {}{} {:.3g} > {:g} ({})", x.level > 0 ? fmt::format("level {}: ", x.level) : "",
+                     x.metric, x.value, x.limit, x.option));
   return same ? 0 : 1;
 }
 

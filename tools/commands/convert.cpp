@@ -48,8 +48,11 @@ struct Convert {
 };
 
 // Options that only maps have, or only pictures.
-constexpr std::array of_maps{"--for", "--layout", "--area-error", "--max-error", "--ball-distance", "--ball-fov", "--forward", "--depth",
-                             "--border", "--zstd", "--openexr-envmap", "--compression", "--clamp", "--shard", "--output-space", "--encoded", "--max-memory"};
+constexpr std::array of_maps{"--for",           "--layout",   "--area-error",     "--max-error",
+                             "--ball-distance", "--ball-fov", "--forward",        "--depth",
+                             "--border",        "--zstd",     "--openexr-envmap", "--compression",
+                             "--clamp",         "--shard",    "--output-space",   "--encoded",
+                             "--max-memory"};
 constexpr std::array of_pictures{"--look-at", "--fov", "--width", "--display"};
 
 void refuse_options(const Options& options, bool picture) {
@@ -81,9 +84,11 @@ int run_photograph(const Convert& o, Report& report) {
 std::optional<BallCamera> ball_camera(const Convert& o, const EnvironmentMap& source) {
   if (!o.ball_distance && !o.ball_fov) return std::nullopt;
   if (source.projection() != Projection::sphere)
-    throw UsageError(fmt::format("--ball-{} is for the photo of a mirror ball (--from sphere); {} is a{} {} map",
-                                 o.ball_fov ? "fov" : "distance", o.input,
-                                 std::string_view("aeo").find(*name(source.projection())) != std::string_view::npos ? "n" : "", name(source.projection())));
+    throw UsageError(
+        fmt::format("--ball-{} is for the photo of a mirror ball (--from sphere); {} is a{} {} map",
+                    o.ball_fov ? "fov" : "distance", o.input,
+                    std::string_view("aeo").find(*name(source.projection())) != std::string_view::npos ? "n" : "",
+                    name(source.projection())));
   const BallCamera camera = o.ball_fov ? BallCamera::of_field_of_view(*o.ball_fov) : BallCamera{*o.ball_distance};
   note(fmt::format(
       "envmap convert: {} does not show what is within {:.3g} degrees of -Z, behind the ball, {:.2g}% of all "
@@ -99,8 +104,8 @@ std::string words(Filter filter, int samples) {
 // Tells which filter was chosen for the error asked for, and what it was measured to do. False where none reached it.
 bool tell_choice(const FilterChoice& choice, double max_error) {
   const auto line = [&](const FilterTrial& t) {
-    return fmt::format("{}: max {:.2e}, rms {:.2e} in {} texels, {:.2g} us a texel", words(t.filter, t.samples), t.maximum,
-                       t.rms, choice.texels, 1e6 * t.seconds_per_texel);
+    return fmt::format("{}: max {:.2e}, rms {:.2e} in {} texels, {:.2g} us a texel", words(t.filter, t.samples),
+                       t.maximum, t.rms, choice.texels, 1e6 * t.seconds_per_texel);
   };
   for (const FilterTrial& t : choice.trials) detail("tried " + line(t));
   const std::string chosen = line(choice.trials.back());
@@ -127,20 +132,23 @@ void tell(Report& report, const Convert& o, const Resampler& resampler) {
 }
 
 void refuse(const Convert& o, double max_error, const std::string& what) {
-  warn(fmt::format("envmap convert: {}: cannot meet --max-error {:g}: {}: use an .exr file with --depth float", o.output, max_error,
-                   what));
+  warn(fmt::format("envmap convert: {}: cannot meet --max-error {:g}: {}: use an .exr file with --depth float",
+                   o.output, max_error, what));
 }
 
-std::string words(const Rounding& r, double rounded) { return fmt::format("{} rounds by up to {:.1e}", name(r), rounded); }
+std::string words(const Rounding& r, double rounded) {
+  return fmt::format("{} rounds by up to {:.1e}", name(r), rounded);
+}
 
-// Leaves of the error asked for what the depth of the file rounds by; half of it where that is known of the result alone.
-// False where nothing is left.
+// Leaves of the error asked for what the depth of the file rounds by; half of it where that is known of the result
+// alone. False where nothing is left.
 bool leave_to_filter(Convert& o, const std::optional<Rounding>& rounding) {
   const double asked = *o.convert.max_error;
   const double rounded = rounding ? rounding->largest.value_or(0.5 * asked) : 0;
   o.convert.max_error = asked - rounded;
   if (rounding && rounded < asked) return true;
-  refuse(o, asked, rounding ? words(*rounding, rounded) : "integers, lossy compression and --openexr-envmap have no bound");
+  refuse(o, asked,
+         rounding ? words(*rounding, rounded) : "integers, lossy compression and --openexr-envmap have no bound");
   return false;
 }
 
@@ -164,8 +172,10 @@ int run(Convert& o, Report& report) {
   if (o.to) check_output(o.output, o.write, *o.to);
   Source source = read_map(o.input, o.read);
   if (source.levels > 1 && !o.one_level)
-    warn(fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, and 'envmap mipmap' to add levels",
-                     o.input, source.levels, o.read.level));
+    warn(
+        fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, and 'envmap mipmap' "
+                    "to add levels",
+                    o.input, source.levels, o.read.level));
   o.convert.ball = ball_camera(o, source.map);
   grade(source, o.grade, o.read.colour);
   if (engine) warn_about_clamping(*o.engine, source.map.base(), "convert");
@@ -176,7 +186,9 @@ int run(Convert& o, Report& report) {
     throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
   if (o.turn) o.convert.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
   o.convert.gain = portable::exp2(o.exposure);
-  o.convert.size = size_inside_border(o.convert.size.value_or(matching_size(from.projection, source.map.base().height(), to)), o.write);
+  o.convert.size =
+      size_inside_border(o.convert.size.value_or(matching_size(from.projection, source.map.base().height(), to)),
+                         o.write);
   o.write.source_depth = source.depth;
   o.write.provenance = source.provenance;
   if (auto& luminance = o.write.provenance.white_luminance)
@@ -210,7 +222,8 @@ int run(Convert& o, Report& report) {
   }
   detail(fmt::format("{} to {}: {}", name(from.projection), name(to),
                      words(resampler.filter().filter, resampler.filter().samples)));
-  // At most with the root, where the source can be divided: 4 and 8 times at 1e-6 was measured. Else it is hundreds of times.
+  // At most with the root, where the source can be divided: 4 and 8 times at 1e-6 was measured.
+  // Else it is hundreds of times.
   if (const auto error = o.convert.area_error; error && *error < 1e-5 && resampler.filter().filter == Filter::area)
     note(fmt::format("envmap convert: --area-error {:g} takes some {:.0f} times as long as 1e-4", *error,
                      std::sqrt(1e-4 / *error)));
@@ -241,7 +254,8 @@ void add_target(Options& o, Convert& c) {
 
 Action define_convert(Options& o) {
   const auto c = std::make_shared<Convert>();
-  o.reads("INPUT", c->input, "File to read, or '-' for stdin ({face} in the name: six files, {half}: two)").required = true;
+  o.reads("INPUT", c->input, "File to read, or '-' for stdin ({face} in the name: six files, {half}: two)").required =
+      true;
   o.writes("OUTPUT", c->output, "File to write, or '-' for stdout ({face} and {half} as for INPUT)").required = true;
   o.group = groups::output_map;
   add_target(o, *c);

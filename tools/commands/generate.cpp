@@ -41,8 +41,12 @@ Sky sky_of(const Request& o) {
 Pattern pattern(const Request& o) {
   switch (o.kind) {
     case Kind::constant: return Constant{Rgb<double>(o.value.value_or(Vec3<double>(1)))};
-    case Kind::gradient: return Gradient{Rgb<double>(o.value2.value_or(Vec3<double>(0.1))), Rgb<double>(o.value.value_or(Vec3<double>(1)))};
-    case Kind::checker: return Checker{o.squares, Rgb<double>(o.value.value_or(Vec3<double>(1))), Rgb<double>(o.value2.value_or(Vec3<double>(0.1)))};
+    case Kind::gradient:
+      return Gradient{Rgb<double>(o.value2.value_or(Vec3<double>(0.1))),
+                      Rgb<double>(o.value.value_or(Vec3<double>(1)))};
+    case Kind::checker:
+      return Checker{o.squares, Rgb<double>(o.value.value_or(Vec3<double>(1))),
+                     Rgb<double>(o.value2.value_or(Vec3<double>(0.1)))};
     case Kind::directions: return Directions{};
     case Kind::faces: return Faces{};
     case Kind::sky: return sky_of(o);
@@ -78,13 +82,15 @@ Action define_generate(Options& o) {
   o.add("KIND", one_of(r->kind, kinds), "{}").required = true;
   o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} in the name: six files)").required = true;
   o.group = "Pattern";
-  o.add("--value", "R,G,B", Triple{&r->value, true}, "Radiance: constant, top of gradient, even squares, sun (default: 1)");
+  o.add("--value", "R,G,B", Triple{&r->value, true},
+        "Radiance: constant, top of gradient, even squares, sun (default: 1)");
   o.add("--value2", "R,G,B", Triple{&r->value2, true}, "Radiance: bottom of gradient, odd squares (default: 0.1)");
   o.add("--squares", "N", &r->squares, "checker: squares from pole to pole (default: 8)");
   o.add("--direction", "X,Y,Z", Triple{&r->towards}, "sun: direction (default: 0,0,1)");
   o.add("--radius", "DEGREES", &r->sun.radius, "sun: angular radius in degrees (default: 0.2666)");
   o.add("--zenith", "R,G,B", Triple{&r->zenith, true}, "sun, sky: radiance of the zenith (default: 1)");
-  o.add("--horizon", "R,G,B", Triple{&r->horizon, true}, "sun, sky: radiance of the horizon (default: a third of the zenith's)");
+  o.add("--horizon", "R,G,B", Triple{&r->horizon, true},
+        "sun, sky: radiance of the horizon (default: a third of the zenith's)");
   o.add("--ground", "R,G,B", Triple{&r->ground, true}, "sun, sky: radiance of the ground (default: 0.2)");
   o.add("--degree", "L", &r->harmonic.degree, "sh: degree l of the harmonic (default: 2)");
   o.add("--order", "M", &r->harmonic.order, "sh: order m of the harmonic, -L to L (default: 0)");

@@ -38,7 +38,8 @@ void check_promise(const std::string& output, const Joined& parts, const WriteOp
   const auto was = rounding_of("-", parts.write), is = rounding_of(output, now);
   const auto most = [](const std::optional<Rounding>& r) { return r ? r->largest.value_or(1) : 1; };
   if (most(is) > most(was))
-    throw UsageError(output, "cannot keep the --max-error of the parts: remove --depth and --compression, and write .exr");
+    throw UsageError(output,
+                     "cannot keep the --max-error of the parts: remove --depth and --compression, and write .exr");
 }
 
 // The levels that `mipmap` was asked for.

@@ -95,7 +95,8 @@ Action define_mipmap(Options& o) {
       .required = true;
   o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} and {level} as for INPUT)").required = true;
   o.group = groups::output_map;
-  o.add("--levels", "N", &r->levels, range_of(limits::levels), "Number of levels, the map included (default: down to one texel)");
+  o.add("--levels", "N", &r->levels, range_of(limits::levels),
+        "Number of levels, the map included (default: down to one texel)");
   o.add("--weights", one_of(r->weights, weight_names), "Weights of texels in a mean: {} (default: solid-angle)");
   o.flag("--keep", r->keep, "Keep the levels of the input, and compute the missing ones");
   add_engine(o, r->engine, "Projection, orientation and file format of an engine ('list' lists engines)");

@@ -43,8 +43,8 @@ std::string_view name_of(Shape shape) { return shape_names[std::size_t(shape)]; 
 bool has_exponent(Shape shape) { return shape == Shape::phong || shape == Shape::blinn_phong; }
 bool has_roughness(Shape shape) { return shape == Shape::ggx || shape == Shape::charlie; }
 
-// Of level k of a chain of Phong lobes: a quarter of that before, as texels have four times the area, or more of it, so that
-// the last is no less than 1, Lambert's cosine: below, lobes break off at the horizon, and see no more of the map.
+// Of level k of a chain of Phong lobes: a quarter of that before, as texels have four times the area, or more of it, so
+// that the last is no less than 1, Lambert's cosine: below, lobes break off at the horizon, and see no more of the map.
 double exponent_of(double first, int k, int levels) {
   const double left = first / portable::exp2(2 * (levels - 1));
   if (left >= 1 || k == 0) return first / portable::exp2(2 * k);
@@ -82,7 +82,8 @@ std::vector<Prefilter> levels_of(const Request& o) {
     if (has_exponent(o.map.shape) && !o.exponent)
       throw UsageError(fmt::format("--lobe {}: needs --exponent M or --exponents A,B,...", name_of(o.map.shape)));
     if (has_roughness(o.map.shape) && !o.roughness && levels == 1)
-      throw UsageError(fmt::format("--lobe {}: needs --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
+      throw UsageError(
+          fmt::format("--lobe {}: needs --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
     if (o.roughness && levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
   }
   std::vector<Prefilter> all;
@@ -97,7 +98,8 @@ std::vector<Prefilter> levels_of(const Request& o) {
 }
 
 std::string words(const Prefilter& p) {
-  return p.shape == Shape::diffuse ? std::string(name_of(p.shape)) : fmt::format("{} {:g}", name_of(p.shape), p.parameter);
+  return p.shape == Shape::diffuse ? std::string(name_of(p.shape))
+                                   : fmt::format("{} {:g}", name_of(p.shape), p.parameter);
 }
 
 // What the file says of its lobes: one number for each level.
@@ -122,7 +124,8 @@ Facts record(const std::vector<Prefilter>& levels) {
 void tell(const Prefilter& p, const BakedLevel& made) {
   const Prefiltered& done = made.done;
   std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size, method_name(done), done.seconds);
-  if (done.error > 0) line += fmt::format(", {} to {:.1e}", made.sampled ? "the texels measured" : "every texel", done.error);
+  if (done.error > 0)
+    line += fmt::format(", {} to {:.1e}", made.sampled ? "the texels measured" : "every texel", done.error);
   if (done.method != Method::exact && done.exact > 0) line += fmt::format(", {} summed exactly", done.exact);
   note(line);
 }
@@ -173,7 +176,8 @@ void choose_rows(const Request& o, const std::optional<Rounding>& rounding, std:
   if (wanted.size() > 1) throw UsageError("--shard: use one command per level of a chain");
   if (!o.table.empty()) throw UsageError("--shard: use a separate command for --brdf-table");
   if (o.max_error && (!rounding || rounding->read_back))
-    throw UsageError("--shard: --max-error needs --depth float, because the rounding of other depths depends on the whole map");
+    throw UsageError(
+        "--shard: --max-error needs --depth float, because the rounding of other depths depends on the whole map");
   Prefilter& p = wanted.front();
   const Grid grid = part_grid(o.write, p.to);
   p.rows = shown_rows(grid, p.size, band_of(grid.rows * p.size, *o.shard.part));
@@ -186,7 +190,8 @@ const EngineMap* settle_engine(Request& o) {
   settle(*o.engine, map, o.output, o.to, o.forward, o.write);
   if (map.diffuse > 0 && !o.size) o.size = map.diffuse;
   if (!map.chain) return &map;
-  if (o.scale) throw UsageError(fmt::format("--for {}: its levels keep white as it is: remove --scale", o.engine->name));
+  if (o.scale)
+    throw UsageError(fmt::format("--for {}: its levels keep white as it is: remove --scale", o.engine->name));
   if (!o.size) o.size = map.chain->size;
   o.map.shape = o.lobe.value_or(Shape::ggx);
   if (o.map.shape == Shape::ggx && !o.roughness && o.roughnesses.empty())
@@ -210,8 +215,8 @@ struct Making {
   FileError error;
 };
 
-// All levels. A mirror's level of an engine's chain is the environment as `convert` makes it: what the engine shows is then no
-// sharper than its texels.
+// All levels. A mirror's level of an engine's chain is the environment as `convert` makes it: what the engine shows is
+// then no sharper than its texels.
 EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted, Report& report) {
   const Request& o = m.o;
   const PrefilterSource prepared(m.source);
@@ -222,9 +227,10 @@ EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted
   EnvironmentMap made{.levels = {}, .forward = o.map.forward};
   for (const Prefilter& p : wanted) {
     try {
-      BakedLevel level = m.engine && is_mirror(p)
-                            ? resample_level(m.source, {p.to, p.forward}, p.size, m.error, settings().verbose)
-                            : make_level(prepared, p, m.error, settings().verbose, progress_line("prefilter " + words(p)));
+      BakedLevel level =
+          m.engine && is_mirror(p)
+              ? resample_level(m.source, {p.to, p.forward}, p.size, m.error, settings().verbose)
+              : make_level(prepared, p, m.error, settings().verbose, progress_line("prefilter " + words(p)));
       tell(p, level);
       add_level(report, p, level);
       if (level.rounded > 0 && settings().verbose)
@@ -244,7 +250,8 @@ int run(Request& o, Report& report) {
   check_brdf_table(o);
   if (o.input.empty()) return table_alone(o);
   choose_working_space(o.read, o.write);
-  if (out_of_working(o.write.colour).apply) throw UsageError("--output-space: must be a linear space for prefiltered light");
+  if (out_of_working(o.write.colour).apply)
+    throw UsageError("--output-space: must be a linear space for prefiltered light");
   o.read.assumed_forward = o.forward;
   o.map.shape = o.lobe.value_or(Shape::diffuse);
   const EngineMap* engine = settle_engine(o);
@@ -290,7 +297,8 @@ Action define_prefilter(Options& o) {
   o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} and {level} as for INPUT)");
   o.group = "Lobe and levels";
   o.add("--lobe", one_of(r->lobe, shape_names), "{} (default: diffuse, or the engine's)");
-  o.add("--roughness", "R", &r->roughness, range_of(limits::roughness), "Perceptual roughness of ggx and charlie, 0 to 1");
+  o.add("--roughness", "R", &r->roughness, range_of(limits::roughness),
+        "Perceptual roughness of ggx and charlie, 0 to 1");
   o.add("--exponent", "M", &r->exponent, range_of(limits::exponent), "Exponent of phong and blinn-phong, 0 to 1e9");
   o.add("--levels", "N", &r->levels, {1, 17}, "Levels of the chain (default: 1; with --for, the engine's number)");
   o.add("--roughnesses", "R,...", &r->roughnesses, range_of(limits::roughness), "Roughness of each level");
@@ -310,8 +318,10 @@ Action define_prefilter(Options& o) {
   add_costs(o, r->costs);
   add_write_options(o, r->write);
   o.group = "BRDF table";
-  o.add("--brdf-table", "FILE", &r->table, "Write the split-sum table of ggx, or the sheen albedo of charlie").file = File::output;
-  o.add("--table-size", "N", &r->table_size, range_of(limits::table_size), "Width and height of the table (default: 128)");
+  o.add("--brdf-table", "FILE", &r->table, "Write the split-sum table of ggx, or the sheen albedo of charlie").file =
+      File::output;
+  o.add("--table-size", "N", &r->table_size, range_of(limits::table_size),
+        "Width and height of the table (default: 128)");
   add_read_options(o, r->read);
   add_repair(o, r->read);
   add_output_space(o, r->write);

@@ -30,11 +30,13 @@ struct Request {
 std::string text(const Harmonics& h, const Request& o) {
   std::string lines;
   if (o.window == Window::automatic)
-    lines += o.deringing.lambda > 0
-                 ? fmt::format("# degree l times 1 / (1 + {:.6g} l^2 (l + 1)^2), the weakest of no negative irradiance; it changes "
-                               "the irradiance by {:.1e} (rms), {:.1e} of its mean at most\n",
-                               o.deringing.lambda, o.deringing.rms, o.deringing.maximum)
-                 : "# no window: the irradiance is not negative without one\n";
+    lines +=
+        o.deringing.lambda > 0
+            ? fmt::format(
+                  "# degree l times 1 / (1 + {:.6g} l^2 (l + 1)^2), the weakest of no negative irradiance; it changes "
+                  "the irradiance by {:.1e} (rms), {:.1e} of its mean at most\n",
+                  o.deringing.lambda, o.deringing.rms, o.deringing.maximum)
+            : "# no window: the irradiance is not negative without one\n";
   lines += fmt::format("# {} to order {}: l m red green blue\n", o.irradiance ? "irradiance" : "radiance", h.order);
   for (int l = 0; l <= h.order; ++l)
     for (int m = -l; m <= l; ++m) {
@@ -101,7 +103,8 @@ Action define_sh(Options& o) {
         "Reduce ringing around lights: {} (default: none; bare: hann)")
       .alone = "hann";
   o.group = groups::output_map;
-  o.add("--evaluate", "FILE", &r->output, "Write the series as a map, with negative values clamped to 0").file = File::output;
+  o.add("--evaluate", "FILE", &r->output, "Write the series as a map, with negative values clamped to 0").file =
+      File::output;
   add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
   add_size(o, &r->size, "Height of the image or of one cube face (default: 64)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");

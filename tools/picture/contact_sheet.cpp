@@ -59,7 +59,8 @@ std::vector<TileRow> in_columns(std::vector<Tile> tiles, int columns) {
 
 Picture sheet_of(std::span<const TileRow> rows) {
   Size size{0, sheet_border};
-  for (const TileRow& row : rows) size = {std::max(size.width, width_of(row)), size.height + height_of(row) + sheet_border};
+  for (const TileRow& row : rows)
+    size = {std::max(size.width, width_of(row)), size.height + height_of(row) + sheet_border};
   Picture sheet(size, ground);
   int y = sheet_border;
   for (const TileRow& row : rows) {

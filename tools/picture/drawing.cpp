@@ -19,25 +19,30 @@ using namespace envmap;
 constexpr std::uint32_t ink = 0x222222;
 constexpr double rim = 1.5, dash = 4, gap = 3;
 
-std::string paint(const std::optional<std::uint32_t>& colour) { return colour ? fmt::format("#{:06X}", *colour) : "none"; }
+std::string paint(const std::optional<std::uint32_t>& colour) {
+  return colour ? fmt::format("#{:06X}", *colour) : "none";
+}
 
 std::string svg_of(const Outline& o) {
   std::string path;
   for (const Place& p : o.points) path += fmt::format("{}{:.1f},{:.1f}", path.empty() ? "M" : "L", p.x, p.y);
-  return fmt::format("<path d=\"{}{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{:g}\"{}/>\n", path, o.closed ? "Z" : "", paint(o.fill),
-                     paint(o.stroke), o.width, o.dashed ? fmt::format(" stroke-dasharray=\"{:g} {:g}\"", dash, gap) : "");
+  return fmt::format("<path d=\"{}{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{:g}\"{}/>\n", path,
+                     o.closed ? "Z" : "", paint(o.fill), paint(o.stroke), o.width,
+                     o.dashed ? fmt::format(" stroke-dasharray=\"{:g} {:g}\"", dash, gap) : "");
 }
 
 std::string svg_of(const Words& w) {
   constexpr std::string_view anchors[] = {"start", "middle", "end"};
-  const std::string place = w.upwards ? fmt::format("transform=\"translate({:.1f} {:.1f}) rotate(-90)\"", w.at.x, w.at.y)
-                                      : fmt::format("x=\"{:.1f}\" y=\"{:.1f}\"", w.at.x, w.at.y);
+  const std::string place = w.upwards
+                                ? fmt::format("transform=\"translate({:.1f} {:.1f}) rotate(-90)\"", w.at.x, w.at.y)
+                                : fmt::format("x=\"{:.1f}\" y=\"{:.1f}\"", w.at.x, w.at.y);
   return fmt::format(
-      "<text {} font-size=\"{:g}\" text-anchor=\"{}\" stroke=\"white\" stroke-width=\"{:g}\" paint-order=\"stroke\">{}</text>\n", place,
-      w.size, anchors[std::size_t(w.anchor)], 2 * rim, in_markup(w.text));
+      "<text {} font-size=\"{:g}\" text-anchor=\"{}\" stroke=\"white\" stroke-width=\"{:g}\" "
+      "paint-order=\"stroke\">{}</text>\n",
+      place, w.size, anchors[std::size_t(w.anchor)], 2 * rim, in_markup(w.text));
 }
 
-// ---- as pixels --------------------------------------------------------------------------------------------------------
+// ---- as pixels ------------------------------------------------------------------------------------------------------
 
 Colour colour_of(std::uint32_t rgb) {
   return Colour(float(rgb >> 16 & 255), float(rgb >> 8 & 255), float(rgb & 255)) / 255.0F;
@@ -72,13 +77,16 @@ void line(Picture& onto, Place a, Place b, double width, std::uint32_t rgb) {
   const double length = std::hypot(b.x - a.x, b.y - a.y);
   if (length == 0) return;
   const double x = 0.5 * width * (b.x - a.x) / length, y = 0.5 * width * (b.y - a.y) / length;
-  fill(onto, {{a.x - x - y, a.y - y + x}, {b.x + x - y, b.y + y + x}, {b.x + x + y, b.y + y - x}, {a.x - x + y, a.y - y - x}}, rgb);
+  fill(onto,
+       {{a.x - x - y, a.y - y + x}, {b.x + x - y, b.y + y + x}, {b.x + x + y, b.y + y - x}, {a.x - x + y, a.y - y - x}},
+       rgb);
 }
 
 void dashes(Picture& onto, Place a, Place b, double width, std::uint32_t rgb, int scale) {
   const double length = std::hypot(b.x - a.x, b.y - a.y);
   const auto at = [&](double d) { return Place{a.x + (b.x - a.x) * d / length, a.y + (b.y - a.y) * d / length}; };
-  for (double d = 0; d < length; d += (dash + gap) * scale) line(onto, at(d), at(std::min(d + dash * scale, length)), width, rgb);
+  for (double d = 0; d < length; d += (dash + gap) * scale)
+    line(onto, at(d), at(std::min(d + dash * scale, length)), width, rgb);
 }
 
 void draw(Picture& onto, const Outline& o, int scale) {
@@ -102,7 +110,8 @@ struct Letters {
   int left, right;  // Of what is covered.
 };
 Letters letters_of(const std::string& text, int height, int margin) {
-  if (font_file().empty()) throw OutputError(fmt::format("no font to write words with: {}, or write .svg", install_font));
+  if (font_file().empty())
+    throw OutputError(fmt::format("no font to write words with: {}, or write .svg", install_font));
   const int room = int(1.4 * width_of(text, height)) + 2 * margin;
   Letters letters{Picture({room, 3 * height / 2 + 2 * margin}, Colour(0)), room, 0};
   Picture& cover = letters.cover;
@@ -110,9 +119,11 @@ Letters letters_of(const std::string& text, int height, int margin) {
   float most = 0;
   for (int j = 0; j < cover.size.height; ++j)
     for (int i = 0; i < cover.size.width; ++i)
-      if (const float c = cover.at(i, j).x; c > 0) most = std::max(most, c), letters.left = std::min(letters.left, i), letters.right = std::max(letters.right, i);
-  if (most == 0) throw OutputError(fmt::format("{}: the font draws nothing of '{}': {}, or write .svg", font_file(), text,
-                                               install_font));
+      if (const float c = cover.at(i, j).x; c > 0)
+        most = std::max(most, c), letters.left = std::min(letters.left, i), letters.right = std::max(letters.right, i);
+  if (most == 0)
+    throw OutputError(
+        fmt::format("{}: the font draws nothing of '{}': {}, or write .svg", font_file(), text, install_font));
   for (Colour& c : cover.pixels) c /= most;
   return letters;
 }
@@ -134,7 +145,8 @@ void draw(Picture& onto, const Words& w, int scale) {
     float most = 0;
     for (int q = -reach; q <= reach; ++q)
       for (int p = -reach; p <= reach; ++p)
-        if (p * p + q * q <= reach * reach && cover.holds(i + p, j + q)) most = std::max(most, cover.at(i + p, j + q).x);
+        if (p * p + q * q <= reach * reach && cover.holds(i + p, j + q))
+          most = std::max(most, cover.at(i + p, j + q).x);
     return most;
   };
   for (int j = 0; j < cover.size.height; ++j)

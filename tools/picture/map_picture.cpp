@@ -30,7 +30,8 @@ Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size
   return small;
 }
 
-// Every pixel k x k times: what is enlarged shows its texels, where a filter would mix them with what lies beside a face.
+// Every pixel k x k times: what is enlarged shows its texels,
+// where a filter would mix them with what lies beside a face.
 std::vector<Colour> repeated(std::vector<Colour> picture, Size size, int k) {
   if (k == 1) return picture;
   const auto wide = std::size_t(size.width), times = std::size_t(k);
@@ -55,7 +56,7 @@ Picture page_picture(const Level& level, std::optional<int> face, const Show& sh
 constexpr std::pair<Direction, const char*> axes[] = {{{1, 0, 0}, "+X"},  {{-1, 0, 0}, "-X"}, {{0, 1, 0}, "+Y"},
                                                       {{0, -1, 0}, "-Y"}, {{0, 0, 1}, "+Z"},  {{0, 0, -1}, "-Z"}};
 
-// ---- balls ------------------------------------------------------------------------------------------------------------
+// ---- balls ----------------------------------------------------------------------------------------------------------
 
 constexpr int per_pixel = 2;  // Rays along each side.
 
@@ -81,7 +82,7 @@ Prefilter lobe(Shape shape, double roughness, int size) {
   return {.shape = shape, .parameter = roughness, .to = Projection::cube, .size = size, .max_error = 1e-2};
 }
 
-// ---- histogram --------------------------------------------------------------------------------------------------------
+// ---- histogram ------------------------------------------------------------------------------------------------------
 
 struct Range {
   int first, last;  // Whole stops.
@@ -126,10 +127,13 @@ std::optional<Point2> MapPicture::place(const Rotation& to_image, const Directio
   const Direction turned = to_image * d;
   Location<double> at;
   locate(projection_, {&turned, 1}, {&at, 1});
-  if (face_) return at.face == *face_ ? std::optional(Point2(at.u * picture_.size.width, at.v * picture_.size.height)) : std::nullopt;
+  if (face_)
+    return at.face == *face_ ? std::optional(Point2(at.u * picture_.size.width, at.v * picture_.size.height))
+                             : std::nullopt;
   const Grid cells = grid(layout_of(projection_));
   const Slot slot = cells.slots[std::size_t(at.face)];
-  return Point2((slot.column + at.u) * picture_.size.width / cells.columns, (slot.row + at.v) * picture_.size.height / cells.rows);
+  return Point2((slot.column + at.u) * picture_.size.width / cells.columns,
+                (slot.row + at.v) * picture_.size.height / cells.rows);
 }
 
 void MapPicture::mark(const EnvironmentMap& map, const Direction& brightest) {
@@ -147,7 +151,8 @@ void MapPicture::mark(const EnvironmentMap& map, const Direction& brightest) {
   if (projection_ == Projection::cube && !face_)
     for (std::size_t face = 0; face < cells.slots.size(); ++face)
       draw_label(picture_, cells.slots[face].column * picture_.size.width / cells.columns + text,
-                 cells.slots[face].row * picture_.size.height / cells.rows + text, std::string(cube_face_names[face]), text);
+                 cells.slots[face].row * picture_.size.height / cells.rows + text, std::string(cube_face_names[face]),
+                 text);
   if (const auto at = place(to_image, brightest)) draw_ring(picture_, at->x, at->y, 0.5 * text + 2);
 }
 
@@ -165,7 +170,8 @@ TileRow lit_balls(const EnvironmentMap& map, const Show& show, int size) {
                    fmt::format("GGX {}", roughness)});
   }
   const EnvironmentLookup light(source.make(lobe(Shape::diffuse, 0, 32)).map);
-  row.push_back({ball(to_world, size, show, [&](const Direction& n, const Direction&) { return light(n); }), "diffuse"});
+  row.push_back(
+      {ball(to_world, size, show, [&](const Direction& n, const Direction&) { return light(n); }), "diffuse"});
   return row;
 }
 
@@ -195,7 +201,8 @@ Picture histogram(const Luminances& luminances, double white, Size size) {
   const int at_white = x_of(portable::log2(white));
   fill(picture, at_white, 0, at_white + 2, ground, Colour(1));
   for (int stop = range.first + 1; stop < range.last; ++stop)
-    if (stop % step == 0) draw_label(picture, x_of(stop), size.height - foot / 2, stop == 0 ? "0" : fmt::format("{:+}", stop), text);
+    if (stop % step == 0)
+      draw_label(picture, x_of(stop), size.height - foot / 2, stop == 0 ? "0" : fmt::format("{:+}", stop), text);
   return picture;
 }
 

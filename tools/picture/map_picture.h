@@ -34,8 +34,8 @@ class MapPicture {
   Picture picture_;
 };
 
-// What the map lights, as seen from the axis at the middle of its image (+Z) and without perspective, as a mirror ball is: a
-// mirror, GGX of three roughnesses with n = v = r, white diffuse.
+// What the map lights, as seen from the axis at the middle of its image (+Z) and without perspective, as a mirror ball
+// is: a mirror, GGX of three roughnesses with n = v = r, white diffuse.
 TileRow lit_balls(const envmap::EnvironmentMap& map, const Show& show, int size);
 
 // Shares of the sphere as bars and of the light as a line, over luminance in stops; a white line where `white` is.

@@ -23,7 +23,9 @@ struct Axis {
   [[nodiscard]] double at(double value) const {
     return value > 0 ? from + (to - from) * (std::log10(value) - first) / (last - first) : from;
   }
-  [[nodiscard]] std::string name(int decade) const { return has_zero && decade == first ? "0" : fmt::format("1e{}", decade); }
+  [[nodiscard]] std::string name(int decade) const {
+    return has_zero && decade == first ? "0" : fmt::format("1e{}", decade);
+  }
 };
 Axis axis(std::span<const PlotPoint> points, double PlotPoint::* value, double from, double to) {
   double least = 1e300, most = 0;
@@ -47,7 +49,9 @@ std::vector<Place> shape_of(std::size_t series) {
     case 2: return {{0, -6}, {6, 5}, {-6, 5}};
     case 3: return {{0, -7}, {7, 0}, {0, 7}, {-7, 0}};
     case 4: return {{0, 6}, {6, -5}, {-6, -5}};
-    case 5: return {{-2, -6}, {2, -6}, {2, -2}, {6, -2}, {6, 2}, {2, 2}, {2, 6}, {-2, 6}, {-2, 2}, {-6, 2}, {-6, -2}, {-2, -2}};
+    case 5:
+      return {{-2, -6}, {2, -6}, {2, -2}, {6, -2}, {6, 2},   {2, 2},
+              {2, 6},   {-2, 6}, {-2, 2}, {-6, 2}, {-6, -2}, {-2, -2}};
     default: return {{-6, -2}, {0, -7}, {6, -2}, {4, 5}, {-4, 5}};
   }
   std::vector<Place> circle;
@@ -57,16 +61,19 @@ std::vector<Place> shape_of(std::size_t series) {
 
 Outline mark(std::size_t series, Place at, bool filled) {
   const std::uint32_t colour = colours[series % colours.size()];
-  Outline o{.points = shape_of(series), .fill = filled ? colour : white, .stroke = colour, .width = 1.6, .closed = true};
+  Outline o{
+      .points = shape_of(series), .fill = filled ? colour : white, .stroke = colour, .width = 1.6, .closed = true};
   for (Place& p : o.points) p = {p.x + at.x, p.y + at.y};
   return o;
 }
 
-// ---- labels -----------------------------------------------------------------------------------------------------------
+// ---- labels ---------------------------------------------------------------------------------------------------------
 
 struct Box {
   double left, top, right, bottom;
-  [[nodiscard]] bool meets(const Box& o) const { return left < o.right && o.left < right && top < o.bottom && o.top < bottom; }
+  [[nodiscard]] bool meets(const Box& o) const {
+    return left < o.right && o.left < right && top < o.bottom && o.top < bottom;
+  }
 };
 
 // Finds places for labels near their marks, clear of marks, of each other and of the page's edge.
@@ -85,7 +92,8 @@ class Labels {
         const Box box{x, y - 0.6 * label_size, x + wide, y + 0.6 * label_size};
         if (!is_free(box)) continue;
         boxes_.push_back(box);
-        if (away > 12) onto.outlines.push_back({{mark, {std::clamp(mark.x, box.left, box.right), y}}, {}, line_grey, 0.8});
+        if (away > 12)
+          onto.outlines.push_back({{mark, {std::clamp(mark.x, box.left, box.right), y}}, {}, line_grey, 0.8});
         const Anchor anchor = std::abs(c) < 0.1 ? Anchor::middle : c < 0 ? Anchor::end : Anchor::start;
         const double at = anchor == Anchor::middle ? x + 0.5 * wide : anchor == Anchor::end ? x + wide - 2 : x + 2;
         onto.words.push_back({{at, y + 0.36 * label_size}, text, label_size, anchor});
@@ -95,8 +103,10 @@ class Labels {
 
  private:
   [[nodiscard]] bool is_free(const Box& box) const {
-    if (box.left < room_.left || box.right > room_.right || box.top < room_.top || box.bottom > room_.bottom) return false;
-    return std::ranges::none_of(boxes_, [&](const Box& o) { return o.meets(box); }) && std::ranges::none_of(marks_, [&](const Place& p) {
+    if (box.left < room_.left || box.right > room_.right || box.top < room_.top || box.bottom > room_.bottom)
+      return false;
+    return std::ranges::none_of(boxes_, [&](const Box& o) { return o.meets(box); }) &&
+           std::ranges::none_of(marks_, [&](const Place& p) {
              return Box{p.x - mark_radius, p.y - mark_radius, p.x + mark_radius, p.y + mark_radius}.meets(box);
            });
   }
@@ -106,7 +116,7 @@ class Labels {
   std::vector<Box> boxes_;
 };
 
-// ---- the page ---------------------------------------------------------------------------------------------------------
+// ---- the page -------------------------------------------------------------------------------------------------------
 
 // Text that is too long ends in dots.
 std::string fitted(std::string text, double size, double room) {
@@ -141,7 +151,8 @@ void add_grid(const Axis& x, const Axis& y, Drawing& onto) {
   }
 }
 
-void add_points(const std::vector<PlotPoint>& points, const std::vector<std::string>& series, const Axis& x, const Axis& y, Drawing& onto) {
+void add_points(const std::vector<PlotPoint>& points, const std::vector<std::string>& series, const Axis& x,
+                const Axis& y, Drawing& onto) {
   std::vector<Place> places;
   Outline front{.points = {}, .stroke = line_grey, .width = 1.2, .dashed = true};
   for (const PlotPoint& p : points) {
@@ -163,7 +174,8 @@ void add_points(const std::vector<PlotPoint>& points, const std::vector<std::str
 
 }  // namespace
 
-Drawing plot(std::span<const PlotPoint> all, const std::string& title, const std::string& x_axis, const std::string& y_axis) {
+Drawing plot(std::span<const PlotPoint> all, const std::string& title, const std::string& x_axis,
+             const std::string& y_axis) {
   std::vector<PlotPoint> points;
   for (const PlotPoint& p : all)
     if (p.x > 0 && std::isfinite(p.y)) points.push_back(p);
@@ -178,7 +190,8 @@ Drawing plot(std::span<const PlotPoint> all, const std::string& title, const std
     if (std::ranges::find(series, p.series) == series.end()) series.push_back(p.series);
   const double top = add_key(series, page) + 12;
   page.words.push_back({{left, height - 12}, "Filled: nothing else is further to the left and lower.", label_size});
-  const Axis x = axis(points, &PlotPoint::x, left, width - right), y = axis(points, &PlotPoint::y, height - bottom, top);
+  const Axis x = axis(points, &PlotPoint::x, left, width - right),
+             y = axis(points, &PlotPoint::y, height - bottom, top);
   add_grid(x, y, page);
   page.words.push_back({{0.5 * (left + width - right), height - 28}, x_axis, 12, Anchor::middle});
   page.words.push_back({{26, 0.5 * (top + height - bottom)}, y_axis, 12, Anchor::middle, true});

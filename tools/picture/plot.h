@@ -14,8 +14,9 @@ struct PlotPoint {
   bool front;
 };
 
-// Points on logarithmic axes, those of the front joined. All of the front are labelled, and others where there is room; series differ in
-// their marks, not in colour alone.
-Drawing plot(std::span<const PlotPoint> points, const std::string& title, const std::string& x_axis, const std::string& y_axis);
+// Points on logarithmic axes, those of the front joined. All of the front are labelled, and others where there is room;
+// series differ in their marks, not in colour alone.
+Drawing plot(std::span<const PlotPoint> points, const std::string& title, const std::string& x_axis,
+             const std::string& y_axis);
 
 }  // namespace tools

@@ -28,7 +28,9 @@ std::string base64(std::span<const std::byte> bytes) {
   std::string out;
   out.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    const auto byte = [&](std::size_t n) { return k + n < bytes.size() ? std::to_integer<std::uint32_t>(bytes[k + n]) : 0U; };
+    const auto byte = [&](std::size_t n) {
+      return k + n < bytes.size() ? std::to_integer<std::uint32_t>(bytes[k + n]) : 0U;
+    };
     const std::uint32_t word = byte(0) << 16 | byte(1) << 8 | byte(2);
     for (int d = 0; d < 4; ++d) out += digits[word >> (18 - 6 * d) & 63];
     for (std::size_t n = bytes.size() - k; n < 3; ++n) out[out.size() - (3 - n)] = '=';
@@ -46,7 +48,8 @@ std::string texels_of(const Level& cube, double scale) {
     for (std::size_t j = 0; j < size; ++j) {
       stored.fill(int(face), int(j), row);
       for (Colour& c : row) c = glm::max(c * float(1 / scale), Colour(0));
-      encode(Texels::rgb9e5, row, std::span(bytes).subspan((face * size + j) * size * sizeof(std::uint32_t), size * sizeof(std::uint32_t)));
+      encode(Texels::rgb9e5, row,
+             std::span(bytes).subspan((face * size + j) * size * sizeof(std::uint32_t), size * sizeof(std::uint32_t)));
     }
   return base64(bytes);
 }
@@ -95,7 +98,8 @@ void add_ggx(Report& data, const PrefilterSource& source, int size, double scale
   add(data, "ggx", {"GGX, roughness 0", size});
   for (int k = 1; k < count; ++k) {
     const double roughness = double(k) / (count - 1);
-    const Prefiltered made = source.make({.shape = Shape::ggx, .parameter = roughness, .size = std::max(1, size >> k), .max_error = 1e-2});
+    const Prefiltered made =
+        source.make({.shape = Shape::ggx, .parameter = roughness, .size = std::max(1, size >> k), .max_error = 1e-2});
     add(data, "ggx", page_level(fmt::format("GGX, roughness {:.2g}", roughness), made.map.base(), scale));
   }
 }
@@ -112,7 +116,8 @@ std::string filled(std::string_view page, const std::vector<std::pair<std::strin
     const std::size_t open = page.find("{{", at), close = page.find("}}", open);
     out += page.substr(at, open - at);
     if (open == page.npos) break;
-    const auto found = std::ranges::find(texts, page.substr(open + 2, close - open - 2), [](const auto& t) { return t.first; });
+    const auto found =
+        std::ranges::find(texts, page.substr(open + 2, close - open - 2), [](const auto& t) { return t.first; });
     if (found != texts.end()) out += found->second;
     at = close + 2;
   }

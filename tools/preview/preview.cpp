@@ -1,4 +1,5 @@
-// A picture for people: maps side by side, tone mapped with one exposure, named; with what they light and how bright they are.
+// A picture for people: maps side by side, tone mapped with one exposure, named;
+// with what they light and how bright they are.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -81,7 +82,8 @@ std::optional<int> face_of(const Request& o, const Source& source, const std::st
   const Projection p = source.map.projection();
   const int face = p == Projection::paraboloid ? *o.face - first_of_pair : *o.face;
   if (faces(p) == 1 || face < 0)
-    throw UsageError(input, fmt::format("--face {}: a {} map has none of that name", cube_face_names[std::size_t(*o.face)], name(p)));
+    throw UsageError(input, fmt::format("--face {}: a {} map has none of that name",
+                                        cube_face_names[std::size_t(*o.face)], name(p)));
   return face;
 }
 
@@ -97,7 +99,8 @@ std::vector<Tile> maps_of(const Source& source, const std::string& input, const 
       const Direction d = measure(source.map).brightest_direction;
       map.mark(source.map, d);
       const Angles at = angles_of(d);
-      if (!face) caption += fmt::format("; ring: brightest, azimuth {:.1f}, elevation {:.1f}", at.azimuth, at.elevation);
+      if (!face)
+        caption += fmt::format("; ring: brightest, azimuth {:.1f}, elevation {:.1f}", at.azimuth, at.elevation);
     }
     tiles.push_back({std::move(map.picture()), std::move(caption)});
   }
@@ -110,8 +113,9 @@ void add_studies(std::vector<TileRow>& rows, const Source& source, const Look& l
   if (o.balls) rows.push_back(lit_balls(source.map, look.show, (width - (balls - 1) * sheet_border) / balls));
   if (!o.histogram) return;
   const double white = 1 / look.scale;
-  rows.push_back({{histogram(Luminances(source.map.base()), white, {width, o.height / 2}),
-                   fmt::format("stops of luminance: grey bars the sphere's share, orange the light's; white: {:.3g}", white)}});
+  rows.push_back(
+      {{histogram(Luminances(source.map.base()), white, {width, o.height / 2}),
+        fmt::format("stops of luminance: grey bars the sphere's share, orange the light's; white: {:.3g}", white)}});
 }
 
 int width_of(const std::vector<TileRow>& rows) {
@@ -127,7 +131,8 @@ int width_of(const std::vector<TileRow>& rows) {
 void check_page(Request& o) {
   if (o.names.size() != 1) throw UsageError("--html takes exactly one map and no output image");
   if (o.sheet || o.levels || o.marks || o.balls || o.histogram || o.face || o.view)
-    throw UsageError("--html has all of a map: remove --sheet, --marks, --levels, --balls, --histogram, --face and --view");
+    throw UsageError(
+        "--html has all of a map: remove --sheet, --marks, --levels, --balls, --histogram, --face and --view");
   o.read.all_levels = o.read.level == 0;
 }
 

@@ -9,8 +9,8 @@ namespace tools {
 
 using namespace envmap;
 
-std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, const std::vector<Mirror>& mirrors, const Eye& eye,
-                                         const MirrorOptions& drawing) {
+std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, const std::vector<Mirror>& mirrors,
+                                         const Eye& eye, const MirrorOptions& drawing) {
   Mirrors maps(shot.scene, mirrors);
   maps.update(renderer, shot, {eye.viewer}, drawing, [](const std::string&) {});
   Shot with_maps = shot;
@@ -36,16 +36,21 @@ double error_of(const std::vector<Colour>& picture, const std::vector<Colour>& t
 MapChoice choose_maps(Renderer& renderer, const std::vector<Mirror>& mirrors, std::vector<Moment> moments,
                       const MirrorOptions& drawing, double max_error) {
   std::vector<std::vector<Colour>> truths;
-  for (const Moment& m : moments) truths.push_back(raycast_picture(m.shot, m.eye.from, {.mirrors = nodes_of(mirrors), .far = drawing.far}));
+  for (const Moment& m : moments)
+    truths.push_back(raycast_picture(m.shot, m.eye.from, {.mirrors = nodes_of(mirrors), .far = drawing.far}));
   MapChoice best{.rays = true, .drawing = drawing};
-  // Whether what `change` makes of the best way so far is good enough; it takes that one's place where it is, or where none is yet.
+  // Whether what `change` makes of the best way so far is good enough; it takes that one's place where it is,
+  // or where none is yet.
   const auto does = [&](auto&& change) {
     MapChoice way = best;
     way.error = 0;
     change(way);
     for (std::size_t k = 0; k < moments.size(); ++k) {
       moments[k].shot.look.lookup = way.lookup;
-      way.error = std::max(way.error, error_of(picture_through_maps(renderer, moments[k].shot, mirrors, moments[k].eye, way.drawing), truths[k]));
+      way.error =
+          std::max(way.error,
+                   error_of(picture_through_maps(renderer, moments[k].shot, mirrors, moments[k].eye, way.drawing),
+                            truths[k]));
     }
     way.rays = way.error > max_error;
     if (best.rays || !way.rays) best = way;

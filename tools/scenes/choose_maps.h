@@ -26,11 +26,11 @@ struct MapChoice {
   double error = 0;  // Of the maps, the largest of all moments.
 };
 
-// The cheapest maps whose pictures are off by `max_error` at most. The error is the rms of the difference over that of the picture
-// by rays. Larger and larger maps are tried, looked up by distance and drawn until nothing changes;
+// The cheapest maps whose pictures are off by `max_error` at most. The error is the rms of the difference over that of
+// the picture by rays. Larger and larger maps are tried, looked up by distance and drawn until nothing changes;
 // of the first that do, rounds and distances are taken away where the rest does, too.
 // @param drawing near, far and method.
-MapChoice choose_maps(envmap::Renderer& renderer, const std::vector<envmap::Mirror>& mirrors, std::vector<Moment> moments,
-                      const envmap::MirrorOptions& drawing, double max_error);
+MapChoice choose_maps(envmap::Renderer& renderer, const std::vector<envmap::Mirror>& mirrors,
+                      std::vector<Moment> moments, const envmap::MirrorOptions& drawing, double max_error);
 
 }  // namespace tools

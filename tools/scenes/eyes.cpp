@@ -12,7 +12,8 @@ Eye eye_of(const PictureSize& picture, const View& view, double aside, double st
   const Rotation& axes = view.axes;
   const bool parallel = view.half_height > 0;
   if (parallel && aside != 0) throw UsageError("--anaglyph: the camera is orthographic, and both eyes see the same");
-  const double up = parallel ? view.half_height : std::tan(0.5 * view.vertical_field), across = up * picture.width / picture.height;
+  const double up = parallel ? view.half_height : std::tan(0.5 * view.vertical_field),
+               across = up * picture.width / picture.height;
   Eye eye;
   eye.from = {.size = picture.height,
               .at = view.at + aside * axes[0],
@@ -30,8 +31,8 @@ Eye eye_of(const PictureSize& picture, const View& view, double aside, double st
   if (parallel) {
     const double distance = 1e4 * std::hypot(across, up);  // As good as from infinity.
     eye.viewer = {.at = view.at + distance * axes[2],
-                  .planes = {side({1, 0, 0}, across), side({-1, 0, 0}, across), side({0, 1, 0}, up), side({0, -1, 0}, up),
-                             side({0, 0, -1})},
+                  .planes = {side({1, 0, 0}, across), side({-1, 0, 0}, across), side({0, 1, 0}, up),
+                             side({0, -1, 0}, up), side({0, 0, -1})},
                   .pixel = 2 * up / picture.height / distance};
     return eye;
   }

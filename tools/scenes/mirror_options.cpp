@@ -31,7 +31,8 @@ MirrorWish wish(const Scene& scene, const std::string& text) {
     if (node && to && std::ranges::find(map_names, name(*to)) != std::end(map_names)) return {*node, false, to};
   }
   throw UsageError(
-      fmt::format("--mirror: '{}' must be a node of the scene, or NODE:sphere, NODE:paraboloid, NODE:cube or NODE:off", text));
+      fmt::format("--mirror: '{}' must be a node of the scene, or NODE:sphere, NODE:paraboloid, NODE:cube or NODE:off",
+                  text));
 }
 
 }  // namespace
@@ -48,7 +49,8 @@ std::vector<Mirror> mirrors_of(const Scene& scene, const std::vector<std::string
     if (!wished.off) all.push_back(make_mirror(scene, wished.node, wished.to.value_or(maps)));
   }
   for (const Mirror& found : find_mirrors(scene, maps))
-    if (std::ranges::none_of(decided, [&](int node) { return lies_under(scene, found.node, node); })) all.push_back(found);
+    if (std::ranges::none_of(decided, [&](int node) { return lies_under(scene, found.node, node); }))
+      all.push_back(found);
   return all;
 }
 

@@ -43,7 +43,8 @@ class Painter {
     const Viewpoint& from = options_.from;
     if (options_.bounces > 0) {
       const Viewer viewer{.at = from.at, .node = from.without, .pixel = 0.5 * pi / from.size};
-      mirrors_.update(renderer_, shot, {viewer}, {.bounces = options_.bounces, .moved = !moved.empty(), .far = from.far},
+      mirrors_.update(renderer_, shot, {viewer},
+                      {.bounces = options_.bounces, .moved = !moved.empty(), .far = from.far},
                       [&](const std::string& line) {
                         if (settings().verbose) note(line);
                       });
@@ -124,7 +125,8 @@ int run(Request& o, Report& report) {
     if (turned) o.from.axes = turned_to(direction(o, loaded.scene, shot.pose));
     const Stopwatch watch;
     Drawn drawn = painter ? painter->paint(shot, moved, method)
-                          : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far, o.lobe_samples}, progress_line("cast"));
+                          : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far, o.lobe_samples},
+                                    progress_line("cast"));
     const double took = watch.seconds();
     seconds += took;
     drawn.radiance.forward = forward;

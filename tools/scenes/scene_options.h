@@ -60,7 +60,8 @@ struct LoadedScene {
 };
 LoadedScene load(const SceneOptions& options);
 
-/// From where --at says: a node, whose `at` is to be found for each pose and which is left out; a place X,Y,Z; or the origin.
+/// From where --at says: a node, whose `at` is to be found for each pose and which is left out; a place X,Y,Z; or the
+/// origin.
 /// @throws UsageError where it is neither. @param path of the scene's file.
 envmap::Viewpoint viewpoint_of(const std::string& at, const envmap::Scene& scene, const std::string& path);
 

@@ -128,24 +128,29 @@ class MapPainter {
 Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes) {
   Pictures pictures;
   for (const Eye& eye : eyes)
-    pictures.push_back(raycast_picture(shot, eye.from, {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far, o.lobe_samples},
-                                       progress_line("cast")));
+    pictures.push_back(
+        raycast_picture(shot, eye.from,
+                        {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far, o.lobe_samples},
+                        progress_line("cast")));
   return pictures;
 }
 
 void check(const Request& o) {
   if (o.method == Through::rays) check_no_context(o.scene);
-  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.largest != MirrorOptions{}.largest || o.drawing.all || o.lookup || o.look.tinted || !o.saved.empty() ||
+  const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.largest != MirrorOptions{}.largest || o.drawing.all ||
+                       o.lookup || o.look.tinted || !o.saved.empty() ||
                        std::ranges::any_of(o.mirrors, [](const std::string& m) {
                          return m.find(':') != m.npos && !m.ends_with(":off");
                        });
   if (o.method == Through::rays && of_maps)
     throw UsageError(
-        "--method raycast draws no maps: remove --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all and NODE:MAP");
+        "--method raycast draws no maps: remove --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all "
+        "and NODE:MAP");
   if (o.lobe_samples > 0 && o.method != Through::rays) throw UsageError("--lobe-samples is for --method raycast");
   if (o.max_error && (of_maps || o.method == Through::rays || o.drawing.bounces))
     throw UsageError(
-        "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, --show-maps, --save-maps, "
+        "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, "
+        "--show-maps, --save-maps, "
         "--all and NODE:MAP");
   if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
 }
@@ -202,7 +207,8 @@ int run(Request& o) {
   if (o.display && is_linear_picture(frames.path(o.output, frames.first), how))
     throw UsageError(o.output, "holds radiance as it is: remove --display");
   std::vector<std::string> outputs;
-  for (const std::string& path : frames.paths(o.output)) std::ranges::copy(eye_files(path), std::back_inserter(outputs));
+  for (const std::string& path : frames.paths(o.output))
+    std::ranges::copy(eye_files(path), std::back_inserter(outputs));
   check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
   LoadedScene loaded = load(o.scene);
   check_files(outputs, loaded.inputs);
@@ -245,14 +251,16 @@ int run(Request& o) {
 Action define_view(Options& o) {
   const auto r = std::make_shared<Request>();
   add_scene(o, r->scene);
-  o.writes("OUTPUT", r->output, "Picture: .png .jpg .exr .hdr, or '-' for stdout ({frame}: one per frame)").required = true;
+  o.writes("OUTPUT", r->output, "Picture: .png .jpg .exr .hdr, or '-' for stdout ({frame}: one per frame)").required =
+      true;
   o.group = "Camera";
   o.add("--camera", "NAME|X,Y,Z", &r->from.camera,
         "Camera of the scene, or a point (default: the first, or one for all)");
   o.add("--look-at", "X,Y,Z", Triple{&r->from.look_at},
         "Point at the centre (default: the camera's, or the scene's middle)");
   o.add("--fov", "DEGREES", &r->from.fov, {0.01, 179}, "Vertical field of view (default: the camera's, or 40)");
-  o.add("--orbit", "DEGREES", &r->from.orbit, {-36000, 36000}, "Orbit the camera by this angle during --frames (default: 0)");
+  o.add("--orbit", "DEGREES", &r->from.orbit, {-36000, 36000},
+        "Orbit the camera by this angle during --frames (default: 0)");
   o.group = "Picture";
   o.add("--width", "N", &r->width, {1, 16384}, "Width in pixels (default: 640)");
   o.add("--height", "N", &r->height, {1, 16384}, "Height in pixels (default: 480)");

@@ -18,7 +18,9 @@ using namespace envmap;
 PhotographOptions settled(const PhotographJob& job) {
   constexpr double degree = pi / 180;
   PhotographOptions o = job.photograph;
-  o.field = degree * job.field.value_or(o.lens == CameraModel::fisheye ? 180 : o.lens == CameraModel::cylinder ? 90 : 60);
+  o.field = degree * job.field.value_or(o.lens == CameraModel::fisheye    ? 180
+                                        : o.lens == CameraModel::cylinder ? 90
+                                                                          : 60);
   o.height = job.height.value_or(480);
   o.width = 1;
   const double once_round = 2 * pi / angle_across(o);

@@ -31,7 +31,8 @@ Costs read_costs(const std::string& path) {
   const auto& figures = json["nanoseconds"];
   for (const auto& [name, value] : figures.items())
     if (std::ranges::find(cost_facts(), name, &CostFact::name) == cost_facts().end())
-      throw InputError(path, fmt::format("'{}' is not a known timing: run 'envmap tradeoff --calibrate' again", printable(name.substr(0, 40))));
+      throw InputError(path, fmt::format("'{}' is not a known timing: run 'envmap tradeoff --calibrate' again",
+                                         printable(name.substr(0, 40))));
   Costs costs;
   for (std::size_t k = 0; k < cost_count; ++k) {
     const std::string name(cost_facts()[k].name);
@@ -47,7 +48,8 @@ Costs read_costs(const std::string& path) {
 
 std::string text_of(const Costs& costs) {
   nlohmann::ordered_json json{{"version", 1}};
-  for (std::size_t k = 0; k < cost_count; ++k) json["nanoseconds"][std::string(cost_facts()[k].name)] = costs.nanoseconds[k];
+  for (std::size_t k = 0; k < cost_count; ++k)
+    json["nanoseconds"][std::string(cost_facts()[k].name)] = costs.nanoseconds[k];
   return json.dump(1) + "\n";
 }
 

@@ -18,8 +18,8 @@ using namespace envmap;
 namespace {
 
 [[noreturn]] void contradict(const Engine& e, const EngineMap& map, const std::string& what) {
-  throw UsageError(fmt::format("--for {}: {} loads {} from .{} files: remove {}", e.name, e.title, frame_words(map.frame),
-                               extension_of(map.file), what));
+  throw UsageError(fmt::format("--for {}: {} loads {} from .{} files: remove {}", e.name, e.title,
+                               frame_words(map.frame), extension_of(map.file), what));
 }
 
 }  // namespace
@@ -54,33 +54,38 @@ std::string files_of(const Engine& e, std::string_view between) {
 
 std::string image_of(const Engine& e) {
   const Frame& frame = e.maps.front().frame;
-  const std::string axis = has_forward(frame.projection) ? fmt::format(" {}", forward_names[std::size_t(frame.forward)]) : "";
+  const std::string axis =
+      has_forward(frame.projection) ? fmt::format(" {}", forward_names[std::size_t(frame.forward)]) : "";
   return name(frame.projection) + axis;
 }
 
 bool was_run(const Engine& e) { return e.version.find("not run") == e.version.npos; }
 
 std::string engine_list() {
-  std::string list = fmt::format("{:12} {:40} {:11} {:10} {:8} {}\n", "engine", "files", "image", "axes", "mirrored", "tested");
+  std::string list =
+      fmt::format("{:12} {:40} {:11} {:10} {:8} {}\n", "engine", "files", "image", "axes", "mirrored", "tested");
   for (const Engine& e : engines()) {
     list += fmt::format("{:12} {:40} {:11} {:10} {:8} {}\n", e.name, files_of(e, " "), image_of(e), e.axes, e.mirrored,
                         was_run(e) ? "yes" : "no");
   }
   return list +
-         "image: projection, and the world axis at its centre. axes: directions in the engine of +X +Y +Z of the probe.\n"
+         "image: projection, and the world axis at its centre. axes: directions in the engine of +X +Y +Z of the "
+         "probe.\n"
          "mirrored: by what, for a left-handed world or lookup. tested: the engine itself loaded the files.\n"
          "Details: envmap bake --list ENGINE\n";
 }
 
 std::string engine_text(const Engine& e) {
-  return fmt::format("{} ({})\nFiles: {} ({})\nOrientation: {}\nRough and diffuse light: {}.\nUse:\n{}\n", e.title, e.version,
-                     files_of(e, ", "), frame_words(e.maps.front().frame), turns_of(e), e.light, e.steps);
+  return fmt::format("{} ({})\nFiles: {} ({})\nOrientation: {}\nRough and diffuse light: {}.\nUse:\n{}\n", e.title,
+                     e.version, files_of(e, ", "), frame_words(e.maps.front().frame), turns_of(e), e.light, e.steps);
 }
 
 std::string turns_of(const Engine& e) {
-  const std::string mirrored = e.mirrored == "no" ? ""
-                               : e.mirrored == "file" ? " The file is mirrored." : fmt::format(" {} mirrors the map.", e.title);
-  return fmt::format("+X +Y +Z of the probe are {} in {}.{}{}{}", e.axes, e.title, mirrored, e.turns.empty() ? "" : " ", e.turns);
+  const std::string mirrored = e.mirrored == "no"     ? ""
+                               : e.mirrored == "file" ? " The file is mirrored."
+                                                      : fmt::format(" {} mirrors the map.", e.title);
+  return fmt::format("+X +Y +Z of the probe are {} in {}.{}{}{}", e.axes, e.title, mirrored, e.turns.empty() ? "" : " ",
+                     e.turns);
 }
 
 std::string frame_words(const Frame& frame) {
@@ -99,7 +104,9 @@ const EngineMap& environment_of(const Engine& engine) {
 }
 
 const EngineMap& prefiltered_of(const Engine& engine, bool diffuse) {
-  const auto found = std::ranges::find_if(engine.maps, [&](const EngineMap& m) { return diffuse ? m.diffuse > 0 : m.chain.has_value(); });
+  const auto found = std::ranges::find_if(engine.maps, [&](const EngineMap& m) {
+    return diffuse ? m.diffuse > 0 : m.chain.has_value();
+  });
   return found == engine.maps.end() ? engine.maps.front() : *found;
 }
 
@@ -107,12 +114,14 @@ void settle(const Engine& engine, const EngineMap& map, const std::string& outpu
             std::optional<Forward>& forward, WriteOptions& write) {
   if (to && *to != map.frame.projection) contradict(engine, map, fmt::format("--to {}", name(*to)));
   if (forward && has_forward(map.frame.projection) && *forward != map.frame.forward)
-    contradict(engine, map, fmt::format("--forward {} (the input's is --from-forward)", forward_names[std::size_t(*forward)]));
+    contradict(engine, map,
+               fmt::format("--forward {} (the input's is --from-forward)", forward_names[std::size_t(*forward)]));
   if (write.openexr_envmap) contradict(engine, map, "--openexr-envmap");
   if (write.border > 0) contradict(engine, map, "--border");
   const std::string type = extension_of(map.file), asked = write.format.empty() ? extension_of(output) : write.format;
   if (!asked.empty() && asked != type)
-    throw UsageError(output, fmt::format("--for {}: {} loads this map from .{} files", engine.name, engine.title, type));
+    throw UsageError(output,
+                     fmt::format("--for {}: {} loads this map from .{} files", engine.name, engine.title, type));
   write.format = type;
   if (!write.depth) write.depth = map.depth;
   to = map.frame.projection;
@@ -147,8 +156,8 @@ void warn_about_clamping(const Engine& engine, const Level& level, const std::st
         most = std::max(most, value);
       }
   if (texels > 0)
-    warn(fmt::format("envmap {}: {} texels exceed {:g}, up to {:.3g}, and the loader of {} clamps them", command, texels, engine.largest,
-                     most, engine.title));
+    warn(fmt::format("envmap {}: {} texels exceed {:g}, up to {:.3g}, and the loader of {} clamps them", command,
+                     texels, engine.largest, most, engine.title));
 }
 
 }  // namespace tools

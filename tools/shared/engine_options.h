@@ -30,18 +30,21 @@ std::string turns_of(const envmap::Engine& engine);
 /// "latlong, +x at the centre".
 std::string frame_words(const envmap::Frame& frame);
 
-/// The map that shows the environment. @throws UsageError where the engine takes it as a chain of rising roughness alone.
+/// The map that shows the environment. @throws UsageError where the engine takes it as a chain of rising roughness
+/// alone.
 const envmap::EngineMap& environment_of(const envmap::Engine& engine);
 
 /// The map that holds the environment seen through a lobe, of those that the engine takes; else the one that shows it.
 const envmap::EngineMap& prefiltered_of(const envmap::Engine& engine, bool diffuse);
 
-/// Projection, forward axis, file type and depth of the engine's map, where nothing else was asked for. A depth that was asked for
-/// stays. @throws UsageError where another of the options contradicts.
-void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output, std::optional<envmap::Projection>& to,
-            std::optional<envmap::Forward>& forward, envmap::WriteOptions& write);
+/// Projection, forward axis, file type and depth of the engine's map, where nothing else was asked for. A depth that
+/// was asked for stays. @throws UsageError where another of the options contradicts.
+void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output,
+            std::optional<envmap::Projection>& to, std::optional<envmap::Forward>& forward,
+            envmap::WriteOptions& write);
 /// The same for a command that has neither --to nor --forward.
-void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output, envmap::WriteOptions& write);
+void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output,
+            envmap::WriteOptions& write);
 
 /// Says how the map's directions stand in the engine's world.
 void tell_frame(const std::string& path, const envmap::Engine& engine, const envmap::EngineMap& map);

@@ -24,7 +24,8 @@ void add_grade(Options& o, GradeOptions& g) {
   o.add("--towards", "X,Y,Z", Triple{&g.towards}, "Direction for --scale-to (default: 0,1,0, up)");
   o.add("--white", "X,Y,Z|KELVIN", &g.white, "White balance on direction X,Y,Z, or on a colour temperature");
   o.add("--gain", "R,G,B", Triple{&g.gain, true}, "Multiply the channels");
-  o.add("--saturation", "S", &g.saturation, range_of(limits::saturation), "0 is grey, 1 is unchanged, luminance is preserved (default: 1)");
+  o.add("--saturation", "S", &g.saturation, range_of(limits::saturation),
+        "0 is grey, 1 is unchanged, luminance is preserved (default: 1)");
 }
 
 Direction unit_or_up(const std::optional<Direction>& direction, const char* option) {

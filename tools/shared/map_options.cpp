@@ -80,7 +80,8 @@ void add_read_options(Options& o, ReadOptions& r) {
   add_projection(o, "--from PROJECTION", r.projection, "Projection of the input (default: metadata, then image shape)");
   add_forward(o, "--from-forward AXIS", r.forward,
               "Axis at the centre of the input (default: metadata, --forward, then +z)");
-  add_layout(o, "--from-layout LAYOUT", r.layout, "Layout of the input's cube faces (default: metadata, then image shape)");
+  add_layout(o, "--from-layout LAYOUT", r.layout,
+             "Layout of the input's cube faces (default: metadata, then image shape)");
   o.add("--from-border", "N", &r.border, range_of(limits::border),
         "Wrapped texels per side of the input (default: metadata, then 0)");
   o.add("--level", "N", &r.level, range_of(limits::level), "Mip level to read, 0 is the finest (default: 0)");

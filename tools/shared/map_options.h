@@ -39,7 +39,8 @@ void add_costs(Options& o, std::string& path);
 /// The size of a map without its border. @throws UsageError where nothing is left.
 int size_inside_border(int size, const envmap::WriteOptions& write);
 
-/// "--depth half": the least depth and what else of the options must go, so that the file holds an error; empty where its format has none.
+/// "--depth half": the least depth and what else of the options must go, so that the file holds an error;
+/// empty where its format has none.
 std::string depth_for_error(const std::string& path, const envmap::WriteOptions& options, double max_error);
 
 }  // namespace tools

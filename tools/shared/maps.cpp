@@ -82,7 +82,8 @@ void check_files(const std::vector<std::string>& outputs, const std::vector<std:
       if (read.contains(id)) throw UsageError(file, "is both input and output: choose another output name");
       if (!id.empty() && !written.insert(id).second)
         throw UsageError(file, "would be written twice: give each output a name of its own");
-      if (!settings().commit.if_changed) check_replaceable(file, settings().commit);  // Else only what differs is replaced.
+      // Else only what differs is replaced.
+      if (!settings().commit.if_changed) check_replaceable(file, settings().commit);
     }
 }
 
@@ -147,7 +148,8 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
   how.commit = settings().commit;
   const Written written = write(path, levels, how, progress_line(verb));
   if (written.clamped > 0)
-    warn(fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
+    warn(
+        fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
   if (settings().verbose)
     detail(fmt::format("{}: {} {}x{}{}{}, {}, made and written in {:.2f} s", path, name(rows.projection), rows.width(),
                        rows.size,

@@ -35,9 +35,9 @@ std::string text_of(const envmap::Costs& costs);
 /// input is named twice, or where a report and an output would both go to standard output.
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
-/// Writes the depfile for the files of the last check_files(), if --depfile asks for one. commit_depfile() shows it. Call
-/// this before outputs are written: without a depfile there is no output. Later calls do nothing. Each input gets a rule
-/// without a recipe, as by GCC's -MP: make goes on where an input was removed.
+/// Writes the depfile for the files of the last check_files(), if --depfile asks for one. commit_depfile() shows it.
+/// Call this before outputs are written: without a depfile there is no output. Later calls do nothing. Each input gets
+/// a rule without a recipe, as by GCC's -MP: make goes on where an input was removed.
 /// @param levels of the outputs whose names have {level}. @throws UsageError where there is no output.
 void open_depfile(int levels = 1);
 void commit_depfile();

@@ -91,7 +91,8 @@ std::string digest(const EnvironmentMap& source) {
 
 WriteOptions part_or_whole(const Shard& shard, const WriteOptions& whole, const Rows& rows, const std::string& source) {
   if (!shard.part) return whole;
-  if (out_of_working(whole.colour).apply) throw UsageError("--shard: parts hold linear values: choose a linear --output-space");
+  if (out_of_working(whole.colour).apply)
+    throw UsageError("--shard: parts hold linear values: choose a linear --output-space");
   return part_options(whole, rows, *shard.part, job(shard, source));
 }
 

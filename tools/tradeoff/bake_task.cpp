@@ -25,7 +25,7 @@ using namespace envmap;
 
 constexpr double closer = 0.1;  // The reference is, than what a quality asks for.
 
-// ---- the reference ----------------------------------------------------------------------------------------------------
+// ---- the reference --------------------------------------------------------------------------------------------------
 
 // Each level as float64 has it, nearly, at the size that it has in the file. Made once for each size.
 class Truths {
@@ -35,14 +35,17 @@ class Truths {
   const Level& of(const EngineMap& map, double roughness, int size, double error) {
     const auto key = std::tuple(map.file, roughness, size, error);
     const auto known = levels_.find(key);
-    return known != levels_.end() ? known->second : levels_.emplace(key, made(map, roughness, size, error)).first->second;
+    return known != levels_.end() ? known->second
+                                  : levels_.emplace(key, made(map, roughness, size, error)).first->second;
   }
 
  private:
   [[nodiscard]] Level made(const EngineMap& map, double roughness, int size, double error) const {
     const bool lobe = map.diffuse > 0 || roughness > 0;
-    const Level level = lobe ? std::move(prepared_.make(lobe_of(map, roughness, size, error)).map.base())
-                             : level_of(Resampler(source_, {.to = map.frame, .size = size, .filter = Filter::area, .area_error = 1e-6}).rows());
+    const Level level =
+        lobe ? std::move(prepared_.make(lobe_of(map, roughness, size, error)).map.base())
+             : level_of(Resampler(source_, {.to = map.frame, .size = size, .filter = Filter::area, .area_error = 1e-6})
+                            .rows());
     return level_of(mirrored({rows_of(level, map.frame.forward)}, map.mirror).front());
   }
   static Prefilter lobe_of(const EngineMap& map, double roughness, int size, double error) {
@@ -56,7 +59,7 @@ class Truths {
   std::map<std::tuple<std::string_view, double, int, double>, Level> levels_;
 };
 
-// ---- a folder ---------------------------------------------------------------------------------------------------------
+// ---- a folder -------------------------------------------------------------------------------------------------------
 
 struct Baking {
   const Engine& engine;
@@ -73,7 +76,8 @@ struct Baking {
 
   // Whether all files hold it.
   [[nodiscard]] bool is_possible(Depth depth) const try {
-    for (const EngineMap& map : engine.maps) check_output(std::string(map.file), how(map, depth), map.frame.projection, map.chain.has_value());
+    for (const EngineMap& map : engine.maps)
+      check_output(std::string(map.file), how(map, depth), map.frame.projection, map.chain.has_value());
     return true;
   } catch (const Error&) {
     return false;
@@ -100,13 +104,16 @@ struct Baking {
     Difference worst{};
     for (std::size_t k = 0; k < engine.maps.size(); ++k) {
       const EngineMap& map = engine.maps[k];
-      const ReadOptions all{.projection = map.frame.projection, .flaws = FlawPolicy::keep, .all_levels = map.chain.has_value()};
+      const ReadOptions all{.projection = map.frame.projection,
+                            .flaws = FlawPolicy::keep,
+                            .all_levels = map.chain.has_value()};
       const Source read_back = read(out.files[k]->path(), all);
       const std::vector<Level>& levels = read_back.map.levels;
       const std::vector<double> roughnesses =
           map.chain ? roughnesses_of(map, levels.front().height(), {}, "--chain-size") : std::vector<double>{0};
       for (std::size_t level = 0; level < roughnesses.size(); ++level) {
-        const Difference d = compare(levels[level], truths.of(map, roughnesses[level], levels[level].height(), closer * quality.max_error));
+        const Difference d = compare(levels[level], truths.of(map, roughnesses[level], levels[level].height(),
+                                                              closer * quality.max_error));
         worst.maximum = std::max(worst.maximum, d.maximum), worst.rms = std::max(worst.rms, d.rms);
         if (d.largest_flux() > worst.largest_flux()) worst.flux = d.flux;
       }
@@ -120,11 +127,15 @@ struct Baking {
 Task make_bake_task(const std::string& name, const Source& source, const Costs& costs) {
   const std::vector<std::string> parts = parts_of(name);
   const auto engine = std::ranges::find(engines(), parts.size() == 2 ? parts[1] : "", &Engine::name);
-  if (engine == engines().end()) throw UsageError(fmt::format("--task {}: bake:ENGINE, one of {}", name, engine_names()));
+  if (engine == engines().end())
+    throw UsageError(fmt::format("--task {}: bake:ENGINE, one of {}", name, engine_names()));
   const auto baking = std::shared_ptr<Baking>(new Baking{*engine, source, costs});
-  Task task{.name = name, .reference = "area to 1e-6, and lobes within a tenth of what the quality asks for, at each file's own size"};
+  Task task{.name = name,
+            .reference =
+                "area to 1e-6, and lobes within a tenth of what the quality asks for, at each file's own size"};
   const auto add = [&](const Quality& quality, std::optional<Depth> depth) {
-    task.ways.push_back({fmt::format("--quality {}", quality.name), depth ? fmt::format("--depth {}", envmap::name(*depth)) : "",
+    task.ways.push_back({fmt::format("--quality {}", quality.name),
+                         depth ? fmt::format("--depth {}", envmap::name(*depth)) : "",
                          [baking, quality, depth] { return baking->bake(quality, depth); },
                          [baking, quality](const Outcome& out) { return baking->judge(out, quality); }});
   };

@@ -34,8 +34,8 @@ double nanoseconds(Work&& work) {
   work();
   return 1e9 * double(std::clock() - start) / CLOCKS_PER_SEC;
 }
-// Of the quickest of several runs: what other programs do only adds. Some clocks tick a few times a millisecond, or less: short work
-// is done as often as takes a while.
+// Of the quickest of several runs: what other programs do only adds. Some clocks tick a few times a millisecond, or
+// less: short work is done as often as takes a while.
 template <class Work>
 double quickest(Work&& work) {
   constexpr double a_while = 3e7;
@@ -52,7 +52,8 @@ double quickest(Work&& work) {
   return least;
 }
 
-// What one more of something costs, from two runs with more and with less of it; where noise says less than nothing, a part of the whole.
+// What one more of something costs, from two runs with more and with less of it; where noise says less than nothing,
+// a part of the whole.
 double slope(double more, double less, double count) { return std::max(more - less, 0.01 * more) / count; }
 
 // Noise and a sun: no filter has it easy.
@@ -66,7 +67,7 @@ EnvironmentMap landscape(int height) {
   return map;
 }
 
-// ---- filters ----------------------------------------------------------------------------------------------------------
+// ---- filters --------------------------------------------------------------------------------------------------------
 
 void measure_filters(Costs& costs) {
   constexpr int size = 64;
@@ -87,7 +88,7 @@ void measure_filters(Costs& costs) {
   measure(Cost::area, Filter::area, 1);
 }
 
-// ---- lobes ------------------------------------------------------------------------------------------------------------
+// ---- lobes ----------------------------------------------------------------------------------------------------------
 
 // Each run of a transform begins without its spectrum.
 double lobe_time(const EnvironmentMap& source, Method method, int size) {
@@ -107,16 +108,19 @@ void measure_lobes(Costs& costs) {
   const double more = texel_count(Projection::cube, many) - texel_count(Projection::cube, few);
   const double sources = texel_count(Projection::latlong, 1024) - texel_count(Projection::latlong, 256);
   const double of_few = lobe_time(large, Method::spectral, few);
-  costs[Cost::tree_texel] = lobe_time(large, Method::hierarchical, 16) / texel_count(Projection::cube, 16);  // As few as it is worth it for.
+  // As few as it is worth it for.
+  costs[Cost::tree_texel] = lobe_time(large, Method::hierarchical, 16) / texel_count(Projection::cube, 16);
   costs[Cost::spectral_texel] = slope(lobe_time(large, Method::spectral, many), of_few, more);
-  const double of_small = lobe_time(small, Method::spectral, few), made = costs[Cost::spectral_texel] * texel_count(Projection::cube, few);
+  const double of_small = lobe_time(small, Method::spectral, few),
+               made = costs[Cost::spectral_texel] * texel_count(Projection::cube, few);
   costs[Cost::spectral_row_source] = slope(of_few, of_small, sources);
   const double rows = costs[Cost::spectral_row_source] * texel_count(Projection::latlong, 256);
   costs[Cost::spectral_start] = slope(of_small, made + rows, 1);
-  costs[Cost::spectral_source] = slope(lobe_time(cube, Method::spectral, few), made + costs[Cost::spectral_start], texel_count(Projection::cube, 256));
+  costs[Cost::spectral_source] = slope(lobe_time(cube, Method::spectral, few), made + costs[Cost::spectral_start],
+                                       texel_count(Projection::cube, 256));
 }
 
-// ---- scenes -----------------------------------------------------------------------------------------------------------
+// ---- scenes ---------------------------------------------------------------------------------------------------------
 
 // A box seen from inside, `edge` vertices along each of its sides: 12 (edge - 1)^2 triangles.
 Scene box(int edge) {
@@ -134,7 +138,8 @@ Scene box(int edge) {
     const auto vertex = [&](int i, int j) { return std::uint32_t(j * edge + i); };
     for (int j = 0; j + 1 < edge; ++j)
       for (int i = 0; i + 1 < edge; ++i)
-        mesh.indices.insert(mesh.indices.end(), {vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i, j), vertex(i + 1, j + 1), vertex(i + 1, j)});
+        mesh.indices.insert(mesh.indices.end(), {vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i, j),
+                                                 vertex(i + 1, j + 1), vertex(i + 1, j)});
     scene.nodes.push_back({.name = "wall", .meshes = {int(scene.meshes.size())}});
     scene.meshes.push_back(std::move(mesh));
   }
@@ -150,7 +155,8 @@ struct Times {
 template <class Draw>
 Times times_of(const Scene& plain, const Scene& cut, Draw&& draw) {
   draw(plain, coarse);  // Compiles what it draws with.
-  return {quickest([&] { draw(plain, coarse); }), quickest([&] { draw(plain, fine); }), quickest([&] { draw(cut, coarse); })};
+  return {quickest([&] { draw(plain, coarse); }), quickest([&] { draw(plain, fine); }),
+          quickest([&] { draw(cut, coarse); })};
 }
 
 void measure_drawing(Costs& costs) {
@@ -158,7 +164,9 @@ void measure_drawing(Costs& costs) {
   const auto triangles_more = double(triangles(cut) - triangles(plain));
   const auto texels_more = [](Projection p) { return texel_count(p, fine) - texel_count(p, coarse); };
   const auto view = [](Projection to, int size) { return Viewpoint{.to = to, .size = size}; };
-  const Times rays = times_of(plain, cut, [&](const Scene& scene, int size) { (void)raycast({scene, pose(scene, 0)}, view(Projection::sphere, size)); });
+  const Times rays = times_of(plain, cut, [&](const Scene& scene, int size) {
+    (void)raycast({scene, pose(scene, 0)}, view(Projection::sphere, size));
+  });
   costs[Cost::ray_texel] = slope(rays.many, rays.few, texels_more(Projection::sphere));
   costs[Cost::ray_triangle] = slope(rays.cut, rays.few, triangles_more);
   const Context context(ContextKind::automatic);
@@ -168,7 +176,8 @@ void measure_drawing(Costs& costs) {
       (void)draw(&scene == &plain ? of_plain : of_cut, view(to, size), {scene, pose(scene, 0)}, method);
     });
   };
-  const Times exact = drawn(Projection::sphere, DrawMethod::exact), cube = drawn(Projection::cube, DrawMethod::resample);
+  const Times exact = drawn(Projection::sphere, DrawMethod::exact),
+              cube = drawn(Projection::cube, DrawMethod::resample);
   const Times resampled = drawn(Projection::sphere, DrawMethod::resample);
   costs[Cost::draw_texel] = slope(exact.many, exact.few, texels_more(Projection::sphere));
   costs[Cost::draw_triangle] = slope(exact.cut, exact.few, triangles_more);

@@ -10,7 +10,8 @@ namespace tools {
 
 using namespace envmap;
 
-std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, ContextKind kind, const std::vector<int>& mirrors, const char* what) {
+std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, ContextKind kind, const std::vector<int>& mirrors,
+                            const char* what) {
   try {
     return std::make_shared<Gl>(loaded, kind, mirrors);
   } catch (const Error& e) {
@@ -25,9 +26,11 @@ bool is_of_scene(const std::string& task) {
   return first == "render" || first == "view";
 }
 
-Task make_scene_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options, const std::string& at) {
+Task make_scene_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options,
+                     const std::string& at) {
   const std::vector<std::string> parts = parts_of(name);
-  if (parts.size() != 2 && parts.size() != 3) throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
+  if (parts.size() != 2 && parts.size() != 3)
+    throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
   Viewpoint from = viewpoint_of(at, loaded.scene, options.path);
   from.to = projection_of(name, parts[1]);
   if (parts.size() == 3) from.size = size_of(name, parts[2]);
@@ -42,7 +45,8 @@ Task make_scene_task(const std::string& name, const LoadedScene& loaded, const S
   };
   for (const DrawMethod method : {DrawMethod::distort, DrawMethod::tessellate, DrawMethod::exact, DrawMethod::resample})
     if (gl && can_draw(method, from.to))
-      task.ways.push_back({std::string(draw_method_names[std::size_t(method)]), "", [drawn, method] { return drawn(method); }});
+      task.ways.push_back(
+          {std::string(draw_method_names[std::size_t(method)]), "", [drawn, method] { return drawn(method); }});
   task.ways.push_back({"raycast", "", cast});
   return task;
 }

@@ -21,13 +21,15 @@ struct Gl {
 };
 
 // Null without a renderer, with a warning that `what` is left out. @param loaded must outlive the result.
-std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, envmap::ContextKind kind, const std::vector<int>& mirrors, const char* what);
+std::shared_ptr<Gl> open_gl(const LoadedScene& loaded, envmap::ContextKind kind, const std::vector<int>& mirrors,
+                            const char* what);
 
 // Whether a task is about a scene: render:P[:N] or view[:N].
 bool is_of_scene(const std::string& task);
 
 // The methods of `envmap render`. @param at NODE, X,Y,Z or nothing: the origin. @param loaded must outlive the task.
 // @throws UsageError as make_task(); without a renderer the methods of OpenGL are left out, with a warning.
-Task make_scene_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options, const std::string& at);
+Task make_scene_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options,
+                     const std::string& at);
 
 }  // namespace tools

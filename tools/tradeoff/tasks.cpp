@@ -23,7 +23,7 @@ using namespace envmap;
 
 Outcome whole(Level level) { return {std::move(level)}; }
 
-// ---- convert ----------------------------------------------------------------------------------------------------------
+// ---- convert --------------------------------------------------------------------------------------------------------
 
 Outcome converted(const EnvironmentMap& map, const ConvertOptions& options) {
   return whole(level_of(Resampler(map, options).rows()));
@@ -41,7 +41,8 @@ void add_conversions(const EnvironmentMap& map, const ConvertOptions& options, T
         how.area_error = error;
         add(filter, fmt::format("--area-error {:g}", error), how);
       }
-    } else if (filter.filter == Filter::nearest || filter.filter == Filter::bilinear || filter.filter == Filter::bicubic) {
+    } else if (filter.filter == Filter::nearest || filter.filter == Filter::bilinear ||
+               filter.filter == Filter::bicubic) {
       for (const int samples : {1, 2, 4, 8}) {
         how.samples = samples;
         add(filter, samples > 1 ? fmt::format("--samples {}", samples) : "", how);
@@ -56,7 +57,7 @@ void add_conversions(const EnvironmentMap& map, const ConvertOptions& options, T
   task.truth = [&map, exact] { return converted(map, exact); };
 }
 
-// ---- prefilter --------------------------------------------------------------------------------------------------------
+// ---- prefilter ------------------------------------------------------------------------------------------------------
 
 Outcome prefiltered(const EnvironmentMap& map, const Prefilter& wanted) {
   return whole(PrefilterSource(map).make(wanted).map.base().clone());
@@ -76,29 +77,32 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
   // Products of texels that the exact sum takes: some seconds of them.
   constexpr double few = 1e8;
   const bool summed = texel_count(wanted.to, wanted.size) * texel_count(map.projection(), map.base().height()) <= few;
-  task.reference = summed ? "--method exact" : "--method hierarchical --max-error 1e-5, within 1e-5 of the exact sum in every texel";
+  task.reference =
+      summed ? "--method exact" : "--method hierarchical --max-error 1e-5, within 1e-5 of the exact sum in every texel";
   Prefilter reference = wanted;
   reference.method = summed ? Method::exact : Method::hierarchical, reference.max_error = 1e-5;
   task.truth = [&map, reference] { return prefiltered(map, reference); };
 }
 
-// ---- mipmap -----------------------------------------------------------------------------------------------------------
+// ---- mipmap ---------------------------------------------------------------------------------------------------------
 
 void add_mipmaps(const EnvironmentMap& map, int level, Task& task) {
   const int width = map.base().width() >> level, height = map.base().height() >> level;
-  if (width < 1 || height < 1) throw UsageError(fmt::format("--task mipmap:{}: the map has no level that small", level));
+  if (width < 1 || height < 1)
+    throw UsageError(fmt::format("--task mipmap:{}: the map has no level that small", level));
   for (const Weights weights : {Weights::solid_angle, Weights::uniform})
-    task.ways.push_back({"levels", fmt::format("--weights {}", weight_names[std::size_t(weights)]), [&map, level, weights] {
-                           std::vector<Level> levels;
-                           levels.push_back(map.base().clone());
-                           add_levels(levels, weights, level + 1);
-                           return whole(std::move(levels.back()));
-                         }});
+    task.ways.push_back(
+        {"levels", fmt::format("--weights {}", weight_names[std::size_t(weights)]), [&map, level, weights] {
+           std::vector<Level> levels;
+           levels.push_back(map.base().clone());
+           add_levels(levels, weights, level + 1);
+           return whole(std::move(levels.back()));
+         }});
   task.reference = "means over level 0 by solid angle";
   task.truth = [&map, width, height] { return whole(coarser_level(map.base(), width, height)); };
 }
 
-// ---- depth ------------------------------------------------------------------------------------------------------------
+// ---- depth ----------------------------------------------------------------------------------------------------------
 
 Outcome written(const EnvironmentMap& map, const std::string& extension, const WriteOptions& options) {
   const ScratchFile file(extension);
@@ -127,7 +131,7 @@ void add_depths(const EnvironmentMap& map, Task& task) {
   task.truth = [&map] { return whole(map.base().clone()); };
 }
 
-// ---- sizes ------------------------------------------------------------------------------------------------------------
+// ---- sizes ----------------------------------------------------------------------------------------------------------
 
 Outcome resized(const EnvironmentMap& map, Projection to, int size) {
   Level level = convert(map, {.to = {to}, .size = size}).base().clone();
@@ -146,12 +150,13 @@ Difference loss(const EnvironmentMap& map, const Level& level) {
 void add_sizes(const EnvironmentMap& map, const std::vector<int>& sizes, Task& task) {
   for (const Projection to : all_projections)
     for (const int size : sizes)
-      task.ways.push_back({std::string(name(to)), fmt::format("--size {}", size), [&map, to, size] { return resized(map, to, size); },
+      task.ways.push_back({std::string(name(to)), fmt::format("--size {}", size),
+                           [&map, to, size] { return resized(map, to, size); },
                            [&map](const Outcome& out) { return loss(map, out.level); }});
   task.reference = "the map, to which each smaller map is converted back";
 }
 
-// ---- names ------------------------------------------------------------------------------------------------------------
+// ---- names ----------------------------------------------------------------------------------------------------------
 
 template <class T>
 T number_of(const std::string& task, const std::string& text, T least, T most) {
@@ -179,7 +184,8 @@ Projection projection_of(const std::string& task, const std::string& text) {
 int size_of(const std::string& task, const std::string& text) { return number_of(task, text, 1, 1 << 15); }
 
 std::string task_words() {
-  return "convert:P[:N] mipmap:K diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] sizes:N,... depth bake:ENGINE "
+  return "convert:P[:N] mipmap:K diffuse[:P:N] phong:M[:P:N] ggx:R[:P:N] blinn-phong:M[:P:N] charlie:R[:P:N] "
+         "sizes:N,... depth bake:ENGINE "
          "render:P[:N] view[:N]";
 }
 

@@ -35,7 +35,9 @@ struct Request {
   double budget = 60;
 };
 
-std::string label_of(const std::string& method, const std::string& setting) { return setting.empty() ? method : method + " " + setting; }
+std::string label_of(const std::string& method, const std::string& setting) {
+  return setting.empty() ? method : method + " " + setting;
+}
 
 struct Trial {
   std::string method, setting;
@@ -60,8 +62,8 @@ struct Study {
   std::size_t left_out = 0;  // Ways for which there was no time.
 };
 
-// Runs until there are five, or this way's part of the time is over. The first of several only warms caches up and compiles shaders: where
-// that is little of the rest of the time there is a second.
+// Runs until there are five, or this way's part of the time is over. The first of several only warms caches up and
+// compiles shaders: where that is little of the rest of the time there is a second.
 Trial measured(const Way& way, double seconds, double rest, Outcome& out) {
   constexpr std::size_t enough = 6;
   const Stopwatch whole;
@@ -70,7 +72,8 @@ Trial measured(const Way& way, double seconds, double rest, Outcome& out) {
     const Stopwatch watch;
     out = way.run();
     times.push_back(watch.seconds());
-  } while (times.size() < enough && (whole.seconds() + times.back() < seconds || (times.size() == 1 && times.back() < 0.05 * rest)));
+  } while (times.size() < enough &&
+           (whole.seconds() + times.back() < seconds || (times.size() == 1 && times.back() < 0.05 * rest)));
   if (times.size() > 1) times.erase(times.begin());
   std::ranges::sort(times);
   const double median = times[times.size() / 2], off = std::max(median - times.front(), times.back() - median);
@@ -122,13 +125,14 @@ std::string table_of(const Study& study, const Request& o) {
   std::size_t wide = 10;
   for (const Trial& t : study.trials) wide = std::max(wide, t.label().size());
   const bool files = !study.trials.empty() && study.trials[0].bytes;
-  std::string out = fmt::format("{} of {}; errors against {} ({:.3g} s)\n", o.task, o.input, study.task.reference, study.reference_seconds);
-  out += fmt::format("  {:{}}  {:>10}  {:>5}{}  {:>8}  {:>8}  {:>8}\n", "", wide, "seconds", "+-", files ? "       bytes" : "",
-                     "max", "rms", "flux");
+  std::string out = fmt::format("{} of {}; errors against {} ({:.3g} s)\n", o.task, o.input, study.task.reference,
+                                study.reference_seconds);
+  out += fmt::format("  {:{}}  {:>10}  {:>5}{}  {:>8}  {:>8}  {:>8}\n", "", wide, "seconds", "+-",
+                     files ? "       bytes" : "", "max", "rms", "flux");
   for (const Trial& t : study.trials)
-    out += fmt::format("{} {:{}}  {:>10.3g}  {:>4.0f}%{}  {:>8.1e}  {:>8.1e}  {:>8.1e}\n", t.front ? '*' : ' ', t.label(), wide,
-                       t.seconds, 100 * t.noise, t.bytes ? fmt::format("{:>12}", *t.bytes) : "", t.error.maximum, t.error.rms,
-                       t.error.largest_flux());
+    out += fmt::format("{} {:{}}  {:>10.3g}  {:>4.0f}%{}  {:>8.1e}  {:>8.1e}  {:>8.1e}\n", t.front ? '*' : ' ',
+                       t.label(), wide, t.seconds, 100 * t.noise, t.bytes ? fmt::format("{:>12}", *t.bytes) : "",
+                       t.error.maximum, t.error.rms, t.error.largest_flux());
   for (const Trial& t : study.trials)
     if (t.missing_solid_angle > 0)
       out += fmt::format("{}: no star: surfaces near the singularity are missing, up to {:.2g} sr\n", t.label(),
@@ -142,8 +146,8 @@ std::string csv_of(const Study& study) {
   std::string out = "method,setting,seconds,noise,runs,bytes,max,rms,flux,front,missing_solid_angle\n";
   for (const Trial& t : study.trials)
     out += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", t.method, t.setting, t.seconds, t.noise, t.runs,
-                       t.bytes ? std::to_string(*t.bytes) : "", t.error.maximum, t.error.rms, t.error.largest_flux(), t.front ? 1 : 0,
-                       t.missing_solid_angle);
+                       t.bytes ? std::to_string(*t.bytes) : "", t.error.maximum, t.error.rms, t.error.largest_flux(),
+                       t.front ? 1 : 0, t.missing_solid_angle);
   return out;
 }
 
@@ -196,7 +200,8 @@ void check(const Request& o) {
   if (!o.at.empty() && (of_view || !is_of_scene(o.task))) throw UsageError("--at is for --task render");
   if (!o.camera.empty() && !of_view) throw UsageError("--camera is for --task view");
   if (o.plot.empty()) return;
-  if (o.plot != "-" && !o.plot.ends_with(".svg") && !is_png(o.plot)) throw UsageError(o.plot, "--plot writes .svg and .png");
+  if (o.plot != "-" && !o.plot.ends_with(".svg") && !is_png(o.plot))
+    throw UsageError(o.plot, "--plot writes .svg and .png");
   if (o.plot == "-" && o.csv) throw UsageError("--csv and --plot both go to standard output");
 }
 
@@ -217,7 +222,8 @@ void tell(const Study& study, const Request& o, Report& report) {
 Task only(Task task, const std::string& words) {
   std::string all;
   for (const Way& way : task.ways) all += (all.empty() ? "" : ", ") + label_of(way.method, way.setting);
-  std::erase_if(task.ways, [&](const Way& way) { return label_of(way.method, way.setting).find(words) == std::string::npos; });
+  std::erase_if(task.ways,
+                [&](const Way& way) { return label_of(way.method, way.setting).find(words) == std::string::npos; });
   if (task.ways.empty()) throw UsageError(fmt::format("--only: '{}' is in none of {}", words, all));
   return task;
 }
@@ -230,7 +236,8 @@ int calibrate(const Request& o) {
   std::string table = fmt::format("{:18}  {:>10}  {:>10}  nanoseconds\n", "", "default", "here");
   for (std::size_t k = 0; k < cost_count; ++k) {
     const CostFact& fact = cost_facts()[k];
-    table += fmt::format("{:18}  {:>10.0f}  {:>10.0f}  {}\n", fact.name, fact.nanoseconds, costs.nanoseconds[k], fact.what);
+    table +=
+        fmt::format("{:18}  {:>10.0f}  {:>10.0f}  {}\n", fact.name, fact.nanoseconds, costs.nanoseconds[k], fact.what);
   }
   if (o.saved == "-") return 0;
   print(table);
@@ -257,9 +264,9 @@ int run(Request& o, Report& report) {
     tell(study_of(task, o), o, report);
   } else {
     const Source source = read_map(o.input, o.read);
-    const Task task =
-        only(parts_of(o.task)[0] == "bake" ? make_bake_task(o.task, source, costs) : make_task(o.task, source.map, costs),
-             o.only);
+    const Task task = only(parts_of(o.task)[0] == "bake" ? make_bake_task(o.task, source, costs)
+                                                         : make_task(o.task, source.map, costs),
+                           o.only);
     tell(study_of(task, o), o, report);
   }
   return 0;
@@ -276,7 +283,8 @@ Action define_tradeoff(Options& o) {
   o.add("--only", "WORDS", &r->only, "Measure only rows of the table that contain WORDS");
   o.add("--budget", "SECONDS", &r->budget, {0, 1e6}, "Time limit of all rows, without the reference (default: 60)");
   o.group = "Output";
-  o.add("--plot", "FILE", &r->plot, "Plot time or size against error, as .svg ('-' for stdout) or .png").file = File::output;
+  o.add("--plot", "FILE", &r->plot, "Plot time or size against error, as .svg ('-' for stdout) or .png").file =
+      File::output;
   o.flag("--csv", r->csv, "Print the table as comma-separated values");
   o.group = "Scenes (tasks render and view)";
   o.add("--environment", "FILE", &r->environment, "Environment map for background and lighting");

@@ -44,7 +44,8 @@ struct Stage {
 Outcome draw_once(Gl& gl, const Stage& stage, Projection maps, MirrorLookup lookup, const MirrorOptions& how) {
   Shot shot = stage.shot;
   shot.look.lookup = lookup;
-  return as_level(picture_through_maps(gl.renderer, shot, mirrors_of(stage.loaded.scene, {}, maps), stage.eye(), how), stage.size);
+  return as_level(picture_through_maps(gl.renderer, shot, mirrors_of(stage.loaded.scene, {}, maps), stage.eye(), how),
+                  stage.size);
 }
 
 std::string setting_of(MirrorLookup lookup, const MirrorOptions& how) {
@@ -60,7 +61,8 @@ std::string setting_of(MirrorLookup lookup, const MirrorOptions& how) {
 std::vector<std::pair<MirrorLookup, MirrorOptions>> ways_of_maps() {
   std::vector<std::pair<MirrorLookup, MirrorOptions>> ways;
   for (const int size : {0, 64, 256, 1024})
-    for (const MirrorLookup lookup : {MirrorLookup::distance, MirrorLookup::direction, MirrorLookup::vertex}) ways.push_back({lookup, {.size = size}});
+    for (const MirrorLookup lookup : {MirrorLookup::distance, MirrorLookup::direction, MirrorLookup::vertex})
+      ways.push_back({lookup, {.size = size}});
   for (const int bounces : {1, 2, 4}) ways.push_back({MirrorLookup::distance, {.bounces = bounces}});
   return ways;
 }
@@ -70,14 +72,15 @@ void add_maps(const std::shared_ptr<const Stage>& stage, ContextKind kind, Task&
   if (!gl) return;
   for (const auto& [lookup, how] : ways_of_maps())
     for (const std::string_view maps : map_names)
-      task.ways.push_back({fmt::format("--maps {}", maps), setting_of(lookup, how), [gl, stage, to = *projection_named(maps), lookup, how] {
-                             return draw_once(*gl, *stage, to, lookup, how);
-                           }});
+      task.ways.push_back(
+          {fmt::format("--maps {}", maps), setting_of(lookup, how),
+           [gl, stage, to = *projection_named(maps), lookup, how] { return draw_once(*gl, *stage, to, lookup, how); }});
 }
 
 }  // namespace
 
-Task make_view_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options, const std::string& camera) {
+Task make_view_task(const std::string& name, const LoadedScene& loaded, const SceneOptions& options,
+                    const std::string& camera) {
   const std::vector<std::string> parts = parts_of(name);
   if (parts.size() > 2) throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
   const int size = parts.size() == 2 ? size_of(name, parts[1]) : 256;

@@ -3,7 +3,8 @@
 namespace envmap {
 namespace {
 
-// Processor time of all threads on an x86-64 server with AVX2, by `envmap tradeoff --calibrate`, which says in tools/tradeoff/calibrate.cpp what it times.
+// Processor time of all threads on an x86-64 server with AVX2, by `envmap tradeoff --calibrate`, which says in
+// tools/tradeoff/calibrate.cpp what it times.
 constexpr std::array<CostFact, cost_count> facts{{
     // The order in which filters are tried where an error is asked for.
     {"filter nearest", "a texel of a map 4 times as coarse as its source", 30},

@@ -1,5 +1,6 @@
 /// @file
-/// What automatic choices of a method rest on: processor times, of which only ratios matter. No figure here decides what is right.
+/// What automatic choices of a method rest on: processor times, of which only ratios matter.
+/// No figure here decides what is right.
 #pragma once
 
 #include <array>

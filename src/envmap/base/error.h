@@ -1,6 +1,6 @@
 /// @file
-/// How operations fail: exceptions with a code, the file at fault, and what would help, in no words of any command line.
-/// Nothing else is thrown on purpose, but std::bad_alloc.
+/// How operations fail: exceptions with a code, the file at fault, and what would help, in no words of any command
+/// line. Nothing else is thrown on purpose, but std::bad_alloc.
 #pragma once
 
 #include <optional>

@@ -14,8 +14,8 @@ namespace envmap {
 
 namespace {
 
-// A cube with X or Z negated: the two faces of that axis change places, and images are mirrored along the other axes' faces:
-// left to right but for the faces of Y under Z, which has their up there.
+// A cube with X or Z negated: the two faces of that axis change places, and images are mirrored along the other axes'
+// faces: left to right but for the faces of Y under Z, which has their up there.
 Rows mirrored(const Rows& rows, MirroredAxis mirror) {
   Rows turned = rows;
   turned.fill = [rows, mirror](int face, int row, std::span<Colour> out) {
@@ -44,13 +44,18 @@ std::vector<Rows> mirrored(std::vector<Rows> levels, MirroredAxis mirror) {
 
 std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, MirroredAxis mirror) {
   if (mirror == MirroredAxis::none || !rounding || !rounding->read_back) return rounding;
-  const auto turn = [mirror](const Level& level) { return level_of(mirrored(rows_of(level, Forward::plus_z), mirror)); };
+  const auto turn = [mirror](const Level& level) {
+    return level_of(mirrored(rows_of(level, Forward::plus_z), mirror));
+  };
   Rounding turned = *rounding;
-  turned.read_back = [turn, read_back = rounding->read_back](const Level& level) { return turn(read_back(turn(level))); };
+  turned.read_back = [turn, read_back = rounding->read_back](const Level& level) {
+    return turn(read_back(turn(level)));
+  };
   return turned;
 }
 
-std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional<int> levels, std::string_view size_name) {
+std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional<int> levels,
+                                   std::string_view size_name) {
   const int possible = std::bit_width(unsigned(size)), fixed = levels.value_or(map.chain->levels);
   const int count = fixed > 0 ? fixed : possible;
   if (count > possible) throw UsageError(fmt::format("{} {}: {} has {} levels", size_name, size, map.file, count));
@@ -59,7 +64,8 @@ std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional
   return roughnesses;
 }
 
-std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source, const Progress& progress) {
+std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source,
+                                                    const Progress& progress) {
   if (!map.chain || map.chain->irradiance == IrradianceForm::none) return {};
   return {harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress))};
 }
@@ -79,7 +85,8 @@ BakedMap Baker::environment(const EngineMap& wanted, const FileError& error) con
   BakedLevel level = resample_level(source_, wanted.frame, size, error, true);
   made.levels = std::move(level.done.map);
   made.rows = all_rows_of(made.levels);
-  made.accuracy = fmt::format("read from it within {:g}, by {} and its depth, in the texels where that was measured", *error.asked, method_name(level.done));
+  made.accuracy = fmt::format("read from it within {:g}, by {} and its depth, in the texels where that was measured",
+                              *error.asked, method_name(level.done));
   return made;
 }
 
@@ -89,9 +96,10 @@ BakedMap Baker::chain(const EngineMap& wanted, const FileError& error) {
   for (int k = 0; const double roughness : roughnesses_of(wanted, base, {}, options_.chain_size_name)) {
     const int size = base >> k;
     made.facts["roughness"] += fmt::format("{}{:g}", k++ == 0 ? "" : ",", roughness);
-    BakedLevel level = roughness == 0
-                          ? resample_level(source_, wanted.frame, size, error, false)
-                          : lobe({.shape = Shape::ggx, .parameter = roughness, .to = wanted.frame.projection, .size = size}, error);
+    BakedLevel level =
+        roughness == 0
+            ? resample_level(source_, wanted.frame, size, error, false)
+            : lobe({.shape = Shape::ggx, .parameter = roughness, .to = wanted.frame.projection, .size = size}, error);
     made.levels.levels.push_back(std::move(level.done.map.base()));
   }
   made.rows = all_rows_of(made.levels);
@@ -103,7 +111,8 @@ BakedMap Baker::chain(const EngineMap& wanted, const FileError& error) {
 BakedMap Baker::diffuse(const EngineMap& wanted, const FileError& error) {
   BakedMap made{.facts = {{"lobe", "diffuse"}}};
   const int size = scaled(wanted.diffuse, options_.quality.chain);
-  made.levels = std::move(lobe({.to = wanted.frame.projection, .size = size, .forward = wanted.frame.forward}, error).done.map);
+  made.levels =
+      std::move(lobe({.to = wanted.frame.projection, .size = size, .forward = wanted.frame.forward}, error).done.map);
   made.rows = all_rows_of(made.levels);
   made.accuracy = of_lobes(error, options_.quality.max_error);
   return made;
@@ -121,7 +130,9 @@ BakedLevel Baker::lobe(const Prefilter& wanted, const FileError& error) {
 
 BakedMap Baker::make(const EngineMap& wanted, const std::optional<Rounding>& rounding) {
   const FileError error{options_.max_error, mirrored(rounding, wanted.mirror), options_.costs};
-  BakedMap made = wanted.chain ? chain(wanted, error) : wanted.diffuse > 0 ? diffuse(wanted, error) : environment(wanted, error);
+  BakedMap made = wanted.chain         ? chain(wanted, error)
+                  : wanted.diffuse > 0 ? diffuse(wanted, error)
+                                       : environment(wanted, error);
   made.rows = mirrored(std::move(made.rows), wanted.mirror);
   return made;
 }

@@ -18,13 +18,15 @@
 
 namespace envmap {
 
-/// Sizes as powers of two of what they are else, and what texels of lobes may err by before the file's depth rounds them.
+/// Sizes as powers of two of what they are else, and what texels of lobes may err by before the file's depth rounds
+/// them.
 struct Quality {
   std::string_view name;
   int environment, chain;
   double max_error;
 };
-inline constexpr std::array<Quality, 3> qualities{{{"draft", -1, -1, 1e-2}, {"normal", 0, 0, 1e-3}, {"high", 0, 1, 1e-4}}};
+inline constexpr std::array<Quality, 3> qualities{
+    {{"draft", -1, -1, 1e-2}, {"normal", 0, 0, 1e-3}, {"high", 0, 1, 1e-4}}};
 
 struct BakeOptions {
   std::optional<int> size;        ///< Of maps of one level. Absent: the probe's degrees per texel, by the quality.
@@ -33,7 +35,8 @@ struct BakeOptions {
   std::optional<double> max_error;  ///< Of all maps, as they are read from their files.
   Costs costs = {};         ///< That methods are chosen by.
   std::string chain_size_name = "chain size";  ///< Names `chain_size` in errors.
-  std::function<Progress(const std::string&)> progress = {};  ///< Makes the progress of one map out of its name. Optional.
+  /// Makes the progress of one map out of its name. Optional.
+  std::function<Progress(const std::string&)> progress = {};
 };
 
 /// A map as it goes into its file. The rows may read `levels`.
@@ -45,16 +48,20 @@ struct BakedMap {
   std::string accuracy;  ///< What is known of its errors.
 };
 
-/// The roughness of each level of a chain, `levels` of them or as many as the engine takes. @param size_name names `size` in the error.
+/// The roughness of each level of a chain, `levels` of them or as many as the engine takes. @param size_name names
+/// `size` in the error.
 /// @throws UsageError where the size does not have so many.
-std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional<int> levels, std::string_view size_name);
+std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional<int> levels,
+                                   std::string_view size_name);
 
 /// The irradiance that goes beside a chain, for WriteOptions::pairs; nothing where the engine wants none.
-std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source, const Progress& progress);
+std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source,
+                                                    const Progress& progress);
 
 /// The engine's frame where that is left-handed: X or Z negated.
 std::vector<Rows> mirrored(std::vector<Rows> levels, MirroredAxis mirror);
-/// Of levels that are not yet mirrored, what their file makes of them when they are: blocks see another order of texels.
+/// Of levels that are not yet mirrored, what their file makes of them when they are:
+/// blocks see another order of texels.
 std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, MirroredAxis mirror);
 
 /// Makes the maps of engines out of one probe; what several want of it is prepared once.
@@ -72,7 +79,9 @@ class Baker {
   [[nodiscard]] BakedMap diffuse(const EngineMap& wanted, const FileError& error);
   [[nodiscard]] BakedLevel lobe(const Prefilter& wanted, const FileError& error);
 
-  [[nodiscard]] Progress progress(const std::string& work) const { return options_.progress ? options_.progress(work) : Progress(); }
+  [[nodiscard]] Progress progress(const std::string& work) const {
+    return options_.progress ? options_.progress(work) : Progress();
+  }
 
   const EnvironmentMap& source_;
   BakeOptions options_;

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::string_view background_exr = "background.exr";
 
-// Blender takes EXR files for linear floats. In the text editor it sets __file__ to FILE.blend/NAME OF THE TEXT, which is no path.
+// Blender takes EXR files for linear floats. In the text editor it sets __file__ to FILE.blend/NAME OF THE TEXT,
+// which is no path.
 constexpr std::string_view blender_script = R"(# A world lit by background.exr beside this script.
 # Run it in the text editor, or: blender SCENE.blend --python world.py
 import os
@@ -85,24 +86,37 @@ def DomeLight "Probe"
 // Sources, by row:
 // babylon: shadersStore pbrIBLFunctions (getLodFromAlphaG) and vReflectionMicrosurfaceInfos, CubeTexture's 0.8 for
 //   CreateFromPrefilteredData; its glTF loader's root node: turned half round Y, Z negated.
-// bevy: compute_cubemap_sample_dir and radiance_level in crates/bevy_pbr/src/light_probe/environment_map.wgsl (commit 00ab817cdfa1: z
-//   negated; roughness x the last level; the diffuse map times the colour, without pi), crates/bevy_core_pipeline/src/skybox/skybox.wgsl
+// bevy: compute_cubemap_sample_dir and radiance_level in crates/bevy_pbr/src/light_probe/environment_map.wgsl (commit
+// 00ab817cdfa1: z
+//   negated; roughness x the last level; the diffuse map times the colour, without pi),
+// crates/bevy_core_pipeline/src/skybox/skybox.wgsl
 //   (z negated), crates/bevy_image/src/ktx2.rs: E5B9G9R9 is Rgb9e5Ufloat.
 // babylon-env, gltf: src/envmap/io/babylon_env.h, gltf_light.h; irradiance.cpp.
-// blender: node_tex_environment_equirectangular in source/blender/gpu/shaders/material/gpu_shader_material_tex_environment.glsl,
-//   u = 0.5 - atan2(y, x) / 2 pi, v up = 0.5 + atan2(z, hypot(x, y)) / pi, and Cycles' intern/cycles/kernel/camera/projection.h.
-// filament: perceptualRoughnessToLod in shaders/src/light_indirect.fs, computeIrradianceSH3Bands in libs/ibl/src/CubemapSH.cpp,
-//   libs/ktxreader/src/Ktx1Reader.cpp, getSphericalHarmonics in libs/image/src/Ktx1Bundle.cpp; 256 and 5 levels: the shader's comment.
-// godot: servers/rendering/renderer_rd/shaders/environment/sky.glsl, panorama_coords = (atan(x, -z) / 2 pi, acos(y) / pi);
-//   paths relative to a resource: scene/resources/resource_format_text.cpp; the enumerators: scene/resources/environment.h.
+// blender: node_tex_environment_equirectangular in
+// source/blender/gpu/shaders/material/gpu_shader_material_tex_environment.glsl,
+//   u = 0.5 - atan2(y, x) / 2 pi, v up = 0.5 + atan2(z, hypot(x, y)) / pi, and Cycles'
+// intern/cycles/kernel/camera/projection.h.
+// filament: perceptualRoughnessToLod in shaders/src/light_indirect.fs,
+// computeIrradianceSH3Bands in libs/ibl/src/CubemapSH.cpp,
+//   libs/ktxreader/src/Ktx1Reader.cpp, getSphericalHarmonics in libs/image/src/Ktx1Bundle.cpp; 256 and 5 levels: the
+// shader's comment.
+// godot: servers/rendering/renderer_rd/shaders/environment/sky.glsl, panorama_coords = (atan(x, -z) / 2 pi,
+// acos(y) / pi);
+//   paths relative to a resource: scene/resources/resource_format_text.cpp; the enumerators:
+// scene/resources/environment.h.
 // pbrt: EqualAreaSphereToSquare in src/pbrt/util/math.cpp, ImageInfiniteLight::Le in src/pbrt/lights.h.
 // playcanvas: shader chunk sphericalPS and the skybox's, which negates x.
-// three: equirectUv in src/renderers/shaders/ShaderChunk/common.glsl.js, u = 0.5 + atan(z, x) / 2 pi, v up = 0.5 + asin(y) / pi;
-//   examples/jsm/loaders/EXRLoader.js: HalfFloatType unless told otherwise. (HDRLoader divides by 255, not by 256: white is 1.004.)
-// unity: ToRadialCoords in the built-in shader Skybox-Panoramic.shader, u = 0.5 - atan2(z, x) / 2 pi, v down = acos(y) / pi; glTFast and
+// three: equirectUv in src/renderers/shaders/ShaderChunk/common.glsl.js, u = 0.5 + atan(z, x) / 2 pi,
+// v up = 0.5 + asin(y) / pi;
+//   examples/jsm/loaders/EXRLoader.js: HalfFloatType unless told otherwise. (HDRLoader divides by 255, not by 256:
+// white is 1.004.)
+// unity: ToRadialCoords in the built-in shader Skybox-Panoramic.shader, u = 0.5 - atan2(z, x) / 2 pi,
+// v down = acos(y) / pi; glTFast and
 //   UnityGLTF negate X.
-// unreal: LookupLongLat, TransformSideToWorldSpace and GenerateBaseCubeMipFromLongitudeLatitude2D in TextureCompressorModule.cpp: of the
-//   cube's own direction u = 0.5 + atan2(x, -y) / 2 pi, v down = acos(z) / pi. Its glTF importer takes (x, z, y) for (x, y, z).
+// unreal: LookupLongLat, TransformSideToWorldSpace and GenerateBaseCubeMipFromLongitudeLatitude2D in
+// TextureCompressorModule.cpp: of the
+//   cube's own direction u = 0.5 + atan2(x, -y) / 2 pi, v down = acos(z) / pi. Its glTF importer takes (x, z, y) for
+// (x, y, z).
 // usd: openusd.org, user guide of DomeLight: "adheres to the OpenEXR specification for latitude-longitude maps".
 
 // Babylon: lod = 0.8 log2(N alpha) of faces of N texels, alpha = roughness^2.

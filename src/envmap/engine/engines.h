@@ -16,8 +16,8 @@ struct TextFile {
   std::string_view name, text;
 };
 
-/// How the irradiance stands in the file beside the levels: Filament's pair `sh`, the polynomial of Babylon.js' .env, the
-/// coefficients of EXT_lights_image_based. irradiance.h writes them.
+/// How the irradiance stands in the file beside the levels: Filament's pair `sh`, the polynomial of Babylon.js' .env,
+/// the coefficients of EXT_lights_image_based. irradiance.h writes them.
 enum class IrradianceForm { none, filament, babylon, gltf };
 
 /// Levels of the environment as surfaces of rising roughness reflect it (GGX's split sum), for a shader that picks one.

@@ -58,12 +58,13 @@ BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, co
   return made;
 }
 
-BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size, const FileError& error,
-                         bool measure) {
+BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size,
+                          const FileError& error, bool measure) {
   ConvertOptions how{.to = frame, .size = size, .costs = &error.costs};
   if (error.asked) how.max_error = left_to_filter(error);
   const Resampler resampler(source, how);
-  BakedLevel made{.done = {.map = {}, .method = Method::exact, .resampled = resampler.filter().filter}, .sampled = true};
+  BakedLevel made{.done = {.map = {}, .method = Method::exact, .resampled = resampler.filter().filter},
+                  .sampled = true};
   if (const auto& choice = resampler.choice()) {
     made.done.error = choice->trials.back().maximum;
     if (!choice->reached) throw NotReached(fmt::format("the error of the filter area is {:.1e}", made.done.error));

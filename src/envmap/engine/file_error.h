@@ -21,7 +21,8 @@ class NotReached : public std::runtime_error {
 
 /// What a file may err by.
 struct FileError {
-  std::optional<double> asked;               ///< Of all; else what is made errs by its own default, and rounding comes on top.
+  /// Of all; else what is made errs by its own default, and rounding comes on top.
+  std::optional<double> asked;
   std::optional<Rounding> rounding;  ///< Of its depth; nothing where that has no bound.
   Costs costs = {};                  ///< That a filter is chosen by.
 };
@@ -36,12 +37,15 @@ struct BakedLevel {
   double rounded = 0;  ///< What the file's depth takes from it; 0 where that was not asked for.
   bool sampled = false;  ///< `done.error` was measured in some texels: of resample_level().
 
-  /// What readers find it to be off: what it was made with, over the truth, and what was lost since, over what was made.
+  /// What readers find it to be off: what it was made with, over the truth, and what was lost since,
+  /// over what was made.
   [[nodiscard]] double in_file() const { return done.error + rounded * (1 + done.error); }
 };
 
-/// A lobe's map, made again closer where the file's depth takes more of it than was left to it: dark channels under a shared exponent.
-/// @param wanted its max_error is left_to_prefilter(). @param measure whether `rounded` is wanted where nothing was asked.
+/// A lobe's map, made again closer where the file's depth takes more of it than was left to it: dark channels under a
+/// shared exponent.
+/// @param wanted its max_error is left_to_prefilter(). @param measure whether `rounded` is wanted where nothing was
+/// asked.
 /// @throws NotReached where the file errs by more than was asked.
 BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, const FileError& error, bool measure,
                      const Progress& progress);

@@ -25,8 +25,9 @@ std::string filament(const IrradiancePolynomial& p) {
   return text;
 }
 
-// Babylon.js: SphericalPolynomial.FromHarmonics in packages/dev/core/src/Maths/sphericalPolynomial.ts, which multiplies degrees 0,
-// 1 and 2 by 1, 2/3 and 1/4 once more, and shares the constant between xx, yy and zz. X is negated: its world is left-handed.
+// Babylon.js: SphericalPolynomial.FromHarmonics in packages/dev/core/src/Maths/sphericalPolynomial.ts, which multiplies
+// degrees 0, 1 and 2 by 1, 2/3 and 1/4 once more, and shares the constant between xx, yy and zz. X is negated:
+// its world is left-handed.
 std::string babylon(const IrradiancePolynomial& p) {
   return fmt::format(R"({{"x":{},"y":{},"z":{},"xx":{},"yy":{},"zz":{},"yz":{},"zx":{},"xy":{}}})",
                      colour(-2.0 / 3 * p[3]), colour(2.0 / 3 * p[1]), colour(2.0 / 3 * p[2]),
@@ -34,8 +35,9 @@ std::string babylon(const IrradiancePolynomial& p) {
                      colour(p[0] + 0.5 * p[6]), colour(0.25 * p[5]), colour(-0.25 * p[7]), colour(-0.25 * p[4]));
 }
 
-// EXT_lights_image_based: coefficients of the irradiance itself, l00, l1-1, l10, l11, l2-2 ... l22. Their signs, of which the
-// extension says nothing, as SphericalHarmonics.FromArray of Babylon.js takes them: those of m = -1 and 1 negated, X negated.
+// EXT_lights_image_based: coefficients of the irradiance itself, l00, l1-1, l10, l11, l2-2 ... l22. Their signs, of
+// which the extension says nothing, as SphericalHarmonics.FromArray of Babylon.js takes them:
+// those of m = -1 and 1 negated, X negated.
 std::string gltf(const IrradiancePolynomial& p) {
   constexpr double scale[] = {1 / n0, -1 / n1, 1 / n1, 1 / n1, -1 / n2, -1 / n2, 1 / n20, 1 / n2, 1 / n22};
   std::string coefficients;
@@ -55,7 +57,8 @@ IrradiancePolynomial irradiance_polynomial(const EnvironmentMap& source, const P
   // a (3y^2 - 1) + b (z^2 - x^2) = (b - a)/2 (3z^2 - 1) - (3a + b)/2 (x^2 - y^2).
   const std::vector<Flux>& c = h.coefficients;
   const Flux a = n20 * c[6], b = n22 * c[8];
-  return {n0 * c[0], n1 * c[2], n1 * c[3], n1 * c[1], n2 * c[5], n2 * c[7], 0.5 * (b - a), n2 * c[4], -0.5 * (3.0 * a + b)};
+  return {n0 * c[0], n1 * c[2],     n1 * c[3], n1 * c[1],           n2 * c[5],
+          n2 * c[7], 0.5 * (b - a), n2 * c[4], -0.5 * (3.0 * a + b)};
 }
 
 std::pair<std::string, std::string> harmonics_pair(IrradianceForm kind, const IrradiancePolynomial& p) {

@@ -21,7 +21,9 @@ constexpr std::size_t longest_header = 1 << 20;
 
 // The text between the mark and a NUL.
 std::string header_of(const InputFile& file) {
-  std::string text(std::min<std::uint64_t>(longest_header, file.size() - std::min<std::uint64_t>(file.size(), env_mark.size())), '\0');
+  std::string text(std::min<std::uint64_t>(longest_header,
+                                           file.size() - std::min<std::uint64_t>(file.size(), env_mark.size())),
+                   '\0');
   text.resize(file.pread(text.data(), text.size(), env_mark.size()));
   const std::size_t end = text.find('\0');
   if (end == std::string::npos) throw InputError("truncated or damaged: its header has no end");
@@ -44,8 +46,9 @@ std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uin
 void write_env(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs, const Progress& progress) {
   const auto size = unsigned(levels[0].width());
   if (!std::has_single_bit(size) || levels.size() != std::size_t(std::bit_width(size)))
-    throw OutputError(fmt::format(".env files need a full mip chain and a power-of-two face size, not {} level(s) of {}x{}",
-                                  levels.size(), size, size));
+    throw OutputError(
+        fmt::format(".env files need a full mip chain and a power-of-two face size, not {} level(s) of {}x{}",
+                    levels.size(), size, size));
   const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);
   Json images = Json::array();
   std::size_t position = 0;

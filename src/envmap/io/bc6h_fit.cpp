@@ -60,7 +60,7 @@ Texels load(const Wanted& wanted, std::size_t lane) {
   return t;
 }
 
-// ---- lines -----------------------------------------------------------------------------------------------------------
+// ---- lines ----------------------------------------------------------------------------------------------------------
 
 // Sums over texels: of weights, of weighted places, and of their products xx, xy, xz, yy, yz, zz.
 struct Moments {
@@ -175,7 +175,7 @@ Line line_of(const Texels& t, const Regions& regions, bool second) {
   return line;
 }
 
-// ---- endpoints as the modes hold them ----------------------------------------------------------------------------------
+// ---- endpoints as the modes hold them -------------------------------------------------------------------------------
 
 // How an endpoint's 16 bits are rounded: value = floor(x / step + rounding), x = value step + centre, but for both
 // ends.
@@ -230,7 +230,8 @@ constexpr int of_one_region[] = {10, 11, 12, 13}, of_two_regions[] = {9, 1, 6, 7
 // The finest mode that holds the lines' ends.
 template <int n>
 Steps finest(const Texels& t, const Line* lines) {
-  const std::span<const int> order = n == 2 ? std::span<const int>(of_one_region) : std::span<const int>(of_two_regions);
+  const std::span<const int> order =
+      n == 2 ? std::span<const int>(of_one_region) : std::span<const int>(of_two_regions);
   Steps best = steps_of(order[0]);
   for (const int mode : order.subspan(1)) {
     const Steps s = steps_of(mode);
@@ -245,7 +246,7 @@ Steps finest(const Texels& t, const Line* lines) {
   return best;
 }
 
-// ---- a block -----------------------------------------------------------------------------------------------------------
+// ---- a block --------------------------------------------------------------------------------------------------------
 
 template <int n>
 struct Trial {

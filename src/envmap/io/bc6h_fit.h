@@ -1,6 +1,6 @@
 /// @file
-/// Blocks of BC6H that come near to texels: the search of the encoder. A texel is a point whose coordinates are the bits of
-/// its halves, which are as good as the logarithm of radiance; what is least is the sum of squares there.
+/// Blocks of BC6H that come near to texels: the search of the encoder. A texel is a point whose coordinates are the
+/// bits of its halves, which are as good as the logarithm of radiance; what is least is the sum of squares there.
 #pragma once
 
 #include <array>

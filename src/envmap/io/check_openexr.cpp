@@ -69,7 +69,8 @@ struct Part {
   [[nodiscard]] double height() const { return 1.0 + window[3] - window[1]; }
 };
 
-// OpenEXR reads as many bytes as a type has, whatever the attribute says of its size, and what is next begins after them.
+// OpenEXR reads as many bytes as a type has, whatever the attribute says of its size,
+// and what is next begins after them.
 constexpr std::pair<std::string_view, int> sizes_of_types[] = {{"box2f", 16},
                                                                {"box2i", 16},
                                                                {"chromaticities", 32},
@@ -184,8 +185,8 @@ void check_openexr(const InputFile& file) {
     more = any && (version & flag_parts) != 0;
     if (!any) break;
     if (part.width() < 1 || part.height() < 1) throw InputError("damaged: its data window is empty");
-    // No compression in use makes a map 20,000 times smaller. OpenEXR takes memory for all lines of a chunk, if there are
-    // fewer in the image, too.
+    // No compression in use makes a map 20,000 times smaller. OpenEXR takes memory for all lines of a chunk, if there
+    // are fewer in the image, too.
     const double bytes = part.width() * std::max(part.height(), lines_of_chunk(part.compression)) * 12;
     if (bytes > 0x1p28 && bytes > 2e4 * double(file.size()))
       throw InputError(fmt::format("truncated or damaged: {} bytes cannot hold {:.0f}x{:.0f}", file.size(),

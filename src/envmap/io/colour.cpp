@@ -42,10 +42,11 @@ void find_bridge(Config& config) {
       return;
     }
   if (!has("scene_linear"))
-    throw InputError(config.file, "has no role aces_interchange and no space of linear Rec.709: what its spaces are is not known");
+    throw InputError(config.file,
+                     "has no role aces_interchange and no space of linear Rec.709: what its spaces are is not known");
   config.theirs = "scene_linear";
-  config.note = fmt::format("{} has no role aces_interchange: its scene_linear ({}) is taken for linear Rec.709", config.file,
-                            config.spaces->getColorSpace("scene_linear")->getName());
+  config.note = fmt::format("{} has no role aces_interchange: its scene_linear ({}) is taken for linear Rec.709",
+                            config.file, config.spaces->getColorSpace("scene_linear")->getName());
 }
 
 Config open(const std::string& file) {
@@ -77,7 +78,8 @@ void check_space(const Config& config, const std::string& name) {
   const std::vector<std::string> known = all_names(*config.spaces), near = near_words(name, known, 3);
   const std::string where = config.file.empty() ? "the built-in config" : config.file;
   if (!near.empty())
-    throw UsageError(fmt::format("no colour space '{}' in {}; did you mean '{}'?", name, where, fmt::join(near, "' or '")));
+    throw UsageError(
+        fmt::format("no colour space '{}' in {}; did you mean '{}'?", name, where, fmt::join(near, "' or '")));
   const std::vector<std::string> spaces = colour_spaces(config.file);
   const std::size_t shown = std::min<std::size_t>(spaces.size(), 12);
   throw UsageError(fmt::format("no colour space '{}' in {}: there are {}{}", name, where,
@@ -87,10 +89,12 @@ void check_space(const Config& config, const std::string& name) {
 
 void check_view(const Config& config, const std::string& display, const std::string& view) {
   std::vector<std::string> known;
-  for (int k = 0; k < config.spaces->getNumViews(display.c_str()); ++k) known.emplace_back(config.spaces->getView(display.c_str(), k));
+  for (int k = 0; k < config.spaces->getNumViews(display.c_str()); ++k)
+    known.emplace_back(config.spaces->getView(display.c_str(), k));
   if (std::ranges::find(known, view) != known.end()) return;
   if (!known.empty())
-    throw UsageError(fmt::format("no view '{}' of display '{}' in {}: there are {}", view, display, config.file, fmt::join(known, ", ")));
+    throw UsageError(fmt::format("no view '{}' of display '{}' in {}: there are {}", view, display, config.file,
+                                 fmt::join(known, ", ")));
   for (int k = 0; k < config.spaces->getNumDisplays(); ++k) known.emplace_back(config.spaces->getDisplay(k));
   throw UsageError(fmt::format("no display '{}' in {}: there are {}", display, config.file, fmt::join(known, ", ")));
 }
@@ -102,7 +106,8 @@ struct Place {
 };
 
 ocio::ConstProcessorRcPtr between(const Place& from, const Place& to) {
-  if (from.config->spaces == to.config->spaces) return from.config->spaces->getProcessor(from.name.c_str(), to.name.c_str());
+  if (from.config->spaces == to.config->spaces)
+    return from.config->spaces->getProcessor(from.name.c_str(), to.name.c_str());
   // The bridge in the terms of each: one of the two configs is ours.
   const Config& other = from.config->file.empty() ? *to.config : *from.config;
   const auto bridge = [&](const Place& p) { return (p.config == &other ? other.theirs : other.ours).c_str(); };
@@ -173,7 +178,8 @@ Point2 xy_of(const Flux& xyz) {
 std::vector<std::string> colour_spaces(const std::string& config) {
   const Config opened = open(config);
   std::vector<std::string> names;
-  for (int k = 0; k < opened.spaces->getNumColorSpaces(); ++k) names.emplace_back(opened.spaces->getColorSpaceNameByIndex(k));
+  for (int k = 0; k < opened.spaces->getNumColorSpaces(); ++k)
+    names.emplace_back(opened.spaces->getColorSpaceNameByIndex(k));
   return names;
 }
 
@@ -192,13 +198,15 @@ ColourTransform into_working(const ColourOptions& options, const ClaimedSpace& c
 }
 
 ColourTransform out_of_working(const ColourOptions& options) {
-  const Config config = open(options.space.empty() && options.working.empty() ? "" : options.config), built_in = open("");
+  const Config config = open(options.space.empty() && options.working.empty() ? "" : options.config),
+               built_in = open("");
   return transform(place_of(config, built_in, options.working), place_of(config, built_in, options.space), config);
 }
 
 ColourTransform into_view(const ColourOptions& options, const std::string& wanted) {
   const Config config = open(options.config), built_in = open("");
-  if (config.file.empty()) throw UsageError("the built-in config has no views: name an OpenColorIO config that has some");
+  if (config.file.empty())
+    throw UsageError("the built-in config has no views: name an OpenColorIO config that has some");
   const auto colon = wanted.find(':');
   const std::string display = colon == wanted.npos ? config.spaces->getDefaultDisplay() : wanted.substr(0, colon);
   std::string view = wanted.substr(colon == wanted.npos ? 0 : colon + 1);
@@ -206,7 +214,8 @@ ColourTransform into_view(const ColourOptions& options, const std::string& wante
   check_view(config, display, view);
   ColourTransform made = transform(place_of(config, built_in, options.working), {&config, config.theirs}, config);
   try {
-    const auto seen = on_cpu(config.spaces->getProcessor(config.theirs.c_str(), display.c_str(), view.c_str(), ocio::TRANSFORM_DIR_FORWARD));
+    const auto seen = on_cpu(
+        config.spaces->getProcessor(config.theirs.c_str(), display.c_str(), view.c_str(), ocio::TRANSFORM_DIR_FORWARD));
     made.apply = [first = made.apply, seen](std::span<Colour> colours) {
       if (first) first(colours);
       apply(seen, colours);
@@ -277,7 +286,9 @@ std::string space_word(const std::string& config, const std::string& space) {
 
 std::string words(const ClaimedSpace& claimed) {
   if (claimed.by.empty()) return fmt::format("{} (assumed, not specified in the file)", linear_rec709);
-  const std::string name = !claimed.name.empty() ? claimed.name : fmt::format("primaries {:.4g}", fmt::join(chromaticities(*claimed.primaries), " "));
+  const std::string name = !claimed.name.empty()
+                               ? claimed.name
+                               : fmt::format("primaries {:.4g}", fmt::join(chromaticities(*claimed.primaries), " "));
   return fmt::format("{} ({})", name, claimed.by);
 }
 

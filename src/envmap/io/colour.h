@@ -15,8 +15,8 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-/// How values of a file relate to those of the map in memory. Names are those of colour spaces, aliases and roles of the
-/// config; capitals do not matter.
+/// How values of a file relate to those of the map in memory. Names are those of colour spaces, aliases and roles of
+/// the config; capitals do not matter.
 struct ColourOptions {
   std::string config = {};   ///< An OpenColorIO config file. Empty: the built-in config, see colour_spaces().
   std::string space = {};    ///< Of the file. Empty: what it says, then linear Rec.709 of floats and sRGB of integers.
@@ -40,8 +40,8 @@ struct ColourTransform {
   std::string note = {};                ///< What had to be taken for granted.
 };
 
-/// @return the names of a config's spaces. @param config empty: those of the built-in one: linear Rec.709, sRGB, ACEScg,
-/// ACES2065-1, linear Rec.2020, XYZ, linear P3-D65, Display P3. @throws InputError where it cannot be read.
+/// @return the names of a config's spaces. @param config empty: those of the built-in one: linear Rec.709, sRGB,
+/// ACEScg, ACES2065-1, linear Rec.2020, XYZ, linear P3-D65, Display P3. @throws InputError where it cannot be read.
 std::vector<std::string> colour_spaces(const std::string& config = {});
 
 /// From the space of a file, `options.space` where it is set and else what the file claims, to that of the map.
@@ -51,17 +51,18 @@ ColourTransform into_working(const ColourOptions& options, const ClaimedSpace& c
 /// From the space of the map to `options.space`. @throws as into_working().
 ColourTransform out_of_working(const ColourOptions& options);
 
-/// From the space of the map to what a screen is sent, encoded: a view of a config's display. @param view VIEW, of the config's
-/// default display, or DISPLAY:VIEW; empty: its default. @throws UsageError where the config has none of that name, as the
-/// built-in one has none at all.
+/// From the space of the map to what a screen is sent, encoded: a view of a config's display. @param view VIEW, of the
+/// config's default display, or DISPLAY:VIEW; empty: its default. @throws UsageError where the config has none of that
+/// name, as the built-in one has none at all.
 ColourTransform into_view(const ColourOptions& options, const std::string& view);
 
-/// The linear space to work in where `space` shall be written, so that no colour that it holds is lost on the way: the space
-/// itself, or that with its primaries; empty (linear Rec.709) where the config has none. @throws as into_working().
+/// The linear space to work in where `space` shall be written, so that no colour that it holds is lost on the way: the
+/// space itself, or that with its primaries; empty (linear Rec.709) where the config has none.
+/// @throws as into_working().
 std::string working_space_for(const std::string& config, const std::string& space);
 
-/// Primaries of a space, found by what it makes of red, green and blue; nothing where it is not linear (sRGB's curve alone is
-/// looked through). @param space empty: linear Rec.709. @throws as into_working().
+/// Primaries of a space, found by what it makes of red, green and blue; nothing where it is not linear (sRGB's curve
+/// alone is looked through). @param space empty: linear Rec.709. @throws as into_working().
 std::optional<Primaries> primaries_of(const std::string& config, const std::string& space);
 
 /// A space in one word that built-in names and aliases know; empty where there is none.

@@ -6,7 +6,8 @@
 namespace envmap {
 namespace {
 
-constexpr std::string_view rec709_names[] = {"Linear Rec.709 (sRGB)", "lin_rec709", "lin_srgb", "rec709", "linear", "Linear sRGB"};
+constexpr std::string_view rec709_names[] = {
+    "Linear Rec.709 (sRGB)", "lin_rec709", "lin_srgb", "rec709", "linear", "Linear sRGB"};
 constexpr std::string_view srgb_names[] = {"srgb_tx", "sRGB - Texture", "srgb_texture"};
 constexpr std::string_view acescg_names[] = {"ACES - ACEScg", "lin_ap1"};
 constexpr std::string_view aces_names[] = {"ACES - ACES2065-1", "lin_ap0", "ap0"};
@@ -26,8 +27,10 @@ constexpr BuiltInSpace spaces[] = {
     {"Display P3", display_p3_names, p3_d65, "Linear P3-D65"},
 };
 
-constexpr std::pair<const char*, const char*> roles[] = {
-    {"scene_linear", linear_rec709}, {"default", linear_rec709}, {"texture_paint", "sRGB"}, {"aces_interchange", aces2065_1}};
+constexpr std::pair<const char*, const char*> roles[] = {{"scene_linear", linear_rec709},
+                                                         {"default", linear_rec709},
+                                                         {"texture_paint", "sRGB"},
+                                                         {"aces_interchange", aces2065_1}};
 
 bool same_word(std::string_view a, std::string_view b) {
   const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };

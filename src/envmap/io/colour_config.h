@@ -30,7 +30,8 @@ std::span<const BuiltInSpace> built_in_spaces();
 /// By name, alias or role, whatever the capitals; else null.
 const BuiltInSpace* built_in_space(std::string_view name);
 
-/// The spaces above, relative to linear Rec.709, and the roles scene_linear, default, texture_paint and aces_interchange.
+/// The spaces above, relative to linear Rec.709, and the roles scene_linear, default,
+/// texture_paint and aces_interchange.
 ocio::ConstConfigRcPtr built_in_config();
 
 /// The same with one space more, of these primaries. @return its name through `name`.

@@ -1,5 +1,6 @@
 /// @file
-/// DDS, the texture container of DirectX. Source: Microsoft, "Programming Guide for DDS" and "DDS_HEADER_DXT10 structure".
+/// DDS, the texture container of DirectX. Source: Microsoft, "Programming Guide for DDS" and "DDS_HEADER_DXT10
+/// structure".
 #pragma once
 
 #include <optional>

@@ -10,9 +10,9 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-/// clip: as it is up to 1. reinhard: x / (1 + x) of each channel (Reinhard et al. 2002, "Photographic tone reproduction for
-/// digital images", equation 3). neutral: colours as they are up to 0.76, brighter ones drawn in and towards white (Khronos
-/// PBR Neutral Tone Mapper, 2024).
+/// clip: as it is up to 1. reinhard: x / (1 + x) of each channel (Reinhard et al. 2002, "Photographic tone reproduction
+/// for digital images", equation 3). neutral: colours as they are up to 0.76, brighter ones drawn in and towards white
+/// (Khronos PBR Neutral Tone Mapper, 2024).
 enum class Display { clip, reinhard, neutral };
 inline constexpr std::string_view display_names[] = {"clip", "reinhard", "neutral"};
 

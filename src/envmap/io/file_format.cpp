@@ -17,12 +17,13 @@ namespace envmap {
 namespace {
 
 using Extension = std::string_view;
-constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = {"ktx2"}, ktx1[] = {"ktx"}, dds[] = {"dds"}, env[] = {"env"}, glb[] = {"glb"},
-                    tiff[] = {"tif", "tiff"}, png[] = {"png"}, ppm[] = {"ppm"}, jpeg[] = {"jpg", "jpeg"}, targa[] = {"tga"},
-                    bmp[] = {"bmp"}, webp[] = {"webp"};
+constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = {"ktx2"}, ktx1[] = {"ktx"},
+                    dds[] = {"dds"}, env[] = {"env"}, glb[] = {"glb"}, tiff[] = {"tif", "tiff"}, png[] = {"png"},
+                    ppm[] = {"ppm"}, jpeg[] = {"jpg", "jpeg"}, targa[] = {"tga"}, bmp[] = {"bmp"}, webp[] = {"webp"};
 constexpr Depth linear[] = {Depth::half, Depth::single}, floats[] = {Depth::single},
-                texture[] = {Depth::half, Depth::single, Depth::rgb9e5, Depth::bc6h}, bytes[] = {Depth::uint8}, rgbd[] = {Depth::rgbd},
-                integers[] = {Depth::uint8, Depth::uint16}, all_of_tiff[] = {Depth::uint8, Depth::uint16, Depth::single};
+                texture[] = {Depth::half, Depth::single, Depth::rgb9e5, Depth::bc6h}, bytes[] = {Depth::uint8},
+                rgbd[] = {Depth::rgbd}, integers[] = {Depth::uint8, Depth::uint16},
+                all_of_tiff[] = {Depth::uint8, Depth::uint16, Depth::single};
 
 constexpr double any_float = std::numeric_limits<float>::max();
 

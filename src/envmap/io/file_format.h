@@ -16,7 +16,8 @@ namespace envmap {
 struct FileFormat {
   std::string_view name;                         ///< As OpenImageIO names it, and info does.
   std::string_view title;                        ///< As people do.
-  std::span<const std::string_view> extensions;  ///< Lower case, no dots. Of a format that is only read it may have none.
+  /// Lower case, no dots. Of a format that is only read it may have none.
+  std::span<const std::string_view> extensions;
   std::span<const Depth> depths;                 ///< Written, least first; none where it is only read.
   /// Whether a file begins so: it is known by its bytes, not by its name. Null where it has no mark, only a name.
   bool (*is_head)(std::string_view head);

@@ -1,6 +1,6 @@
 /// @file
-/// What OpenImageIO does for us, opened when it is first asked for: with its 250 libraries it takes 0.25 s to load, which is
-/// longer than many a command on EXR files runs.
+/// What OpenImageIO does for us, opened when it is first asked for: with its 250 libraries it takes 0.25 s to load,
+/// which is longer than many a command on EXR files runs.
 #pragma once
 
 #include <string>
@@ -12,15 +12,18 @@ namespace envmap {
 
 struct Formats {
   /// @param format as OpenImageIO names it. @param bytes what is read; if empty the file of that name.
-  /// @param straight_alpha whether colours stay as stored, not multiplied by alpha. @throws InputError without the file's name.
-  ImageReader (*open)(const std::string& format, const std::string& path, std::span<const char> bytes, bool straight_alpha);
+  /// @param straight_alpha whether colours stay as stored, not multiplied by alpha.
+  /// @throws InputError without the file's name.
+  ImageReader (*open)(const std::string& format, const std::string& path, std::span<const char> bytes,
+                      bool straight_alpha);
   /// For make_writer(), one level: throws OutputError without the file's name.
   ImageWriter (*create)(OutputFile& file, const std::string& extension, const ImagePlan& plan);
   /// A picture resampled with OpenImageIO's default filter.
   std::vector<Colour> (*resized)(std::span<const Colour> picture, Size from, Size to);
   /// Draws a line of text into a picture, its left end and baseline at (x, y).
   /// @param font a file. @throws OutputError if the font cannot be used.
-  void (*draw_text)(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height, const std::string& font);
+  void (*draw_text)(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height,
+                    const std::string& font);
 };
 
 /// The module envmap-formats.so, beside the program or in ../lib/envmap. @throws InputError where it cannot be opened.

@@ -56,12 +56,14 @@ Json document(const std::vector<RgbdFaces>& levels, const Json& harmonics, int s
 
 }  // namespace
 
-void write_gltf_light(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs, const Progress& progress) {
+void write_gltf_light(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs,
+                      const Progress& progress) {
   const auto size = unsigned(levels[0].width());
   const auto harmonics = pairs.find("irradianceCoefficients");
   if (!std::has_single_bit(size) || levels.size() < 2)
-    throw OutputError(fmt::format(".glb files need several levels and a power-of-two face size, not {} level(s) of {}x{}",
-                                  levels.size(), size, size));
+    throw OutputError(
+        fmt::format(".glb files need several levels and a power-of-two face size, not {} level(s) of {}x{}",
+                    levels.size(), size, size));
   if (harmonics == pairs.end()) throw OutputError(".glb files need irradiance as well, which this map lacks");
   const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);
   std::string text = document(faces, Json::parse(harmonics->second), int(size)).dump();
@@ -91,7 +93,8 @@ TextureFile open_gltf_light(const InputFile& file) {
   const std::vector<std::byte> text = read_bytes(file, sizeof h, h.json_size);
   const std::uint64_t start = sizeof h + std::uint64_t{h.json_size} + sizeof(ChunkHeader);
   try {
-    const Json gltf = Json::parse(reinterpret_cast<const char*>(text.data()), reinterpret_cast<const char*>(text.data() + text.size()));
+    const Json gltf = Json::parse(reinterpret_cast<const char*>(text.data()),
+                                  reinterpret_cast<const char*>(text.data() + text.size()));
     if (!gltf.contains("extensions") || !gltf["extensions"].contains(extension))
       throw InputError(fmt::format("glTF without a light of {}: a scene is drawn by 'envmap render'", extension));
     std::vector<FilePart> parts;
@@ -100,12 +103,14 @@ TextureFile open_gltf_light(const InputFile& file) {
         const Json& image = gltf.at("images").at(whole_number(index));
         const Json& view = gltf.at("bufferViews").at(whole_number(image.at("bufferView")));
         const std::uint64_t offset = view.contains("byteOffset") ? whole_number(view["byteOffset"]) : 0;
-        if ((view.contains("buffer") && whole_number(view["buffer"]) != 0) || offset > file.size()) throw InputError("damaged: an image lies beyond its end");
+        if ((view.contains("buffer") && whole_number(view["buffer"]) != 0) || offset > file.size())
+          throw InputError("damaged: an image lies beyond its end");
         parts.push_back({start + offset, whole_number(view.at("byteLength"))});
       }
     return rgbd_texture(file, "glb", std::move(parts));
   } catch (const Json::exception&) {
-    throw InputError(fmt::format("damaged: its {} is not as that extension has it, with PNG images inside the file", extension));
+    throw InputError(
+        fmt::format("damaged: its {} is not as that extension has it, with PNG images inside the file", extension));
   }
 }
 

@@ -1,7 +1,8 @@
 /// @file
-/// The light of EXT_lights_image_based in a binary glTF file: levels of evenly rising roughness as RGBD in PNG images, irradiance as
-/// spherical harmonics. Sources: extensions/2.0/Vendor/EXT_lights_image_based/README.md of the glTF repository; what it leaves open
-/// (the faces' orientation, the harmonics' signs) as Babylon.js' loader has it, EXT_lights_image_based.ts of 9.28.
+/// The light of EXT_lights_image_based in a binary glTF file: levels of evenly rising roughness as RGBD in PNG images,
+/// irradiance as spherical harmonics. Sources: extensions/2.0/Vendor/EXT_lights_image_based/README.md of the glTF
+/// repository; what it leaves open (the faces' orientation, the harmonics' signs) as Babylon.js' loader has it,
+/// EXT_lights_image_based.ts of 9.28.
 #pragma once
 
 #include <span>
@@ -23,7 +24,8 @@ void write_gltf_light(OutputFile& file, std::span<const Page> levels, const KeyV
 /// Whether a file begins as a .glb.
 bool is_glb(std::string_view head);
 
-/// The first light of a .glb file, whose images are in it as PNG. @throws InputError, without the name of the file, where there is none.
+/// The first light of a .glb file, whose images are in it as PNG. @throws InputError,
+/// without the name of the file, where there is none.
 TextureFile open_gltf_light(const InputFile& file);
 
 }  // namespace envmap

@@ -4,8 +4,9 @@
 
 namespace envmap {
 
-// Without branches, so that the compiler vectorises it (IEEE 754, binary32 to binary16). Small values: a sum with 0.5 leaves
-// the subnormal half in the lowest bits, rounded. Others: the exponent is biased anew and the mantissa rounded by a carry.
+// Without branches, so that the compiler vectorises it (IEEE 754, binary32 to binary16). Small values: a sum with 0.5
+// leaves the subnormal half in the lowest bits, rounded. Others:
+// the exponent is biased anew and the mantissa rounded by a carry.
 void to_half(std::span<const float> from, std::span<std::uint16_t> to) {
   for (std::size_t i = 0; i < from.size(); ++i) {
     const auto bits = std::bit_cast<std::uint32_t>(from[i]);

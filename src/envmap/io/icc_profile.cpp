@@ -22,7 +22,8 @@ std::string xyz(const Flux& c) { return "XYZ " + number(0) + fixed(c.x) + fixed(
 std::string text(const std::string& ascii) {
   std::string utf16;
   for (const char c : ascii) utf16 += {'\0', c};
-  return "mluc" + number(0) + number(1) + number(12) + "enUS" + number(std::uint32_t(utf16.size())) + number(28) + utf16;
+  return "mluc" + number(0) + number(1) + number(12) + "enUS" + number(std::uint32_t(utf16.size())) + number(28) +
+         utf16;
 }
 
 // IEC 61966-2-1 as a parametric curve of type 3, or the identity, a curve without entries.

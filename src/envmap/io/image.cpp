@@ -30,9 +30,9 @@ void Image::fail(std::string why, Remedy remedy) const {
 
 namespace {
 
-// Image::file -> its reader. OpenImageIO asked about a file it does not know tries 30 readers in turn, and some write beyond
-// their memory, even for sound files (2.4: ICO, IFF, DPX): none is asked but the one that fits. @param path of a file on disk
-// that OpenImageIO may open itself; of others it is a name.
+// Image::file -> its reader. OpenImageIO asked about a file it does not know tries 30 readers in turn, and some write
+// beyond their memory, even for sound files (2.4: ICO, IFF, DPX): none is asked but the one that fits. @param path of a
+// file on disk that OpenImageIO may open itself; of others it is a name.
 void open_as_its_bytes_say(Image& image, const std::string& path, const ImageChoice& choice, bool for_texture) {
   InputFile& file = *image.file;
   if (file.size() == 0) image.fail(path.empty() ? "is empty: what should have written it may have failed" : "is empty");
@@ -83,7 +83,8 @@ void check_file(const Image& image, const std::string& path) {
 
 }  // namespace
 
-void open_bytes(Image& image, std::string name, std::span<const char> bytes, bool for_texture, const ImageChoice& choice) {
+void open_bytes(Image& image, std::string name, std::span<const char> bytes, bool for_texture,
+                const ImageChoice& choice) {
   image.name = std::move(name);
   image.file = std::make_unique<InputFile>(bytes);
   open_as_its_bytes_say(image, image.name, choice, for_texture);

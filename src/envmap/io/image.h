@@ -24,17 +24,18 @@ struct Image {
   std::optional<TextureFile> texture;
   bool decode = true;  ///< Values that are sRGB encoded become linear; else they stay as they are.
 
-  /// Throws InputError. Channel names and what a library quotes come from the file: no line breaks and no commands to the
-  /// terminal remain.
+  /// Throws InputError. Channel names and what a library quotes come from the file: no line breaks and no commands to
+  /// the terminal remain.
   [[noreturn]] void fail(std::string why, Remedy remedy = Remedy::none) const;
 };
 
-/// @param path `-` for standard input. @param choice of an EXR file. @throws InputError where there is no such file or no
-/// format reads it, UsageError where there is a choice and it is not EXR.
+/// @param path `-` for standard input. @param choice of an EXR file. @throws InputError where there is no such file or
+/// no format reads it, UsageError where there is a choice and it is not EXR.
 void open(Image& image, const std::string& path, const ImageChoice& choice = {});
 
-/// The same of a file's bytes in memory. @param for_texture whether texels stay as stored: colours not multiplied by alpha,
-/// rows not turned upright.
-void open_bytes(Image& image, std::string name, std::span<const char> bytes, bool for_texture = false, const ImageChoice& choice = {});
+/// The same of a file's bytes in memory. @param for_texture whether texels stay as stored: colours not multiplied by
+/// alpha, rows not turned upright.
+void open_bytes(Image& image, std::string name, std::span<const char> bytes, bool for_texture = false,
+                const ImageChoice& choice = {});
 
 }  // namespace envmap

@@ -28,8 +28,8 @@ struct Provenance {
   std::optional<std::array<float, 8>> chromaticities = {};
 };
 
-/// Which side of the picture the first row and the first column in the file are: numbered as EXIF and TIFF do (TIFF 6.0,
-/// "Orientation").
+/// Which side of the picture the first row and the first column in the file are: numbered as EXIF and TIFF do (TIFF
+/// 6.0, "Orientation").
 enum class Orientation {
   upright = 1,
   top_right,

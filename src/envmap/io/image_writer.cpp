@@ -19,7 +19,8 @@ auto naming(const std::string& path, F&& action) {
 
 }  // namespace
 
-ImageWriter make_writer(OutputFile& file, const std::string& path, const std::string& extension, const ImagePlan& plan) {
+ImageWriter make_writer(OutputFile& file, const std::string& path, const std::string& extension,
+                        const ImagePlan& plan) {
   const ImageWriter writer = naming(path, [&] {
     return extension == "exr"   ? create_openexr(file, plan)
            : extension == "hdr" ? create_radiance(file, plan)

@@ -21,18 +21,21 @@ struct Size {
 
 /// What is to be written.
 struct ImagePlan {
-  std::vector<Size> levels;  ///< One; or several in an EXR file, each half the one before and rounded down to 1x1: then in tiles.
+  /// One; or several in an EXR file, each half the one before and rounded down to 1x1: then in tiles.
+  std::vector<Size> levels;
   Depth depth = Depth::single;  ///< One that the format holds.
   Attributes attributes = {};
   Provenance provenance = {};  ///< The colours alone: texts are attributes.
   std::string compression = {};                      ///< Of EXR: zip, zip:1, piz, dwaa:45, ...; zip if empty.
-  std::optional<std::string> icc_profile = {};  ///< Of integers; empty: none is known, and sRGB they are not. Unset: sRGB.
+  /// Of integers; empty: none is known, and sRGB they are not. Unset: sRGB.
+  std::optional<std::string> icc_profile = {};
   std::optional<RowRange> rows = {};  ///< Of an EXR file of one level: these alone, its data window.
   bool latlong_envmap = false, cube_envmap = false;  ///< OpenEXR's `envmap` attribute.
 };
 
 struct ImageWriter {
-  /// The next rows of a level, in order; of levels in tiles whole rows of them, `tile_size` high. Values are as they are to be
+  /// The next rows of a level, in order; of levels in tiles whole rows of them, `tile_size` high. Values are as they
+  /// are to be
   /// stored: linear for floats, sRGB encoded from 0 to 1 for integers.
   std::function<void(int level, int begin, int end, std::span<const Colour> rows)> write;
   /// Writes what is left; the file is to be committed after that.

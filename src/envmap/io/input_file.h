@@ -14,8 +14,9 @@ namespace envmap {
 
 class InputFile {
  public:
-  /// A regular file stays on disk. Of pipes and devices the first bytes are there at once, and the rest after read_all():
-  /// what is junk need not be read to its end. @throws InputError without the name where it cannot be opened.
+  /// A regular file stays on disk. Of pipes and devices the first bytes are there at once, and the rest after
+  /// read_all(): what is junk need not be read to its end. @throws InputError without the name where it cannot be
+  /// opened.
   explicit InputFile(const std::string& path);
   /// The same of what is left of an open file, standard input for one. @param descriptor stays open, and the caller's.
   explicit InputFile(int descriptor);

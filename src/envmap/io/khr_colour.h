@@ -1,6 +1,6 @@
 /// @file
-/// Colours in a Khronos data format descriptor. Source: "Khronos Data Format Specification" 1.4, sections "colorPrimaries" and
-/// "transferFunction".
+/// Colours in a Khronos data format descriptor. Source: "Khronos Data Format Specification" 1.4, sections
+/// "colorPrimaries" and "transferFunction".
 #pragma once
 
 #include <cstdint>

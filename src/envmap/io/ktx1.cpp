@@ -16,13 +16,15 @@ namespace {
 // Section 2, "File Structure": what comes first in a file.
 struct Header {
   std::array<char, 12> identifier;
-  std::uint32_t endianness, type, type_size, format, internal, base, width, height, depth, elements, faces, levels, pairs_size;
+  std::uint32_t endianness, type, type_size, format, internal, base, width, height, depth, elements, faces, levels,
+      pairs_size;
 };
 static_assert(sizeof(Header) == 64);
 
 constexpr std::uint32_t little = 0x04030201, big = 0x01020304;
 
-// What OpenGL calls a format. Sources: OpenGL 4.6, tables 8.2, 8.3, 8.12 and 8.14, and the numbers of the registry's gl.xml.
+// What OpenGL calls a format. Sources: OpenGL 4.6, tables 8.2, 8.3, 8.12 and 8.14,
+// and the numbers of the registry's gl.xml.
 struct Names {
   Texels texels;
   std::uint32_t internal, format, type;
@@ -49,15 +51,17 @@ std::uint64_t padded(std::uint64_t size) { return (size + 3) / 4 * 4; }
 Texels texels_in(const Header& h) {
   const auto* found = std::ranges::find(names, h.internal, &Names::internal);
   if (found == std::end(names))
-    throw InputError(fmt::format("KTX with glInternalFormat 0x{:x}: only RGB as sized bytes, floats, RGB9_E5, R11F_G11F_B10F or "
-                                 "BPTC floats is read",
-                                 h.internal));
+    throw InputError(
+        fmt::format("KTX with glInternalFormat 0x{:x}: only RGB as sized bytes, floats, RGB9_E5, R11F_G11F_B10F or "
+                    "BPTC floats is read",
+                    h.internal));
   if (h.type != found->type)
     throw InputError(fmt::format("damaged: KTX with glType 0x{:x} and glInternalFormat 0x{:x}", h.type, h.internal));
   // Early versions of Filament's cmgen wrote the internal format here, too.
   if (h.format != found->format && h.format != h.internal)
-    throw InputError(fmt::format("KTX with glFormat 0x{:x} and glInternalFormat 0x{:x}: the channels must be in their order",
-                                 h.format, h.internal));
+    throw InputError(
+        fmt::format("KTX with glFormat 0x{:x} and glInternalFormat 0x{:x}: the channels must be in their order",
+                    h.format, h.internal));
   return found->texels;
 }
 
@@ -129,8 +133,9 @@ TextureFile open_ktx1(const InputFile& file) {
                                          : "damaged: KTX with words of neither byte order");
   const Texels texels = texels_in(h);
   if (h.depth > 1 || h.elements > 1 || (h.faces != 1 && h.faces != 6))
-    throw InputError(fmt::format("KTX of depth {}, {} array elements and {} faces: one flat image or one cube map is read", h.depth, h.elements,
-                                 h.faces));
+    throw InputError(
+        fmt::format("KTX of depth {}, {} array elements and {} faces: one flat image or one cube map is read", h.depth,
+                    h.elements, h.faces));
   constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "ktx",
                 .texels = texels,
@@ -143,7 +148,8 @@ TextureFile open_ktx1(const InputFile& file) {
   if (const auto o = pairs.find("KTXorientation"); o != pairs.end()) {
     t.bottom_up = o->second.starts_with("S=r,T=u");
     if (!o->second.starts_with("S=r,T=d") && (!t.bottom_up || t.cube))
-      throw InputError(fmt::format("KTX of orientation '{}': 'S=r,T=d' is read, and 'S=r,T=u' of flat images", o->second));
+      throw InputError(
+          fmt::format("KTX of orientation '{}': 'S=r,T=d' is read, and 'S=r,T=u' of flat images", o->second));
   }
   t.recorded = recorded(pairs);
 
@@ -162,7 +168,8 @@ TextureFile open_ktx1(const InputFile& file) {
   }
   t.bytes = [t, places](const InputFile& from, int level) {
     const LevelPlace place = places[std::size_t(level)];
-    const std::uint64_t tight = format_of(t.texels).row_bytes(t.level_width(level)), rows = t.image_bytes(level) / tight;
+    const std::uint64_t tight = format_of(t.texels).row_bytes(t.level_width(level)),
+                        rows = t.image_bytes(level) / tight;
     std::vector<std::byte> bytes;
     for (std::uint64_t face = 0; face < (t.cube ? 6 : 1); ++face) {
       const auto image = read_bytes(from, place.offset + face * padded(rows * place.row_bytes), rows * place.row_bytes);

@@ -1,5 +1,6 @@
 /// @file
-/// KTX of 2010, the older texture container of Khronos (Filament lights with it). Source: "KTX File Format Specification" 1.0.
+/// KTX of 2010, the older texture container of Khronos (Filament lights with it). Source:
+/// "KTX File Format Specification" 1.0.
 #pragma once
 
 #include <span>
@@ -21,7 +22,8 @@ inline constexpr std::string_view ktx1_mark{"\xabKTX 11\xbb\r\n\x1a\n", 12};
 void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels texels, bool cube, const KeyValues& pairs,
                 const Progress& progress);
 
-/// The header of a file with ktx1_mark. @throws InputError, without the name of the file, where it is damaged or holds what
+/// The header of a file with ktx1_mark. @throws InputError, without the name of the file, where it is damaged or holds
+/// what
 /// is not read: other texel formats, arrays, volumes, big-endian words.
 TextureFile open_ktx1(const InputFile& file);
 

@@ -32,7 +32,7 @@ struct LevelIndex {
 
 enum Scheme : std::uint32_t { plain = 0, zstandard = 2 };
 
-// ---- data format descriptor ------------------------------------------------------------------------------------------
+// ---- data format descriptor -----------------------------------------------------------------------------------------
 
 using Words = std::vector<std::uint32_t>;
 
@@ -79,10 +79,10 @@ KhrColour described_colour(const InputFile& file, const Header& h) {
   return {std::uint8_t(word >> 8), std::uint8_t(word >> 16)};
 }
 
-// ---- levels ----------------------------------------------------------------------------------------------------------
+// ---- levels ---------------------------------------------------------------------------------------------------------
 
-// Texels on their way to the file, through Zstandard where that is asked for. One worker gives the bytes that any number
-// of workers gives; none would give others.
+// Texels on their way to the file, through Zstandard where that is asked for. One worker gives the bytes that any
+// number of workers gives; none would give others.
 class LevelWriter {
  public:
   LevelWriter(OutputFile& file, bool zstd) : file_(file), context_(zstd ? ZSTD_createCCtx() : nullptr, ZSTD_freeCCtx) {
@@ -193,11 +193,13 @@ TextureFile open_ktx2(const InputFile& file) {
   const auto h = read_as<Header>(file, 0);
   const auto* format = std::ranges::find(texel_formats, h.vk_format, &TexelFormat::vulkan);
   if (format == std::end(texel_formats))
-    throw InputError(fmt::format("KTX2 with VkFormat {}: only RGB as bytes, floats, E5B9G9R9 or BC6H is read", h.vk_format));
+    throw InputError(
+        fmt::format("KTX2 with VkFormat {}: only RGB as bytes, floats, E5B9G9R9 or BC6H is read", h.vk_format));
   if (h.scheme != plain && h.scheme != zstandard)
     throw InputError(fmt::format("KTX2 with supercompression {}: only none and Zstandard are read", h.scheme));
   if (h.depth != 0 || h.layers > 1 || (h.faces != 1 && h.faces != 6))
-    throw InputError(fmt::format("KTX2 of depth {}, {} layers and {} faces: one flat image or one cube map is read", h.depth, h.layers, h.faces));
+    throw InputError(fmt::format("KTX2 of depth {}, {} layers and {} faces: one flat image or one cube map is read",
+                                 h.depth, h.layers, h.faces));
   constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "ktx2",
                 .texels = format->texels,

@@ -24,12 +24,13 @@ struct Ktx2Options {
   KhrColour colour = {1, khr_linear};
 };
 
-/// All levels, the smallest first in the file, with KTXorientation "rd". @param pairs go into the file besides. @param progress
-/// may be empty.
+/// All levels, the smallest first in the file, with KTXorientation "rd". @param pairs go into the file besides.
+/// @param progress may be empty.
 void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const KeyValues& pairs,
                 const Progress& progress);
 
-/// The header of a file with ktx2_mark. @throws InputError, without the name of the file, where it is damaged or holds what
+/// The header of a file with ktx2_mark. @throws InputError, without the name of the file, where it is damaged or holds
+/// what
 /// is not read: other texel formats, arrays, volumes, supercompression other than Zstandard.
 TextureFile open_ktx2(const InputFile& file);
 

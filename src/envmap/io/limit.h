@@ -10,8 +10,8 @@
 
 namespace envmap {
 
-/// What a depth can hold. Values between `fine` and `largest` are rounded by half of `precision` of themselves at most; those
-/// below `fine` to multiples of `step`, and what is less than half of that becomes 0.
+/// What a depth can hold. Values between `fine` and `largest` are rounded by half of `precision` of themselves at most;
+/// those below `fine` to multiples of `step`, and what is less than half of that becomes 0.
 struct Range {
   double largest;
   double fine = 0, step = 0;
@@ -21,8 +21,8 @@ struct Range {
 /// @param largest of the format's floats.
 Range range_of(Depth depth, double largest);
 
-/// What did not fit: texels beyond the largest value, and those below the fine ones. Of their radiance x solid angle, and
-/// that of all. The brightest value of any channel that did not fit.
+/// What did not fit: texels beyond the largest value, and those below the fine ones. Of their radiance x solid angle,
+/// and that of all. The brightest value of any channel that did not fit.
 struct Misfits {
   std::int64_t over = 0, dark = 0, nan = 0;
   float brightest = 0;

@@ -67,8 +67,8 @@ bool has_border_samples(const Attributes& texts) {
 }
 
 Metadata metadata(const ImageFacts& image) {
-  // OpenEXR's own attribute comes first: its tools carry ours along from the file they converted, and OpenImageIO's name
-  // for theirs, too. The shape tells what they made of it: they know 2:1 and 1:6.
+  // OpenEXR's own attribute comes first: its tools carry ours along from the file they converted, and OpenImageIO's
+  // name for theirs, too. The shape tells what they made of it: they know 2:1 and 1:6.
   if (has_border_samples(image.attributes)) {
     if (image.height == 6 * image.width)
       return {.projection = Projection::cube, .layout = Layout::column, .provenance = provenance(image)};
@@ -115,7 +115,8 @@ Attributes attributes(const Metadata& data) {
     words += fmt::format("{}{}{}={}", words.empty() ? "" : " ", prefix, key, text);
   }
   // First, as Targa's description is cut after 324 characters.
-  texts[description] = words + (words.empty() || data.provenance.comments.empty() ? "" : " ") + data.provenance.comments;
+  texts[description] =
+      words + (words.empty() || data.provenance.comments.empty() ? "" : " ") + data.provenance.comments;
   if (!data.provenance.owner.empty()) texts[copyright] = data.provenance.owner;
   return texts;
 }

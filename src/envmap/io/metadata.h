@@ -16,8 +16,8 @@ namespace ENVMAP_EXPORT envmap {
 /// Further facts by name, such as the lobe of a prefiltered map: attributes envmap:NAME. One word each, no spaces.
 using Facts = std::map<std::string, std::string>;
 
-/// The attributes envmap:projection, envmap:layout, envmap:forward, envmap:levels, envmap:border, envmap:space and envmap:NAME of other facts.
-/// Formats without attributes of one's own carry them as words of the image description
+/// The attributes envmap:projection, envmap:layout, envmap:forward, envmap:levels, envmap:border, envmap:space and
+/// envmap:NAME of other facts. Formats without attributes of one's own carry them as words of the image description
 /// ("envmap:projection=cube envmap:layout=row").
 struct Metadata {
   std::optional<Projection> projection = {};
@@ -25,7 +25,8 @@ struct Metadata {
   std::optional<Forward> forward = {};
   std::optional<int> levels = {};  ///< Of a chain that ends early in a file that must go on to one texel.
   std::optional<int> border = {};  ///< Texels round an octahedral map: map/border.h.
-  std::string space = {};  ///< Of its values, by the name of a built-in colour space without spaces (io/colour.h); else empty.
+  /// Of its values, by the name of a built-in colour space without spaces (io/colour.h); else empty.
+  std::string space = {};
   Facts facts = {};
   Provenance provenance = {};
 };

@@ -11,10 +11,11 @@
 
 namespace envmap {
 
-/// One part of a file: lines or tiles, with its levels if it has mip levels. Without a choice R, G and B are read, or those of
-/// the only layer; Y with RY and BY becomes RGB (to half). Where the data window is not the display window, texels are
-/// added (black) and left out to make it so, unless the choice is to crop.
-/// The `envmap` attribute becomes the text `textureformat`, `comments` the description. @param file must outlive the reader.
+/// One part of a file: lines or tiles, with its levels if it has mip levels. Without a choice R, G and B are read, or
+/// those of the only layer; Y with RY and BY becomes RGB (to half). Where the data window is not the display window,
+/// texels are added (black) and left out to make it so, unless the choice is to crop.
+/// The `envmap` attribute becomes the text `textureformat`, `comments` the description. @param file must outlive the
+/// reader.
 /// @throws InputError without the file's name.
 ImageReader open_openexr(const InputFile& file, const ImageChoice& choice);
 

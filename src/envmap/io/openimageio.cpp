@@ -87,11 +87,12 @@ void read_rows(OIIO::ImageInput& input, int level, int begin, int end, int first
   const OIIO::ImageSpec spec = input.spec(0, level);
   const OIIO::stride_t pixel = static_cast<OIIO::stride_t>(sizeof(float)) * count, line = pixel * spec.width;
   const SilentLibraries silent(!spec.format.is_floating_point());
-  const bool read = spec.tile_width > 0
-                        ? input.read_tiles(0, level, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, spec.z,
-                                           spec.z + 1, first, first + count, OIIO::TypeDesc::FLOAT, out.data(), pixel, line)
-                        : input.read_scanlines(0, level, spec.y + begin, spec.y + end, spec.z, first, first + count,
-                                               OIIO::TypeDesc::FLOAT, out.data(), pixel, line);
+  const bool read =
+      spec.tile_width > 0
+          ? input.read_tiles(0, level, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, spec.z, spec.z + 1,
+                             first, first + count, OIIO::TypeDesc::FLOAT, out.data(), pixel, line)
+          : input.read_scanlines(0, level, spec.y + begin, spec.y + end, spec.z, first, first + count,
+                                 OIIO::TypeDesc::FLOAT, out.data(), pixel, line);
   // Some readers say true and leave a message: a cut TIFF would be black from there on.
   if (!read || input.has_error()) throw InputError(first_line(input.geterror(), "it ends too early"));
 }
@@ -123,9 +124,12 @@ ImageReader open(const std::string& format, const std::string& path, std::span<c
                        (void)in->reader->geterror();
                        return std::nullopt;
                      },
-                     .read = [in](int level, int begin, int end, int first, int count,
-                                  std::span<float> out) { read_rows(*in->reader, level, begin, end, first, count, out); }};
-  if (spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x && spec.full_y == spec.y)
+                     .read =
+                         [in](int level, int begin, int end, int first, int count, std::span<float> out) {
+                           read_rows(*in->reader, level, begin, end, first, count, out);
+                         }};
+  if (spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x &&
+      spec.full_y == spec.y)
     return reader;
   reader.facts.notes.emplace_back("its data window is not its display window: what is missing is black");
   return in_window(std::move(reader), {std::int64_t{spec.x} - spec.full_x, std::int64_t{spec.y} - spec.full_y,
@@ -140,7 +144,8 @@ OIIO::TypeDesc type(Depth d) {
                               : OIIO::TypeDesc::FLOAT;
 }
 
-// Around calls of writers: libjpeg ends the program itself where it cannot go on, with 1, which means something else here.
+// Around calls of writers: libjpeg ends the program itself where it cannot go on, with 1,
+// which means something else here.
 class Writing {
  public:
   Writing() {
@@ -188,7 +193,8 @@ ImageWriter create(OutputFile& file, const std::string& extension, const ImagePl
   const Writing writing;
   constexpr int longest_of_jpeg = 65500;
   if (out->writer->format_name() == std::string("jpeg") && std::max(spec.width, spec.height) > longest_of_jpeg)
-    throw OutputError(fmt::format("JPEG holds {} texels a side at most, not {}x{}", longest_of_jpeg, spec.width, spec.height));
+    throw OutputError(
+        fmt::format("JPEG holds {} texels a side at most, not {}x{}", longest_of_jpeg, spec.width, spec.height));
   check(out->writer->open(name, spec));
   return {.write =
               [out, check](int, int begin, int end, std::span<const Colour> rows) {
@@ -215,7 +221,8 @@ std::vector<Colour> resized(std::span<const Colour> picture, Size from, Size to)
   return out;
 }
 
-void draw_text(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height, const std::string& font) {
+void draw_text(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height,
+               const std::string& font) {
   OIIO::ImageBuf image(spec_of(size), picture.data());
   if (!OIIO::ImageBufAlgo::render_text(image, x, y, text, height, font, {0.8F, 0.8F, 0.8F}) && image.has_error())
     throw OutputError(font, first_line(image.geterror(), "no text can be drawn with this font"));

@@ -76,7 +76,8 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
   const fs::file_status status = fs::status(path, ignored);
   if (path != "-" && fs::is_directory(status)) throw OutputError(path, "is a folder: give a file name");
   // A file without a name would show it only at the end, when other outputs are there.
-  if (ignored == std::errc::filename_too_long || ignored == std::errc::too_many_symbolic_link_levels) throw OutputError(path, "not written: " + ignored.message());
+  if (ignored == std::errc::filename_too_long || ignored == std::errc::too_many_symbolic_link_levels)
+    throw OutputError(path, "not written: " + ignored.message());
   if (path != "-" && !how.if_changed) check_replaceable(path, how);  // Else only where the bytes differ.
   stream_ = path == "-" || (fs::exists(status) && !fs::is_regular_file(status));
   // Through links to what they name, which need not exist: renaming over a link would cut it.
@@ -181,8 +182,8 @@ void OutputFile::copy_to_stream() {
   if (out >= 0 && path_ != "-" && ::close(out) != 0 && error_ == 0) error_ = errno;
 }
 
-// A file without a name gets one: its own at once where there is nothing yet, else another, from which it takes the place
-// of what is there. One that has a name takes it from that.
+// A file without a name gets one: its own at once where there is nothing yet, else another, from which it takes the
+// place of what is there. One that has a name takes it from that.
 void OutputFile::take_name() {
   struct stat before = {};
   const bool there = ::stat(target_.c_str(), &before) == 0;
@@ -230,8 +231,8 @@ bool OutputFile::is_there_already() const {
 void OutputFile::check() const {
   if (error_ == 0) return;
   if (!stream_) throw OutputError(path_, fmt::format("not written: {}", std::strerror(error_)));
-  throw OutputError(shown(path_), fmt::format("cannot be held in {}: {}: set TMPDIR to another folder", temporary_folder(),
-                                              std::strerror(error_)));
+  throw OutputError(shown(path_), fmt::format("cannot be held in {}: {}: set TMPDIR to another folder",
+                                              temporary_folder(), std::strerror(error_)));
 }
 
 void OutputFile::commit() {

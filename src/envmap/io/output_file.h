@@ -11,17 +11,20 @@
 
 namespace envmap {
 
-/// Refuses to replace a file or folder without any write bit, unless `how` forces it. Root may write it, too, so the bits decide.
+/// Refuses to replace a file or folder without any write bit, unless `how` forces it. Root may write it, too, so the
+/// bits decide.
 /// @throws OutputError
 void check_replaceable(const std::string& path, const CommitOptions& how);
 
-/// Brings a file or folder to the disk. @return errno, or 0; 0 too where it cannot be read, or its file system has no fsync.
+/// Brings a file or folder to the disk. @return errno, or 0; 0 too where it cannot be read,
+/// or its file system has no fsync.
 int synchronise(const std::string& path);
 
 /// Bytes on their way to a file. They go to a file without a name in the same folder (O_TMPFILE), which commit() names;
-/// where the file system has no such files, to a temporary one, which commit() renames. Without commit(), or where a write
-/// failed, nothing is left; nor where the program is interrupted, or killed where files without names are. What is
-/// replaced keeps its mode bits, and its owner where the process may set that; what is read-only is not replaced. Standard output, devices and pipes take the bytes at commit(), out of $TMPDIR.
+/// where the file system has no such files, to a temporary one, which commit() renames. Without commit(), or where a
+/// write failed, nothing is left; nor where the program is interrupted, or killed where files without names are. What
+/// is replaced keeps its mode bits, and its owner where the process may set that; what is read-only is not replaced.
+/// Standard output, devices and pipes take the bytes at commit(), out of $TMPDIR.
 class OutputFile {
  public:
   /// @param path `-` for standard output. @throws OutputError where the folder cannot be written.

@@ -45,7 +45,8 @@ bool holds_only_files(const fs::path& folder) {
 void remove_if_stale(const fs::path& folder) {
   const int descriptor = open_folder(folder);
   std::error_code ignored;
-  if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && holds_only_files(folder)) fs::remove_all(folder, ignored);
+  if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && holds_only_files(folder))
+    fs::remove_all(folder, ignored);
   if (descriptor >= 0) ::close(descriptor);
 }
 
@@ -150,7 +151,8 @@ void OutputFolder::commit() {
   if (how_.if_changed && is_there_already()) return;
   struct stat there = {};
   const bool exchange = ::stat(path_.c_str(), &there) == 0;
-  if (::renameat2(AT_FDCWD, hidden_.c_str(), AT_FDCWD, path_.c_str(), exchange ? RENAME_EXCHANGE : RENAME_NOREPLACE) != 0)
+  if (::renameat2(AT_FDCWD, hidden_.c_str(), AT_FDCWD, path_.c_str(), exchange ? RENAME_EXCHANGE : RENAME_NOREPLACE) !=
+      0)
     fail(path_);
   if (!exchange) hidden_.clear();  // Else it now has what was there before, and goes.
   if (!how_.sync) return;

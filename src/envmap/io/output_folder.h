@@ -11,14 +11,14 @@
 
 namespace envmap {
 
-/// Files on their way to a folder: they are written into a hidden one beside it, which commit() gives the name. What was there
-/// under that name is replaced in one step. Without commit() nothing is left, nor where a signal ends the program. Where it is
-/// killed, the hidden folder is left, and the next OutputFolder of that name removes it: it is locked while its owner lives
-/// (flock()). File systems that cannot lock folders (NFS) keep it.
+/// Files on their way to a folder: they are written into a hidden one beside it, which commit() gives the name. What
+/// was there under that name is replaced in one step. Without commit() nothing is left, nor where a signal ends the
+/// program. Where it is killed, the hidden folder is left, and the next OutputFolder of that name removes it: it is
+/// locked while its owner lives (flock()). File systems that cannot lock folders (NFS) keep it.
 class OutputFolder {
  public:
-  /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file of that
-  /// name; OutputError where there can be none.
+  /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file
+  /// of that name; OutputError where there can be none.
   OutputFolder(std::string path, std::span<const std::string_view> files, const CommitOptions& how);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;

@@ -57,14 +57,20 @@ Head read_head(const std::string& path) {
   const auto opened = open_part(path);
   const Image& image = *opened;
   const ImageFacts& facts = image.reader->facts;
-  Head head{.path = path, .number = {0, 0}, .size = 0, .job = {}, .data = metadata(facts), .width = facts.width, .height = facts.height,
+  Head head{.path = path,
+            .number = {0, 0},
+            .size = 0,
+            .job = {},
+            .data = metadata(facts),
+            .width = facts.width,
+            .height = facts.height,
             .standard = path == "-" ? opened : nullptr};
   Facts& words = head.data.facts;
   const std::string part = take(words, "part");
   if (part.empty()) image.fail(no_part);
   const auto slash = std::min(part.find('/'), part.size() - 1);
-  const auto index = number(std::string_view(part).substr(0, slash)), count = number(std::string_view(part).substr(slash + 1)),
-             size = number(take(words, "part-size"));
+  const auto index = number(std::string_view(part).substr(0, slash)),
+             count = number(std::string_view(part).substr(slash + 1)), size = number(take(words, "part-size"));
   head.job = take(words, "part-of");
   if (!index || !count || !size || *index > *count || *size > largest || !head.data.projection ||
       (head.data.layout && *head.data.projection != Projection::cube))
@@ -82,11 +88,13 @@ void check(std::vector<Head>& parts) {
   const Head& first = parts.front();
   for (const Head& h : parts)
     if (h.job != first.job || h.number.count != first.number.count || h.size != first.size)
-      throw InputError(h.path, fmt::format("is {} of another map or command than {}, {}", words(h), first.path, words(first)));
+      throw InputError(h.path,
+                       fmt::format("is {} of another map or command than {}, {}", words(h), first.path, words(first)));
   std::ranges::stable_sort(parts, {}, [](const Head& h) { return h.number.index; });
   for (std::size_t k = 1; k < parts.size(); ++k)
     if (parts[k].number.index == parts[k - 1].number.index)
-      throw InputError(parts[k].path, fmt::format("is {}, as {} is: name each once", words(parts[k]), parts[k - 1].path));
+      throw InputError(parts[k].path,
+                       fmt::format("is {}, as {} is: name each once", words(parts[k]), parts[k - 1].path));
   std::string missing;
   auto next = parts.begin();
   // Of billions that a file speaks of, some are enough.
@@ -104,18 +112,20 @@ void check(std::vector<Head>& parts) {
   if (!missing.empty()) throw InputError(fmt::format("of {} parts these are missing: {}", first.number.count, missing));
 }
 
-// Before memory is taken for the map: parts hold what they say, so that it is no larger than they are. @throws InputError.
+// Before memory is taken for the map: parts hold what they say, so that it is no larger than they are.
+// @throws InputError.
 void check_sizes(const std::vector<Head>& parts, const Grid& places, std::uint64_t max_pixels) {
   const Head& first = parts.front();
   const int width = places.columns * first.size * aspect(*first.data.projection), height = places.rows * first.size;
   for (const Head& h : parts) {
     const RowRange band = height < h.number.count ? RowRange{0, 0} : band_of(height, h.number);
     if (h.width != width || h.height != band.end - band.begin)
-      throw InputError(h.path, fmt::format("is {}x{}; {} of such a map is {}x{}: damaged", h.width, h.height, words(h), width,
-                                           band.end - band.begin));
+      throw InputError(h.path, fmt::format("is {}x{}; {} of such a map is {}x{}: damaged", h.width, h.height, words(h),
+                                           width, band.end - band.begin));
   }
   if (std::uint64_t(width) * std::uint64_t(height) > max_pixels)
-    throw InputError(first.path, fmt::format("is part of a map of {}x{}, over {} pixels", width, height, max_pixels), Remedy::allow_pixels);
+    throw InputError(first.path, fmt::format("is part of a map of {}x{}, over {} pixels", width, height, max_pixels),
+                     Remedy::allow_pixels);
 }
 
 // Those of a map are sound where they were made.
@@ -178,7 +188,8 @@ Grid part_grid(const WriteOptions& options, Projection projection) {
   return grid(chosen ? *options.layout : default_layout(projection));
 }
 
-WriteOptions part_options(const WriteOptions& options, const Rows& rows, const PartNumber& part, const std::string& job) {
+WriteOptions part_options(const WriteOptions& options, const Rows& rows, const PartNumber& part,
+                          const std::string& job) {
   WriteOptions o = options;
   o.rows = band_of(part_grid(options, rows.projection).rows * rows.size, part);
   Facts& facts = o.facts;

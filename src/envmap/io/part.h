@@ -1,6 +1,6 @@
 /// @file
-/// A map's image in parts, bands of its rows that many machines make: each an EXR file of floats whose data window is the band
-/// and whose display window is the image. Joined and written they are the bytes of the map written whole.
+/// A map's image in parts, bands of its rows that many machines make: each an EXR file of floats whose data window is
+/// the band and whose display window is the image. Joined and written they are the bytes of the map written whole.
 #pragma once
 
 #include <span>
@@ -16,7 +16,8 @@ struct PartNumber {
   int index, count;  ///< From 1 to count.
 };
 
-/// How rows are divided: bands that differ by one row at most. @throws UsageError where there are fewer rows than parts.
+/// How rows are divided: bands that differ by one row at most.
+/// @throws UsageError where there are fewer rows than parts.
 RowRange band_of(int rows, const PartNumber& part);
 
 /// The image that the parts divide: all faces as `layout` says, or as they lie where nothing is said.

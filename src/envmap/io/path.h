@@ -19,7 +19,9 @@ inline bool has_half(const std::string& path) {
 }
 /// Whether it names a file for each face of a cube or a paraboloid.
 inline bool has_face(const std::string& path) { return path.find(face_mark) != std::string::npos || has_half(path); }
-inline Projection projection_of_faces(const std::string& path) { return has_half(path) ? Projection::paraboloid : Projection::cube; }
+inline Projection projection_of_faces(const std::string& path) {
+  return has_half(path) ? Projection::paraboloid : Projection::cube;
+}
 inline bool has_level(const std::string& path) { return path.find(level_mark) != std::string::npos; }
 
 /// The name of one face's file: px nx py ny pz nz for faces 0 to 5, front and back for halves.

@@ -14,7 +14,8 @@
 namespace ENVMAP_EXPORT envmap {
 
 struct PictureOptions {
-  std::string format = {};  ///< A file name extension for `-` (png if empty) and names without one; else the name's decides.
+  /// A file name extension for `-` (png if empty) and names without one; else the name's decides.
+  std::string format = {};
   Display display = Display::clip;  ///< Of write_picture() in files of 8 bits.
   CommitOptions commit = {};
 };
@@ -26,7 +27,8 @@ bool is_linear_picture(const std::string& path, const PictureOptions& options = 
 
 /// @param path `-` for standard output. .png and .jpg hold 8 bits, sRGB encoded; .exr and .hdr linear floats.
 /// @param pixels linear, rows from the top. @throws OutputError; then nothing is left behind.
-void write_picture(const std::string& path, int width, std::span<const Colour> pixels, const PictureOptions& options = {});
+void write_picture(const std::string& path, int width, std::span<const Colour> pixels,
+                   const PictureOptions& options = {});
 
 /// Any image of pixels as they are to be stored: sRGB encoded for integers. @throws OutputError as write_picture().
 void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth,

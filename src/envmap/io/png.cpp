@@ -21,7 +21,8 @@ void begin(Image& image, std::span<const std::byte> png) {
   // A header can promise anything; deflate makes nothing smaller than a 1032nd.
   const double bytes = double(PNG_IMAGE_SIZE(image));
   if (image.width > 1 << 16 || image.height > 1 << 16 || bytes > 4 * 1032.0 * double(png.size()))
-    throw InputError(fmt::format("damaged: {} bytes cannot hold a face of {}x{}", png.size(), image.width, image.height));
+    throw InputError(
+        fmt::format("damaged: {} bytes cannot hold a face of {}x{}", png.size(), image.width, image.height));
 }
 
 }  // namespace

@@ -60,8 +60,8 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
 void check_pixels(const Image& image, const ReadOptions& options, int width, int height, int faces) {
   const auto pixels = std::uint64_t(width) * std::uint64_t(height) * std::uint64_t(faces);
   if (pixels > options.max_pixels)
-    image.fail(fmt::format("{}x{}{} is over {} pixels", width, height, faces > 1 ? fmt::format(" x {} faces", faces) : "",
-                           options.max_pixels),
+    image.fail(fmt::format("{}x{}{} is over {} pixels", width, height,
+                           faces > 1 ? fmt::format(" x {} faces", faces) : "", options.max_pixels),
                Remedy::allow_pixels);
 }
 
@@ -110,7 +110,8 @@ Level read_pixels(Image& image, int stored, const Channels& channels, const Reco
   const Grid places = grid(base.layout);
   // A latlong image is all of the sphere, also where its writer rounded up.
   const auto rounded_up = [](int is, int wanted) { return is == wanted || is == wanted + 1; };
-  if (base.projection == Projection::latlong && rounded_up(facts.width, face.width) && rounded_up(facts.height, face.height))
+  if (base.projection == Projection::latlong && rounded_up(facts.width, face.width) &&
+      rounded_up(facts.height, face.height))
     face = {facts.width, facts.height};
   if (facts.width < places.columns * face.width || facts.height < places.rows * face.height)
     image.fail(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, facts.width, facts.height,
@@ -205,11 +206,13 @@ int count_levels(const Image& image, int most) {
 int border_of(const Image& image, const ReadOptions& options, const Metadata& recorded, const Recognised& found) {
   if (!is_octahedral(found.projection)) {
     if (options.border.value_or(0) > 0)
-      image.fail(fmt::format("a border is that of octahedral and equal-area maps, not of a {} map", name(found.projection)));
+      image.fail(
+          fmt::format("a border is that of octahedral and equal-area maps, not of a {} map", name(found.projection)));
     return 0;
   }
   const int border = options.border.value_or(recorded.border.value_or(0));
-  if (found.size <= 2 * border) image.fail(fmt::format("a border of {} leaves nothing of {}x{}", border, found.size, found.size));
+  if (found.size <= 2 * border)
+    image.fail(fmt::format("a border of {} leaves nothing of {}x{}", border, found.size, found.size));
   return border;
 }
 
@@ -269,7 +272,8 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
       source.claimed = claimed_space(image, recorded, options.colour);
     }
     if (const ClaimedSpace c = claimed_space(image, recorded, options.colour);
-        c.name != source.claimed.name || (c.name.empty() && c.primaries && !same(*c.primaries, *source.claimed.primaries)))
+        c.name != source.claimed.name ||
+        (c.name.empty() && c.primaries && !same(*c.primaries, *source.claimed.primaries)))
       image.fail(fmt::format("its colours are {}, but the first face is {}", words(c), words(source.claimed)));
     const int wanted = std::max(1, size >> number);
     if (h != wanted)
@@ -287,8 +291,8 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
 Source read_faces(const std::string& path, const ReadOptions& options) {
   const Projection projection = projection_of_faces(path);
   if (options.projection && *options.projection != projection)
-    throw UsageError(fmt::format("{} in a file name is for {} maps, not for a {} map", has_half(path) ? half_mark : face_mark,
-                                 name(projection), name(*options.projection)));
+    throw UsageError(fmt::format("{} in a file name is for {} maps, not for a {} map",
+                                 has_half(path) ? half_mark : face_mark, name(projection), name(*options.projection)));
   Source source{.map = {}, .layout = Layout::files};
   // Level 0 even where another is wanted: it tells how large that one must be.
   source.map.levels.push_back(read_face_files(path, options, 0, 0, source));

@@ -61,8 +61,8 @@ struct Source {
   std::vector<std::string> details = {};  ///< What reading did to the values, such as dividing an exposure out.
 };
 
-/// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz), `{half}` for a paraboloid's (front back) and `{level}` for
-/// those of all levels, numbered from 0.
+/// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz), `{half}` for
+/// a paraboloid's (front back) and `{level}` for those of all levels, numbered from 0.
 /// @throws InputError in one line, naming the file; UsageError where the options contradict each other.
 Source read(const std::string& path, const ReadOptions& options = {});
 

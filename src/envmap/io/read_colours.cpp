@@ -45,8 +45,9 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
   const bool encoded = image.texture ? is_srgb(*image.texture) : image.reader->facts.encoded;
   if (image.texture && encoded && !options.space.empty())
     throw UsageError(image.name, "its format says that it is sRGB: another space of its values makes no sense");
-  const ClaimedSpace written =
-      image.texture ? written_space(recorded, {}, "") : written_space(recorded, image.reader->facts.attributes, image.reader->format);
+  const ClaimedSpace written = image.texture
+                                   ? written_space(recorded, {}, "")
+                                   : written_space(recorded, image.reader->facts.attributes, image.reader->format);
   if (image.texture) {
     const KhrColour colour = image.texture->colour;
     const ClaimedSpace described = space_of(colour);
@@ -92,7 +93,8 @@ void into_working(Source& source, const ColourTransform& transform, const Colour
   const std::string to = options.working.empty() ? linear_rec709 : options.working;
   source.details.push_back(fmt::format("from {} to {}", from, to));
   if (outside > 0)
-    source.notes.push_back(fmt::format("{} texels of {} are outside of {}: brought to its border, luminance kept", outside, from, to));
+    source.notes.push_back(
+        fmt::format("{} texels of {} are outside of {}: brought to its border, luminance kept", outside, from, to));
 }
 
 }  // namespace envmap

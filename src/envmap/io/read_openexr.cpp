@@ -139,7 +139,8 @@ Imf::FrameBuffer frame(const File& file, const ImageFacts& f, int begin, int fir
 void read_tiles(File& file, const Imf::FrameBuffer& buffer, const ImageFacts& f, int level, int begin, int end) {
   if (!file.tiles) file.tiles.emplace(file.parts, file.part);
   file.tiles->setFrameBuffer(buffer);
-  file.tiles->readTiles(0, (f.width - 1) / f.tile_width, begin / f.tile_height, (end - 1) / f.tile_height, level, level);
+  file.tiles->readTiles(0, (f.width - 1) / f.tile_width, begin / f.tile_height, (end - 1) / f.tile_height, level,
+                        level);
 }
 
 void read_lines(File& file, const Imf::FrameBuffer& buffer, int begin, int end) {
@@ -163,7 +164,7 @@ void read_rows(File& file, const ImageFacts& facts, int level, int begin, int en
   }
 }
 
-// ---- what to read of it ----------------------------------------------------------------------------------------------
+// ---- what to read of it ---------------------------------------------------------------------------------------------
 
 std::string joined(std::span<const std::string> names) {
   constexpr std::size_t most = 60;
@@ -305,8 +306,9 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   const auto length = [](std::int64_t from, std::int64_t to) {
     return int(std::min<std::int64_t>(1 + to - from, INT_MAX));
   };
-  return in_window(std::move(reader), {std::int64_t{data.min.x} - display.min.x, std::int64_t{data.min.y} - display.min.y,
-                                       length(display.min.x, display.max.x), length(display.min.y, display.max.y)});
+  return in_window(std::move(reader),
+                   {std::int64_t{data.min.x} - display.min.x, std::int64_t{data.min.y} - display.min.y,
+                    length(display.min.x, display.max.x), length(display.min.y, display.max.y)});
 }
 
 }  // namespace envmap

@@ -19,7 +19,7 @@ namespace {
 
 using Rgbe = std::array<unsigned char, 4>;
 
-// ---- the header ------------------------------------------------------------------------------------------------------
+// ---- the header -----------------------------------------------------------------------------------------------------
 
 struct Header {
   int width = 0, height = 0;  // As stored: texels a scanline, scanlines.
@@ -128,7 +128,7 @@ Header read_header(const InputFile& file) {
   return h;
 }
 
-// ---- scanlines -------------------------------------------------------------------------------------------------------
+// ---- scanlines ------------------------------------------------------------------------------------------------------
 
 class Bytes {
  public:
@@ -203,7 +203,7 @@ void read_scanline(Bytes& in, std::span<Rgbe> out) {
   read_new_runs(in, out);
 }
 
-// ---- colours ---------------------------------------------------------------------------------------------------------
+// ---- colours --------------------------------------------------------------------------------------------------------
 
 // CIE XYZ into the RGB of these primaries (SMPTE RP 177-1993, section 3.3), per lumen.
 Rotation from_xyz(const std::array<double, 8>& xy) {

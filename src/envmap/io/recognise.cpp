@@ -55,7 +55,8 @@ Recognised recognise(int width, int height, const Metadata& said, const Metadata
   if (!p && layout) p = Projection::cube;
   if (!p) {
     if (width == height)
-      throw InputError(fmt::format("a square image {} may be {}", found, square_projections()), Remedy::choose_projection);
+      throw InputError(fmt::format("a square image {} may be {}", found, square_projections()),
+                       Remedy::choose_projection);
     if (fits(width, height, Projection::latlong, Layout::single))
       p = Projection::latlong;
     else if (cube_layout_of_shape(width, height))

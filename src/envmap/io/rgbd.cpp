@@ -94,7 +94,8 @@ TextureFile rgbd_texture(const InputFile& file, const char* container, std::vect
   const auto image = [](const InputFile& from, const FilePart& part) {
     return rgba_of_png(read_bytes(from, part.offset, part.size));
   };
-  if (parts.empty() || parts.size() % 6 != 0) throw InputError(fmt::format("damaged: {} images are no six faces a level", parts.size()));
+  if (parts.empty() || parts.size() % 6 != 0)
+    throw InputError(fmt::format("damaged: {} images are no six faces a level", parts.size()));
   const Size first = size_of_png(read_bytes(file, parts[0].offset, parts[0].size));
   TextureFile t{.container = container,
                 .texels = Texels::rgbd8,

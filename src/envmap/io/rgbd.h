@@ -1,6 +1,6 @@
 /// @file
-/// Radiance as bytes of RGBD in PNG images, as Babylon.js and the glTF extension EXT_lights_image_based have it: colours are divided
-/// by alpha, after the power 2.2 (fromRGBD in Babylon.js' shadersStore helperFunctions).
+/// Radiance as bytes of RGBD in PNG images, as Babylon.js and the glTF extension EXT_lights_image_based have it:
+/// colours are divided by alpha, after the power 2.2 (fromRGBD in Babylon.js' shadersStore helperFunctions).
 #pragma once
 
 #include <array>
@@ -24,11 +24,12 @@ void encode_rgbd(std::span<const Colour> from, std::span<std::byte> to);
 /// An alpha of 0 is black.
 void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to);
 
-/// PNG files of the six faces of one level. As Babylon.js reads them, out of .env and glTF files alike: each image is turned upside
-/// down, and X is negated, its world being left-handed.
+/// PNG files of the six faces of one level. As Babylon.js reads them, out of .env and glTF files alike: each image is
+/// turned upside down, and X is negated, its world being left-handed.
 using RgbdFaces = std::array<std::vector<char>, 6>;
 
-/// Levels as PNG files, the largest first. @param levels columns of faces in the API's orientation. @param progress may be empty.
+/// Levels as PNG files, the largest first. @param levels columns of faces in the API's orientation.
+/// @param progress may be empty.
 std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const Progress& progress);
 
 /// Where in a file a PNG image lies.
@@ -36,8 +37,8 @@ struct FilePart {
   std::uint64_t offset, size;
 };
 
-/// A cube out of such images. @param parts six for each level, the largest first. @throws InputError, as its `bytes` do, without
-/// the file's name, where one is no PNG image of the level's size.
+/// A cube out of such images. @param parts six for each level, the largest first. @throws InputError, as its `bytes`
+/// do, without the file's name, where one is no PNG image of the level's size.
 TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts);
 
 }  // namespace envmap

@@ -14,16 +14,18 @@ namespace envmap {
 /// How a file rounds what is written to it.
 struct Rounding {
   Depth depth;
-  /// Of a texel's largest channel, half a step at most: 2^-11 of half, 2^-9 of rgb9e5, 2^-8 of Radiance's shared exponent;
-  /// 0 of float. Darker channels under a shared exponent lose more of themselves, and so does what is below a depth's range.
-  /// Nothing of bc6h and rgbd, which must be made to know.
+  /// Of a texel's largest channel, half a step at most: 2^-11 of half, 2^-9 of rgb9e5, 2^-8 of Radiance's shared
+  /// exponent; 0 of float. Darker channels under a shared exponent lose more of themselves, and so does what is below a
+  /// depth's range. Nothing of bc6h and rgbd, which must be made to know.
   std::optional<double> largest = 0;
-  std::function<Level(const Level&)> read_back;  ///< What is read back of a level; empty where that is what was written.
+  /// What is read back of a level; empty where that is what was written.
+  std::function<Level(const Level&)> read_back;
 };
 
-/// @return nothing where what is lost has no bound: integers, which end at 1, EXR compressions that lose, and samples on the
-/// border, between texels (openexr_envmap).
-/// @param path, options of which check_output() says nothing. @throws UsageError where the format does not hold the depth.
+/// @return nothing where what is lost has no bound: integers, which end at 1, EXR compressions that lose, and samples
+/// on the border, between texels (openexr_envmap).
+/// @param path, options of which check_output() says nothing. @throws UsageError where the format does not hold the
+/// depth.
 std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options);
 
 /// What rounds: "half", "rgb9e5", "bc6h", "rgbd", "float" or "a shared exponent".

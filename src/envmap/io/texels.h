@@ -11,8 +11,23 @@
 
 namespace envmap {
 
-/// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits; BC6H are blocks.
-enum class Texels { rgba16f, rgba32f, rgb9e5, rgb16f, rgb32f, rg11b10f, bc6h_ufloat, bc6h_sfloat, rgb8, rgb8_srgb, rgba8, rgba8_srgb, rgbd8 };
+/// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits;
+/// BC6H are blocks.
+enum class Texels {
+  rgba16f,
+  rgba32f,
+  rgb9e5,
+  rgb16f,
+  rgb32f,
+  rg11b10f,
+  bc6h_ufloat,
+  bc6h_sfloat,
+  rgb8,
+  rgb8_srgb,
+  rgba8,
+  rgba8_srgb,
+  rgbd8
+};
 
 struct TexelFormat {
   Texels texels;
@@ -22,7 +37,8 @@ struct TexelFormat {
   Depth depth;              ///< That holds its values.
   std::uint32_t vulkan;     ///< VkFormat (Vulkan 1.3, "Formats").
   std::uint32_t dxgi;       ///< DXGI_FORMAT; 0 where there is none.
-  std::uint32_t type_size;  ///< Bytes of what an API swaps on a big-endian machine: KTX2's typeSize, and KTX's glTypeSize.
+  /// Bytes of what an API swaps on a big-endian machine: KTX2's typeSize, and KTX's glTypeSize.
+  std::uint32_t type_size;
   int side = 1;             ///< Of a block, in texels.
 
   /// Bytes of a row of texels, or of blocks, and of an image: blocks reach over its right and lower side.

@@ -29,7 +29,8 @@ std::vector<std::byte> read_bytes(const InputFile& file, std::uint64_t offset, s
 
 void check_texture(const TextureFile& t, std::uint64_t file_size) {
   constexpr int most = 1 << 20;
-  if (t.width < 1 || t.height < 1) throw InputError(fmt::format("not an image or damaged: its size is {}x{}", t.width, t.height));
+  if (t.width < 1 || t.height < 1)
+    throw InputError(fmt::format("not an image or damaged: its size is {}x{}", t.width, t.height));
   if (t.width > most || t.height > most)
     throw InputError(fmt::format("its size of {}x{} is beyond {} a side", t.width, t.height, most));
   if (t.cube && t.width != t.height)
@@ -124,14 +125,16 @@ Level decode_cube(const Stored& s, bool& opaque) {
 Level decode_flat(const Stored& s, const Recognised& base, int number, bool& opaque) {
   const int w = s.texture.level_width(s.number), h = s.texture.level_height(s.number);
   std::vector<Colour> image(std::size_t(w) * std::size_t(h));
-  opaque = decode_images(format_of(s.texture.texels), s.bytes, 1, w, h, [&](int, int row, std::span<const Colour> texels) {
-    const auto to = std::ptrdiff_t(s.texture.bottom_up ? h - 1 - row : row) * w;
-    std::ranges::copy(texels, image.begin() + to);
-  });
+  opaque =
+      decode_images(format_of(s.texture.texels), s.bytes, 1, w, h, [&](int, int row, std::span<const Colour> texels) {
+        const auto to = std::ptrdiff_t(s.texture.bottom_up ? h - 1 - row : row) * w;
+        std::ranges::copy(texels, image.begin() + to);
+      });
   const FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
   if (w < places.columns * face.width || h < places.rows * face.height)
-    throw InputError(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, w, h, face.width, face.height));
+    throw InputError(
+        fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, w, h, face.width, face.height));
   Level flat(base.projection, face.height, face.width);
   scatter(image, w, 0, h, places, flat);
   return flat;
@@ -145,7 +148,8 @@ Level read_texture(const InputFile& file, const TextureFile& t, int stored, cons
   if (const int h = t.level_height(stored); t.cube && h != face_size(base, number).height)
     throw InputError(fmt::format("is {0}x{0}, not level {1} of {2}x{2}", h, number, base.size));
   bool opaque = true;
-  Level level = t.cube ? decode_cube({bytes, stored, t}, opaque) : decode_flat({bytes, stored, t}, base, number, opaque);
+  Level level =
+      t.cube ? decode_cube({bytes, stored, t}, opaque) : decode_flat({bytes, stored, t}, base, number, opaque);
   if (!opaque && !any_alpha)
     throw InputError("has an alpha that is not 1 everywhere", Remedy::drop_channels);
   return level;

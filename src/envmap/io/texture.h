@@ -22,12 +22,14 @@ namespace envmap {
 struct TextureFile {
   const char* container;  ///< ktx, ktx2 or dds.
   Texels texels;
-  int width = 0, height = 0, levels = 1;  ///< Each level has half the sides of the one before, rounded down, at least 1.
+  /// Each level has half the sides of the one before, rounded down, at least 1.
+  int width = 0, height = 0, levels = 1;
   bool cube = false;
   bool bottom_up = false;  ///< The first row of an image is its lowest.
   Metadata recorded = {};
   KhrColour colour = {};  ///< Of KTX2.
-  /// Bytes of a level: its rows (of texels or blocks) without padding, face after face +X -X +Y -Y +Z -Z. @throws InputError without file name.
+  /// Bytes of a level: its rows (of texels or blocks) without padding, face after face +X -X +Y -Y +Z -Z. @throws
+  /// InputError without file name.
   std::function<std::vector<std::byte>(const InputFile& file, int level)> bytes;
 
   [[nodiscard]] int level_width(int level) const { return std::max(1, width >> level); }
@@ -51,7 +53,8 @@ T read_as(const InputFile& file, std::uint64_t offset) {
 }
 
 /// Rows of an image as the file holds them, made in parallel.
-/// @param page one image. @param begin a multiple of a block's side; it and `end` tell which rows of the page `from` is.
+/// @param page one image. @param begin a multiple of a block's side;
+/// it and `end` tell which rows of the page `from` is.
 void encode_rows(const TexelFormat& format, const Page& page, int begin, int end, std::span<const Colour> from,
                  std::vector<std::byte>& to);
 
@@ -61,14 +64,16 @@ std::vector<Page> images_of(const Page& page, bool cube);
 /// Whether all levels there can be of these sides are there at most, and memory could hold them. @throws InputError.
 void check_texture(const TextureFile& texture, std::uint64_t file_size);
 
-/// The faces of a cube as the APIs store them (OpenGL 4.6 table 8.19, Vulkan 1.3 "Cube Map Face Selection", Direct3D): seen
-/// from outside; right and down are +X (-Z,-Y), -X (+Z,-Y), +Y (+X,+Z), -Y (+X,-Z), +Z (+X,-Y), -Z (-X,-Y). That is ours
-/// with X and Z faces mirrored left to right and Y faces top to bottom. A lookup with world direction d then returns the
-/// radiance from d.
+/// The faces of a cube as the APIs store them (OpenGL 4.6 table 8.19, Vulkan 1.3 "Cube Map Face Selection", Direct3D):
+/// seen from outside; right and down are +X (-Z,-Y), -X (+Z,-Y), +Y (+X,+Z), -Y (+X,-Z), +Z (+X,-Y), -Z (-X,-Y). That
+/// is ours with X and Z faces mirrored left to right and Y faces top to bottom. A lookup with world direction d then
+/// returns the radiance from d.
 Rows in_api_orientation(const Rows& rows);
 
-/// A level out of a texture. @param stored its number in the file. @param base what recognise() or the cube flag says of level 0.
-/// @param number the level of `base` that it is. @param any_alpha whether an alpha other than 1 is left behind; else it is an InputError.
+/// A level out of a texture. @param stored its number in the file. @param base what recognise() or the cube flag says
+/// of level 0.
+/// @param number the level of `base` that it is. @param any_alpha whether an alpha other than 1 is left behind;
+/// else it is an InputError.
 Level read_texture(const InputFile& file, const TextureFile& texture, int stored, const Recognised& base, int number,
                    bool any_alpha);
 

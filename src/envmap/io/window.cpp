@@ -10,7 +10,8 @@ ImageReader in_window(ImageReader stored, const DataWindow& window) {
   image.facts.height = window.height;
   image.facts.tile_width = image.facts.tile_height = 0;
   image.level = [facts = image.facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; };
-  image.read = [stored = std::move(stored), window](int, int begin, int end, int first, int count, std::span<float> out) {
+  image.read = [stored = std::move(stored), window](int, int begin, int end, int first, int count,
+                                                    std::span<float> out) {
     std::ranges::fill(out, 0.0F);
     const ImageFacts& has = stored.facts;
     // Whole rows of tiles, where it is in tiles.

@@ -14,8 +14,8 @@ struct DataWindow {
   int width, height;  ///< Of the image.
 };
 
-/// A reader of the image, 0 where the file has no texels, without those beyond it. One level. @param stored reads the texels
-/// of the file.
+/// A reader of the image, 0 where the file has no texels, without those beyond it. One level. @param stored reads the
+/// texels of the file.
 ImageReader in_window(ImageReader stored, const DataWindow& window);
 
 }  // namespace envmap

@@ -44,9 +44,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- one file --------------------------------------------------------------------------------------------------------
+// ---- one file -------------------------------------------------------------------------------------------------------
 
-// Nothing where the values are sRGB; empty where their space has no primaries or another curve than a profile can say here.
+// Nothing where the values are sRGB; empty where their space has no primaries or another curve than a profile can say
+// here.
 std::optional<std::string> profile_of(const ColourOptions& colour) {
   if (colour.space.empty()) return std::nullopt;
   const std::optional<Primaries> p = primaries_of(colour.config, colour.space);
@@ -82,10 +83,11 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const double part = 1.0 * levels[k].width() * levels[k].height();
     const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
-    for_each_band(levels[k], options.rows.value_or(RowRange{0, levels[k].height()}), so_far, [&](int begin, int end, std::vector<Colour>& band) {
-      if (is_integer(depth) && options.colour.space.empty()) encode_srgb(band);
-      writer.write(int(k), begin, end, band);
-    });
+    for_each_band(levels[k], options.rows.value_or(RowRange{0, levels[k].height()}), so_far,
+                  [&](int begin, int end, std::vector<Colour>& band) {
+                    if (is_integer(depth) && options.colour.space.empty()) encode_srgb(band);
+                    writer.write(int(k), begin, end, band);
+                  });
     done += part;
   }
   writer.close();
@@ -103,7 +105,9 @@ void check_fit(const std::string& path, const FileFormat& format, const Misfits&
   const Range range = range_of(done.depth, format.largest);
   if (level.nan > 0) throw OutputError(path, fmt::format("{} texels are NaN", level.nan), Remedy::repair);
   if (level.over > 0 && !options.clamp)
-    throw OutputError(path, fmt::format("{} texels exceed {:g}, the maximum of {}", level.over, range.largest, name(done.depth)),
+    throw OutputError(path,
+                      fmt::format("{} texels exceed {:g}, the maximum of {}", level.over, range.largest,
+                                  name(done.depth)),
                       fits_float(format, done.depth, level.brightest) ? Remedy::clamp_or_deepen
                       : is_integer(done.depth)                        ? Remedy::clamp_or_darken
                                                                       : Remedy::clamp_or_dim);
@@ -129,7 +133,8 @@ Rows in_space(Rows rows, const ColourTransform& colours) {
   return rows;
 }
 
-// Says what space the values are in, where it was asked for; the word only where it is another than would be taken anyway.
+// Says what space the values are in, where it was asked for; the word only where it is another than would be taken
+// anyway.
 void tell_space(Metadata& data, const ColourOptions& colour, bool integers) {
   if (colour.space.empty()) return;
   const std::optional<Primaries> stored = primaries_of(colour.config, colour.space);
@@ -179,16 +184,22 @@ void naming(const std::string& path, F&& action) {
   }
 }
 
-// Bytes that texels surely take in a file. ZIP makes data 1032 times smaller at most (zlib's technical details), the runs of a
-// Radiance file 127 bytes 2. KTX leaves out alpha.
-std::uint64_t least_bytes(std::span<const Rows> levels, const std::string& ext, Depth depth, const WriteOptions& options) {
+// Bytes that texels surely take in a file. ZIP makes data 1032 times smaller at most (zlib's technical details), the
+// runs of a Radiance file 127 bytes 2. KTX leaves out alpha.
+std::uint64_t least_bytes(std::span<const Rows> levels, const std::string& ext, Depth depth,
+                          const WriteOptions& options) {
   const std::string& packed = options.compression;
   const TexelFormat& format = format_of(texels_of(depth));
-  const bool plain = ext == "ktx" || ext == "dds" || (ext == "ktx2" && !options.zstd), zip = packed.empty() || packed.starts_with("zip");
-  const double of_texel = ext == "exr"   ? (depth == Depth::half ? 6 : 12) * (packed == "none" ? 1 : zip ? 1.0 / 1032 : 0)
-                          : ext == "hdr" ? 4 * 2.0 / 127 : ext == "pfm" ? 12
-                          : plain ? double(format.bytes) * std::min(3, format.channels) / (format.channels * format.side * format.side)
-                                  : 0;
+  const bool plain = ext == "ktx" || ext == "dds" || (ext == "ktx2" && !options.zstd),
+             zip = packed.empty() || packed.starts_with("zip");
+  const double of_texel =
+      ext == "exr"   ? (depth == Depth::half ? 6 : 12) * (packed == "none" ? 1
+                                                          : zip            ? 1.0 / 1032
+                                                                           : 0)
+      : ext == "hdr" ? 4 * 2.0 / 127
+      : ext == "pfm" ? 12
+      : plain ? double(format.bytes) * std::min(3, format.channels) / (format.channels * format.side * format.side)
+              : 0;
   double texels = 0;
   for (const Rows& rows : levels) texels += texel_count(rows.projection, rows.size);
   return std::uint64_t(texels * of_texel);
@@ -313,7 +324,8 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
     throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
   if (options.border > 0 && !is_octahedral(projection))
     throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
-  if (options.rows && (ext != "exr" || layout == Layout::files || levels || options.openexr_envmap || options.border > 0))
+  if (options.rows &&
+      (ext != "exr" || layout == Layout::files || levels || options.openexr_envmap || options.border > 0))
     throw UsageError(path, "rows of a map are written to one .exr file, without levels and borders");
   check_compression(path, ext, options.compression);
   if (options.zstd && ext != "ktx2") throw UsageError(path, "Zstandard is for .ktx2 files");
@@ -416,11 +428,13 @@ Written write(const std::string& path, const Rows& rows, const WriteOptions& opt
   return write(path, std::span(&rows, 1), options, progress);
 }
 
-Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options, const Progress& progress) {
+Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options,
+              const Progress& progress) {
   return write(path, all_rows_of(map), options, progress);
 }
 
-Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
+Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+              const Progress& progress) {
   return write_map(path, levels, options, progress, nullptr);
 }
 

@@ -33,10 +33,12 @@ struct WriteOptions {
   bool zstd = false;             ///< Compress KTX2 files with Zstandard.
   bool encoded = false;  ///< Allow a space that is not linear in a format whose values other programs take for linear.
   Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
-  std::map<std::string, std::string> pairs = {};  ///< Key/value pairs of a KTX or KTX2 file as they stand: Filament's "sh".
+  /// Key/value pairs of a KTX or KTX2 file as they stand: Filament's "sh".
+  std::map<std::string, std::string> pairs = {};
   CommitOptions commit = {};
   ColourOptions colour = {};     ///< Space of the values in the file; integers are sRGB where nothing is said.
-  /// Make and write these rows of the image alone: one EXR file, the rows its data window, the image its display window.
+  /// Make and write these rows of the image alone: one EXR file, the rows its data window,
+  /// the image its display window.
   std::optional<RowRange> rows = {};
   Provenance provenance = {};    ///< Of the map that this one was made of; formats hold what they can.
 };
@@ -54,16 +56,20 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 
 /// Writes a map with its levels as their rows are made; every file appears whole or not at all, and holds no date, host
 /// or user. EXR holds levels, in tiles (down to one texel: a chain that ends early is gone on with, and envmap:levels
-/// says where it ended), as do KTX, KTX2 and DDS; for other formats and for files of one face the name must have `{level}`.
-/// @param path a file, `-` for standard output, or a name with `{face}` for six files, `{half}` for a paraboloid's two and `{level}` for one a level.
-/// @param levels the base first; each half the one before, rounded down (see half_level()); with their border, where there
-/// shall be one. @param progress may be empty.
+/// says where it ended), as do KTX, KTX2 and DDS; for other formats and for files of one face the name must have
+/// `{level}`.
+/// @param path a file, `-` for standard output, or a name with `{face}` for six files, `{half}` for a paraboloid's two
+/// and `{level}` for one a level.
+/// @param levels the base first; each half the one before, rounded down (see half_level()); with their border, where
+/// there shall be one. @param progress may be empty.
 /// @throws OutputError where it cannot be written, or values do not fit and `clamp` is not set.
 Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options = {},
               const Progress& progress = {});
-Written write(const std::string& path, const Rows& rows, const WriteOptions& options = {}, const Progress& progress = {});
+Written write(const std::string& path, const Rows& rows, const WriteOptions& options = {},
+              const Progress& progress = {});
 /// All levels of the map.
-Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options = {}, const Progress& progress = {});
+Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options = {},
+              const Progress& progress = {});
 
 /// Returns the bytes of the file that write() would write; no file is made. Errors name no file.
 /// @param options `format` names the format by its extension, such as "exr"; `commit` has no meaning.

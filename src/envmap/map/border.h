@@ -1,6 +1,6 @@
 /// @file
-/// The border of an octahedral map in a texture: texels on every side that repeat what the square goes on with, so that the
-/// interpolation of a graphics card, which knows no folds, has no seams.
+/// The border of an octahedral map in a texture: texels on every side that repeat what the square goes on with, so that
+/// the interpolation of a graphics card, which knows no folds, has no seams.
 #pragma once
 
 #include "envmap/map/environment_map.h"

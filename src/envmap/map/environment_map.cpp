@@ -15,7 +15,8 @@ int checked(const Bounds& range, int value) {
 Level::Level(Projection projection, int size, int width, std::size_t max_memory)
     : projection_(projection),
       faces_(envmap::faces(projection)),
-      width_(width == 0 ? checked(limits::level_height, size) * aspect(projection) : checked(limits::level_width, width)),
+      width_(width == 0 ? checked(limits::level_height, size) * aspect(projection)
+                        : checked(limits::level_width, width)),
       height_(checked(limits::level_height, size)),
       pixels_(index(faces_, -apron, -apron) + 1, max_memory) {}
 

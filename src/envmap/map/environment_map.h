@@ -23,8 +23,9 @@ class Level {
   /// Cubic taps reach 2 texels beyond a place, which the inverse bilinear lookup may move out by 1.
   static constexpr int apron = 3;
 
-  /// All texels 0. @param size height of a face, at least 1. @param width of a face; 0: size x the aspect of the projection.
-  /// Only the coarser levels of a latlong map have another: they halve each side and round it down, 90x45 45x22 ... 1x1.
+  /// All texels 0. @param size height of a face, at least 1. @param width of a face; 0: size x the aspect of the
+  /// projection. Only the coarser levels of a latlong map have another: they halve each side and round it down, 90x45
+  /// 45x22 ... 1x1.
   /// @param max_memory of the process, in bytes: the texels then lie in a scratch file (storage.h). 0: in memory.
   /// @throws UsageError where a side is out of its range (bounds.h), std::bad_alloc.
   Level(Projection projection, int size, int width = 0, std::size_t max_memory = 0);

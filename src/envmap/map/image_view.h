@@ -8,7 +8,8 @@
 
 namespace envmap {
 
-/// Images of width x height one below the other, a face each. Nothing is owned. Indices are checked where assertions are on.
+/// Images of width x height one below the other, a face each. Nothing is owned.
+/// Indices are checked where assertions are on.
 template <class T>
 class ImageView {
  public:

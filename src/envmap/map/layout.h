@@ -11,9 +11,9 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-/// `single` for one face, `pair` for the two halves of a paraboloid map, the rest for cubes; `files` is one file a face,
-/// `api` a cube texture of KTX, KTX2 and DDS. Its faces are mirrored against those in memory: +X, -X, +Z and -Z left
-/// to right, +Y and -Y top to bottom.
+/// `single` for one face, `pair` for the two halves of a paraboloid map, the rest for cubes; `files` is one file a
+/// face, `api` a cube texture of KTX, KTX2 and DDS. Its faces are mirrored against those in memory: +X, -X, +Z and -Z
+/// left to right, +Y and -Y top to bottom.
 enum class Layout { single, pair, column, row, cross, vcross, grid3x2, files, api };
 
 inline constexpr Layout cube_layouts[] = {Layout::column, Layout::row,     Layout::cross,

@@ -11,8 +11,9 @@ namespace ENVMAP_EXPORT envmap {
 
 /// An array of colours, all 0 at first.
 ///
-/// With a limit it is a file without a name in $TMPDIR, or /var/tmp, of which the system keeps in memory what is in use:
-/// all code that reads and writes texels works on it as it is. The limit holds where trim() is called often enough.
+/// With a limit it is a file without a name in $TMPDIR, or /var/tmp, of which the system keeps in memory what is in
+/// use: all code that reads and writes texels works on it as it is.
+/// The limit holds where trim() is called often enough.
 class Storage {
  public:
   /// @param limit bytes of memory that the whole process may take; 0 for none, and no scratch file.

@@ -1,6 +1,6 @@
 /// @file
-/// Associated Legendre functions P_l^m of y, normalised over the sphere, upwards in degree, which is stable (Press et al. 2007,
-/// "Numerical recipes", 6.7):
+/// Associated Legendre functions P_l^m of y, normalised over the sphere, upwards in degree, which is stable (Press et
+/// al. 2007, "Numerical recipes", 6.7):
 ///   P_0^0 = sqrt(1 / (4 pi)),  P_{m+1}^{m+1} = diagonal(m) sin P_m^m,  P_l^m = a (y P_{l-1}^m - b P_{l-2}^m).
 #pragma once
 

@@ -62,8 +62,8 @@ Parts parts_of(double x) {
 }
 
 // k ln 2 + log(1 + f) + tail, |f| < 0.42. With s = f / (2 + f), log(1 + f) = 2 atanh(s) = f - f s + s^3 R(s^2), and
-// f s = f^2/2 - s f^2/2 keeps the digits (Tang 1990, "Table-driven implementation of the logarithm function", writes the
-// same series). The coefficients of R are interpolated at Chebyshev nodes as in trigonometry.py, to 6e-18.
+// f s = f^2/2 - s f^2/2 keeps the digits (Tang 1990, "Table-driven implementation of the logarithm function", writes
+// the same series). The coefficients of R are interpolated at Chebyshev nodes as in trigonometry.py, to 6e-18.
 double log_of(double k, double f, double tail) {
   const double s = f / (2 + f), z = s * s;
   const double r =
@@ -76,13 +76,14 @@ double log_of(double k, double f, double tail) {
   return k * ln2_high - ((half - (s * (half + r) + (k * ln2_low + tail))) - f);
 }
 
-// e^(high - low), |high - low| < 0.35: with r that argument and c = r - r^2 Q(r^2), 1 + 2 r / (2 - c)... = 1 + r + r c / (2 - c);
-// Q from r coth(r/2), interpolated to 1e-18.
+// e^(high - low), |high - low| < 0.35: with r that argument and c = r - r^2 Q(r^2), 1 + 2 r / (2 - c)... = 1 + r + r c
+// / (2 - c); Q from r coth(r/2), interpolated to 1e-18.
 double exp_near_0(double high, double low) {
   const double r = high - low, z = r * r;
-  const double c = r - z * (0.1666666666666666 +
-                            z * (-0.002777777777754694 +
-                                 z * (6.613756462990855e-05 + z * (-1.653404675614338e-06 + z * 4.143141020859654e-08))));
+  const double c =
+      r - z * (0.1666666666666666 +
+               z * (-0.002777777777754694 +
+                    z * (6.613756462990855e-05 + z * (-1.653404675614338e-06 + z * 4.143141020859654e-08))));
   return 1 + (high - (low - r * c / (2 - c)));
 }
 
@@ -118,9 +119,10 @@ double expm1(double x) {
   if (std::abs(x) > 0.35) return exp(x) - 1;
   // x / (1 - x/2 + x^2/12 ...): the exponential's own fraction without its 1.
   const double z = x * x;
-  const double c = x - z * (0.1666666666666666 +
-                            z * (-0.002777777777754694 +
-                                 z * (6.613756462990855e-05 + z * (-1.653404675614338e-06 + z * 4.143141020859654e-08))));
+  const double c =
+      x - z * (0.1666666666666666 +
+               z * (-0.002777777777754694 +
+                    z * (6.613756462990855e-05 + z * (-1.653404675614338e-06 + z * 4.143141020859654e-08))));
   return x + x * c / (2 - c);
 }
 

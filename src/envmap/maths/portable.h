@@ -1,9 +1,9 @@
 /// @file
 /// Elementary functions that give the same bits on every processor.
 ///
-/// A C library picks its sin() or exp() by the processor it finds (glibc: with and without fused multiply-add), and their
-/// last bits differ. These use nothing but operations that IEEE 754 rounds in one way. Bounds are in units in the last
-/// place of the result (ulp), measured against long double over the ranges in tests/unit/portable_test.cpp.
+/// A C library picks its sin() or exp() by the processor it finds (glibc: with and without fused multiply-add), and
+/// their last bits differ. These use nothing but operations that IEEE 754 rounds in one way. Bounds are in units in the
+/// last place of the result (ulp), measured against long double over the ranges in tests/unit/portable_test.cpp.
 #pragma once
 
 

@@ -54,8 +54,10 @@ Flux luminance_weights(const Primaries& p) {
 
 Point2 black_body(double kelvin) {
   const double t = kelvin, t2 = t * t;
-  const double u = (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t2) / (1 + 8.42420235e-4 * t + 7.08145163e-7 * t2);
-  const double v = (0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t2) / (1 - 2.89741816e-5 * t + 1.61456053e-7 * t2);
+  const double u =
+      (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t2) / (1 + 8.42420235e-4 * t + 7.08145163e-7 * t2);
+  const double v =
+      (0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t2) / (1 - 2.89741816e-5 * t + 1.61456053e-7 * t2);
   return Point2(3 * u, 2 * v) / (2 * u - 8 * v + 4);  // CIE 1960 to 1931.
 }
 

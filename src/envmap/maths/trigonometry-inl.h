@@ -4,8 +4,8 @@
 ///
 /// Angles are in units of pi (IEEE 754's sinPi, cosPi, atan2Pi): quarters of a turn are exact numbers then, and
 /// reducing an argument rounds nothing. Only operations that IEEE 754 rounds in one way are used, and no fused
-/// multiply-add: every target gives the same bits. Coefficients: trigonometry.py, which also tells how far each series is
-/// from its function.
+/// multiply-add: every target gives the same bits. Coefficients: trigonometry.py, which also tells how far each series
+/// is from its function.
 #if defined(ENVMAP_MATHS_TRIGONOMETRY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ENVMAP_MATHS_TRIGONOMETRY_INL_H_
 #undef ENVMAP_MATHS_TRIGONOMETRY_INL_H_
@@ -40,8 +40,9 @@ HWY_INLINE void sin_cos_quarters(D d, V k, V r, V& sine, V& cosine) {
                                             0.08214587730641625, -0.0073701436437935495, 0.00046221110224187623));
   const V s = hn::Add(hn::Mul(r, hn::Set(d, 3.141592653589793)),
                       hn::Mul(r, hn::Add(hn::Set(d, 1.2246467991473532e-16), sine_tail)));
-  const V cosine_tail = polynomial(d, z, -4.934802200544679, 4.058712126416765, -1.3352627688538095, 0.23533063028399223,
-                                   -0.025806887964701878, 0.001929493874894941, -0.00010370082971594627);
+  const V cosine_tail =
+      polynomial(d, z, -4.934802200544679, 4.058712126416765, -1.3352627688538095, 0.23533063028399223,
+                 -0.025806887964701878, 0.001929493874894941, -0.00010370082971594627);
   const V c = hn::Add(hn::Set(d, 1), hn::Mul(z, cosine_tail));
   // Added to 1.5 x 2^52 a whole number stands in the lowest bits: bit 0 swaps, bit 1 negates.
   const hn::RebindToSigned<D> di;
@@ -97,8 +98,8 @@ HWY_INLINE V atan2_pi(D d, V y, V x) {
   const V odd = polynomial(d, zz, 0.06366197723674223, 0.03536776479922883, 0.024484954201581935, 0.01864400098615914,
                            0.01244201852214326);
   const V tail = hn::Mul(z, hn::Add(even, hn::Mul(z, odd)));
-  const V angle =
-      hn::Add(hn::Mul(q, hn::Set(d, 0.3183098861837907)), hn::Mul(q, hn::Add(hn::Set(d, -1.9678676675182486e-17), tail)));
+  const V angle = hn::Add(hn::Mul(q, hn::Set(d, 0.3183098861837907)),
+                          hn::Mul(q, hn::Add(hn::Set(d, -1.9678676675182486e-17), tail)));
   // Back through the octants: base + angle, or base - angle.
   const V sign = hn::SignBit(d);
   const V steep = hn::IfThenElseZero(hn::Gt(ay, ax), sign), left = hn::And(x, sign);

@@ -32,7 +32,8 @@ inline constexpr double pi = std::numbers::pi;
 /// @param yaw,pitch,roll angles in degrees. @return Ry(yaw) Rx(pitch) Rz(roll).
 Rotation rotation(double yaw, double pitch, double roll);
 
-/// Columns x, y, z, right-handed: z as it is given, a unit vector, and y as near to +Y as can be; where z is +Y or -Y, y is
+/// Columns x, y, z, right-handed: z as it is given, a unit vector, and y as near to +Y as can be; where z is +Y or -Y,
+/// y is
 /// -Z or +Z.
 Rotation upright_about(const Direction& z);
 

@@ -101,7 +101,8 @@ std::vector<Texel> largest_region(const Level& level, const std::vector<Texel>& 
     if (!is_left) continue;
     is_left = false;
     std::vector<Texel> region = region_at(level, t, left);
-    if (const double weight = middle_of(level, region).weight; weight > most) most = weight, largest = std::move(region);
+    if (const double weight = middle_of(level, region).weight; weight > most)
+      most = weight, largest = std::move(region);
   }
   return largest;
 }
@@ -133,8 +134,10 @@ Region brightest_region(const Level& level, double luminance, std::int64_t count
   if (count > most_listed) return {first, middle_of_all(level, luminance).value_or(alone.direction), count};
   const std::vector<Texel> texels = largest_region(level, texels_of_luminance(level, luminance));
   const auto middle = middle_of(level, texels).direction();
-  if (texels.size() == 1 || !middle) return {texels.front(), direction_of(level, texels.front()), std::int64_t(texels.size())};
-  const Texel nearest = *std::ranges::max_element(texels, {}, [&](const Texel& t) { return glm::dot(direction_of(level, t), *middle); });
+  if (texels.size() == 1 || !middle)
+    return {texels.front(), direction_of(level, texels.front()), std::int64_t(texels.size())};
+  const Texel nearest =
+      *std::ranges::max_element(texels, {}, [&](const Texel& t) { return glm::dot(direction_of(level, t), *middle); });
   return {nearest, *middle, std::int64_t(texels.size())};
 }
 

@@ -15,8 +15,8 @@ struct Region {
   std::int64_t texels;
 };
 
-/// The largest region of the brightest texels. Over four million of them count as one region, touching or not. Where the
-/// middle is undefined, as of a constant map, `first` stands for it.
+/// The largest region of the brightest texels. Over four million of them count as one region, touching or not. Where
+/// the middle is undefined, as of a constant map, `first` stands for it.
 /// @param luminance of the brightest texels. @param count how many there are. @param first one of them.
 Region brightest_region(const Level& level, double luminance, std::int64_t count, const Texel& first);
 

@@ -93,8 +93,8 @@ std::vector<double> weights(const Target& target, std::span<const Texel> texels)
   return found;
 }
 
-// The metrics of compare(). For rms the brightest texels stand for themselves and the first `even`, spread over the map,
-// for `share` each: most of the power of a map with a sun is in a few texels.
+// The metrics of compare(). For rms the brightest texels stand for themselves and the first `even`, spread over the
+// map, for `share` each: most of the power of a map with a sun is in a few texels.
 FilterTrial measured(const Candidate& candidate, std::span<const Colour> result, std::span<const Colour> truth,
                std::span<const double> weights, std::size_t even, double share, double floor) {
   FilterTrial t{candidate.filter, candidate.samples, 0, 0, 0};
@@ -122,7 +122,8 @@ FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target&
   const std::vector<double> w = weights(target, texels);
   const double all = texel_count(target.to, target.size);
   const double share = std::max(1.0, all / double(even));
-  const auto truth = sampled(make_sampler(levels, target, {Filter::area, 1, std::max(1e-7, 0.1 * max_error), floor}), texels);
+  const auto truth =
+      sampled(make_sampler(levels, target, {Filter::area, 1, std::max(1e-7, 0.1 * max_error), floor}), texels);
 
   FilterChoice choice{.filter = {}, .trials = {}, .texels = std::int64_t(texels.size()), .reached = false};
   const auto attempt = [&](const Candidate& candidate) {

@@ -47,7 +47,8 @@ Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
     throw UsageError("a camera is 1.02 to 1e6 radii away from the ball's centre");
   const int size = o.size.value_or(matching_size(source.projection(), source.base().height(), o.to.projection));
   return {o.to.projection, size,
-          glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) * image_to_world(o.to.forward), o.ball};
+          glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) * image_to_world(o.to.forward),
+          o.ball};
 }
 
 bool same_grid(const Target& target, const Level& source) {
@@ -60,8 +61,8 @@ bool is_source(const Target& target, const Level& source) {
 
 bool near_whole(double x, double tolerance) { return std::abs(x - std::round(x)) <= tolerance; }
 
-// Whether a turn takes texel centres to texel centres: quarter turns of a cube, those of an octahedral map that leave Y where
-// it is, and whole columns of a latlong map. The angles of a turn are rounded, and so are its sines.
+// Whether a turn takes texel centres to texel centres: quarter turns of a cube, those of an octahedral map that leave Y
+// where it is, and whole columns of a latlong map. The angles of a turn are rounded, and so are its sines.
 bool permutes_texels(const Target& target, const Level& source) {
   constexpr double rounding = 1e-12;
   if (!same_grid(target, source)) return false;
@@ -77,7 +78,9 @@ bool permutes_texels(const Target& target, const Level& source) {
 }
 
 FilterOptions make_filter(const Target& target, const Level& source, const ConvertOptions& o) {
-  FilterOptions f{.filter = o.filter.value_or(Filter::bilinear), .samples = o.samples, .area_error = o.area_error.value_or(1e-4)};
+  FilterOptions f{.filter = o.filter.value_or(Filter::bilinear),
+                  .samples = o.samples,
+                  .area_error = o.area_error.value_or(1e-4)};
   if (o.filter) return f;
   const double covers = covered(target, source);
   if (covers > 1.25) f.filter = Filter::area, f.area_error = o.area_error.value_or(1e-3);

@@ -25,21 +25,21 @@ struct ConvertOptions {
   /// with 2 x 2 samples (or `samples`, if more) where it spans more than 0.5 and texels do not fall on texels.
   std::optional<Filter> filter = {};
   int samples = 1;                    ///< Along each side of a texel, for nearest, bilinear and bicubic.
-  /// Of the area filter, relative to the texel (or 0.001 x the mean if larger). Absent: 1e-4 if it was asked for, 1e-3 if
-  /// it was chosen.
+  /// Of the area filter, relative to the texel (or 0.001 x the mean if larger). Absent: 1e-4 if it was asked for, 1e-3
+  /// if it was chosen.
   std::optional<double> area_error = {};
   /// Take the cheapest filter that is found to err by no more (FilterChoice); `filter` and `samples` are then ignored.
   std::optional<double> max_error = {};
   Rotation rotation{1};               ///< Turns the environment: radiance from d comes out from rotation x d.
   double gain = 1;                    ///< Factor on radiance.
-  /// The camera that took the source, a photo of a mirror ball; absent: one infinitely far away. What the camera does not see gets
-  /// the colours of the ball's rim. Of sphere maps only.
+  /// The camera that took the source, a photo of a mirror ball; absent: one infinitely far away. What the camera does
+  /// not see gets the colours of the ball's rim. Of sphere maps only.
   std::optional<BallCamera> ball = std::nullopt;
   const Costs* costs = nullptr;       ///< The times that `max_error` chooses by; null: those of the library.
 };
 
-/// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare() has
-/// them, and the time it takes for each texel of the whole map, levels apart.
+/// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare()
+/// has them, and the time it takes for each texel of the whole map, levels apart.
 struct FilterTrial {
   Filter filter;
   int samples;
@@ -56,8 +56,8 @@ struct FilterChoice {
 /// Whether the result has the source's own texels, turned or not, where no filter is asked for.
 bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options);
 
-/// A conversion, prepared once: what it will do, and its rows. It holds what the filter reads, so the source need not outlive
-/// it, and never changes; copies share what they hold.
+/// A conversion, prepared once: what it will do, and its rows. It holds what the filter reads, so the source need not
+/// outlive it, and never changes; copies share what they hold.
 class Resampler {
  public:
   /// Copies the source's texels.

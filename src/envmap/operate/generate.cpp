@@ -60,7 +60,8 @@ constexpr int samples<Faces> = 8;
 
 // How far the nearest edge of a square is, in radians.
 double to_edge(const Checker& p, const Direction& d) {
-  const double longitude = portable::atan2(d.x, d.z), latitude = portable::asin(std::clamp(d.y, -1.0, 1.0)), step = pi / p.squares;
+  const double longitude = portable::atan2(d.x, d.z), latitude = portable::asin(std::clamp(d.y, -1.0, 1.0)),
+               step = pi / p.squares;
   const auto off = [&](double angle) { return std::abs(angle - step * std::round(angle / step)); };
   return std::min(off(latitude), portable::asin(portable::sin(off(longitude)) * portable::cos(latitude)));
 }
@@ -72,13 +73,15 @@ double to_edge(const Faces&, const Direction& d) {
   return portable::asin((std::abs(d[axis]) - other) / std::numbers::sqrt2);
 }
 
-// No point of a texel is further from its centre, in radians: half its diagonal times the largest stretch of the projection.
+// No point of a texel is further from its centre, in radians:
+// half its diagonal times the largest stretch of the projection.
 double texel_reach(Projection p, int size) {
   const double half_diagonal = std::numbers::sqrt2 / size;  // In s and t, which are 2 a side.
   return std::min(pi, half_diagonal * visit(p, [](auto q) { return decltype(q)::stretch; }));
 }
 
-// The mean over the texels of an n times finer map, n x n to each of these; those outside the disc are sampled at the rim.
+// The mean over the texels of an n times finer map, n x n to each of these;
+// those outside the disc are sampled at the rim.
 template <class P>
 void supersample(const P& pattern, const Level& level, const Rotation& to_world, int face, int row, int first,
                  std::span<Rgb<double>> sum) {
@@ -115,7 +118,7 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
   });
 }
 
-// ---- the sun ---------------------------------------------------------------------------------------------------------
+// ---- the sun --------------------------------------------------------------------------------------------------------
 
 struct Cone {
   Direction axis;
@@ -139,9 +142,9 @@ Extent extent(const Cone& cone, int face, const Rect& r) {
   return e;
 }
 
-// How much of each texel the cone covers, in the first channel. Texels that lie inside whole are 1; for those on its edge, points spread evenly
-// over the cone's outer ring (a Fibonacci lattice, equal-area) are dropped into the texels they hit: the light that the
-// sun sends is what arrives, however thin and long the texels are.
+// How much of each texel the cone covers, in the first channel. Texels that lie inside whole are 1; for those on its
+// edge, points spread evenly over the cone's outer ring (a Fibonacci lattice, equal-area) are dropped into the texels
+// they hit: the light that the sun sends is what arrives, however thin and long the texels are.
 template <class P>
 void add_coverage(const Cone& cone, Level& coverage) {
   const int w = coverage.width(), h = coverage.height();
@@ -173,7 +176,8 @@ void add_coverage(const Cone& cone, Level& coverage) {
   });
   const double ring = *std::ranges::min_element(inner);
   const double z0 = portable::cos(ring), z1 = portable::cos(cone.radius),
-               steradians = 4 * pi * portable::sin(0.5 * (cone.radius - ring)) * portable::sin(0.5 * (cone.radius + ring));
+               steradians =
+                   4 * pi * portable::sin(0.5 * (cone.radius - ring)) * portable::sin(0.5 * (cone.radius + ring));
   if (steradians <= 0) return;
   const double texels = steradians * P::faces * w * h / (4 * pi);
   const auto points = std::int64_t(std::clamp(256 * texels, 0x1p20, 0x1p26));
@@ -183,7 +187,8 @@ void add_coverage(const Cone& cone, Level& coverage) {
   for (std::int64_t k = 0; k < points; ++k) {
     const double part = (double(k) + 0.5) / double(points), z = z0 + part * (z1 - z0);
     // 1 - z without cancellation, so that a sun of seconds of arc is round.
-    const double sine = std::sqrt(std::max(0.0, (2 * portable::pow(portable::sin(0.5 * ring), 2) + part * (z0 - z1)) * (1 + z)));
+    const double sine =
+        std::sqrt(std::max(0.0, (2 * portable::pow(portable::sin(0.5 * ring), 2) + part * (z0 - z1)) * (1 + z)));
     const double turn = 2 * pi * std::fmod(double(k) * std::numbers::phi, 1.0);
     const auto at = P::locate(z * cone.axis + sine * (portable::cos(turn) * e1 + portable::sin(turn) * e2));
     const int i = std::clamp(int(at.u * w), 0, w - 1), j = std::clamp(int(at.v * h), 0, h - 1);
@@ -213,7 +218,7 @@ void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
   });
 }
 
-// ---- what makes no sense ---------------------------------------------------------------------------------------------
+// ---- what makes no sense --------------------------------------------------------------------------------------------
 
 void require(bool sensible, const char* message) {
   if (!sensible) throw UsageError(message);

@@ -31,7 +31,8 @@ struct Checker {
 /// RGB = (direction + 1) / 2, world frame, of each texel's centre.
 struct Directions {};
 
-/// Each of the six faces of a cube round the viewpoint in a colour of its own: +X red, -X cyan, +Y green, -Y magenta, +Z blue,
+/// Each of the six faces of a cube round the viewpoint in a colour of its own: +X red, -X cyan, +Y green, -Y magenta,
+/// +Z blue,
 /// -Z yellow. Coverage by 8 x 8 samples a texel.
 struct Faces {};
 
@@ -52,8 +53,8 @@ struct Sun {
 };
 
 /// base + amplitude x Y_l^m, the real orthonormal spherical harmonic with +Y as its polar axis, longitude from +Z to
-/// +X, no Condon-Shortley phase: m > 0 cosines, m < 0 sines (Sloan 2008, appendix A1, without its sign). At each texel's
-/// centre.
+/// +X, no Condon-Shortley phase: m > 0 cosines, m < 0 sines (Sloan 2008, appendix A1, without its sign). At each
+/// texel's centre.
 struct Harmonic {
   int degree = 2, order = 0;
   double base = 1, amplitude = 0.5;

@@ -36,7 +36,8 @@ struct Integral {
   double weight = 0;
 };
 
-// Row j of every face of a level cut into `cuts` x `cuts` parts a texel. @param n image frame. @param weight of cos(n, l).
+// Row j of every face of a level cut into `cuts` x `cuts` parts a texel. @param n image frame.
+// @param weight of cos(n, l).
 template <class Weight>
 Integral integral_of_row(const Level& level, int j, int cuts, const Direction& n, const Weight& weight) {
   const int size = cuts * level.height(), width = size * aspect(level.projection());

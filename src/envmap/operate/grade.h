@@ -22,17 +22,18 @@ struct Grade {
 /// Gains first, then saturation: y + s (c - y) with the luminance y, which stays the same.
 void apply(const Grade& grade, Level& level);
 
-/// Colours with a negative channel, which a wider space brought, are moved to grey of their luminance until none is; what has
-/// no luminance becomes 0. @return how many texels had one below -1e-3 of their largest channel: more than rounding.
+/// Colours with a negative channel, which a wider space brought, are moved to grey of their luminance until none is;
+/// what has no luminance becomes 0. @return how many texels had one below -1e-3 of their largest channel:
+/// more than rounding.
 std::int64_t into_gamut(Level& level, const Flux& luminance);
 
-/// Irradiance of a plane that faces a direction: the integral of L max(0, n.l), per channel, of level 0. Each texel is taken as
-/// constant and cut into as many parts as make 512 rows from pole to pole or more: to 1e-5 of all light, 0.003 in maps of
-/// discs (rims). NaN and infinite texels count as 0. @param normal unit vector of the world.
+/// Irradiance of a plane that faces a direction: the integral of L max(0, n.l), per channel, of level 0. Each texel is
+/// taken as constant and cut into as many parts as make 512 rows from pole to pole or more: to 1e-5 of all light, 0.003
+/// in maps of discs (rims). NaN and infinite texels count as 0. @param normal unit vector of the world.
 Flux irradiance(const EnvironmentMap& map, const Direction& normal);
 
-/// Mean radiance of the parts of texels (as above) with their middle within so many degrees of a direction; of 1 degree and
-/// more there is always one. @param towards unit vector of the world.
+/// Mean radiance of the parts of texels (as above) with their middle within so many degrees of a direction; of 1 degree
+/// and more there is always one. @param towards unit vector of the world.
 Flux radiance_within(const EnvironmentMap& map, const Direction& towards, double degrees);
 
 /// Gains that make a light of this colour grey and keep its luminance. @throws UsageError where a channel is 0.

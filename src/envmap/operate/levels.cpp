@@ -64,7 +64,8 @@ void weigh(Projection p, Weights weights, const Cells& across, const Cells& down
 }
 
 // One row of one face. @param rows of the fine level, one for each part. Where nothing counts, 0.
-void mean_row(const Cells& across, const RowWeights& weights, std::span<const Colour* const> rows, std::span<Colour> out) {
+void mean_row(const Cells& across, const RowWeights& weights, std::span<const Colour* const> rows,
+              std::span<Colour> out) {
   for (std::size_t i = 0; i < out.size(); ++i) {
     Rgb<double> sum(0);
     for (std::size_t part = 0; part < rows.size(); ++part)
@@ -79,7 +80,8 @@ void fill_beyond_disc(Level& level) {
   const PaddedLevel sound(level);
   sound.trim();
   const int n = level.height();
-  const auto distance = [n](int i) { return std::max(0, std::abs(2 * i + 1 - n) - 1) / double(n); };  // Of the near edge.
+  // Of the near edge.
+  const auto distance = [n](int i) { return std::max(0, std::abs(2 * i + 1 - n) - 1) / double(n); };
   tbb::parallel_for(0, n, [&](int j) {
     for (int i = 0; i < n; ++i) {
       if (distance(i) * distance(i) + distance(j) * distance(j) < 1) continue;
@@ -120,7 +122,8 @@ Level coarser_level(const Level& fine, int width, int height, Weights weights) {
       const std::span<const int> sources = std::span(down.source).subspan(first, end - first);
       const auto halve = [&](int face, bool mirrored) {
         rows.clear();
-        for (const int source : sources) rows.push_back(fine.texel(face, 0, mirrored ? fine.height() - 1 - source : source));
+        for (const int source : sources)
+          rows.push_back(fine.texel(face, 0, mirrored ? fine.height() - 1 - source : source));
         mean_row(across, shared, rows, coarse.row(face, mirrored ? coarse.height() - 1 - row : row));
       };
       for (int face = 0; face < fine.faces(); ++face) {

@@ -18,17 +18,19 @@ inline constexpr std::string_view weight_names[] = {"solid-angle", "uniform"};
 /// Whether there is a level after: a face has more than one texel.
 bool has_next(const Level& level);
 
-/// The level after: each side half as long, rounded down, at least 1. Where a size is odd, texels that straddle two of the result count for each by the part. Flux is kept to
-/// the rounding of float32. Texels outside the disc are 0 on sphere and angular maps; on paraboloid maps they show
-/// what the other half does there, as a PaddedLevel finds it (with uniform weights: plain means).
+/// The level after: each side half as long, rounded down, at least 1. Where a size is odd, texels that straddle two of
+/// the result count for each by the part. Flux is kept to the rounding of float32. Texels outside the disc are 0 on
+/// sphere and angular maps; on paraboloid maps they show what the other half does there, as a PaddedLevel finds it
+/// (with uniform weights: plain means).
 Level half_level(const Level& fine, Weights weights = Weights::solid_angle);
 
 /// The same of any smaller size: texels count for each texel of the result by the part that lies in it.
 Level coarser_level(const Level& fine, int width, int height, Weights weights = Weights::solid_angle);
 
-/// Of an octahedral map that lies inside a border as wide in all levels (map/border.h): levels whose textures halve, and which
-/// are by themselves smaller by twice the border; as long as a texel is left.
-void add_levels_with_border(std::vector<Level>& levels, int border, Weights weights = Weights::solid_angle, int count = 0);
+/// Of an octahedral map that lies inside a border as wide in all levels (map/border.h): levels whose textures halve,
+/// and which are by themselves smaller by twice the border; as long as a texel is left.
+void add_levels_with_border(std::vector<Level>& levels, int border, Weights weights = Weights::solid_angle,
+                            int count = 0);
 
 /// Adds the levels after the last one, down to one texel a face, or until there are `count`.
 /// @param count 0: no limit. @throws UsageError where there is no level, InputError where a texel is NaN or infinite.

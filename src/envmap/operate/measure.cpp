@@ -243,7 +243,8 @@ namespace {
 void check_same_shape(const Level& a, const Level& b) {
   if (a.projection() != b.projection() || a.width() != b.width() || a.height() != b.height())
     throw UsageError(fmt::format("maps to compare must have one projection and size, not {} {}x{} and {} {}x{}",
-                                 name(a.projection()), a.width(), a.height(), name(b.projection()), b.width(), b.height()));
+                                 name(a.projection()), a.width(), a.height(), name(b.projection()), b.width(),
+                                 b.height()));
 }
 
 }  // namespace

@@ -24,14 +24,15 @@ std::size_t index_of(const Level& level, const Texel& texel);
 
 /// What is wrong with the values of a map; texels without solid angle are not looked at.
 struct Flaws {
-  std::int64_t nan = 0, infinite = 0, negative = 0;  ///< Texels; one with several flaws counts once, as the first of these.
+  /// Texels; one with several flaws counts once, as the first of these.
+  std::int64_t nan = 0, infinite = 0, negative = 0;
   std::optional<Texel> first;                        ///< In reading order: by face, row, column.
   [[nodiscard]] std::int64_t count() const { return nan + infinite + negative; }
 };
 Flaws find_flaws(const Level& level);
 
-/// Replaces flawed texels by the mean of their sound neighbours (of the 8 around; further out as holes fill up), NaN and
-/// infinities alike; a negative channel is set to 0 where only it is at fault. @return texels changed.
+/// Replaces flawed texels by the mean of their sound neighbours (of the 8 around; further out as holes fill up), NaN
+/// and infinities alike; a negative channel is set to 0 where only it is at fault. @return texels changed.
 /// Throws InputError where no texel is sound.
 std::int64_t repair(Level& level);
 

@@ -32,14 +32,16 @@ void check(const PhotographOptions& o) {
   check_rotation("rotation", o.rotation);
   check_direction("towards", o.towards);
   if (!(o.field > 0 && (o.lens == CameraModel::fisheye ? o.field <= 2 * pi : o.field < pi)))
-    throw UsageError("a fisheye sees more than 0 and up to 360 degrees from bottom to top, other pictures less than 180");
+    throw UsageError(
+        "a fisheye sees more than 0 and up to 360 degrees from bottom to top, other pictures less than 180");
   if (o.filter != Filter::nearest && o.filter != Filter::bilinear && o.filter != Filter::bicubic)
     throw UsageError("pictures take the filters nearest, bilinear and bicubic");
   if (o.lens == CameraModel::cylinder && angle_across(o) > 2 * pi * (1 + 1e-12))
     throw UsageError("a cylinder of that width goes round more than once");
 }
 
-// Where places in the picture look, in the frame of the source's image. Before the turn the camera looks along +Z, +X to its left.
+// Where places in the picture look, in the frame of the source's image. Before the turn the camera looks along +Z,
+// +X to its left.
 struct Camera {
   CameraModel lens;
   double half, aspect;
@@ -49,7 +51,8 @@ struct Camera {
   // Before the camera, at x to the right and y up in half heights. 0 beyond a fisheye's circle.
   [[nodiscard]] Direction direction(double x, double y) const {
     if (lens == CameraModel::perspective) return glm::normalize(Direction(-x * half, y * half, 1));
-    if (lens == CameraModel::cylinder) return glm::normalize(Direction(-portable::sin(x * half), y * half, portable::cos(x * half)));
+    if (lens == CameraModel::cylinder)
+      return glm::normalize(Direction(-portable::sin(x * half), y * half, portable::cos(x * half)));
     const double r = portable::hypot(x, y), angle = r * half;
     if (r > 1) return Direction(0);
     const double k = r > 0 ? portable::sin(angle) / r : 0;
@@ -68,8 +71,8 @@ struct Camera {
   }
 };
 
-void sample(const PaddedLevel& base, Filter filter, std::span<const Direction> directions, std::span<Location<double>> at,
-            std::span<Colour> out) {
+void sample(const PaddedLevel& base, Filter filter, std::span<const Direction> directions,
+            std::span<Location<double>> at, std::span<Colour> out) {
   if (filter == Filter::nearest) {
     locate(base.projection(), directions, at);
     return sample_nearest(base, at, out);
@@ -84,7 +87,8 @@ double angle_across(const PhotographOptions& o) { return 2 * half_height(o) * o.
 
 int samples_of(const PhotographOptions& o, const Level& source) {
   if (o.samples) return *o.samples;
-  const double texel = visit(source.projection(), [](auto p) { return decltype(p)::span; }) * pi / 180 / source.height();
+  const double texel =
+      visit(source.projection(), [](auto p) { return decltype(p)::span; }) * pi / 180 / source.height();
   const double pixel = 2 * half_height(o) / o.height;  // In the middle, where it is widest.
   return std::clamp(int(std::ceil(2 * pixel / texel)), 1, most_samples);
 }

@@ -15,16 +15,19 @@ namespace ENVMAP_EXPORT envmap {
 
 /// How the angle from the axis becomes a place in the picture:
 /// - perspective: straight lines stay straight, the distance from the middle goes with the tangent.
-/// - fisheye: equidistant, the distance from the middle goes with the angle; a circle as high as the picture, black around it.
+/// - fisheye: equidistant, the distance from the middle goes with the angle; a circle as high as the picture, black
+/// around it.
 /// - cylinder: columns are turns about the vertical, heights go with the tangent.
 enum class CameraModel { perspective, fisheye, cylinder };
 inline constexpr std::array<std::string_view, 3> camera_model_names{"perspective", "fisheye", "cylinder"};
 
 struct PhotographOptions {
   CameraModel lens = CameraModel::perspective;
-  double field = pi / 3;        ///< Angle in radians from the bottom to the top of the picture; in (0, pi), of fisheyes up to 2 pi.
+  /// Angle in radians from the bottom to the top of the picture; in (0, pi), of fisheyes up to 2 pi.
+  double field = pi / 3;
   int width = 640, height = 480;
-  Direction towards{0, 0, 1};   ///< World direction in the middle; not 0. +Y is up, or -Z of what looks up, +Z of what looks down.
+  /// World direction in the middle; not 0. +Y is up, or -Z of what looks up, +Z of what looks down.
+  Direction towards{0, 0, 1};
   Filter filter = Filter::bilinear;  ///< nearest, bilinear or bicubic.
   std::optional<int> samples = {};  ///< Along each side of a pixel; absent: as samples_of() says.
   Rotation rotation{1};         ///< Turns the environment before the picture is taken, as ConvertOptions::rotation.

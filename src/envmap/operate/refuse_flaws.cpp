@@ -25,11 +25,12 @@ bool all_finite(std::span<const Colour> texels) {
 
 bool all_finite(const Level& level) {
   std::atomic<bool> sound{true};
-  tbb::parallel_for(tbb::blocked_range<int>(0, level.faces() * level.height(), 16), [&](const tbb::blocked_range<int>& range) {
-    for (int k = range.begin(); k < range.end(); ++k)
-      if (!all_finite(level.row(k / level.height(), k % level.height()))) sound = false;
-    level.trim();
-  });
+  tbb::parallel_for(tbb::blocked_range<int>(0, level.faces() * level.height(), 16),
+                    [&](const tbb::blocked_range<int>& range) {
+                      for (int k = range.begin(); k < range.end(); ++k)
+                        if (!all_finite(level.row(k / level.height(), k % level.height()))) sound = false;
+                      level.trim();
+                    });
   return sound;
 }
 

@@ -1,6 +1,6 @@
 /// @file
-/// The integral of a lobe over a rectangle of a cube or latlong map, round its border: with S the lobe's share within an
-/// angle, that of S / (2 pi) d(azimuth) (Green's theorem).
+/// The integral of a lobe over a rectangle of a cube or latlong map, round its border: with S the lobe's share within
+/// an angle, that of S / (2 pi) d(azimuth) (Green's theorem).
 #pragma once
 
 #include <algorithm>
@@ -57,7 +57,8 @@ BorderPoint border_point(int face, const Side& side, double w) {
   }
 }
 
-/// What of a border no direction changes: points along each side, and those of three Gauss rules, of the whole and of halves.
+/// What of a border no direction changes: points along each side, and those of three Gauss rules,
+/// of the whole and of halves.
 template <class P>
 struct Border {
   static constexpr std::size_t steps = 8, nodes = 5;
@@ -84,7 +85,8 @@ struct Border {
   static Rule rule(int face, const Side& side, double from, double to) {
     Rule points;
     for (std::size_t n = 0; n < nodes; ++n)
-      points[n] = border_point<P>(face, side, 0.5 * (from + to) + 0.5 * (to - from) * quadrature::rule<nodes>().node[n]);
+      points[n] =
+          border_point<P>(face, side, 0.5 * (from + to) + 0.5 * (to - from) * quadrature::rule<nodes>().node[n]);
     return points;
   }
   static bool is_right_handed(int face) {
@@ -94,7 +96,8 @@ struct Border {
   }
 };
 
-/// The border of a rectangle; those made last are kept for the same thread, as neighbouring directions ask for the same.
+/// The border of a rectangle; those made last are kept for the same thread,
+/// as neighbouring directions ask for the same.
 template <class P>
 const Border<P>& recent_border(int face, const Rect& rect) {
   struct Kept {
@@ -104,14 +107,18 @@ const Border<P>& recent_border(int face, const Rect& rect) {
   };
   thread_local std::vector<std::optional<Kept>> kept(128);
   std::uint64_t hash = std::uint64_t(face);
-  for (const double x : {rect.u0, rect.v0, rect.u1, rect.v1}) hash = 0x9E3779B97F4A7C15U * (hash ^ std::bit_cast<std::uint64_t>(x));
+  for (const double x : {rect.u0, rect.v0, rect.u1, rect.v1})
+    hash = 0x9E3779B97F4A7C15U * (hash ^ std::bit_cast<std::uint64_t>(x));
   std::optional<Kept>& place = kept[hash >> 57];
-  const auto is_it = [&](const Rect& r) { return r.u0 == rect.u0 && r.v0 == rect.v0 && r.u1 == rect.u1 && r.v1 == rect.v1; };
+  const auto is_it = [&](const Rect& r) {
+    return r.u0 == rect.u0 && r.v0 == rect.v0 && r.u1 == rect.u1 && r.v1 == rect.v1;
+  };
   if (!place || place->face != face || !is_it(place->rect)) place = Kept{face, rect, Border<P>(face, rect)};
   return place->border;
 }
 
-/// An integral, and what it may be off: the sum of what halving each of its parts changed, some hundred times the true error.
+/// An integral, and what it may be off: the sum of what halving each of its parts changed,
+/// some hundred times the true error.
 struct Integral {
   double value = 0, error = 0;
 };
@@ -161,7 +168,8 @@ class RoundBorder {
   }
   [[nodiscard]] double gauss(const typename Border<P>::Rule& points, double length) const {
     double sum = 0;
-    for (std::size_t n = 0; n < points.size(); ++n) sum += quadrature::rule<Border<P>::nodes>().weight[n] * at(points[n]);
+    for (std::size_t n = 0; n < points.size(); ++n)
+      sum += quadrature::rule<Border<P>::nodes>().weight[n] * at(points[n]);
     return 0.5 * length * sum;
   }
 
@@ -191,8 +199,8 @@ class RoundBorder {
     }
     parts.push_back({rest, gauss(rest, rest.from, rest.to)});
   }
-  // Where a side crosses the horizon: the rule of false position, the weight of an end that stays halved (Illinois method:
-  // Dowell and Jarratt 1971).
+  // Where a side crosses the horizon: the rule of false position, the weight of an end that stays halved (Illinois
+  // method: Dowell and Jarratt 1971).
   [[nodiscard]] double crossing(const Side& side, double low, double high) const {
     const auto height = [&](double w) { return glm::dot(r_, side.template direction<P>(face_, w)); };
     double at_low = height(low), at_high = height(high);
@@ -215,7 +223,8 @@ class RoundBorder {
     else
       add_integral(s, s.from, s.to, p.whole, tolerance, 16, sum);
   }
-  void add_integral(const Side& side, double from, double to, double whole, double tolerance, int depth, Integral& sum) const {
+  void add_integral(const Side& side, double from, double to, double whole, double tolerance, int depth,
+                    Integral& sum) const {
     const double middle = 0.5 * (from + to);
     add_halves(side, from, to, whole, gauss(side, from, middle), gauss(side, middle, to), tolerance, depth, sum);
   }

@@ -27,8 +27,8 @@ HWY_INLINE V number(double x) { return hn::Set(D(), x); }
 HWY_INLINE V square(V x) { return hn::Mul(x, x); }
 HWY_INLINE V cube_of(V x) { return hn::Mul(x, square(x)); }
 
-// end x sinh(range x) of x in [0,1] and its derivative, for range = asinh(end / scale): nodes that lie as densely at 0 as
-// `scale` asks for, and ever sparser beyond, which suits what falls by powers of distance / scale.
+// end x sinh(range x) of x in [0,1] and its derivative, for range = asinh(end / scale): nodes that lie as densely at 0
+// as `scale` asks for, and ever sparser beyond, which suits what falls by powers of distance / scale.
 struct Stretched {
   V scale, range;  // The range over ln 2.
 
@@ -62,7 +62,8 @@ struct Views {
     const V far = hn::Mul(square(hn::Sub(cosine, hn::Mul(sine, tangent))), near);  // cos^2 s
     const V least = hn::Mul(number(4), hn::Mul(hn::Mul(far, near), hn::Add(t2, number(a2))));  // A - B
     const V most = hn::Mul(number(4), hn::Mul(near, hn::Add(hn::Sub(one, far), hn::Mul(number(a2), far))));  // A + B
-    const V both = hn::Mul(number(2), hn::Mul(sine, light_sine)), twice_far = hn::Add(far, far), two_both = hn::Add(both, both);
+    const V both = hn::Mul(number(2), hn::Mul(sine, light_sine)), twice_far = hn::Add(far, far),
+            two_both = hn::Add(both, both);
     // t = tan(psi / 4), whose peak at 0 is half as wide as that of tan(psi / 2).
     const Stretched azimuth(hn::Mul(number(0.5), hn::Sqrt(hn::Div(least, most))), one);
     const auto& rule = quadrature::rule<24>();
@@ -79,7 +80,8 @@ struct Views {
       part = hn::Add(part, hn::Mul(value, hn::Mul(square(rest), cube_of(rest))));
     }
     // G / (4 cos(n,v)), and 4 a^2 / pi of D; 4 x 2 x 1/2 of d psi, of both its signs and of the rule's [-1,1].
-    const V masked = hn::Div(light_cosine, hn::Add(hn::Mul(cosine, smith(light_cosine)), hn::Mul(light_cosine, smith(cosine))));
+    const V masked =
+        hn::Div(light_cosine, hn::Add(hn::Mul(cosine, smith(light_cosine)), hn::Mul(light_cosine, smith(cosine))));
     const V whole = hn::Mul(hn::Mul(weight, number(8 * a2 / pi)), hn::Mul(light_sine, masked));
     white = hn::Add(white, hn::Mul(whole, all));
     fresnel = hn::Add(fresnel, hn::Mul(whole, part));
@@ -91,7 +93,8 @@ struct Views {
     for (std::size_t n = 0; n < rule.node.size(); ++n) {
       V t, slope;
       angle.at(0.5 + 0.5 * rule.node[n], t, slope);
-      add_circle(hn::Mul(number(sign), t), hn::Div(hn::Mul(number(rule.weight[n]), slope), hn::Add(number(1), square(t))));
+      add_circle(hn::Mul(number(sign), t),
+                 hn::Div(hn::Mul(number(rule.weight[n]), slope), hn::Add(number(1), square(t))));
     }
   }
 };
@@ -127,11 +130,14 @@ HWY_EXPORT(BrdfRow);
 
 }  // namespace prefiltering
 
-// With theta the polar angles of view and light, s and d half their sum and difference, psi the azimuth between light and
-// the mirror direction: 1 + v.l = 2 cos^2 s + sin(v) sin(l) (1 - cos psi), cos(n,h)^2 = (cos(v) + cos(l))^2 / (2 (1 + v.l)), so
+// With theta the polar angles of view and light, s and d half their sum and difference, psi the azimuth between light
+// and
+// the mirror direction: 1 + v.l = 2 cos^2 s + sin(v) sin(l) (1 - cos psi),
+// cos(n,h)^2 = (cos(v) + cos(l))^2 / (2 (1 + v.l)), so
 //   D(h) = 4 a^2 / pi x ((1 + v.l) / (A - B cos psi))^2,  A - B = 4 cos^2 s cos^2 d (tan^2 d + a^2),
 //   A + B = 4 cos^2 d (sin^2 s + a^2 cos^2 s):
-// a peak about d = 0 of the width a, and about psi = 0 of sqrt((A - B) / (A + B)). Light above the horizon is all that is
+// a peak about d = 0 of the width a, and about psi = 0 of sqrt((A - B) / (A + B)). Light above the horizon is all that
+// is
 // integrated over: nothing breaks off within the range of the rules.
 std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness) {
   for (const double cosine : cosines) check(limits::cosine, cosine);

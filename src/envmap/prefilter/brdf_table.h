@@ -1,6 +1,6 @@
 /// @file
-/// What surfaces reflect of white light: GGX for any reflectance at normal incidence (the second half of the split sum), and
-/// the sheen of cloth.
+/// What surfaces reflect of white light: GGX for any reflectance at normal incidence (the second half of the split
+/// sum), and the sheen of cloth.
 #pragma once
 
 #include <span>
@@ -27,14 +27,16 @@ std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness);
 /// size x size texels, columns cosine (i + 0.5) / size, rows roughness (j + 0.5) / size: red scale, green bias, blue 0.
 std::vector<Colour> brdf_table(int size, const Progress& progress = {});
 
-/// Directional albedo of white sheen: integral of D(h) V(l,v) cos(n,l) over the hemisphere. D is Estevez and Kulla's (2017,
-/// "Production friendly microfacet sheen BRDF"), with alpha = roughness^2, no less than 9e-4. V is Ashikhmin and Premoze's
-/// (2007, "Distribution-based BRDFs"), 1 / (4 (cos(n,l) + cos(n,v) - cos(n,l) cos(n,v))), as Khronos' glTF-IBL-Sampler has it.
-/// It exceeds 1 where a smooth surface is seen at a grazing angle: the model does not conserve energy. Right to 1e-6 of the value.
+/// Directional albedo of white sheen: integral of D(h) V(l,v) cos(n,l) over the hemisphere. D is Estevez and Kulla's
+/// (2017, "Production friendly microfacet sheen BRDF"), with alpha = roughness^2, no less than 9e-4. V is Ashikhmin and
+/// Premoze's (2007, "Distribution-based BRDFs"), 1 / (4 (cos(n,l) + cos(n,v) - cos(n,l) cos(n,v))), as Khronos'
+/// glTF-IBL-Sampler has it. It exceeds 1 where a smooth surface is seen at a grazing angle: the model does not conserve
+/// energy. Right to 1e-6 of the value.
 /// @param cosine of the angle between normal and view, 1/2048 to 1. @param roughnesses perceptual, 0 to 1.
 std::vector<double> sheen_albedo(double cosine, std::span<const double> roughnesses);
 
-/// size x size texels, columns cosine (i + 0.5) / size, rows roughness (j + 0.5) / size: the albedo in all three channels.
+/// size x size texels, columns cosine (i + 0.5) / size, rows roughness (j + 0.5) / size:
+/// the albedo in all three channels.
 std::vector<Colour> sheen_table(int size, const Progress& progress = {});
 
 }  // namespace envmap

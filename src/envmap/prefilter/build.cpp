@@ -72,9 +72,9 @@ Moments parallelogram(const Direction& a, const Direction& b) {
   return p;
 }
 
-// How far the mean directions of texels lie beside those of their middles, of a texel in the middle of each block: by the
-// curve of the projection and what its density gains from side to side, (h^2 / 24) (d_uu + 2 d_u rho_u / rho) and the same
-// of v. What the mean is shorter by is not counted.
+// How far the mean directions of texels lie beside those of their middles, of a texel in the middle of each block: by
+// the curve of the projection and what its density gains from side to side, (h^2 / 24) (d_uu + 2 d_u rho_u / rho) and
+// the same of v. What the mean is shorter by is not counted.
 void set_shifts(const Level& source, int face, std::span<const Span> blocks, std::span<Direction> out) {
   constexpr std::size_t each = 5;
   std::array<Vec2<double>, each * batch_size> at;
@@ -98,8 +98,8 @@ void set_shifts(const Level& source, int face, std::span<const Span> blocks, std
   }
 }
 
-// Up to sixteen blocks, of two rows and columns or more, of texels that are all much alike. @param omega of a block that
-// they all lie in.
+// Up to sixteen blocks, of two rows and columns or more, of texels that are all much alike. @param omega of a block
+// that they all lie in.
 void plain_blocks(const Tree& tree, int face, const SolidAngles& omega, std::span<const Span> blocks, Node* out) {
   if (blocks.empty()) return;
   const Level& source = tree.source();
@@ -239,7 +239,8 @@ Tree::Tree(const Level& source, double mean, int parts) : source_(source), parts
   Blocks lowest(faces, (width + side - 1) / side, (height + side - 1) / side);
   for_each_row(1, lowest.height, {}, [&](int, int j) {
     for (int left = 0; left < width; left += at_once) {
-      const SolidAngles omega(source, {left, j * side, std::min(width, left + at_once), std::min(height, (j + 1) * side)});
+      const SolidAngles omega(source,
+                              {left, j * side, std::min(width, left + at_once), std::min(height, (j + 1) * side)});
       for (int face = 0; face < faces; ++face)
         set_blocks(*this, face, side, omega, lowest.row(face, j) + left / side);
     }
@@ -253,8 +254,9 @@ Tree::Tree(const Level& source, double mean, int parts) : source_(source), parts
                              : std::span<const Node>{};
     };
     Blocks coarse(faces, halves(fine.width), halves(fine.height));
-    for_each_row(faces, coarse.height, {},
-                 [&](int face, int j) { unite_rows(row_of(face, 2 * j), row_of(face, 2 * j + 1), coarse.row(face, j)); });
+    for_each_row(faces, coarse.height, {}, [&](int face, int j) {
+      unite_rows(row_of(face, 2 * j), row_of(face, 2 * j + 1), coarse.row(face, j));
+    });
     for_each_row(faces, halves(coarse.height), {}, [&](int face, int j) { coarse.set_quads(face, j); });
     blocks_.push_back(std::move(coarse));
   }

@@ -130,7 +130,8 @@ std::optional<Moments> small_cell(int face, const Rect& r, bool anyway = false) 
   // Farther to the thin end of a wedge, such as a texel at a pole.
   const auto [least, most] = std::ranges::minmax(weights);
   found.reach = 0.5 * across * (1 + 0.6 * (most - least) / (most + least));
-  // Cauchy and Schwarz: the cube of it is at most the root of E|o|^2 E|o|^4, and E|o|^4 at most 1.8 (E|o|^2)^2, that of a line;
+  // Cauchy and Schwarz: the cube of it is at most the root of E|o|^2 E|o|^4, and E|o|^4 at most 1.8 (E|o|^2)^2, that of
+  // a line;
   // 1.8^(1/6) = 1.103, and a little for wedges.
   const auto& m = found.covariance.m;
   found.spread = 1.15 * std::sqrt(m[0] + m[3] + m[5]);
@@ -147,7 +148,8 @@ Moments moments(int face, const Rect& cell, int depth = 0) {
   return united(parts);
 }
 
-/// f(direction, solid angle) at Gauss points of a rectangle, cut until none of its parts spans more than `across` radians.
+/// f(direction, solid angle) at Gauss points of a rectangle, cut until none of its parts spans more than `across`
+/// radians.
 template <class P, class F>
 void for_points(int face, const Rect& rect, double across, F&& f, int depth = 0) {
   std::array<Direction, 4> points;

@@ -48,13 +48,14 @@ ClippedMean clipped_mean(const Phong& lobe, const FlatPiece& piece) {
   std::array<double, 12> power;
   HWY_DYNAMIC_DISPATCH(Powers)
   ({half * (low + reach), half * (low + skew), half * (low - skew), half * (low - reach), half * (high + reach),
-    half * (high + skew), half * (high - skew), half * (high - reach), half * (high + reach), half * (low - reach), half, 0},
+    half * (high + skew), half * (high - skew), half * (high - reach), half * (high + reach), half * (low - reach),
+    half, 0},
    {n, n, n, n, n, n, n, n, m, m, m, m}, power);
   const double scale = lobe.scale() / power[10], second = scale / (a * b * (m + 1) * n);
   const double least = second * ((power[0] - power[1]) - (power[2] - power[3]));
   const double most = second * ((power[4] - power[5]) - (power[6] - power[7]));
-  // A density that spans `uneven` is in the mean at most half of that from its own mean, and then counts for at most half of
-  // what the lobe spans. A power is off by 1e-14 of itself at most.
+  // A density that spans `uneven` is in the mean at most half of that from its own mean, and then counts for at most
+  // half of what the lobe spans. A power is off by 1e-14 of itself at most.
   const double span = scale * (power[8] - power[9]), rounding = 2e-14 * second * power[4];
   return {half * (least + most), half * (most - least) + 0.25 * piece.uneven * span + rounding};
 }

@@ -16,8 +16,10 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
-// What a lobe with a kink of 1 at the horizon comes to over a node of this mean and deviation s, beyond what two points have of
-// it: as over an even interval of half-width 3^(1/2) s, ((r^2 + 3) / (4 3^(1/2)) - max(1, r) / 2) s with r = |1 - mean| / s.
+// What a lobe with a kink of 1 at the horizon comes to over a node of this mean and deviation s, beyond what two points
+// have of
+// it: as over an even interval of half-width 3^(1/2) s, ((r^2 + 3) / (4 3^(1/2)) - max(1,
+// r) / 2) s with r = |1 - mean| / s.
 template <class D, class V>
 HWY_INLINE V rounded_kink(D d, V versine, V deviation, V inverse) {
   const V far = hn::Mul(hn::Abs(hn::Sub(set(d, 1), versine)), inverse), r = hn::Min(far, set(d, 1.7320508075688772));
@@ -25,8 +27,8 @@ HWY_INLINE V rounded_kink(D d, V versine, V deviation, V inverse) {
   return hn::Mul(deviation, hn::Sub(even, hn::Mul(set(d, 0.5), hn::Max(r, set(d, 1)))));
 }
 
-// What a channel has of a node: the lobe at two points with weights that make its mean right. Those are kept between 0 and
-// 1 where the lobe is not convex: see judge().
+// What a channel has of a node: the lobe at two points with weights that make its mean right. Those are kept between 0
+// and 1 where the lobe is not convex: see judge().
 template <class L, class D, class V>
 HWY_INLINE V two_points(const L& lobe, D d, V flux, V lean, V sum, V difference, V deviation) {
   if (!lobe.convex()) {
@@ -96,8 +98,8 @@ std::array<double, node_channels> evaluate_seen(const L& lobe, std::span<const S
       const V sum = hn::Add(hn::Mul(half, hn::Add(near, far)), bent);
       const V difference = hn::Mul(hn::Mul(half, hn::Sub(near, far)), inverse);
       const auto add = [&](std::size_t c, V& total) HWY_ATTR {
-        total = hn::Add(total, two_points(lobe, d, hn::Load(d, &s.flux[c][k]), hn::Load(d, &s.lean[c][k]), sum, difference,
-                                          deviation));
+        total = hn::Add(total, two_points(lobe, d, hn::Load(d, &s.flux[c][k]), hn::Load(d, &s.lean[c][k]), sum,
+                                          difference, deviation));
       };
       add(0, red), add(1, green), add(2, blue);
     }
@@ -132,11 +134,12 @@ HWY_EXPORT(EvaluateSeen);
 namespace {
 
 Direction times(const std::array<float, 6>& m, const Direction& v) {
-  return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z, m[2] * v.x + m[4] * v.y + m[5] * v.z};
+  return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
+          m[2] * v.x + m[4] * v.y + m[5] * v.z};
 }
 
-// What the variance may be at most: the a^2 of judge(). Covariances are of float32, whose rounding is more than that where a
-// narrow lobe looks along the node, and would put a point into its peak.
+// What the variance may be at most: the a^2 of judge(). Covariances are of float32, whose rounding is more than that
+// where a narrow lobe looks along the node, and would put a point into its peak.
 float most_variance(const Node& node, double distance) {
   const double a = node.spread * std::min(1.0, distance + 0.5 * (node.reach + node.spread));
   return float(a * a);

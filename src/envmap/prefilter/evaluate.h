@@ -12,8 +12,8 @@
 namespace envmap::prefiltering {
 
 /// A node as seen from a tile: everything relative to the tile's middle, worked out in double, so that float32 holds it
-/// for lobes of any width. With offset o from the middle, x = 1 - cos is (|o - centre|^2 + sag) / 2, the variance of the
-/// cosine over the node variance + slope . o + o^T covariance o, the mean cosine of a channel above that of all
+/// for lobes of any width. With offset o from the middle, x = 1 - cos is (|o - centre|^2 + sag) / 2, the variance of
+/// the cosine over the node variance + slope . o + o^T covariance o, the mean cosine of a channel above that of all
 /// (lean + dipole . o) / flux. `most_variance` is what judge() takes for granted of it.
 struct TileNode {
   std::array<float, 3> centre;
@@ -42,8 +42,8 @@ struct Tile {
 
 /// Sets the sums of a tile. Each node is taken as two nodes one standard deviation of the cosine to either side, which
 /// have its flux, mean and variance (two-point Gauss-Hermite quadrature); what each has of a channel follows from the
-/// channel's own mean. The kink of a lobe at the horizon is taken over an even interval instead, or all nodes that lie in the
-/// same way along a horizon would be off alike. Nothing is ever negative.
+/// channel's own mean. The kink of a lobe at the horizon is taken over an even interval instead, or all nodes that lie
+/// in the same way along a horizon would be off alike. Nothing is ever negative.
 void evaluate(const Lobe& lobe, std::span<const TileNode> nodes, Tile& tile);
 
 /// Sixteen nodes as one direction sees them: 1 - cos of the mean, the variance of the cosine, and a channel's flux and

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double nothing = 1e-30;  // Of a lobe: no radiance makes it count.
 
-// ---- one texel --------------------------------------------------------------------------------------------------------
+// ---- one texel ------------------------------------------------------------------------------------------------------
 
 template <class P, class L>
 double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) {
@@ -26,7 +26,8 @@ double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) 
   });
 }
 
-// How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it. A cosine is a line in
+// How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it. A cosine is a line
+// in
 // the direction of light: as smooth as the map itself.
 template <class L>
 double unevenness(const L& lobe, const Direction& r, const Moments& p) {
@@ -39,15 +40,15 @@ double unevenness(const L& lobe, const Direction& r, const Moments& p) {
 }
 
 // How uneven a lobe sixteen points do for. N points each way are off by f^2N (N!)^4 / ((2N+1) (2N)!^3) of exp(f x) over
-// [0,1] (Abramowitz and Stegun 1964, 25.4.30): 4e-8 for a fall of 1.2 over half a diagonal. Powers of eight and more have
-// smaller derivatives than that, other lobes larger ones.
+// [0,1] (Abramowitz and Stegun 1964, 25.4.30): 4e-8 for a fall of 1.2 over half a diagonal. Powers of eight and more
+// have smaller derivatives than that, other lobes larger ones.
 template <class L>
 double most_uneven(const L& lobe) {
   if constexpr (std::is_same_v<L, Phong>)
     if (lobe.exponent >= 8) return 1.2;
-  // Sheen is a power of x with its root in the middle: from 8 on as Phong's; of 2 to 8 the eighth derivative is below 0.08 of what
-  // that takes, and grows by up to 21 over the texel. Of less, which at 0.5 is 135,000 x that, rho = 2 / fall is how many times as
-  // far the root is as a texel reaches, and Gauss's error rho^-8.
+  // Sheen is a power of x with its root in the middle: from 8 on as Phong's; of 2 to 8 the eighth derivative is below
+  // 0.08 of what that takes, and grows by up to 21 over the texel. Of less, which at 0.5 is 135,000 x that, rho = 2 /
+  // fall is how many times as far the root is as a texel reaches, and Gauss's error rho^-8.
   if constexpr (std::is_same_v<L, Charlie>) return lobe.power >= 8 ? 1.2 : lobe.power >= 2 ? 0.8 : 0.2;
   return 0.4;
 }
@@ -98,7 +99,7 @@ double texel_over(const L& lobe, const Direction& r, int face, const Rect& rect,
   return sum;
 }
 
-// ---- all texels -------------------------------------------------------------------------------------------------------
+// ---- all texels -----------------------------------------------------------------------------------------------------
 
 // Gauss points of all texels of a row: four each, and sixteen.
 class RowPoints {
@@ -128,7 +129,8 @@ class RowPoints {
         at.emplace_back((i + 0.5 + 0.5 * u) / source.width(), (row + 0.5 + 0.5 * v) / source.height());
   }
   template <int N, std::size_t M>
-  std::size_t copy(std::size_t from, double area, std::array<Direction, M>& points, std::array<double, M>& weights) const {
+  std::size_t copy(std::size_t from, double area, std::array<Direction, M>& points,
+                   std::array<double, M>& weights) const {
     const auto& weight = quadrature::rule<N>().weight;
     for (std::size_t n = 0; n < M; ++n, ++from) {
       points[n] = directions_[from];
@@ -151,7 +153,8 @@ double least_where(double from, F&& is) {
   return high;
 }
 
-// A texel holds at most 4 pi of the source's mean in steradians: where a lobe is below 1e-15 it adds less than 2e-14 of that.
+// A texel holds at most 4 pi of the source's mean in steradians:
+// where a lobe is below 1e-15 it adds less than 2e-14 of that.
 template <class L>
 Closeness closeness(const L& lobe) {
   return {.faint = least_where(lobe.peak(), [&](double x) { return lobe.value(x) < 1e-15; }),
@@ -161,8 +164,8 @@ Closeness closeness(const L& lobe) {
 
 // One row of a face in all directions. @param by_points many at once where points are good enough for them.
 template <class P, class L>
-std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Direction> directions, bool by_points, int face,
-                         int row) {
+std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Direction> directions, bool by_points,
+                         int face, int row) {
   const double w = source.width(), h = source.height();
   const Closeness close = closeness(lobe);
   ExactSums sums(directions);
@@ -196,8 +199,8 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
   return found;
 }
 
-std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<const Direction> directions, bool by_points,
-                             const Progress& progress) {
+std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
+                             bool by_points, const Progress& progress) {
   constexpr std::size_t batch = 512;  // Directions at once: the sums of all rows stay small beside the source.
   std::vector<Flux> out(directions.size());
   for (std::size_t first = 0; first < directions.size(); first += batch) {
@@ -209,7 +212,8 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
       const auto found = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
         const int face = (start + k) / source.height(), row = (start + k) % source.height();
         return visit_source(source.projection(), [&](auto p) {
-          return std::visit([&](const auto& l) { return row_of<decltype(p)>(source, l, some, by_points, face, row); }, lobe);
+          return std::visit([&](const auto& l) { return row_of<decltype(p)>(source, l, some, by_points, face, row); },
+                            lobe);
         });
       });
       for (const auto& row : found)

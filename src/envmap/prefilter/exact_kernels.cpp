@@ -28,7 +28,8 @@ HWY_INLINE V rate(const Ggx& l, V x) {
 }
 HWY_INLINE V rate(const BlinnPhong& l, V x) {
   const D d;
-  return hn::Add(hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)), hn::Div(hn::Set(d, l.power), hn::Sub(hn::Set(d, 2), x)));
+  return hn::Add(hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)),
+                 hn::Div(hn::Set(d, l.power), hn::Sub(hn::Set(d, 2), x)));
 }
 HWY_INLINE V rate(const Charlie& l, V x) {
   const D d;
@@ -57,7 +58,8 @@ HWY_INLINE V over_points(const L& lobe, const ExactSums& sums, std::size_t k, co
 }
 
 template <class L>
-void add_lanes(const L& lobe, const Closeness& close, const ExactTexel& t, ExactSums& sums, std::vector<std::uint32_t>& left) {
+void add_lanes(const L& lobe, const Closeness& close, const ExactTexel& t, ExactSums& sums,
+               std::vector<std::uint32_t>& left) {
   const D d;
   const V one = hn::Set(d, 1), half = hn::Set(d, 0.5), reach = hn::Set(d, t.reach);
   for (std::size_t k = 0; k < sums.direction[0].size(); k += hn::Lanes(d)) {

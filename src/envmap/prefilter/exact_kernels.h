@@ -21,7 +21,8 @@ struct ExactSums {
   explicit ExactSums(std::span<const Direction> directions);
 };
 
-/// A texel as Gauss points with their solid angles: four for a lobe that hardly changes over it, sixteen for one that does.
+/// A texel as Gauss points with their solid angles: four for a lobe that hardly changes over it,
+/// sixteen for one that does.
 struct ExactTexel {
   Direction centre;
   double reach;

@@ -64,15 +64,18 @@ std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const R
     const Flux radiance(*level.texel(face, i, row));
     if (radiance == Flux(0)) continue;
     // Four Gauss points integrate harmonics of degree l over a texel to (l x side)^4 / 4320.
-    prefiltering::for_points<P>(face, prefiltering::texel_rect(i, row, w, h), 0.4 / (1 + recursion.order), [&](const Direction& d, double weight) {
-      const Flux part = weight * radiance;
-      recursion.each(to_world * d, [&](int k, double y) { sums[std::size_t(k)] += y * part; });
-    });
+    prefiltering::for_points<P>(face, prefiltering::texel_rect(i, row, w, h), 0.4 / (1 + recursion.order),
+                                [&](const Direction& d, double weight) {
+                                  const Flux part = weight * radiance;
+                                  recursion.each(to_world * d,
+                                                 [&](int k, double y) { sums[std::size_t(k)] += y * part; });
+                                });
   }
   return sums;
 }
 
-// Harmonics are products of a function of longitude and one of latitude, so a latlong row is summed along its longitudes first.
+// Harmonics are products of a function of longitude and one of latitude,
+// so a latlong row is summed along its longitudes first.
 class LatlongRows {
  public:
   LatlongRows(const Level& level, const Recursion& recursion, const Rotation& to_world)
@@ -156,8 +159,8 @@ void check_order(int order) { check(limits::order, order); }
 void check_series(const Harmonics& h) {
   check_order(h.order);
   if (h.coefficients.size() != coefficient_count(h.order))
-    throw UsageError(fmt::format("harmonics of order {} have {} coefficients, not {}", h.order, coefficient_count(h.order),
-                                 h.coefficients.size()));
+    throw UsageError(fmt::format("harmonics of order {} have {} coefficients, not {}", h.order,
+                                 coefficient_count(h.order), h.coefficients.size()));
 }
 
 }  // namespace
@@ -186,7 +189,8 @@ Harmonics project(const EnvironmentMap& map, int order, const Progress& progress
     const auto parts = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
       if (latlong) return (*latlong)(start + k);
       return prefiltering::visit_source(level.projection(), [&](auto p) {
-        return row_of<decltype(p)>(level, recursion, to_world, (start + k) / level.height(), (start + k) % level.height());
+        return row_of<decltype(p)>(level, recursion, to_world, (start + k) / level.height(),
+                                   (start + k) % level.height());
       });
     });
     for (const auto& part : parts)
@@ -232,7 +236,8 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
 std::vector<double> zonal(const Lobe& lobe, int order) {
   check({"order", 0, 100000}, order);
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
-  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon, where it may be bent.
+  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon,
+  // where it may be bent.
   const double width = std::visit([](const auto& l) { return l.width(); }, lobe);
   std::vector<double> breaks{0};
   for (int k = std::min(-1, std::ilogb(width) - 8); k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
@@ -291,7 +296,8 @@ std::vector<double> irradiance_factors(int order) {
 void scale_degrees(Harmonics& h, std::span<const double> factors) {
   check_series(h);
   if (factors.size() <= std::size_t(h.order))
-    throw UsageError(fmt::format("factors must hold {} values, one for each degree, not {}", h.order + 1, factors.size()));
+    throw UsageError(
+        fmt::format("factors must hold {} values, one for each degree, not {}", h.order + 1, factors.size()));
   for (int l = 0; l <= h.order; ++l)
     for (int m = -l; m <= l; ++m)
       h.coefficients[std::size_t(l * (l + 1) + m)] *= factors[std::size_t(l)];

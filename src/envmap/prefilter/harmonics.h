@@ -2,7 +2,8 @@
 /// Real spherical harmonics of a map.
 ///
 /// Basis: Y_l^m real and orthonormal, polar axis +Y, longitude from +Z to +X, m > 0 cosines, m < 0 sines, no
-/// Condon-Shortley phase. The first nine, in the order l (l + 1) + m in which coefficients stand, of a unit vector (x, y, z):
+/// Condon-Shortley phase. The first nine, in the order l (l + 1) + m in which coefficients stand,
+/// of a unit vector (x, y, z):
 ///   0.282095   0.488603 x   0.488603 y   0.488603 z
 ///   1.092548 x z   1.092548 x y   0.315392 (3 y^2 - 1)   1.092548 y z   0.546274 (z^2 - x^2)
 #pragma once

@@ -81,7 +81,8 @@ class Summation {
     settled_ = {}, terms_.clear();
     for (std::size_t k = 0; k < 2; ++k)
       for (int c = 0; c < 3; ++c) settled_.sum[k][std::size_t(c)] = whole[k] * source_.darkest()[c];
-    for (Channels& off : settled_.off) off.fill(numerical * 12 * pi);  // The flux of a channel is 12 pi times the mean at most.
+    // The flux of a channel is 12 pi times the mean at most.
+    for (Channels& off : settled_.off) off.fill(numerical * 12 * pi);
     for (int face = 0; face < Grid::faces; ++face) add_face(face);
     refine();
     HingeSums out;
@@ -97,7 +98,8 @@ class Summation {
     const auto& cells = source_.base();
     const auto& grid = cells.grid;
     const FaceDirection& n = seen_[std::size_t(face)];
-    if (!grid.slopes.empty()) border_angles(n.z / std::max(1e-9, std::sqrt(n.x * n.x + n.y * n.y)), grid.slopes, angles_);
+    if (!grid.slopes.empty())
+      border_angles(n.z / std::max(1e-9, std::sqrt(n.x * n.x + n.y * n.y)), grid.slopes, angles_);
     batch_.clear();
     spans_.clear();
     for (int row = 0; row < grid.down.count(); ++row) {
@@ -126,14 +128,16 @@ class Summation {
   void add_cell(const typename HingeSource<Grid>::Cells& cells, const FaceDirection& n, int face, int row, int column) {
     const HingeCell& cell = cells.cell(face, row, column);
     __builtin_prefetch(&cell);
-    batch_.add(cells.grid.view(n, row, column), cells.grid.shape(row, column), cells.grid.solid_angle(row, column), {&cell, face, row, column});
+    batch_.add(cells.grid.view(n, row, column), cells.grid.shape(row, column), cells.grid.solid_angle(row, column),
+               {&cell, face, row, column});
   }
 
   // What each sum may be off by: by order and channel.
   [[nodiscard]] std::array<Channels, 2> allowed(const Total& now) const {
     std::array<Channels, 2> all;
     for (std::size_t k = 0; k < 2; ++k)
-      for (std::size_t c = 0; c < 3; ++c) all[k][c] = error_ * std::max({now.sum[k][c] - now.off[k][c], floor_of_mean * whole[k], least_[k]});
+      for (std::size_t c = 0; c < 3; ++c)
+        all[k][c] = error_ * std::max({now.sum[k][c] - now.off[k][c], floor_of_mean * whole[k], least_[k]});
     return all;
   }
   [[nodiscard]] bool within(const Total& now, const std::array<Channels, 2>& most, double part) const {
@@ -182,7 +186,8 @@ class Summation {
   }
   [[nodiscard]] bool is_fine(const HingeTerm& t, const std::array<Channels, 2>& most, double share) const {
     for (std::size_t c = 0; c < 3; ++c)
-      if (double(t.off1[c]) > share * most[0][c] || (order_ > 1 && double(t.off2[c]) > share * most[1][c])) return false;
+      if (double(t.off1[c]) > share * most[0][c] || (order_ > 1 && double(t.off2[c]) > share * most[1][c]))
+        return false;
     return true;
   }
 
@@ -208,7 +213,8 @@ class Summation {
   }
 
   template <class Part>
-  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const std::array<Channels, 2>& most, double share, int depth) {
+  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const std::array<Channels, 2>& most,
+                double share, int depth) {
     const PartView v = part.view(n);
     const double extent = v.across + v.down + v.bend;
     if (v.middle <= -extent) return;
@@ -243,8 +249,8 @@ class Summation {
 };
 
 template <class Grid>
-void sum_all(const HingeSource<Grid>& source, std::span<const Direction> directions, double error, const std::array<double, 2>& least, double mean,
-             std::span<HingeSums> out) {
+void sum_all(const HingeSource<Grid>& source, std::span<const Direction> directions, double error,
+             const std::array<double, 2>& least, double mean, std::span<HingeSums> out) {
   Summation<Grid> summation(source, error, least);
   for (std::size_t k = 0; k < directions.size(); ++k) {
     out[k] = summation.over(directions[k]);
@@ -267,24 +273,30 @@ struct Hinges::Prepared {
 Hinges::Hinges(const Level& source, double mean, int order, double error) {
   const int rows = base_rows(error);
   if (source.projection() == Projection::latlong)
-    prepared_ = std::make_unique<Prepared>(Prepared{HingeSource<LatlongGrid>(source, mean, rows, order), mean, order, rows});
+    prepared_ =
+        std::make_unique<Prepared>(Prepared{HingeSource<LatlongGrid>(source, mean, rows, order), mean, order, rows});
   else
-    prepared_ = std::make_unique<Prepared>(Prepared{HingeSource<CubeGrid>(source, mean, rows / 2, order), mean, order, rows});
+    prepared_ =
+        std::make_unique<Prepared>(Prepared{HingeSource<CubeGrid>(source, mean, rows / 2, order), mean, order, rows});
 }
 Hinges::~Hinges() = default;
 Hinges::Hinges(Hinges&&) noexcept = default;
 
-bool Hinges::fits(int order, double error) const { return prepared_->order >= order && prepared_->rows == base_rows(error); }
+bool Hinges::fits(int order, double error) const {
+  return prepared_->order >= order && prepared_->rows == base_rows(error);
+}
 
 void Hinges::sums(std::span<const Direction> directions, double error, std::span<HingeSums> out,
                   const std::array<double, 2>& least) const {
-  std::visit([&](const auto& source) { sum_all(source, directions, error, least, prepared_->mean, out); }, prepared_->source);
+  std::visit([&](const auto& source) { sum_all(source, directions, error, least, prepared_->mean, out); },
+             prepared_->source);
 }
 
 std::optional<std::array<double, 2>> hinge_factors(const Lobe& lobe) {
   if (const auto* cosine = std::get_if<Cosine>(&lobe)) return std::array{cosine->value(0), 0.0};
   if (const auto* ggx = std::get_if<Ggx>(&lobe); ggx && ggx->b == 0) return std::array{ggx->value(0), 0.0};
-  if (const auto* phong = std::get_if<Phong>(&lobe); phong && phong->exponent == 2) return std::array{0.0, phong->scale()};
+  if (const auto* phong = std::get_if<Phong>(&lobe); phong && phong->exponent == 2)
+    return std::array{0.0, phong->scale()};
   return std::nullopt;
 }
 

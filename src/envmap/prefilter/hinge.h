@@ -1,9 +1,11 @@
 /// @file
-/// Sums of light over the half sphere that a direction sees, weighted by t+ and t+^2 (t = n.d, t+ = max(0, t)), each with a bound.
+/// Sums of light over the half sphere that a direction sees, weighted by t+ and t+^2 (t = n.d, t+ = max(0, t)),
+/// each with a bound.
 ///
-/// Cells wholly above the horizon count exactly: their moments are differences of prefix sums (Crow 1984, "Summed-area tables for
-/// texture mapping", along rows). What a cut cell adds lies between Jensen's inequality and the chord of the convex function t+.
-/// Where the sum of half those gaps is too large, the cells with the widest are divided, down to parts of a texel.
+/// Cells wholly above the horizon count exactly: their moments are differences of prefix sums (Crow 1984, "Summed-area
+/// tables for texture mapping", along rows). What a cut cell adds lies between Jensen's inequality and the chord of the
+/// convex function t+. Where the sum of half those gaps is too large, the cells with the widest are divided,
+/// down to parts of a texel.
 #pragma once
 
 #include <array>
@@ -35,7 +37,8 @@ class Hinges {
   /// Whether it was made for these.
   [[nodiscard]] bool fits(int order, double error) const;
 
-  /// One after another. @param error each sum may be off by, relative to itself or to what 0.001 x the mean everywhere comes to.
+  /// One after another. @param error each sum may be off by, relative to itself or to what 0.001 x the mean everywhere
+  /// comes to.
   /// @param least sums over the mean that smaller ones are held to, too.
   /// A bound may be larger in the end where parts of texels would have to be cut further.
   void sums(std::span<const Direction> directions, double error, std::span<HingeSums> out,

@@ -8,8 +8,8 @@ namespace envmap::prefiltering {
 
 namespace {
 
-// Gauss points of 1 / r^4 and 1 / r^5 over a square: two a side are off by 1e-12 of it where it is this small, and three by 1e-11
-// up to 1/32.
+// Gauss points of 1 / r^4 and 1 / r^5 over a square: two a side are off by 1e-12 of it where it is this small, and
+// three by 1e-11 up to 1/32.
 constexpr double small = 0.002;
 
 // f(s, t, weight x area) at Gauss points of a rectangle.
@@ -58,7 +58,9 @@ CubeGrid::Row CubeGrid::row(int row, int order) const {
     at_points(p.x, p.y, p.half, [&](double s, double t, double weight) {
       const double q = 1 / std::sqrt(1 + s * s + t * t), o = weight * q * q * q, x = s * q, y = t * q;
       m[0] += o, m[1] += o * x, m[2] += o * y, m[3] += o * q;
-      if (order > 1) m[4] += o * x * x, m[5] += o * y * y, m[6] += o * q * q, m[7] += o * x * y, m[8] += o * x * q, m[9] += o * y * q;
+      if (order > 1)
+        m[4] += o * x * x, m[5] += o * y * y, m[6] += o * q * q, m[7] += o * x * y, m[8] += o * x * q,
+            m[9] += o * y * q;
     });
   }
   return made;
@@ -86,15 +88,22 @@ CubeGrid::Cells CubeGrid::cells(int side) const {
       for (int i = 0; i < size_; ++i)
         for (std::size_t m = 0; m < 4; ++m) sums[std::size_t(i / side)][m] += texels.moments[std::size_t(i)][m];
     }
-    const double y = 1 - double(made.down.first(k) + made.down.end(k)) / size_, half_y = double(made.down.end(k) - made.down.first(k)) / size_;
+    const double y = 1 - double(made.down.first(k) + made.down.end(k)) / size_,
+                 half_y = double(made.down.end(k) - made.down.first(k)) / size_;
     for (int i = 0; i < count; ++i) {
       const double x = double(made.across.first(i) + made.across.end(i)) / size_ - 1;
       const double half_x = double(made.across.end(i) - made.across.first(i)) / size_;
       const Distances r(x, half_x, y, half_y);
       const auto& [o, mx, my, mz] = sums[std::size_t(i)];
       const double weight = 4 * half_x * half_y * r.middle * r.middle * r.middle * r.middle / o;
-      made.shapes.push_back({.near = r.near, .far = r.far, .solid_angle = o, .mean = {mx / o, my / o, mz / o},
-                             .weight1 = weight, .uneven1 = r.uneven4(), .weight2 = weight * r.middle, .uneven2 = r.uneven5()});
+      made.shapes.push_back({.near = r.near,
+                             .far = r.far,
+                             .solid_angle = o,
+                             .mean = {mx / o, my / o, mz / o},
+                             .weight1 = weight,
+                             .uneven1 = r.uneven4(),
+                             .weight2 = weight * r.middle,
+                             .uneven2 = r.uneven5()});
     }
   }
   return made;
@@ -107,8 +116,11 @@ RowSpan CubeGrid::Cells::span(const FaceDirection& n, const double* /*angles*/, 
   const double slope = std::max(std::abs(n.x), 1e-300);
   if (low >= slope) return {0, 0, count, count};
   if (high <= -slope) return {0, 0, 0, 0};
-  // Columns from the side where L is least: from `any` on they have light above the horizon, from `all` on nothing else.
-  const auto column = [&](double x) { return std::clamp(int(0.5 * (x + 1) * across.texels) / across.side, 0, count - 1); };
+  // Columns from the side where L is least: from `any` on they have light above the horizon,
+  // from `all` on nothing else.
+  const auto column = [&](double x) {
+    return std::clamp(int(0.5 * (x + 1) * across.texels) / across.side, 0, count - 1);
+  };
   constexpr double margin = 1e-12;
   const double any = std::clamp(-high / slope - margin, -1.0, 1.0), all = std::clamp(-low / slope + margin, -1.0, 1.0);
   if (n.x >= 0) {

@@ -4,8 +4,9 @@
 /// On both, t = n.d = L / r with r > 0 and L a (nearly) linear function of two coordinates (x,y):
 ///   cube     x and y are the face's own s and t, r^2 = 1 + x^2 + y^2, L is linear
 ///   latlong  x is the longitude, y = cot(polar angle), r^2 = 1 + y^2, L = n_z y + |n_xy| cos(x - x_n)
-/// and the solid angle is dx dy / r^3. So the horizon L = 0 is a straight line, the integral of t+ is that of L+ / r^4, and the
-/// integral of t+^2 is that of L+^2 / r^5. A latlong row that touches a pole has no finite y. It gives a range of t alone.
+/// and the solid angle is dx dy / r^3. So the horizon L = 0 is a straight line, the integral of t+ is that of L+ / r^4,
+/// and the integral of t+^2 is that of L+^2 / r^5. A latlong row that touches a pole has no finite y.
+/// It gives a range of t alone.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +23,8 @@
 
 namespace envmap::prefiltering {
 
-/// An output direction in the frame of a face: (right, up, forward) of a cube's, (image column 0, a quarter on, pole) of a latlong map.
+/// An output direction in the frame of a face: (right, up, forward) of a cube's, (image column 0, a quarter on,
+/// pole) of a latlong map.
 struct FaceDirection {
   double x, y, z;
   double longitude = 0;  ///< Latlong: of the direction, in [-pi, pi].
@@ -34,18 +36,20 @@ struct CellShape {
   double solid_angle = 0;
   std::array<double, 3> mean{};     ///< Mean direction of even light; latlong: level, 0 and height.
   double centre = 0, half = 0;      ///< Latlong: y of the middle, half the extent.
-  double weight1 = 0, uneven1 = 0;  ///< Area / (r^4 solid_angle) by the r of the middle, and the largest part by which r^-4 differs.
+  /// Area / (r^4 solid_angle) by the r of the middle, and the largest part by which r^-4 differs.
+  double weight1 = 0, uneven1 = 0;
   double weight2 = 0, uneven2 = 0;  ///< The same of r^-5.
   bool polar = false;               ///< centre and half are of cos(polar angle), `far` is the largest sine.
 };
 
-/// L over one cell: within middle +- (across + down), beside a plane by `bend` at most. `even`: mean of t over the cell.
+/// L over one cell: within middle +- (across + down), beside a plane by `bend` at most. `even`:
+/// mean of t over the cell.
 struct CellView {
   double middle, across, down, bend, even;
 };
 
-/// Columns that the horizon leaves wholly above, [first, last), and those that it may cut on either side, [cut, first) and
-/// [last, end). On latlong maps they may run on beyond the last column, once.
+/// Columns that the horizon leaves wholly above, [first, last), and those that it may cut on either side, [cut, first)
+/// and [last, end). On latlong maps they may run on beyond the last column, once.
 struct RowSpan {
   int cut, first, last, end;
 };
@@ -54,7 +58,8 @@ struct RowSpan {
 struct PartView {
   double solid_angle, first, second;  ///< Integrals of 1, t and t^2.
   double middle, across, down, bend;
-  double weight1, uneven1, weight2, uneven2;  ///< Area / r^4 and / r^5 by the r of the middle, and how uneven those are.
+  /// Area / r^4 and / r^5 by the r of the middle, and how uneven those are.
+  double weight1, uneven1, weight2, uneven2;
   bool polar;                                 ///< middle, across, down are of t.
 };
 
@@ -68,13 +73,15 @@ struct Division {
 /// Borders of cells of `side` texels along an edge of `texels`, of which the last may be smaller.
 struct CellEdges {
   int texels, side, cells;
-  CellEdges(int of_texels, int of_side) : texels(of_texels), side(of_side), cells((of_texels + of_side - 1) / of_side) {}
+  CellEdges(int of_texels, int of_side)
+      : texels(of_texels), side(of_side), cells((of_texels + of_side - 1) / of_side) {}
   [[nodiscard]] int count() const { return cells; }
   [[nodiscard]] int first(int k) const { return k * side; }
   [[nodiscard]] int end(int k) const { return std::min((k + 1) * side, texels); }
 };
 
-/// Light of a block of texels: moments of order 0, x, y, z, xx, yy, zz, xy, xz, yz, each of three channels, and the least radiance.
+/// Light of a block of texels: moments of order 0, x, y, z, xx, yy, zz, xy, xz, yz, each of three channels,
+/// and the least radiance.
 struct HingeBlock {
   std::array<std::array<double, 3>, 10> moments{};
   Colour least{std::numeric_limits<float>::max()};
@@ -135,7 +142,8 @@ class LatlongGrid {
   int width_, height_;
   std::vector<Halving> halvings_;
   std::vector<std::array<double, 2>> rows_, columns_;  // Cosine and sine of the middles of texels.
-  std::vector<std::array<double, 4>> across_;          // Integrals over a column of cos, sin, cos^2 and cos sin of the longitude.
+  // Integrals over a column of cos, sin, cos^2 and cos sin of the longitude.
+  std::vector<std::array<double, 4>> across_;
 };
 
 class CubeGrid {
@@ -181,10 +189,12 @@ class CubeGrid {
   int size_;
 };
 
-/// t over longitudes within `across` of a middle, in a row at a pole. @param level,turn |n_xy| cos and sin of the longitude from n.
-/// @param z n_z. @param centre,half of cos(polar angle). @param sine,cosine of half the extent across. @param most sin(polar angle).
-inline void set_polar(CellView& view, double z, double centre, double half, double level, double turn, double sine, double cosine,
-                      double most) {
+/// t over longitudes within `across` of a middle, in a row at a pole. @param level,turn |n_xy| cos and sin of the
+/// longitude from n.
+/// @param z n_z. @param centre,half of cos(polar angle). @param sine,cosine of half the extent across.
+/// @param most sin(polar angle).
+inline void set_polar(CellView& view, double z, double centre, double half, double level, double turn, double sine,
+                      double cosine, double most) {
   const double spread = std::abs(turn) * sine + std::abs(level) * (1 - cosine);
   const double low = std::min(0.0, level - spread) * most, high = std::max(0.0, level + spread) * most;
   view.middle = z * centre + 0.5 * (low + high);
@@ -210,9 +220,12 @@ inline CellView LatlongGrid::Cells::view(const FaceDirection& n, int row, int co
 inline CellView CubeGrid::Cells::view(const FaceDirection& n, int row, int column) const {
   const CellShape& s = shape(row, column);
   const double inverse = 1.0 / across.texels;
-  const double x = (across.first(column) + across.end(column)) * inverse - 1, half_x = (across.end(column) - across.first(column)) * inverse;
-  const double y = 1 - (down.first(row) + down.end(row)) * inverse, half_y = (down.end(row) - down.first(row)) * inverse;
-  return {n.x * x + n.y * y + n.z, std::abs(n.x) * half_x, std::abs(n.y) * half_y, 0, n.x * s.mean[0] + n.y * s.mean[1] + n.z * s.mean[2]};
+  const double x = (across.first(column) + across.end(column)) * inverse - 1,
+               half_x = (across.end(column) - across.first(column)) * inverse;
+  const double y = 1 - (down.first(row) + down.end(row)) * inverse,
+               half_y = (down.end(row) - down.first(row)) * inverse;
+  return {n.x * x + n.y * y + n.z, std::abs(n.x) * half_x, std::abs(n.y) * half_y, 0,
+          n.x * s.mean[0] + n.y * s.mean[1] + n.z * s.mean[2]};
 }
 
 }  // namespace envmap::prefiltering

@@ -43,13 +43,15 @@ void BorderAngles(double slope, std::span<const double> y, std::vector<double>& 
   }
 }
 
-// Ranges of t, and what even light of radiance 1 adds: half of the mean of t, which is known, and half of that of |t|, which is
-// that of a plane over a rectangle, but for its bend and the unevenness of the weight. Of t+^2 that of the plane itself.
+// Ranges of t, and what even light of radiance 1 adds: half of the mean of t, which is known, and half of that of |t|,
+// which is that of a plane over a rectangle, but for its bend and the unevenness of the weight.
+// Of t+^2 that of the plane itself.
 void CellRanges(HingeBatch& batch, bool second) {
   const D d;
   auto at = [&](HingeBatch::Field f, std::size_t k) HWY_ATTR { return hn::LoadU(d, batch.field(f) + k); };
   const hn::Rebind<float, D> floats;
-  auto put = [&](HingeBatch::Found f, std::size_t k, V v) HWY_ATTR { hn::StoreU(hn::DemoteTo(floats, v), floats, batch.found(f) + k); };
+  auto put = [&](HingeBatch::Found f, std::size_t k, V v)
+                 HWY_ATTR { hn::StoreU(hn::DemoteTo(floats, v), floats, batch.found(f) + k); };
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5), one = hn::Set(d, 1);
   for (std::size_t k = 0; k < batch.count(); k += hn::Lanes(d)) {
     const V middle = at(HingeBatch::middle, k), a = at(HingeBatch::across, k), b = at(HingeBatch::down, k);
@@ -58,15 +60,18 @@ void CellRanges(HingeBatch& batch, bool second) {
     const V wide = hn::Max(a, least), tall = hn::Max(b, least);
     const V bend = hn::Add(at(HingeBatch::bend, k), hn::Mul(widest, hn::Set(d, 1e-8)));
     const V extent = hn::Add(hn::Add(a, b), bend), bottom = hn::Sub(middle, extent), top = hn::Add(middle, extent);
-    const V near = at(HingeBatch::near, k), low = hn::Mul(bottom, hn::IfThenElse(hn::Lt(bottom, zero), near, at(HingeBatch::far, k)));
+    const V near = at(HingeBatch::near, k),
+            low = hn::Mul(bottom, hn::IfThenElse(hn::Lt(bottom, zero), near, at(HingeBatch::far, k)));
     const V high = hn::Mul(top, near), omega = at(HingeBatch::solid_angle, k);
     put(HingeBatch::omega, k, omega), put(HingeBatch::mean, k, at(HingeBatch::even, k));
     put(HingeBatch::low, k, low), put(HingeBatch::high, k, high);
     put(HingeBatch::slope, k, hn::Div(high, hn::Max(hn::Sub(high, low), hn::Set(d, 1e-300))));
     V cubes = zero, fourths = zero;
     for (int corner = 0; corner < 4; ++corner) {
-      const V x = hn::Add(middle, corner % 2 == 0 ? wide : hn::Neg(wide)), q = hn::Add(x, corner < 2 ? tall : hn::Neg(tall));
-      const V p = hn::Max(q, zero), p2 = hn::Mul(p, p), m = hn::Abs(q), cube = hn::Mul(hn::Mul(m, m), m), fourth = hn::Mul(p2, p2);
+      const V x = hn::Add(middle, corner % 2 == 0 ? wide : hn::Neg(wide)),
+              q = hn::Add(x, corner < 2 ? tall : hn::Neg(tall));
+      const V p = hn::Max(q, zero), p2 = hn::Mul(p, p), m = hn::Abs(q), cube = hn::Mul(hn::Mul(m, m), m),
+              fourth = hn::Mul(p2, p2);
       const bool plus = corner == 0 || corner == 3;
       cubes = plus ? hn::Add(cubes, cube) : hn::Sub(cubes, cube);
       fourths = plus ? hn::Add(fourths, fourth) : hn::Sub(fourths, fourth);
@@ -81,7 +86,8 @@ void CellRanges(HingeBatch& batch, bool second) {
     const V w2 = hn::Mul(at(HingeBatch::weight2, k), omega), u2 = at(HingeBatch::uneven2, k);
     put(HingeBatch::even2, k, hn::Mul(w2, square));
     const V reach = hn::Mul(hn::Set(d, 2), hn::Add(hn::Abs(middle), extent));
-    put(HingeBatch::off2, k, hn::Mul(w2, hn::Add(hn::Mul(u2, square), hn::Mul(hn::Add(one, u2), hn::Mul(bend, reach)))));
+    put(HingeBatch::off2, k,
+        hn::Mul(w2, hn::Add(hn::Mul(u2, square), hn::Mul(hn::Add(one, u2), hn::Mul(bend, reach)))));
   }
 }
 
@@ -101,17 +107,21 @@ HWY_INLINE void above(float low, float high, bool second, Lanes f, Lanes m, Hing
   hn::Store(hn::Add(variance, rounded), d, &out.off2[c]);
 }
 
-// Even light and the rest, which is not negative: of the rest t+ lies between max(0, its moment) and the chord from low to high.
-HWY_INLINE void cut(const float* found, std::size_t room, bool second, Lanes f, Lanes m, Lanes e, HingeTerm& out, std::size_t c) {
+// Even light and the rest, which is not negative: of the rest t+ lies between max(0,
+// its moment) and the chord from low to high.
+HWY_INLINE void cut(const float* found, std::size_t room, bool second, Lanes f, Lanes m, Lanes e, HingeTerm& out,
+                    std::size_t c) {
   const F d;
   const auto of = [&](HingeBatch::Found which) HWY_ATTR { return hn::Set(d, found[which * room]); };
   const Lanes zero = hn::Zero(d), half = hn::Set(d, 0.5F), rounded = hn::Mul(f, hn::Set(d, rounding));
   const Lanes light = hn::Mul(e, of(HingeBatch::omega));
   const Lanes rest = hn::Max(zero, hn::Sub(f, light)), moment = hn::Sub(m, hn::Mul(light, of(HingeBatch::mean)));
   const Lanes least = hn::Max(zero, moment);
-  const Lanes most = hn::Max(least, hn::Mul(hn::Sub(moment, hn::Mul(rest, of(HingeBatch::low))), of(HingeBatch::slope)));
+  const Lanes most =
+      hn::Max(least, hn::Mul(hn::Sub(moment, hn::Mul(rest, of(HingeBatch::low))), of(HingeBatch::slope)));
   hn::Store(hn::Add(hn::Mul(half, hn::Add(least, most)), hn::Mul(e, of(HingeBatch::even1))), d, &out.middle1[c]);
-  hn::Store(hn::Add(hn::Add(hn::Mul(half, hn::Sub(most, least)), hn::Mul(e, of(HingeBatch::off1))), rounded), d, &out.off1[c]);
+  hn::Store(hn::Add(hn::Add(hn::Mul(half, hn::Sub(most, least)), hn::Mul(e, of(HingeBatch::off1))), rounded), d,
+            &out.off1[c]);
   if (!second) return;
   const Lanes square = hn::Mul(hn::Mul(half, of(HingeBatch::high)), most);
   hn::Store(hn::Add(square, hn::Mul(e, of(HingeBatch::even2))), d, &out.middle2[c]);
@@ -134,7 +144,8 @@ void BoundCells(const FaceDirection& n, HingeBatch& batch, int order, std::vecto
     HingeTerm& term = out[used++];
     term.face = place.face, term.row = place.row, term.column = place.column;
     for (std::size_t c = 0; c < 4; c += hn::Lanes(d), p += hn::Lanes(d)) {
-      const Lanes m = hn::Add(hn::Add(hn::Mul(hn::LoadU(d, p), x), hn::Mul(hn::LoadU(d, p + 3), y)), hn::Mul(hn::LoadU(d, p + 6), z));
+      const Lanes m = hn::Add(hn::Add(hn::Mul(hn::LoadU(d, p), x), hn::Mul(hn::LoadU(d, p + 3), y)),
+                              hn::Mul(hn::LoadU(d, p + 6), z));
       if (low >= 0)
         above(low, high, order > 1, hn::LoadU(d, p + 9), m, term, c);
       else

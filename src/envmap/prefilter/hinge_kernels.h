@@ -30,8 +30,8 @@ class HingeBatch {
   void add(const CellView& view, const CellShape& shape, double solid, const Place& at) {
     if (count_ == places_.size()) grow();
     double* p = &fields_[count_];
-    for (const double x : {view.middle, view.across, view.down, view.bend, view.even, shape.near, shape.far, solid, shape.weight1,
-                           shape.uneven1, shape.weight2, shape.uneven2})
+    for (const double x : {view.middle, view.across, view.down, view.bend, view.even, shape.near, shape.far, solid,
+                           shape.weight1, shape.uneven1, shape.weight2, shape.uneven2})
       *p = x, p += room_;
     places_[count_++] = at;
   }

@@ -19,15 +19,18 @@ double cot(double sine, double cosine) { return cosine / sine; }
 LatlongGrid::LatlongGrid(int width, int height) : width_(width), height_(height) {
   for (int k = 0; k <= deepest; ++k) {
     const double down = std::ldexp(0.5 / height, -k), across = std::ldexp(1.0 / width, -k);  // Over pi.
-    halvings_.push_back({portable::sin_pi(down), portable::cos_pi(down), portable::sin_pi(across), portable::cos_pi(across),
-                         portable::sin_pi(node * down), portable::cos_pi(node * down), pi * across});
+    halvings_.push_back({portable::sin_pi(down), portable::cos_pi(down), portable::sin_pi(across),
+                         portable::cos_pi(across), portable::sin_pi(node * down), portable::cos_pi(node * down),
+                         pi * across});
   }
-  for (int j = 0; j < height; ++j) rows_.push_back({portable::cos_pi((j + 0.5) / height), portable::sin_pi((j + 0.5) / height)});
+  for (int j = 0; j < height; ++j)
+    rows_.push_back({portable::cos_pi((j + 0.5) / height), portable::sin_pi((j + 0.5) / height)});
   const double once = 2 * portable::sin_pi(1.0 / width), twice = portable::sin_pi(2.0 / width);
   for (int i = 0; i < width; ++i) {
     const double cosine = portable::cos_pi((2.0 * i + 1) / width), sine = portable::sin_pi((2.0 * i + 1) / width);
     columns_.push_back({cosine, sine});
-    across_.push_back({once * cosine, once * sine, pi / width + 0.5 * twice * (cosine * cosine - sine * sine), twice * cosine * sine});
+    across_.push_back({once * cosine, once * sine, pi / width + 0.5 * twice * (cosine * cosine - sine * sine),
+                       twice * cosine * sine});
   }
 }
 
@@ -60,20 +63,23 @@ void LatlongGrid::Row::add(std::span<const Colour> texels, int first, int order,
     for (std::size_t k = 0; k < 3; ++k) block.moments[m][k] += f[int(k)];
   };
   put(0, o * even), put(1, s * x), put(2, s * y), put(3, c * even);
-  if (order > 1) put(4, ss * xx), put(5, ss * (even - xx)), put(6, cc * even), put(7, ss * xy), put(8, cs * x), put(9, cs * y);
+  if (order > 1)
+    put(4, ss * xx), put(5, ss * (even - xx)), put(6, cc * even), put(7, ss * xy), put(8, cs * x), put(9, cs * y);
 }
 
 namespace {
 
 // Between two polar angles, over pi.
 CellShape row_shape(double top, double bottom, int pole) {
-  const double s0 = portable::sin_pi(top), s1 = portable::sin_pi(bottom), c0 = portable::cos_pi(top), c1 = portable::cos_pi(bottom);
+  const double s0 = portable::sin_pi(top), s1 = portable::sin_pi(bottom), c0 = portable::cos_pi(top),
+               c1 = portable::cos_pi(bottom);
   const double middle = 0.5 * (top + bottom), size = bottom - top;
   CellShape shape;
   const double sine = portable::sin_pi(middle);
   shape.solid_angle = 2 * sine * portable::sin_pi(0.5 * size);
   shape.mean[2] = 0.5 * portable::sin_pi(2 * middle) * portable::sin_pi(size) / shape.solid_angle;
-  shape.mean[0] = quadrature::line<5>(top, bottom, [](double a) { return portable::sin_pi(a) * portable::sin_pi(a); }) * pi / shape.solid_angle;
+  shape.mean[0] = quadrature::line<5>(top, bottom, [](double a) { return portable::sin_pi(a) * portable::sin_pi(a); }) *
+                  pi / shape.solid_angle;
   if (pole != 0) {
     shape.polar = true;
     shape.centre = 0.5 * (c0 + c1), shape.half = 0.5 * (c0 - c1);
@@ -99,11 +105,14 @@ LatlongGrid::Cells LatlongGrid::cells(int side) const {
   Cells made{{width_, side}, {height_, side}, {}, {}, {}};
   const double h = height_, w = width_;
   for (int k = 0; k < made.across.count(); ++k) {
-    const double middle = (made.across.first(k) + made.across.end(k)) / w, half = (made.across.end(k) - made.across.first(k)) / w;  // Over pi.
+    // Over pi.
+    const double middle = (made.across.first(k) + made.across.end(k)) / w,
+                 half = (made.across.end(k) - made.across.first(k)) / w;
     const double sine = portable::sin_pi(half), cosine = portable::cos_pi(half), angle = pi * half;
-    // cos over the column: about (1 + cosine) / 2, within (1 - cosine) / 2; sin: a line to its ends, within 0.07 angle^3.
-    made.columns.push_back({portable::cos_pi(middle), portable::sin_pi(middle), 0.5 * (1 + cosine), sine, 0.5 * (1 - cosine),
-                            0.07 * angle * angle * angle, sine / angle, 2 * angle});
+    // cos over the column: about (1 + cosine) / 2, within (1 - cosine) / 2; sin: a line to its ends,
+    // within 0.07 angle^3.
+    made.columns.push_back({portable::cos_pi(middle), portable::sin_pi(middle), 0.5 * (1 + cosine), sine,
+                            0.5 * (1 - cosine), 0.07 * angle * angle * angle, sine / angle, 2 * angle});
   }
   const int rows = made.down.count();
   for (int k = 0; k < rows; ++k)
@@ -127,7 +136,8 @@ RowSpan LatlongGrid::Cells::span(const FaceDirection& n, const double* angles, i
     return whole * count + std::min(int((turns - whole) * across.texels) / across.side, count - 1);
   };
   const double at = n.longitude + 4 * pi;  // No column below 0.
-  RowSpan s{column(at - outer - margin), column(at - inner + margin) + 1, column(at + inner - margin), column(at + outer + margin) + 1};
+  RowSpan s{column(at - outer - margin), column(at - inner + margin) + 1, column(at + inner - margin),
+            column(at + outer + margin) + 1};
   if (s.first >= s.last) {
     s.end = std::min(s.end, s.cut + count);
     s.first = s.last = s.end;
@@ -148,10 +158,12 @@ PartView LatlongGrid::Part::view(const FaceDirection& n) const {
   const Halving &h = grid->halvings_[std::size_t(down)], &a = grid->halvings_[std::size_t(across)];
   const double half_height = 0.5 * pi / std::ldexp(double(grid->height_), down);
   const double once = 2 * level * a.sine_across, twice = a.sine_across * a.cosine_across;
-  const double squares = level * level * (a.across + twice) + turn * turn * (a.across - twice);  // Of cos over the columns.
+  // Of cos over the columns.
+  const double squares = level * level * (a.across + twice) + turn * turn * (a.across - twice);
   PartView v{};
   for (int k = -1; k <= 1; ++k) {
-    const double weight = half_height * (k == 0 ? 8.0 / 9 : 5.0 / 9), sn = k * h.sine_node, cn = k == 0 ? 1 : h.cosine_node;
+    const double weight = half_height * (k == 0 ? 8.0 / 9 : 5.0 / 9), sn = k * h.sine_node,
+                 cn = k == 0 ? 1 : h.cosine_node;
     const double s = sine * cn + cosine * sn, c = cosine * cn - sine * sn, height = n.z * c;
     v.solid_angle += weight * s * 2 * a.across;
     v.first += weight * s * (height * 2 * a.across + s * once);
@@ -165,11 +177,13 @@ PartView LatlongGrid::Part::view(const FaceDirection& n) const {
     v.middle = t.middle, v.across = t.across, v.down = t.down, v.polar = true;
     return v;
   }
-  const double y = 0.5 * (cot(s0, c0) + cot(s1, c1)), half = h.sine_down * h.cosine_down / (s0 * s1), r = 1 / std::sqrt(1 + y * y);
+  const double y = 0.5 * (cot(s0, c0) + cot(s1, c1)), half = h.sine_down * h.cosine_down / (s0 * s1),
+               r = 1 / std::sqrt(1 + y * y);
   v.middle = n.z * y + 0.5 * level * (1 + a.cosine_across);
   v.across = std::abs(turn) * a.sine_across, v.down = std::abs(n.z) * half;
   v.bend = std::abs(level) * 0.5 * (1 - a.cosine_across) + std::abs(turn) * 0.07 * a.across * a.across * a.across;
-  const double area = 4 * half * a.across, most = c0 > 0 && c1 < 0 ? 1 : std::max(s0, s1), up = most / r, low = std::min(s0, s1) / r;
+  const double area = 4 * half * a.across, most = c0 > 0 && c1 < 0 ? 1 : std::max(s0, s1), up = most / r,
+               low = std::min(s0, s1) / r;
   v.weight1 = area * r * r * r * r, v.uneven1 = std::max(up * up * up * up - 1, 1 - low * low * low * low);
   v.weight2 = v.weight1 * r, v.uneven2 = std::max(up * up * up * up * up - 1, 1 - low * low * low * low * low);
   return v;
@@ -187,7 +201,9 @@ Division<LatlongGrid::Part> LatlongGrid::Part::divided() const {
       continue;
     }
     for (const double sa : {-a.sine_across, a.sine_across})
-      made.parts[made.count++] = {grid, s, c, level * a.cosine_across - turn * sa, turn * a.cosine_across + level * sa, down + 1, across + 1, 0};
+      made.parts[made.count++] = {
+          grid,     s,          c, level * a.cosine_across - turn * sa, turn * a.cosine_across + level * sa,
+          down + 1, across + 1, 0};
   }
   return made;
 }

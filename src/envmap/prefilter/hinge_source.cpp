@@ -37,7 +37,11 @@ struct HingeSource<Grid>::Rows {
 
 template <class Grid>
 HingeSource<Grid>::HingeSource(const Level& source, double mean, int rows, int order)
-    : source_(source), darkest_(darkest_of(source)), unit_(1 / mean), order_(order), grid_(source.width(), source.height()) {
+    : source_(source),
+      darkest_(darkest_of(source)),
+      unit_(1 / mean),
+      order_(order),
+      grid_(source.width(), source.height()) {
   const int height = source.height();
   int side = 1;  // Smaller cells are few where they are needed: they are made of texels then.
   while (side < 4 && height / (4 * side) >= rows) side *= 2;

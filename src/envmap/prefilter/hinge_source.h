@@ -12,8 +12,8 @@
 
 namespace envmap::prefiltering {
 
-/// Light of one cell beyond HingeSource::darkest(), of channels c = 0, 1, 2, in units of the mean: first moments m[3 k + c] of the face's axis k, the flux
-/// m[9 + c], and the least radiance m[12 + c] (0 in rows at a pole).
+/// Light of one cell beyond HingeSource::darkest(), of channels c = 0, 1, 2, in units of the mean: first moments m[3 k
+/// + c] of the face's axis k, the flux m[9 + c], and the least radiance m[12 + c] (0 in rows at a pole).
 struct alignas(64) HingeCell {
   float m[16];
 };
@@ -21,8 +21,8 @@ struct alignas(64) HingeCell {
 template <class Grid>
 class HingeSource {
  public:
-  /// @param source a cube or latlong map of 4 rows or more. @param mean of its radiance. @param rows of cells of a face that the
-  /// sum over a horizon starts from, about. @param order 1: moments for t+ alone, 2: for t+^2, too.
+  /// @param source a cube or latlong map of 4 rows or more. @param mean of its radiance. @param rows of cells of a face
+  /// that the sum over a horizon starts from, about. @param order 1: moments for t+ alone, 2: for t+^2, too.
   HingeSource(const Level& source, double mean, int rows, int order);
 
   struct Cells {
@@ -46,8 +46,8 @@ class HingeSource {
   void add(int face, int row, int first, int last, Sums& sums) const;
   /// Brings what add() reads into the cache.
   void prefetch(int face, int row, int first, int last) const;
-  /// Least radiance of each channel, in units of the mean. It comes from everywhere, so its integral is known in closed form,
-  /// and a constant map stays constant to the last bit. Cells, sums and radiance() leave it out.
+  /// Least radiance of each channel, in units of the mean. It comes from everywhere, so its integral is known in closed
+  /// form, and a constant map stays constant to the last bit. Cells, sums and radiance() leave it out.
   [[nodiscard]] Flux darkest() const { return Flux(darkest_) * unit_; }
   /// In units of the mean.
   [[nodiscard]] Flux radiance(int face, int row, int column) const {

@@ -16,8 +16,8 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-/// What every lobe is, and what the methods take for granted of it: 0 below the horizon (x >= 1), rising with x up to a peak
-/// and falling from there, and of integral 1 over the sphere, so that white stays white.
+/// What every lobe is, and what the methods take for granted of it: 0 below the horizon (x >= 1), rising with x up to a
+/// peak and falling from there, and of integral 1 over the sphere, so that white stays white.
 template <class L>
 concept RadialLobe = requires(const L& l, double x) {
   { L::name } -> std::convertible_to<std::string_view>;
@@ -28,9 +28,11 @@ concept RadialLobe = requires(const L& l, double x) {
   { l.peak() } -> std::same_as<double>;      ///< x at which it is largest; 0 but for sheen.
   { l.rate(x) } -> std::same_as<double>;     ///< |d ln(value) / dx|, or more: how fast it falls or rises.
   { l.width() } -> std::same_as<double>;     ///< About how far in x it falls to 1/e.
-  { l.convex() } -> std::same_as<bool>;      ///< Of all x: steepest in the middle, not stepped or bent down at the horizon.
+  /// Of all x: steepest in the middle, not stepped or bent down at the horizon.
+  { l.convex() } -> std::same_as<bool>;
   { l.breaks_off() } -> std::same_as<bool>;  ///< At the horizon, by a step or an edge of any steepness.
-  { l.kink() } -> std::same_as<double>;      ///< How much its slope changes at the horizon, where it does not break off.
+  /// How much its slope changes at the horizon, where it does not break off.
+  { l.kink() } -> std::same_as<double>;
 };
 
 /// Lambert's cosine: value = cos / pi. A diffuse map is the irradiance over pi of a plane that faces the direction.
@@ -106,9 +108,9 @@ struct Ggx {
   }
 };
 
-/// Blinn's distribution (1977, "Models of light reflection for computer synthesized pictures"), D(h) ~ cos(n,h)^m, m >= 0, in
-/// the place of Trowbridge and Reitz's: value ~ cos (1 - x/2)^(m/2). About as wide as Phong's of m / 4, and without its step
-/// at the horizon.
+/// Blinn's distribution (1977, "Models of light reflection for computer synthesized pictures"), D(h) ~ cos(n,h)^m, m >=
+/// 0, in the place of Trowbridge and Reitz's: value ~ cos (1 - x/2)^(m/2). About as wide as Phong's of m / 4, and
+/// without its step at the horizon.
 struct BlinnPhong {
   static constexpr std::string_view name = "blinn-phong", parameter_name = "exponent";
   double power, scale;  ///< m / 2, and what makes the integral 1.
@@ -130,9 +132,9 @@ struct BlinnPhong {
   [[nodiscard]] double rest(double x) const;
 };
 
-/// Sheen of cloth, of Estevez and Kulla's distribution ("Charlie": 2017, "Production friendly microfacet sheen BRDF"), D(h) ~
-/// sin(n,h)^(1/a), a = roughness^2, in the place of Trowbridge and Reitz's, as the sheen of glTF is prefiltered: sin(n,h)^2 = x/2
-/// makes it value ~ cos x^p, p = 1 / (2 a). It rises from 0 in the middle.
+/// Sheen of cloth, of Estevez and Kulla's distribution ("Charlie": 2017, "Production friendly microfacet sheen BRDF"),
+/// D(h) ~ sin(n,h)^(1/a), a = roughness^2, in the place of Trowbridge and Reitz's, as the sheen of glTF is prefiltered:
+/// sin(n,h)^2 = x/2 makes it value ~ cos x^p, p = 1 / (2 a). It rises from 0 in the middle.
 struct Charlie {
   static constexpr std::string_view name = "charlie", parameter_name = "roughness";
   double power;
@@ -152,6 +154,7 @@ struct Charlie {
 };
 
 using Lobe = std::variant<Cosine, Phong, Ggx, BlinnPhong, Charlie>;
-static_assert(RadialLobe<Cosine> && RadialLobe<Phong> && RadialLobe<Ggx> && RadialLobe<BlinnPhong> && RadialLobe<Charlie>);
+static_assert(RadialLobe<Cosine> && RadialLobe<Phong> && RadialLobe<Ggx> && RadialLobe<BlinnPhong> &&
+              RadialLobe<Charlie>);
 
 }  // namespace envmap

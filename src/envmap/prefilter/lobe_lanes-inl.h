@@ -1,6 +1,6 @@
 /// @file
-/// The formulae of the lobes for vectors of float or double, for any Highway target. Included once a target, by files that
-/// foreach_target.h compiles. Only operations that IEEE 754 rounds in one way: every target gives the same bits.
+/// The formulae of the lobes for vectors of float or double, for any Highway target. Included once a target, by files
+/// that foreach_target.h compiles. Only operations that IEEE 754 rounds in one way: every target gives the same bits.
 #if defined(ENVMAP_PREFILTER_LOBE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ENVMAP_PREFILTER_LOBE_LANES_INL_H_
 #undef ENVMAP_PREFILTER_LOBE_LANES_INL_H_
@@ -53,8 +53,9 @@ struct Binary<double> {
   static constexpr double tiny = 1e-300, lowest = -1000, shift = 0x1.8p52;
 };
 
-/// log2(y), y below 2: -2 atanh(x / (2 - x)) / ln 2 of y = 1 - x, after y is brought to [3/4, 3/2) by its exponent; x itself
-/// where that is 0, so that small x keep their digits. Relative error 3e-7 of floats, 3e-16 of doubles. @param x 1 - y.
+/// log2(y), y below 2: -2 atanh(x / (2 - x)) / ln 2 of y = 1 - x, after y is brought to [3/4, 3/2) by its exponent; x
+/// itself where that is 0, so that small x keep their digits. Relative error 3e-7 of floats, 3e-16 of doubles.
+/// @param x 1 - y.
 template <class D, class V>
 HWY_INLINE V log2_of(D d, V y, V x) {
   using T = hn::TFromD<D>;
@@ -109,9 +110,9 @@ HWY_INLINE V cosine(D d, V x) {
   return hn::Max(hn::Sub(set(d, 1), x), set(d, 1e-6));
 }
 
-// value(): lobe.h's. It may be asked for a little below x = 0, where the series of a node goes on, and then at most doubles
-// or so. slope(), second() and third(): the sizes of the derivatives by x, above the horizon; the largest over an interval
-// of x is that at one of its ends.
+// value(): lobe.h's. It may be asked for a little below x = 0, where the series of a node goes on, and then at most
+// doubles or so. slope(), second() and third(): the sizes of the derivatives by x, above the horizon; the largest over
+// an interval of x is that at one of its ends.
 
 template <class D, class V>
 HWY_INLINE V value(const Cosine&, D d, V x) {
@@ -179,8 +180,8 @@ HWY_INLINE V third(const Ggx& l, D d, V x, V /*value*/) {
   return ggx_derivative(l, d, x, 18, 24, 3);
 }
 
-// With q = 1 - x/2, c = 1 - x and p the power: value = k c q^p, and by Leibniz's rule, each derivative of q^p brings p / (2q).
-// All keep their sign and rise or fall throughout [0,1].
+// With q = 1 - x/2, c = 1 - x and p the power: value = k c q^p, and by Leibniz's rule, each derivative of q^p brings p
+// / (2q). All keep their sign and rise or fall throughout [0,1].
 template <class D, class V>
 HWY_INLINE V blinn_power(const BlinnPhong& l, D d, V x) {
   const V log = log2_one_minus(d, hn::Mul(set(d, 0.5), x));
@@ -240,7 +241,7 @@ HWY_INLINE V slope(const Charlie& l, D d, V x, V /*value*/) {
   return charlie_most(l, d, x, x, l.power, l.power + 1, 1);
 }
 
-// ---- over an interval ---------------------------------------------------------------------------------------------------
+// ---- over an interval -----------------------------------------------------------------------------------------------
 
 /// The largest sizes of the derivatives of a lobe over [lo, hi], hi <= 1.
 template <class V>
@@ -249,7 +250,8 @@ struct Derivatives {
 };
 template <class L, class D, class V>
 HWY_INLINE Derivatives<V> derivatives_over(const L& l, D d, V lo, V at_lo, V hi, V at_hi) {
-  return {hn::Max(slope(l, d, lo, at_lo), slope(l, d, hi, at_hi)), hn::Max(second(l, d, lo, at_lo), second(l, d, hi, at_hi)),
+  return {hn::Max(slope(l, d, lo, at_lo), slope(l, d, hi, at_hi)),
+          hn::Max(second(l, d, lo, at_lo), second(l, d, hi, at_hi)),
           hn::Max(third(l, d, lo, at_lo), third(l, d, hi, at_hi))};
 }
 // value = k (x^p - x^(p+1)).

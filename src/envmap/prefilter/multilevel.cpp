@@ -27,7 +27,8 @@ constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 1.5e-4, 3.6};
 constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 2e-5, 4.0};
 
 constexpr int most_rows = 2048, least_rows = 64;
-constexpr double floor_density = 1e-3 / (12 * pi);  // 0.001 x the mean of three channels, over the flux of a light in one.
+// 0.001 x the mean of three channels, over the flux of a light in one.
+constexpr double floor_density = 1e-3 / (12 * pi);
 
 int rows_for(double step) {
   return std::max(least_rows, int(std::bit_ceil(unsigned(std::min(1e6, std::ceil(pi / step))))));
@@ -117,7 +118,8 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
   const double floor = 1e-3 * source.mean;
   std::vector<HingeSums> hinges(directions.size());
   if (plan.has_hinges()) {
-    const std::array<double, 2> least{0.25e-3 / plan.hinges[0], 0.25e-3 / plan.hinges[1]};  // A quarter of the floor each.
+    // A quarter of the floor each.
+    const std::array<double, 2> least{0.25e-3 / plan.hinges[0], 0.25e-3 / plan.hinges[1]};
     source.hinges->sums(directions, plan.hinge_error, hinges, least);
   }
   GatherRoom room;

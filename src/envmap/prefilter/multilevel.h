@@ -1,8 +1,8 @@
 /// @file
 /// Prefilter by multilevel summation: a lobe split into parts, each summed over a grid as coarse as the part is smooth.
 ///
-/// The bend at the horizon is taken off as t+ and t+^2, which prefix sums add (hinge.h). Radiance is not negative, so the error of
-/// every texel of every map is at most the largest relative error of one light at any angle: see
+/// The bend at the horizon is taken off as t+ and t+^2, which prefix sums add (hinge.h). Radiance is not negative, so
+/// the error of every texel of every map is at most the largest relative error of one light at any angle: see
 /// docs/explanation/prefilter-multilevel.md.
 #pragma once
 
@@ -32,15 +32,16 @@ struct MultilevelPlan {
 
   [[nodiscard]] std::vector<int> grids() const;
   [[nodiscard]] bool has_hinges() const { return hinges[0] > 0; }
-  /// Whether the lobe is so narrow, and the result so large, that nothing else is quicker (measured). @param texels of the whole result.
+  /// Whether the lobe is so narrow, and the result so large, that nothing else is quicker (measured).
+  /// @param texels of the whole result.
   [[nodiscard]] bool is_quick(const Level& from, std::size_t texels) const {
     const auto rows = std::size_t(steps.front().rows);
     return rows >= 512 && (from.projection() == Projection::cube ? 40 : 100) * texels >= rows * rows;
   }
 };
 
-/// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, lobes narrower than a few thousandths of a
-/// radian, Phong lobes of exponent below 4, and sheen.
+/// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, lobes narrower than a few
+/// thousandths of a radian, Phong lobes of exponent below 4, and sheen.
 std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error);
 
 /// What a map is made of.
@@ -60,7 +61,8 @@ struct MultilevelSum {
 void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, std::span<const Direction> directions,
                      std::span<MultilevelSum> out);
 
-/// Makes a map. @param rows of it that are wanted; empty: all. @param bounds set to the bound of each texel, by index_of().
+/// Makes a map. @param rows of it that are wanted; empty: all. @param bounds set to the bound of each texel,
+/// by index_of().
 void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target,
                     std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress);
 

@@ -182,7 +182,8 @@ GatherRoom::Row window(const SourceGrid& grid, int row, const LevelKernel& kerne
   const double g = double(grid.sine[r]) * view.sine, versine = (double(kernel.end) - c) / std::max(1e-30, g);
   if (versine <= 0) return {row, 0, 0, 0, 0, 0};
   const int columns = grid.columns[r];
-  const double at = view.longitude * columns / (2 * pi) - 0.5, w = versine >= 2 ? columns : half_width(versine, columns);
+  const double at = view.longitude * columns / (2 * pi) - 0.5,
+               w = versine >= 2 ? columns : half_width(versine, columns);
   int start, blocks;
   if (2 * w >= columns - 10) {
     start = int(std::floor(at)) - columns / 2;

@@ -1,5 +1,6 @@
 /// @file
-/// The inner loops of multilevel summation: a kernel in a window of a source grid, eight virtual lanes wide on every processor.
+/// The inner loops of multilevel summation: a kernel in a window of a source grid,
+/// eight virtual lanes wide on every processor.
 #pragma once
 
 #include <array>

@@ -40,11 +40,13 @@ struct Term {
 };
 using Terms = std::vector<std::vector<Term>>;
 
-// What `parts` equal parts of a line of `nodes` nodes add to each: integrals of density(position in 0 to 1) x the basis.
+// What `parts` equal parts of a line of `nodes` nodes add to each: integrals of density(position in 0 to 1) x the
+// basis.
 // @param wraps from the last to the first; else it goes on mirrored, half a turn away.
 template <class Density>
 Terms adjoint(int parts, int nodes, bool wraps, Density&& density) {
-  std::vector<std::map<std::pair<int, bool>, double>> sums(std::size_t(nodes), std::map<std::pair<int, bool>, double>{});
+  std::vector<std::map<std::pair<int, bool>, double>> sums(std::size_t(nodes),
+                                                           std::map<std::pair<int, bool>, double>{});
   const auto& gauss = quadrature::rule<3>();
   const int panels = (nodes + parts - 1) / parts;
   const double width = 1.0 / parts / panels;
@@ -184,7 +186,7 @@ SourceGrid thinned(const Planes& full) {
   return grid;
 }
 
-// ---- the finest grid ------------------------------------------------------------------------------------------------------
+// ---- the finest grid ------------------------------------------------------------------------------------------------
 
 Planes of_latlong(const Level& source, double unit, const Colour& darkest, int rows) {
   Planes out(rows, 2 * rows);
@@ -216,7 +218,7 @@ Planes of_latlong(const Level& source, double unit, const Colour& darkest, int r
   return out;
 }
 
-// ---- of a cube: every texel as Gauss points ---------------------------------------------------------------------------------
+// ---- of a cube: every texel as Gauss points -------------------------------------------------------------------------
 
 struct LightPoint {
   float light[3];
@@ -243,7 +245,8 @@ std::vector<double> nodes_of(int points, std::vector<double>& weights) {
 }
 
 // Of a row of texels.
-std::vector<LightPoint> points_of(const Level& source, int face, int row, int points, double unit, const Colour& darkest) {
+std::vector<LightPoint> points_of(const Level& source, int face, int row, int points, double unit,
+                                  const Colour& darkest) {
   std::vector<double> weights;
   const std::vector<double> nodes = nodes_of(points, weights);
   std::vector<Vec2<double>> at;

@@ -1,9 +1,11 @@
 /// @file
-/// Levels of a source for multilevel summation: its light as point sources on latlong grids, each half as fine as the one before.
+/// Levels of a source for multilevel summation: its light as point sources on latlong grids,
+/// each half as fine as the one before.
 ///
-/// The grids are the adjoint of Lagrange interpolation: a texel is integrated against the basis of its grid, a level against that of the
-/// next (Brandt and Lubrecht 1990, "Multilevel matrix multiplication and fast solution of integral equations"). So the sum of a
-/// kernel over a grid is the sum over the source of the kernel interpolated from that grid.
+/// The grids are the adjoint of Lagrange interpolation: a texel is integrated against the basis of its grid, a level
+/// against that of the next (Brandt and Lubrecht 1990, "Multilevel matrix multiplication and fast solution of integral
+/// equations"). So the sum of a kernel over a grid is the sum over the source of the kernel interpolated from that
+/// grid.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +19,8 @@ namespace envmap::prefiltering {
 /// Nodes of an interpolation along one axis.
 inline constexpr int nodes_across = 12;
 
-/// Light at the nodes of a latlong grid. Rows near poles have fewer columns, a power of two and no farther apart than rows.
+/// Light at the nodes of a latlong grid. Rows near poles have fewer columns,
+/// a power of two and no farther apart than rows.
 struct SourceGrid {
   int rows = 0;
   std::vector<int> columns;
@@ -38,7 +41,8 @@ inline bool serves_multilevel(const Level& source) {
 /// Grids of `finest` rows, and of half as many down to `coarsest`, of those that are wanted.
 class SourceGrids {
  public:
-  /// @param source a cube or latlong map. @param unit that radiance is counted in, above 0. @param darkest taken off all radiance.
+  /// @param source a cube or latlong map. @param unit that radiance is counted in, above 0. @param darkest taken off
+  /// all radiance.
   /// @param wanted numbers of rows, powers of two from 64.
   SourceGrids(const Level& source, double unit, const Colour& darkest, std::vector<int> wanted);
 

@@ -20,7 +20,9 @@ using V = hn::Vec<D>;
 HWY_INLINE V load(const Lanes& from, std::size_t k) { return hn::Load(D(), &from[k]); }
 HWY_INLINE V over(V a, V b) { return hn::IfThenElseZero(hn::Gt(b, hn::Zero(D())), hn::Div(a, b)); }
 
-HWY_INLINE V weighted(V red, V green, V blue) { return hn::Mul(hn::Set(D(), 1.0F / 3), hn::Add(hn::Add(red, green), blue)); }
+HWY_INLINE V weighted(V red, V green, V blue) {
+  return hn::Mul(hn::Set(D(), 1.0F / 3), hn::Add(hn::Add(red, green), blue));
+}
 
 // Cube root, of 0 to 1e30, 1e-6 above: Newton's steps from a third of the exponent.
 HWY_INLINE V cube_root(V a) {
@@ -37,8 +39,12 @@ HWY_INLINE V spread_of(const TexelBatch& t, std::size_t k) { return load(t.row->
 HWY_INLINE V spread_of(const NodeBatch& n, std::size_t k) { return load(n.spread, k); }
 HWY_INLINE V reach_of(const TexelBatch& t, std::size_t k) { return load(t.row->reach, k); }
 HWY_INLINE V reach_of(const NodeBatch& n, std::size_t k) { return load(n.reach, k); }
-HWY_INLINE V second_of(const TexelBatch& t, std::size_t /*c*/, std::size_t n, std::size_t k) { return load(t.row->covariance[n], k); }
-HWY_INLINE V second_of(const NodeBatch& b, std::size_t c, std::size_t n, std::size_t k) { return load(b.second[c][n], k); }
+HWY_INLINE V second_of(const TexelBatch& t, std::size_t /*c*/, std::size_t n, std::size_t k) {
+  return load(t.row->covariance[n], k);
+}
+HWY_INLINE V second_of(const NodeBatch& b, std::size_t c, std::size_t n, std::size_t k) {
+  return load(b.second[c][n], k);
+}
 
 struct Offset {
   V at[3], product[6];
@@ -75,9 +81,11 @@ HWY_INLINE V middle(std::span<const Part> parts, NodeBatch& whole, std::size_t k
   return weight;
 }
 
-// One channel's moments about the mean place of all. @param second set to its second moment x flux. @param cube flux x |offset|^3.
+// One channel's moments about the mean place of all. @param second set to its second moment x flux.
+// @param cube flux x |offset|^3.
 template <class Part>
-HWY_INLINE void moments(std::span<const Part> parts, NodeBatch& whole, std::size_t c, std::size_t k, V (&second)[6], V& cube) {
+HWY_INLINE void moments(std::span<const Part> parts, NodeBatch& whole, std::size_t c, std::size_t k, V (&second)[6],
+                        V& cube) {
   const D d;
   V dipole[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   for (V& s : second) s = hn::Zero(d);
@@ -123,7 +131,8 @@ void unite_lanes(std::span<const Part> parts, NodeBatch& whole) {
     V second[node_channels][6], cube[node_channels];
     for (std::size_t c = 0; c < node_channels; ++c) moments(parts, whole, c, k, second[c], cube[c]);
     V covariance[6];
-    for (std::size_t n = 0; n < 6; ++n) covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n]), weight);
+    for (std::size_t n = 0; n < 6; ++n)
+      covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n]), weight);
     V most_uneven = hn::Zero(d), most_cube = hn::Zero(d);
     for (std::size_t c = 0; c < node_channels; ++c) {
       const V flux = load(whole.flux[c], k);

@@ -9,11 +9,13 @@
 
 namespace envmap::prefiltering {
 
-/// Red, green and blue flux, in units of the source's mean radiance, beyond what the darkest texel gives: see Tree::beyond().
+/// Red, green and blue flux, in units of the source's mean radiance, beyond what the darkest texel gives:
+/// see Tree::beyond().
 inline constexpr std::size_t node_channels = 3;
 using NodeFlux = std::array<float, node_channels>;
 
-/// Moments of the flux over a block of texels about the mean direction of all channels together. Without flux it is none.
+/// Moments of the flux over a block of texels about the mean direction of all channels together.
+/// Without flux it is none.
 struct Node {
   Direction centre;  ///< Mean direction: inside the sphere, by half the variance.
   NodeFlux flux;
@@ -29,7 +31,8 @@ inline bool is_lit(const Node& node) { return node.flux[0] + node.flux[1] + node
 /// Of all channels together.
 std::array<float, 6> covariance_of(const Node& node);
 
-/// 1 - |centre|^2: for directions, which are unit vectors, that is their mean square offset, of which float32 has more digits.
+/// 1 - |centre|^2: for directions, which are unit vectors, that is their mean square offset,
+/// of which float32 has more digits.
 inline double sag_of(const std::array<float, 6>& covariance) {
   return double(covariance[0]) + covariance[3] + covariance[5];
 }

@@ -17,8 +17,8 @@
 namespace envmap::prefiltering {
 namespace {
 
-// Texels that are each other's images under quarter turns about the axis of the rings, and so share their points: of a cube
-// with an even number of columns four, the sides' or one face's own; else each is alone.
+// Texels that are each other's images under quarter turns about the axis of the rings, and so share their points: of a
+// cube with an even number of columns four, the sides' or one face's own; else each is alone.
 struct Orbit {
   std::array<const Colour*, most_turns> texels;
   std::size_t count;
@@ -134,8 +134,8 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
     if (brightest <= 0) continue;
     const Reaches most = reaches(order, error, brightest > 10 * mean);
     const Rect rect{i / w, in.row / h, (i + 1) / w, (in.row + 1) / h};
-    const double reach =
-        1.1 * std::max(glm::length(d[k] - d[k > 0 ? k - 1 : std::min(count - 1, k + 1)]), glm::length(d[k] - beside[k]));
+    const double reach = 1.1 * std::max(glm::length(d[k] - d[k > 0 ? k - 1 : std::min(count - 1, k + 1)]),
+                                        glm::length(d[k] - beside[k]));
     if (count > 1 && size > 1 && reach < most.one) {
       if (omega.empty()) {
         omega.resize(std::size_t(source.width()));
@@ -153,7 +153,8 @@ Row spots_of(const Level& source, const OrbitRow& in, int order, double error, d
   Spots spots(grid);
   std::size_t start = 0;
   for (const Texel& t : texels) {
-    spots.add(std::span(places).subspan(start, t.end - start), std::span(weights).subspan(start, t.end - start), t.light);
+    spots.add(std::span(places).subspan(start, t.end - start), std::span(weights).subspan(start, t.end - start),
+              t.light);
     start = t.end;
   }
   return spots.sorted();

@@ -53,10 +53,10 @@ double factor(const Prefilter& p) {
   return p.shape == Shape::phong ? *p.scale * 2 * pi / (p.parameter + 1) : *p.scale;
 }
 
-// ---- which method: no figure here decides what is right, only what is quick --------------------------------------------
+// ---- which method: no figure here decides what is right, only what is quick -----------------------------------------
 
-// Whether a spectrum may be cheaper than the tree for so many texels, of a lobe that is bent but little at its horizon: more would
-// take more degrees than there are.
+// Whether a spectrum may be cheaper than the tree for so many texels, of a lobe that is bent but little at its horizon:
+// more would take more degrees than there are.
 bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source, std::size_t texels) {
   const auto of_source = double(index_of(source, {source.faces(), 0, 0}));
   const Cost each = source.projection() == Projection::latlong ? Cost::spectral_row_source : Cost::spectral_source;
@@ -74,7 +74,8 @@ void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& 
   if (!keeps_texels(source, how)) {
     done.error = p.method == Method::exact ? finest : std::clamp(p.max_error, finest, 1e-2);
     done.resampled = how.filter = Filter::area;
-    how.area_error = 0.25 * done.error;  // Its tolerance is not a bound where a side cuts a sun in two: choose_filter.h.
+    // Its tolerance is not a bound where a side cuts a sun in two: choose_filter.h.
+    how.area_error = 0.25 * done.error;
   }
   done.map = convert(source, how);
 }
@@ -121,7 +122,7 @@ struct PrefilterSource::Prepared {
 
 namespace {
 
-// ---- one map in the making --------------------------------------------------------------------------------------------
+// ---- one map in the making ------------------------------------------------------------------------------------------
 
 struct Making {
   const Level& source;
@@ -153,9 +154,11 @@ struct Making {
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
     const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= float(wanted.max_error); };
-    if (const auto factors = hinge_factors(lobe); factors && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
+    if (const auto factors = hinge_factors(lobe);
+        factors && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
       if (light.mean > 0)
-        hinge_map(hinges((*factors)[1] > 0 ? 2 : 1), *factors, target, wanted.max_error, light.mean, wanted.rows, out, figures, progress);
+        hinge_map(hinges((*factors)[1] > 0 ? 2 : 1), *factors, target, wanted.max_error, light.mean, wanted.rows, out,
+                  figures, progress);
       else
         std::ranges::fill(figures, 0.F);
       done.method = Method::prefix_sums;
@@ -163,7 +166,8 @@ struct Making {
       return;
     }
     if (any || wanted.method == Method::multilevel)
-      if (const auto plan = multilevel_plan(lobe, wanted.max_error); plan && serves_multilevel(source) && (!any || plan->is_quick(source, whole.size()))) {
+      if (const auto plan = multilevel_plan(lobe, wanted.max_error);
+          plan && serves_multilevel(source) && (!any || plan->is_quick(source, whole.size()))) {
         make_multilevel(*plan, out, figures);
         done.method = Method::multilevel;
         finish(all, figures, out, done);
@@ -171,11 +175,13 @@ struct Making {
       }
     // On a finer grid where the first leaves many dark texels unknown.
     const auto worth = [&](std::size_t texels) {
-      return wanted.method == Method::spectral ? 8 * texels > whole.size() : any && may_be_spectral(wanted, lobe, source, texels);
+      return wanted.method == Method::spectral ? 8 * texels > whole.size()
+                                               : any && may_be_spectral(wanted, lobe, source, texels);
     };
     std::size_t texels = whole.size();
     for (double part = 1; part >= 0.01 && worth(texels); part *= 0.1)
-      texels = spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out, figures, progress);
+      texels = spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out,
+                                  figures, progress);
     const bool mostly = 2 * std::size_t(std::ranges::count_if(whole, known)) > whole.size();
     done.method = mostly ? Method::spectral : Method::hierarchical;
     treecode_prefilter(tree(), lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
@@ -185,7 +191,8 @@ struct Making {
   void make_multilevel(const MultilevelPlan& plan, Level& out, std::span<float> figures) const {
     if (light.mean <= 0) return void(std::ranges::fill(figures, 0.F));
     const Colour darkest = darkest_of(source);
-    const MultilevelSource from{grids(plan.grids(), darkest), plan.has_hinges() ? &hinges(2) : nullptr, light.mean, darkest};
+    const MultilevelSource from{grids(plan.grids(), darkest), plan.has_hinges() ? &hinges(2) : nullptr, light.mean,
+                                darkest};
     multilevel_map(plan, from, target, wanted.rows, out, figures, progress);
   }
 
@@ -245,8 +252,9 @@ Lobe lobe_of(const Prefilter& p) {
   if (p.method == Method::prefix_sums && !is_mirror(p) && !hinge_factors(lobe))
     throw UsageError("prefix sums make diffuse maps, phong of exponent 1 or 2 and ggx of roughness 1");
   if (p.method == Method::multilevel && !is_mirror(p) && !hinge_factors(lobe) && !multilevel_plan(lobe, p.max_error))
-    throw UsageError("multilevel sums make diffuse maps, phong of exponent 1, 2 and from 4, and ggx, for errors from 1e-4 and lobes "
-                     "not narrower than ggx of roughness 0.075");
+    throw UsageError(
+        "multilevel sums make diffuse maps, phong of exponent 1, 2 and from 4, and ggx, for errors from 1e-4 and lobes "
+        "not narrower than ggx of roughness 0.075");
   return lobe;
 }
 
@@ -278,7 +286,9 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
              p.light,
              [&]() -> const Tree& { return p.nodes(); },
              [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
-             [&](std::vector<int> rows, const Colour& darkest) -> const SourceGrids& { return p.levels(std::move(rows), darkest); },
+             [&](std::vector<int> rows, const Colour& darkest) -> const SourceGrids& {
+               return p.levels(std::move(rows), darkest);
+             },
              p.spectrum,
              wanted,
              lobe_of(wanted),

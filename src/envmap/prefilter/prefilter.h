@@ -46,7 +46,8 @@ struct Prefilter {
   int size = 64;  ///< Height of a face.
   Forward forward = Forward::plus_z;
   Method method = Method::automatic;
-  /// Which rows of the result to make, `size` for each face, true or false; empty: all. They come out as in the whole map.
+  /// Which rows of the result to make, `size` for each face, true or false; empty: all.
+  /// They come out as in the whole map.
   std::vector<char> rows = {};
   double max_error = 1e-3;  ///< Metric `max` of compare(): of every texel.
   const Costs* costs = nullptr;  ///< The times that Method::automatic chooses by; null: those of the library.
@@ -57,7 +58,8 @@ struct Prefiltered {
   EnvironmentMap map;
   Method method;            ///< Never automatic: that of most texels.
   double seconds = 0;
-  double error = 0;         ///< The largest figure of a texel, relative to it or to `floor`; 0 for exact sums and copied texels.
+  /// The largest figure of a texel, relative to it or to `floor`; 0 for exact sums and copied texels.
+  double error = 0;
   double floor = 0;         ///< 0.001 x the solid-angle mean of the source, times k: smaller results are held to it.
   std::int64_t exact = 0;   ///< Texels that were summed exactly, since nothing faster was sure enough of them.
   std::optional<Filter> resampled = {};  ///< Of a mirror: the filter that made it, or nearest where texels were copied.
@@ -66,8 +68,8 @@ struct Prefiltered {
 /// The filter of a mirror, else the method.
 std::string_view method_name(const Prefiltered& done);
 
-/// Whether the lobe is a mirror's, ggx of roughness 0. The result has the texels of the source where it has the same grid. Else
-/// each texel is the mean of the source over it, by the area filter, so that flux is kept.
+/// Whether the lobe is a mirror's, ggx of roughness 0. The result has the texels of the source where it has the same
+/// grid. Else each texel is the mean of the source over it, by the area filter, so that flux is kept.
 inline bool is_mirror(const Prefilter& p) { return p.shape == Shape::ggx && p.parameter == 0; }
 
 /// @throws UsageError where the parameter is out of its range.
@@ -77,8 +79,10 @@ Lobe lobe_of(const Prefilter& wanted);
 /// each turn uses all cores. The last digits of a result may depend on the lobes that were made before.
 class PrefilterSource {
  public:
-  /// A map that is neither a cube nor latlong is prefiltered as the cube that convert() makes of it, by the area filter at
-  /// its own density: its texels are samples of an image on a disc, which no rim should cut. @param map must outlive it.
+  /// A map that is neither a cube nor latlong is prefiltered as the cube that convert() makes of it, by the area filter
+  /// at
+  /// its own density: its texels are samples of an image on a disc, which no rim should cut. @param map must outlive
+  /// it.
   /// @throws InputError where a texel is NaN or infinite.
   explicit PrefilterSource(const EnvironmentMap& map);
   /// Takes the map over.
@@ -89,11 +93,11 @@ class PrefilterSource {
   /// What is prefiltered, radiance constant over each texel, and what errors are counted from: the map or its cube.
   [[nodiscard]] const EnvironmentMap& source() const;
 
-  /// Makes one map. Every texel has a figure of what it may be off, by the method that made it, and is made again by the
-  /// next where that is over the error wanted: `automatic` takes prefix sums for lobes that are a power 1 or 2 of the cosine, whose
-  /// figures are proved bounds; a spherical transform where the result has many texels for
-  /// the lobe's width, `spectral` takes it anyway, on a finer grid where dark texels need one; then a treecode (`hierarchical`: at
-  /// once); then the exact sum.
+  /// Makes one map. Every texel has a figure of what it may be off, by the method that made it, and is made again by
+  /// the next where that is over the error wanted: `automatic` takes prefix sums for lobes that are a power 1 or 2 of
+  /// the cosine, whose figures are proved bounds; a spherical transform where the result has many texels for
+  /// the lobe's width, `spectral` takes it anyway, on a finer grid where dark texels need one; then a treecode
+  /// (`hierarchical`: at once); then the exact sum.
   /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 

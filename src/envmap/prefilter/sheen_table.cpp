@@ -17,8 +17,9 @@ struct Sample {
   double log2_sine2, weight;
 };
 
-// Directions of light. Their cosines l lie in panels that grow by 4 from that of the view, as V bends there; l = high - w t^2
-// takes the square root out of sin(n,l). Their azimuths pi (1 - u^2) lie closest opposite the view, where h turns fastest.
+// Directions of light. Their cosines l lie in panels that grow by 4 from that of the view, as V bends there; l = high -
+// w t^2 takes the square root out of sin(n,l). Their azimuths pi (1 - u^2) lie closest opposite the view,
+// where h turns fastest.
 std::vector<Sample> samples_for(double view) {
   const auto& lights = quadrature::rule<16>();
   const auto& azimuths = quadrature::rule<32>();

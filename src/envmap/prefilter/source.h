@@ -8,12 +8,13 @@
 
 namespace envmap::prefiltering {
 
-/// The cube that is prefiltered in the place of a map of another projection: what convert() makes of it by the area filter
-/// at its own density, matching_size(). Nothing for a cube and a latlong map, which are sources themselves.
+/// The cube that is prefiltered in the place of a map of another projection: what convert() makes of it by the area
+/// filter at its own density, matching_size(). Nothing for a cube and a latlong map, which are sources themselves.
 std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map);
 
-/// The same radiance in texels of 1.5 degrees or less: those of a coarser cube or latlong map cut into equal parts. A treecode
-/// is no quicker than the sum over few large texels, which a lobe is seldom smooth over. Nothing where they are small already.
+/// The same radiance in texels of 1.5 degrees or less: those of a coarser cube or latlong map cut into equal parts. A
+/// treecode is no quicker than the sum over few large texels, which a lobe is seldom smooth over.
+/// Nothing where they are small already.
 std::optional<Level> refined(const Level& level);
 
 }  // namespace envmap::prefiltering

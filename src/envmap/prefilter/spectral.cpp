@@ -15,8 +15,9 @@
 namespace envmap::prefiltering {
 namespace {
 
-// Samples on a ring. Interpolation by eight points is off by at most 1.07e-3 (2 pi l / columns)^8 of degree l, the product of
-// their distances over 8!; both ways, there and back. What the lobe leaves of that is to be a small part of the error.
+// Samples on a ring. Interpolation by eight points is off by at most 1.07e-3 (2 pi l / columns)^8 of degree l, the
+// product of their distances over 8!; both ways, there and back.
+// What the lobe leaves of that is to be a small part of the error.
 int columns_for(std::span<const double> factors, double error) {
   for (int columns = 64;; columns *= 2) {
     double off = 0, peak = 0;
@@ -29,7 +30,7 @@ int columns_for(std::span<const double> factors, double error) {
   }
 }
 
-// ---- along the rings --------------------------------------------------------------------------------------------------
+// ---- along the rings ------------------------------------------------------------------------------------------------
 
 // Sum of z_k exp(-2 pi i k m / n), n a power of two: Stockham's scheme, which needs no reordering.
 class Fourier {
@@ -101,10 +102,10 @@ void analyse_rings(RingGrid& grid, int order, Bands& bands) {
   });
 }
 
-// ---- rows of a latlong image ------------------------------------------------------------------------------------------
+// ---- rows of a latlong image ----------------------------------------------------------------------------------------
 
-// A latlong image is rings already, if there are enough of them: a Fourier transform along each row, the integral over its
-// texels' width in closed form, and Gauss points over their height. Rows go to the rings as points do.
+// A latlong image is rings already, if there are enough of them: a Fourier transform along each row, the integral over
+// its texels' width in closed form, and Gauss points over their height. Rows go to the rings as points do.
 bool is_on_rings(const Level& source, int order) {
   const auto width = unsigned(source.width());
   return source.projection() == Projection::latlong && std::has_single_bit(width) && order * pi < source.height();
@@ -122,7 +123,8 @@ std::vector<std::complex<double>> first_texel(int n, int order) {
 }
 
 // Coefficients of a row: integrals of radiance x exp(-i m longitude). @param turns those of the first texel.
-std::vector<Parts> row_waves(const Level& source, int row, std::span<const std::complex<double>> turns, Fourier& transform) {
+std::vector<Parts> row_waves(const Level& source, int row, std::span<const std::complex<double>> turns,
+                             Fourier& transform) {
   const auto n = std::size_t(source.width());
   const std::span<const Colour> texels = source.row(0, row);
   std::vector<Parts> waves(turns.size(), Parts{});
@@ -228,7 +230,7 @@ void synthesise_rings(Bands& bands, int order, RingGrid& grid) {
   });
 }
 
-// ---- across the rings -------------------------------------------------------------------------------------------------
+// ---- across the rings -----------------------------------------------------------------------------------------------
 
 std::size_t first_of(int order, int m) { return std::size_t(m * (order + 1) - m * (m - 1) / 2); }
 
@@ -259,7 +261,8 @@ void for_blocks(int order, int m, int rings, F&& f) {
   }
 }
 
-// Size of degree l in what a lobe makes of the light of one steradian: (2 l + 1) / (4 pi) |factor|, |P_l| being 1 at most.
+// Size of degree l in what a lobe makes of the light of one steradian: (2 l + 1) / (4 pi) |factor|,
+// |P_l| being 1 at most.
 double part(std::span<const double> factors, std::size_t l) {
   return (2.0 * double(l) + 1) / (4 * pi) * std::abs(factors[l]);
 }
@@ -299,7 +302,8 @@ Spectrum::Spectrum(const Level& source, std::span<const double> factors, double 
   });
 }
 
-void Spectrum::convolve(std::span<const double> factors, const Target& target, Level& out, const Progress& progress) const {
+void Spectrum::convolve(std::span<const double> factors, const Target& target, Level& out,
+                        const Progress& progress) const {
   const int order = int(factors.size()) - 1;
   RingGrid grid(columns_for(factors, error_));
   Bands bands(order, grid.rings);
@@ -329,7 +333,7 @@ void Spectrum::convolve(std::span<const double> factors, const Target& target, L
   });
 }
 
-// ---- what is off -------------------------------------------------------------------------------------------------------
+// ---- what is off ----------------------------------------------------------------------------------------------------
 
 namespace {
 
@@ -350,23 +354,26 @@ double difference(const Lobe& lobe, double angle, double azimuth, double h, int 
   double sum = 0, binomial = 1;
   for (int k = 0; k <= n; ++k) {
     const double t = (k - 0.5 * n) * h;
-    const double x = 1 - portable::cos(angle) * portable::cos(t) - portable::sin(angle) * portable::sin(t) * portable::cos(azimuth);
-    sum += (k % 2 == 0 ? binomial : -binomial) * std::visit([x](const auto& l) { return l.value(std::max(0.0, x)); }, lobe);
+    const double x =
+        1 - portable::cos(angle) * portable::cos(t) - portable::sin(angle) * portable::sin(t) * portable::cos(azimuth);
+    sum += (k % 2 == 0 ? binomial : -binomial) *
+           std::visit([x](const auto& l) { return l.value(std::max(0.0, x)); }, lobe);
     binomial *= double(n - k) / (k + 1);
   }
   return std::abs(sum);
 }
 
-// What light at some angle is off by, for a flux of 1: `envelope` x the wider lobe there, and no more than `rest` where that
-// is nothing.
+// What light at some angle is off by, for a flux of 1: `envelope` x the wider lobe there, and no more than `rest` where
+// that is nothing.
 struct Leak {
   double envelope = 0, rest = 0;
 };
 
-// Eight points interpolate to 1.07e-3 of the eighth difference, along and across the rings, there and back; texels taken as
-// one point are off by 1/24 of the second difference each way, as four by 1/4320 of the fourth. Differences are taken at all
-// angles and in all azimuths, from the lobe itself. At the horizon, where it may have a kink or a step, they are off by up to 1/70 (half
-// a step, whose eighth difference is 35), 1/8 and 1/90 of them; the wider lobe is nothing there, so that this counts as `rest`.
+// Eight points interpolate to 1.07e-3 of the eighth difference, along and across the rings, there and back; texels
+// taken as one point are off by 1/24 of the second difference each way, as four by 1/4320 of the fourth. Differences
+// are taken at all angles and in all azimuths, from the lobe itself. At the horizon, where it may have a kink or a
+// step, they are off by up to 1/70 (half a step, whose eighth difference is 35), 1/8 and 1/90 of them; the wider lobe
+// is nothing there, so that this counts as `rest`.
 Leak leak_of(const Lobe& lobe, const Lobe& wide, const Level& source, int order, int columns, double error) {
   const double h = 2 * pi / columns, peak = std::visit([](const auto& l) { return l.value(0); }, wide);
   const double pitch = source.projection() == Projection::cube ? 2.0 / source.height() : pi / source.height();
@@ -377,7 +384,8 @@ Leak leak_of(const Lobe& lobe, const Lobe& wide, const Level& source, int order,
   Leak leak;
   for (double angle = 0; angle < 0.6 * pi; angle += 0.5 * h) {
     const bool at_horizon = std::abs(angle - 0.5 * pi) < near;
-    const double eighth = at_horizon ? 1.0 / 70 : 1.07e-3, fourth = at_horizon ? 1.0 / 90 : 1.0 / 4320, second = at_horizon ? 1.0 / 8 : 1.0 / 24;
+    const double eighth = at_horizon ? 1.0 / 70 : 1.07e-3, fourth = at_horizon ? 1.0 / 90 : 1.0 / 4320,
+                 second = at_horizon ? 1.0 / 8 : 1.0 / 24;
     double off = 0;
     for (const double azimuth : {0.0, 0.25 * pi, 0.4 * pi, 0.5 * pi}) {
       double sum = 4 * eighth * difference(lobe, angle, azimuth, h, 8);
@@ -394,16 +402,18 @@ Leak leak_of(const Lobe& lobe, const Lobe& wide, const Level& source, int order,
   return leak;
 }
 
-// What a lobe is off without the degrees left out, at most: the lobe itself less the sum of those that are there, at sixteen angles
-// for each half wave of the last, the horizon's among them, and 5% for what lies between. Where a lobe has a kink at its horizon
-// this is some fifty times less than the sizes of the degrees added up, since they are small there and of either sign elsewhere.
+// What a lobe is off without the degrees left out, at most: the lobe itself less the sum of those that are there, at
+// sixteen angles for each half wave of the last, the horizon's among them, and 5% for what lies between. Where a lobe
+// has a kink at its horizon this is some fifty times less than the sizes of the degrees added up, since they are small
+// there and of either sign elsewhere.
 double left_out(const Lobe& lobe, std::span<const double> factors) {
   const std::size_t count = 16 * factors.size() + 1;
   std::vector<double> cosine(count), sum(count, 0), now(count, 1), before(count, 0);
   for (std::size_t k = 0; k < count; ++k) cosine[k] = portable::cos(pi * double(k) / double(count - 1));
   for (std::size_t l = 0; l < factors.size(); ++l) {
     const auto degree = double(l);
-    const double factor = (2 * degree + 1) / (4 * pi) * factors[l], a = (2 * degree + 1) / (degree + 1), b = degree / (degree + 1);
+    const double factor = (2 * degree + 1) / (4 * pi) * factors[l], a = (2 * degree + 1) / (degree + 1),
+                 b = degree / (degree + 1);
     for (std::size_t k = 0; k < count; ++k) {
       sum[k] += factor * now[k];
       before[k] = a * cosine[k] * now[k] - b * before[k];
@@ -428,9 +438,9 @@ double interpolation_error(std::span<const double> factors, int columns) {
 
 }  // namespace
 
-std::size_t spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target, double max_error,
-                               double grid_error, std::unique_ptr<Spectrum>& kept, Level& out, std::span<float> figures,
-                               const Progress& progress) {
+std::size_t spectral_prefilter(const Level& source, const Totals& light, const Lobe& lobe, const Target& target,
+                               double max_error, double grid_error, std::unique_ptr<Spectrum>& kept, Level& out,
+                               std::span<float> figures, const Progress& progress) {
   const auto& [total, mean] = light;
   const double brightest = std::max({total.x, total.y, total.z});
   if (brightest <= 0) return 0;

@@ -12,7 +12,8 @@ namespace envmap::prefiltering {
 /// Points of an interpolation, each way.
 inline constexpr std::size_t taps = 8;
 
-/// Samples of red, green and blue on rings of equal distance: colatitude (ring + 0.5) pi / rings, longitude 2 pi column / columns.
+/// Samples of red, green and blue on rings of equal distance: colatitude (ring + 0.5) pi / rings,
+/// longitude 2 pi column / columns.
 struct RingGrid {
   int rings = 0, columns = 0;  ///< Columns a power of two, twice the rings.
   std::vector<double> values;  ///< By ring, channel and column; `taps` columns more, for stencils that run over.

@@ -116,7 +116,8 @@ class Subdivision {
   template <class L>
   bool go_round(const L& lobe, Texel& texel, const Rect& rect, const Node& node) {
     constexpr double worth = 2;  // e-folds of the lobe over half a piece, from which cutting takes longer.
-    const double d = glm::length(criterion_.middle - node.centre), near = std::max(0.0, d - node.reach), far = d + node.reach;
+    const double d = glm::length(criterion_.middle - node.centre), near = std::max(0.0, d - node.reach),
+                 far = d + node.reach;
     const double nearest = 0.5 * near * near, farthest = 0.5 * far * far;
     if (farthest >= 1 || std::max(lobe.rate(nearest), lobe.rate(farthest)) * far * node.reach < worth) return false;
     const double each = weight(texel.radiance);

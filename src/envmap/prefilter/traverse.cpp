@@ -43,7 +43,8 @@ HWY_INLINE V lowest(const BlinnPhong& l) { return set(D(), -1.38 / std::max(1e-3
 HWY_INLINE V lowest(const Charlie&) { return set(D(), 1e-9); }
 HWY_INLINE V lowest(const Ggx& l) { return set(D(), -0.5 * l.a / l.b); }
 
-// As many as a vector has, from lane n on. @param middle what centres are counted from. @param slack what they may be off.
+// As many as a vector has, from lane n on. @param middle what centres are counted from.
+// @param slack what they may be off.
 template <class L>
 HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const NodeGroup& b, std::size_t n,
                             const Vec3<float>& middle, float slack, Judged& found) {
@@ -54,7 +55,8 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
           z = hn::Sub(hn::Load(d, &b.centre[2][n]), hn::Set(d, middle.z));
   const V radius = hn::Set(d, float(criterion.radius) + slack), reach = hn::Load(d, &b.reach[n]);
   const V distance = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
-  const V low = hn::Max(zero, hn::Sub(hn::Sub(distance, radius), reach)), high = hn::Add(hn::Add(distance, radius), reach);
+  const V low = hn::Max(zero, hn::Sub(hn::Sub(distance, radius), reach)),
+          high = hn::Add(hn::Add(distance, radius), reach);
   const V near = hn::Mul(half, hn::Mul(low, low)), far = hn::Mul(half, hn::Mul(high, high));
   const auto visible = hn::Lt(near, one);
   const unsigned seen = bits_of(visible);
@@ -76,7 +78,8 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   const V spread = hn::Load(d, &b.spread[n]), uneven = hn::Load(d, &b.uneven[n]);
   const V sine = hn::Min(one, hn::Add(distance, radius)), bend = hn::Mul(half, hn::Add(reach, spread));
   // Where X0 lies over the tile, and how far X and X0 -+ s may be from it.
-  const V square = hn::Mul(half, hn::Mul(distance, distance)), turn = hn::Mul(radius, hn::Add(sine, hn::Mul(half, radius)));
+  const V square = hn::Mul(half, hn::Mul(distance, distance)),
+          turn = hn::Mul(radius, hn::Add(sine, hn::Mul(half, radius)));
   const V sag = hn::Mul(half, hn::Mul(spread, spread)), off = hn::Mul(reach, hn::Min(one, hn::Add(sine, reach)));
   const V lo = hn::Min(one, hn::Max(hn::Sub(near, hn::Mul(reach, reach)), hn::Sub(square, hn::Add(turn, off))));
   const V hi = hn::Add(hn::Add(square, sag), hn::Add(turn, off));
@@ -84,11 +87,13 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
   const V end = hn::Min(hi, one), at_lo = value(lobe, d, lo), at_hi = value(lobe, d, hi);
   const V a = hn::Mul(spread, hn::Min(one, hn::Add(sine, bend)));
   const V across = hn::Mul(bend, hn::Add(bend, hn::Mul(set(d, 4), sine)));
-  const V m = hn::Add(hn::Min(uneven, hn::Add(hn::Mul(hn::Mul(sine, sine), uneven), hn::Mul(across, hn::Mul(spread, spread)))),
-                      hn::Mul(set(d, least_part), hn::Mul(a, a)));
+  const V m =
+      hn::Add(hn::Min(uneven, hn::Add(hn::Mul(hn::Mul(sine, sine), uneven), hn::Mul(across, hn::Mul(spread, spread)))),
+              hn::Mul(set(d, least_part), hn::Mul(a, a)));
   const auto [first, bent, twisted] = derivatives_over(lobe, d, lo, at_lo, end, at_hi);
   const V excess = hn::Sqrt(m), beyond = hn::Mul(first, excess);
-  V smooth = hn::Add(hn::Mul(half, hn::Mul(bent, m)), hn::Mul(set(d, 1.0 / 3), hn::Mul(twisted, hn::Mul(a, hn::Mul(a, a)))));
+  V smooth =
+      hn::Add(hn::Mul(half, hn::Mul(bent, m)), hn::Mul(set(d, 1.0 / 3), hn::Mul(twisted, hn::Mul(a, hn::Mul(a, a)))));
   V any;
   if (lobe.convex()) {
     const V steep = slope(lobe, d, lo, at_lo), flat = slope(lobe, d, end, at_hi);
@@ -100,7 +105,8 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
     const auto range = range_over(lobe, d, lo, hi);
     any = hn::Sub(range.most, range.least);
     if (!lobe.breaks_off()) {
-      const V turned = hn::Add(hn::Mul(bent, hn::Sub(end, lo)), hn::IfThenElseZero(hn::Ge(hi, one), set(d, lobe.kink())));
+      const V turned =
+          hn::Add(hn::Mul(bent, hn::Sub(end, lo)), hn::IfThenElseZero(hn::Ge(hi, one), set(d, lobe.kink())));
       any = hn::IfThenElse(known, hn::Min(any, hn::Add(hn::Mul(a, turned), beyond)), any);
     }
   }

@@ -37,8 +37,8 @@ struct Span {
 /// Least radiance of each channel.
 Colour darkest_of(const Level& source);
 
-/// Blocks above a size are stored; smaller ones are few where a lobe is wide and are made as they are wanted: the texels
-/// of a block, and below a texel its quarters.
+/// Blocks above a size are stored; smaller ones are few where a lobe is wide and are made as they are wanted: the
+/// texels of a block, and below a texel its quarters.
 class Tree {
  public:
   struct Blocks {
@@ -63,14 +63,14 @@ class Tree {
     }
   };
 
-  /// @param source must outlive the tree. @param mean of its radiance. @param parts of larger texels that its own are, each way: see
-  /// refined().
+  /// @param source must outlive the tree. @param mean of its radiance. @param parts of larger texels that its own are,
+  /// each way: see refined().
   Tree(const Level& source, double mean, int parts);
 
   [[nodiscard]] const Level& source() const { return source_; }
   [[nodiscard]] int parts() const { return parts_; }
-  /// Least radiance of each channel, in units of the mean. It falls from everywhere, which makes as much of every result: only what
-  /// is beyond() it, in the same units, is left to the nodes.
+  /// Least radiance of each channel, in units of the mean. It falls from everywhere, which makes as much of every
+  /// result: only what is beyond() it, in the same units, is left to the nodes.
   [[nodiscard]] const Flux& darkest() const { return darkest_; }
   [[nodiscard]] Flux beyond(const Colour& radiance) const {
     return mean_ > 0 ? glm::max(Flux(0), Flux(radiance) / mean_ - darkest_) : Flux(0);
@@ -78,8 +78,8 @@ class Tree {
   [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
   [[nodiscard]] int first() const { return first_; }   ///< log2 of the texels across the smallest block stored.
   [[nodiscard]] int last() const { return first_ + int(blocks_.size()) - 1; }
-  /// The quarters of a block of those that are stored, or smaller; nothing where a rim cuts or stretches one, or one has a
-  /// single row or column.
+  /// The quarters of a block of those that are stored, or smaller; nothing where a rim cuts or stretches one, or one
+  /// has a single row or column.
   [[nodiscard]] std::optional<std::array<Node, 4>> quarters(int face, const Span& in) const;
   [[nodiscard]] const Blocks& blocks(int k) const { return blocks_[std::size_t(k - first_)]; }
 

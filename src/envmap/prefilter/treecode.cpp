@@ -26,8 +26,8 @@ struct Job {
   [[nodiscard]] float& figure(const Texel& t) const { return figures[index_of(out, t)]; }
 };
 
-// How far from their middle directions may be that share nodes: these are as many as the worst of the directions needs. What
-// was fastest. None share where the horizon clips texels.
+// How far from their middle directions may be that share nodes: these are as many as the worst of the directions needs.
+// What was fastest. None share where the horizon clips texels.
 double tile_radius(const Lobe& lobe) {
   return std::visit(
       [](const auto& l) {
@@ -53,9 +53,9 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
   tile.radius = std::sqrt(square);
 }
 
-// Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are. The exact sum goes
-// round every texel that the horizon of a lobe that breaks off cuts, and cuts those of a coarse map: a face of one texel takes it
-// as long as thousands of nodes.
+// Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are. The exact sum
+// goes round every texel that the horizon of a lobe that breaks off cuts, and cuts those of a coarse map: a face of one
+// texel takes it as long as thousands of nodes.
 std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
   const Level& s = tree.source();
   const std::size_t texels = index_of(s, {s.faces(), 0, 0}), parts = std::size_t(tree.parts());
@@ -86,7 +86,8 @@ class TileNodes {
   /// Of the last find(): see Traversal.
   static const std::array<double, node_channels>& integrated() { return found().integrated; }
 
-  /// Opens nodes until their figure is below the error asked for. @param limit of the first try; set to that of the last.
+  /// Opens nodes until their figure is below the error asked for. @param limit of the first try; set to that of the
+  /// last.
   /// @param add takes the nodes. @return the figure, or nothing where there would be too many.
   template <class Clear, class Add>
   std::optional<double> find(double& limit, Clear&& clear, Add&& add) {
@@ -127,7 +128,9 @@ class TileNodes {
 };
 
 // What nodes come to.
-Colour radiance(const Tree& tree, const Flux& sums) { return Colour(tree.mean() * glm::max(Flux(0), sums + tree.darkest())); }
+Colour radiance(const Tree& tree, const Flux& sums) {
+  return Colour(tree.mean() * glm::max(Flux(0), sums + tree.darkest()));
+}
 
 // Sets the colours of a tile. @return its figure, or nothing where it would take too many nodes.
 std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<Colour> out) {
@@ -145,7 +148,8 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
   }
   thread_local std::vector<TileNode> seen;
   const std::optional<double> figure = nodes.find(
-      limit, [&] { seen.clear(); }, [&](const Node& node) { seen.push_back(seen_from_tile(node, tile.middle, tile.radius)); });
+      limit, [&] { seen.clear(); },
+      [&](const Node& node) { seen.push_back(seen_from_tile(node, tile.middle, tile.radius)); });
   if (!figure) return figure;
   evaluate(job.lobe, seen, tile);
   for (std::size_t k = 0; k < tile.count; ++k)
@@ -153,8 +157,8 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
   return figure;
 }
 
-// A block of texels of the result, cut until its directions are near each other and few nodes do for them. Texels for which
-// there are none keep their figure. @param limit what nodes were allowed to be off in the tile before.
+// A block of texels of the result, cut until its directions are near each other and few nodes do for them. Texels for
+// which there are none keep their figure. @param limit what nodes were allowed to be off in the tile before.
 void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& limit) {
   std::array<Direction, Tile::most> directions;
   std::array<Texel, Tile::most> texels;

@@ -1,15 +1,17 @@
 /// @file
-/// Prefiltering by a treecode: the source as a quad-tree of nodes with moments to the second order, coarse in the tail of
-/// the lobe, fine in its core and round bright texels (Barnes and Hut 1986; moments: Greengard and Rokhlin 1987, "A fast
-/// algorithm for particle simulations"; the sum opened where it is worst: Walter et al. 2005, "Lightcuts").
+/// Prefiltering by a treecode: the source as a quad-tree of nodes with moments to the second order, coarse in the tail
+/// of the lobe, fine in its core and round bright texels (Barnes and Hut 1986; moments: Greengard and Rokhlin 1987, "A
+/// fast algorithm for particle simulations"; the sum opened where it is worst: Walter et al. 2005, "Lightcuts").
 ///
-/// Steps, a file each: build.cpp makes the nodes, traverse.cpp goes down to those that are good enough for a target tile,
-/// the texels of an 8 x 8 block of the result that lie near each other, subdivide.h below the stored ones, and evaluate.cpp
-/// sums them in the directions of the tile.
+/// Steps, a file each: build.cpp makes the nodes, traverse.cpp goes down to those that are good enough for a target
+/// tile, the texels of an 8 x 8 block of the result that lie near each other, subdivide.h below the stored ones, and
+/// evaluate.cpp sums them in the directions of the tile.
 ///
-/// What a texel is off: each node's bound is a theorem (traverse.h). Their plain sum is a bound, too, but it comes out 50
-/// to 100 times too large, since nodes are off either way. So the figure of a tile takes the largest for certain and the rest
-/// as errors of either sign: that is measured, by tests/bench/hostile.cpp, over thousands of hostile maps and in every texel.
+/// What a texel is off: each node's bound is a theorem (traverse.h). Their plain sum is a bound, too, but it comes out
+/// 50 to 100 times too large, since nodes are off either way. So the figure of a tile takes the largest for certain and
+/// the rest
+/// as errors of either sign: that is measured, by tests/bench/hostile.cpp,
+/// over thousands of hostile maps and in every texel.
 #pragma once
 
 #include <optional>
@@ -23,18 +25,20 @@
 
 namespace envmap::prefiltering {
 
-/// What nodes together are off, by their bounds: the sum of them or, where that is less, those that a step of the lobe cuts,
-/// the largest of the others for certain, all of those as errors of either sign (EitherWay), and a share of those that the
-/// horizon crosses as errors of one sign (`together`), for the direction of the tile where that is most. A step that runs along
-/// texels is off the same way in all of them.
+/// What nodes together are off, by their bounds: the sum of them or, where that is less, those that a step of the lobe
+/// cuts, the largest of the others for certain, all of those as errors of either sign (EitherWay), and a share of those
+/// that the horizon crosses as errors of one sign (`together`), for the direction of the tile where that is most. A
+/// step that runs along texels is off the same way in all of them.
 double error_figure(const Traversal& found, const Tile& tile);
 
-/// Sets texels whose figure is not below max_error yet: a tile's nodes are opened until its own figure is. Texels that would
-/// take so many nodes that the exact sum is quicker are left as they are. @param out of the projection and size of the target.
+/// Sets texels whose figure is not below max_error yet: a tile's nodes are opened until its own figure is. Texels that
+/// would take so many nodes that the exact sum is quicker are left as they are. @param out of the projection and size
+/// of the target.
 /// @param rows of the faces that are wanted, `size` for each face; empty: all. Others may be set, too.
-/// @param figures by face, row and column, infinite where a texel is not known: relative to the texel, or to 0.001 x the
-/// mean of the source if larger; set to what they are.
+/// @param figures by face, row and column, infinite where a texel is not known: relative to the texel, or to 0.001 x
+/// the mean of the source if larger; set to what they are.
 void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error,
-                        std::span<const char> rows, Level& out, std::span<float> figures, const Progress& progress = {});
+                        std::span<const char> rows, Level& out, std::span<float> figures,
+                        const Progress& progress = {});
 
 }  // namespace envmap::prefiltering

@@ -98,9 +98,9 @@ class Irradiance {
     return false;
   }
 
-  // How far below the points an irradiance may be at its lowest: there its slope is 0, and along a great circle a part of degree
-  // l bends by no more than l^2 x its largest (Bernstein's inequality), which is below sqrt((2l + 1) / 4 pi) x the norm of its
-  // coefficients. No place is farther than step / sqrt(2) from a point.
+  // How far below the points an irradiance may be at its lowest: there its slope is 0, and along a great circle a part
+  // of degree l bends by no more than l^2 x its largest (Bernstein's inequality), which is below sqrt((2l + 1) / 4 pi)
+  // x the norm of its coefficients. No place is farther than step / sqrt(2) from a point.
   [[nodiscard]] double between(std::span<const double> window, int channel) const {
     double bend = 0;
     for (int l = 0; l <= series_.order; ++l) {
@@ -114,13 +114,15 @@ class Irradiance {
     return 0.25 * step_ * step_ * bend;
   }
 
-  // Down to the bottom, to 1e-8 of what it is below the points: steps in the tangent plane, halved where none of them leads down.
+  // Down to the bottom, to 1e-8 of what it is below the points: steps in the tangent plane,
+  // halved where none of them leads down.
   [[nodiscard]] double descend(Direction at, double value, std::span<const double> window, int channel) const {
     std::vector<double> y(series_.coefficients.size());
     std::vector<Flux> degree(degrees_);
     const double least = 1e-14 * mean()[channel];
     for (double step = 0.5 * step_; step > 1e-4 * step_;) {
-      const Direction side = glm::normalize(glm::cross(at, std::abs(at.y) < 0.8 ? Direction(0, 1, 0) : Direction(1, 0, 0)));
+      const Direction side =
+          glm::normalize(glm::cross(at, std::abs(at.y) < 0.8 ? Direction(0, 1, 0) : Direction(1, 0, 0)));
       const Direction up = glm::cross(side, at);
       bool lower = false;
       for (const Direction& move : {side, -side, up, -up}) {

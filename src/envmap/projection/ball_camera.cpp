@@ -11,11 +11,12 @@ namespace {
 // Of the silhouette, sqrt(distance^2 - 1): how far it is from the camera in radii, and the cotangent of A.
 double cotangent(double distance) { return std::sqrt((distance - 1) * (distance + 1)); }
 
-// tan(a / 2) for the direction at an angle with this sine and cosine of its half: Alhazen's problem for a light at infinity. The
-// angle of incidence is i = (angle + a) / 2, and distance sin a = sin i; with t = tan(a / 2), S and C the sine and cosine
+// tan(a / 2) for the direction at an angle with this sine and cosine of its half: Alhazen's problem for a light at
+// infinity. The angle of incidence is i = (angle + a) / 2, and distance sin a = sin i; with t = tan(a / 2),
+// S and C the sine and cosine
 //     f(t) = 2 distance t - (S + C t) sqrt(1 + t^2) = 0.
-// f is concave and not positive at 0: Newton's method, begun there, climbs to the first root and never passes it. Seven steps leave
-// 1e-13 at the nearest distance that there is (tested).
+// f is concave and not positive at 0: Newton's method, begun there, climbs to the first root and never passes it. Seven
+// steps leave 1e-13 at the nearest distance that there is (tested).
 double half_tangent(double distance, double sine, double cosine) {
   double t = 0;
   for (int step = 0; step < 7; ++step) {

@@ -50,7 +50,8 @@ struct Cube {
     const Axes& a = axes[face];
     const Direction wide(d);
     const double half = 0.5 / std::abs(wide[face / 2]);
-    return {face, static_cast<T>(0.5 + half * glm::dot(wide, a.right)), static_cast<T>(0.5 - half * glm::dot(wide, a.up))};
+    return {face, static_cast<T>(0.5 + half * glm::dot(wide, a.right)),
+            static_cast<T>(0.5 - half * glm::dot(wide, a.up))};
   }
 
   static constexpr int facets = faces;

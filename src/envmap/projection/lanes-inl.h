@@ -102,8 +102,8 @@ HWY_INLINE void direction(Angular, D d, const Scale& scale, int /*face*/, V a, V
   y = hn::Mul(k, b);
 }
 
-/// octahedron::folded() of a place in the square, or beyond its sides; a and b change as octahedron::wrapped() says. All of
-/// the net is exact where a, b and n are whole.
+/// octahedron::folded() of a place in the square, or beyond its sides; a and b change as octahedron::wrapped() says.
+/// All of the net is exact where a, b and n are whole.
 template <class V, class M>
 struct Folded {
   V a, b;
@@ -126,7 +126,8 @@ HWY_INLINE auto folded(D d, const Scale& scale, V& a, V& b) {
   }
   const V x = hn::Abs(a), z = hn::Abs(b);
   const auto below = hn::Gt(hn::Add(x, z), n);
-  return Folded<V, decltype(below)>{hn::IfThenElse(below, hn::Sub(n, z), x), hn::IfThenElse(below, hn::Sub(n, x), z), below};
+  return Folded<V, decltype(below)>{hn::IfThenElse(below, hn::Sub(n, z), x), hn::IfThenElse(below, hn::Sub(n, x), z),
+                                    below};
 }
 
 template <class D, class V>

@@ -38,7 +38,8 @@ struct Latlong {
   /// Difference of the sines of two latitudes, as a product: no cancellation in thin rows at the poles.
   static double solid_angle(const Rect& r) {
     const double middle = 0.5 * (r.v0 + r.v1);
-    return 4 * pi * (r.u1 - r.u0) * portable::sin_pi(std::min(middle, 1 - middle)) * portable::sin_pi(0.5 * (r.v1 - r.v0));
+    return 4 * pi * (r.u1 - r.u0) * portable::sin_pi(std::min(middle, 1 - middle)) *
+           portable::sin_pi(0.5 * (r.v1 - r.v0));
   }
 };
 

@@ -95,14 +95,15 @@ struct Octahedral : octahedron::Facets {
   static double on_plane(double a0, double b0, double a1, double b1) {
     if (const double side = std::max(a1 - a0, b1 - b0); side < 0.004) {
       const auto f = [](double a, double b) { return 0.25 * density_in_facet({a, b, false}); };
-      return side < 0.0004 ? quadrature::rectangle<2>({a0, b0, a1, b1}, f) : quadrature::rectangle<3>({a0, b0, a1, b1}, f);
+      return side < 0.0004 ? quadrature::rectangle<2>({a0, b0, a1, b1}, f)
+                           : quadrature::rectangle<3>({a0, b0, a1, b1}, f);
     }
     return on_plane(std::array<Point2, 4>{{{a0, b0}, {a1, b0}, {a1, b1}, {a0, b1}}});
   }
 
-  /// Of a convex polygon (a,b) on the plane a + b + y = 1, triangle by triangle: Van Oosterom and Strackee 1983, "The solid
-  /// angle of a plane triangle", tan(half) = det / (...). The determinant of corners on that plane is twice the triangle's
-  /// area in a and b, so nothing cancels however small it is.
+  /// Of a convex polygon (a,b) on the plane a + b + y = 1, triangle by triangle: Van Oosterom and Strackee 1983, "The
+  /// solid angle of a plane triangle", tan(half) = det / (...). The determinant of corners on that plane is twice the
+  /// triangle's area in a and b, so nothing cancels however small it is.
   static double on_plane(std::span<const Point2> corners) {
     const auto at = [&](std::size_t k) {
       return Direction(corners[k].x, 1 - corners[k].x - corners[k].y, corners[k].y);

@@ -1,7 +1,8 @@
 /// @file
-/// The net that octahedral maps share: a square, folded along the lines between the middles of its sides so that its four
-/// corners meet. +Y is the middle, -Y the corners, the middles of the sides are +X (right), +Z (top), -X and -Z: seen from
-/// inside, as the +Y face of a cube. The upper half is the diamond |s| + |t| <= 1, the lower half the corners beyond it.
+/// The net that octahedral maps share: a square, folded along the lines between the middles of its sides so that its
+/// four corners meet. +Y is the middle, -Y the corners, the middles of the sides are +X (right), +Z (top), -X and -Z:
+/// seen from inside, as the +Y face of a cube. The upper half is the diamond |s| + |t| <= 1, the lower half the corners
+/// beyond it.
 /// Source: Praun and Hoppe 2003, "Spherical parametrization and remeshing".
 #pragma once
 
@@ -19,8 +20,8 @@ struct Place {
   bool below;
 };
 
-/// Beyond a side the square goes on with itself, turned by half a turn about the middle of that side; so all sides, over
-/// and over. @return the place in the square.
+/// Beyond a side the square goes on with itself, turned by half a turn about the middle of that side; so all sides,
+/// over and over. @return the place in the square.
 inline Point2 wrapped(double s, double t) {
   if (std::abs(s) <= 1 && std::abs(t) <= 1) return {s, t};
   s -= 4 * std::nearbyint(0.25 * s);
@@ -61,7 +62,7 @@ Location<T> unfolded(const Place& p, double x, double z) {
   return {0, static_cast<T>(0.5 + 0.5 * s), static_cast<T>(0.5 - 0.5 * t)};
 }
 
-// ---- facets ----------------------------------------------------------------------------------------------------------
+// ---- facets ---------------------------------------------------------------------------------------------------------
 
 /// Within a facet a map is smooth; over its sides it has creases. Bit 0: x < 0, bit 1: z < 0, bit 2: y < 0.
 inline constexpr int facets = 8;
@@ -81,7 +82,8 @@ inline std::array<Direction, 3> sides(int facet) {
   return {{{sign.x, 0, 0}, {0, sign.y, 0}, {0, 0, sign.z}}};
 }
 
-/// A place at least `margin` (in s and t) inside its own facet: what is smooth there says how the map is beside a crease.
+/// A place at least `margin` (in s and t) inside its own facet:
+/// what is smooth there says how the map is beside a crease.
 inline Location<double> inset(const Location<double>& at, double margin) {
   const Point2 in = wrapped(2 * at.u - 1, 1 - 2 * at.v);
   Place p = folded(in.x, in.y);

@@ -99,7 +99,8 @@ void facet_densities(Projection p, int facet, std::span<const Point2> points, st
   visit(p, [&](auto q) {
     using P = decltype(q);
     if constexpr (Faceted<P>)
-      std::ranges::transform(points, out.begin(), [facet](const Point2& at) { return P::continued_density(facet, at.x, at.y); });
+      std::ranges::transform(points, out.begin(),
+                             [facet](const Point2& at) { return P::continued_density(facet, at.x, at.y); });
     else
       densities(p, points, out);
   });

@@ -1,6 +1,6 @@
 /// @file
-/// The projections: how an image, or several faces, shows all directions; and what operations ask of one, rows and spans at
-/// a time.
+/// The projections: how an image, or several faces, shows all directions; and what operations ask of one, rows and
+/// spans at a time.
 #pragma once
 
 #include <optional>
@@ -67,8 +67,8 @@ void directions(Projection p, int face, std::span<const Point2> points, std::spa
 /// Where each direction lies. Sizes must agree.
 void locate(Projection p, std::span<const Direction> directions, std::span<Location<double>> out);
 
-/// The part of a face that holds a place and within which a map is smooth: the face itself, or of octahedral maps an eighth
-/// of the sphere. The facets of a face are face, face + faces(p), face + 2 faces(p) ...
+/// The part of a face that holds a place and within which a map is smooth: the face itself, or of octahedral maps an
+/// eighth of the sphere. The facets of a face are face, face + faces(p), face + 2 faces(p) ...
 int facet(Projection p, const Location<double>& at);
 
 /// Solid angle per du dv at points of a facet, beyond its sides what it goes on with; 0 outside the disc.
@@ -77,16 +77,16 @@ void facet_densities(Projection p, int facet, std::span<const Point2> points, st
 /// The same in whatever facet they lie.
 void densities(Projection p, std::span<const Point2> points, std::span<double> out);
 
-/// Steradians of each texel of a row of `out.size()` texels; every face has the same. Outside the disc 0, on the rim the
-/// part inside.
+/// Steradians of each texel of a row of `out.size()` texels; every face has the same. Outside the disc 0, on the rim
+/// the part inside.
 void solid_angles(Projection p, int size, int row, std::span<double> out);
 
-/// Steradians of the rectangles between neighbouring `edges` across (ascending u) and v0 and v1; out.size() is one less than
-/// edges.size().
+/// Steradians of the rectangles between neighbouring `edges` across (ascending u) and v0 and v1; out.size() is one less
+/// than edges.size().
 void solid_angles(Projection p, std::span<const double> edges, double v0, double v1, std::span<double> out);
 
-/// How the direction moves with u and v; infinite nowhere: differences over `step` (in units of the face) either way, which
-/// never reach over a crease.
+/// How the direction moves with u and v; infinite nowhere: differences over `step` (in units of the face) either way,
+/// which never reach over a crease.
 struct Derivative {
   Direction du, dv;
 };

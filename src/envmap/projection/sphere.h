@@ -37,7 +37,8 @@ struct Sphere {
     return Vec3<T>(2 * k * s, 2 * k * t, 2 * rest - 1);
   }
 
-  /// x / m with m^2 = 2(1+z); behind, where 1+z cancels, the same as x/h sqrt((1-z)/2). -Z itself: the right of the rim.
+  /// x / m with m^2 = 2(1+z); behind, where 1+z cancels, the same as x/h sqrt((1-z)/2). -Z itself:
+  /// the right of the rim.
   template <class T>
   static Location<T> locate(const Vec3<T>& d) {
     const double x = d.x, y = d.y, z = d.z;

@@ -17,8 +17,8 @@
 namespace envmap {
 
 /// What a projection is: a type of pure functions and constants. `direction` and `locate` take and give float or double
-/// and are evaluated in double: a float result is off by its own rounding alone, 2^-23 rad for a direction and 2^-24 of the
-/// face for a location (tested).
+/// and are evaluated in double: a float result is off by its own rounding alone, 2^-23 rad for a direction and 2^-24 of
+/// the face for a location (tested).
 template <class P>
 concept ProjectionType = requires(int face, double u, double v, const Direction& d, const Rect& rect) {
   { P::id } -> std::convertible_to<Projection>;
@@ -26,7 +26,8 @@ concept ProjectionType = requires(int face, double u, double v, const Direction&
   { P::faces } -> std::convertible_to<int>;
   { P::aspect } -> std::convertible_to<int>;            // Width over height of a face.
   { P::span } -> std::convertible_to<double>;           // Degrees of arc along the height of a face.
-  { P::stretch } -> std::convertible_to<double>;        // No direction moves faster for a step in s, t; infinite of a disc.
+  // No direction moves faster for a step in s, t; infinite of a disc.
+  { P::stretch } -> std::convertible_to<double>;
   { P::on_disc } -> std::convertible_to<bool>;          // Only the unit disc of a face carries weight.
   { P::filled } -> std::convertible_to<bool>;           // Texels outside the disc are written all the same.
   { P::has_forward } -> std::convertible_to<bool>;      // The image has a centre that --forward can choose.

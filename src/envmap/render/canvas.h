@@ -28,8 +28,8 @@ struct Canvas {
   gl::Framebuffer lit;   ///< The layer of a map that is shaded, and the stencil.
 };
 
-/// What blended surfaces need beside a canvas: the nearness and the stencil of two of their layers, and one sample of all
-/// texels, on which they are put.
+/// What blended surfaces need beside a canvas: the nearness and the stencil of two of their layers, and one sample of
+/// all texels, on which they are put.
 struct Layers {
   explicit Layers(const Canvas& canvas);
 

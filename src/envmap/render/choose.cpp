@@ -5,12 +5,14 @@
 namespace envmap {
 double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles, const Costs& costs) {
   const auto count = double(triangles);
-  if (method == DrawMethod::raycast) return costs[Cost::ray_texel] * texel_count(to, size) + costs[Cost::ray_triangle] * count;
+  if (method == DrawMethod::raycast)
+    return costs[Cost::ray_texel] * texel_count(to, size) + costs[Cost::ray_triangle] * count;
   if (method == DrawMethod::resample)
     return costs[Cost::cube_texel] * texel_count(Projection::cube, size) + costs[Cost::cube_triangle] * count +
            (to == Projection::cube ? 0 : costs[Cost::resample_texel] * texel_count(to, size));
   // Of a cube's faces, about half see a given part of the scene.
-  return costs[Cost::draw_texel] * texel_count(to, size) + costs[Cost::draw_triangle] * count * (to == Projection::cube ? 3 : faces(to));
+  return costs[Cost::draw_texel] * texel_count(to, size) +
+         costs[Cost::draw_triangle] * count * (to == Projection::cube ? 3 : faces(to));
 }
 
 DrawMethod cheapest(Projection to, int size, std::size_t triangles, const Costs& costs, bool rays) {

@@ -58,8 +58,12 @@ class Sky {
     const bool wide = p.lower - p.upper == 1 || (across && p.right - p.left > 1);
     const int from = wide ? p.left : p.upper, to = wide ? p.right : p.lower;
     if (to - from == 1) return {p};
-    const auto before = [&](int cut) { return wide ? part(p.left, p.upper, cut, p.lower) : part(p.left, p.upper, p.right, cut); };
-    const auto after = [&](int cut) { return wide ? part(cut, p.upper, p.right, p.lower) : part(p.left, cut, p.right, p.lower); };
+    const auto before = [&](int cut) {
+      return wide ? part(p.left, p.upper, cut, p.lower) : part(p.left, p.upper, p.right, cut);
+    };
+    const auto after = [&](int cut) {
+      return wide ? part(cut, p.upper, p.right, p.lower) : part(p.left, cut, p.right, p.lower);
+    };
     const auto apart = [&](int cut) { return std::abs(2 * before(cut).luminance - p.luminance); };
     int best = from + 1;
     double least = apart(best);
@@ -94,7 +98,8 @@ std::vector<DistantLight> distant_lights(const EnvironmentMap& environment, int 
     const auto brightest = std::ranges::max_element(parts, {}, &Part::luminance);
     const std::vector<Part> halves = sky.halves(*brightest);
     parts.erase(brightest);
-    (halves.size() == 1 ? whole : parts).insert((halves.size() == 1 ? whole : parts).end(), halves.begin(), halves.end());
+    (halves.size() == 1 ? whole : parts)
+        .insert((halves.size() == 1 ? whole : parts).end(), halves.begin(), halves.end());
   }
   parts.insert(parts.end(), whole.begin(), whole.end());
   std::vector<DistantLight> lights;

@@ -35,7 +35,8 @@ Vec2<double> sample_offset(int sample, int samples) {
   return {along - 0.5, across - std::floor(across) - 0.5};
 }
 
-void sample_directions(Projection p, int size, int face, int row, const Vec2<double>& offset, std::span<Direction> out) {
+void sample_directions(Projection p, int size, int face, int row, const Vec2<double>& offset,
+                       std::span<Direction> out) {
   const int first = columns(p, size, row).first;
   if (offset == Vec2<double>(0)) return texel_directions(p, size, face, row, first, out);
   const bool stop_at_rim = visit(p, [](auto q) { return decltype(q)::on_disc && !decltype(q)::filled; });

@@ -14,7 +14,8 @@
 
 namespace envmap {
 
-/// A picture in place of a map: what a pinhole or an orthographic camera sees. X of the map's frame is right, Y up, -Z ahead.
+/// A picture in place of a map: what a pinhole or an orthographic camera sees. X of the map's frame is right, Y up,
+/// -Z ahead.
 struct Lens {
   int width = 0;             ///< Pixels; the height is Viewpoint::size.
   Vec2<double> tangents{1};  ///< Of half the angles of view, across and up; of parallel rays half the sides in metres.
@@ -46,8 +47,8 @@ struct Viewpoint {
   int samples = 1;                 ///< A texel. Distances and surfaces are those of the first.
   unsigned which = ~0U;            ///< Faces to draw, a bit each.
   bool cull = true;                ///< Leave out what lies beyond a face, by spheres round meshes.
-  /// distort and tessellate move vertices near a disc's singularity (z < -1 + epsilon) to infinity. 0: 0.5 for paraboloids,
-  /// otherwise 0.05 for distort and 0.01 for tessellate.
+  /// distort and tessellate move vertices near a disc's singularity (z < -1 + epsilon) to infinity. 0: 0.5 for
+  /// paraboloids, otherwise 0.05 for distort and 0.01 for tessellate.
   double epsilon = 0;
   bool show_ambient = false;       ///< Behind all surfaces, too: as mirrors show it.
   std::optional<Lens> lens;        ///< Then it is a picture of one face, and `to` is not looked at.
@@ -59,8 +60,8 @@ struct Environment;
 struct MirrorMap;
 struct MapTexture;
 
-/// How mirrors look their maps up. direction: as if all in them were far away. distance: where the ray meets what the map
-/// shows. vertex: by direction, at vertices, places in the map interpolated between them, as was done before 2000.
+/// How mirrors look their maps up. direction: as if all in them were far away. distance: where the ray meets what the
+/// map shows. vertex: by direction, at vertices, places in the map interpolated between them, as was done before 2000.
 enum class MirrorLookup { direction, distance, vertex };
 inline constexpr std::string_view mirror_lookup_names[] = {"direction", "distance", "vertex"};
 
@@ -83,8 +84,8 @@ struct Shot {
   /// none: it shines through everything.
   std::span<const DistantLight> distant{};
   std::span<const MirrorMap> mirrors{};      ///< In the order of the renderer's; empty: they show the environment.
-  /// What flat mirrors show of a picture, as the eye mirrored in each sees it, right and left exchanged; in the order of `mirrors`, null
-  /// for all others. Empty: none has one.
+  /// What flat mirrors show of a picture, as the eye mirrored in each sees it, right and left exchanged; in the order
+  /// of `mirrors`, null for all others. Empty: none has one.
   std::span<const MapTexture* const> reflections{};
   MirrorLook look{};
 };
@@ -120,7 +121,8 @@ struct Drawn {
   EnvironmentMap radiance;
   std::vector<float> distances;         ///< From the point, in metres; infinite where nothing was hit.
   std::vector<std::uint32_t> surfaces;  ///< 1 + index into instances(); 0 where nothing was hit.
-  /// Solid angle in steradians of the triangles that distort or tessellate left out round the singularity, whether or not
+  /// Solid angle in steradians of the triangles that distort or tessellate left out round the singularity, whether or
+  /// not
   /// others hide them: what the map lacks at most. 0 for other methods.
   double missing_solid_angle = 0;
 };

@@ -21,7 +21,8 @@ std::pair<int, double> find(const double* sums, int count, double x) {
 
 }  // namespace
 
-EnvironmentSampler::EnvironmentSampler(const EnvironmentMap& map) : rows_(height + 1, 0), cells_(height * (width + 1), 0) {
+EnvironmentSampler::EnvironmentSampler(const EnvironmentMap& map)
+    : rows_(height + 1, 0), cells_(height * (width + 1), 0) {
   const EnvironmentMap cells = convert(map, {.to = {Projection::latlong}, .size = height});
   for (int row = 0; row < height; ++row) {
     const double solid_angle = 2 * pi / width * (cosine_above(row, height) - cosine_above(row + 1, height));

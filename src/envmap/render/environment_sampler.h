@@ -8,8 +8,8 @@
 
 namespace envmap {
 
-/// A density over directions that follows the luminance of a map, for importance sampling. Constant within each of 512 x 256
-/// cells of a latlong map.
+/// A density over directions that follows the luminance of a map, for importance sampling. Constant within each of 512
+/// x 256 cells of a latlong map.
 class EnvironmentSampler {
  public:
   explicit EnvironmentSampler(const EnvironmentMap& map);

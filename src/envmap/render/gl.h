@@ -88,8 +88,8 @@ struct Stage {
   GLenum kind;
   std::vector<std::string> files;
 };
-/// A condition (#if) on a name that nobody defines is an error, so that nothing is left out of a program without a word;
-/// #ifdef, which cannot be checked, is one, too.
+/// A condition (#if) on a name that nobody defines is an error, so that nothing is left out of a program without a
+/// word; #ifdef, which cannot be checked, is one, too.
 /// @throws std::runtime_error with GL's message.
 Program make_program(const std::vector<Stage>& stages, const Definitions& definitions);
 

@@ -117,7 +117,8 @@ void add_corners(const Mesh& mesh, std::vector<GpuCorner>& corners) {
 }
 
 void add_tangents(const Mesh& mesh, std::vector<glm::vec4>& tangents) {
-  for (const std::uint32_t k : mesh.indices) tangents.push_back(mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[k]);
+  for (const std::uint32_t k : mesh.indices)
+    tangents.push_back(mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[k]);
 }
 
 bool has_tangents(const Scene& scene) {
@@ -188,9 +189,11 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(i
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
   if (corner_texels * corners.size() > std::size_t(most))
-    throw UsageError(fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / (3 * corner_texels)));
+    throw UsageError(
+        fmt::format("{} triangles: this renderer takes {}", corners.size() / 3, most / (3 * corner_texels)));
   if (groups_.size() > 255)
-    throw UsageError(fmt::format("materials with {} sets of textures and mirrors: this renderer takes 255", groups_.size()));
+    throw UsageError(
+        fmt::format("materials with {} sets of textures and mirrors: this renderer takes 255", groups_.size()));
   vertices_ = gl::make_buffer(vertices, GL_DYNAMIC_STORAGE_BIT);
   indices_ = gl::make_buffer(indices);
   corners_ = gl::make_buffer(corners, GL_DYNAMIC_STORAGE_BIT);
@@ -246,9 +249,10 @@ void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye,
     double norm = 0;
     for (int axis = 0; axis < 3; ++axis) norm += glm::dot(linear[axis], linear[axis]);
     const Matrix to_map = turn * world;
-    placed_.push_back({glm::mat4(to_map),
-                       sign < 0,
-                       {Direction(to_map * glm::vec<4, double, glm::highp>(part.centre, 1)), std::sqrt(norm) * part.radius}});
+    placed_.push_back(
+        {glm::mat4(to_map),
+         sign < 0,
+         {Direction(to_map * glm::vec<4, double, glm::highp>(part.centre, 1)), std::sqrt(norm) * part.radius}});
     const glm::mat4 to_map_rows = glm::transpose(glm::mat4(to_map));
     const glm::mat3 normal_rows = glm::transpose(glm::mat3(normals));
     rows.push_back(

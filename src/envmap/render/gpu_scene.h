@@ -1,6 +1,6 @@
 /// @file
-/// A scene where the graphics card can read it. What does not move is uploaded once; a frame sends matrices and lights, and
-/// meshes that change their shape.
+/// A scene where the graphics card can read it. What does not move is uploaded once; a frame sends matrices and lights,
+/// and meshes that change their shape.
 #pragma once
 
 #include <algorithm>
@@ -50,7 +50,8 @@ struct Placed {
 /// Needs a current context, and goes before it.
 class GpuScene {
  public:
-  /// @param mirrors nodes that have a map each, with all below them. @throws UsageError where a texture is larger than GL takes.
+  /// @param mirrors nodes that have a map each, with all below them.
+  /// @throws UsageError where a texture is larger than GL takes.
   explicit GpuScene(const Scene& scene, std::span<const int> mirrors = {});
 
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
@@ -59,7 +60,8 @@ class GpuScene {
   [[nodiscard]] std::size_t triangles() const { return triangles_; }
   [[nodiscard]] int lights() const { return lights_; }
 
-  /// A mesh whose vertices are others now, as many and joined as before: positions, normals, coordinates, colours, tangents.
+  /// A mesh whose vertices are others now, as many and joined as before: positions, normals, coordinates,
+  /// colours, tangents.
   void update(const Scene& scene, int mesh);
 
   /// Where everything is, seen from `at` in a frame of `axes`: one element a part.

@@ -13,8 +13,8 @@ namespace envmap {
 enum class ImageShape { plane, disc, band, other };
 inline constexpr ImageShape image_shapes[] = {ImageShape::plane, ImageShape::disc, ImageShape::band, ImageShape::other};
 
-/// For a new projection that is none of them this says `other` until somebody says otherwise; a disc needs NAME_radius()
-/// in shaders/projection/NAME.glsl.
+/// For a new projection that is none of them this says `other` until somebody says otherwise; a disc needs
+/// NAME_radius() in shaders/projection/NAME.glsl.
 template <class P>
 constexpr ImageShape shape_of() {
   if constexpr (std::is_same_v<P, Cube>) return ImageShape::plane;

@@ -19,8 +19,8 @@ struct LightFace {
   bool parallel = false;
 };
 
-/// The number of images that all it lights is in: 1 of directional lights and of spots up to 45 degrees from their axis,
-/// else 6, in the order of a cube's faces.
+/// The number of images that all it lights is in: 1 of directional lights and of spots up to 45 degrees from their
+/// axis, else 6, in the order of a cube's faces.
 int light_faces(const PlacedLight& light);
 
 /// The image of parallel rays along a direction through all of a ball.

@@ -41,7 +41,8 @@ struct Charlie : CosineSampling {
   }
 };
 
-// Sampled by the normals of microfacets that the viewer sees: Heitz 2018, "Sampling the GGX Distribution of Visible Normals".
+// Sampled by the normals of microfacets that the viewer sees: Heitz 2018,
+// "Sampling the GGX Distribution of Visible Normals".
 struct Ggx {
   Rotation frame;
   Direction view, local;  // In the world, and in the frame.
@@ -50,7 +51,13 @@ struct Ggx {
   double f90;
 
   Ggx(const Direction& n, const Direction& v, double a, const Flux& straight, double grazing)
-      : frame(upright_about(n)), view(v), local(v * frame), alpha(a), nv(std::max(1e-3, local.z)), f0(straight), f90(grazing) {
+      : frame(upright_about(n)),
+        view(v),
+        local(v * frame),
+        alpha(a),
+        nv(std::max(1e-3, local.z)),
+        f0(straight),
+        f90(grazing) {
     local.z = nv;
     local = glm::normalize(local);
   }

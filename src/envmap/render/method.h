@@ -9,7 +9,8 @@
 
 namespace envmap {
 
-/// exact: each texel's ray meets the triangles themselves. distort: vertices moved by the map's formula, sides straight.
+/// exact: each texel's ray meets the triangles themselves. distort: vertices moved by the map's formula, sides
+/// straight.
 /// tessellate: the same, cut until the sides bend within a quarter of a pixel. resample: six faces of a cube, and the
 /// bilinear filter of convert(). raycast: a tree of boxes (raycast.h), no OpenGL.
 enum class DrawMethod { automatic, exact, distort, tessellate, resample, raycast };

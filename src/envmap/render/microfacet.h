@@ -9,8 +9,8 @@
 
 namespace envmap {
 
-/// Distribution of Trowbridge and Reitz (GGX). 1 - cos^2 is taken from the cross product: the peak of a smooth surface is lost
-/// otherwise. @param n normal. @param h half vector.
+/// Distribution of Trowbridge and Reitz (GGX). 1 - cos^2 is taken from the cross product: the peak of a smooth surface
+/// is lost otherwise. @param n normal. @param h half vector.
 inline double ggx_distribution(double alpha, const Direction& n, const Direction& h) {
   const double a2 = alpha * alpha, nh = std::max(0.0, glm::dot(n, h));
   const Direction side = glm::cross(n, h);

@@ -55,8 +55,8 @@ Rotation looking_along(const Direction& axis) {
 
 unsigned all_faces(Projection p) { return (1U << faces(p)) - 1; }
 
-// More texels than this many a pixel that looks them up are not drawn, however fine those could show them: a bottle a few
-// pixels wide does not get the map of a flat mirror that fills the picture.
+// More texels than this many a pixel that looks them up are not drawn, however fine those could show them: a bottle a
+// few pixels wide does not get the map of a flat mirror that fills the picture.
 constexpr double texels_a_pixel = 64;
 
 // Down to 4 texels.
@@ -188,10 +188,12 @@ std::vector<Mirrors::Wanted> Mirrors::wanted(const Shot& shot, const std::vector
       continue;
     }
     looked_from[from] = true;
-    const double pixel = spacing(mirrors_[from].to) / fitting_size(mirrors_[from], want[from].spacing, want[from].pixels);
+    const double pixel =
+        spacing(mirrors_[from].to) / fitting_size(mirrors_[from], want[from].spacing, want[from].pixels);
     for (std::size_t k = 0; k < want.size(); ++k)
       if (k != from)
-        add_wanted(k, shot, {.at = want[from].at, .node = mirrors_[from].node, .pixel = want[k].caps.empty() ? pixel : 0},
+        add_wanted(k, shot,
+                   {.at = want[from].at, .node = mirrors_[from].node, .pixel = want[k].caps.empty() ? pixel : 0},
                    want[k]);
     from = 0;
   }
@@ -204,8 +206,12 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   const Mirror& mirror = mirrors_[k];
   const MirrorMap& map = maps_[k];
   const Drawn& drawn = drawn_[k];
-  const bool in_maps_only = want.normal && !viewer.planes.empty();  // Pictures show what lies in it otherwise: draw_picture().
-  const int most = mirror.rough ? rough_size : in_maps_only ? flat_size : options.largest, largest = std::min(most, options.largest);
+  // Pictures show what lies in it otherwise: draw_picture().
+  const bool in_maps_only = want.normal && !viewer.planes.empty();
+  const int most = mirror.rough   ? rough_size
+                   : in_maps_only ? flat_size
+                                  : options.largest,
+            largest = std::min(most, options.largest);
   const int size = options.size > 0 ? options.size : std::min(fitting_size(mirror, want.spacing, want.pixels), largest);
   const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
                                                      : map.texture->size >= size && map.texture->size <= 2 * size);
@@ -267,7 +273,8 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                  .show_ambient = true};
   Shot with_maps = shot;
   with_maps.mirrors = maps_;
-  with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup, .images = true};
+  with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup,
+                    .images = true};
   if (map.texture && map.texture->size == plan.size && map.axes == plan.axes) {
     renderer.draw(from, with_maps, options.method, *map.texture);
     renderer.make_levels(*map.texture, needed);
@@ -313,7 +320,8 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
       std::vector<int> versions;
       for (std::size_t other = 0; other < drawn_.size(); ++other)
         versions.push_back(other == k ? 0 : drawn_[other].version);
-      if (!plans[k].anew && (needed[k] & ~drawn.faces) == 0 && versions == drawn.versions && (!options.all || round > 0)) {
+      if (!plans[k].anew && (needed[k] & ~drawn.faces) == 0 && versions == drawn.versions &&
+          (!options.all || round > 0)) {
         if (round == 0) tell(fmt::format("{}: its surroundings did not change, not drawn again", name_of(k)));
         continue;
       }

@@ -1,9 +1,9 @@
 /// @file
-/// Several mirrors and lenses in one scene: each has a map of its own, drawn from its centre with the others' latest maps,
-/// and only as far as somebody can see it (needed.h).
+/// Several mirrors and lenses in one scene: each has a map of its own, drawn from its centre with the others' latest
+/// maps, and only as far as somebody can see it (needed.h).
 ///
-/// Sources: Blinn and Newell 1976 (environment maps); Heidrich and Seidel 1998, "View-independent environment maps" (two
-/// paraboloids); Diefenbach 1996 and Nielsen and Christensen 2002 for reflections in reflections, a frame old.
+/// Sources: Blinn and Newell 1976 (environment maps); Heidrich and Seidel 1998, "View-independent environment maps"
+/// (two paraboloids); Diefenbach 1996 and Nielsen and Christensen 2002 for reflections in reflections, a frame old.
 #pragma once
 
 #include <functional>
@@ -35,8 +35,8 @@ Mirror make_mirror(const Scene& scene, int node, Projection to);
 struct MirrorOptions {
   int size = 0;  ///< Height of a face; 0: what the pixels of the picture need, up to `largest`.
   int largest = 1024;
-  /// Rounds a frame: so often light goes from mirror to mirror before the next one. None: until no texel changes by more
-  /// than 1/255 of white, or of itself where it is brighter; at most most_rounds.
+  /// Rounds a frame: so often light goes from mirror to mirror before the next one. None: until no texel changes by
+  /// more than 1/255 of white, or of itself where it is brighter; at most most_rounds.
   std::optional<int> bounces;
   bool all = false;  ///< Draw every face of every map in every frame.
   bool moved = false;  ///< Vertices of meshes did: what shows them is drawn again.

@@ -58,7 +58,8 @@ struct Search {
 
   [[nodiscard]] bool out_of_sight(const Facet& f) const {
     return std::ranges::any_of(viewer.planes, [&](const auto& plane) {
-      return std::ranges::all_of(f, [&](const Corner& c) { return glm::dot(Direction(plane), c.position) + plane.w < 0; });
+      return std::ranges::all_of(f,
+                                 [&](const Corner& c) { return glm::dot(Direction(plane), c.position) + plane.w < 0; });
     });
   }
 
@@ -150,12 +151,13 @@ std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world) {
     const Direction way = Direction(mesh.positions[k]) - place;
     size = std::max(size, glm::length(way));
     off = std::max(off, std::abs(glm::dot(way, normal)));
-    if (glm::length(Direction(mesh.normals[k]) - normal) > 1e-5) return {};  // Floats are no unit vectors to the last digit.
+    // Floats are no unit vectors to the last digit.
+    if (glm::length(Direction(mesh.normals[k]) - normal) > 1e-5) return {};
   }
   if (off > 1e-5 * size) return {};
   const Rotation turn(world);
-  return unit_or_z(Rotation(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1])) * normal *
-                   (glm::determinant(turn) < 0 ? -1.0 : 1.0));
+  return unit_or_z(Rotation(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1])) *
+                   normal * (glm::determinant(turn) < 0 ? -1.0 : 1.0));
 }
 
 std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axes, double margin) {
@@ -186,8 +188,8 @@ Cap enclosing(std::span<const Cap> caps) {
   };
   std::vector<Bounded> all;
   for (const Cap& cap : caps) all.push_back({cap.axis, std::cos(cap.angle), std::sin(cap.angle)});
-  // The cosine of how far the widest reaches from an axis, -1 where it reaches all round: angles by atan2 took longer than
-  // drawing.
+  // The cosine of how far the widest reaches from an axis, -1 where it reaches all round: angles by atan2 took longer
+  // than drawing.
   const auto widest = [&](const Direction& axis) {
     const Bounded* far = &all.front();
     double least = 2;

@@ -46,16 +46,16 @@ struct Shown {
   double solid_angle = 0;  ///< In which the mesh is seen; what lies behind counts, too.
 };
 
-/// Caps that together hold every direction that a mesh shows a viewer; none where it is out of sight. Occlusion by other
-/// things is not looked at.
+/// Caps that together hold every direction that a mesh shows a viewer; none where it is out of sight. Occlusion by
+/// other things is not looked at.
 ///
 /// A triangle whose view rays lie within `a` of their mean and whose normals within `b` shows directions within a + 2b
 /// of the mean ray's: a reflection turns by what the ray turns and by twice what the normal does, and refraction into
 /// a denser medium by no more. What is wide is split, and parts beyond the viewer's planes are dropped.
-/// Seen from a middle, the points of such a ray lie on the arc from where it starts to where it goes: lookups by distance
-/// read there.
-/// @param world places the mesh. @param middle of the map, if it is looked up by distance. @param fineness of the caps in
-/// radians; wider ones are split up to six times.
+/// Seen from a middle, the points of such a ray lie on the arc from where it starts to where it goes: lookups by
+/// distance read there.
+/// @param world places the mesh. @param middle of the map, if it is looked up by distance. @param fineness of the caps
+/// in radians; wider ones are split up to six times.
 Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
                        const std::optional<Direction>& middle = {}, double fineness = 0.2);
 

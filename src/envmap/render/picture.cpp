@@ -5,16 +5,18 @@
 namespace envmap {
 namespace {
 
-// What the eye sees in a flat mirror, seen from behind it: the ray of a pixel mirrored is that of the pixel on the other side of the
-// picture's middle.
+// What the eye sees in a flat mirror, seen from behind it: the ray of a pixel mirrored is that of the pixel on the
+// other side of the picture's middle.
 Viewpoint mirrored(const Viewpoint& from, const Plane& mirror, int node, const Ball& scene) {
   const Direction normal(mirror);
   Viewpoint other = from;
   other.at = from.at - 2 * (glm::dot(normal, from.at) + mirror.w) * normal;
-  other.axes = Rotation(-glm::reflect(from.axes[0], normal), glm::reflect(from.axes[1], normal), glm::reflect(from.axes[2], normal));
+  other.axes = Rotation(-glm::reflect(from.axes[0], normal), glm::reflect(from.axes[1], normal),
+                        glm::reflect(from.axes[2], normal));
   other.lens->shift = -from.lens->shift;
   other.near = std::min(from.near, 0.5 * std::abs(glm::dot(mirror, Plane(from.at, 1))));
-  other.far = std::max(from.far, glm::length(scene.centre - other.at) + scene.radius);  // A camera's far plane is not its mirrors'.
+  // A camera's far plane is not its mirrors'.
+  other.far = std::max(from.far, glm::length(scene.centre - other.at) + scene.radius);
   other.before = mirror;
   other.without = node;
   other.show_ambient = true;
@@ -43,7 +45,8 @@ void draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, const Bal
     const Plane plane = mirror.double_sided && !is_before(*mirror.flat, from) ? -*mirror.flat : *mirror.flat;
     if (!is_before(plane, from)) continue;
     if (!is_in_picture(from, mirror.centre, mirror.radius)) continue;
-    draw(renderer, mirrored(from, plane, node, ball), shot, ball, depth - 1, pictures[k].emplace(from.lens->width, from.size));
+    draw(renderer, mirrored(from, plane, node, ball), shot, ball, depth - 1,
+         pictures[k].emplace(from.lens->width, from.size));
     reflections[k] = &*pictures[k];
   }
   Shot with_pictures = shot;

@@ -91,7 +91,8 @@ gl::Program visibility_program(DrawMethod method, Projection image, bool holes, 
   const std::string last = method == DrawMethod::exact ? "exact.frag.glsl"
                            : plain                     ? "raster.frag.glsl"
                                                        : "distort.frag.glsl";
-  const gl::Stage seen{GL_FRAGMENT_SHADER, {"instances.glsl", "ray.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
+  const gl::Stage seen{GL_FRAGMENT_SHADER,
+                       {"instances.glsl", "ray.glsl", "triangle.glsl", "hole.glsl", "visible.glsl", last}};
   const gl::Stage place{GL_VERTEX_SHADER, {"instances.glsl", "place.vert.glsl"}};
   // A stage that knows where directions lie in the image.
   const auto imaging = [&](GLenum kind, std::initializer_list<std::string> files) {
@@ -100,7 +101,8 @@ gl::Program visibility_program(DrawMethod method, Projection image, bool holes, 
     return stage;
   };
   if (method == DrawMethod::exact)
-    return gl::make_program({place, imaging(GL_GEOMETRY_SHADER, {"bounds.glsl", "exact.geom.glsl"}), seen}, definitions);
+    return gl::make_program({place, imaging(GL_GEOMETRY_SHADER, {"bounds.glsl", "exact.geom.glsl"}), seen},
+                            definitions);
   if (plain) return gl::make_program({imaging(GL_VERTEX_SHADER, {"raster.vert.glsl"}), seen}, definitions);
   const gl::Stage moved = imaging(GL_GEOMETRY_SHADER, {"distort.glsl", "solid_angle.glsl", "distort.geom.glsl"});
   if (method == DrawMethod::distort) return gl::make_program({place, moved, seen}, definitions);
@@ -124,7 +126,8 @@ gl::Program shadow_program(bool holes) {
 }
 
 gl::Program background_program(Projection environment) {
-  return lighting({file_of(environment), "environment.glsl", "ray.glsl", "background.frag.glsl"}, constants(), environment);
+  return lighting({file_of(environment), "environment.glsl", "ray.glsl", "background.frag.glsl"}, constants(),
+                  environment);
 }
 
 gl::Program adding_program() {
@@ -150,12 +153,14 @@ gl::Program shading_program(const Shading& s) {
   const auto add = [&](std::initializer_list<std::string> more) { files.insert(files.end(), more); };
   add({"ray.glsl", "triangle.glsl", "turned.glsl", "environment.glsl"});
   if (s.mirror)
-    add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)), fmt::format("texel_{}.glsl", identifier(*s.mirror)),
-         "meet_map.glsl", "footprint.glsl", "reflect_mirror.glsl"});
+    add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)),
+         fmt::format("texel_{}.glsl", identifier(*s.mirror)), "meet_map.glsl", "footprint.glsl",
+         "reflect_mirror.glsl"});
   else
     add({s.by_picture ? "reflect_picture.glsl" : "reflect_environment.glsl"});
   if (s.sheen) add({"sheen.glsl"});
-  add({"lights.glsl", "light_image.glsl", "light_faces.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl", "shade.frag.glsl"});
+  add({"lights.glsl", "light_image.glsl", "light_faces.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl",
+       "shade.frag.glsl"});
   return lighting(files, definitions, s.environment);
 }
 

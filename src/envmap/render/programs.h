@@ -69,7 +69,8 @@ struct Shading {
   Projection environment;
   int textures = 0;                  ///< A bit each: Group::textures.
   bool coated = false, sheen = false;
-  std::optional<Projection> mirror;  ///< Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
+  /// Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
+  std::optional<Projection> mirror;
   MirrorLookup lookup = MirrorLookup::direction;
   bool by_picture = false;           ///< Of Shot::reflections, and no map.
   auto operator<=>(const Shading&) const = default;

@@ -111,7 +111,9 @@ void let_light_through(const RTCFilterFunctionNArguments* call) {
   if (call->N != 1) return;
   const Query& query = *static_cast<const Query*>(call->context);
   const bool is_lamp = query.but >= 0 && lies_under(*p.scene, p.node, query.but);
-  if (is_lamp || !casts_shadow(*p.material) || is_hole(p, meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray))) call->valid[0] = 0;
+  if (is_lamp || !casts_shadow(*p.material) ||
+      is_hole(p, meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray)))
+    call->valid[0] = 0;
 }
 
 // Called for each hit: a side that is not drawn and a hole let the ray through.
@@ -121,7 +123,8 @@ void filter(const RTCFilterFunctionNArguments* call) {
   const Query& query = *static_cast<const Query*>(call->context);
   const Meeting m = meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray);
   const bool ends_solid = query.medium == Medium::solid && p.material->solid;
-  const bool shown = p.seen && (!m.back || p.material->double_sided || ends_solid) && (p.material->blended || !is_hole(p, m));
+  const bool shown =
+      p.seen && (!m.back || p.material->double_sided || ends_solid) && (p.material->blended || !is_hole(p, m));
   if (!shown) call->valid[0] = 0;
 }
 
@@ -147,7 +150,8 @@ Direction mapped_normal(const Placed& p, const Meeting& m, int texture, double s
 }
 
 // @param place from the tree's centre.
-Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, const Direction& place, const Direction& ray) {
+Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, const Direction& place,
+                   const Direction& ray) {
   const Direction position = centre + place;
   const Material& material = *p.material;
   const glm::vec2 at = m.of(p.mesh->coordinates);

@@ -21,8 +21,8 @@ struct RayHit {
 /// What a ray passes through.
 enum class Medium { air, solid };
 
-/// Triangles are moved to a centre in double and rounded to float32 there, and so are rays; what a ray meets in a triangle is
-/// found in double. Source: Wald et al. 2014, "Embree: a kernel framework for efficient CPU ray tracing".
+/// Triangles are moved to a centre in double and rounded to float32 there, and so are rays; what a ray meets in a
+/// triangle is found in double. Source: Wald et al. 2014, "Embree: a kernel framework for efficient CPU ray tracing".
 class RayTree {
  public:
   /// @param centre world. @param without the node that is not seen, with all below it; -1: none. It casts shadows.
@@ -31,20 +31,20 @@ class RayTree {
   RayTree(RayTree&&) noexcept;
   ~RayTree();
 
-  /// The first that a ray meets. In air sides that a material does not show let it through (glTF's doubleSided); inside a
-  /// solid all sides of solids are there, since that is where it ends. Holes of alpha_cutoff let it through.
+  /// The first that a ray meets. In air sides that a material does not show let it through (glTF's doubleSided); inside
+  /// a solid all sides of solids are there, since that is where it ends. Holes of alpha_cutoff let it through.
   /// @param origin from the centre. @param ray unit, world.
   [[nodiscard]] std::optional<RayHit> find(const Direction& origin, const Direction& ray, double near, double far,
                                            Medium medium = Medium::air) const;
 
   /// Whether something that casts_shadow() lies on the way of light, whichever side it shows.
-  /// @param place on a surface. @param normal of it. @param towards unit, to the light. @param but the node that, with all
-  /// below it, casts none; -1: none. All in the world.
+  /// @param place on a surface. @param normal of it. @param towards unit, to the light. @param but the node that, with
+  /// all below it, casts none; -1: none. All in the world.
   [[nodiscard]] bool blocked(const Direction& place, const Direction& normal, const Direction& towards, double distance,
                              int but) const;
 
-  /// From where rays may start at a place on a surface, so that they do not meet it again: 2^-15 of the place's distance
-  /// from the centre, some hundred times what it was rounded by.
+  /// From where rays may start at a place on a surface, so that they do not meet it again: 2^-15 of the place's
+  /// distance from the centre, some hundred times what it was rounded by.
   [[nodiscard]] static double clearance(const Direction& place);
 
  private:

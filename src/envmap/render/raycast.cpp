@@ -16,7 +16,8 @@ struct Seen {
 };
 
 // Through what is blended to the first that is not: the surface, and its distance.
-Seen look(const RayTree& tree, const Tracer& tracer, const Lighting& lighting, const Viewpoint& from, const Direction& ray) {
+Seen look(const RayTree& tree, const Tracer& tracer, const Lighting& lighting, const Viewpoint& from,
+          const Direction& ray) {
   Seen seen;
   float left = 1;  // Of what is behind.
   double near = from.near;

@@ -55,7 +55,8 @@ EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances) {
     glGetTextureSubImage(map.texture, 0, 0, 0, map.layer(face), level.width(), level.height(), 1, GL_RGBA, GL_FLOAT,
                          static_cast<GLsizei>(drawn.size() * sizeof(glm::vec4)), drawn.data());
     tbb::parallel_for(0, level.height(), [&](int row) {
-      std::ranges::transform(image.row(0, row), level.row(face, row).begin(), [](const glm::vec4& t) { return Colour(t); });
+      std::ranges::transform(image.row(0, row), level.row(face, row).begin(),
+                             [](const glm::vec4& t) { return Colour(t); });
       if (distances == nullptr) return;
       const ImageView<float> to(*distances, level.width(), level.height(), level.faces());
       std::ranges::transform(image.row(0, row), to.row(face, row).begin(), [](const glm::vec4& t) { return 1 / t.w; });

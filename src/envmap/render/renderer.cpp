@@ -26,7 +26,8 @@ const MapTexture* reflection_of(const Group& group, const Shot& shot) {
 
 // Whether what a group reflects counts as its image in the map that is drawn, whether it has a map itself yet or not.
 bool shows_image(const Group& group, const Shot& shot) {
-  return shot.look.images && group.mirror >= 0 && !shot.mirrors.empty() && shot.mirrors[group.mirror].metal && shot.mirrors[group.mirror].flat;
+  return shot.look.images && group.mirror >= 0 && !shot.mirrors.empty() && shot.mirrors[group.mirror].metal &&
+         shot.mirrors[group.mirror].flat;
 }
 
 // What there is where there is no environment.
@@ -114,14 +115,16 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
 }
 
 // What shines on a group from all round: the environment and ambient light, or the group's own map as far as that goes.
-void Renderer::set_light(const gl::Program& program, const Group& group, const Viewpoint& from, const Shot& shot) const {
+void Renderer::set_light(const gl::Program& program, const Group& group, const Viewpoint& from,
+                         const Shot& shot) const {
   const MapTexture* picture = reflection_of(group, shot);
   const MirrorMap* mirror = picture == nullptr ? map_of(group, shot) : nullptr;
   const bool image = shows_image(group, shot);
   const bool own = mirror != nullptr && mirror->glossy;
   const LightTexture& light = own ? *mirror->glossy : light_;
   const Colour none(0);
-  // Of punctual lights a mirror without roughness shows glints that are smaller than texels, and not where the image is.
+  // Of punctual lights a mirror without roughness shows glints that are smaller than texels,
+  // and not where the image is.
   gl::set(program, "light_count", image ? 0 : gpu_.lights());
   gl::set(program, "shadows", shot.shadows ? 1 : 0);
   // A map of its own shows what is round it.

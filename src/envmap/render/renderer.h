@@ -1,5 +1,6 @@
 /// @file
-/// Maps of a scene, drawn with OpenGL: a pass that finds what each texel sees, by one of the methods, and one that lights it.
+/// Maps of a scene, drawn with OpenGL: a pass that finds what each texel sees, by one of the methods,
+/// and one that lights it.
 #pragma once
 
 #include <map>
@@ -24,8 +25,8 @@ struct MapTexture {
   /// A picture. @param size its height.
   MapTexture(int width, int size);
 
-  /// Of a face. A cube is GL's own with Z mirrored, which seen from inside has right and left where we have them: -Z and
-  /// +Z change places.
+  /// Of a face. A cube is GL's own with Z mirrored, which seen from inside has right and left where we have them: -Z
+  /// and +Z change places.
   [[nodiscard]] int layer(int face) const { return projection == Projection::cube && face >= 4 ? 9 - face : face; }
 
   Projection projection;
@@ -39,7 +40,8 @@ struct MirrorMap {
   Direction at{0};                     ///< Where it was drawn from.
   Rotation axes{1};                    ///< From the map's frame to the world's.
   std::optional<LightTexture> glossy;  ///< Of rough mirrors, from the texture.
-  std::optional<Plane> flat;           ///< What a flat mirror lies in, its front before it; only where pictures are to be drawn so.
+  /// What a flat mirror lies in, its front before it; only where pictures are to be drawn so.
+  std::optional<Plane> flat;
   bool double_sided = false;           ///< It mirrors behind it, too.
   bool metal = false;                  ///< It shows nothing but what it reflects.
   Direction centre{0};                 ///< Of the flat mirror, and how far it reaches from there.
@@ -66,8 +68,8 @@ class Renderer {
   /// From the level that was drawn, in the faces of `which`. @param map cube, sphere or paraboloid.
   void make_levels(const MapTexture& map, unsigned which);
 
-  /// Takes over a mesh of the scene whose vertices are others now, as many and joined as before. Maps of mirrors stay as they
-  /// are until they are drawn again: MirrorOptions::all.
+  /// Takes over a mesh of the scene whose vertices are others now, as many and joined as before. Maps of mirrors stay
+  /// as they are until they are drawn again: MirrorOptions::all.
   void update(const Scene& scene, int mesh);
 
   [[nodiscard]] const GpuScene& scene() const { return gpu_; }
@@ -122,9 +124,10 @@ Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMeth
 /// Whether a sphere in the world may be in the picture.
 bool is_in_picture(const Viewpoint& from, const Direction& centre, double radius);
 
-/// The picture through from.lens, rows from the top. Flat mirrors (MirrorMap::flat) show what the mirrored eye sees, and flat mirrors
-/// in those: as deep as MirrorLook::pictures where there are two of them, once or twice where there are more. Beyond that, and in all
-/// others, they look their maps up.
+/// The picture through from.lens, rows from the top. Flat mirrors (MirrorMap::flat) show what the mirrored eye sees,
+/// and flat mirrors
+/// in those: as deep as MirrorLook::pictures where there are two of them, once or twice where there are more. Beyond
+/// that, and in all others, they look their maps up.
 /// Source: Diefenbach 1996, "Pipeline rendering: interaction and realism through hardware-based multi-pass rendering".
 std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const Shot& shot);
 

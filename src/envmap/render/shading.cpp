@@ -15,7 +15,7 @@
 
 namespace envmap {
 
-// ---- the environment -------------------------------------------------------------------------------------------------
+// ---- the environment ------------------------------------------------------------------------------------------------
 
 EnvironmentLight environment_light(const EnvironmentMap& map, int size, const Progress& progress) {
   EnvironmentLight light;
@@ -75,7 +75,7 @@ ScaleBias split_sum(double cosine, double roughness) {
   return {found.x, found.y};
 }
 
-// ---- punctual lights -------------------------------------------------------------------------------------------------
+// ---- punctual lights ------------------------------------------------------------------------------------------------
 
 // What arrives across the light, and from where (KHR_lights_punctual).
 Flux arriving(const PlacedLight& light, const Direction& position, Direction& from) {
@@ -91,7 +91,8 @@ Flux arriving(const PlacedLight& light, const Direction& position, Direction& fr
   }
   if (light.kind == PunctualLight::Kind::spot) {
     const double part =
-        std::clamp((glm::dot(-from, light.direction) - light.outer) / std::max(1e-4, light.inner - light.outer), 0.0, 1.0);
+        std::clamp((glm::dot(-from, light.direction) - light.outer) / std::max(1e-4, light.inner - light.outer), 0.0,
+                   1.0);
     there *= part * part;
   }
   return there;
@@ -104,11 +105,12 @@ double specular(double alpha, const Direction& n, const Direction& h, double nv,
 // A smooth surface shows a punctual light as a spot of finite size.
 double alpha_of(float roughness) { return std::max(1e-3, double(roughness) * roughness); }
 
-// ---- layers of the material ------------------------------------------------------------------------------------------
+// ---- layers of the material -----------------------------------------------------------------------------------------
 
 struct Base {
   double nv;
-  Flux colour, dielectric, plain;  // What plain dielectrics reflect straight on, and at grazing angles: where nothing is
+  // What plain dielectrics reflect straight on, and at grazing angles: where nothing is
+  Flux colour, dielectric, plain;
   double edge;                     // refracted nothing is.
 };
 
@@ -176,7 +178,8 @@ double left_to_base(const Coat& c, const Sheen& f) { return (1 - c.part) * (1 - 
 constexpr float least_lobe_roughness = 0.03F;
 
 // What fibres of colour 1 reflect.
-Flux cloth(const Surface& s, const Direction& v, const Lighting& l, double albedo, const Flux& reached, const Flux& irradiance) {
+Flux cloth(const Surface& s, const Direction& v, const Lighting& l, double albedo, const Flux& reached,
+           const Flux& irradiance) {
   if (l.integral == nullptr || l.environment == nullptr || albedo == 0) return albedo * irradiance;
   return double(s.reached) * (albedo * Flux(l.ambient) + reached * l.integral->charlie(s.normal, v, s.sheen_roughness));
 }
@@ -254,9 +257,11 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Flux reached = l.obstacles != nullptr ? unoccluded(*l.obstacles, s, l.distant) : Flux(1);
   const Flux &plain = base.plain, rest = 1.0 - once(plain, base.edge) - later(plain, base.edge);
   const Flux irradiance = double(s.reached) * irradiance_over_pi(l, n, reached);
-  const Flux even = rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
+  const Flux even =
+      rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
   const Flux fibre_light = through * Flux(s.sheen) * cloth(s, v, l, fibres.albedo, reached, irradiance);
-  Scattered out{.radiance = through * Flux(s.emissive) + fibre_light + (under * even + coat.part * (1 - coat.once)) * irradiance,
+  Scattered out{.radiance = through * Flux(s.emissive) + fibre_light +
+                            (under * even + coat.part * (1 - coat.once)) * irradiance,
                 .reflected = under * s.reached * glm::mix(once(plain, base.edge), once(base.colour, 1), metallic),
                 .transmitted = under * rest * base.dielectric * transmitted,
                 .coat = Flux(coat.part * coat.once * s.reached),

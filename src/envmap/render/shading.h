@@ -1,11 +1,12 @@
 /// @file
-/// The light that a surface sends towards the viewer: glTF 2.0's metallic-roughness material under punctual lights, even
-/// ambient light and an environment. shaders/shading.glsl is the same for the graphics card.
+/// The light that a surface sends towards the viewer: glTF 2.0's metallic-roughness material under punctual lights,
+/// even ambient light and an environment. shaders/shading.glsl is the same for the graphics card.
 ///
-/// Punctual lights cast shadows. Of the environment's light surfaces keep what is diffused from each other; they light each
-/// other only through maps. Sources: "glTF 2.0 Specification", appendix B; KHR_lights_punctual; KHR_materials_transmission,
-/// _ior, _volume, _clearcoat and _sheen; Karis 2013 (the split sum); Fdez-Aguera 2019, "A multiple-scattering microfacet model for
-/// real-time image-based lighting", so that white surfaces of any roughness in a white environment stay white.
+/// Punctual lights cast shadows. Of the environment's light surfaces keep what is diffused from each other; they light
+/// each other only through maps. Sources: "glTF 2.0 Specification", appendix B; KHR_lights_punctual;
+/// KHR_materials_transmission, _ior, _volume, _clearcoat and _sheen; Karis 2013 (the split sum); Fdez-Aguera 2019, "A
+/// multiple-scattering microfacet model for real-time image-based lighting", so that white surfaces of any roughness in
+/// a white environment stay white.
 #pragma once
 
 #include <array>
@@ -44,8 +45,8 @@ struct Surface {
 
 /// What an environment gives surfaces, made once for it.
 struct EnvironmentLight {
-  /// Irradiance over pi in direction (x,y,z): the sum of these times 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2; what falls
-  /// below 0 beside suns is 0 (Ramamoorthi and Hanrahan 2001). Off by 1% on average and 9% at worst.
+  /// Irradiance over pi in direction (x,y,z): the sum of these times 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2; what
+  /// falls below 0 beside suns is 0 (Ramamoorthi and Hanrahan 2001). Off by 1% on average and 9% at worst.
   std::array<Colour, 9> irradiance{};
   /// GGX-prefiltered cubes in the world's frame, all of one size: roughness 1/n, 2/n, ... 1. Roughness 0
   /// is the environment itself.
@@ -89,7 +90,8 @@ struct Lighting {
   const RayTree* obstacles = nullptr;  ///< What casts shadows; null: nothing.
   bool shadows = true;                 ///< Of the lights, too.
   std::span<const DistantLight> distant{};  ///< Shot::distant.
-  /// Over `environment`: takes the place of its prefiltered levels and of its harmonics, of all but rough glass. Optional.
+  /// Over `environment`: takes the place of its prefiltered levels and of its harmonics,
+  /// of all but rough glass. Optional.
   const LobeIntegral* integral = nullptr;
 };
 /// @param obstacles of the shot, or null: then nothing casts a shadow.
@@ -104,7 +106,8 @@ bool in_shadow(const RayTree& obstacles, const Surface& surface, const PlacedLig
 /// The part of the environment's diffuse light that reaches the surface: of its distant lights on that side.
 Flux unoccluded(const RayTree& obstacles, const Surface& surface, std::span<const DistantLight> distant);
 
-/// What leaves a surface towards the viewer: light of its own and of lights, and parts of what comes from three directions.
+/// What leaves a surface towards the viewer: light of its own and of lights,
+/// and parts of what comes from three directions.
 struct Scattered {
   Flux radiance{0};
   Flux reflected{0}, transmitted{0}, coat{0};
@@ -118,7 +121,8 @@ Scattered scatter(const Surface& surface, const Direction& towards_viewer, const
 /// Radiance of the environment and of ambient light from a world direction, blurred by roughness.
 Flux glossy_radiance(const Lighting& lighting, const Direction& from, double roughness);
 
-/// What the base reflects, and what the coat does, of the environment and of ambient light. @param scattered by scatter().
+/// What the base reflects, and what the coat does, of the environment and of ambient light.
+/// @param scattered by scatter().
 Flux reflected_light(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting,
                      const Scattered& scattered);
 Flux coat_light(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting,

@@ -36,7 +36,8 @@ void ShadowMaps::make(std::size_t faces) {
   GLint layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
   if (faces > std::min(std::size_t(layers), most_texels / 4096))
-    throw UsageError(fmt::format("shadow maps of {} faces: this renderer takes {}", faces, layers), Remedy::leave_out_shadows);
+    throw UsageError(fmt::format("shadow maps of {} faces: this renderer takes {}", faces, layers),
+                     Remedy::leave_out_shadows);
   const auto affordable = std::size_t(std::sqrt(double(most_texels / faces)));
   size_ = int(std::min(largest, std::bit_floor(affordable)));
   maps_ = gl::make_texture(GL_TEXTURE_2D_ARRAY);

@@ -25,7 +25,8 @@ std::optional<LobeIntegral> lobe_integral(const Shot& shot, const RayPaths& path
   return LobeIntegral(shot.environment->map, shot.environment->lookup, paths.lobe_samples);
 }
 
-Tracer::Tracer(const RayTree& tree, const Lighting& light, const Shot& shot, const Viewpoint& from, const RayPaths& paths)
+Tracer::Tracer(const RayTree& tree, const Lighting& light, const Shot& shot, const Viewpoint& from,
+               const RayPaths& paths)
     : tree_(tree), light_(light), from_(from), bounces_(paths.bounces), far_(paths.far) {
   for (const Instance& instance : instances(shot.scene)) {
     const Mesh& mesh = shot.scene.meshes[instance.mesh];
@@ -59,7 +60,8 @@ Flux Tracer::missing(const Ray& ray) const {
 
 Flux Tracer::leaving(const RayHit& hit, const Ray& ray) const {
   const double covered = hit.surface.opacity;
-  const Ray onwards{ray.origin + hit.distance * ray.along, ray.along, ray.bounces, ray.weight * (1 - covered), ray.of_eye};
+  const Ray onwards{ray.origin + hit.distance * ray.along, ray.along, ray.bounces, ray.weight * (1 - covered),
+                    ray.of_eye};
   Flux sum = covered > 0 ? covered * scattered(hit, ray) : Flux(0);
   if (covered < 1) sum += (1 - covered) * along(onwards);
   return sum;
@@ -69,7 +71,8 @@ Flux Tracer::scattered(const RayHit& hit, const Ray& ray) const {
   const Surface& s = hit.surface;
   const Scattered out = scatter(s, -ray.along, light_);
   const Direction place = ray.origin + hit.distance * ray.along;
-  // What mirrors and lenses show is followed; the environment's light that others send on comes from its levels or lobes.
+  // What mirrors and lenses show is followed; the environment's light that others send on comes from its levels or
+  // lobes.
   const auto beyond = [&](const Flux& part, const Direction& where, bool followed, bool inside, auto&& of_environment) {
     if (part == Flux(0)) return Flux(0);
     const Ray next{place, where, ray.bounces - 1, ray.weight * largest(part)};

@@ -7,7 +7,8 @@
 
 namespace envmap {
 
-std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from, const std::string& name) {
+std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from,
+                                      const std::string& name) {
   if (name == "camera") {
     if (scene.cameras.empty()) return std::nullopt;
     return Direction(pose[std::size_t(scene.cameras.front().node)][3]) - from;

@@ -10,9 +10,10 @@
 
 namespace envmap {
 
-/// From a place of the world to the centre of a node, or to the scene's first camera where the name is "camera"; nothing where there
-/// is none of that name. Not of unit length.
-std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from, const std::string& name);
+/// From a place of the world to the centre of a node, or to the scene's first camera where the name is "camera";
+/// nothing where there is none of that name. Not of unit length.
+std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from,
+                                      const std::string& name);
 
 /// Viewpoint::axes that look there: Z along it, X level. @param along any length but 0. @throws UsageError
 Rotation turned_to(const Direction& along);

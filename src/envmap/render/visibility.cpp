@@ -32,7 +32,8 @@ bool in_face(const Viewpoint& from, const Direction& centre, double radius) {
   }
   const Projection p = from.to;
   if (image_shape(p) == ImageShape::plane)
-    return centre.z >= -radius && std::max(std::abs(centre.x), std::abs(centre.y)) - centre.z <= std::sqrt(2.0) * radius;
+    return centre.z >= -radius &&
+           std::max(std::abs(centre.x), std::abs(centre.y)) - centre.z <= std::sqrt(2.0) * radius;
   const double distance = glm::length(centre);
   if (image_shape(p) != ImageShape::disc || distance <= radius) return true;
   return std::atan2(std::hypot(centre.x, centre.y), centre.z) - std::asin(radius / distance) <= reach(p) + 0.01;
@@ -100,7 +101,8 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
       const Placed& placed = gpu_.placed()[k];
       if (part.blended != blended || (part.holes && !blended) != holes || part.indices == 0) continue;
       if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
-      if ((parallel ? -placed.ball.centre.z : glm::length(placed.ball.centre)) - placed.ball.radius > from.far) continue;
+      if ((parallel ? -placed.ball.centre.z : glm::length(placed.ball.centre)) - placed.ball.radius > from.far)
+        continue;
       if (from.cull && !in_face(from, to_face * placed.ball.centre, placed.ball.radius)) continue;
       if (program == nullptr) {
         program = &visibility(method, image, holes, blended);

@@ -53,7 +53,8 @@ struct Workspace {
     points.clear();
     for (const Cell& c : cells)
       for (int k = 0; k < 4; ++k)
-        points.emplace_back(c.centre.x + (k & 1 ? gauss : -gauss) * side.x, c.centre.y + (k & 2 ? gauss : -gauss) * side.y);
+        points.emplace_back(c.centre.x + (k & 1 ? gauss : -gauss) * side.x,
+                            c.centre.y + (k & 2 ? gauss : -gauss) * side.y);
     directions.resize(points.size());
     locations.resize(points.size());
     colours.resize(points.size());
@@ -71,7 +72,8 @@ struct Workspace {
       }
     for (std::size_t k = 0; k < cells.size(); ++k) {
       gather(task.source, &locations[4 * k], &colours[4 * k], &densities[4 * k], side.x * side.y, cells[k]);
-      cells[k].rim = weigh && on_disc(task.target.to) ? side.x * side.y * rim_density(task.target.to, cells[k].centre, side) : 0;
+      cells[k].rim =
+          weigh && on_disc(task.target.to) ? side.x * side.y * rim_density(task.target.to, cells[k].centre, side) : 0;
     }
   }
 
@@ -119,7 +121,8 @@ struct Workspace {
         add_range(source, at[k].face, {x - 1, y - 1, x + 1, y + 1}, low, high);
       }
     }
-    const bool one_patch = one_face && std::floor(box.u0) == std::floor(box.u1) && std::floor(box.v0) == std::floor(box.v1);
+    const bool one_patch =
+        one_face && std::floor(box.u0) == std::floor(box.u1) && std::floor(box.v0) == std::floor(box.v1);
     cell.low = low;
     cell.high = high;
     (one_patch ? cell.smooth : cell.kink) = largest(cell.high - cell.low) * cell.weight;
@@ -138,12 +141,13 @@ struct Workspace {
   }
 };
 
-// Bound of a cell's error: the range of the values times the cell's size in source texels, times what the rule misses of
-// a kink (0.04 of its height at worst, which is twice the slope), or of a smooth stretch, or of the rim. A cell that
+// Bound of a cell's error: the range of the values times the cell's size in source texels, times what the rule misses
+// of a kink (0.04 of its height at worst, which is twice the slope), or of a smooth stretch, or of the rim. A cell that
 // spans many source texels has none; but the whole rim of a sphere map is one direction, where neighbours in the result
 // are found far apart with much the same radiance: small cells are judged by what that is about their samples.
 double error_bound(const Cell& c, const Rgb<double>& mean, double cell_size, bool sphere) {
-  const double size = std::max(c.size, cell_size), off = largest(glm::max(glm::abs(c.high - mean), glm::abs(c.low - mean)));
+  const double size = std::max(c.size, cell_size),
+               off = largest(glm::max(glm::abs(c.high - mean), glm::abs(c.low - mean)));
   const double rim = 0.25 * c.rim * off;
   if (size <= 1) return size * (c.kink / 13 + c.smooth / 1000) + rim;
   if (c.weight == 0 && c.rim == 0) return 0;

@@ -55,7 +55,8 @@ void cut(const std::vector<Corner>& corners, const Direction& side, std::vector<
     const Corner&p = corners[k], &q = corners[k + 1 < corners.size() ? k + 1 : 0];
     const double dp = glm::dot(side, p.direction), dq = glm::dot(side, q.direction);
     if (dp >= 0) out.push_back(p);
-    if ((dp >= 0) != (dq >= 0)) out.push_back({glm::normalize(glm::mix(p.direction, q.direction, dp / (dp - dq))), true});
+    if ((dp >= 0) != (dq >= 0))
+      out.push_back({glm::normalize(glm::mix(p.direction, q.direction, dp / (dp - dq))), true});
   }
 }
 
@@ -100,8 +101,8 @@ void integrate(const PaddedLevel& source, int facet, std::span<const Point2> pol
   }
 }
 
-// The part of a texel's outline on each facet, cut out by the facet's planes. Great circles through the middle of the sphere are
-// straight on all facets' sides.
+// The part of a texel's outline on each facet, cut out by the facet's planes. Great circles through the middle of the
+// sphere are straight on all facets' sides.
 template <Faceted P>
 void cut_by_facet(const PaddedLevel& source, int facet, std::span<const Corner> around, Workspace& ws, Outline& out) {
   ws.piece.assign(around.begin(), around.end());
@@ -114,8 +115,8 @@ void cut_by_facet(const PaddedLevel& source, int facet, std::span<const Corner> 
   if (!ws.piece.empty()) out.add(out.points.front(), true);
 }
 
-// Over the edges of a cube or the creases of an octahedral map, facet by facet. A texel that spans 160 degrees is not cut: what
-// is inside of it and what outside is then no longer plain.
+// Over the edges of a cube or the creases of an octahedral map, facet by facet. A texel that spans 160 degrees is not
+// cut: what is inside of it and what outside is then no longer plain.
 template <Faceted P>
 Outcome integrate_by_facets(const Task& task, std::size_t texel, Workspace& ws, Mean& mean) {
   constexpr double cosine_of_most = 0.17;
@@ -179,7 +180,8 @@ bool on_rim(const Target& target, int row, int i) {
 constexpr int block = 32;  // Texels of a row that get as many pieces a side. Blocks begin at multiples of this, or the
                            // result would depend on how a row is taken apart.
 
-// Pieces a side for the tolerance, by the texels at the ends and in the middle of a block. With one piece there is nothing
+// Pieces a side for the tolerance, by the texels at the ends and in the middle of a block. With one piece there is
+// nothing
 // to see a bend by: it must be far from one.
 std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Workspace& ws) {
   const Columns in = columns(task.target.to, task.target.size, row);
@@ -194,7 +196,8 @@ std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Wo
   }
   // The bend falls with the square of the pieces, the error with their fourth power once they are shorter than a texel.
   const double root = std::sqrt(1.2 * error), pieces = 4 * (error < bend ? std::sqrt(root) : root);
-  const auto whole = 4 * std::sqrt(1.2 * bend) < 0.5 ? 1 : std::clamp<std::size_t>(std::size_t(std::ceil(pieces)), 2, 16);
+  const auto whole =
+      4 * std::sqrt(1.2 * bend) < 0.5 ? 1 : std::clamp<std::size_t>(std::size_t(std::ceil(pieces)), 2, 16);
   // An octahedral map of odd size has creases in the middles of sides.
   return is_octahedral(task.target.to) ? whole + whole % 2 : whole;
 }
@@ -223,16 +226,18 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
   }
 }
 
-// By what odd factor the texels of a source must be divided for a tolerance: densities are taken as linear over a texel,
-// which leaves an eighth of their second derivative. 0 where the finer source would be too large.
+// By what odd factor the texels of a source must be divided for a tolerance: densities are taken as linear over a
+// texel, which leaves an eighth of their second derivative. 0 where the finer source would be too large.
 int division_for(const PaddedLevel& source, double tolerance) {
   constexpr double most_texels = 4096.0 * 4096;
   if (source.projection() == Projection::equal_area) return 1;
   const double curvature = is_octahedral(source.projection()) ? 0.5 : 0.2;
-  const double texel = visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
+  const double texel =
+      visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
   int times = 1;
   while (curvature * texel * texel > tolerance * times * times) times += 2;
-  return times == 1 || double(source.faces()) * source.width() * source.height() * times * times < most_texels ? times : 0;
+  return times == 1 || double(source.faces()) * source.width() * source.height() * times * times < most_texels ? times
+                                                                                                               : 0;
 }
 
 // The same reconstruction from texels an odd number of times as small: their centres meet those of the source's, and a

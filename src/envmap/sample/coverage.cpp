@@ -54,8 +54,9 @@ void Coverage::add_in_row(int row, const Point2& a, const Point2& b) {
   }
 }
 
-// Moments of what lies to the right of a straight piece within its cell, the unit square: means of x^m y^n along the piece, times
-// how far it goes down. With x = m + d t, y = n + e t and t from -1 to 1, odd powers of t vanish, t^2 is 1/3 in the mean and t^4 1/5.
+// Moments of what lies to the right of a straight piece within its cell, the unit square: means of x^m y^n along the
+// piece, times how far it goes down. With x = m + d t, y = n + e t and t from -1 to 1, odd powers of t vanish,
+// t^2 is 1/3 in the mean and t^4 1/5.
 void Coverage::add_piece(Cell& cell, const Point2& a, const Point2& b) {
   const double w = sign_ * std::abs(b.y - a.y), third = w * (1.0 / 3);
   const double m = 0.5 * (a.x + b.x), d = 0.5 * (b.x - a.x), n = 0.5 * (a.y + b.y), e = 0.5 * (b.y - a.y);
@@ -63,7 +64,8 @@ void Coverage::add_piece(Cell& cell, const Point2& a, const Point2& b) {
   const double y = w * n, yy = w * nn + third * ee;
   const double x = w * m, xx = w * mm + third * dd, xxx = w * (m * (mm + dd));
   const double xy = n * x + third * de, xxy = n * xx + third * (2 * m * de), xxxy = n * xxx + w * de * (mm + 0.2 * dd);
-  const double xyy = m * yy + third * (2 * n * de), xxyy = mm * yy + third * (4 * m * n * de + dd * nn) + 0.2 * w * dd * ee;
+  const double xyy = m * yy + third * (2 * n * de),
+               xxyy = mm * yy + third * (4 * m * n * de + dd * nn) + 0.2 * w * dd * ee;
   cell.one += w - x, cell.x += 0.5 * (w - xx), cell.xx += 1.0 / 3 * (w - xxx);
   cell.y += y - xy, cell.xy += 0.5 * (y - xxy), cell.xxy += 1.0 / 3 * (y - xxxy);
   cell.yy += yy - xyy, cell.xyy += 0.5 * (yy - xxyy);

@@ -17,7 +17,8 @@ namespace envmap {
 /// adds to each cell's moments; the cells to the right in the row get theirs by a running sum.
 class Coverage {
  public:
-  /// @param points a closed polygon that does not cross itself, in texels, with texel centres at whole numbers below 2^30.
+  /// @param points a closed polygon that does not cross itself, in texels,
+  /// with texel centres at whole numbers below 2^30.
   void cover(std::span<const Point2> points);
 
   /// What was covered: texels [left, left + columns) x [top, top + rows).

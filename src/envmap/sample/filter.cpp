@@ -20,8 +20,8 @@ constexpr std::size_t block = 256;
 using Sample = void (*)(const PaddedLevel&, std::span<const Location<double>>, std::span<Colour>);
 
 // A run of samples in a row of texels: their directions, where they lie in the source, what is there.
-void sample_row(const PaddedLevel& base, const Target& target, bool inverse_bilinear, Sample sample, int size, int face, int row,
-                int first, std::span<Colour> out) {
+void sample_row(const PaddedLevel& base, const Target& target, bool inverse_bilinear, Sample sample, int size, int face,
+                int row, int first, std::span<Colour> out) {
   std::array<Direction, block> all_directions;
   std::array<Location<double>, block> all_locations;
   const std::span directions = std::span(all_directions).first(out.size());
@@ -59,7 +59,8 @@ Sampler grid_sampler(const PaddedLevel& base, const Target& target, int n, bool 
       wholes.fill(0);
       for (int part = 0; part < n; ++part) {
         const int fine_row = n * row + part;
-        sample_row(base, target, inverse_bilinear, sample, n * target.size, face, fine_row, column, std::span(colours).first(count));
+        sample_row(base, target, inverse_bilinear, sample, n * target.size, face, fine_row, column,
+                   std::span(colours).first(count));
         weigh(target.to, n * target.size, fine_row, column, std::span(weights).first(count));
         for (std::size_t k = 0; k < texels.size(); ++k)
           for (std::size_t m = k * fine; m < (k + 1) * fine; ++m) {
@@ -83,14 +84,16 @@ Sampler point_sampler(const PaddedLevel& base, const Target& target, bool invers
 
 using Levels = std::vector<PaddedLevel>;
 
-Sampler make_points(const Levels& levels, const Target& target, const FilterOptions& o, bool inverse_bilinear, Sample sample) {
+Sampler make_points(const Levels& levels, const Target& target, const FilterOptions& o, bool inverse_bilinear,
+                    Sample sample) {
   const PaddedLevel& base = levels.front();
   return o.samples == 1 ? point_sampler(base, target, inverse_bilinear, sample)
                         : grid_sampler(base, target, o.samples, inverse_bilinear, sample);
 }
 
 // Probes of trilinear lookups. @param plan how many, and at which level.
-Sampler make_probes(const Levels& levels, const Target& target, Probes (*plan)(const Target&, const PaddedLevel&, int, const Point2&)) {
+Sampler make_probes(const Levels& levels, const Target& target,
+                    Probes (*plan)(const Target&, const PaddedLevel&, int, const Point2&)) {
   return [=, &levels](int face, int row, int first, std::span<Colour> out) {
     const PaddedLevel& base = levels.front();
     sample_probes(
@@ -115,19 +118,26 @@ constexpr std::array<FilterInfo, 7> table{{
     {Filter::sat, "sat", "Mean over an axis-aligned box in the source, from a summed-area table", false},
     {Filter::ewa, "ewa", "Elliptical footprint of several trilinear samples", true},
     {Filter::area, "area",
-     "Solid-angle mean of the bilinearly reconstructed source over the exact footprint, accurate to the requested error. The reference",
+     "Solid-angle mean of the bilinearly reconstructed source over the exact footprint, accurate to the requested "
+     "error. The reference",
      false},
 }};
 
 using Make = Sampler (*)(const Levels&, const Target&, const FilterOptions&);
 constexpr std::array<Make, table.size()> makers{
-    [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, false, sample_nearest); },
-    [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bilinear); },
+    [](const Levels& l, const Target& t, const FilterOptions& o) {
+      return make_points(l, t, o, false, sample_nearest);
+    },
+    [](const Levels& l, const Target& t, const FilterOptions& o) {
+      return make_points(l, t, o, true, sample_bilinear);
+    },
     [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bicubic); },
     [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, trilinear_plan); },
     [](const Levels& l, const Target& t, const FilterOptions&) { return summed_area_sampler(l.front(), t); },
     [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, ewa_plan); },
-    [](const Levels& l, const Target& t, const FilterOptions& o) { return area_sampler(l.front(), t, o.area_error, o.floor); },
+    [](const Levels& l, const Target& t, const FilterOptions& o) {
+      return area_sampler(l.front(), t, o.area_error, o.floor);
+    },
 };
 
 }  // namespace

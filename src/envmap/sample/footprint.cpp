@@ -8,7 +8,8 @@
 namespace envmap {
 namespace {
 
-// How a direction, turned into the source's frame already, moves there: through the camera by differences over a quarter of the way.
+// How a direction, turned into the source's frame already, moves there:
+// through the camera by differences over a quarter of the way.
 Direction brought_to_source(const Target& target, const Direction& at, const Direction& move) {
   if (!target.ball) return move;
   constexpr double step = 0.25;

@@ -14,7 +14,8 @@ struct Patch {
   Direction value, dx, dy;
 };
 
-// The directions of four texels. Kept from one call to the next: steps and neighbours mostly stay between the same ones.
+// The directions of four texels. Kept from one call to the next:
+// steps and neighbours mostly stay between the same ones.
 struct Corners {
   double left = -1e9, top = -1e9;
   Direction a, b, c, d;
@@ -62,7 +63,8 @@ Location<double> settled(const Direction& wanted, const Location<double>& start,
   // The patches meet in kinks, on which Newton's method may bounce: a few texels at the rim start again around.
   for (int k = 0; k < 8 && best.miss > good; ++k) {
     const double angle = 0.25 * pi * k;
-    const Candidate c = newton(wanted, x + 0.6 * portable::cos(angle), y + 0.6 * portable::sin(angle), size, 8, good, corners);
+    const Candidate c =
+        newton(wanted, x + 0.6 * portable::cos(angle), y + 0.6 * portable::sin(angle), size, 8, good, corners);
     if (c.miss < best.miss) best = c;
   }
   return {0, (best.x + 0.5) / size, (best.y + 0.5) / size};
@@ -76,7 +78,8 @@ double bilinear_bends_below(Projection p, int size) {
   return p == Projection::sphere ? 2 * portable::pow(4.0 / size, 2.0 / 3) - 1 : -2;
 }
 
-void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions, std::span<Location<double>> out) {
+void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions,
+                         std::span<Location<double>> out) {
   locate(p, directions, out);
   if (p != Projection::sphere) return;
   const double behind = bilinear_bends_below(p, size);

@@ -15,7 +15,8 @@ namespace envmap {
 /// it by up to a quarter of their (large) distance. There the location is moved, by less than a texel, to where
 /// interpolation of the texels' own directions gives the direction asked for: Newton's method on the bilinear patch.
 /// @param size height of a face.
-void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions, std::span<Location<double>> out);
+void locate_for_bilinear(Projection p, int size, std::span<const Direction> directions,
+                         std::span<Location<double>> out);
 
 /// The z of a direction below which locate_for_bilinear() is not locate().
 double bilinear_bends_below(Projection p, int size);

@@ -11,8 +11,8 @@
 namespace envmap {
 namespace {
 
-// Beyond the rim, seen from the middle: onto the rim. On a level side whose neighbouring point lies inside: where the side
-// itself meets the rim, or else the piece would cut a corner off.
+// Beyond the rim, seen from the middle: onto the rim. On a level side whose neighbouring point lies inside: where the
+// side itself meets the rim, or else the piece would cut a corner off.
 Point2 moved_onto_rim(const Point2& p, double piece) {
   const Point2 c = p - 0.5;
   const double radius = glm::length(c);
@@ -66,11 +66,11 @@ void Outline::add(const Point2& p, bool corner) {
   corners.push_back(corner);
 }
 
-// Pieces of a curve of curvature c and of length l lie off by b = c l^2 / 8 in their middles, all to one side. After move_out()
-// a piece has as much on one side as on the other, which moves weights only where those bend: at the borders of cells by b l^2 / 48
-// each (the second integral of t - t^2 - 1/6 has its largest value, 1/48 b l^2, in the middle), of which a texel's hat
-// has four along each axis; and by b l^2 / 6 at each corner, whose half of the first piece stands one point away. Beside
-// 2/3 b for a side as long as a texel, that is 3/4 l^2.
+// Pieces of a curve of curvature c and of length l lie off by b = c l^2 / 8 in their middles, all to one side. After
+// move_out() a piece has as much on one side as on the other, which moves weights only where those bend: at the borders
+// of cells by b l^2 / 48 each (the second integral of t - t^2 - 1/6 has its largest value, 1/48 b l^2, in the middle),
+// of which a texel's hat has four along each axis; and by b l^2 / 6 at each corner, whose half of the first piece
+// stands one point away. Beside 2/3 b for a side as long as a texel, that is 3/4 l^2.
 Outline::Shape Outline::shape() const {
   Point2 low = points[0], high = points[0];
   double area = 0, bend = 0, error = 0;
@@ -95,8 +95,9 @@ Outline::Shape Outline::shape() const {
   return {bend, error, 0.5 * std::abs(area) / std::max({across, high.y - low.y, 1e-300})};
 }
 
-// An arc of length l and curvature c encloses c l^3 / 12 more than its chord. A point that lies h = c l m / 2 off the chord
-// between its neighbours, l and m away, takes half of what both pieces lack, and all of it where the other end is a corner.
+// An arc of length l and curvature c encloses c l^3 / 12 more than its chord. A point that lies h = c l m / 2 off the
+// chord between its neighbours, l and m away, takes half of what both pieces lack,
+// and all of it where the other end is a corner.
 void Outline::move_out() {
   Point2 before = points[0];
   for (std::size_t k = 1; k + 1 < points.size(); ++k) {
@@ -161,7 +162,8 @@ struct LatlongPath {
     // Straight over it: to that side which the texel is on.
     const bool straight = std::abs(right - 0.5 * w) < 0.1 * w;
     const double quarter = (pole.x + 0.25 * w + 0.5) / w, near = d.y > 0 ? 1e-7 : 1 - 1e-7;
-    const bool to_right = straight ? shows(target, sides, texel, Latlong::direction(0, quarter, near)) : right < 0.5 * w;
+    const bool to_right =
+        straight ? shows(target, sides, texel, Latlong::direction(0, quarter, near)) : right < 0.5 * w;
     p.x = pole.x + (to_right ? right : right - w);
     out.add({p.x, pole.y}, true);
     out.add(p, corner);
@@ -211,12 +213,14 @@ bool Outline::follow_on_octahedron(const PaddedLevel& source, const Sides& sides
 bool Outline::follow(const PaddedLevel& source, const Target& target, const Sides& sides, std::size_t texel) {
   const Projection p = source.projection();
   const bool disc = on_disc(p);
-  const double behind = bilinear_bends_below(p, source.height()), rim = disc ? 0.5 - 1.0 * Level::apron / source.height() : 2;
+  const double behind = bilinear_bends_below(p, source.height()),
+               rim = disc ? 0.5 - 1.0 * Level::apron / source.height() : 2;
   begin(sides.places[texel * sides.pieces].face, p == Projection::latlong ? source.height() : 0);
   std::size_t n = 0;
   if (p == Projection::latlong) {
     LatlongPath path{*this, source, target, sides, texel};
-    sides.around(texel, [&](std::size_t k) { path.go_to(sides.directions[k], sides.places[k], sides.is_corner(k, n++)); });
+    sides.around(texel,
+                 [&](std::size_t k) { path.go_to(sides.directions[k], sides.places[k], sides.is_corner(k, n++)); });
     return path.close();
   }
   if (is_octahedral(p)) return follow_on_octahedron(source, sides, texel);

@@ -9,8 +9,9 @@
 
 namespace envmap {
 
-/// The sides of neighbouring texels in a row of the result, each followed by `pieces` straight pieces: `pieces` + 1 rows of
-/// points. The first and the last hold `pieces` points a texel, those between them only the points on upright sides.
+/// The sides of neighbouring texels in a row of the result, each followed by `pieces` straight pieces: `pieces` + 1
+/// rows of points. The first and the last hold `pieces` points a texel,
+/// those between them only the points on upright sides.
 struct Sides {
   int face = 0, row = 0, first = 0;  ///< The texels' place in the result.
   std::size_t pieces = 0, texels = 0;
@@ -23,8 +24,8 @@ struct Sides {
   /// @param inside points beyond a disc's rim move onto it.
   void find(const Target& target, Projection source, bool inside);
 
-  /// Whether the outline may turn at a point, the `n`th round its texel: at a texel's corner, or on a crease of the result,
-  /// which meets sides in texels' corners or (where the size is odd) in their middles.
+  /// Whether the outline may turn at a point, the `n`th round its texel: at a texel's corner, or on a crease of the
+  /// result, which meets sides in texels' corners or (where the size is odd) in their middles.
   [[nodiscard]] bool is_corner(std::size_t point, std::size_t n) const;
 
   /// Calls f with the indices of the points round a texel, from its upper left corner and back to it.
@@ -40,13 +41,14 @@ struct Sides {
   }
 };
 
-/// A texel's outline on one facet of the source, in source texels with their centres at whole numbers. Beyond the sides of
-/// a latlong map its x goes on.
+/// A texel's outline on one facet of the source, in source texels with their centres at whole numbers. Beyond the sides
+/// of a latlong map its x goes on.
 struct Outline {
   int facet = -1;
   std::vector<Point2> points;  ///< The last is the first again.
   std::vector<char> corners;   ///< Where the outline may turn.
-  std::vector<double> lengths;  ///< Of the piece that ends at a point; rows of a latlong map count as narrow as on the sphere.
+  /// Of the piece that ends at a point; rows of a latlong map count as narrow as on the sphere.
+  std::vector<double> lengths;
   int latlong_rows = 0;        ///< Of a source that is a latlong map.
 
   /// Begins anew. @param rows of a source that is a latlong map, else 0.
@@ -56,12 +58,12 @@ struct Outline {
   }
   void add(const Point2& p, bool corner);
 
-  /// Follows the outline of texel `first` + k. False where it is none on one facet, or where bilinear interpolation would
-  /// not show the directions themselves.
+  /// Follows the outline of texel `first` + k. False where it is none on one facet, or where bilinear interpolation
+  /// would not show the directions themselves.
   bool follow(const PaddedLevel& source, const Target& target, const Sides& sides, std::size_t k);
 
-  /// How far the sides bend away from their pieces, how far off they count as once the points are moved out, and how thick
-  /// the outline is, all in texels.
+  /// How far the sides bend away from their pieces, how far off they count as once the points are moved out, and how
+  /// thick the outline is, all in texels.
   struct Shape {
     double bend, error, thickness;
   };

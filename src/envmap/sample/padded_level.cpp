@@ -19,7 +19,9 @@ struct ApronTexel {
   Location<double> source;  // What part of the image shows that direction.
 };
 
-bool in_face(const PaddedLevel& level, int i, int j) { return i >= 0 && j >= 0 && i < level.width() && j < level.height(); }
+bool in_face(const PaddedLevel& level, int i, int j) {
+  return i >= 0 && j >= 0 && i < level.width() && j < level.height();
+}
 
 // Distance of a texel's centre from the middle of the disc, which has radius 1.
 double radius(const PaddedLevel& level, int i, int j) {
@@ -31,7 +33,8 @@ bool is_image(const PaddedLevel& level, int i, int j) {
   return in_face(level, i, j) && (!on_disc(level.projection()) || radius(level, i, j) <= 1);
 }
 
-// Of a disc, the texels that a tap can reach: at most sqrt(2) x apron texels of width 2/n from the place it is read for.
+// Of a disc, the texels that a tap can reach: at most sqrt(2) x apron texels of width 2/n from the place it is read
+// for.
 bool is_apron(const PaddedLevel& level, int i, int j) {
   if (is_image(level, i, j)) return false;
   return !on_disc(level.projection()) ||
@@ -61,7 +64,7 @@ std::vector<ApronTexel> apron_texels(const PaddedLevel& level) {
 
 constexpr std::size_t between_trims = 256;
 
-// ---- rims ------------------------------------------------------------------------------------------------------------
+// ---- rims -----------------------------------------------------------------------------------------------------------
 
 // A plane through weighted samples in the tangent plane of a direction: moving least squares (Lancaster and Salkauskas
 // 1981) with weights that grow without bound towards a sample, so that the plane passes through one that is met.
@@ -138,8 +141,8 @@ PaddedLevel::PaddedLevel(Level&& level) : level_(std::move(level)) {
     on_disc(projection()) ? fill_by_fit() : fill_by_bilinear();
 }
 
-// Of faces whose edges follow their texels: cube, latlong. Some taps are apron themselves, with a weight of about half a
-// texel / size: start from the nearest texel of the image, then repeat, which contracts.
+// Of faces whose edges follow their texels: cube, latlong. Some taps are apron themselves, with a weight of about half
+// a texel / size: start from the nearest texel of the image, then repeat, which contracts.
 void PaddedLevel::fill_by_bilinear() {
   const std::vector<ApronTexel> texels = apron_texels(*this);
   std::vector<Colour> values(texels.size());

@@ -11,9 +11,9 @@ namespace envmap {
 /// projection continues to, so that filters are seamless over edges, corners, poles and rims with no special case.
 ///
 /// An apron texel beside an edge is interpolated between texels some of which are apron themselves (with a weight of
-/// about half a texel / size on a cube): the values are found by iteration, which contracts. Beyond a rim they come from
-/// a moving least-squares fit to the texels of both sides. Octahedral maps are folded onto themselves: texels of the apron are
-/// texels of the image.
+/// about half a texel / size on a cube): the values are found by iteration, which contracts. Beyond a rim they come
+/// from a moving least-squares fit to the texels of both sides. Octahedral maps are folded onto themselves: texels of
+/// the apron are texels of the image.
 class PaddedLevel {
  public:
   /// Copies the texels.

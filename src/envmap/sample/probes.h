@@ -61,7 +61,8 @@ void sample_probes(const Target& target, int face, int row, int first, std::span
     if (count > 1) {
       const std::span<const double> weight = std::span(weights).subspan(next, count);
       colours.resize(count);
-      probe(std::span<const Location<double>>(locations).subspan(out.size() + next, count), plans[k], std::span(colours));
+      probe(std::span<const Location<double>>(locations).subspan(out.size() + next, count), plans[k],
+            std::span(colours));
       next += count;
       Rgb<double> sum(0);
       double whole = 0;

@@ -8,7 +8,8 @@
 namespace envmap {
 
 /// Between the two levels next to `lod` (0 is the finest), bilinear in each (Williams 1983, "Pyramidal parametrics").
-void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Location<double>> at, double lod, std::span<Colour> out);
+void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Location<double>> at, double lod,
+                      std::span<Colour> out);
 
 /// One probe at the level where a texel is as wide as the footprint is long: never aliases, blurs what is oblique.
 Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at);

@@ -1,5 +1,6 @@
 /// @file
-/// Boxes of any size at the price of four reads: summed-area tables (Crow 1984, "Summed-area tables for texture mapping").
+/// Boxes of any size at the price of four reads: summed-area tables (Crow 1984,
+/// "Summed-area tables for texture mapping").
 #pragma once
 
 #include <vector>
@@ -10,10 +11,10 @@
 
 namespace envmap {
 
-/// Sums of radiance x solid angle over all texels left of and above a place, for every face with a margin around it that
-/// is filled through the projection.
-/// Sums are doubles: behind a sun of 1e8 a float has no digits left for a sky of 1. They keep 1e-7 of the sky beside a sun
-/// of 1e9.
+/// Sums of radiance x solid angle over all texels left of and above a place, for every face with a margin around it
+/// that is filled through the projection.
+/// Sums are doubles: behind a sun of 1e8 a float has no digits left for a sky of 1. They keep 1e-7 of the sky beside a
+/// sun of 1e9.
 class SummedArea {
  public:
   /// @param margin texels around each face: half the largest box.

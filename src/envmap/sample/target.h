@@ -14,7 +14,8 @@ struct Target {
   Projection to;
   int size;            ///< Height of a face.
   Rotation to_source;  ///< From the image frame of the result to that of the source.
-  std::optional<BallCamera> ball = std::nullopt;  ///< That took the source, a sphere map; absent: from infinitely far away.
+  /// That took the source, a sphere map; absent: from infinitely far away.
+  std::optional<BallCamera> ball = std::nullopt;
 
   /// Directions of the result's image frame become those that the source's projection shows where they are seen.
   void bring_to_source(std::span<Direction> directions) const {

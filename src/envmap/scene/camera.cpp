@@ -39,7 +39,8 @@ Ball bounds(const Scene& scene, const Pose& pose) {
   for_vertices(scene, pose, [&](const Direction& p) { least = glm::min(least, p), most = glm::max(most, p); });
   if (least.x > most.x) return {};
   Ball ball{0.5 * least + 0.5 * most, 0};
-  for_vertices(scene, pose, [&](const Direction& p) { ball.radius = std::max(ball.radius, glm::length(p - ball.centre)); });
+  for_vertices(scene, pose,
+               [&](const Direction& p) { ball.radius = std::max(ball.radius, glm::length(p - ball.centre)); });
   return ball;
 }
 
@@ -62,7 +63,8 @@ View framing(const Ball& ball, double vertical_field, double aspect) {
   const double radius = ball.radius > 0 ? ball.radius : 1, up = 0.5 * vertical_field;
   const double distance = radius / std::sin(std::min(up, std::atan(std::tan(up) * aspect)));
   constexpr double azimuth = 30 * degree, elevation = 20 * degree;
-  const Direction front(std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation));
+  const Direction front(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                        std::cos(azimuth) * std::cos(elevation));
   return looking_at({.at = ball.centre + distance * front,
                      .vertical_field = vertical_field,
                      .near = 1e-3 * distance,

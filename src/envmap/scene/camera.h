@@ -22,11 +22,12 @@ struct Ball {
   Direction centre{0};
   double radius = 0;
 };
-/// Round all that is drawn: the middle of the box along the axes, and the farthest vertex. Of nothing a ball of radius 0.
+/// Round all that is drawn: the middle of the box along the axes, and the farthest vertex.
+/// Of nothing a ball of radius 0.
 Ball bounds(const Scene& scene, const Pose& pose);
 
-/// Turns a view to a point, +Y up; where it looks straight up or down, +Z or -Z is up in the picture. @throws UsageError where
-/// the point is the eye's own.
+/// Turns a view to a point, +Y up; where it looks straight up or down, +Z or -Z is up in the picture. @throws
+/// UsageError where the point is the eye's own.
 View looking_at(View view, const Direction& point);
 
 /// Carries a view round the vertical line through a point, to the east as seen from above the front. @param degrees

@@ -24,7 +24,8 @@ void morph(const Deformation& d, double time, Vertices& v) {
     for (std::size_t n = 0; n < std::min(v.tangents.size(), target.tangents.size()); ++n)
       v.tangents[n] += float(weights[k]) * glm::vec4(glm::vec3(target.tangents[n]), 0);
   }
-  for (std::size_t n = 0; n < v.normals.size(); ++n) v.normals[n] = glm::vec3(unit(Direction(v.normals[n]), Direction(d.rest.normals[n])));
+  for (std::size_t n = 0; n < v.normals.size(); ++n)
+    v.normals[n] = glm::vec3(unit(Direction(v.normals[n]), Direction(d.rest.normals[n])));
 }
 
 // The node's own matrix moves nothing: what the joints say is brought into its frame.

@@ -1,7 +1,8 @@
 /// @file
-/// Meshes that change their shape: morph targets, then skins (linear blend skinning), as glTF 2.0 has them (3.7.2.2, 3.7.3).
-/// Source: Magnenat-Thalmann, Laperriere and Thalmann 1988, "Joint-dependent local deformations for hand animation and object
-/// grasping".
+/// Meshes that change their shape: morph targets, then skins (linear blend skinning), as glTF 2.0 has them (3.7.2.2,
+/// 3.7.3).
+/// Source: Magnenat-Thalmann, Laperriere and Thalmann 1988, "Joint-dependent local deformations for hand animation and
+/// object grasping".
 #pragma once
 
 #include "envmap/scene/scene.h"

@@ -42,7 +42,8 @@ void complete(Mesh& mesh) {
 }
 
 void make_normals_flat(Mesh& mesh) {
-  for (std::size_t k = 0; k < mesh.indices.size(); ++k) mesh.normals[mesh.indices[k]] = triangle_normal(mesh, k - k % 3);
+  for (std::size_t k = 0; k < mesh.indices.size(); ++k)
+    mesh.normals[mesh.indices[k]] = triangle_normal(mesh, k - k % 3);
 }
 
 void note_unmodelled(Scene& scene, const std::string& what) {

@@ -8,8 +8,8 @@
 
 namespace envmap {
 
-/// Normals where there are none: those of the triangles, so corners are not shared then (glTF 2.0, 3.7.2.1). All are made
-/// unit vectors; those of length 0 become that of a triangle. Texture coordinates 0 where there are none.
+/// Normals where there are none: those of the triangles, so corners are not shared then (glTF 2.0, 3.7.2.1). All are
+/// made unit vectors; those of length 0 become that of a triangle. Texture coordinates 0 where there are none.
 void complete(Mesh& mesh);
 
 /// Makes the normal of each corner that of its triangle. Vertices are not shared.

@@ -40,27 +40,30 @@ struct Material {
   int occlusion_texture = -1;    ///< Red: how much of the light from all round reaches the surface.
   float occlusion_strength = 1;  ///< How far that counts.
   float transmission = 0, ior = 1.5F;  ///< KHR_materials_transmission, KHR_materials_ior.
-  float coat = 0, coat_roughness = 0;   ///< KHR_materials_clearcoat: how much of a layer of index 1.5 lies over all else.
+  /// KHR_materials_clearcoat: how much of a layer of index 1.5 lies over all else.
+  float coat = 0, coat_roughness = 0;
   int coat_texture = -1, coat_roughness_texture = -1;  ///< Red; green.
   int coat_normal_texture = -1;  ///< Without one the coat is smooth, whatever the normal map below it says.
   float coat_normal_scale = 1;
   Colour sheen{0};            ///< KHR_materials_sheen: of cloth, under the coat.
   float sheen_roughness = 0;
   int sheen_texture = -1, sheen_roughness_texture = -1;  ///< A colour; alpha.
-  bool solid = false;                   ///< Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
+  /// Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
+  bool solid = false;
   float alpha_cutoff = 0;              ///< Above 0: what is below it in alpha is a hole.
   bool blended = false;  ///< Covers what is behind as far as alpha says; then holes are those of shadows alone.
   bool double_sided = false;
 };
 
-/// Triangles of one material. All vectors but indices have one element a vertex; colours none where all are white, tangents
-/// none where the material has no map of normals.
+/// Triangles of one material. All vectors but indices have one element a vertex; colours none where all are white,
+/// tangents none where the material has no map of normals.
 struct Mesh {
   int material = 0;
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::vec2> coordinates;  ///< Of textures.
   std::vector<glm::vec4> colours;      ///< Linear; the base colour is multiplied with them.
-  std::vector<glm::vec4> tangents;     ///< Where u rises; w: 1 where cross(normal, tangent) is up in the image, else -1.
+  /// Where u rises; w: 1 where cross(normal, tangent) is up in the image, else -1.
+  std::vector<glm::vec4> tangents;
   std::vector<std::uint32_t> indices;  ///< Three a triangle.
 };
 
@@ -134,7 +137,8 @@ struct Scene {
   std::vector<Motion> motions;
   std::vector<Deformation> deformations;
   std::vector<std::string> unmodelled;  ///< What the file uses and this does not draw, each named once.
-  std::vector<std::string> remarks;     ///< Sentences on what else the file leaves open, such as a material library that is missing.
+  /// Sentences on what else the file leaves open, such as a material library that is missing.
+  std::vector<std::string> remarks;
   std::vector<std::string> files;       ///< Paths of all that was read: the scene, its buffers, materials and images.
 };
 

@@ -16,7 +16,7 @@ namespace envmap {
 
 static_assert(std::endian::native == std::endian::little, "glTF's buffers are little-endian");
 
-// ---- fields ----------------------------------------------------------------------------------------------------------
+// ---- fields ---------------------------------------------------------------------------------------------------------
 
 void Field::fail(const std::string& why) const {
   throw InputError((place_.empty() ? "the document" : place_) + " " + why);
@@ -85,7 +85,7 @@ Field GltfDocument::refer(const Field& index, const char* list) const {
   return all[index.index(all.size())];
 }
 
-// ---- bytes -----------------------------------------------------------------------------------------------------------
+// ---- bytes ----------------------------------------------------------------------------------------------------------
 
 namespace {
 
@@ -216,7 +216,7 @@ GltfDocument open_gltf(std::span<const std::byte> file, const SceneFolder& folde
   return document;
 }
 
-// ---- accessors -------------------------------------------------------------------------------------------------------
+// ---- accessors ------------------------------------------------------------------------------------------------------
 
 namespace {
 

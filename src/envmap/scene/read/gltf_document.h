@@ -1,5 +1,6 @@
 /// @file
-/// A glTF 2.0 file, its JSON and its buffers, and what is needed to trust them. Source: Khronos, "glTF 2.0 Specification"
+/// A glTF 2.0 file, its JSON and its buffers, and what is needed to trust them. Source: Khronos, "glTF 2.0
+/// Specification"
 /// 2.0.1. Everything here throws InputError, without the name of the file, where the file breaks it.
 #pragma once
 
@@ -86,7 +87,8 @@ std::span<const std::byte> view_bytes(const GltfDocument& document, const Field&
 /// @param accessor a field with the index of one.
 Accessor open_accessor(const GltfDocument& document, const Field& accessor);
 
-/// All its numbers as they are meant: sparse ones put in place, normalised integers divided. @param components it must have.
+/// All its numbers as they are meant: sparse ones put in place, normalised integers divided.
+/// @param components it must have.
 std::vector<double> accessor_numbers(const GltfDocument& document, const Field& accessor, int components);
 
 /// The same as vectors; none where it is absent. @param expected how many; 0: any.

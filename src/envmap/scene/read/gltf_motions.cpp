@@ -14,7 +14,9 @@ constexpr int pieces = 16;
 Quaternion as(const std::vector<double>& v, std::size_t at, std::size_t, const Quaternion*) {
   return Quaternion(v[at + 3], v[at], v[at + 1], v[at + 2]);
 }
-Direction as(const std::vector<double>& v, std::size_t at, std::size_t, const Direction*) { return {v[at], v[at + 1], v[at + 2]}; }
+Direction as(const std::vector<double>& v, std::size_t at, std::size_t, const Direction*) {
+  return {v[at], v[at + 1], v[at + 2]};
+}
 
 std::valarray<double> as(const std::vector<double>& v, std::size_t at, std::size_t wide, const std::valarray<double>*) {
   return {v.data() + at, wide};
@@ -22,7 +24,8 @@ std::valarray<double> as(const std::vector<double>& v, std::size_t at, std::size
 
 // @param wide numbers of a value, which are in the accessor as elements of so many components.
 template <class T>
-std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field& sampler, std::size_t wide, int components) {
+std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field& sampler, std::size_t wide,
+                                      int components) {
   constexpr const T* kind = nullptr;
   const std::vector<double> times = accessor_numbers(document, sampler["input"], 1);
   const std::vector<double> values = accessor_numbers(document, sampler["output"], components);

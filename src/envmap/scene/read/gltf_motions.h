@@ -16,7 +16,8 @@ struct Placement {
 };
 Placement placement(const Field& node);
 
-/// All animations into scene.motions. @param placed where in scene.nodes each node of the document is; -1: not in the scene.
+/// All animations into scene.motions. @param placed where in scene.nodes each node of the document is; -1:
+/// not in the scene.
 void read_motions(const GltfDocument& document, std::span<const int> placed, Scene& scene);
 
 }  // namespace envmap

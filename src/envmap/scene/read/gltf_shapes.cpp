@@ -95,8 +95,8 @@ void finish_shape(Deformation& shape, const std::vector<std::uint32_t>& before, 
   shape.rest = {mesh.positions, mesh.normals, mesh.tangents};
 }
 
-void read_deformations(const GltfDocument& document, std::span<const int> placed, const std::map<int, Deformation>& shapes,
-                       Scene& scene) {
+void read_deformations(const GltfDocument& document, std::span<const int> placed,
+                       const std::map<int, Deformation>& shapes, Scene& scene) {
   const Field nodes = document.root()["nodes"];
   std::set<int> taken;
   std::size_t vertices = 0;

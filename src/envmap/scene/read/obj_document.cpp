@@ -160,7 +160,8 @@ ObjDocument read_obj_text(std::string_view text) {
   for (TextLines lines(text); lines.next();) {
     Words words(lines);
     if (const std::string_view key = words.word(); !key.empty()) read_statement(r, key, words, lines.number());
-    if (std::max({r.document.positions.size(), r.document.normals.size(), r.document.coordinates.size()}) > most_corners)
+    if (std::max({r.document.positions.size(), r.document.normals.size(), r.document.coordinates.size()}) >
+        most_corners)
       words.fail(fmt::format("over {} million vertices", most_corners / 1000000));
   }
   check_indices(r.document);

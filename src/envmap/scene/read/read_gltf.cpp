@@ -54,7 +54,7 @@ struct Reader {
   void lacks(const std::string& what) { note_unmodelled(scene, what); }
 };
 
-// ---- materials -------------------------------------------------------------------------------------------------------
+// ---- materials ------------------------------------------------------------------------------------------------------
 
 Texture::Wrap wrap_of(const Field& mode) {
   switch (mode.index(65536, 10497)) {
@@ -203,7 +203,7 @@ int material_of(Reader& r, const Field& index) {
   return r.plain_material;
 }
 
-// ---- meshes ----------------------------------------------------------------------------------------------------------
+// ---- meshes ---------------------------------------------------------------------------------------------------------
 
 std::vector<std::uint32_t> corners(const GltfDocument& document, const Field& accessor, std::size_t vertices) {
   std::vector<std::uint32_t> found;
@@ -237,7 +237,8 @@ std::vector<std::uint32_t> triangles(const std::vector<std::uint32_t>& v, const 
 // COLOR_0: red, green and blue, and alpha or not.
 std::vector<glm::vec4> colours(const GltfDocument& document, const Field& accessor, std::size_t expected) {
   if (!accessor.there()) return {};
-  if (document.refer(accessor, "accessors")["type"].text() == "VEC4") return vectors<glm::vec4>(document, accessor, expected);
+  if (document.refer(accessor, "accessors")["type"].text() == "VEC4")
+    return vectors<glm::vec4>(document, accessor, expected);
   std::vector<glm::vec4> found;
   for (const glm::vec3& c : vectors<glm::vec3>(document, accessor, expected)) found.emplace_back(c, 1);
   return found;
@@ -298,8 +299,9 @@ void read_mesh(Reader& r, const Field& field) {
     if (moves && !draco) shape = read_shape(r.document, primitive, mesh.positions.size(), r.scene);
     const std::vector<std::uint32_t> before = mesh.indices;
     mesh.material = material_of(r, primitive["material"]);
-    const bool unlit = primitive["material"].there() &&
-                       r.document.refer(primitive["material"], "materials")["extensions"]["KHR_materials_unlit"].there();
+    const bool unlit =
+        primitive["material"].there() &&
+        r.document.refer(primitive["material"], "materials")["extensions"]["KHR_materials_unlit"].there();
     if (unlit && !mesh.colours.empty()) {
       r.lacks("colours of unlit vertices");
       mesh.colours.clear();
@@ -336,7 +338,7 @@ void check_corners(const GltfDocument& document) {
     }
 }
 
-// ---- nodes -----------------------------------------------------------------------------------------------------------
+// ---- nodes ----------------------------------------------------------------------------------------------------------
 
 Matrix local_matrix(const Field& node) {
   if (node["matrix"].there()) {
@@ -389,7 +391,8 @@ void read_camera(Reader& r, const Field& node, int index) {
   camera.near = shape["znear"].number(0.01, 0, 1e30);
   camera.far = std::max(shape["zfar"].number(1e9, 0, 1e30), camera.near);
   if (camera.name.empty()) camera.name = r.scene.nodes[index].name;
-  if (camera.name.empty()) camera.name = fmt::format("camera {}", r.scene.cameras.size());  // So that it can be asked for.
+  // So that it can be asked for.
+  if (camera.name.empty()) camera.name = fmt::format("camera {}", r.scene.cameras.size());
   r.scene.cameras.push_back(camera);
 }
 
@@ -451,7 +454,7 @@ void read_nodes(Reader& r) {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------------------------
+// ---------------------------------------------------------------------------------------------------------------------
 
 void check_extensions(Reader& r) {
   const Field used = r.document.root()["extensionsUsed"], required = r.document.root()["extensionsRequired"];

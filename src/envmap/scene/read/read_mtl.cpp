@@ -146,7 +146,8 @@ MtlMaterial finished(Statements& s) {
   m.base_colour = glm::vec4(s.diffuse.value_or(Colour(1)), 1);
   m.emissive = s.emissive.value_or(Colour(0));
   if (!s.found.emission.name.empty() && m.emissive == Colour(0)) m.emissive = Colour(1);
-  // Blinn and Phong's exponent n and GGX's alpha fall off alike near the peak where n = 2 / alpha^2 - 2 (Walter et al. 2007).
+  // Blinn and Phong's exponent n and GGX's alpha fall off alike near the peak where n = 2 / alpha^2 - 2 (Walter et al.
+  // 2007).
   m.roughness = s.roughness.value_or(std::pow(2 / (s.exponent + 2), 0.25F));
   // No index of refraction, no highlight.
   if (s.illumination < 2 || s.specular == Colour(0)) m.ior = 1;

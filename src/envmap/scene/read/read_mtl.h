@@ -24,9 +24,10 @@ struct MtlMaterial {
   std::vector<std::string> unmodelled;  ///< As Scene::unmodelled.
 };
 
-/// The materials of a file by name. Kd and Ke are taken as they are, Pm and Pr, too. Without Pr Phong's exponent Ns becomes
-/// the roughness whose lobe is as wide. The highlight is that of a dielectric of index Ni (1.5 where there is none), and
-/// there is none where Ks is 0 or illum 0 or 1; other values of Ks, and Ka and Tf, have no counterpart and are passed over.
+/// The materials of a file by name. Kd and Ke are taken as they are, Pm and Pr, too. Without Pr Phong's exponent Ns
+/// becomes the roughness whose lobe is as wide. The highlight is that of a dielectric of index Ni (1.5 where there is
+/// none), and there is none where Ks is 0 or illum 0 or 1; other values of Ks, and Ka and Tf, have no counterpart and
+/// are passed over.
 /// @throws InputError("line N: ...") where the text is damaged.
 std::map<std::string, MtlMaterial> read_mtl(std::string_view text);
 

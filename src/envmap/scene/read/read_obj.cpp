@@ -27,7 +27,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// ---- materials -------------------------------------------------------------------------------------------------------
+// ---- materials ------------------------------------------------------------------------------------------------------
 
 // A material of a library, and the folder of that, which its textures are named from.
 struct Listed {
@@ -116,7 +116,7 @@ void read_materials(const ObjDocument& d, const SceneFolder& folder, std::uint64
   scene.materials.push_back(white(""));
 }
 
-// ---- faces -----------------------------------------------------------------------------------------------------------
+// ---- faces ----------------------------------------------------------------------------------------------------------
 
 std::vector<Direction> corners_of(const ObjDocument& d, const Face& face) {
   std::vector<Direction> made;

@@ -7,8 +7,8 @@
 
 namespace envmap {
 
-/// The lines of a text, ended by LF or CR LF; a line that ends in a backslash goes on in the next one. UTF-8's mark at the
-/// beginning is passed over.
+/// The lines of a text, ended by LF or CR LF; a line that ends in a backslash goes on in the next one. UTF-8's mark at
+/// the beginning is passed over.
 class TextLines {
  public:
   explicit TextLines(std::string_view text);

@@ -40,8 +40,8 @@ struct Ring {
   }
   [[nodiscard]] double turn(std::uint32_t k) const { return area(points[before[k]], points[k], points[after[k]]); }
 
-  // The first corner from `j` on that lies in the triangle of corner k; before[k] where there is none. One that lies where
-  // a corner of the triangle does is not in there: bridges to holes are like that.
+  // The first corner from `j` on that lies in the triangle of corner k; before[k] where there is none. One that lies
+  // where a corner of the triangle does is not in there: bridges to holes are like that.
   [[nodiscard]] std::uint32_t inside(std::uint32_t k, std::uint32_t j) const {
     const Point a = points[before[k]], b = points[k], c = points[after[k]];
     for (; j != before[k]; j = after[j]) {
@@ -53,8 +53,10 @@ struct Ring {
   }
 };
 
-// Ears are cut off until three corners are left. A corner is looked at again where its triangle has become another, or what
-// lay in there was cut: the search then goes on where it stopped, so that all takes time with the square of the corners.
+// Ears are cut off until three corners are left. A corner is looked at again where its triangle has become another, or
+// what
+// lay in there was cut: the search then goes on where it stopped,
+// so that all takes time with the square of the corners.
 class EarCutter {
  public:
   explicit EarCutter(const std::vector<Point>& points) : ring_(points), blocks_(points.size()), gone_(points.size()) {
