@@ -528,7 +528,7 @@ TEST(Prefilter, ExponentNoughtSeesThePartOfASunAboveTheHorizon) {
   const double height = 2 * std::sin(pi / 16), width = 2 * pi / 32, middle = 2 * pi * (0.5 - 5.5 / 32);
   const PrefilterSource prepared(map);
   const Prefiltered done =
-      prepared.make({.shape = Shape::phong, .to = Projection::latlong, .size = 17, .max_error = 1e-2});
+      prepared.make({.shape = Shape::phong, .parameter = 0, .to = Projection::latlong, .size = 17, .max_error = 1e-2});
   EXPECT_LE(done.error, 1e-2);
   const double floor = 1e-3 * mean_radiance(map.base());
   for (int i = 0; i < 34; ++i) {
