@@ -173,7 +173,7 @@ Action define_render(Options& o) {
   o.add("--bounces", "N", &r->bounces, {0, 64},
         "Reflections between mirrors (0: of the environment only) (default: 0)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
-        "raycast: samples of each rough reflection (0: prefiltered levels) (default: 0)");
+        "raycast: samples per rough reflection (0: prefiltered levels) (default: 0)");
   o.add("--epsilon", "Z", &r->from.epsilon, {1e-6, 1},
         "distort, tessellate: move vertices with z < -1 + Z to infinity");
   add_costs(o, r->costs);

@@ -288,7 +288,7 @@ Action define_view(Options& o) {
   o.add("--bounces", "N", &r->drawing.bounces, {1, 64},
         "Reflections between mirrors per frame (default: first all, then 1)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
-        "raycast: samples of each rough reflection (0: prefiltered levels) (default: 0)");
+        "raycast: samples per rough reflection (0: prefiltered levels) (default: 0)");
   o.add("--lookup", one_of(r->lookup, mirror_lookup_names), "How maps are looked up: {} (default: distance)");
   o.add("--max-error", "E", &r->max_error, {1e-6, 10},
         "Use the smallest maps whose picture is within rms E of ray casting");
