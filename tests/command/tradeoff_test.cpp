@@ -323,7 +323,7 @@ TEST_F(Tradeoff, PlotsAndRefuses) {
   EXPECT_NE(svg.find(">.hdr<"), std::string::npos);
   const Result hurried = envmap({"tradeoff", "in.exr", "--task", "convert:cube:8", "--budget", "0"});
   EXPECT_EQ(hurried.status, 0);
-  EXPECT_NE(hurried.err.find("say --budget"), std::string::npos) << hurried.err;
+  EXPECT_NE(hurried.err.find("raise --budget"), std::string::npos) << hurried.err;
   for (const std::string task :
        {"convert", "convert:oval", "convert:cube:x", "ggx", "ggx:2", "ggx:0.5:cube", "depth:1", "paint"})
     fails(2, {"tradeoff", "in.exr", "--task", task}, {});

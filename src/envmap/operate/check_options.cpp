@@ -22,6 +22,12 @@ void check_direction(std::string_view field, const Direction& direction) {
                                  direction.x, direction.y, direction.z));
 }
 
+void check_finite(std::string_view field, const Flux& value) {
+  for (int k = 0; k < 3; ++k)
+    if (!std::isfinite(value[k]))
+      throw UsageError(fmt::format("{} must be finite, not ({:g}, {:g}, {:g})", field, value.x, value.y, value.z));
+}
+
 void check_not_negative(std::string_view field, const Flux& value) {
   for (int k = 0; k < 3; ++k)
     if (!(std::isfinite(value[k]) && value[k] >= 0))

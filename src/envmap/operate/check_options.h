@@ -14,6 +14,9 @@ void check_rotation(std::string_view field, const Rotation& rotation);
 /// @throws UsageError where the vector has no direction: 0, NaN or infinite.
 void check_direction(std::string_view field, const Direction& direction);
 
+/// @throws UsageError where a component is not finite.
+void check_finite(std::string_view field, const Flux& value);
+
 /// @throws UsageError where a component is not finite, or below 0.
 void check_not_negative(std::string_view field, const Flux& value);
 

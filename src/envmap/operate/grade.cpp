@@ -78,7 +78,7 @@ Integral integral(const EnvironmentMap& map, const Direction& normal, const Weig
 
 void apply(const Grade& grade, Level& level) {
   check_not_negative("gain", grade.gain);
-  check_not_negative("luminance", grade.luminance);
+  check_finite("luminance", grade.luminance);  // Blue of ACES2065-1 counts below 0.
   check(limits::saturation, grade.saturation);
   require_finite(level);
   for_each_row(level.faces(), level.height(), {}, [&](int face, int j) {
@@ -91,7 +91,7 @@ void apply(const Grade& grade, Level& level) {
 }
 
 std::int64_t into_gamut(Level& level, const Flux& luminance) {
-  check_not_negative("luminance", luminance);
+  check_finite("luminance", luminance);
   const auto rows = map_rows<std::int64_t>(level.faces() * level.height(), [&](int k) {
     std::int64_t outside = 0;
     for (Colour& texel : level.row(k / level.height(), k % level.height())) {
@@ -122,7 +122,7 @@ Flux radiance_within(const EnvironmentMap& map, const Direction& towards, double
 
 Flux white_balance(const Flux& colour, const Flux& luminance) {
   check_not_negative("colour", colour);
-  check_not_negative("luminance", luminance);
+  check_finite("luminance", luminance);
   if (!(least(colour) > 0)) throw UsageError("what shall be grey has a channel that is 0: no gain makes it grey");
   return Flux(glm::dot(colour, luminance)) / colour;
 }
