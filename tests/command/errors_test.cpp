@@ -103,7 +103,7 @@ TEST_F(Usage, RefusesDepthsThatTheFormatDoesNotHold) {
   const std::pair<const char*, const char*> cases[] = {
       {"half", "out.hdr"}, {"half", "out.tif"}, {"uint8", "out.exr"}, {"uint16", "out.pfm"}, {"float", "out.png"}};
   for (const auto& [depth, name] : cases)
-    fails(usage, {"convert", "in.exr", name, "--depth", depth}, {"depth", depth, "they hold"});
+    fails(usage, {"convert", "in.exr", name, "--depth", depth}, {"cannot store " + std::string(depth), "choose"});
 }
 
 TEST_F(Usage, RefusesLayoutsOfWhatIsNoCube) {

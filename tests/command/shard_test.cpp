@@ -155,7 +155,7 @@ TEST_F(Shards, ThatCannotBeAreRefusedBeforeAnyWork) {
   fails(2, {"convert", "sun.exr", "{face}.exr", "--to", "cube", "--shard", "1/2"}, {".exr"});
   fails(2, {"convert", "sun.exr", "out.exr", "--output-space", "sRGB", "--shard", "1/2"}, {"linear"});
   fails(2, {"prefilter", "sun.exr", "out.exr", "--lobe", "ggx", "--levels", "3", "--shard", "1/2"},
-        {"a level at a time"});
+        {"one command per level"});
   fails(2, {"prefilter", "sun.exr", "out.exr", "--max-error", "1e-2", "--depth", "half", "--shard", "1/2"},
         {"--depth float"});
   fails(2, {"mipmap", "sun.exr", "out.exr", "--keep", "--shard", "1/2"}, {"--keep"});

@@ -66,7 +66,7 @@ TEST(Memory, ErrorsNameNoFile) {
     ADD_FAILURE();
   } catch (const OutputError& e) {
     EXPECT_EQ(e.file(), "");
-    EXPECT_EQ(std::string(e.what()).find("96 texels over 65504"), 0U) << e.what();
+    EXPECT_EQ(std::string(e.what()).find("96 texels exceed 65504"), 0U) << e.what();
   }
 }
 
