@@ -43,7 +43,7 @@ double error_of(const Level& map, const Direction& light, const Lobe& lobe, cons
                 Random& random) {
   const double mean = mean_radiance(map);
   const SourceGrids grids(map, mean, Colour(0), plan.grids());
-  const Hinges hinges(map, mean, 2, error);
+  const Hinges hinges(map, mean, 3, error);
   std::vector<Direction> some(2000);
   for (Direction& d : some) d = random.round(light);
   std::vector<MultilevelSum> sums(some.size());

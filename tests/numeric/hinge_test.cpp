@@ -53,20 +53,19 @@ constexpr double exact_error = 5e-7;  // Of the exact sum, found in texels at po
 void expect_bounds(const Level& level, double error, std::span<const Direction> some, const std::string& what) {
   const double mean = mean_radiance(level);
   const std::optional<Level> fine = refined(level);
-  const Hinges hinges(fine ? *fine : level, mean, 2, error);
-  std::vector<HingeSums> found(some.size());
-  hinges.sums(some, error, found);
-  const Lobe lobes[] = {Cosine{}, Phong{2}};
-  for (std::size_t k = 0; k < 2; ++k) {
-    const double factor = (*hinge_factors(lobes[k]))[k], floor = 1e-3 * mean;
-    const std::vector<Flux> truth = exact_prefilter(level, lobes[k], some);
+  const Hinges hinges(fine ? *fine : level, mean, 3, error);
+  std::vector<HingeSum> found(some.size());
+  for (const Lobe& lobe : {Lobe(Cosine{}), Lobe(Phong{2}), Lobe(Phong{3})}) {
+    hinges.sums(*hinge_polynomial(lobe), some, error, found);
+    const std::string name = what + ", power " + std::to_string(hinge_polynomial(lobe)->order());
+    const double floor = 1e-3 * mean;
+    const std::vector<Flux> truth = exact_prefilter(level, lobe, some);
     for (std::size_t n = 0; n < some.size(); ++n)
       for (int c = 0; c < 3; ++c) {
-        const double sum = factor * found[n].sum[k][c], bound = factor * found[n].bound[k][c];
-        ASSERT_NEAR(sum, truth[n][c], bound + exact_error * std::max(truth[n][c], floor))
-            << what << ", power " << k + 1 << ", direction " << n << ", channel " << c;
-        ASSERT_LE(bound, error * std::max(truth[n][c], floor) * 1.0001)
-            << what << ", power " << k + 1 << ", direction " << n;
+        const double most = std::max(truth[n][c], floor), bound = found[n].bound[c];
+        ASSERT_NEAR(found[n].value[c], truth[n][c], bound + exact_error * most)
+            << name << ", direction " << n << ", channel " << c;
+        ASSERT_LE(bound, error * most * 1.0001) << name << ", direction " << n;
       }
   }
 }
@@ -125,13 +124,14 @@ TEST(Hinge, SmallestSourcesStayWithinTheirBounds) {
 }
 
 TEST(Hinge, LobesThatAreHinges) {
-  EXPECT_TRUE(hinge_factors(Cosine{}));
-  EXPECT_TRUE(hinge_factors(Ggx(1)));
-  EXPECT_TRUE(hinge_factors(Phong{2}));
-  EXPECT_FALSE(hinge_factors(Ggx(0.99)));
-  EXPECT_FALSE(hinge_factors(Phong{1.5}));
-  EXPECT_FALSE(hinge_factors(Charlie(1)));
-  EXPECT_FALSE(hinge_factors(BlinnPhong(2)));
+  EXPECT_TRUE(hinge_polynomial(Cosine{}));
+  EXPECT_TRUE(hinge_polynomial(Ggx(1)));
+  EXPECT_TRUE(hinge_polynomial(Phong{2}));
+  EXPECT_TRUE(hinge_polynomial(Phong{3}));
+  EXPECT_FALSE(hinge_polynomial(Ggx(0.99)));
+  EXPECT_FALSE(hinge_polynomial(Phong{1.5}));
+  EXPECT_FALSE(hinge_polynomial(Charlie(1)));
+  EXPECT_FALSE(hinge_polynomial(BlinnPhong(2)));
 }
 
 TEST(Hinge, MapsAreMadeByPrefixSumsWithTheirBounds) {
@@ -142,7 +142,8 @@ TEST(Hinge, MapsAreMadeByPrefixSumsWithTheirBounds) {
   const PrefilterSource prepared(map);
   for (const Prefilter& p :
        {Prefilter{.shape = Shape::diffuse}, Prefilter{.shape = Shape::ggx, .parameter = 1},
-        Prefilter{.shape = Shape::phong, .parameter = 1}, Prefilter{.shape = Shape::phong, .parameter = 2}})
+        Prefilter{.shape = Shape::phong, .parameter = 1}, Prefilter{.shape = Shape::phong, .parameter = 2},
+        Prefilter{.shape = Shape::phong, .parameter = 3}})
     for (const double error : {1e-2, 1e-4}) {
       Prefilter wanted = p;
       wanted.size = 9, wanted.max_error = error;

@@ -66,7 +66,7 @@ void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, st
   const double mean = mean_radiance(map.base());
   const SourceGrids grids(map.base(), mean, Colour(0), plan->grids());
   const std::optional<Level> fine = refined(map.base());
-  const Hinges hinges(fine ? *fine : map.base(), mean, 2, error);
+  const Hinges hinges(fine ? *fine : map.base(), mean, 3, error);
   const MultilevelSource source{grids, &hinges, mean, Colour(0)};
   std::vector<MultilevelSum> sums(some.size());
   multilevel_sums(*plan, source, some, sums);

@@ -12,23 +12,16 @@ namespace {
 
 using Channels = std::array<double, 3>;
 
-// Terms added up, by order and channel.
+// Terms added up, by channel.
 struct Total {
-  std::array<Channels, 2> sum{}, off{};
+  Channels sum{}, off{};
 
-  void add(const HingeTerm& t, int order) {
-    for (std::size_t c = 0; c < 3; ++c) sum[0][c] += double(t.middle1[c]), off[0][c] += double(t.off1[c]);
-    if (order == 1) return;
-    for (std::size_t c = 0; c < 3; ++c) sum[1][c] += double(t.middle2[c]), off[1][c] += double(t.off2[c]);
-  }
-  void add(const Total& t) {
-    for (std::size_t k = 0; k < 2; ++k)
-      for (std::size_t c = 0; c < 3; ++c) sum[k][c] += t.sum[k][c], off[k][c] += t.off[k][c];
+  void add(const HingeTerm& t) {
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += double(t.middle[c]), off[c] += double(t.off[c]);
   }
 };
 
-// Integrals of t+ and t+^2 over the half sphere: 0.001 of them is what sums are held to at least.
-constexpr std::array<double, 2> whole{pi, 2 * pi / 3};
+// What sums are held to at least, in units of the mean.
 constexpr double floor_of_mean = 1e-3;
 
 // Part of a flux that Gauss points, sums in double and the borders of cells may be off by.
@@ -53,42 +46,72 @@ struct Plane {
 
 // What a part of a texel of radiance 1 adds, and how far that may be off.
 struct PartTerm {
-  std::array<double, 2> sum, off;
+  double sum, off;
 };
-PartTerm cut_part(const PartView& v, double extent) {
+PartTerm whole_part(const PartView& v, const HingePolynomial& weight) {
+  return {weight.factors[0] * v.first + weight.factors[1] * v.second + weight.factors[2] * v.third, 0};
+}
+PartTerm cut_part(const PartView& v, double extent, const HingePolynomial& weight) {
   const double top = v.middle + extent;
   if (v.polar) {  // Between Jensen's inequality and the chord.
-    const double bottom = v.middle - extent, least = std::max(0.0, v.first);
-    const double most = std::max(least, (v.first - v.solid_angle * bottom) * top / (top - bottom));
-    return {{0.5 * (least + most), 0.5 * top * most}, {0.5 * (most - least), 0.5 * top * most}};
+    const double bottom = v.middle - extent, jensen = std::max(0.0, v.first);
+    const double chord = std::max(jensen, (v.first - v.solid_angle * bottom) * top / (top - bottom));
+    const double least = weight.factors[0] * jensen, most = weight.slope(top) * chord;
+    return {0.5 * (least + most), 0.5 * (most - least)};
   }
   const Plane plane(v.middle, v.across, v.down);
   const double bend = v.bend + 1e-8 * std::max(v.across, v.down);
-  return {{0.5 * (v.first + v.weight1 * plane.size), 0.5 * (v.second + v.weight2 * plane.signed_square)},
-          {0.5 * v.weight1 * (v.uneven1 * plane.size + (1 + v.uneven1) * bend),
-           0.5 * v.weight2 * (v.uneven2 * plane.square + (1 + v.uneven2) * bend * 2 * (std::abs(v.middle) + extent))}};
+  const double first = 0.5 * (v.first + v.weight1 * plane.size),
+               off1 = 0.5 * v.weight1 * (v.uneven1 * plane.size + (1 + v.uneven1) * bend);
+  const double second = 0.5 * (v.second + v.weight2 * plane.signed_square),
+               off2 = 0.5 * v.weight2 *
+                      (v.uneven2 * plane.square + (1 + v.uneven2) * bend * 2 * (std::abs(v.middle) + extent));
+  const double third = 0.5 * weight.factors[2] * top * (second + off2);  // From 0 to twice that.
+  return {weight.factors[0] * first + weight.factors[1] * second + third,
+          weight.factors[0] * off1 + weight.factors[1] * off2 + third};
+}
+
+// The weight of a direction as factors of the moments x, y, z, xx, yy, zz, xy, xz, yz, xxx, xxy, xxz, xyy, xyz, yyy,
+// yyz. xzz = x - xxx - xyy and so on give the rest.
+std::array<double, hinge_moments.back() - 1> moment_factors(const HingePolynomial& weight, const FaceDirection& n) {
+  const auto [a, b, c] = weight.factors;
+  const double x = n.x, y = n.y, z = n.z, zz = 3 * c * z * z;
+  return {x * (a + zz),
+          y * (a + zz),
+          z * (a + c * z * z),
+          b * x * x,
+          b * y * y,
+          b * z * z,
+          2 * b * x * y,
+          2 * b * x * z,
+          2 * b * y * z,
+          x * (c * x * x - zz),
+          y * (3 * c * x * x - zz),
+          z * c * (3 * x * x - z * z),
+          x * (3 * c * y * y - zz),
+          6 * c * x * y * z,
+          y * (c * y * y - zz),
+          z * c * (3 * y * y - z * z)};
 }
 
 // One direction's sum in the making.
 template <class Grid>
 class Summation {
  public:
-  Summation(const HingeSource<Grid>& source, double error, const std::array<double, 2>& least)
-      : source_(source), error_(error), least_(least), order_(source.order()) {}
+  Summation(const HingeSource<Grid>& source, const HingePolynomial& weight, double error)
+      : source_(source), weight_(weight), error_(error) {}
 
-  HingeSums over(const Direction& n) {
+  HingeSum over(const Direction& n) {
     for (int face = 0; face < Grid::faces; ++face) seen_[std::size_t(face)] = Grid::seen(face, n);
     settled_ = {}, terms_.clear();
-    for (std::size_t k = 0; k < 2; ++k)
-      for (int c = 0; c < 3; ++c) settled_.sum[k][std::size_t(c)] = whole[k] * source_.darkest()[c];
+    for (int c = 0; c < 3; ++c) settled_.sum[std::size_t(c)] = weight_.integral() * source_.darkest()[c];
     // The flux of a channel is 12 pi times the mean at most.
-    for (Channels& off : settled_.off) off.fill(numerical * 12 * pi);
+    settled_.off.fill(numerical * 12 * pi * weight_.slope(1));
     for (int face = 0; face < Grid::faces; ++face) add_face(face);
     refine();
-    HingeSums out;
-    for (std::size_t k = 0; k < 2; ++k)
-      for (int c = 0; c < 3; ++c)
-        out.sum[k][c] = settled_.sum[k][std::size_t(c)], out.bound[k][c] = settled_.off[k][std::size_t(c)];
+    HingeSum out;
+    for (int c = 0; c < 3; ++c)
+      out.value[c] = settled_.sum[std::size_t(c)], out.bound[c] = settled_.off[std::size_t(c)];
     return out;
   }
 
@@ -115,14 +138,11 @@ class Summation {
     for (int row = 0; row < grid.down.count(); ++row)
       if (const RowSpan& span = spans_[std::size_t(row)]; span.last > span.first)
         source_.add(face, row, span.first, span.last, sums);
-    bound_cells(n, batch_, order_, terms_);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const auto m = [&](std::size_t k) { return sums[3 * k + c]; };
-      settled_.sum[0][c] += m(0) * n.x + m(1) * n.y + m(2) * n.z;
-      if (order_ > 1)
-        settled_.sum[1][c] += m(3) * (n.x * n.x) + m(4) * (n.y * n.y) + m(5) * (n.z * n.z) +
-                              2 * (m(6) * (n.x * n.y) + m(7) * (n.x * n.z) + m(8) * (n.y * n.z));
-    }
+    bound_cells(n, weight_, batch_, terms_);
+    const auto factors = moment_factors(weight_, n);
+    const std::size_t moments = hinge_moments[std::size_t(source_.order())] - 1;
+    for (std::size_t m = 0; m < moments; ++m)
+      for (std::size_t c = 0; c < 3; ++c) settled_.sum[c] += factors[m] * sums[3 * m + c];
   }
 
   void add_cell(const typename HingeSource<Grid>::Cells& cells, const FaceDirection& n, int face, int row, int column) {
@@ -132,18 +152,15 @@ class Summation {
                {&cell, face, row, column});
   }
 
-  // What each sum may be off by: by order and channel.
-  [[nodiscard]] std::array<Channels, 2> allowed(const Total& now) const {
-    std::array<Channels, 2> all;
-    for (std::size_t k = 0; k < 2; ++k)
-      for (std::size_t c = 0; c < 3; ++c)
-        all[k][c] = error_ * std::max({now.sum[k][c] - now.off[k][c], floor_of_mean * whole[k], least_[k]});
+  // What each channel may be off by.
+  [[nodiscard]] Channels allowed(const Total& now) const {
+    Channels all;
+    for (std::size_t c = 0; c < 3; ++c) all[c] = error_ * std::max(now.sum[c] - now.off[c], floor_of_mean);
     return all;
   }
-  [[nodiscard]] bool within(const Total& now, const std::array<Channels, 2>& most, double part) const {
-    for (std::size_t k = 0; k < std::size_t(order_); ++k)
-      for (std::size_t c = 0; c < 3; ++c)
-        if (now.off[k][c] > part * most[k][c]) return false;
+  [[nodiscard]] static bool within(const Total& now, const Channels& most, double part) {
+    for (std::size_t c = 0; c < 3; ++c)
+      if (now.off[c] > part * most[c]) return false;
     return true;
   }
 
@@ -152,23 +169,23 @@ class Summation {
     double share = 0.5;
     for (std::size_t level = source_.levels().size(); level-- > 0; share *= 0.6) {
       Total now = settled_;
-      for (const HingeTerm& t : terms_) now.add(t, order_);
-      const std::array<Channels, 2> most = allowed(now);
+      for (const HingeTerm& t : terms_) now.add(t);
+      const Channels most = allowed(now);
       if (within(now, most, 1)) break;
       divide(level, now, most, share / double(std::max<std::size_t>(1, terms_.size())));
     }
-    for (const HingeTerm& t : terms_) settled_.add(t, order_);
+    for (const HingeTerm& t : terms_) settled_.add(t);
     terms_.clear();
   }
 
   // @param now the sum of all, to stop as soon as that is good enough. @param share of what is allowed, of one term.
-  void divide(std::size_t level, Total now, const std::array<Channels, 2>& most, double share) {
+  void divide(std::size_t level, Total now, const Channels& most, double share) {
     next_.clear();
     bool enough = false;
     for (const HingeTerm& t : terms_) {
       enough = enough || within(now, most, 0.99);
       if (enough || is_fine(t, most, share)) {
-        settled_.add(t, order_);
+        settled_.add(t);
         continue;
       }
       const std::size_t first = next_.size();
@@ -176,18 +193,14 @@ class Summation {
         add_quarters(level - 1, t);
       else
         add_texels(t, most, 0.02 * share);
-      for (std::size_t c = 0; c < 3; ++c) {
-        now.off[0][c] -= double(t.off1[c]);
-        if (order_ > 1) now.off[1][c] -= double(t.off2[c]);
-      }
-      for (std::size_t k = first; k < next_.size(); ++k) now.add(next_[k], order_);
+      for (std::size_t c = 0; c < 3; ++c) now.off[c] -= double(t.off[c]);
+      for (std::size_t k = first; k < next_.size(); ++k) now.add(next_[k]);
     }
     std::swap(terms_, next_);
   }
-  [[nodiscard]] bool is_fine(const HingeTerm& t, const std::array<Channels, 2>& most, double share) const {
+  [[nodiscard]] bool is_fine(const HingeTerm& t, const Channels& most, double share) const {
     for (std::size_t c = 0; c < 3; ++c)
-      if (double(t.off1[c]) > share * most[0][c] || (order_ > 1 && double(t.off2[c]) > share * most[1][c]))
-        return false;
+      if (double(t.off[c]) > share * most[c]) return false;
     return true;
   }
 
@@ -199,10 +212,10 @@ class Summation {
     for (int row = 2 * t.row; row < std::min(2 * t.row + 2, grid.down.count()); ++row)
       for (int column = 2 * t.column; column < std::min(2 * t.column + 2, grid.across.count()); ++column)
         add_cell(cells, n, t.face, row, column);
-    bound_cells(n, batch_, order_, next_);
+    bound_cells(n, weight_, batch_, next_);
   }
 
-  void add_texels(const HingeTerm& t, const std::array<Channels, 2>& most, double share) {
+  void add_texels(const HingeTerm& t, const Channels& most, double share) {
     const auto& grid = source_.levels().front().grid;
     const FaceDirection& n = seen_[std::size_t(t.face)];
     for (int row = grid.down.first(t.row); row < grid.down.end(t.row); ++row)
@@ -213,33 +226,31 @@ class Summation {
   }
 
   template <class Part>
-  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const std::array<Channels, 2>& most,
+  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const Channels& most,
                 double share, int depth) {
     const PartView v = part.view(n);
     const double extent = v.across + v.down + v.bend;
     if (v.middle <= -extent) return;
     const bool cut = v.middle < extent;
-    const PartTerm term = cut ? cut_part(v, extent) : PartTerm{{v.first, v.second}, {0, 0}};
+    const PartTerm term = cut ? cut_part(v, extent, weight_) : whole_part(v, weight_);
     bool fine = true;
-    for (std::size_t k = 0; k < std::size_t(order_); ++k)
-      for (int c = 0; c < 3; ++c) fine = fine && term.off[k] * radiance[c] <= share * most[k][std::size_t(c)];
+    for (int c = 0; c < 3; ++c) fine = fine && term.off * radiance[c] <= share * most[std::size_t(c)];
     constexpr int deepest = 12;
     if (!fine && depth < deepest) {
       const Division<Part> smaller = part.divided();
       for (std::size_t k = 0; k < smaller.count; ++k) add_part(smaller.parts[k], n, radiance, most, share, depth + 1);
       return;
     }
-    for (std::size_t k = 0; k < 2; ++k)
-      for (int c = 0; c < 3; ++c) {
-        settled_.sum[k][std::size_t(c)] += term.sum[k] * radiance[c];
-        settled_.off[k][std::size_t(c)] += (term.off[k] + numerical * v.solid_angle) * radiance[c];
-      }
+    const double rounding = numerical * v.solid_angle * weight_.slope(1);
+    for (int c = 0; c < 3; ++c) {
+      settled_.sum[std::size_t(c)] += term.sum * radiance[c];
+      settled_.off[std::size_t(c)] += (term.off + rounding) * radiance[c];
+    }
   }
 
   const HingeSource<Grid>& source_;
+  HingePolynomial weight_;
   double error_;
-  std::array<double, 2> least_;
-  int order_;
   std::array<FaceDirection, Grid::faces> seen_;
   Total settled_;
   HingeBatch batch_;
@@ -249,13 +260,12 @@ class Summation {
 };
 
 template <class Grid>
-void sum_all(const HingeSource<Grid>& source, std::span<const Direction> directions, double error,
-             const std::array<double, 2>& least, double mean, std::span<HingeSums> out) {
-  Summation<Grid> summation(source, error, least);
+void sum_all(const HingeSource<Grid>& source, const HingePolynomial& weight, std::span<const Direction> directions,
+             double error, double mean, std::span<HingeSum> out) {
+  Summation<Grid> summation(source, weight, error);
   for (std::size_t k = 0; k < directions.size(); ++k) {
-    out[k] = summation.over(directions[k]);
-    for (auto* fluxes : {&out[k].sum, &out[k].bound})
-      for (Flux& f : *fluxes) f *= mean;
+    const HingeSum sum = summation.over(directions[k]);
+    out[k] = {mean * sum.value, mean * sum.bound};
   }
 }
 
@@ -286,17 +296,19 @@ bool Hinges::fits(int order, double error) const {
   return prepared_->order >= order && prepared_->rows == base_rows(error);
 }
 
-void Hinges::sums(std::span<const Direction> directions, double error, std::span<HingeSums> out,
-                  const std::array<double, 2>& least) const {
-  std::visit([&](const auto& source) { sum_all(source, directions, error, least, prepared_->mean, out); },
+void Hinges::sums(const HingePolynomial& weight, std::span<const Direction> directions, double error,
+                  std::span<HingeSum> out) const {
+  std::visit([&](const auto& source) { sum_all(source, weight, directions, error, prepared_->mean, out); },
              prepared_->source);
 }
 
-std::optional<std::array<double, 2>> hinge_factors(const Lobe& lobe) {
-  if (const auto* cosine = std::get_if<Cosine>(&lobe)) return std::array{cosine->value(0), 0.0};
-  if (const auto* ggx = std::get_if<Ggx>(&lobe); ggx && ggx->b == 0) return std::array{ggx->value(0), 0.0};
-  if (const auto* phong = std::get_if<Phong>(&lobe); phong && phong->exponent == 2)
-    return std::array{0.0, phong->scale()};
+std::optional<HingePolynomial> hinge_polynomial(const Lobe& lobe) {
+  if (const auto* cosine = std::get_if<Cosine>(&lobe)) return HingePolynomial{{cosine->value(0), 0, 0}};
+  if (const auto* ggx = std::get_if<Ggx>(&lobe); ggx && ggx->b == 0) return HingePolynomial{{ggx->value(0), 0, 0}};
+  if (const auto* phong = std::get_if<Phong>(&lobe)) {
+    if (phong->exponent == 2) return HingePolynomial{{0, phong->scale(), 0}};
+    if (phong->exponent == 3) return HingePolynomial{{0, 0, phong->scale()}};
+  }
   return std::nullopt;
 }
 

@@ -51,25 +51,28 @@ struct Distances {
 CubeGrid::CubeGrid(int /*width*/, int height) : size_(height) {}
 
 CubeGrid::Row CubeGrid::row(int row, int order) const {
-  Row made{std::vector<std::array<double, 10>>(std::size_t(size_))};
+  Row made{std::vector<std::array<double, hinge_moments.back()>>(std::size_t(size_))};
   for (int i = 0; i < size_; ++i) {
     const Part p = texel({}, row, i);
-    std::array<double, 10>& m = made.moments[std::size_t(i)];
+    auto& m = made.moments[std::size_t(i)];
     at_points(p.x, p.y, p.half, [&](double s, double t, double weight) {
       const double q = 1 / std::sqrt(1 + s * s + t * t), o = weight * q * q * q, x = s * q, y = t * q;
       m[0] += o, m[1] += o * x, m[2] += o * y, m[3] += o * q;
       if (order > 1)
         m[4] += o * x * x, m[5] += o * y * y, m[6] += o * q * q, m[7] += o * x * y, m[8] += o * x * q,
             m[9] += o * y * q;
+      if (order > 2)
+        m[10] += o * x * x * x, m[11] += o * x * x * y, m[12] += o * x * x * q, m[13] += o * x * y * y,
+            m[14] += o * x * y * q, m[15] += o * y * y * y, m[16] += o * y * y * q;
     });
   }
   return made;
 }
 
 void CubeGrid::Row::add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const {
-  const std::size_t count = order == 1 ? 4 : 10;
+  const std::size_t count = hinge_moments[std::size_t(order)];
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    const std::array<double, 10>& weights = moments[std::size_t(first) + i];
+    const auto& weights = moments[std::size_t(first) + i];
     const Flux light(texels[i]);
     block.least = glm::min(block.least, texels[i]);
     for (std::size_t m = 0; m < count; ++m)
@@ -135,7 +138,8 @@ PartView CubeGrid::Part::view(const FaceDirection& n) const {
   PartView v{};
   at_points(x, y, half, [&](double s, double t, double weight) {
     const double q = 1 / std::sqrt(1 + s * s + t * t), o = weight * q * q * q, along = (n.x * s + n.y * t + n.z) * q;
-    v.solid_angle += o, v.first += o * along, v.second += o * along * along;
+    v.solid_angle += o, v.first += o * along, v.second += o * along * along,
+        v.third += o * along * along * along;
   });
   const Distances r(x, half, y, half);
   v.middle = n.x * x + n.y * y + n.z;

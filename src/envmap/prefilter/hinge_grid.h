@@ -56,7 +56,7 @@ struct RowSpan {
 
 /// A piece of a texel, down to which sums are refined: integrals over it, and L as in CellView.
 struct PartView {
-  double solid_angle, first, second;  ///< Integrals of 1, t and t^2.
+  double solid_angle, first, second, third;  ///< Integrals of 1, t, t^2 and t^3.
   double middle, across, down, bend;
   /// Area / r^4 and / r^5 by the r of the middle, and how uneven those are.
   double weight1, uneven1, weight2, uneven2;
@@ -80,10 +80,12 @@ struct CellEdges {
   [[nodiscard]] int end(int k) const { return std::min((k + 1) * side, texels); }
 };
 
-/// Light of a block of texels: moments of order 0, x, y, z, xx, yy, zz, xy, xz, yz, each of three channels,
-/// and the least radiance.
+/// Numbers of moments up to an order: 1, x, y, z, xx, yy, zz, xy, xz, yz, xxx, xxy, xxz, xyy, xyz, yyy, yyz.
+inline constexpr std::array<std::size_t, 4> hinge_moments{1, 4, 10, 17};
+
+/// Light of a block of texels: moments of three channels, and the least radiance.
 struct HingeBlock {
-  std::array<std::array<double, 3>, 10> moments{};
+  std::array<std::array<double, 3>, hinge_moments.back()> moments{};
   Colour least{std::numeric_limits<float>::max()};
 };
 
@@ -92,10 +94,11 @@ class LatlongGrid {
   LatlongGrid(int width, int height);
   static constexpr int faces = 1;
   static FaceDirection seen(int /*face*/, const Direction& n);
-  /// A row of texels, to be added to blocks. @param order of the moments, 1 or 2.
+  /// A row of texels, to be added to blocks. @param order of the moments, 1 to 3.
   struct Row {
     const LatlongGrid* grid;
-    double o = 0, c = 0, s = 0, cc = 0, cs = 0, ss = 0;  // Integrals of sin(polar angle) times 1, cos, sin, ...
+    // Integrals of sin(polar angle) times 1, cos, sin, ...
+    double o = 0, c = 0, s = 0, cc = 0, cs = 0, ss = 0, ssc = 0, sss = 0;
     void add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const;
   };
   [[nodiscard]] Row row(int row, int order) const;
@@ -142,8 +145,8 @@ class LatlongGrid {
   int width_, height_;
   std::vector<Halving> halvings_;
   std::vector<std::array<double, 2>> rows_, columns_;  // Cosine and sine of the middles of texels.
-  // Integrals over a column of cos, sin, cos^2 and cos sin of the longitude.
-  std::vector<std::array<double, 4>> across_;
+  // Integrals over a column of cos, sin, cos^2, cos sin, cos^3 and cos^2 sin of the longitude.
+  std::vector<std::array<double, 6>> across_;
 };
 
 class CubeGrid {
@@ -155,7 +158,7 @@ class CubeGrid {
     return {glm::dot(n, a.right), glm::dot(n, a.up), glm::dot(n, a.forward)};
   }
   struct Row {
-    std::vector<std::array<double, 10>> moments;
+    std::vector<std::array<double, hinge_moments.back()>> moments;
     void add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const;
   };
   [[nodiscard]] Row row(int row, int order) const;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "envmap/prefilter/hinge.h"
 #include "envmap/prefilter/hinge_source.h"
 
 namespace envmap::prefiltering {
@@ -13,9 +14,10 @@ namespace envmap::prefiltering {
 /// Cells that a horizon may cut, and what it makes of them. Arrays by cell, with room for a vector more.
 class HingeBatch {
  public:
-  enum Field { middle, across, down, bend, even, near, far, solid_angle, weight1, uneven1, weight2, uneven2, fields };
-  /// Range of t, high / (high - low), what even light of radiance 1 adds, and two fields once more.
-  enum Found { low, high, slope, even1, off1, even2, off2, omega, mean, founds };
+  enum Field { middle, across, down, bend, mean, near, far, solid_angle, weight1, uneven1, weight2, uneven2, fields };
+  /// Range of t, high / (high - low), weight / t at `high`, what even light of radiance 1 adds, and two fields once
+  /// more.
+  enum Found { low, high, slope, steep, even, off, omega, average, founds };
   struct Place {
     const HingeCell* light;
     int face, row, column;
@@ -45,16 +47,15 @@ class HingeBatch {
   std::vector<Place> places_;
 };
 
-/// The sum over a cell of light x t+ and light x t+^2, lanes red, green, blue: `middle` within `off`.
+/// The sum over a cell of light x weight, lanes red, green, blue: `middle` within `off`.
 struct HingeTerm {
   HingeTerm() {}  // NOLINT: not set, as they are many.
-  alignas(16) float middle1[4], off1[4], middle2[4], off2[4];
+  alignas(16) float middle[4], off[4];
   int face, row, column;
 };
 
 /// Sets what is found of a batch, and appends the terms of all its cells with light above the horizon.
-/// @param order 1: leaves out t+^2.
-void bound_cells(const FaceDirection& n, HingeBatch& batch, int order, std::vector<HingeTerm>& out);
+void bound_cells(const FaceDirection& n, const HingePolynomial& weight, HingeBatch& batch, std::vector<HingeTerm>& out);
 
 /// Half the longitudes, in [0, pi], over which z y + level cos(longitude) > 0, for each y. @param slope z / level.
 void border_angles(double slope, std::span<const double> y, std::vector<double>& angles);

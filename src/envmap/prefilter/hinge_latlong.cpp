@@ -25,12 +25,14 @@ LatlongGrid::LatlongGrid(int width, int height) : width_(width), height_(height)
   }
   for (int j = 0; j < height; ++j)
     rows_.push_back({portable::cos_pi((j + 0.5) / height), portable::sin_pi((j + 0.5) / height)});
-  const double once = 2 * portable::sin_pi(1.0 / width), twice = portable::sin_pi(2.0 / width);
+  const double once = 2 * portable::sin_pi(1.0 / width), twice = portable::sin_pi(2.0 / width),
+               thrice = 2.0 / 3 * portable::sin_pi(3.0 / width);
   for (int i = 0; i < width; ++i) {
     const double cosine = portable::cos_pi((2.0 * i + 1) / width), sine = portable::sin_pi((2.0 * i + 1) / width);
     columns_.push_back({cosine, sine});
     across_.push_back({once * cosine, once * sine, pi / width + 0.5 * twice * (cosine * cosine - sine * sine),
-                       twice * cosine * sine});
+                       twice * cosine * sine, 0.25 * cosine * (3 * once + thrice * (4 * cosine * cosine - 3)),
+                       0.25 * sine * (once + thrice * (3 - 4 * sine * sine))});
   }
 }
 
@@ -45,18 +47,20 @@ LatlongGrid::Row LatlongGrid::row(int row, int /*order*/) const {
     const double sine = portable::sin_pi(angle), cosine = portable::cos_pi(angle), w = weight * sine;
     made.o += w, made.c += w * cosine, made.s += w * sine;
     made.cc += w * cosine * cosine, made.cs += w * cosine * sine, made.ss += w * sine * sine;
+    made.ssc += w * sine * sine * cosine, made.sss += w * sine * sine * sine;
   }
   return made;
 }
 
 void LatlongGrid::Row::add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const {
-  Flux even(0), x(0), y(0), xx(0), xy(0);
+  Flux even(0), x(0), y(0), xx(0), xy(0), xxx(0), xxy(0);
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    const std::array<double, 4>& a = grid->across_[std::size_t(first) + i];
+    const std::array<double, 6>& a = grid->across_[std::size_t(first) + i];
     const Flux light(texels[i]);
     block.least = glm::min(block.least, texels[i]);
     even += light, x += a[0] * light, y += a[1] * light;
     if (order > 1) xx += a[2] * light, xy += a[3] * light;
+    if (order > 2) xxx += a[4] * light, xxy += a[5] * light;
   }
   even *= 2 * pi / grid->width_;
   const auto put = [&](std::size_t m, const Flux& f) {
@@ -65,6 +69,9 @@ void LatlongGrid::Row::add(std::span<const Colour> texels, int first, int order,
   put(0, o * even), put(1, s * x), put(2, s * y), put(3, c * even);
   if (order > 1)
     put(4, ss * xx), put(5, ss * (even - xx)), put(6, cc * even), put(7, ss * xy), put(8, cs * x), put(9, cs * y);
+  if (order > 2)
+    put(10, sss * xxx), put(11, sss * xxy), put(12, ssc * xx), put(13, sss * (x - xxx)), put(14, ssc * xy),
+        put(15, sss * (y - xxy)), put(16, ssc * (even - xx));
 }
 
 namespace {
@@ -158,8 +165,10 @@ PartView LatlongGrid::Part::view(const FaceDirection& n) const {
   const Halving &h = grid->halvings_[std::size_t(down)], &a = grid->halvings_[std::size_t(across)];
   const double half_height = 0.5 * pi / std::ldexp(double(grid->height_), down);
   const double once = 2 * level * a.sine_across, twice = a.sine_across * a.cosine_across;
-  // Of cos over the columns.
+  // Of the powers of cos over the columns.
   const double squares = level * level * (a.across + twice) + turn * turn * (a.across - twice);
+  const double sine_cubed = a.sine_across * a.sine_across * a.sine_across;
+  const double cubes = level * level * once + 2.0 / 3 * sine_cubed * level * (3 * turn * turn - level * level);
   PartView v{};
   for (int k = -1; k <= 1; ++k) {
     const double weight = half_height * (k == 0 ? 8.0 / 9 : 5.0 / 9), sn = k * h.sine_node,
@@ -168,6 +177,8 @@ PartView LatlongGrid::Part::view(const FaceDirection& n) const {
     v.solid_angle += weight * s * 2 * a.across;
     v.first += weight * s * (height * 2 * a.across + s * once);
     v.second += weight * s * (height * height * 2 * a.across + 2 * height * s * once + s * s * squares);
+    v.third += weight * s * (height * height * (height * 2 * a.across + 3 * s * once) +
+                             s * s * (3 * height * squares + s * cubes));
   }
   const double s0 = sine * h.cosine_down - cosine * h.sine_down, s1 = sine * h.cosine_down + cosine * h.sine_down;
   const double c0 = cosine * h.cosine_down + sine * h.sine_down, c1 = cosine * h.cosine_down - sine * h.sine_down;

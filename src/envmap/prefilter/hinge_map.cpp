@@ -12,20 +12,18 @@ namespace {
 constexpr double rounding = 0x1p-24;  // Of a float.
 
 // Of one texel. @return its bound.
-float set_texel(const HingeSums& sums, const std::array<double, 2>& factors, double floor, Colour& out) {
+float set_texel(const HingeSum& sum, double floor, Colour& out) {
   double largest = 0;
   for (int c = 0; c < 3; ++c) {
-    const double value = factors[0] * sums.sum[0][c] + factors[1] * sums.sum[1][c];
-    const double off = factors[0] * sums.bound[0][c] + factors[1] * sums.bound[1][c];
-    largest = std::max(largest, off / std::max(value - off, floor));
-    out[c] = float(std::max(0.0, value));
+    largest = std::max(largest, sum.bound[c] / std::max(sum.value[c] - sum.bound[c], floor));
+    out[c] = float(std::max(0.0, sum.value[c]));
   }
   return std::nextafter(float(largest + 2 * rounding), 1.F);  // Of the texels less the darkest, and of the result.
 }
 
 }  // namespace
 
-void hinge_map(const Hinges& hinges, const std::array<double, 2>& factors, const Target& target, double max_error,
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target& target, double max_error,
                double mean, std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
   const double error = max_error - 3 * rounding;
   for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
@@ -34,11 +32,11 @@ void hinge_map(const Hinges& hinges, const std::array<double, 2>& factors, const
     std::vector<Direction> directions(in.count());
     texel_directions(target.to, target.size, face, row, in.first, directions);
     rotate(target.to_source, directions);
-    std::vector<HingeSums> sums(directions.size());
-    hinges.sums(directions, error, sums);
+    std::vector<HingeSum> sums(directions.size());
+    hinges.sums(weight, directions, error, sums);
     float* bound = &bounds[index_of(out, {face, in.first, row})];
     for (std::size_t k = 0; k < sums.size(); ++k)
-      bound[k] = set_texel(sums[k], factors, 1e-3 * mean, *out.texel(face, in.first + int(k), row));
+      bound[k] = set_texel(sums[k], 1e-3 * mean, *out.texel(face, in.first + int(k), row));
   });
 }
 

@@ -13,11 +13,11 @@
 namespace envmap::prefiltering {
 
 /// Sets the texels of a map, each with the bound of its error.
-/// @param factors of t+ and t+^2, see hinge_factors(). @param max_error wanted, relative to a texel or to 0.001 x the
+/// @param weight see hinge_polynomial(). @param max_error wanted, relative to a texel or to 0.001 x the
 /// mean.
 /// @param mean of the source's radiance. @param rows of the faces that are wanted, `size` for each face; empty: all.
 /// @param out of the projection and size of the target. @param bounds by face, row and column, relative like max_error.
-void hinge_map(const Hinges& hinges, const std::array<double, 2>& factors, const Target& target, double max_error,
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target& target, double max_error,
                double mean, std::span<const char> rows, Level& out, std::span<float> bounds,
                const Progress& progress = {});
 

@@ -130,10 +130,7 @@ void HingeSource<Grid>::add(int face, int row, int first, int last, Sums& sums) 
   const double* start = &prefix_[place(base().grid.down.count(), count + 1, face, row) * stride()];
   const auto border = [&](int k) { return start + std::size_t(k) * stride(); };
   const auto add = [&](const double* to, const double* from) {
-    if (order_ == 1)
-      for (std::size_t k = 0; k < 9; ++k) sums[k] += to[k] - from[k];
-    else
-      for (std::size_t k = 0; k < 27; ++k) sums[k] += to[k] - from[k];
+    for (std::size_t k = 0, end = stride(); k < end; ++k) sums[k] += to[k] - from[k];
   };
   if (last - first >= count) return add(border(count), border(0));
   if (first >= count) first -= count, last -= count;

@@ -22,7 +22,7 @@ template <class Grid>
 class HingeSource {
  public:
   /// @param source a cube or latlong map of 4 rows or more. @param mean of its radiance. @param rows of cells of a face
-  /// that the sum over a horizon starts from, about. @param order 1: moments for t+ alone, 2: for t+^2, too.
+  /// that the sum over a horizon starts from, about. @param order of moments, 1 to 3.
   HingeSource(const Level& source, double mean, int rows, int order);
 
   struct Cells {
@@ -40,8 +40,9 @@ class HingeSource {
   [[nodiscard]] std::span<const Cells> levels() const { return levels_; }
   [[nodiscard]] const Cells& base() const { return levels_.back(); }
 
-  /// Moments x, y, z (and xx, yy, zz, xy, xz, yz), three channels each.
-  using Sums = std::array<double, 27>;
+  /// Moments x, y, z, of order 2 also xx, yy, zz, xy, xz, yz, and of order 3 xxx, xxy, xxz, xyy, xyz, yyy, yyz (the
+  /// other three follow from x^2 + y^2 + z^2 = 1), of three channels each.
+  using Sums = std::array<double, 48>;
   /// Adds those of base cells [first, last) of a row. Columns may run on beyond the last.
   void add(int face, int row, int first, int last, Sums& sums) const;
   /// Brings what add() reads into the cache.
@@ -60,7 +61,7 @@ class HingeSource {
   void set_band(int band);
   void add_row(int face, int row, std::span<const typename Grid::Row> texels, Rows& rows);
   void close_row(std::size_t level, int face, int row, Rows& rows);
-  [[nodiscard]] std::size_t stride() const { return order_ == 1 ? 9 : 27; }
+  [[nodiscard]] std::size_t stride() const { return order_ == 1 ? 9 : order_ == 2 ? 27 : 48; }
 
   const Level& source_;
   Colour darkest_;

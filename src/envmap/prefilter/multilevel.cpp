@@ -39,14 +39,15 @@ LevelKernel::Softened softened(const Splitting& s, double radius) {
   return {true, float(1 / x), float(portable::pow(s.flatten * x, s.quartic ? 0.25 : 1.0 / 3))};
 }
 
-void set_hinges(MultilevelPlan& plan, double first, double second) {
-  plan.hinges = {first, second};
-  plan.constant = 1 - pi * first - 2 * pi / 3 * second;
+void set_hinges(MultilevelPlan& plan, LevelKernel& last, const std::array<double, 3>& factors) {
+  plan.hinges = {factors}, plan.constant = 1 - plan.hinges.integral();
+  for (std::size_t k = 0; k < 3; ++k) last.hinges[k] = float(factors[k] / last.scale);
 }
 
-// Rows of a grid whose error at the horizon is small enough: 0.06 h^3 x the third derivative over 6.
-int rows_at_horizon(const Splitting& s, double third) {
-  return rows_for(portable::cbrt(s.bend * floor_density / (0.06 * std::max(1e-12, third))));
+// Rows of a grid whose error at the horizon is small enough: bend x h^4 x the factor of t^4, which starts there.
+int rows_at_horizon(const Splitting& s, double fourth) {
+  constexpr double bend = 0.04;
+  return rows_for(std::sqrt(std::sqrt(s.bend * floor_density / (bend * std::max(1e-12, fourth)))));
 }
 
 std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
@@ -54,8 +55,7 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
   MultilevelPlan plan;
   const double a = lobe.a / lobe.b, whole = a + 1, scale = lobe.scale / (lobe.b * lobe.b),
                width = std::min(1.0, std::sqrt(2 * a));
-  const double first = scale / (whole * whole), second = 2 * first / whole, third = 3 * first / (whole * whole);
-  set_hinges(plan, first, second);
+  const double first = scale / (whole * whole), second = 2 * first / whole, third = 1.5 * second / whole;
   int rows = rows_for(width / s.steps);
   if (rows > most_rows) return std::nullopt;
   LevelKernel k{.quartic = s.quartic, .a = float(a), .scale = scale};
@@ -67,8 +67,8 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
     k.inner = k.outer;
   }
   k.outer = {}, k.end = 1;
-  k.hinge1 = float(first / scale), k.hinge2 = float(second / scale);
-  plan.steps.push_back({std::max(rows, rows_at_horizon(s, third)), k});
+  set_hinges(plan, k, {first, second, third});
+  plan.steps.push_back({std::max(rows, rows_at_horizon(s, 4.0 / 3 * third / whole)), k});
   return plan;
 }
 
@@ -116,23 +116,18 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
   constexpr double rounding = 0x1p-24;  // Of a float.
   const Flux even = plan.constant * Flux(source.darkest);
   const double floor = 1e-3 * source.mean;
-  std::vector<HingeSums> hinges(directions.size());
-  if (plan.has_hinges()) {
-    // A quarter of the floor each.
-    const std::array<double, 2> least{0.25e-3 / plan.hinges[0], 0.25e-3 / plan.hinges[1]};
-    source.hinges->sums(directions, plan.hinge_error, hinges, least);
-  }
+  std::vector<HingeSum> hinges(directions.size());
+  if (plan.has_hinges()) source.hinges->sums(plan.hinges, directions, plan.hinge_error, hinges);
   GatherRoom room;
   for (std::size_t k = 0; k < directions.size(); ++k) {
     const GridView view(directions[k]);
     Flux sum(0);
     for (const MultilevelPlan::Step& s : plan.steps) sum += gather(source.grids.grid(s.rows), s.kernel, view, room);
-    const HingeSums& h = hinges[k];
-    const Flux off = plan.hinges[0] * h.bound[0] + plan.hinges[1] * h.bound[1];
-    const Flux value = source.mean * sum + even + plan.hinges[0] * h.sum[0] + plan.hinges[1] * h.sum[1];
+    const HingeSum& h = hinges[k];
+    const Flux value = source.mean * sum + even + h.value;
     out[k] = {glm::max(Flux(0), value), 0};
     for (int c = 0; c < 3; ++c) {
-      const double apart = off[c] + plan.floor_error * floor;
+      const double apart = h.bound[c] + plan.floor_error * floor;
       out[k].bound = std::max(out[k].bound, apart / std::max((1 - plan.error) * value[c] - apart, floor));
     }
     out[k].bound += plan.error + 2 * rounding;

@@ -1,7 +1,7 @@
 /// @file
 /// Prefilter by multilevel summation: a lobe split into parts, each summed over a grid as coarse as the part is smooth.
 ///
-/// The bend at the horizon is taken off as t+ and t+^2, which prefix sums add (hinge.h). Radiance is not negative, so
+/// The bend at the horizon is taken off as t+, t+^2 and t+^3, which prefix sums add (hinge.h). Radiance is not negative, so
 /// the error of every texel of every map is at most the largest relative error of one light at any angle: see
 /// docs/explanation/prefilter-multilevel.md.
 #pragma once
@@ -25,13 +25,13 @@ struct MultilevelPlan {
     LevelKernel kernel;
   };
   std::vector<Step> steps;
-  std::array<double, 2> hinges{};  ///< Factors of t+ and t+^2.
+  HingePolynomial hinges;         ///< What is summed at the horizon.
   double constant = 0;  ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
   double error = 0, floor_error = 0;  ///< Of the steps, at most: of a texel, and in addition of 0.001 x the mean.
   double hinge_error = 0;             ///< That the sums of hinges may have.
 
   [[nodiscard]] std::vector<int> grids() const;
-  [[nodiscard]] bool has_hinges() const { return hinges[0] > 0; }
+  [[nodiscard]] bool has_hinges() const { return hinges.factors[0] > 0; }
   /// Whether the lobe is so narrow, and the result so large, that nothing else is quicker (measured).
   /// @param texels of the whole result.
   [[nodiscard]] bool is_quick(const Level& from, std::size_t texels) const {

@@ -51,11 +51,12 @@ HWY_INLINE V softened(const LevelKernel::Softened& s, V x) {
 
 HWY_INLINE V hinges(const LevelKernel& k, V t) {
   const D d;
-  return hn::Mul(t, hn::Add(hn::Set(d, k.hinge1), hn::Mul(hn::Set(d, k.hinge2), t)));
+  const auto g = [&](std::size_t n) HWY_ATTR { return hn::Set(d, k.hinges[n]); };
+  return hn::Mul(t, hn::Add(g(0), hn::Mul(t, hn::Add(g(1), hn::Mul(t, g(2))))));
 }
 
-// With W = a + 1, t = 1 - x and q = a + x = W - t: t / q^2 less its first two Taylor terms, t / W^2 + 2 t^2 / W^3, is
-// t^3 (3 W - 2 t) / (q^2 W^3), which has no difference of large numbers.
+// With W = a + 1, t = 1 - x and q = a + x = W - t: t / q^2 less its first three Taylor terms, t / W^2 + 2 t^2 / W^3 + 3 t^3 / W^4,
+// is t^4 (4 W - 3 t) / (q^2 W^4), which has no difference of large numbers.
 template <bool inner, bool outer, bool quartic>
 struct OfGgx {
   const LevelKernel& k;
@@ -67,10 +68,13 @@ struct OfGgx {
       const V zero = hn::Zero(d), t = hn::Max(zero, hn::Sub(hn::Set(d, 1), x));
       const V s = inner ? softened<quartic>(k.inner, x) : zero, t1 = hn::Max(zero, hn::Sub(t, s)),
               q1 = inner ? hn::Add(q, s) : q;
-      const V cube = hn::Mul(hn::Mul(t1, t1), t1), rise = hn::Sub(hn::Set(d, 3 * a1), hn::Add(t1, t1));
-      const V rest = hn::Div(hn::Mul(cube, rise), hn::Mul(hn::Mul(q1, q1), hn::Set(d, a1 * a1 * a1)));
+      const V square = hn::Mul(t1, t1), rise = hn::Sub(hn::Set(d, 4 * a1), hn::Mul(hn::Set(d, 3), t1));
+      const V rest = hn::Div(hn::Mul(hn::Mul(square, square), rise),
+                             hn::Mul(hn::Mul(q1, q1), hn::Set(d, a1 * a1 * a1 * a1)));
       if (!inner) return rest;
-      return hn::Sub(rest, hn::Mul(s, hn::Add(hn::Set(d, k.hinge1), hn::Mul(hn::Set(d, k.hinge2), hn::Add(t1, t)))));
+      const V second = hn::Mul(hn::Set(d, k.hinges[1]), hn::Add(t1, t));
+      const V third = hn::Mul(hn::Set(d, k.hinges[2]), hn::Add(square, hn::Mul(t, hn::Add(t1, t))));
+      return hn::Sub(rest, hn::Mul(s, hn::Add(hn::Set(d, k.hinges[0]), hn::Add(second, third))));
     }
     const V q1 = inner ? hn::Add(q, softened<quartic>(k.inner, x)) : q;
     const V q2 = hn::Add(q, softened<quartic>(k.outer, x)), product = hn::Mul(q1, q2);

@@ -26,7 +26,7 @@ struct LevelKernel {
   float a = 0;                   ///< ggx: (1 - x) / (a + x)^2.
   float power = 0, part = 1;     ///< power: (1 - part x)^power,
   bool cosine = false;           ///< times 1 - x.
-  float hinge1 = 0, hinge2 = 0;  ///< Factors of t+ and t+^2 that are taken off.
+  std::array<float, 3> hinges{};  ///< Factors of t+, t+^2 and t+^3 that are taken off.
   double scale = 1;              ///< Of all.
 };
 

@@ -154,10 +154,10 @@ struct Making {
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
     const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= float(wanted.max_error); };
-    if (const auto factors = hinge_factors(lobe);
-        factors && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
+    if (const auto weight = hinge_polynomial(lobe);
+        weight && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
       if (light.mean > 0)
-        hinge_map(hinges((*factors)[1] > 0 ? 2 : 1), *factors, target, wanted.max_error, light.mean, wanted.rows, out,
+        hinge_map(hinges(weight->order()), *weight, target, wanted.max_error, light.mean, wanted.rows, out,
                   figures, progress);
       else
         std::ranges::fill(figures, 0.F);
@@ -191,7 +191,7 @@ struct Making {
   void make_multilevel(const MultilevelPlan& plan, Level& out, std::span<float> figures) const {
     if (light.mean <= 0) return void(std::ranges::fill(figures, 0.F));
     const Colour darkest = darkest_of(source);
-    const MultilevelSource from{grids(plan.grids(), darkest), plan.has_hinges() ? &hinges(2) : nullptr, light.mean,
+    const MultilevelSource from{grids(plan.grids(), darkest), plan.has_hinges() ? &hinges(plan.hinges.order()) : nullptr, light.mean,
                                 darkest};
     multilevel_map(plan, from, target, wanted.rows, out, figures, progress);
   }
@@ -249,11 +249,11 @@ Lobe lobe_by_shape(const Prefilter& p) {
 
 Lobe lobe_of(const Prefilter& p) {
   const Lobe lobe = lobe_by_shape(p);
-  if (p.method == Method::prefix_sums && !is_mirror(p) && !hinge_factors(lobe))
-    throw UsageError("prefix sums make diffuse maps, phong of exponent 1 or 2 and ggx of roughness 1");
-  if (p.method == Method::multilevel && !is_mirror(p) && !hinge_factors(lobe) && !multilevel_plan(lobe, p.max_error))
+  if (p.method == Method::prefix_sums && !is_mirror(p) && !hinge_polynomial(lobe))
+    throw UsageError("prefix sums make diffuse maps, phong of exponent 1, 2 or 3 and ggx of roughness 1");
+  if (p.method == Method::multilevel && !is_mirror(p) && !hinge_polynomial(lobe) && !multilevel_plan(lobe, p.max_error))
     throw UsageError(
-        "multilevel sums make diffuse maps, phong of exponent 1, 2 and from 4, and ggx, for errors from 1e-4 and lobes "
+        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, and ggx, for errors from 1e-4 and lobes "
         "not narrower than ggx of roughness 0.075");
   return lobe;
 }
