@@ -29,6 +29,29 @@ void AddScaled(std::span<const float> in, float weight, std::span<float> out) {
   for (; k < out.size(); ++k) out[k] += weight * in[k];
 }
 
+// The sum of the virtual lanes, in one order on every processor.
+HWY_INLINE double sum_of(const V (&total)[parts]) {
+  float s[virtual_lanes];
+  for (std::size_t part = 0; part < parts; ++part) hn::StoreU(total[part], D(), s + part * lanes);
+  const auto pair = [&](std::size_t k) { return double(s[k]) + double(s[k + 4]); };
+  return (pair(0) + pair(2)) + (pair(1) + pair(3));
+}
+
+void DotProducts(std::span<const float> in, std::size_t step, std::span<const float> weights, std::span<float> out) {
+  const D d;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const float* from = &in[k * step];
+    V total[parts];
+    for (V& v : total) v = hn::Zero(d);
+    for (std::size_t i = 0; i < weights.size(); i += virtual_lanes)
+      for (std::size_t part = 0; part < parts; ++part) {
+        const std::size_t at = i + part * lanes;
+        total[part] = hn::Add(total[part], hn::Mul(hn::LoadU(d, from + at), hn::LoadU(d, &weights[at])));
+      }
+    out[k] = float(sum_of(total));
+  }
+}
+
 // 2 sin(angle)^2 of column - at, half a column's width of longitude each.
 void Versines(double at, int columns, int low, int high, float* out) {
   const D d;
@@ -123,12 +146,7 @@ Flux GatherRows(const SourceGrid& grid, const K& kernel, const GatherRoom& room)
         total[channel][part] = hn::Add(total[channel][part], sum[channel][part]);
   }
   Flux out;
-  for (std::size_t channel = 0; channel < 3; ++channel) {
-    float s[virtual_lanes];
-    for (std::size_t part = 0; part < parts; ++part) hn::StoreU(total[channel][part], d, s + part * lanes);
-    const auto pair = [&](std::size_t k) { return double(s[k]) + double(s[k + 4]); };
-    out[int(channel)] = (pair(0) + pair(2)) + (pair(1) + pair(3));
-  }
+  for (std::size_t channel = 0; channel < 3; ++channel) out[int(channel)] = sum_of(total[channel]);
   return out;
 }
 
@@ -159,7 +177,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace envmap::prefiltering {
 HWY_EXPORT(AddScaled);
+HWY_EXPORT(DotProducts);
 HWY_EXPORT(Gather);
+
+void dot_products(std::span<const float> in, std::size_t step, std::span<const float> weights, std::span<float> out) {
+  HWY_DYNAMIC_DISPATCH(DotProducts)(in, step, weights, out);
+}
 
 void add_scaled(std::span<const float> in, float weight, std::span<float> out) {
   HWY_DYNAMIC_DISPATCH(AddScaled)(in, weight, out);

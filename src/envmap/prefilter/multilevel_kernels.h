@@ -56,6 +56,9 @@ struct GatherRoom {
 /// The sum over a grid of light x kernel.
 Flux gather(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room);
 
+/// out[k] = the product of `weights` with `in` from k x step on. @param weights a multiple of 8.
+void dot_products(std::span<const float> in, std::size_t step, std::span<const float> weights, std::span<float> out);
+
 /// out += weight x in.
 void add_scaled(std::span<const float> in, float weight, std::span<float> out);
 
