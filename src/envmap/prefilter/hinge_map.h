@@ -1,5 +1,5 @@
 /// @file
-/// Maps of lobes that are sums of t+ and t+^2: diffuse, Phong of exponent 1 and 2, GGX of roughness 1.
+/// Maps of lobes that are powers of t+: diffuse, Phong of exponent 1, 2 and 3, GGX of roughness 1.
 #pragma once
 
 #include <array>

@@ -93,6 +93,22 @@ std::optional<MultilevelPlan> plan_of(const Phong& lobe, double error, const Spl
   return plan_of_power(k, 1 / std::sqrt(lobe.exponent), s.quartic ? 2 * at_horizon : at_horizon, error, s, plan);
 }
 
+// t (1 - x/2)^p = t ((1 + t)/2)^p: the binomial series at the horizon, whose first three factors are not negative for
+// p >= 1.
+std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, const Splitting& s) {
+  const double p = lobe.power;
+  if (p < 1) return std::nullopt;
+  MultilevelPlan plan;
+  plan.constant = 1;
+  LevelKernel k{
+      .kind = LevelKernel::Kind::power, .power = float(p), .part = 0.5F, .cosine = true, .scale = lobe.scale};
+  const double first = lobe.kink(), second = p * first, third = (p - 1) / 2 * second;
+  // All light of a channel at the horizon, 12 pi x the mean, is nothing then.
+  if (12 * pi * (first + second + third) > 0.002 * error * 1e-3) set_hinges(plan, k, {first, second, third});
+  const int at_horizon = rows_at_horizon(s, std::abs(p - 2) / 3 * third);
+  return plan_of_power(k, 1 / std::sqrt(0.5 * p + 1), at_horizon, error, s, plan);
+}
+
 }  // namespace
 
 std::vector<int> MultilevelPlan::grids() const {
@@ -107,6 +123,7 @@ std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error) {
   std::optional<MultilevelPlan> plan;
   if (const auto* ggx = std::get_if<Ggx>(&lobe)) plan = plan_of(*ggx, s);
   if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s);
+  if (const auto* blinn = std::get_if<BlinnPhong>(&lobe)) plan = plan_of(*blinn, error, s);
   if (plan) plan->error = s.kappa, plan->floor_error = s.bend, plan->hinge_error = s.hinges;
   return plan;
 }

@@ -253,8 +253,8 @@ Lobe lobe_of(const Prefilter& p) {
     throw UsageError("prefix sums make diffuse maps, phong of exponent 1, 2 or 3 and ggx of roughness 1");
   if (p.method == Method::multilevel && !is_mirror(p) && !hinge_polynomial(lobe) && !multilevel_plan(lobe, p.max_error))
     throw UsageError(
-        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, and ggx, for errors from 1e-4 and lobes "
-        "not narrower than ggx of roughness 0.075");
+        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, blinn-phong from 2, and ggx, for errors "
+        "from 1e-4 and lobes not narrower than ggx of roughness 0.075");
   return lobe;
 }
 
