@@ -89,6 +89,7 @@ int main(int argc, char** argv) {
       print(Shape::ggx, roughness, projection, size, lights);
     for (const double exponent : {4.0, 6.0, 20.0, 300.0, 5000.0, 30000.0})
       print(Shape::phong, exponent, projection, size, lights);
-    for (const double exponent : {2.0, 6.0, 40.0, 1000.0}) print(Shape::blinn_phong, exponent, projection, size, lights);
+    for (const double exponent : {2.0, 6.0, 40.0, 1000.0})
+      print(Shape::blinn_phong, exponent, projection, size, lights);
   }
 }

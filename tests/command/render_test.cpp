@@ -55,8 +55,8 @@ TEST_F(Render, MapsLookWhereTheyAreToldTo) {
 
 // All faces of the tetrahedron have two sides. Those behind the point share an edge, which holds -Z.
 TEST_F(Render, SaysWhatMovedVerticesLack) {
-  const std::vector<std::string> words{"render", "scene.obj", "a.exr", "--context", "osmesa", "--ambient", "1",
-                                       "--size", "32", "--to", "sphere", "--json", "--method"};
+  const std::vector<std::string> words{"render", "scene.obj", "a.exr", "--context", on_processor(), "--ambient", "1",
+                                       "--size", "32",        "--to",  "sphere",    "--json",       "--method"};
   const auto render = [&](const std::string& method) {
     std::vector<std::string> all = words;
     all.push_back(method);

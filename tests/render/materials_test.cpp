@@ -146,7 +146,7 @@ struct Named {
   // GL filters textures with weights of 8 bits, which shows in the roughness that a sun is blurred by.
   double tolerance;
 };
-const Named skies[] = {{"White", white, 5e-4}, {"Half", half, 4e-3}, {"Sunny", sunny, 0.012}};
+const Named skies[] = {{"White", white, 5e-4}, {"Half", half, 4e-3}, {"Sunny", sunny, 0.014}};
 
 Shot shot_of(const Scene& scene, const Environment& sky) {
   return {.scene = scene, .pose = pose(scene, 0), .environment = &sky};

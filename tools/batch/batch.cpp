@@ -49,6 +49,8 @@ class NinjaOutput {
     } else if (line.starts_with("FAILED: ")) {
       finish_failure();
       failed_ = line.substr(8);
+      // From 1.13 on, Ninja begins with '[code=N] '.
+      if (failed_.starts_with("[code=")) failed_.erase(0, failed_.find(' ') + 1);
       after_ = 0;
     } else if (line.starts_with("ninja: error: ")) {
       finish_failure();

@@ -17,6 +17,13 @@ namespace {
 
 using envmap::UsageError;
 
+// Values are looked at before files that are missing are: CLI11 2.6 looks at them after that, unless told otherwise.
+template <class O>
+void take_before_requirements(O* option) {
+  if constexpr (requires { option->get_callback_priority(); })
+    option->callback_priority(decltype(option->get_callback_priority())::PreRequirementsCheck);
+}
+
 void add(CLI::App& app, Option& o) {
   const auto put = [&o](const std::string& text) {
     try {
@@ -39,6 +46,7 @@ void add(CLI::App& app, Option& o) {
     option = app.add_option_function<std::string>(names, put, o.help);
     if (!o.alone.empty()) option->expected(0, 1)->default_str(o.alone);
   }
+  take_before_requirements(option);
   option->required(o.required);
   if (!o.is_flag()) option->type_name(o.type);
   if (!o.environment.empty()) option->envname(o.environment);

@@ -4,10 +4,15 @@
 
 #include <Iex.h>
 #include <ImfIO.h>
+#include <ImfMultiPartInputFile.h>
 #include <ImfThreading.h>
 #include <tbb/global_control.h>
 
 #include <string>
+
+#if __has_include(<ImfContextInit.h>)
+#include <ImfContextInit.h>
+#endif
 
 #include "envmap/io/input_file.h"
 #include "envmap/io/output_file.h"
@@ -29,6 +34,20 @@ class ExrInput final : public Imf::IStream {
  private:
   const InputFile& file_;
   std::uint64_t at_ = 0;
+};
+
+/// All parts of a file. OpenEXR 3.3 and newer would also print the errors that they throw.
+struct ExrParts final : Imf::MultiPartInputFile {
+#if __has_include(<ImfContextInit.h>)
+  explicit ExrParts(ExrInput& stream)
+      : MultiPartInputFile("exr", Imf::ContextInitializer()
+                                      .silentHeaderParse(true)
+                                      .strictHeaderValidation(false)
+                                      .setErrorHandler([](exr_const_context_t, exr_result_t, const char*){})
+                                      .setInputStream(&stream)) {}
+#else
+  explicit ExrParts(ExrInput& stream) : MultiPartInputFile(stream) {}
+#endif
 };
 
 class ExrOutput final : public Imf::OStream {

@@ -180,8 +180,9 @@ ImageWriter create(OutputFile& file, const std::string& extension, const ImagePl
   if (!profile.empty())
     spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, int(profile.size())), profile.data());
   // Not in TIFF: it would go into an EXIF directory, and OpenImageIO 2.4 leaves the file's header pointing at that.
-  if (out->writer->format_name() != std::string("tiff") && !plan.icc_profile)
-    spec.attribute("oiio:ColorSpace", is_integer(plan.depth) ? "sRGB" : "Linear");
+  // Where there is a profile that says it, a name that is no space: OpenImageIO 3.1 takes none for sRGB.
+  if (out->writer->format_name() != std::string("tiff"))
+    spec.attribute("oiio:ColorSpace", plan.icc_profile ? "unknown" : is_integer(plan.depth) ? "sRGB" : "Linear");
   // From 2.5 on, OpenImageIO turns blocks of float rows upside down in any PNM file. Only PFM needs that: io/pfm.cpp.
   if (out->writer->format_name() == std::string("pnm")) spec.attribute("pnm:pfmflip", 0);
   for (const auto& [key, text] : plan.attributes) spec.attribute(key, text);

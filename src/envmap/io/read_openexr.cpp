@@ -3,7 +3,6 @@
 #include <ImfFrameBuffer.h>
 #include <ImfInputPart.h>
 #include <ImfIntAttribute.h>
-#include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
 #include <ImfRgbaFile.h>
 #include <ImfStandardAttributes.h>
@@ -28,7 +27,7 @@ namespace {
 // An opened file and one part of it, of which one reader is set once pixels have been asked for.
 struct File {
   ExrInput stream;
-  Imf::MultiPartInputFile parts;
+  ExrParts parts;
   int part = 0;
   ExrInput again;  // For the reader of luminance and chroma.
   std::optional<Imf::InputPart> lines = {};

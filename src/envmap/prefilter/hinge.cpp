@@ -226,8 +226,8 @@ class Summation {
   }
 
   template <class Part>
-  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const Channels& most,
-                double share, int depth) {
+  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const Channels& most, double share,
+                int depth) {
     const PartView v = part.view(n);
     const double extent = v.across + v.down + v.bend;
     if (v.middle <= -extent) return;

@@ -138,8 +138,7 @@ PartView CubeGrid::Part::view(const FaceDirection& n) const {
   PartView v{};
   at_points(x, y, half, [&](double s, double t, double weight) {
     const double q = 1 / std::sqrt(1 + s * s + t * t), o = weight * q * q * q, along = (n.x * s + n.y * t + n.z) * q;
-    v.solid_angle += o, v.first += o * along, v.second += o * along * along,
-        v.third += o * along * along * along;
+    v.solid_angle += o, v.first += o * along, v.second += o * along * along, v.third += o * along * along * along;
   });
   const Distances r(x, half, y, half);
   v.middle = n.x * x + n.y * y + n.z;

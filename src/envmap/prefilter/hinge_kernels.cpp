@@ -139,8 +139,7 @@ HWY_INLINE void cut(const float* found, std::size_t room, const Weights& w, Lane
             d, &out.off[c]);
 }
 
-void BoundCells(const FaceDirection& n, const HingePolynomial& weight, HingeBatch& batch,
-                std::vector<HingeTerm>& out) {
+void BoundCells(const FaceDirection& n, const HingePolynomial& weight, HingeBatch& batch, std::vector<HingeTerm>& out) {
   CellRanges(weight, batch);
   const F d;
   const Weights weights(weight);

@@ -177,8 +177,8 @@ PartView LatlongGrid::Part::view(const FaceDirection& n) const {
     v.solid_angle += weight * s * 2 * a.across;
     v.first += weight * s * (height * 2 * a.across + s * once);
     v.second += weight * s * (height * height * 2 * a.across + 2 * height * s * once + s * s * squares);
-    v.third += weight * s * (height * height * (height * 2 * a.across + 3 * s * once) +
-                             s * s * (3 * height * squares + s * cubes));
+    v.third += weight * s *
+               (height * height * (height * 2 * a.across + 3 * s * once) + s * s * (3 * height * squares + s * cubes));
   }
   const double s0 = sine * h.cosine_down - cosine * h.sine_down, s1 = sine * h.cosine_down + cosine * h.sine_down;
   const double c0 = cosine * h.cosine_down + sine * h.sine_down, c1 = cosine * h.cosine_down - sine * h.sine_down;

@@ -23,8 +23,8 @@ float set_texel(const HingeSum& sum, double floor, Colour& out) {
 
 }  // namespace
 
-void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target& target, double max_error,
-               double mean, std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target& target, double max_error, double mean,
+               std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
   const double error = max_error - 3 * rounding;
   for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
     if (!rows.empty() && rows[std::size_t(face * out.height() + row)] == 0) return;

@@ -17,8 +17,7 @@ namespace envmap::prefiltering {
 /// mean.
 /// @param mean of the source's radiance. @param rows of the faces that are wanted, `size` for each face; empty: all.
 /// @param out of the projection and size of the target. @param bounds by face, row and column, relative like max_error.
-void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target& target, double max_error,
-               double mean, std::span<const char> rows, Level& out, std::span<float> bounds,
-               const Progress& progress = {});
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target& target, double max_error, double mean,
+               std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress = {});
 
 }  // namespace envmap::prefiltering

@@ -100,8 +100,7 @@ std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, cons
   if (p < 1) return std::nullopt;
   MultilevelPlan plan;
   plan.constant = 1;
-  LevelKernel k{
-      .kind = LevelKernel::Kind::power, .power = float(p), .part = 0.5F, .cosine = true, .scale = lobe.scale};
+  LevelKernel k{.kind = LevelKernel::Kind::power, .power = float(p), .part = 0.5F, .cosine = true, .scale = lobe.scale};
   const double first = lobe.kink(), second = p * first, third = (p - 1) / 2 * second;
   // All light of a channel at the horizon, 12 pi x the mean, is nothing then.
   if (12 * pi * (first + second + third) > 0.002 * error * 1e-3) set_hinges(plan, k, {first, second, third});

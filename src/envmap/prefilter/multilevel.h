@@ -1,9 +1,9 @@
 /// @file
 /// Prefilter by multilevel summation: a lobe split into parts, each summed over a grid as coarse as the part is smooth.
 ///
-/// The bend at the horizon is taken off as t+, t+^2 and t+^3, which prefix sums add (hinge.h). Radiance is not negative, so
-/// the error of every texel of every map is at most the largest relative error of one light at any angle: see
-/// docs/explanation/prefilter-multilevel.md.
+/// The bend at the horizon is taken off as t+, t+^2 and t+^3, which prefix sums add (hinge.h). Radiance is not
+/// negative, so the error of every texel of every map is at most the largest relative error of one light at any angle:
+/// see docs/explanation/prefilter-multilevel.md.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ struct MultilevelPlan {
     LevelKernel kernel;
   };
   std::vector<Step> steps;
-  HingePolynomial hinges;         ///< What is summed at the horizon.
+  HingePolynomial hinges;  ///< What is summed at the horizon.
   double constant = 0;  ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
   double error = 0, floor_error = 0;  ///< Of the steps, at most: of a texel, and in addition of 0.001 x the mean.
   double hinge_error = 0;             ///< That the sums of hinges may have.

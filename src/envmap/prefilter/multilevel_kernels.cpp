@@ -78,8 +78,8 @@ HWY_INLINE V hinges(const LevelKernel& k, V t) {
   return hn::Mul(t, hn::Add(g(0), hn::Mul(t, hn::Add(g(1), hn::Mul(t, g(2))))));
 }
 
-// With W = a + 1, t = 1 - x and q = a + x = W - t: t / q^2 less its first three Taylor terms, t / W^2 + 2 t^2 / W^3 + 3 t^3 / W^4,
-// is t^4 (4 W - 3 t) / (q^2 W^4), which has no difference of large numbers.
+// With W = a + 1, t = 1 - x and q = a + x = W - t: t / q^2 less its first three Taylor terms,
+// t / W^2 + 2 t^2 / W^3 + 3 t^3 / W^4, is t^4 (4 W - 3 t) / (q^2 W^4), which has no difference of large numbers.
 template <bool inner, bool outer, bool quartic>
 struct OfGgx {
   const LevelKernel& k;
@@ -92,8 +92,8 @@ struct OfGgx {
       const V s = inner ? softened<quartic>(k.inner, x) : zero, t1 = hn::Max(zero, hn::Sub(t, s)),
               q1 = inner ? hn::Add(q, s) : q;
       const V square = hn::Mul(t1, t1), rise = hn::Sub(hn::Set(d, 4 * a1), hn::Mul(hn::Set(d, 3), t1));
-      const V rest = hn::Div(hn::Mul(hn::Mul(square, square), rise),
-                             hn::Mul(hn::Mul(q1, q1), hn::Set(d, a1 * a1 * a1 * a1)));
+      const V rest =
+          hn::Div(hn::Mul(hn::Mul(square, square), rise), hn::Mul(hn::Mul(q1, q1), hn::Set(d, a1 * a1 * a1 * a1)));
       if (!inner) return rest;
       const V second = hn::Mul(hn::Set(d, k.hinges[1]), hn::Add(t1, t));
       const V third = hn::Mul(hn::Set(d, k.hinges[2]), hn::Add(square, hn::Mul(t, hn::Add(t1, t))));

@@ -362,8 +362,8 @@ Planes of_cube(const Level& source, double unit, const Colour& darkest, int rows
 SourceGrids::SourceGrids(const Level& source, double unit, const Colour& darkest, std::vector<int> wanted) {
   std::ranges::sort(wanted, std::greater<>());
   const bool latlong = source.projection() == Projection::latlong;
-  Planes planes = latlong ? of_latlong(source, unit, darkest, wanted.front())
-                          : of_cube(source, unit, darkest, wanted.front());
+  Planes planes =
+      latlong ? of_latlong(source, unit, darkest, wanted.front()) : of_cube(source, unit, darkest, wanted.front());
   for (const int rows : wanted) {
     if (grids_.contains(rows)) continue;
     while (planes.rows > rows) planes = coarser(planes);

@@ -157,8 +157,8 @@ struct Making {
     if (const auto weight = hinge_polynomial(lobe);
         weight && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
       if (light.mean > 0)
-        hinge_map(hinges(weight->order()), *weight, target, wanted.max_error, light.mean, wanted.rows, out,
-                  figures, progress);
+        hinge_map(hinges(weight->order()), *weight, target, wanted.max_error, light.mean, wanted.rows, out, figures,
+                  progress);
       else
         std::ranges::fill(figures, 0.F);
       done.method = Method::prefix_sums;
@@ -191,8 +191,8 @@ struct Making {
   void make_multilevel(const MultilevelPlan& plan, Level& out, std::span<float> figures) const {
     if (light.mean <= 0) return void(std::ranges::fill(figures, 0.F));
     const Colour darkest = darkest_of(source);
-    const MultilevelSource from{grids(plan.grids(), darkest), plan.has_hinges() ? &hinges(plan.hinges.order()) : nullptr, light.mean,
-                                darkest};
+    const MultilevelSource from{grids(plan.grids(), darkest),
+                                plan.has_hinges() ? &hinges(plan.hinges.order()) : nullptr, light.mean, darkest};
     multilevel_map(plan, from, target, wanted.rows, out, figures, progress);
   }
 
@@ -253,8 +253,8 @@ Lobe lobe_of(const Prefilter& p) {
     throw UsageError("prefix sums make diffuse maps, phong of exponent 1, 2 or 3 and ggx of roughness 1");
   if (p.method == Method::multilevel && !is_mirror(p) && !hinge_polynomial(lobe) && !multilevel_plan(lobe, p.max_error))
     throw UsageError(
-        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, blinn-phong from 2, and ggx, for errors "
-        "from 1e-4 and lobes not narrower than ggx of roughness 0.075");
+        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, blinn-phong from 2, and ggx, for "
+        "errors from 1e-4 and lobes not narrower than ggx of roughness 0.075");
   return lobe;
 }
 

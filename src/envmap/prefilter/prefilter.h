@@ -94,8 +94,8 @@ class PrefilterSource {
   [[nodiscard]] const EnvironmentMap& source() const;
 
   /// Makes one map. Every texel has a figure of what it may be off, by the method that made it, and is made again by
-  /// the next where that is over the error wanted: `automatic` takes prefix sums for lobes that are a power 1, 2 or 3 of
-  /// the cosine, whose figures are proved bounds; a spherical transform where the result has many texels for
+  /// the next where that is over the error wanted: `automatic` takes prefix sums for lobes that are a power 1, 2 or 3
+  /// of the cosine, whose figures are proved bounds; a spherical transform where the result has many texels for
   /// the lobe's width, `spectral` takes it anyway, on a finer grid where dark texels need one; then a treecode
   /// (`hierarchical`: at once); then the exact sum.
   /// @throws UsageError where a field is out of its range (bounds.h).
