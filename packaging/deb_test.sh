@@ -46,7 +46,7 @@ cat >own.cpp <<'CPP'
 #include <envmap/envmap.h>
 int main() { return envmap::read("white.exr").map.base().height() == 16 ? 0 : 1; }
 CPP
-g++ own.cpp -o own $(pkg-config --cflags --libs envmap)
+g++ -std=c++20 own.cpp -o own $(pkg-config --cflags --libs envmap)
 ./own
 mkdir project
 cp own.cpp project

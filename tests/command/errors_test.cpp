@@ -87,8 +87,9 @@ TEST_F(Usage, SaysTheWordsAnOptionTakes) {
   fails(usage, {"generate", "moon", "out.exr"}, {"moon", "directions"});
 }
 
-TEST_F(Usage, RefusesAnglesThatAreNotThreeNumbers) {
-  for (const char* angles : {"1,2", "a,b,c", "1,2,3,4", "1,2,nan", ""})
+TEST_F(Usage, RefusesRotationsThatAreNoAnglesOrDirections) {
+  for (const char* angles : {"1,2", "a,b,c", "1,2,3,4", "1,2,nan", "", "sun", "sun:", ":+z", "sun:+w", "+x:0,0,0",
+                             "+x:+y:+z", "sun:sun", "+x:nan,0,1"})
     fails(usage, {"convert", "in.exr", "out.exr", "--rotate", angles}, {"--rotate"});
 }
 

@@ -19,6 +19,7 @@
 #include "shared/grade.h"
 #include "shared/maps.h"
 #include "shared/shard.h"
+#include "shared/turn.h"
 
 namespace tools {
 namespace {
@@ -33,7 +34,7 @@ struct Convert {
   std::optional<CameraModel> lens;  // Of --to, for a picture.
   std::optional<Forward> forward;
   bool one_level = false;  // --level was given.
-  std::optional<Direction> turn;  // Yaw, pitch, roll.
+  std::optional<Turn> turn;
   double exposure = 0;
   ConvertOptions convert;
   WriteOptions write;
@@ -76,7 +77,7 @@ int run_photograph(const Convert& o, Report& report) {
                     .display = o.display};
   job.photograph.filter = o.convert.filter.value_or(Filter::bilinear);
   if (o.look_at) job.photograph.towards = *o.look_at;
-  if (o.turn) job.photograph.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
+  job.turn = o.turn;
   return take_photograph(job, report);
 }
 
@@ -184,7 +185,9 @@ int run(Convert& o, Report& report) {
   o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
   if (o.forward && !has_forward(to) && !has_forward(from.projection))
     throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
-  if (o.turn) o.convert.rotation = rotation(o.turn->x, o.turn->y, o.turn->z);
+  if (o.turn && o.turn->of_sun() && o.convert.ball)
+    throw UsageError("--rotate sun:TO is for maps: convert the photo first, then rotate the result");
+  if (o.turn) o.convert.rotation = rotation_of(*o.turn, source.map);
   o.convert.gain = portable::exp2(o.exposure);
   o.convert.size =
       size_inside_border(o.convert.size.value_or(matching_size(from.projection, source.map.base().height(), to)),
@@ -261,7 +264,7 @@ Action define_convert(Options& o) {
   add_target(o, *c);
   add_size(o, &c->convert.size, "Height of the image or of one cube face (default: same texels per degree)");
   add_engine(o, c->engine, "Projection, orientation and file format of an engine ('list' lists engines)");
-  o.add("--rotate", "Y,P,R", Triple{&c->turn}, "Rotate the environment by yaw, pitch and roll in degrees");
+  add_rotate(o, c->turn);
   add_forward(o, "--forward AXIS", c->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   add_layout(o, "--layout", c->write.layout, "Cube faces: {} (default: column)");
   add_border(o, c->write, "part of --size");

@@ -40,6 +40,7 @@ int take_photograph(const PhotographJob& job, Report& report) {
   Source source = read_map(job.input, job.read);
   grade(source, job.grade, job.read.colour);
   PhotographOptions options = settled(job);
+  if (job.turn) options.rotation = rotation_of(*job.turn, source.map);
   options.samples = samples_of(options, source.map.base());
   open_depfile(1);
   write_picture(job.output, options.width, photograph(std::move(source.map), options), how);

@@ -8,6 +8,7 @@
 #include "envmap/io/display.h"
 #include "envmap/operate/photograph.h"
 #include "shared/grade.h"
+#include "shared/turn.h"
 
 namespace tools {
 
@@ -15,7 +16,8 @@ struct PhotographJob {
   std::string input, output, format;
   envmap::ReadOptions read;
   GradeOptions grade;
-  envmap::PhotographOptions photograph;  // `field`, `width` and `height` are those of the job.
+  envmap::PhotographOptions photograph;  // `field`, `width`, `height` and `rotation` are those of the job.
+  std::optional<Turn> turn;
   std::optional<double> field;           // Degrees; absent: 60, of a fisheye 180, of a cylinder 90.
   std::optional<int> width, height;      // Absent: 4 by 3, a square, or once round; 480 high.
   std::optional<envmap::Display> display;
