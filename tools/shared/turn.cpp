@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -36,9 +35,10 @@ std::optional<Turn> turn_of(const std::string& text) {
     const std::optional<YawPitchRoll> angles = triple_of(text);
     return angles ? std::optional(Turn{.angles = angles}) : std::nullopt;
   }
+  if (ends.size() != 2) return std::nullopt;
   const bool sun = ends[0] == "sun";
   const std::optional<Direction> from = sun ? std::nullopt : direction_of(ends[0]), to = direction_of(ends[1]);
-  if (ends.size() != 2 || !to || !(sun || from)) return std::nullopt;
+  if (!to || !(sun || from)) return std::nullopt;
   return Turn{.from = from, .to = *to};
 }
 
@@ -46,6 +46,16 @@ Direction brightest_direction(const EnvironmentMap& map) {
   const Measures m = measure(map);
   if (!(m.brightest > 0)) throw InputError("--rotate sun:TO: all texels are black; give a direction instead of sun");
   return m.brightest_direction;
+}
+
+// rotation() of these angles is the rotation.
+YawPitchRoll angles_of(const Rotation& r) {
+  constexpr double degree = pi / 180;
+  const double along = std::sqrt(r[0].y * r[0].y + r[1].y * r[1].y);
+  const double pitch = portable::atan2(-r[2].y, along) / degree;
+  // Looking straight up or down, yaw and roll turn about the same axis.
+  if (along < 1e-9) return {portable::atan2(-r[0].z, r[0].x) / degree, pitch, 0};
+  return {portable::atan2(r[2].x, r[2].z) / degree, pitch, portable::atan2(r[0].y, r[1].y) / degree};
 }
 
 // -0 looks like a mistake.
@@ -63,15 +73,6 @@ void add_rotate(Options& o, std::optional<Turn>& turn) {
         return turn.has_value();
       },
       "Rotate by yaw, pitch and roll in degrees, or FROM to TO: sun:+z, +x:0,1,1");
-}
-
-YawPitchRoll angles_of(const Rotation& r) {
-  const double up = std::clamp(-r[2].y, -1.0, 1.0), along = std::sqrt(r[0].y * r[0].y + r[1].y * r[1].y);
-  constexpr double degree = pi / 180;
-  const double pitch = portable::atan2(up, along) / degree;
-  // Looking straight up or down, yaw and roll turn about the same axis.
-  if (along < 1e-9) return {portable::atan2(-r[0].z, r[0].x) / degree, pitch, 0};
-  return {portable::atan2(r[2].x, r[2].z) / degree, pitch, portable::atan2(r[0].y, r[1].y) / degree};
 }
 
 Rotation rotation_of(const Turn& turn, const EnvironmentMap& map) {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "cli/options.h"
-#include "envmap/io/read.h"
+#include "envmap/map/environment_map.h"
 #include "envmap/maths/vector.h"
 
 namespace tools {
@@ -24,8 +24,5 @@ void add_rotate(Options& options, std::optional<Turn>& turn);
 
 // Says on standard error which angles two directions stand for.
 envmap::Rotation rotation_of(const Turn& turn, const envmap::EnvironmentMap& map);
-
-// rotation() of these angles is the rotation.
-YawPitchRoll angles_of(const envmap::Rotation& rotation);
 
 }  // namespace tools
