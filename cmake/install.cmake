@@ -29,7 +29,8 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/completions/ DESTINATION ${CMAKE_INSTALL
 install(TARGETS envmap_shared EXPORT shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS envmap EXPORT static ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-set(package ${CMAKE_INSTALL_LIBDIR}/cmake/envmap)
+# Not in a folder of the processor, as lib/x86_64-linux-gnu, which projects without a language do not search.
+set(package lib/cmake/envmap)
 install(EXPORT shared NAMESPACE envmap:: FILE envmapTargets.cmake DESTINATION ${package})
 install(EXPORT static NAMESPACE envmap:: FILE envmapStaticTargets.cmake DESTINATION ${package})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/envmapConfig.cmake.in ${PROJECT_BINARY_DIR}/envmapConfig.cmake

@@ -55,6 +55,12 @@ printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(own CXX)' 'find_pa
 cmake -S project -B project/build >/dev/null
 cmake --build project/build >/dev/null
 project/build/own
+mkdir maps
+printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(maps LANGUAGES NONE)' 'find_package(envmap 1 CONFIG REQUIRED)' \
+  'envmap_add_map(maps SOURCE /tmp/white.exr OUTPUT cube.exr OPTIONS --to cube)' >maps/CMakeLists.txt
+cmake -S maps -B maps/build >/dev/null
+cmake --build maps/build >/dev/null
+test -f maps/build/cube.exr
 apt-get -qq -y remove envmap python3-envmap >/dev/null
 test ! -e /usr/bin/envmap
 test ! -e /usr/lib/python3/dist-packages/envmap

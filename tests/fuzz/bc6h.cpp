@@ -13,10 +13,10 @@ using namespace envmap;
 
 namespace {
 
-using Stored = std::array<std::byte, bc6h::bytes>;
+using Stored = std::array<std::byte, bc6h::block_bytes>;
 
 // What a block says is kept where it is packed again.
-void expect_packed(std::span<const std::byte, bc6h::bytes> bytes) {
+void expect_packed(std::span<const std::byte, bc6h::block_bytes> bytes) {
   const auto said = bc6h::unpack(bytes);
   if (!said) return;
   Stored packed{};
@@ -39,9 +39,9 @@ void expect_halves(std::span<const Colour> texels, float least) {
 void fuzz_bc6h(Bytes bytes) {
   if (bytes.empty()) return;
   constexpr std::size_t most = 8;
-  const std::size_t blocks = std::min(most, bytes.size() / bc6h::bytes);
-  const std::span row = bytes.first(blocks * bc6h::bytes);
-  for (std::size_t k = 0; k < blocks; ++k) expect_packed(row.subspan(k * bc6h::bytes).first<bc6h::bytes>());
+  const std::size_t blocks = std::min(most, bytes.size() / bc6h::block_bytes);
+  const std::span row = bytes.first(blocks * bc6h::block_bytes);
+  for (std::size_t k = 0; k < blocks; ++k) expect_packed(row.subspan(k * bc6h::block_bytes).first<bc6h::block_bytes>());
 
   const std::size_t beyond = std::to_integer<std::size_t>(bytes.back()) % bc6h::side;  // Texels outside of the image.
   if (blocks == 0) return;

@@ -24,7 +24,7 @@
 namespace envmap {
 namespace {
 
-using Bytes16 = std::array<std::byte, bc6h::bytes>;
+using Bytes16 = std::array<std::byte, bc6h::block_bytes>;
 
 // A flat DDS image of these blocks. @param dxgi 95: UF16; 96: SF16.
 std::vector<char> dds(std::span<const Bytes16> blocks, std::uint32_t dxgi, std::uint32_t width, std::uint32_t height) {
@@ -68,9 +68,7 @@ TEST(Bc6h, OfEveryModeDecodesAsOpenImageIoDecodesIt) {
     for (int j = 0; j < ours.height(); ++j)
       for (int i = 0; i < ours.width(); ++i)
         for (int c = 0; c < 3; ++c)
-          wrong +=
-              (*ours.texel(0, i, j))[c] !=
-              theirs[3 * (std::size_t(j) * width + std::size_t(i)) + std::size_t(c)];
+          wrong += (*ours.texel(0, i, j))[c] != theirs[3 * (std::size_t(j) * width + std::size_t(i)) + std::size_t(c)];
     EXPECT_EQ(wrong, 0) << dxgi;
   }
 }
@@ -93,7 +91,7 @@ TEST(Bc6h, DecodesABlockWorkedOutByHand) {
   block.indices = {0, 15, 8};
   Bytes16 bytes;
   bc6h::pack(block, bytes);
-  std::array<Colour, bc6h::texels> texels;
+  std::array<Colour, bc6h::block_texels> texels;
   decode_bc6h(bytes, false, bc6h::side, texels);
   EXPECT_EQ(texels[0], Colour(0));
   EXPECT_EQ(texels[1], Colour(65504, 0, 65504));

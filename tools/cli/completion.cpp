@@ -25,7 +25,8 @@ std::string words_of(const Option& o) { return fmt::format("{}", fmt::join(o.wor
 std::deque<Known> all_known() {
   std::deque<Known> all;
   for (const Command& command : commands()) {
-    Known& known = all.emplace_back(std::string(command.name), text_of(command.name).summary, "", Options());
+    all.push_back({.name = std::string(command.name), .summary = text_of(command.name).summary});
+    Known& known = all.back();
     define(command, known.options);
     for (const Option& o : known.options.rows)
       if (o.is_argument() && known.first.empty()) known.first = words_of(o);

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <ranges>
 #include <span>
 
 #include "cli/console.h"
@@ -240,10 +239,8 @@ int run(Convert& o, Report& report) {
 
 // --to, which takes projections of maps and lenses of camera views.
 void add_target(Options& o, Convert& c) {
-  std::string words = joined(camera_model_names);
-  for (const Projection p : std::views::reverse(all_projections)) words.insert(0, fmt::format("{}|", name(p)));
   o.add(
-      "--to PROJECTION", words,
+      "--to PROJECTION", projection_words() + "|" + joined(camera_model_names),
       [&c](const std::string& word) {
         const int lens = index_of(word, camera_model_names);
         if (lens >= 0) c.lens = CameraModel(lens);

@@ -154,8 +154,9 @@ FactLines lines_of(const MapFacts& f) {
   line("", fmt::format("azimuth {:.1f} degrees from +Z towards +X, elevation {:.1f}{}{}", azimuth, elevation,
                        touching > 1 ? fmt::format(": the middle of {} equal texels", touching) : "",
                        same > 1 ? fmt::format("; {} texels hold the maximum (clipped?)", same) : ""));
-  line("", fmt::format("convert --rotate={:.6g},0,0 turns its azimuth to +Z, --rotate sun:+z turns it to +Z",
-                       0.0 - azimuth));
+  if (m.brightest > 0)
+    line("", fmt::format("convert --rotate={:.6g},0,0 turns its azimuth to +Z, --rotate sun:+z turns it to +Z",
+                         0.0 - azimuth));
   line("flaws", fmt::format("{} NaN, {} infinite, {} negative", f.flaws.nan, f.flaws.infinite, f.flaws.negative));
   return lines;
 }

@@ -27,12 +27,6 @@ Option& add_named(Options& o, std::string_view name, std::string_view words, std
       help);
 }
 
-std::string projection_words() {
-  std::string words;
-  for (const Projection p : all_projections) words += (words.empty() ? "" : "|") + std::string(name(p));
-  return words;
-}
-
 std::string layout_words() {
   std::string words;
   for (const Layout l : cube_layouts) words += (words.empty() ? "" : "|") + std::string(name(l));
@@ -40,6 +34,12 @@ std::string layout_words() {
 }
 
 }  // namespace
+
+std::string projection_words() {
+  std::string words;
+  for (const Projection p : all_projections) words += (words.empty() ? "" : "|") + std::string(name(p));
+  return words;
+}
 
 Option& add_projection(Options& o, std::string_view flag, std::optional<Projection>& value, std::string_view help) {
   return add_named(o, flag, projection_words(), value, projection_named, help);

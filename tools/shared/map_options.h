@@ -12,6 +12,8 @@
 
 namespace tools {
 
+std::string projection_words();  ///< All projections, with | between.
+
 Option& add_projection(Options& o, std::string_view name, std::optional<envmap::Projection>& value,
                        std::string_view help);
 Option& add_layout(Options& o, std::string_view name, std::optional<envmap::Layout>& value, std::string_view help);
@@ -33,7 +35,7 @@ void add_clamp(Options& o, envmap::WriteOptions& write);
 /// --depth, --format, --clamp and the file options.
 void add_write_options(Options& o, envmap::WriteOptions& write, std::string_view depth = "as input, or nearest");
 void add_border(Options& o, envmap::WriteOptions& write, std::string_view size);  ///< `size`: what help says of --size.
-void add_output_space(Options& o, envmap::WriteOptions& write);  ///< --output-space, --encoded.
+void add_output_space(Options& o, envmap::WriteOptions& write);                   ///< --output-space, --encoded.
 void add_costs(Options& o, std::string& path);
 
 /// The size of a map without its border. @throws UsageError where nothing is left.

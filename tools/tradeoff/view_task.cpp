@@ -72,9 +72,10 @@ void add_maps(const std::shared_ptr<const Stage>& stage, ContextKind kind, Task&
   if (!gl) return;
   for (const auto& [lookup, how] : ways_of_maps())
     for (const std::string_view maps : map_names)
-      task.ways.push_back(
-          {fmt::format("--maps {}", maps), setting_of(lookup, how),
-           [gl, stage, to = *projection_named(maps), lookup, how] { return draw_once(*gl, *stage, to, lookup, how); }});
+      task.ways.push_back({fmt::format("--maps {}", maps), setting_of(lookup, how),
+                           [gl, stage, to = *projection_named(maps), lookup = lookup, how = how] {
+                             return draw_once(*gl, *stage, to, lookup, how);
+                           }});
 }
 
 }  // namespace
@@ -88,7 +89,7 @@ Task make_view_task(const std::string& name, const LoadedScene& loaded, const Sc
   const View view = Viewpoints({.camera = camera}, 1, loaded.scene, options.path, shot.pose).view(shot.pose, 0);
   const std::vector<int> mirrors = nodes_of(mirrors_of(loaded.scene, {}, Projection::cube));
   if (mirrors.empty()) throw UsageError(options.path, "has no mirror and no lens, whose maps 'view' is about");
-  const auto stage = std::make_shared<const Stage>(loaded, shot, view, size, mirrors);
+  const auto stage = std::make_shared<const Stage>(Stage{loaded, shot, view, size, mirrors});
   const auto cast = [stage] { return stage->cast(); };
   Task task{.name = name, .reference = "--method raycast", .truth = cast};
   task.ways.push_back({"--method raycast", "", cast});

@@ -46,23 +46,22 @@ std::array<Rgb16, 4> endpoints_of(const Block& block, bool is_signed) {
     for (std::size_t e = 0; e < 2 * std::size_t(mode.regions); ++e) {
       std::uint32_t value = block.endpoints[e][c];
       if (mode.differences && e > 0)
-        value = (block.endpoints[0][c] + std::uint32_t(sign_extended(value, mode.others[c]))) &
-                ((1U << mode.bits) - 1);
+        value = (block.endpoints[0][c] + std::uint32_t(sign_extended(value, mode.others[c]))) & ((1U << mode.bits) - 1);
       all[e][c] = unquantised(is_signed ? sign_extended(value, mode.bits) : int(value), mode.bits, is_signed);
     }
   return all;
 }
 
-using Halves = std::array<std::uint16_t, 3 * texels>;
+using Halves = std::array<std::uint16_t, 3 * block_texels>;
 
-Halves halves_of(std::span<const std::byte, bytes> from, bool is_signed) {
+Halves halves_of(std::span<const std::byte, block_bytes> from, bool is_signed) {
   Halves halves{};
   const std::optional<Block> block = unpack(from);
   if (!block) return halves;
   const auto endpoints = endpoints_of(*block, is_signed);
   const bool two = modes[std::size_t(block->mode)].regions == 2;
   const unsigned second = two ? partitions[std::size_t(block->partition)].second : 0U;
-  for (std::size_t k = 0; k < texels; ++k) {
+  for (std::size_t k = 0; k < block_texels; ++k) {
     const std::size_t first = 2 * (second >> k & 1);
     const int weight = two ? weights_of_8[block->indices[k]] : weights_of_16[block->indices[k]];
     for (std::size_t c = 0; c < 3; ++c)
@@ -102,8 +101,8 @@ constexpr std::uint16_t too_dark = 10 << 10;
 void raise_dark(std::size_t lane, Wanted& wanted) {
   std::array<float, 3> most{};
   for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t k = 0; k < texels; ++k) most[c] = std::max(most[c], wanted.halves[c][k][lane]);
-  for (std::size_t k = 0; k < texels; ++k) {
+    for (std::size_t k = 0; k < block_texels; ++k) most[c] = std::max(most[c], wanted.halves[c][k][lane]);
+  for (std::size_t k = 0; k < block_texels; ++k) {
     const float largest = std::max({wanted.halves[0][k][lane], wanted.halves[1][k][lane], wanted.halves[2][k][lane]});
     for (std::size_t c = 0; c < 3; ++c) {
       float& half = wanted.halves[c][k][lane];
@@ -114,8 +113,8 @@ void raise_dark(std::size_t lane, Wanted& wanted) {
 
 // Block `at` into a lane. Texels beyond the image are its last ones, and count for nothing.
 void put(const Strip& strip, std::size_t at, std::size_t lane, Wanted& wanted) {
-  std::array<float, texels> light;
-  for (std::size_t k = 0; k < texels; ++k) {
+  std::array<float, block_texels> light;
+  for (std::size_t k = 0; k < block_texels; ++k) {
     const std::size_t i = side * at + k % side, j = k / side;
     const std::size_t x = std::min(i, strip.width - 1), y = std::min(j, strip.rows - 1);
     wanted.weights[k][lane] = x != i || y != j ? 0 : strip.on_border(x, y) ? border_weight : 1;
@@ -128,7 +127,7 @@ void put(const Strip& strip, std::size_t at, std::size_t lane, Wanted& wanted) {
   }
   raise_dark(lane, wanted);
   const float most = std::max(std::ranges::max(light), 1e-30F);
-  for (std::size_t k = 0; k < texels; ++k) wanted.weights[k][lane] *= std::max(light[k] / most, least_weight);
+  for (std::size_t k = 0; k < block_texels; ++k) wanted.weights[k][lane] *= std::max(light[k] / most, least_weight);
 }
 
 Block block_of(const Found& found, std::size_t lane) {
@@ -138,10 +137,9 @@ Block block_of(const Found& found, std::size_t lane) {
     for (std::size_t c = 0; c < 3; ++c) {
       const float base = e > 0 && mode.differences ? found.endpoints[0][c][lane] : 0;
       const int bits = e == 0 ? mode.bits : mode.others[c];
-      block.endpoints[e][c] =
-          std::uint32_t(int(found.endpoints[e][c][lane] - base)) & ((1U << bits) - 1);
+      block.endpoints[e][c] = std::uint32_t(int(found.endpoints[e][c][lane] - base)) & ((1U << bits) - 1);
     }
-  for (std::size_t k = 0; k < texels; ++k) block.indices[k] = std::uint8_t(found.indices[k][lane]);
+  for (std::size_t k = 0; k < block_texels; ++k) block.indices[k] = std::uint8_t(found.indices[k][lane]);
   return block;
 }
 
@@ -152,22 +150,22 @@ void encode_bc6h(std::span<const Colour> from, std::size_t width, bool top, bool
   to_half({&from.data()->x, 3 * from.size()}, strip.halves);
   Wanted wanted{};
   Found found;
-  const std::size_t blocks = to.size() / bytes;
+  const std::size_t blocks = to.size() / block_bytes;
   for (std::size_t first = 0; first < blocks; first += batch) {
     const std::size_t count = std::min(batch, blocks - first);
     for (std::size_t lane = 0; lane < count; ++lane) put(strip, first + lane, lane, wanted);
     fit(wanted, found);
     for (std::size_t lane = 0; lane < count; ++lane)
-      pack(block_of(found, lane), to.subspan((first + lane) * bytes).first<bytes>());
+      pack(block_of(found, lane), to.subspan((first + lane) * block_bytes).first<block_bytes>());
   }
 }
 
 void decode_bc6h(std::span<const std::byte> from, bool is_signed, std::size_t width, std::span<Colour> to) {
-  std::array<float, 3 * texels> values;
-  for (std::size_t left = 0; left < width; left += side, from = from.subspan(bytes)) {
-    from_half(halves_of(from.first<bytes>(), is_signed), values);
+  std::array<float, 3 * block_texels> values;
+  for (std::size_t left = 0; left < width; left += side, from = from.subspan(block_bytes)) {
+    from_half(halves_of(from.first<block_bytes>(), is_signed), values);
     const std::size_t columns = std::min<std::size_t>(side, width - left);
-    for (std::size_t k = 0; k < texels; ++k)
+    for (std::size_t k = 0; k < block_texels; ++k)
       if (k % side < columns)
         to[k / side * width + left + k % side] = Colour(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
   }

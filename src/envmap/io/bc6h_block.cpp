@@ -54,9 +54,7 @@ constexpr Places places_of(std::string_view layout) {
     }
     layout.remove_prefix(layout.starts_with(' ') ? 1 : 0);
     for (int bit = first;; bit += first < last ? 1 : -1) {
-      places.of_bit[std::size_t(places.count++)] = {std::uint8_t(channel),
-                                                                 std::uint8_t(endpoint),
-                                                                 std::uint8_t(bit)};
+      places.of_bit[std::size_t(places.count++)] = {std::uint8_t(channel), std::uint8_t(endpoint), std::uint8_t(bit)};
       if (bit == last) break;
     }
   }
@@ -81,7 +79,7 @@ constexpr bool is_whole(const Mode& mode, const Places& places) {
           seen |= 1U << p.bit, ++found;
       if (found != bits || seen != (1U << bits) - 1) return false;
     }
-  return mode.number_bits + places.count + (mode.regions == 2 ? 5 + 2 * 2 + 14 * 3 : 3 + 15 * 4) == 8 * bytes;
+  return mode.number_bits + places.count + (mode.regions == 2 ? 5 + 2 * 2 + 14 * 3 : 3 + 15 * 4) == 8 * block_bytes;
 }
 static_assert([] {
   for (std::size_t k = 0; k < modes.size(); ++k)
@@ -93,7 +91,7 @@ static_assert([] {
 class Bits {
  public:
   Bits() = default;
-  explicit Bits(std::span<const std::byte, bytes> from) { std::memcpy(words_.data(), from.data(), bytes); }
+  explicit Bits(std::span<const std::byte, block_bytes> from) { std::memcpy(words_.data(), from.data(), block_bytes); }
   [[nodiscard]] std::span<const std::byte> as_bytes() const { return std::as_bytes(std::span(words_)); }
 
   std::uint32_t take(int count) {
@@ -118,7 +116,7 @@ int index_bits(const Mode& mode, int partition, int texel) {
 
 }  // namespace
 
-std::optional<Block> unpack(std::span<const std::byte, bytes> from) {
+std::optional<Block> unpack(std::span<const std::byte, block_bytes> from) {
   Bits bits(from);
   std::uint32_t number = bits.take(2);
   if (number > 1) number |= bits.take(3) << 2;
@@ -129,13 +127,12 @@ std::optional<Block> unpack(std::span<const std::byte, bytes> from) {
   for (const Place& p : std::span(places.of_bit).first(std::size_t(places.count)))
     block.endpoints[p.endpoint][p.channel] |= bits.take(1) << p.bit;
   if (mode->regions == 2) block.partition = int(bits.take(5));
-  for (int k = 0; k < texels; ++k)
-    block.indices[std::size_t(k)] =
-        std::uint8_t(bits.take(index_bits(*mode, block.partition, k)));
+  for (int k = 0; k < block_texels; ++k)
+    block.indices[std::size_t(k)] = std::uint8_t(bits.take(index_bits(*mode, block.partition, k)));
   return block;
 }
 
-void pack(const Block& block, std::span<std::byte, bytes> to) {
+void pack(const Block& block, std::span<std::byte, block_bytes> to) {
   const Mode& mode = modes[std::size_t(block.mode)];
   const Places& places = all_places[std::size_t(block.mode)];
   Bits bits;
@@ -143,8 +140,7 @@ void pack(const Block& block, std::span<std::byte, bytes> to) {
   for (const Place& p : std::span(places.of_bit).first(std::size_t(places.count)))
     bits.put(block.endpoints[p.endpoint][p.channel] >> p.bit, 1);
   if (mode.regions == 2) bits.put(std::uint32_t(block.partition), 5);
-  for (int k = 0; k < texels; ++k)
-    bits.put(block.indices[std::size_t(k)], index_bits(mode, block.partition, k));
+  for (int k = 0; k < block_texels; ++k) bits.put(block.indices[std::size_t(k)], index_bits(mode, block.partition, k));
   std::ranges::copy(bits.as_bytes(), to.begin());
 }
 

@@ -12,7 +12,7 @@
 
 namespace envmap::bc6h {
 
-inline constexpr int side = 4, texels = side * side, bytes = 16;
+inline constexpr int side = 4, block_texels = side * side, block_bytes = 16;
 
 /// How a block holds its endpoints: two for each region of texels.
 struct Mode {
@@ -64,13 +64,13 @@ struct Block {
   int mode = 0;                                             ///< Of `modes`, from 0.
   std::array<std::array<std::uint32_t, 3>, 4> endpoints{};  ///< First and second of region 0, then of region 1.
   int partition = 0;
-  std::array<std::uint8_t, texels> indices{};
+  std::array<std::uint8_t, block_texels> indices{};
 };
 
 /// @return nothing where the mode is one of the four that are reserved.
-std::optional<Block> unpack(std::span<const std::byte, bytes> from);
+std::optional<Block> unpack(std::span<const std::byte, block_bytes> from);
 
 /// @param block anchors' indices without their highest bit.
-void pack(const Block& block, std::span<std::byte, bytes> to);
+void pack(const Block& block, std::span<std::byte, block_bytes> to);
 
 }  // namespace envmap::bc6h

@@ -35,27 +35,27 @@ HWY_INLINE V dot(const V* a, const V* b) {
 HWY_INLINE void choose(Mask m, V a, V& b) { b = hn::IfThenElse(m, a, b); }
 
 struct Texels {
-  V half[3][texels];
-  V at[texels][3];  // Where they lie in the 16 bits of endpoints, from `middle` on.
+  V half[3][block_texels];
+  V at[block_texels][3];  // Where they lie in the 16 bits of endpoints, from `middle` on.
   V middle[3];
-  V weight[texels];
+  V weight[block_texels];
 };
 
 Texels load(const Wanted& wanted, std::size_t lane) {
   const D d;
   Texels t;
   V all = hn::Zero(d);
-  for (int k = 0; k < texels; ++k) all = hn::Add(all, t.weight[k] = hn::Load(d, &wanted.weights[k][lane]));
+  for (int k = 0; k < block_texels; ++k) all = hn::Add(all, t.weight[k] = hn::Load(d, &wanted.weights[k][lane]));
   for (int c = 0; c < 3; ++c) {
     V sum = hn::Zero(d);
-    for (int k = 0; k < texels; ++k) {
+    for (int k = 0; k < block_texels; ++k) {
       t.half[c][k] = hn::Load(d, &wanted.halves[c][k][lane]);
       // The middle of those that become this half, x 31 / 64 and rounded down.
       t.at[k][c] = hn::Sub(hn::Mul(hn::Add(t.half[c][k], number(0.5)), number(64.0 / 31)), number(0.5));
       sum = hn::Add(sum, hn::Mul(t.weight[k], t.at[k][c]));
     }
     t.middle[c] = whole(ratio(sum, all));
-    for (int k = 0; k < texels; ++k) t.at[k][c] = hn::Sub(t.at[k][c], t.middle[c]);
+    for (int k = 0; k < block_texels; ++k) t.at[k][c] = hn::Sub(t.at[k][c], t.middle[c]);
   }
   return t;
 }
@@ -110,14 +110,14 @@ struct Line {
 // Which texels are whose, lane by lane.
 struct Regions {
   V partition;
-  Mask second[texels], anchor[texels];  // The anchors of both.
+  Mask second[block_texels], anchor[block_texels];  // The anchors of both.
 };
 
 Regions whole_block() {
   const D d;
   Regions r{.partition = hn::Zero(d)};
   const Mask none = hn::Ne(hn::Zero(d), hn::Zero(d)), all = hn::Eq(hn::Zero(d), hn::Zero(d));
-  for (int k = 0; k < texels; ++k) r.second[k] = none, r.anchor[k] = k == 0 ? all : none;
+  for (int k = 0; k < block_texels; ++k) r.second[k] = none, r.anchor[k] = k == 0 ? all : none;
   return r;
 }
 
@@ -132,7 +132,7 @@ Regions regions_of(V partition) {
   }
   const auto second = hn::Load(di, seconds.data()), anchor = hn::Load(di, anchors.data());
   Regions r{.partition = partition};
-  for (int k = 0; k < texels; ++k) {
+  for (int k = 0; k < block_texels; ++k) {
     const auto bit = hn::Set(di, 1 << k);
     r.second[k] = hn::RebindMask(d, hn::TestBit(second, bit));
     r.anchor[k] = hn::RebindMask(d, hn::TestBit(anchor, bit));
@@ -145,7 +145,7 @@ Line line_of(const Texels& t, const Regions& regions, bool second) {
   const D d;
   Moments sums;
   for (V& s : sums.sum) s = hn::Zero(d);
-  for (int k = 0; k < texels; ++k) {
+  for (int k = 0; k < block_texels; ++k) {
     const Moments m = moments_of(t, k);
     const Mask here = second ? regions.second[k] : hn::Not(regions.second[k]);
     for (int n = 0; n < 10; ++n) sums.sum[n] = hn::Add(sums.sum[n], hn::IfThenElseZero(here, m.sum[n]));
@@ -153,7 +153,7 @@ Line line_of(const Texels& t, const Regions& regions, bool second) {
   const Axis axis = axis_of(sums);
   const V scale = ratio(number(1), dot(axis.direction, axis.direction));
   V low = number(1e9), high = number(-1e9), anchor = hn::Zero(d);
-  for (int k = 0; k < texels; ++k) {
+  for (int k = 0; k < block_texels; ++k) {
     V from[3];
     for (int c = 0; c < 3; ++c) from[c] = hn::Sub(t.at[k][c], axis.mean[c]);
     const V along = hn::Mul(dot(from, axis.direction), scale);
@@ -252,7 +252,7 @@ template <int n>
 struct Trial {
   V error, mode;
   Endpoints<n> endpoints;
-  V indices[texels];
+  V indices[block_texels];
 };
 
 // Sums of a region for least squares: with s the second endpoint's part of a texel x, of (1-s)^2, s(1-s), s^2, (1-s)x,
@@ -308,7 +308,7 @@ Trial<n> round_of(const Texels& t, const Regions& regions, Line* lines) {
     sums[r].aa = sums[r].ab = sums[r].bb = hn::Zero(d);
     for (int c = 0; c < 3; ++c) sums[r].ax[c] = sums[r].bx[c] = hn::Zero(d);
   }
-  for (int k = 0; k < texels; ++k) {
+  for (int k = 0; k < block_texels; ++k) {
     V from[3], along[3], first[3], scale = inverse[0];
     for (int c = 0; c < 3; ++c) {
       first[c] = start[0][c], along[c] = way[0][c];
@@ -340,7 +340,7 @@ Trial<n> round_of(const Texels& t, const Regions& regions, Line* lines) {
 }
 
 struct Best {
-  V error, mode, partition, endpoints[4][3], indices[texels];
+  V error, mode, partition, endpoints[4][3], indices[block_texels];
 };
 
 // Tries a choice of regions; what comes nearer is kept.
@@ -356,16 +356,16 @@ void attempt(const Texels& t, const Regions& regions, Best& best) {
     choose(nearer, regions.partition, best.partition);
     for (int e = 0; e < n; ++e)
       for (int c = 0; c < 3; ++c) choose(nearer, trial.endpoints.value[e][c], best.endpoints[e][c]);
-    for (int k = 0; k < texels; ++k) choose(nearer, trial.indices[k], best.indices[k]);
+    for (int k = 0; k < block_texels; ++k) choose(nearer, trial.indices[k], best.indices[k]);
   }
 }
 
 // The partitions whose lines leave least over, the best first.
 void rank(const Texels& t, V (&ranked)[tried]) {
   const D d;
-  Moments of[texels], all;
+  Moments of[block_texels], all;
   for (V& s : all.sum) s = hn::Zero(d);
-  for (int k = 0; k < texels; ++k) {
+  for (int k = 0; k < block_texels; ++k) {
     of[k] = moments_of(t, k);
     for (int n = 0; n < 10; ++n) all.sum[n] = hn::Add(all.sum[n], of[k].sum[n]);
   }
@@ -374,7 +374,7 @@ void rank(const Texels& t, V (&ranked)[tried]) {
   for (std::size_t p = 0; p < partitions.size(); ++p) {
     Moments second, first;
     for (V& s : second.sum) s = hn::Zero(d);
-    for (int k = 0; k < texels; ++k)
+    for (int k = 0; k < block_texels; ++k)
       if (partitions[p].second >> k & 1)
         for (int n = 0; n < 10; ++n) second.sum[n] = hn::Add(second.sum[n], of[k].sum[n]);
     for (int n = 0; n < 10; ++n) first.sum[n] = hn::Sub(all.sum[n], second.sum[n]);
@@ -407,7 +407,7 @@ void Fit(const Wanted& wanted, Found& found) {
     hn::Store(best.partition, d, &found.partition[lane]);
     for (std::size_t e = 0; e < 4; ++e)
       for (std::size_t c = 0; c < 3; ++c) hn::Store(best.endpoints[e][c], d, &found.endpoints[e][c][lane]);
-    for (std::size_t k = 0; k < texels; ++k) hn::Store(best.indices[k], d, &found.indices[k][lane]);
+    for (std::size_t k = 0; k < block_texels; ++k) hn::Store(best.indices[k], d, &found.indices[k][lane]);
   }
 }
 

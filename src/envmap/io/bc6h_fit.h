@@ -16,15 +16,15 @@ template <class T>
 using Lanes = std::array<T, batch>;
 
 struct alignas(64) Wanted {
-  std::array<std::array<Lanes<float>, texels>, 3> halves;  ///< Of red, green, blue: bits of halves, 0 to 0x7bff.
-  std::array<Lanes<float>, texels> weights;                ///< 0: whatever comes out.
+  std::array<std::array<Lanes<float>, block_texels>, 3> halves;  ///< Of red, green, blue: bits of halves, 0 to 0x7bff.
+  std::array<Lanes<float>, block_texels> weights;                ///< 0: whatever comes out.
 };
 
 /// Whole numbers, as Block has them; of blocks with one region there are two endpoints, and the partition is 0.
 struct alignas(64) Found {
   Lanes<float> mode, partition;
   std::array<std::array<Lanes<float>, 3>, 4> endpoints;  ///< As values, not as differences.
-  std::array<Lanes<float>, texels> indices;
+  std::array<Lanes<float>, block_texels> indices;
 };
 
 void fit(const Wanted& wanted, Found& found);

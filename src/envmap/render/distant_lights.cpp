@@ -10,7 +10,7 @@
 namespace envmap {
 namespace {
 
-constexpr int rows = 128, columns_a_row = 2 * rows;
+constexpr int sky_rows = 128, sky_columns = 2 * sky_rows;
 
 struct SkyTexel {
   Direction from;
@@ -20,13 +20,14 @@ struct SkyTexel {
 
 std::vector<SkyTexel> texels_of(const EnvironmentMap& environment) {
   std::vector<SkyTexel> texels;
-  const EnvironmentMap map = convert(environment, {.to = Projection::latlong, .size = rows, .filter = Filter::area});
-  std::vector<Direction> from(columns_a_row);
-  std::vector<double> solid_angle(columns_a_row);
-  for (int row = 0; row < rows; ++row) {
-    texel_directions(Projection::latlong, rows, 0, row, 0, from);
-    solid_angles(Projection::latlong, rows, row, solid_angle);
-    for (int i = 0; i < columns_a_row; ++i) {
+  const EnvironmentMap map =
+      convert(environment, {.to = Projection::latlong, .size = sky_rows, .filter = Filter::area});
+  std::vector<Direction> from(sky_columns);
+  std::vector<double> solid_angle(sky_columns);
+  for (int row = 0; row < sky_rows; ++row) {
+    texel_directions(Projection::latlong, sky_rows, 0, row, 0, from);
+    solid_angles(Projection::latlong, sky_rows, row, solid_angle);
+    for (int i = 0; i < sky_columns; ++i) {
       const Flux all = solid_angle[std::size_t(i)] * Flux(*map.base().texel(0, i, row));
       texels.push_back({from[std::size_t(i)], all, 0.2126 * all.x + 0.7152 * all.y + 0.0722 * all.z});
     }
@@ -53,7 +54,7 @@ class Sky {
 
   // Two parts of nearly the same luminance; the part itself where it is one texel.
   [[nodiscard]] std::vector<Part> halves(const Part& p) const {
-    const double latitude = 0.5 - 0.5 * (p.upper + p.lower) / rows;  // Over pi.
+    const double latitude = 0.5 - 0.5 * (p.upper + p.lower) / sky_rows;  // Over pi.
     const bool across = (p.right - p.left) * portable::cos_pi(latitude) > p.lower - p.upper;
     const bool wide = p.lower - p.upper == 1 || (across && p.right - p.left > 1);
     const int from = wide ? p.left : p.upper, to = wide ? p.right : p.lower;
@@ -85,7 +86,7 @@ class Sky {
   }
 
  private:
-  [[nodiscard]] const SkyTexel& at(int i, int j) const { return texels_[std::size_t(j * columns_a_row + i)]; }
+  [[nodiscard]] const SkyTexel& at(int i, int j) const { return texels_[std::size_t(j * sky_columns + i)]; }
   std::vector<SkyTexel> texels_;
 };
 
@@ -93,7 +94,7 @@ class Sky {
 
 std::vector<DistantLight> distant_lights(const EnvironmentMap& environment, int count) {
   const Sky sky(texels_of(environment));
-  std::vector<Part> parts{sky.part(0, 0, columns_a_row, rows)}, whole;
+  std::vector<Part> parts{sky.part(0, 0, sky_columns, sky_rows)}, whole;
   while (!parts.empty() && int(parts.size() + whole.size()) < count) {
     const auto brightest = std::ranges::max_element(parts, {}, &Part::luminance);
     const std::vector<Part> halves = sky.halves(*brightest);

@@ -1,14 +1,13 @@
-#include "envmap/sample/sampler.h"
-
 #include <algorithm>
 #include <array>
 
 #include "envmap/sample/area.h"
 #include "envmap/sample/bicubic.h"
+#include "envmap/sample/inverse_bilinear.h"
+#include "envmap/sample/point.h"
 #include "envmap/sample/probes.h"
 #include "envmap/sample/pyramid.h"
-#include "envmap/sample/point.h"
-#include "envmap/sample/inverse_bilinear.h"
+#include "envmap/sample/sampler.h"
 #include "envmap/sample/summed_area.h"
 
 namespace envmap {
@@ -29,7 +28,7 @@ void sample_row(const PaddedLevel& base, const Target& target, bool inverse_bili
   texel_directions(target.to, size, face, row, first, directions);
   target.bring_to_source(directions);
   inverse_bilinear ? locate_for_bilinear(base.projection(), base.height(), directions, locations)
-         : locate(base.projection(), directions, locations);
+                   : locate(base.projection(), directions, locations);
   sample(base, locations, out);
 }
 
@@ -37,8 +36,7 @@ void sample_row(const PaddedLevel& base, const Target& target, bool inverse_bili
 void weigh(Projection p, int size, int row, int first, std::span<double> weights) {
   std::array<Point2, block> points;
   const double h = size, w = h * aspect(p);
-  for (std::size_t k = 0; k < weights.size(); ++k)
-    points[k] = {(first + double(k) + 0.5) / w, (row + 0.5) / h};
+  for (std::size_t k = 0; k < weights.size(); ++k) points[k] = {(first + double(k) + 0.5) / w, (row + 0.5) / h};
   densities(p, std::span(points).first(weights.size()), weights);
   for (double& weight : weights) weight = std::max(weight, 1e-30);
 }
@@ -108,7 +106,7 @@ Sampler make_probes(const Levels& levels, const Target& target,
   };
 }
 
-constexpr std::array<FilterInfo, 7> table{{
+constexpr std::array<FilterInfo, 7> all_filters{{
     {Filter::nearest, "nearest", "Source texel at the centre of each output texel", false},
     {Filter::bilinear, "bilinear", "Bilinear interpolation at this point", false},
     {Filter::bicubic, "bicubic", "Catmull-Rom interpolation, clamped to the range of the four nearest texels", false},
@@ -124,7 +122,7 @@ constexpr std::array<FilterInfo, 7> table{{
 }};
 
 using Make = Sampler (*)(const Levels&, const Target&, const FilterOptions&);
-constexpr std::array<Make, table.size()> makers{
+constexpr std::array<Make, all_filters.size()> makers{
     [](const Levels& l, const Target& t, const FilterOptions& o) {
       return make_points(l, t, o, false, sample_nearest);
     },
@@ -142,7 +140,7 @@ constexpr std::array<Make, table.size()> makers{
 
 }  // namespace
 
-std::span<const FilterInfo> filters() { return table; }
+std::span<const FilterInfo> filters() { return all_filters; }
 
 Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options) {
   return makers[std::size_t(options.filter)](levels, target, options);
