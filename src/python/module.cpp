@@ -419,7 +419,7 @@ PYBIND11_MODULE(_envmap, m) {
       .def_readonly("map", &PrefilteredMap::map)
       .def_readonly(
           "method", &PrefilteredMap::method,
-          "exact, hierarchical, spectral, prefix-sums or multilevel: that of most texels; area or nearest of a mirror.")
+          "exact, hierarchical, prefix-sums or multilevel: that of most texels; area or nearest of a mirror.")
       .def_readonly("error", &PrefilteredMap::error, "The largest figure of a texel; 0 of exact sums.")
       .def_readonly("exact", &PrefilteredMap::exact, "Texels that were summed exactly.");
   py::class_<Difference>(m, "Difference", "Of a map against a reference; solid-angle weighted.")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How far automatic choices are from the best there is, in time: the table of envmap-accuracy(7).
+"""How far the filters that convert --max-error chooses are from the best there is, in time: the table of envmap-accuracy(7).
 
     python3 tests/bench/choices.py PROBE... [--envmap build/bench/envmap] [--costs FILE] [--runs 3]
 
@@ -38,20 +38,6 @@ def report(command):
     return json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)
 
 
-def lobes(envmap, probe, costs, runs, out):
-    """Ratios of prefilter's own choice to the better of tree and transform."""
-    for height in (128, 512):
-        source = out / 'source.exr'
-        used([envmap, 'convert', probe, source, '--to', 'latlong', '--size', str(height), '--clamp', '-q'])
-        for size in (8, 16, 64):
-            for exponent in (20, 200):
-                base = [envmap, 'prefilter', source, out / 'out.exr', '--lobe', 'phong', '-q', '--size', str(size)]
-                lobe = base + ['--exponent', str(exponent)]
-                tiny = base[:-1] + ['1', '--exponent', '20', '--method', 'hierarchical']
-                read, auto, *others = least([tiny, lobe + costs] + [lobe + ['--method', m] for m in ('hierarchical', 'spectral')], runs)
-                yield f'{height} {size} {exponent}', max(auto - read, 0.002) / max(min(others) - read, 0.002), auto - min(others)
-
-
 def conversions(envmap, probe, costs, runs, out):
     """Ratios of convert --max-error to the quickest filter that is found to keep the error in every texel."""
     for size in (64, 256):
@@ -80,15 +66,14 @@ def main():
     o = parser.parse_args()
     costs = ['--costs', o.costs] if o.costs else []
     with tempfile.TemporaryDirectory() as out:
-        for name, jobs in (('prefilter', lobes), ('convert --max-error', conversions)):
-            ratios, late = [], []
-            for probe in o.probes:
-                for job, ratio, seconds in jobs(o.envmap, probe, costs, o.runs, Path(out)):
-                    print(f'{name:20} {probe.stem:24} {job:14} {ratio:6.2f} {seconds:7.3f} s', flush=True)
-                    ratios.append(ratio), late.append(seconds)
-            ratios.sort()
-            print(f'{name}: {len(ratios)} jobs, median {statistics.median(ratios):.2f}, nine in ten below '
-                  f'{ratios[len(ratios) * 9 // 10]:.2f}, worst {ratios[-1]:.2f}; at most {max(late):.2f} s late', flush=True)
+        ratios, late = [], []
+        for probe in o.probes:
+            for job, ratio, seconds in conversions(o.envmap, probe, costs, o.runs, Path(out)):
+                print(f'{probe.stem:24} {job:14} {ratio:6.2f} {seconds:7.3f} s', flush=True)
+                ratios.append(ratio), late.append(seconds)
+    ratios.sort()
+    print(f'{len(ratios)} jobs, median {statistics.median(ratios):.2f}, nine in ten below '
+          f'{ratios[len(ratios) * 9 // 10]:.2f}, worst {ratios[-1]:.2f}; at most {max(late):.2f} s late')
 
 
 if __name__ == '__main__':

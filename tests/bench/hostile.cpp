@@ -366,7 +366,7 @@ struct Found {
 
 Found judge(int number, bool quick, Method method) {
   Case c = make_case(number);
-  if (method != Method::spectral || c.wanted.shape != Shape::charlie) c.wanted.method = method;
+  c.wanted.method = method;
   if (method == Method::exact) c.wanted.max_error = 1e-5;
   const PrefilterSource prepared(c.map);
   const auto start = std::chrono::steady_clock::now();

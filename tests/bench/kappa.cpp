@@ -3,10 +3,11 @@
 // one texel, at a pole, at the equator and anywhere, in random directions, a third of them near its horizon.
 // The truth is the exact sum.
 //
-//   kappa [LIGHTS]
+//   kappa [LIGHTS [LATLONG CUBE [LEAST MOST]]]       lights, sizes of the sources, and which parameters of lobes
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <random>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/multilevel.h"
 #include "envmap/prefilter/prefilter.h"
+#include "envmap/prefilter/source.h"
 
 namespace {
 
@@ -43,11 +45,13 @@ double error_of(const Level& map, const Direction& light, const Lobe& lobe, cons
                 Random& random) {
   const double mean = mean_radiance(map);
   const SourceGrids grids(map, mean, Colour(0), plan.grids());
+  const std::optional<Level> fine = refined(map);
+  const Level& small = fine ? *fine : map;
   const Hinges hinges(map, mean, 3, error);
   std::vector<Direction> some(2000);
   for (Direction& d : some) d = random.round(light);
   std::vector<MultilevelSum> sums(some.size());
-  multilevel_sums(plan, {grids, &hinges, mean, Colour(0)}, some, sums);
+  multilevel_sums(plan, {small, grids, &hinges, mean, Colour(0)}, some, sums);
   const std::vector<Flux> truth = exact_prefilter(map, lobe, some);
   double worst = 0;
   for (std::size_t k = 0; k < some.size(); ++k)
@@ -55,12 +59,12 @@ double error_of(const Level& map, const Direction& light, const Lobe& lobe, cons
   return worst;
 }
 
-void print(Shape shape, double parameter, Projection projection, int size, int lights) {
+void print_line(Shape shape, double parameter, Projection projection, int size, int lights) {
   std::string line =
       fmt::format("{:6} {:<7g} {:7} {:4}:", shape_names[std::size_t(shape)], parameter, name(projection), size);
   for (const double error : {1e-3, 1e-4}) {
     const Lobe lobe = lobe_of({.shape = shape, .parameter = parameter, .scale = {}});
-    const auto plan = multilevel_plan(lobe, error);
+    const auto plan = multilevel_plan(lobe, error, finest_rows(Level(projection, size)));
     if (!plan) {
       line += fmt::format("  {:g} no bound", error);
       continue;
@@ -78,18 +82,25 @@ void print(Shape shape, double parameter, Projection projection, int size, int l
     line += fmt::format("  {:g} {:.2f}", error, worst);
   }
   fmt::print("{}\n", line);
+  std::fflush(stdout);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int lights = argc > 1 ? std::atoi(argv[1]) : 6;
-  for (const auto& [projection, size] : {std::pair{Projection::latlong, 512}, std::pair{Projection::cube, 256}}) {
-    for (const double roughness : {0.08, 0.1, 0.12, 0.15, 0.2, 0.3, 0.5, 0.8})
+  const auto given = [&](int k, double otherwise) { return argc > k ? std::atof(argv[k]) : otherwise; };
+  const int lights = int(given(1, 6));
+  const double least = given(4, 0), most = given(5, 1e9);
+  const auto print = [&](Shape shape, double parameter, Projection projection, int size, int count) {
+    if (parameter >= least && parameter <= most) print_line(shape, parameter, projection, size, count);
+  };
+  for (const auto& [projection, size] :
+       {std::pair{Projection::latlong, int(given(2, 512))}, std::pair{Projection::cube, int(given(3, 256))}}) {
+    for (const double roughness : {0.001, 0.01, 0.02, 0.05, 0.08, 0.1, 0.12, 0.15, 0.2, 0.3, 0.5, 0.8})
       print(Shape::ggx, roughness, projection, size, lights);
-    for (const double exponent : {4.0, 6.0, 20.0, 300.0, 5000.0, 30000.0})
+    for (const double exponent : {4.0, 6.0, 20.0, 300.0, 5000.0, 30000.0, 1e5, 1e6, 1e8})
       print(Shape::phong, exponent, projection, size, lights);
-    for (const double exponent : {2.0, 6.0, 40.0, 1000.0})
+    for (const double exponent : {2.0, 6.0, 40.0, 1000.0, 1e6})
       print(Shape::blinn_phong, exponent, projection, size, lights);
   }
 }

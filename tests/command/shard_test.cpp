@@ -11,7 +11,7 @@ namespace {
 
 struct Job {
   std::string name;
-  std::vector<std::string> command;    ///< Without the output.
+  std::vector<std::string> command;  ///< Without the output.
   std::string output = "whole.exr";
   std::vector<std::string> of_file{};  ///< What is said to the whole, and to merge.
 };
@@ -70,11 +70,10 @@ TEST_F(Shards, OfConvertJoinToTheBytesOfTheWhole) {
 }
 
 TEST_F(Shards, OfPrefilterJoinToTheBytesOfTheWhole) {
-  // Spectral, hierarchical, exact, and what auto takes: of a narrow lobe in a large map a transform, and texels near
-  // the sun that are made again by the others.
-  check({"spectral and more", {"prefilter", "sun.exr", "--lobe", "phong", "--exponent", "300", "--size", "24"}});
-  check({"hierarchical",
-         {"prefilter", "sun.exr", "--lobe", "ggx", "--roughness", "0.4", "--size", "11", "--to", "latlong"}});
+  check({"multilevel", {"prefilter", "sun.exr", "--lobe", "phong", "--exponent", "300", "--size", "24"}});
+  check(
+      {"a core", {"prefilter", "sun.exr", "--lobe", "ggx", "--roughness", "0.04", "--size", "11", "--to", "latlong"}});
+  check({"hierarchical", {"prefilter", "sun.exr", "--lobe", "charlie", "--roughness", "0.4", "--size", "11"}});
   check({"diffuse", {"prefilter", "sun.exr", "--size", "9", "--to", "paraboloid"}});
   check({"exact", {"prefilter", "sun.exr", "--method", "exact", "--size", "3"}});
   check({"close",
@@ -141,7 +140,9 @@ TEST_F(Shards, OfStrangersAreRefused) {
 
   // Channels that are not those of a map, and values that are no radiance.
   ASSERT_EQ(shell("oiiotool part.exr --ch R,G -o odd.exr && oiiotool part.exr --ch R,G,B,A=1 -o more.exr && "
-                  "oiiotool part.exr --addc 1 --mulc 1e38 --mulc 1e38 -o bright.exr").status, 0);
+                  "oiiotool part.exr --addc 1 --mulc 1e38 --mulc 1e38 -o bright.exr")
+                .status,
+            0);
   fails(3, {"merge", "odd.exr", "out.exr"}, {"odd.exr", "other channels"}, little);
   fails(3, {"merge", "more.exr", "out.exr"}, {"more.exr", "other channels"}, little);
   fails(3, {"merge", "bright.exr", "out.exr"}, {"16 infinite", "damaged"});

@@ -1,10 +1,9 @@
 // What `tradeoff` says of methods, against what the commands themselves do.
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
 #include <vector>
@@ -248,10 +247,9 @@ TEST_F(Tradeoff, BothPicturesShowTheSame) {
 // Figures of a machine: all ways cost the same but those that are named.
 std::string costs_with(const json& others) {
   json file;
-  for (const char* name :
-       {"filter nearest", "filter bilinear", "filter bicubic", "filter bilinear 2", "filter bilinear 4", "filter ewa",
-        "filter bilinear 8", "tree texel", "spectral start", "spectral texel", "spectral row source", "spectral source",
-        "draw texel", "draw triangle", "cube texel", "cube triangle", "resample texel", "ray texel", "ray triangle"})
+  for (const char* name : {"filter nearest", "filter bilinear", "filter bicubic", "filter bilinear 2",
+                           "filter bilinear 4", "filter ewa", "filter bilinear 8", "draw texel", "draw triangle",
+                           "cube texel", "cube triangle", "resample texel", "ray texel", "ray triangle"})
     file["nanoseconds"][name] = 100;
   file["nanoseconds"]["filter area"] = 1000;
   file["nanoseconds"].update(others);
@@ -278,16 +276,6 @@ TEST_F(Tradeoff, ChoicesFollowTheCostsThatAreNamed) {
   write("ewa.json", costs_with({{"filter ewa", 1}}));
   EXPECT_NE(first_tried("ewa.json").find("ewa"), std::string::npos);
   EXPECT_EQ(first_tried("draw.json").find("ewa"), std::string::npos);
-
-  const auto lobe = [&](const std::string& costs) {
-    return envmap({"prefilter", "in.exr", "out.exr", "--lobe", "phong", "--exponent", "20", "--size", "4", "--json",
-                   "--depth", "float", "--costs", costs})
-        .out;
-  };
-  write("tree.json", costs_with({{"spectral row source", 1e9}}));
-  write("spectral.json", costs_with({{"tree texel", 1e9}}));
-  EXPECT_NE(lobe("tree.json").find("hierarchical"), std::string::npos);
-  EXPECT_NE(lobe("spectral.json").find("spectral"), std::string::npos);
 }
 
 TEST_F(Tradeoff, DamagedCostsAreRefused) {
@@ -299,8 +287,9 @@ TEST_F(Tradeoff, DamagedCostsAreRefused) {
   for (const std::string text : {"", "[]", "{", "{\"nanoseconds\": 3}", "\xff"})
     refused(text, {"costs.json", "--calibrate"});
   refused(std::string(100000, '['), {"--calibrate"});
-  for (const double wrong : {0.0, -1.0, 1e13}) refused(costs_with({{"tree texel", wrong}}), {"tree texel", "above 0"});
-  refused(costs_with({{"tree texel", "fast"}}), {"tree texel", "must be a number"});
+  for (const double wrong : {0.0, -1.0, 1e13})
+    refused(costs_with({{"filter area", wrong}}), {"filter area", "above 0"});
+  refused(costs_with({{"filter area", "fast"}}), {"filter area", "must be a number"});
   refused(costs_with({{"teleport", 1}}), {"teleport", "calibrate"});
   json lacking = json::parse(costs_with(json::object()));
   lacking["nanoseconds"].erase("ray texel");

@@ -1,8 +1,8 @@
 // Sums at the horizon against the exact sum, which integrates round the borders of texels: each within its own bound.
 #include "envmap/prefilter/hinge.h"
 
-#include <gtest/gtest.h>
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <functional>
 #include <random>
@@ -56,7 +56,7 @@ void expect_bounds(const Level& level, double error, std::span<const Direction> 
   const Hinges hinges(fine ? *fine : level, mean, 3, error);
   std::vector<HingeSum> found(some.size());
   for (const Lobe& lobe : {Lobe(Cosine{}), Lobe(Phong{2}), Lobe(Phong{3})}) {
-    hinges.sums(*hinge_polynomial(lobe), some, error, found);
+    hinges.sums(*hinge_polynomial(lobe), some, error, {}, found);
     const std::string name = what + ", power " + std::to_string(hinge_polynomial(lobe)->order());
     const double floor = 1e-3 * mean;
     const std::vector<Flux> truth = exact_prefilter(level, lobe, some);

@@ -62,8 +62,6 @@ std::vector<Prefilter> levels_of(const Request& o) {
        "phong and blinn-phong");
   only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", has_roughness(o.map.shape),
        "ggx and charlie");
-  if (o.map.shape == Shape::charlie && o.map.method == Method::spectral)
-    throw UsageError("--method spectral is for lobes that fall with the angle, not for charlie; --method auto");
   if (!parameters.empty() && (o.exponent || o.roughness))
     throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
                                 : "--roughness and --roughnesses: give one of them");
@@ -258,7 +256,6 @@ int run(Request& o, Report& report) {
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
   const Costs costs = read_costs(o.costs);
-  o.map.costs = &costs;
   check_output(o.output, o.write, o.map.to);
   const Source source = read_map(o.input, o.read);
   choose_frame(o, source.map);

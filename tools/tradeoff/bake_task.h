@@ -4,6 +4,7 @@
 #include <string>
 
 #include "envmap/io/read.h"
+#include "envmap/base/costs.h"
 #include "tradeoff/tasks.h"
 
 namespace tools {

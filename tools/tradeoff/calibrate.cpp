@@ -14,7 +14,6 @@
 #include "envmap/base/error.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/prefilter.h"
 #include "envmap/projection/cube.h"
 #include "envmap/render/context.h"
 #include "envmap/render/raycast.h"
@@ -86,38 +85,6 @@ void measure_filters(Costs& costs) {
   measure(Cost::ewa, Filter::ewa, 1);
   measure(Cost::bilinear_8, Filter::bilinear, 8);
   measure(Cost::area, Filter::area, 1);
-}
-
-// ---- lobes ----------------------------------------------------------------------------------------------------------
-
-// Each run of a transform begins without its spectrum.
-double lobe_time(const EnvironmentMap& source, Method method, int size) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < repeats; ++k) {
-    const PrefilterSource prepared(source);
-    const Prefilter wanted{.shape = Shape::phong, .parameter = 200, .size = size, .method = method};
-    least = std::min(least, nanoseconds([&] { (void)prepared.make(wanted); }));
-  }
-  return least;
-}
-
-void measure_lobes(Costs& costs) {
-  constexpr int few = 32, many = 96;
-  const EnvironmentMap small = landscape(256), large = landscape(1024);
-  const EnvironmentMap cube = convert(large, {.to = {Projection::cube}, .size = 256});
-  const double more = texel_count(Projection::cube, many) - texel_count(Projection::cube, few);
-  const double sources = texel_count(Projection::latlong, 1024) - texel_count(Projection::latlong, 256);
-  const double of_few = lobe_time(large, Method::spectral, few);
-  // As few as it is worth it for.
-  costs[Cost::tree_texel] = lobe_time(large, Method::hierarchical, 16) / texel_count(Projection::cube, 16);
-  costs[Cost::spectral_texel] = slope(lobe_time(large, Method::spectral, many), of_few, more);
-  const double of_small = lobe_time(small, Method::spectral, few),
-               made = costs[Cost::spectral_texel] * texel_count(Projection::cube, few);
-  costs[Cost::spectral_row_source] = slope(of_few, of_small, sources);
-  const double rows = costs[Cost::spectral_row_source] * texel_count(Projection::latlong, 256);
-  costs[Cost::spectral_start] = slope(of_small, made + rows, 1);
-  costs[Cost::spectral_source] = slope(lobe_time(cube, Method::spectral, few), made + costs[Cost::spectral_start],
-                                       texel_count(Projection::cube, 256));
 }
 
 // ---- scenes ---------------------------------------------------------------------------------------------------------
@@ -194,8 +161,7 @@ Costs calibrated() {
   const auto tell = [&](double part) {
     if (progress) progress(part);
   };
-  measure_filters(costs), tell(0.3);
-  measure_lobes(costs), tell(0.7);
+  measure_filters(costs), tell(0.4);
   try {
     measure_drawing(costs);
   } catch (const Error& e) {

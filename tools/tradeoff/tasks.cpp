@@ -65,13 +65,12 @@ Outcome prefiltered(const EnvironmentMap& map, const Prefilter& wanted) {
 
 void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& task) {
   lobe_of(wanted);  // Throws where there is none.
-  for (const Method method : {Method::hierarchical, Method::spectral, Method::automatic}) {
-    if (method == Method::spectral && wanted.shape == Shape::charlie) continue;
+  for (const Method method : {Method::hierarchical, Method::automatic}) {
     for (const double error : {1e-1, 1e-2, 1e-3, 1e-4}) {
       Prefilter how = wanted;
       how.method = method, how.max_error = error;
-      task.ways.push_back({std::string(method_names[std::size_t(method)]),
-                           fmt::format("--max-error {:g}", error), [&map, how] { return prefiltered(map, how); }});
+      task.ways.push_back({std::string(method_names[std::size_t(method)]), fmt::format("--max-error {:g}", error),
+                           [&map, how] { return prefiltered(map, how); }});
     }
   }
   // Products of texels that the exact sum takes: some seconds of them.
@@ -189,7 +188,7 @@ std::string task_words() {
          "render:P[:N] view[:N]";
 }
 
-Task make_task(const std::string& name, const EnvironmentMap& map, const Costs& costs) {
+Task make_task(const std::string& name, const EnvironmentMap& map) {
   const std::vector<std::string> parts = parts_of(name);
   Task task{.name = name};
   const auto expect = [&](bool right) {
@@ -198,7 +197,7 @@ Task make_task(const std::string& name, const EnvironmentMap& map, const Costs& 
   if (const auto shape = shape_named(parts[0])) {
     const std::size_t first = *shape == Shape::diffuse ? 1 : 2;
     expect(parts.size() == first || parts.size() == first + 2);
-    Prefilter wanted{.shape = *shape, .size = 16, .costs = &costs};
+    Prefilter wanted{.shape = *shape, .size = 16};
     if (first == 2) wanted.parameter = number_of(name, parts[1], 0.0, 1e9);
     if (parts.size() > first)
       wanted.to = projection_of(name, parts[first]), wanted.size = size_of(name, parts[first + 1]);

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "envmap/base/costs.h"
 #include "envmap/io/scratch_file.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/operate/measure.h"
@@ -48,7 +47,6 @@ int size_of(const std::string& task, const std::string& text);
 std::string task_words();
 
 // @param map must outlive the task. @throws UsageError where the name is none of them, or a number is out of its range.
-// @param costs that `auto` chooses by.
-Task make_task(const std::string& name, const envmap::EnvironmentMap& map, const envmap::Costs& costs);
+Task make_task(const std::string& name, const envmap::EnvironmentMap& map);
 
 }  // namespace tools

@@ -265,7 +265,7 @@ int run(Request& o, Report& report) {
   } else {
     const Source source = read_map(o.input, o.read);
     const Task task = only(parts_of(o.task)[0] == "bake" ? make_bake_task(o.task, source, costs)
-                                                         : make_task(o.task, source.map, costs),
+                                                         : make_task(o.task, source.map),
                            o.only);
     tell(study_of(task, o), o, report);
   }

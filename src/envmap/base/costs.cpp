@@ -15,12 +15,6 @@ constexpr std::array<CostFact, cost_count> facts{{
     {"filter ewa", "the same", 1100},
     {"filter bilinear 8", "the same, 8 x 8 samples", 900},
     {"filter area", "the same, to 1e-4", 4200},
-    // Whether lobes are prefiltered by the tree or by a spherical transform.
-    {"tree texel", "a texel of a lobe's map by the tree, to 1e-3", 30000},
-    {"spectral start", "a transform, without", 20e6},
-    {"spectral texel", "a texel of its result", 200},
-    {"spectral row source", "a texel of its source where that is a latlong map", 25},
-    {"spectral source", "a texel of another source, laid on rings first", 120},
     // How the map of a scene is drawn.
     {"draw texel", "a texel drawn in its own projection", 170},
     {"draw triangle", "a triangle, for each face that it is sent to", 1200},

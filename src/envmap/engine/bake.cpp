@@ -121,7 +121,6 @@ BakedMap Baker::diffuse(const EngineMap& wanted, const FileError& error) {
 BakedLevel Baker::lobe(const Prefilter& wanted, const FileError& error) {
   if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
   Prefilter within = wanted;
-  within.costs = &options_.costs;
   within.max_error = error.asked ? left_to_prefilter(error) : options_.quality.max_error;
   const Progress shown = progress(
       wanted.shape == Shape::diffuse ? "diffuse" : fmt::format("roughness {:.2f}", wanted.parameter));

@@ -101,7 +101,9 @@ class Summation {
   Summation(const HingeSource<Grid>& source, const HingePolynomial& weight, double error)
       : source_(source), weight_(weight), error_(error) {}
 
-  HingeSum over(const Direction& n) {
+  // @param beside in units of the mean.
+  HingeSum over(const Direction& n, const Flux& beside) {
+    beside_ = beside;
     for (int face = 0; face < Grid::faces; ++face) seen_[std::size_t(face)] = Grid::seen(face, n);
     settled_ = {}, terms_.clear();
     for (int c = 0; c < 3; ++c) settled_.sum[std::size_t(c)] = weight_.integral() * source_.darkest()[c];
@@ -155,7 +157,8 @@ class Summation {
   // What each channel may be off by.
   [[nodiscard]] Channels allowed(const Total& now) const {
     Channels all;
-    for (std::size_t c = 0; c < 3; ++c) all[c] = error_ * std::max(now.sum[c] - now.off[c], floor_of_mean);
+    for (std::size_t c = 0; c < 3; ++c)
+      all[c] = error_ * std::max(now.sum[c] - now.off[c] + beside_[int(c)], floor_of_mean);
     return all;
   }
   [[nodiscard]] static bool within(const Total& now, const Channels& most, double part) {
@@ -251,6 +254,7 @@ class Summation {
   const HingeSource<Grid>& source_;
   HingePolynomial weight_;
   double error_;
+  Flux beside_{0};
   std::array<FaceDirection, Grid::faces> seen_;
   Total settled_;
   HingeBatch batch_;
@@ -261,10 +265,10 @@ class Summation {
 
 template <class Grid>
 void sum_all(const HingeSource<Grid>& source, const HingePolynomial& weight, std::span<const Direction> directions,
-             double error, double mean, std::span<HingeSum> out) {
+             double error, double mean, std::span<const Flux> beside, std::span<HingeSum> out) {
   Summation<Grid> summation(source, weight, error);
   for (std::size_t k = 0; k < directions.size(); ++k) {
-    const HingeSum sum = summation.over(directions[k]);
+    const HingeSum sum = summation.over(directions[k], beside.empty() ? Flux(0) : beside[k] / mean);
     out[k] = {mean * sum.value, mean * sum.bound};
   }
 }
@@ -297,8 +301,8 @@ bool Hinges::fits(int order, double error) const {
 }
 
 void Hinges::sums(const HingePolynomial& weight, std::span<const Direction> directions, double error,
-                  std::span<HingeSum> out) const {
-  std::visit([&](const auto& source) { sum_all(source, weight, directions, error, prepared_->mean, out); },
+                  std::span<const Flux> beside, std::span<HingeSum> out) const {
+  std::visit([&](const auto& source) { sum_all(source, weight, directions, error, prepared_->mean, beside, out); },
              prepared_->source);
 }
 

@@ -48,10 +48,11 @@ class Hinges {
   /// Whether it was made for these.
   [[nodiscard]] bool fits(int order, double error) const;
 
-  /// One after another. @param error each sum may be off by, relative to itself or to 0.001 x the mean.
-  /// A bound may be larger in the end where parts of texels would have to be cut further.
+  /// One after another. A bound may be larger in the end where parts of texels would have to be cut further.
+  /// @param error each sum may be off by, relative to itself and what is `beside` it, or to 0.001 x the mean.
+  /// @param beside what the caller adds to each sum; empty: nothing.
   void sums(const HingePolynomial& weight, std::span<const Direction> directions, double error,
-            std::span<HingeSum> out) const;
+            std::span<const Flux> beside, std::span<HingeSum> out) const;
 
  private:
   struct Prepared;

@@ -33,7 +33,7 @@ void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target
     texel_directions(target.to, target.size, face, row, in.first, directions);
     rotate(target.to_source, directions);
     std::vector<HingeSum> sums(directions.size());
-    hinges.sums(weight, directions, error, sums);
+    hinges.sums(weight, directions, error, {}, sums);
     float* bound = &bounds[index_of(out, {face, in.first, row})];
     for (std::size_t k = 0; k < sums.size(); ++k)
       bound[k] = set_texel(sums[k], 1e-3 * mean, *out.texel(face, in.first + int(k), row));

@@ -7,6 +7,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
+#include "envmap/prefilter/lobe_core.h"
 
 namespace envmap::prefiltering {
 
@@ -20,13 +21,12 @@ struct Splitting {
   bool quartic;    // q = 4, else 3.
   double kappa;  // Error of one light at any angle: kappa x the lobe there + bend x what 0.001 x the mean makes of it.
   double bend;
-  double hinges;     // Error of the hinge sums.
   double per_sigma;  // Steps in the width of a Phong lobe.
 };
-constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 1.5e-4, 3.6};
-constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 2e-5, 4.0};
+constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 3.6};
+constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 4.0};
 
-constexpr int most_rows = 2048, least_rows = 64;
+constexpr int least_rows = 64;
 // 0.001 x the mean of three channels, over the flux of a light in one.
 constexpr double floor_density = 1e-3 / (12 * pi);
 
@@ -50,15 +50,21 @@ int rows_at_horizon(const Splitting& s, double fourth) {
   return rows_for(std::sqrt(std::sqrt(s.bend * floor_density / (bend * std::max(1e-12, fourth)))));
 }
 
-std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
+std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int most_rows) {
   if (lobe.b <= 0) return std::nullopt;
   MultilevelPlan plan;
   const double a = lobe.a / lobe.b, whole = a + 1, scale = lobe.scale / (lobe.b * lobe.b),
                width = std::min(1.0, std::sqrt(2 * a));
   const double first = scale / (whole * whole), second = 2 * first / whole, third = 1.5 * second / whole;
   int rows = rows_for(width / s.steps);
-  if (rows > most_rows) return std::nullopt;
   LevelKernel k{.quartic = s.quartic, .a = float(a), .scale = scale};
+  if (rows > most_rows) {
+    rows = most_rows;
+    const double outer = s.radius * pi / rows;
+    k.outer = softened(s, outer), k.end = float(0.5 * outer * outer);
+    plan.core = k;
+    k.inner = k.outer;
+  }
   for (;; rows /= 2) {
     const double outer = 2 * s.radius * pi / rows;
     if (outer > 0.7 || rows <= least_rows) break;
@@ -74,28 +80,31 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s) {
 
 // A single level: (1 - part x)^power, times t of Blinn's lobe.
 std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s,
-                                            MultilevelPlan plan) {
+                                            int most_rows, MultilevelPlan plan) {
   const int rows = std::max(least, rows_for(width / s.per_sigma));
-  if (rows > most_rows) return std::nullopt;
   // Cut where what is left is small beside 0.001 x the mean.
   const double left = portable::log(k.scale / (0.02 * error * floor_density));
   k.end = float(std::min(1.0, -portable::expm1(-left / double(k.power)) / double(k.part)));
-  plan.steps.push_back({rows, k});
+  if (rows > most_rows)
+    plan.core = k;
+  else
+    plan.steps.push_back({rows, k});
   return plan;
 }
 
-std::optional<MultilevelPlan> plan_of(const Phong& lobe, double error, const Splitting& s) {
+std::optional<MultilevelPlan> plan_of(const Phong& lobe, double error, const Splitting& s, int most_rows) {
   if (lobe.exponent < 4) return std::nullopt;
   MultilevelPlan plan;
   plan.constant = 1;
   const LevelKernel k{.kind = LevelKernel::Kind::power, .power = float(lobe.exponent), .scale = lobe.scale()};
   const int at_horizon = lobe.exponent >= 6 ? 128 : 256;
-  return plan_of_power(k, 1 / std::sqrt(lobe.exponent), s.quartic ? 2 * at_horizon : at_horizon, error, s, plan);
+  return plan_of_power(k, 1 / std::sqrt(lobe.exponent), s.quartic ? 2 * at_horizon : at_horizon, error, s, most_rows,
+                       plan);
 }
 
 // t (1 - x/2)^p = t ((1 + t)/2)^p: the binomial series at the horizon, whose first three factors are not negative for
 // p >= 1.
-std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, const Splitting& s) {
+std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, const Splitting& s, int most_rows) {
   const double p = lobe.power;
   if (p < 1) return std::nullopt;
   MultilevelPlan plan;
@@ -105,7 +114,7 @@ std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, cons
   // All light of a channel at the horizon, 12 pi x the mean, is nothing then.
   if (12 * pi * (first + second + third) > 0.002 * error * 1e-3) set_hinges(plan, k, {first, second, third});
   const int at_horizon = rows_at_horizon(s, std::abs(p - 2) / 3 * third);
-  return plan_of_power(k, 1 / std::sqrt(0.5 * p + 1), at_horizon, error, s, plan);
+  return plan_of_power(k, 1 / std::sqrt(0.5 * p + 1), at_horizon, error, s, most_rows, plan);
 }
 
 }  // namespace
@@ -116,14 +125,15 @@ std::vector<int> MultilevelPlan::grids() const {
   return rows;
 }
 
-std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error) {
+std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int most_rows) {
   if (error < 1e-4) return std::nullopt;
   const Splitting& s = error < 1e-3 ? fine : coarse;
   std::optional<MultilevelPlan> plan;
-  if (const auto* ggx = std::get_if<Ggx>(&lobe)) plan = plan_of(*ggx, s);
-  if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s);
-  if (const auto* blinn = std::get_if<BlinnPhong>(&lobe)) plan = plan_of(*blinn, error, s);
-  if (plan) plan->error = s.kappa, plan->floor_error = s.bend, plan->hinge_error = s.hinges;
+  if (const auto* ggx = std::get_if<Ggx>(&lobe)) plan = plan_of(*ggx, s, most_rows);
+  if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s, most_rows);
+  if (const auto* blinn = std::get_if<BlinnPhong>(&lobe)) plan = plan_of(*blinn, error, s, most_rows);
+  if (plan)
+    plan->error = s.kappa, plan->floor_error = s.bend, plan->hinge_error = (error - s.kappa - s.bend) / (1 + 2 * error);
   return plan;
 }
 
@@ -132,15 +142,20 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
   constexpr double rounding = 0x1p-24;  // Of a float.
   const Flux even = plan.constant * Flux(source.darkest);
   const double floor = 1e-3 * source.mean;
-  std::vector<HingeSum> hinges(directions.size());
-  if (plan.has_hinges()) source.hinges->sums(plan.hinges, directions, plan.hinge_error, hinges);
+  std::vector<Flux> smooth(directions.size());
   GatherRoom room;
   for (std::size_t k = 0; k < directions.size(); ++k) {
     const GridView view(directions[k]);
     Flux sum(0);
+    if (plan.core) sum = core_sum(source.texels, source.darkest, *plan.core, directions[k]) / source.mean;
     for (const MultilevelPlan::Step& s : plan.steps) sum += gather(source.grids.grid(s.rows), s.kernel, view, room);
+    smooth[k] = source.mean * sum + even;
+  }
+  std::vector<HingeSum> hinges(directions.size());
+  if (plan.has_hinges()) source.hinges->sums(plan.hinges, directions, plan.hinge_error, smooth, hinges);
+  for (std::size_t k = 0; k < directions.size(); ++k) {
     const HingeSum& h = hinges[k];
-    const Flux value = source.mean * sum + even + h.value;
+    const Flux value = smooth[k] + h.value;
     out[k] = {glm::max(Flux(0), value), 0};
     for (int c = 0; c < 3; ++c) {
       const double apart = h.bound[c] + plan.floor_error * floor;

@@ -24,32 +24,29 @@ struct MultilevelPlan {
     int rows;  ///< Of the grid.
     LevelKernel kernel;
   };
+  std::optional<LevelKernel> core;  ///< What the first grid is too coarse for, summed over texels.
   std::vector<Step> steps;
   HingePolynomial hinges;  ///< What is summed at the horizon.
-  double constant = 0;  ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
+  double constant = 0;     ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
   double error = 0, floor_error = 0;  ///< Of the steps, at most: of a texel, and in addition of 0.001 x the mean.
-  double hinge_error = 0;             ///< That the sums of hinges may have.
+  double hinge_error = 0;             ///< What the steps leave to the sums of hinges.
 
   [[nodiscard]] std::vector<int> grids() const;
   [[nodiscard]] bool has_hinges() const { return hinges.factors[0] > 0; }
-  /// Whether the lobe is so narrow, and the result so large, that nothing else is quicker (measured).
-  /// @param texels of the whole result.
-  [[nodiscard]] bool is_quick(const Level& from, std::size_t texels) const {
-    const auto rows = std::size_t(steps.front().rows);
-    return rows >= 512 && (from.projection() == Projection::cube ? 40 : 100) * texels >= rows * rows;
-  }
 };
 
-/// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, lobes narrower than a few
-/// thousandths of a radian, Phong lobes of exponent below 4, and sheen.
-std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error);
+/// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, Phong lobes of exponent below
+/// 4, and sheen.
+/// @param most_rows of a grid: what is too narrow for it is the core. A power of two from 512.
+std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int most_rows = 2048);
 
 /// What a map is made of.
 struct MultilevelSource {
+  const Level& texels;  ///< Of 1.5 degrees or less, for the core.
   const SourceGrids& grids;
   const Hinges* hinges;  ///< Where the plan has some.
   double mean;           ///< Of the radiance, the unit of the grids.
-  Colour darkest;        ///< That was taken off the grids.
+  Colour darkest;        ///< That was taken off the grids, and is taken off the texels.
 };
 
 struct MultilevelSum {

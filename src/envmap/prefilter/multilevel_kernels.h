@@ -21,13 +21,13 @@ struct LevelKernel {
     float inverse = 0, root = 0;  ///< 1 / x_j, and (c x_j)^(1/q).
   };
   Softened inner, outer;
-  bool quartic = false;          ///< q = 4, else 3.
-  float end = 1;                 ///< x from which it is 0.
-  float a = 0;                   ///< ggx: (1 - x) / (a + x)^2.
-  float power = 0, part = 1;     ///< power: (1 - part x)^power,
-  bool cosine = false;           ///< times 1 - x.
+  bool quartic = false;           ///< q = 4, else 3.
+  float end = 1;                  ///< x from which it is 0.
+  float a = 0;                    ///< ggx: (1 - x) / (a + x)^2.
+  float power = 0, part = 1;      ///< power: (1 - part x)^power,
+  bool cosine = false;            ///< times 1 - x.
   std::array<float, 3> hinges{};  ///< Factors of t+, t+^2 and t+^3 that are taken off.
-  double scale = 1;              ///< Of all.
+  double scale = 1;               ///< Of all.
 };
 
 /// An output direction as a grid sees it.
@@ -36,6 +36,10 @@ struct GridView {
       angle;  ///< Longitude in [0, 2 pi); polar angle, its sine, and those of half of it.
   explicit GridView(const Direction& in_grid);
 };
+
+/// Half the columns of a row within 2 sin(angle / 2)^2 = versine of a direction, with a little more.
+/// @param versine below 2.
+double half_width(double versine, int columns);
 
 /// Room for gather(), of one thread.
 struct GatherRoom {

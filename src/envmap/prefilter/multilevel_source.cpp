@@ -360,6 +360,7 @@ Planes of_cube(const Level& source, double unit, const Colour& darkest, int rows
 }  // namespace
 
 SourceGrids::SourceGrids(const Level& source, double unit, const Colour& darkest, std::vector<int> wanted) {
+  if (wanted.empty()) return;
   std::ranges::sort(wanted, std::greater<>());
   const bool latlong = source.projection() == Projection::latlong;
   Planes planes =

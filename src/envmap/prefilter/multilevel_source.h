@@ -8,6 +8,8 @@
 /// grid.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <map>
 #include <vector>
@@ -36,6 +38,12 @@ struct SourceGrid {
 /// Whether grids can be made of a map: not of a coarse level of a latlong map that is no longer twice as wide as high.
 inline bool serves_multilevel(const Level& source) {
   return source.projection() == Projection::cube || source.width() == 2 * source.height();
+}
+
+/// Rows of the finest grid that is worth its making. What is narrower sees few texels, which are summed sooner.
+inline int finest_rows(const Level& source) {
+  const int half_round = source.height() * (source.projection() == Projection::cube ? 2 : 1);
+  return std::clamp(int(std::bit_ceil(2 * unsigned(half_round))), 512, 2048);
 }
 
 /// Grids of `finest` rows, and of half as many down to `coarsest`, of those that are wanted.

@@ -13,7 +13,6 @@
 #include <mutex>
 #include <utility>
 
-#include "envmap/base/costs.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/base/steady_progress.h"
@@ -25,7 +24,6 @@
 #include "envmap/prefilter/hinge_map.h"
 #include "envmap/prefilter/multilevel.h"
 #include "envmap/prefilter/source.h"
-#include "envmap/prefilter/spectral.h"
 #include "envmap/prefilter/treecode.h"
 
 namespace envmap {
@@ -53,20 +51,6 @@ double factor(const Prefilter& p) {
   return p.shape == Shape::phong ? *p.scale * 2 * pi / (p.parameter + 1) : *p.scale;
 }
 
-// ---- which method: no figure here decides what is right, only what is quick -----------------------------------------
-
-// Whether a spectrum may be cheaper than the tree for so many texels, of a lobe that is bent but little at its horizon:
-// more would take more degrees than there are.
-bool may_be_spectral(const Prefilter& p, const Lobe& lobe, const Level& source, std::size_t texels) {
-  const auto of_source = double(index_of(source, {source.faces(), 0, 0}));
-  const Cost each = source.projection() == Projection::latlong ? Cost::spectral_row_source : Cost::spectral_source;
-  const Costs costs = p.costs ? *p.costs : Costs();
-  const double transform =
-      costs[Cost::spectral_start] + costs[Cost::spectral_texel] * texel_count(p.to, p.size) + costs[each] * of_source;
-  return transform < costs[Cost::tree_texel] * double(texels) &&
-         std::visit([](const auto& l) { return l.peak() == 0 && l.value(0.9) <= 1e-2; }, lobe);
-}
-
 // What a mirror shows: the source's own texels, or its mean over each texel where the result has others.
 void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& done) {
   ConvertOptions how{.to = {p.to, p.forward}, .size = p.size};
@@ -90,10 +74,9 @@ struct PrefilterSource::Prepared {
   const std::optional<Level> fine;
   // Made when they are wanted first.
   mutable std::optional<Tree> tree;
-  mutable std::unique_ptr<Spectrum> spectrum;  // Of the largest order wanted so far.
-  mutable std::optional<Hinges> hinges;        // Of the order and error wanted last.
-  mutable std::optional<SourceGrids> grids;    // Of the lobe wanted last.
-  mutable std::mutex in_use;                   // By the one make() that runs.
+  mutable std::optional<Hinges> hinges;      // Of the order and error wanted last.
+  mutable std::optional<SourceGrids> grids;  // Of the lobe wanted last.
+  mutable std::mutex in_use;                 // By the one make() that runs.
 
   Prepared(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
       : taken(std::move(given)),
@@ -126,11 +109,11 @@ namespace {
 
 struct Making {
   const Level& source;
+  const Level& small_texels;
   const Totals& light;
   const std::function<const Tree&()> tree;
   const std::function<const Hinges&(int order)> hinges;
   const std::function<const SourceGrids&(std::vector<int> rows, const Colour& darkest)> grids;
-  std::unique_ptr<Spectrum>& spectrum;
   const Prefilter& wanted;
   const Lobe lobe;
   const Target target;
@@ -143,9 +126,8 @@ struct Making {
   // What is decided for the map is decided from all of it; what is then made are the rows wanted.
   void make(Prefiltered& done) const {
     Level& out = done.map.base();
-    const std::vector<Texel> whole = texels_of(out);
-    std::vector<Texel> all;
-    std::ranges::copy_if(whole, std::back_inserter(all), [&](const Texel& t) { return is_wanted(t); });
+    std::vector<Texel> all = texels_of(out);
+    std::erase_if(all, [&](const Texel& t) { return !is_wanted(t); });
     const bool any = wanted.method == Method::automatic;
     if (wanted.method == Method::exact || wanted.max_error < finest) {
       exact_texels(source, lobe, target, all, out, progress);
@@ -153,7 +135,6 @@ struct Making {
       return;
     }
     std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
-    const auto known = [&](const Texel& t) { return figures[index_of(out, t)] <= float(wanted.max_error); };
     if (const auto weight = hinge_polynomial(lobe);
         weight && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
       if (light.mean > 0)
@@ -166,24 +147,14 @@ struct Making {
       return;
     }
     if (any || wanted.method == Method::multilevel)
-      if (const auto plan = multilevel_plan(lobe, wanted.max_error);
-          plan && serves_multilevel(source) && (!any || plan->is_quick(source, whole.size()))) {
+      if (const auto plan = multilevel_plan(lobe, wanted.max_error, finest_rows(source));
+          plan && serves_multilevel(source)) {
         make_multilevel(*plan, out, figures);
         done.method = Method::multilevel;
         finish(all, figures, out, done);
         return;
       }
-    // On a finer grid where the first leaves many dark texels unknown.
-    const auto worth = [&](std::size_t texels) {
-      return wanted.method == Method::spectral ? 8 * texels > whole.size()
-                                               : any && may_be_spectral(wanted, lobe, source, texels);
-    };
-    std::size_t texels = whole.size();
-    for (double part = 1; part >= 0.01 && worth(texels); part *= 0.1)
-      texels = spectral_prefilter(source, light, lobe, target, wanted.max_error, part * wanted.max_error, spectrum, out,
-                                  figures, progress);
-    const bool mostly = 2 * std::size_t(std::ranges::count_if(whole, known)) > whole.size();
-    done.method = mostly ? Method::spectral : Method::hierarchical;
+    done.method = Method::hierarchical;
     treecode_prefilter(tree(), lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
     finish(all, figures, out, done);
   }
@@ -191,7 +162,7 @@ struct Making {
   void make_multilevel(const MultilevelPlan& plan, Level& out, std::span<float> figures) const {
     if (light.mean <= 0) return void(std::ranges::fill(figures, 0.F));
     const Colour darkest = darkest_of(source);
-    const MultilevelSource from{grids(plan.grids(), darkest),
+    const MultilevelSource from{small_texels, grids(plan.grids(), darkest),
                                 plan.has_hinges() ? &hinges(plan.hinges.order()) : nullptr, light.mean, darkest};
     multilevel_map(plan, from, target, wanted.rows, out, figures, progress);
   }
@@ -240,8 +211,6 @@ Lobe lobe_by_shape(const Prefilter& p) {
   }
   check(limits::roughness, p.parameter);
   if (p.shape == Shape::ggx) return Ggx(p.parameter);
-  if (p.method == Method::spectral)
-    throw UsageError("a lobe that rises with the angle has too many degrees for a spherical transform");
   return Charlie(p.parameter);
 }
 
@@ -254,7 +223,7 @@ Lobe lobe_of(const Prefilter& p) {
   if (p.method == Method::multilevel && !is_mirror(p) && !hinge_polynomial(lobe) && !multilevel_plan(lobe, p.max_error))
     throw UsageError(
         "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, blinn-phong from 2, and ggx, for "
-        "errors from 1e-4 and lobes not narrower than ggx of roughness 0.075");
+        "errors from 1e-4");
   return lobe;
 }
 
@@ -283,13 +252,13 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
     // While the lock is held this thread takes no task of the caller's, which might want the lock again.
     tbb::this_task_arena::isolate([&] {
       Making{from.base(),
+             p.small_texels(),
              p.light,
              [&]() -> const Tree& { return p.nodes(); },
              [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
              [&](std::vector<int> rows, const Colour& darkest) -> const SourceGrids& {
                return p.levels(std::move(rows), darkest);
              },
-             p.spectrum,
              wanted,
              lobe_of(wanted),
              {wanted.to, wanted.size, turn},

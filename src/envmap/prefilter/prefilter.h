@@ -9,22 +9,19 @@
 #include <vector>
 
 #include "envmap/base/export.h"
-#include "envmap/map/environment_map.h"
 #include "envmap/base/progress.h"
+#include "envmap/map/environment_map.h"
 #include "envmap/prefilter/lobe.h"
 #include "envmap/sample/filter.h"
 
 namespace ENVMAP_EXPORT envmap {
 
-struct Costs;  // The program's measured times: base/costs.h.
-
 enum class Shape { diffuse, phong, ggx, blinn_phong, charlie };
 inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name,
-                                                  Charlie::name};
+                                                   Charlie::name};
 
-enum class Method { automatic, exact, hierarchical, spectral, prefix_sums, multilevel };
-inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "spectral", "prefix-sums",
-                                                   "multilevel"};
+enum class Method { automatic, exact, hierarchical, prefix_sums, multilevel };
+inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "prefix-sums", "multilevel"};
 
 /// NaN: a lobe that has a parameter is refused without one.
 inline constexpr double unset_parameter = std::numeric_limits<double>::quiet_NaN();
@@ -50,18 +47,17 @@ struct Prefilter {
   /// They come out as in the whole map.
   std::vector<char> rows = {};
   double max_error = 1e-3;  ///< Metric `max` of compare(): of every texel.
-  const Costs* costs = nullptr;  ///< The times that Method::automatic chooses by; null: those of the library.
 };
 
 /// What was done, and how far any texel is off.
 struct Prefiltered {
   EnvironmentMap map;
-  Method method;            ///< Never automatic: that of most texels.
+  Method method;  ///< Never automatic: that of most texels.
   double seconds = 0;
   /// The largest figure of a texel, relative to it or to `floor`; 0 for exact sums and copied texels.
   double error = 0;
-  double floor = 0;         ///< 0.001 x the solid-angle mean of the source, times k: smaller results are held to it.
-  std::int64_t exact = 0;   ///< Texels that were summed exactly, since nothing faster was sure enough of them.
+  double floor = 0;        ///< 0.001 x the solid-angle mean of the source, times k: smaller results are held to it.
+  std::int64_t exact = 0;  ///< Texels that were summed exactly, since nothing faster was sure enough of them.
   std::optional<Filter> resampled = {};  ///< Of a mirror: the filter that made it, or nearest where texels were copied.
 };
 
@@ -93,11 +89,9 @@ class PrefilterSource {
   /// What is prefiltered, radiance constant over each texel, and what errors are counted from: the map or its cube.
   [[nodiscard]] const EnvironmentMap& source() const;
 
-  /// Makes one map. Every texel has a figure of what it may be off, by the method that made it, and is made again by
-  /// the next where that is over the error wanted: `automatic` takes prefix sums for lobes that are a power 1, 2 or 3
-  /// of the cosine, whose figures are proved bounds; a spherical transform where the result has many texels for
-  /// the lobe's width, `spectral` takes it anyway, on a finer grid where dark texels need one; then a treecode
-  /// (`hierarchical`: at once); then the exact sum.
+  /// Makes one map. Every texel has a figure of what it may be off. `automatic` takes prefix sums for lobes that are a
+  /// power 1, 2 or 3 of the cosine, multilevel sums for every other lobe that they serve (multilevel.h), and a treecode
+  /// (`hierarchical`) for the rest. Texels whose figure is over the error wanted are summed exactly.
   /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
 
