@@ -82,6 +82,7 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int m
 std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s,
                                             int most_rows, MultilevelPlan plan) {
   const int rows = std::max(least, rows_for(width / s.per_sigma));
+  most_rows = std::min(2 * most_rows, 2048);  // A power is cut off many widths away, and so sees more texels.
   // Cut where what is left is small beside 0.001 x the mean.
   const double left = portable::log(k.scale / (0.02 * error * floor_density));
   k.end = float(std::min(1.0, -portable::expm1(-left / double(k.power)) / double(k.part)));

@@ -19,16 +19,25 @@ namespace {
 constexpr int half_nodes = nodes_across / 2;
 using Weights = std::array<double, nodes_across>;
 
+// Of each node i, the product of 1 / (i - k) over all others.
+constexpr Weights inverse_gaps = [] {
+  Weights all{};
+  for (int i = 0; i < nodes_across; ++i) {
+    double gaps = 1;
+    for (int k = 0; k < nodes_across; ++k)
+      if (k != i) gaps *= i - k;
+    all[std::size_t(i)] = 1 / gaps;
+  }
+  return all;
+}();
+
 // Of nodes floor(u) - 5 to floor(u) + 6. @return the first node.
 int lagrange(double u, Weights& w) {
   const int first = int(std::floor(u)) - half_nodes + 1;
   const double at = u - first;
-  for (int i = 0; i < nodes_across; ++i) {
-    double q = 1;
-    for (int k = 0; k < nodes_across; ++k)
-      if (k != i) q *= (at - k) / (i - k);
-    w[std::size_t(i)] = q;
-  }
+  double before = 1, after = 1;
+  for (std::size_t i = 0; i < w.size(); ++i) w[i] = before * inverse_gaps[i], before *= at - double(i);
+  for (std::size_t i = w.size(); i-- > 0;) w[i] *= after, after *= at - double(i);
   return first;
 }
 

@@ -42,8 +42,7 @@ inline bool serves_multilevel(const Level& source) {
 
 /// Rows of the finest grid that is worth its making. What is narrower sees few texels, which are summed sooner.
 inline int finest_rows(const Level& source) {
-  const int half_round = source.height() * (source.projection() == Projection::cube ? 2 : 1);
-  return std::clamp(int(std::bit_ceil(2 * unsigned(half_round))), 512, 2048);
+  return std::clamp(int(std::bit_ceil(2 * unsigned(source.height()))), 256, 2048);
 }
 
 /// Grids of `finest` rows, and of half as many down to `coarsest`, of those that are wanted.

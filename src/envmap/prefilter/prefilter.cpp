@@ -148,7 +148,7 @@ struct Making {
     }
     if (any || wanted.method == Method::multilevel)
       if (const auto plan = multilevel_plan(lobe, wanted.max_error, finest_rows(source));
-          plan && serves_multilevel(source)) {
+          plan && serves_multilevel(source) && (!any || plan->is_quick(source, texels_of(out).size()))) {
         make_multilevel(*plan, out, figures);
         done.method = Method::multilevel;
         finish(all, figures, out, done);
