@@ -1,14 +1,37 @@
 #include "envmap/prefilter/lobe.h"
 
+#include <cmath>
 #include <numbers>
 
 #include "envmap/maths/portable.h"
 
 namespace envmap {
 
-double Phong::value(double x) const { return x < 1 ? scale() * portable::exp(exponent * portable::log1p(-x)) : 0; }
-double Phong::share(double x) const { return x < 1 ? -portable::expm1((exponent + 1) * portable::log1p(-x)) : 1; }
-double Phong::missing(double x) const { return x < 1 ? portable::exp((exponent + 1) * portable::log1p(-x)) : 0; }
+namespace {
+
+constexpr double most_factors = 8;  // Small whole powers are products.
+
+bool is_product(double power) { return power <= most_factors && power == std::floor(power); }
+
+// (1 - x)^power.
+double power_of(double x, double power) {
+  if (!is_product(power)) return portable::exp(power * portable::log1p(-x));
+  double product = 1;
+  for (int k = 0; k < int(power); ++k) product *= 1 - x;
+  return product;
+}
+
+}  // namespace
+
+double Phong::value(double x) const { return x < 1 ? scale() * power_of(x, exponent) : 0; }
+double Phong::missing(double x) const { return x < 1 ? power_of(x, exponent + 1) : 0; }
+double Phong::share(double x) const {
+  if (x >= 1) return 1;
+  if (!is_product(exponent)) return -portable::expm1((exponent + 1) * portable::log1p(-x));
+  double sum = 1;  // 1 - t^(m+1) = (1 - t) (1 + t + ... + t^m)
+  for (int k = 0; k < int(exponent); ++k) sum = 1 + (1 - x) * sum;
+  return x * sum;
+}
 
 BlinnPhong::BlinnPhong(double exponent)
     : power(0.5 * exponent), scale(1 / (2 * pi * rest(0))), at_horizon(portable::exp(-power * std::numbers::ln2)) {}
