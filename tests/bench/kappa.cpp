@@ -44,7 +44,7 @@ class Random {
 double error_of(const Level& map, const Direction& light, const Lobe& lobe, const MultilevelPlan& plan, double error,
                 Random& random) {
   const double mean = mean_radiance(map);
-  const SourceGrids grids(map, mean, Colour(0), plan.grids());
+  const SourceGrids grids(map, mean, Colour(0), plan.finest());
   const std::optional<Level> fine = refined(map);
   const Level& small = fine ? *fine : map;
   const Hinges hinges(map, mean, 3, error);

@@ -65,7 +65,7 @@ for number, body in enumerate(bodies):
     examples.append(work / f'page_{number}.cpp')
     examples[-1].write_text('#include <envmap/envmap.h>\n' + ''.join(f'#include <{h}>\n' for h in (
         'algorithm', 'filesystem', 'thread', 'type_traits', 'vector')) + 'using namespace envmap;\nint main() {\n' + body + '}\n')
-run('cmake', '-S', source / 'tests/consumer', '-B', work / 'build', f'-DCMAKE_PREFIX_PATH={tree}', '-DCMAKE_BUILD_TYPE=Release',
+run('cmake', '-S', source / 'tests/consumer', '-B', work / 'build', f'-DCMAKE_PREFIX_PATH={tree}', '-DCMAKE_BUILD_TYPE=',
     f'-DCMAKE_CXX_COMPILER={compiler}', f'-DEXAMPLE={work / "example.cpp"}', f'-DEXAMPLES={";".join(map(str, examples))}')
 run('cmake', '--build', work / 'build')
 pkg = os.environ | {'PKG_CONFIG_PATH': str(library / 'pkgconfig')}

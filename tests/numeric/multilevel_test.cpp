@@ -64,7 +64,7 @@ void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, st
   const auto plan = multilevel_plan(lobe, error, finest_rows(map.base()));
   ASSERT_TRUE(plan) << what;
   const double mean = mean_radiance(map.base());
-  const SourceGrids grids(map.base(), mean, Colour(0), plan->grids());
+  const SourceGrids grids(map.base(), mean, Colour(0), plan->finest());
   const std::optional<Level> fine = refined(map.base());
   const Hinges hinges(fine ? *fine : map.base(), mean, 3, error);
   const MultilevelSource source{fine ? *fine : map.base(), grids, &hinges, mean, Colour(0)};

@@ -271,7 +271,7 @@ Action define_convert(Options& o) {
         "Use the fastest filter with errors in the file below E, or exit with 1");
   add_filter(o, c->convert.filter, "{} (default: auto)");
   o.add("--samples", "N", &c->samples, range_of(limits::samples),
-        "N x N samples per texel for nearest, bilinear, bicubic (default: 1 or auto)");
+        "N x N samples per texel for nearest, bilinear, bicubic (default: 1; auto: 1 or 2)");
   o.add("--area-error", "E", &c->convert.area_error, range_of(limits::area_error),
         "Relative error at which 'area' stops (default: 1e-4; with auto 1e-3)");
   add_costs(o, c->costs);

@@ -151,8 +151,8 @@ void add_output_space(Options& o, WriteOptions& w) {
   o.flag("--encoded", w.encoded, "Allow an encoded --output-space, such as 'Display P3', in float files");
 }
 void add_costs(Options& o, std::string& path) {
-  o.add("--costs", "FILE", &path, "Choose methods by timings of 'tradeoff --calibrate' (may change bytes)")
-      .environment = "ENVMAP_COSTS";
+  o.add("--costs", "FILE", &path, "Choose methods by the timings in FILE (the output may differ)").environment =
+      "ENVMAP_COSTS";
 }
 
 int size_inside_border(int size, const WriteOptions& w) {

@@ -26,7 +26,6 @@ struct Splitting {
 constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 3.6};
 constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 4.0};
 
-constexpr int least_rows = 64;
 // 0.001 x the mean of three channels, over the flux of a light in one.
 constexpr double floor_density = 1e-3 / (12 * pi);
 
@@ -120,10 +119,8 @@ std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, cons
 
 }  // namespace
 
-std::vector<int> MultilevelPlan::grids() const {
-  std::vector<int> rows;
-  for (const Step& s : steps) rows.push_back(s.rows);
-  return rows;
+int MultilevelPlan::finest() const {
+  return steps.empty() ? least_rows : std::ranges::max_element(steps, {}, &Step::rows)->rows;
 }
 
 std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int most_rows) {

@@ -31,7 +31,7 @@ struct MultilevelPlan {
   double error = 0, floor_error = 0;  ///< Of the steps, at most: of a texel, and in addition of 0.001 x the mean.
   double hinge_error = 0;             ///< What the steps leave to the sums of hinges.
 
-  [[nodiscard]] std::vector<int> grids() const;
+  [[nodiscard]] int finest() const;  ///< Rows of the finest grid.
   [[nodiscard]] bool has_hinges() const { return hinges.factors[0] > 0; }
   /// Whether the treecode is slower (measured). The light of a cube is laid on grids point by point: that pays for
   /// narrow lobes of many texels. @param texels of the whole result.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <span>
 
 #include "envmap/maths/portable.h"
@@ -368,21 +369,14 @@ Planes of_cube(const Level& source, double unit, const Colour& darkest, int rows
 
 }  // namespace
 
-SourceGrids::SourceGrids(const Level& source, double unit, const Colour& darkest, std::vector<int> wanted) {
-  if (wanted.empty()) return;
-  std::ranges::sort(wanted, std::greater<>());
+SourceGrids::SourceGrids(const Level& source, double unit, const Colour& darkest, int finest) {
   const bool latlong = source.projection() == Projection::latlong;
-  Planes planes =
-      latlong ? of_latlong(source, unit, darkest, wanted.front()) : of_cube(source, unit, darkest, wanted.front());
-  for (const int rows : wanted) {
-    if (grids_.contains(rows)) continue;
-    while (planes.rows > rows) planes = coarser(planes);
-    grids_.emplace(rows, thinned(planes));
+  Planes planes = latlong ? of_latlong(source, unit, darkest, finest) : of_cube(source, unit, darkest, finest);
+  grids_.push_back(thinned(planes));
+  while (planes.rows > least_rows) {
+    planes = coarser(planes);
+    grids_.push_back(thinned(planes));
   }
-}
-
-bool SourceGrids::has(const std::vector<int>& rows) const {
-  return std::ranges::all_of(rows, [&](int r) { return grids_.contains(r); });
 }
 
 }  // namespace envmap::prefiltering

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
-#include <map>
 #include <vector>
 
 #include "envmap/map/environment_map.h"
@@ -45,19 +44,22 @@ inline int finest_rows(const Level& source) {
   return std::clamp(int(std::bit_ceil(2 * unsigned(source.height()))), 256, 2048);
 }
 
-/// Grids of `finest` rows, and of half as many down to `coarsest`, of those that are wanted.
+/// Of the coarsest grid. All numbers of rows are powers of two.
+inline constexpr int least_rows = 64;
+
+/// Grids of `finest` rows, of half as many, and so on down to least_rows.
 class SourceGrids {
  public:
   /// @param source a cube or latlong map. @param unit that radiance is counted in, above 0. @param darkest taken off
   /// all radiance.
-  /// @param wanted numbers of rows, powers of two from 64.
-  SourceGrids(const Level& source, double unit, const Colour& darkest, std::vector<int> wanted);
+  SourceGrids(const Level& source, double unit, const Colour& darkest, int finest);
 
-  [[nodiscard]] const SourceGrid& grid(int rows) const { return grids_.at(rows); }
-  [[nodiscard]] bool has(const std::vector<int>& rows) const;
+  [[nodiscard]] const SourceGrid& grid(int rows) const {
+    return grids_[std::size_t(std::countr_zero(unsigned(grids_.front().rows)) - std::countr_zero(unsigned(rows)))];
+  }
 
  private:
-  std::map<int, SourceGrid> grids_;
+  std::vector<SourceGrid> grids_;  // From the finest on.
 };
 
 }  // namespace envmap::prefiltering

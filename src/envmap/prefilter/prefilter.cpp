@@ -9,6 +9,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -75,7 +76,7 @@ struct PrefilterSource::Prepared {
   // Made when they are wanted first.
   mutable std::optional<Tree> tree;
   mutable std::optional<Hinges> hinges;      // Of the order and error wanted last.
-  mutable std::optional<SourceGrids> grids;  // Of the lobe wanted last.
+  mutable std::map<int, SourceGrids> grids;  // By the rows of the finest: no result depends on earlier ones.
   mutable std::mutex in_use;                 // By the one make() that runs.
 
   Prepared(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
@@ -97,9 +98,8 @@ struct PrefilterSource::Prepared {
     if (!hinges || !hinges->fits(order, error)) hinges.emplace(small_texels(), light.mean, order, error);
     return *hinges;
   }
-  [[nodiscard]] const SourceGrids& levels(std::vector<int> rows, const Colour& darkest) const {
-    if (!grids || !grids->has(rows)) grids.emplace(source.base(), light.mean, darkest, std::move(rows));
-    return *grids;
+  [[nodiscard]] const SourceGrids& levels(int finest, const Colour& darkest) const {
+    return grids.try_emplace(finest, source.base(), light.mean, darkest, finest).first->second;
   }
 };
 
@@ -113,7 +113,7 @@ struct Making {
   const Totals& light;
   const std::function<const Tree&()> tree;
   const std::function<const Hinges&(int order)> hinges;
-  const std::function<const SourceGrids&(std::vector<int> rows, const Colour& darkest)> grids;
+  const std::function<const SourceGrids&(int finest, const Colour& darkest)> grids;
   const Prefilter& wanted;
   const Lobe lobe;
   const Target target;
@@ -162,7 +162,7 @@ struct Making {
   void make_multilevel(const MultilevelPlan& plan, Level& out, std::span<float> figures) const {
     if (light.mean <= 0) return void(std::ranges::fill(figures, 0.F));
     const Colour darkest = darkest_of(source);
-    const MultilevelSource from{small_texels, grids(plan.grids(), darkest),
+    const MultilevelSource from{small_texels, grids(plan.finest(), darkest),
                                 plan.has_hinges() ? &hinges(plan.hinges.order()) : nullptr, light.mean, darkest};
     multilevel_map(plan, from, target, wanted.rows, out, figures, progress);
   }
@@ -256,9 +256,7 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
              p.light,
              [&]() -> const Tree& { return p.nodes(); },
              [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
-             [&](std::vector<int> rows, const Colour& darkest) -> const SourceGrids& {
-               return p.levels(std::move(rows), darkest);
-             },
+             [&](int finest, const Colour& darkest) -> const SourceGrids& { return p.levels(finest, darkest); },
              wanted,
              lobe_of(wanted),
              {wanted.to, wanted.size, turn},

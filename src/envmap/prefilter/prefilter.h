@@ -72,7 +72,7 @@ inline bool is_mirror(const Prefilter& p) { return p.shape == Shape::ggx && p.pa
 Lobe lobe_of(const Prefilter& wanted);
 
 /// A map prepared for prefiltering: many lobes share the work. Safe for several threads at once: they take turns, and
-/// each turn uses all cores. The last digits of a result may depend on the lobes that were made before.
+/// each turn uses all cores. A result does not depend on the lobes that were made before.
 class PrefilterSource {
  public:
   /// A map that is neither a cube nor latlong is prefiltered as the cube that convert() makes of it, by the area filter
