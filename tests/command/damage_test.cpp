@@ -92,7 +92,7 @@ TEST_F(DamagedTiff, TilesOfAbsurdSizeAreRefused) {
   save(path("map.tif"), latlong_directions(16), TypeDesc::FLOAT, spec);
   succeeds({"info", "map.tif"});
   for (const unsigned side : {322U, 323U})  // TileWidth, TileLength.
-    for (const std::uint32_t length : {1U << 24, 0x7ffffff0U, 0x80000000U, 0xfffffff0U, 0xffffffffU})
+    for (const std::uint32_t length : {1U << 24, 0x7ffffff0U, 0xffffffffU})
       for (const unsigned orientation : {1U, 3U}) {  // Upright, and turned by half.
         SCOPED_TRACE(testing::Message() << side << ' ' << length << ' ' << orientation);
         std::string bytes = read("map.tif");

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 #include <regex>
+#include <set>
 
 #include "picture.h"
 #include "run.h"
@@ -128,7 +129,8 @@ TEST_F(Hints, OfLightThatIsTooDark) {
 TEST_F(Hints, OfFileTypes) {
   succeeds({"convert", "grey.exr", "grey-cube.exr", "--to", "cube", "--size", "8"});
   for (const std::string command :
-       {"convert grey.exr out", "convert grey-cube.exr out", "mipmap grey.exr out", "mipmap grey-cube.exr out"})
+       {"convert grey.exr out", "convert grey-cube.exr out", "mipmap grey.exr out", "mipmap grey-cube.exr out"}) {
+    std::set<std::string> known;
     for (const std::string type : {".xyz", ""}) {
       const Result r = envmap(split(command + type));
       EXPECT_EQ(r.status, 2);
@@ -136,11 +138,13 @@ TEST_F(Hints, OfFileTypes) {
       const std::string listed = r.err.substr(r.err.find(type.empty() ? "end the name in" : "try"));
       int tried = 0;
       for (std::sregex_iterator m(listed.begin(), listed.end(), extension), end; m != end; ++m, ++tried) {
+        if (!known.insert(m->str()).second) continue;
         const Result done = envmap(split(command + m->str()));
         EXPECT_EQ(done.status, 0) << command << m->str() << ": " << done.err;
       }
       EXPECT_GT(tried, 3) << r.err;
     }
+  }
   leads({split("convert grey.exr out"), 2, "or .webp, or use --format", {split("convert grey.exr out --format exr")}});
 }
 
@@ -239,10 +243,8 @@ TEST_F(Hints, OfCommands) {
          2,
          ": needs --roughness R, --roughnesses A,B,... or --levels N",
          {with(ggx, "--roughness 1"), with(ggx, "--roughnesses 0.5,1"), with(ggx, "--levels 2")}});
-  leads({with(phong, "--exponent 5 --brdf-table table.exr"),
-         2,
-         ": remove --brdf-table",
-         {with(phong, "--exponent 5")}});
+  leads(
+      {with(phong, "--exponent 5 --brdf-table table.exr"), 2, ": remove --brdf-table", {with(phong, "--exponent 5")}});
   leads({split("prefilter --lobe blinn-phong --brdf-table table.exr"),
          2,
          ": choose --lobe ggx or --lobe charlie",
