@@ -1,5 +1,6 @@
-# cmake -DOUTPUT=x.cpp -DFUNCTION=shader_source -DHEADER=envmap/render/shaders.h -DNAMESPACE=envmap -DFILES=a.glsl;b.glsl
-# -P embed.cmake: the text of the files as C++, by their names.
+# cmake -DOUTPUT=x.cpp -DFUNCTION=shader_source -DHEADER=envmap/render/shaders.h -DNAMESPACE=envmap
+#   -DFILES=a.glsl;b.glsl -P embed.cmake
+# The text of the files as C++, by their names.
 set(text "#include \"${HEADER}\"\n\n")
 string(APPEND text "namespace ${NAMESPACE} {\n\nstd::string_view ${FUNCTION}(std::string_view name) {\n")
 foreach(file ${FILES})

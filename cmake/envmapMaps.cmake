@@ -7,10 +7,10 @@
 #
 # OUTPUT with {face}, {half}, {eye} or {level} stands for all files that the program writes.
 #
-# Sources are relative to CMAKE_CURRENT_SOURCE_DIR, outputs and FOLDER to CMAKE_CURRENT_BINARY_DIR. TARGET is made, as part of
-# 'all', or more is added to it. What a scene or a config of colours reads comes from the program's --depfile. In names of
-# outputs CMake allows neither # nor < nor >, and Ninja reads neither $ nor ' there: the second function writes _ for them. A
-# file with $ in its name is seen where it is a source, not where the depfile alone knows it.
+# Sources are relative to CMAKE_CURRENT_SOURCE_DIR, outputs and FOLDER to CMAKE_CURRENT_BINARY_DIR. TARGET is made, as
+# part of 'all', or more is added to it. What a scene or a config of colours reads comes from the program's --depfile.
+# In names of outputs CMake allows neither # nor < nor >, and Ninja reads neither $ nor ' there: the second function
+# writes _ for them. A file with $ in its name is seen where it is a source, not where the depfile alone knows it.
 
 # Run as a script: Ninja refuses depfiles that name other outputs than the one it was told of, which is the first.
 if(CMAKE_SCRIPT_MODE_FILE)
@@ -25,7 +25,8 @@ if(CMAKE_SCRIPT_MODE_FILE)
   return()
 endif()
 
-# @param outputs the files that CMake looks at. The first is the first that the depfile names. Further arguments: the command.
+# @param outputs the files that CMake looks at. The first is the first that the depfile names. Further arguments: the
+# command.
 function(_envmap_add_command target outputs sources)
   get_property(count GLOBAL PROPERTY _envmap_maps)
   math(EXPR count "${count} + 1")
@@ -36,7 +37,8 @@ function(_envmap_add_command target outputs sources)
   add_custom_command(OUTPUT ${outputs}
     COMMAND ${CMAKE_COMMAND} -E make_directory "${folder}"
     COMMAND ${ENVMAP_PROGRAM} ${ARGN} --depfile "${depfile}"
-    COMMAND ${CMAKE_COMMAND} "-DENVMAP_DEPFILE=${depfile}" "-DENVMAP_PROGRAM=${ENVMAP_PROGRAM}" -P "${CMAKE_CURRENT_FUNCTION_LIST_FILE}"
+    COMMAND ${CMAKE_COMMAND} "-DENVMAP_DEPFILE=${depfile}" "-DENVMAP_PROGRAM=${ENVMAP_PROGRAM}" -P
+      "${CMAKE_CURRENT_FUNCTION_LIST_FILE}"
     DEPENDS ${sources} ${ENVMAP_PROGRAM}
     DEPFILE ${depfile}
     COMMENT "envmap ${ARGV3}: map ${count} of ${target}"
@@ -102,7 +104,8 @@ function(envmap_add_map target)
   _envmap_expand(outputs "{half}" front back)
   _envmap_expand(outputs "{eye}" left right both)
   _envmap_expand(outputs "{level}" 0) # How many follow is known when they are made.
-  _envmap_add_command(${target} "${outputs}" "${map_SOURCE};${map_DEPENDS}" ${map_COMMAND} "${map_SOURCE}" "${map_OUTPUT}"
+  _envmap_add_command(${target} "${outputs}" "${map_SOURCE};${map_DEPENDS}" ${map_COMMAND} "${map_SOURCE}"
+    "${map_OUTPUT}"
     ${map_OPTIONS})
 endfunction()
 

@@ -1,5 +1,5 @@
-# 'cpack' in a build of the preset 'deb' makes two packages: envmap_VERSION-1_ARCHITECTURE.deb with program, library, headers,
-# pages and completions, and python3-envmap with the Python module.
+# 'cpack' in a build of the preset 'deb' makes two packages: envmap_VERSION-1_ARCHITECTURE.deb with program, library,
+# headers, pages and completions, and python3-envmap with the Python module.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME envmap)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -13,12 +13,14 @@ if(DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL})
   set(builder "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 else()
   foreach(part name email)
-    execute_process(COMMAND git -C ${PROJECT_SOURCE_DIR} config user.${part} OUTPUT_VARIABLE ${part} OUTPUT_STRIP_TRAILING_WHITESPACE
+    execute_process(COMMAND git -C ${PROJECT_SOURCE_DIR} config user.${part} OUTPUT_VARIABLE ${part}
+      OUTPUT_STRIP_TRAILING_WHITESPACE
       ERROR_QUIET)
   endforeach()
   set(builder "${name} <${email}>")
 endif()
-set(ENVMAP_MAINTAINER "${builder}" CACHE STRING "Name and address in the .deb (default: DEBFULLNAME <DEBEMAIL>, else git's)")
+set(ENVMAP_MAINTAINER "${builder}" CACHE STRING
+  "Name and address in the .deb (default: DEBFULLNAME <DEBEMAIL>, else git's)")
 set(CPACK_PACKAGE_CONTACT ${ENVMAP_MAINTAINER})
 
 set(about
@@ -51,10 +53,12 @@ if(ENVMAP_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-envmap)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   # A module is of one version of Python. The other package holds what reads the formats that are opened at run time.
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${ENVMAP_PYTHON_MINOR}~), python3 (<< 3.${next}), python3-numpy, envmap (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${ENVMAP_PYTHON_MINOR}~), python3 (<< 3.${next}), python3-numpy, envmap (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "libosmesa6 | libgl1-mesa-dri, libegl1, libgl1-mesa-dri")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${about}The package holds the Python module, on numpy arrays.")
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/python/postinst ${PROJECT_SOURCE_DIR}/packaging/python/prerm)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/python/postinst
+    ${PROJECT_SOURCE_DIR}/packaging/python/prerm)
 endif()
 
 set(CPACK_STRIP_FILES ON)
