@@ -27,8 +27,8 @@ struct MapChoice {
 };
 
 // The cheapest maps whose pictures are off by `max_error` at most. The error is the rms of the difference over that of
-// the picture by rays. Larger and larger maps are tried, looked up by distance and drawn until nothing changes;
-// of the first that do, rounds and distances are taken away where the rest does, too.
+// the picture by rays. Tries increasing map sizes with distance lookup until one is accurate enough, then tries fewer
+// rounds and direction lookup.
 // @param drawing near, far and method.
 MapChoice choose_maps(envmap::Renderer& renderer, const std::vector<envmap::Mirror>& mirrors,
                       std::vector<Moment> moments, const envmap::MirrorOptions& drawing, double max_error);

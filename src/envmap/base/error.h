@@ -1,6 +1,6 @@
 /// @file
-/// How operations fail: exceptions with a code, the file at fault, and what would help, in no words of any command
-/// line. Nothing else is thrown on purpose, but std::bad_alloc.
+/// Exceptions of the library: an error code, the file and a remedy. The text does not mention command-line options.
+/// Nothing else is thrown on purpose, except std::bad_alloc.
 #pragma once
 
 #include <optional>

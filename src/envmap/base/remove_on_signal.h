@@ -4,11 +4,10 @@
 
 namespace envmap {
 
-/// A file or an empty folder that signals which end the program remove before: files before folders. Not those that are
-/// ignored or that the program handles itself. @param name must stay as it is until keep_on_signal().
-/// No more than 256 at a time.
+/// Registers a file or empty folder to delete when a signal ends the program (files first). Signals that are ignored or
+/// have a handler are left alone. @param name must stay valid until keep_on_signal(). At most 256 at a time.
 void remove_on_signal(const char* name);
-/// No longer.
+/// Undoes remove_on_signal().
 void keep_on_signal(const char* name);
 
 }  // namespace envmap

@@ -27,7 +27,7 @@ inline constexpr const char* aces2065_1 = "ACES2065-1";
 
 std::span<const BuiltInSpace> built_in_spaces();
 
-/// By name, alias or role, whatever the capitals; else null.
+/// Finds a space by name, alias or role, ignoring case. @return null if there is none.
 const BuiltInSpace* built_in_space(std::string_view name);
 
 /// The spaces above, relative to linear Rec.709, and the roles scene_linear, default,

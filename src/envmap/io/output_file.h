@@ -16,8 +16,8 @@ namespace envmap {
 /// @throws OutputError
 void check_replaceable(const std::string& path, const CommitOptions& how);
 
-/// Brings a file or folder to the disk. @return errno, or 0; 0 too where it cannot be read,
-/// or its file system has no fsync.
+/// Flushes a file or folder to disk. @return 0 or errno. Unreadable files and file systems without fsync count as
+/// success.
 int synchronise(const std::string& path);
 
 /// Bytes on their way to a file. They go to a file without a name in the same folder (O_TMPFILE), which commit() names;

@@ -83,7 +83,7 @@ std::vector<Texel> hardest(const std::vector<PaddedLevel>& levels, const Target&
   return found;
 }
 
-// Steradians of the texels, but for a factor; those on a rim, with their centres outside, count next to nothing.
+// Solid angles up to a common factor. Rim texels with their centre outside the disc get almost no weight.
 std::vector<double> weights(const Target& target, std::span<const Texel> texels) {
   std::vector<Point2> centres;
   for (const Texel& t : texels)

@@ -64,7 +64,7 @@ class Resampler {
   /// @throws UsageError where a field is out of its range (bounds.h) or `ball` is set for another map than a sphere
   /// map, InputError where a texel is NaN or infinite.
   Resampler(const EnvironmentMap& source, const ConvertOptions& options) : Resampler(source.clone(), options) {}
-  /// Takes the source's texels over: no more memory than the map itself.
+  /// Moves the source's texels instead of copying them.
   Resampler(EnvironmentMap&& source, const ConvertOptions& options);
 
   [[nodiscard]] const Frame& frame() const;

@@ -21,7 +21,7 @@ namespace HWY_NAMESPACE {
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 
-// Brings what is read later on its way.
+// Prefetches an object into the cache.
 template <class T>
 HWY_INLINE void fetch(const T* what) {
   for (std::size_t k = 0; k < sizeof(T); k += 64) hwy::Prefetch(reinterpret_cast<const char*>(what) + k);

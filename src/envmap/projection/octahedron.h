@@ -20,8 +20,8 @@ struct Place {
   bool below;
 };
 
-/// Beyond a side the square goes on with itself, turned by half a turn about the middle of that side; so all sides,
-/// over and over. @return the place in the square.
+/// Beyond an edge, the map continues with the same edge, turned by half a turn about its midpoint. @return the place in
+/// the square.
 inline Point2 wrapped(double s, double t) {
   if (std::abs(s) <= 1 && std::abs(t) <= 1) return {s, t};
   s -= 4 * std::nearbyint(0.25 * s);

@@ -125,7 +125,7 @@ bool has_tangents(const Scene& scene) {
   return std::ranges::any_of(scene.meshes, [](const Mesh& mesh) { return !mesh.tangents.empty(); });
 }
 
-// Of all corners where a mesh has any.
+// Tangents of all corners. Empty if no mesh has tangents.
 std::vector<glm::vec4> tangents_of(const Scene& scene) {
   std::vector<glm::vec4> tangents;
   if (!has_tangents(scene)) return tangents;

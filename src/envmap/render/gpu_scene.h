@@ -60,8 +60,7 @@ class GpuScene {
   [[nodiscard]] std::size_t triangles() const { return triangles_; }
   [[nodiscard]] int lights() const { return lights_; }
 
-  /// A mesh whose vertices are others now, as many and joined as before: positions, normals, coordinates,
-  /// colours, tangents.
+  /// Uploads a mesh's vertex attributes again. Vertex count and triangles must not have changed.
   void update(const Scene& scene, int mesh);
 
   /// Where everything is, seen from `at` in a frame of `axes`: one element a part.

@@ -35,8 +35,8 @@ Mirror make_mirror(const Scene& scene, int node, Projection to);
 struct MirrorOptions {
   int size = 0;  ///< Height of a face; 0: what the pixels of the picture need, up to `largest`.
   int largest = 1024;
-  /// Rounds a frame: so often light goes from mirror to mirror before the next one. None: until no texel changes by
-  /// more than 1/255 of white, or of itself where it is brighter; at most most_rounds.
+  /// Update rounds per frame (reflections between mirrors). Unset: repeats until no texel changes by more than 1/255 of
+  /// white, or of itself if it is brighter, at most most_rounds times.
   std::optional<int> bounces;
   bool all = false;  ///< Draw every face of every map in every frame.
   bool moved = false;  ///< Vertices of meshes did: what shows them is drawn again.

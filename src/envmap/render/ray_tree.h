@@ -31,8 +31,8 @@ class RayTree {
   RayTree(RayTree&&) noexcept;
   ~RayTree();
 
-  /// The first that a ray meets. In air sides that a material does not show let it through (glTF's doubleSided); inside
-  /// a solid all sides of solids are there, since that is where it ends. Holes of alpha_cutoff let it through.
+  /// Returns the closest hit. In air, back faces of single-sided materials are skipped (glTF doubleSided). Inside a
+  /// solid, all faces of solids count, because the solid ends there. Holes of alpha_cutoff are skipped.
   /// @param origin from the centre. @param ray unit, world.
   [[nodiscard]] std::optional<RayHit> find(const Direction& origin, const Direction& ray, double near, double far,
                                            Medium medium = Medium::air) const;

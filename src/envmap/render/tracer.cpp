@@ -47,7 +47,7 @@ Flux Tracer::from_surface(const RayHit& hit, const Direction& ray) const {
   return scattered(hit, {Direction(0), ray, bounces_, 1, true});
 }
 
-// What a ray from a surface brings back.
+// Returns the radiance that arrives along a ray starting on a surface.
 Flux Tracer::along(const Ray& ray) const {
   const auto hit = tree_.find(ray.origin, ray.along, RayTree::clearance(ray.origin), far_);
   return hit ? leaving(*hit, ray) : missing(ray);
@@ -88,7 +88,7 @@ Flux Tracer::scattered(const RayHit& hit, const Ray& ray) const {
          beyond(out.coat, out.coat_mirrored, followed.coat, false, [&] { return coat_light(s, v, light_, out); });
 }
 
-// What a ray brings back that is inside a solid. The colour of the glass was counted where it entered.
+// Returns the radiance along a ray inside a solid. The glass tint was applied where the ray entered.
 Flux Tracer::through(const Ray& ray, double ior, int reflections) const {
   const auto hit = tree_.find(ray.origin, ray.along, RayTree::clearance(ray.origin), far_, Medium::solid);
   if (!hit) return glossy_radiance(light_, ray.along, 0);

@@ -115,8 +115,8 @@ void cut_by_facet(const PaddedLevel& source, int facet, std::span<const Corner> 
   if (!ws.piece.empty()) out.add(out.points.front(), true);
 }
 
-// Over the edges of a cube or the creases of an octahedral map, facet by facet. A texel that spans 160 degrees is not
-// cut: what is inside of it and what outside is then no longer plain.
+// Over the edges of a cube or the creases of an octahedral map, facet by facet. Texels wider than 160 degrees are not
+// clipped, because inside and outside become ambiguous.
 template <Faceted P>
 Outcome integrate_by_facets(const Task& task, std::size_t texel, Workspace& ws, Mean& mean) {
   constexpr double cosine_of_most = 0.17;

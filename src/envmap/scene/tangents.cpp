@@ -40,7 +40,7 @@ double angle_at(const Mesh& mesh, std::size_t first, std::size_t k, const Direct
   return std::acos(std::clamp(glm::dot(a, b), -1.0, 1.0));
 }
 
-using Place = std::array<float, 9>;  // Of a vertex in all that it is told apart by, and on which side its image shows.
+using Place = std::array<float, 9>;  // Vertex key: position, normal, texture coordinates, UV handedness.
 
 Place place_of(const Mesh& mesh, std::uint32_t v, int handed) {
   const glm::vec3 &p = mesh.positions[v], &n = mesh.normals[v];
