@@ -22,6 +22,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
+#include "envmap/io/image_writer.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/read.h"
 #include "envmap/io/srgb.h"
@@ -39,9 +40,7 @@ class Io : public testing::Test {
   Io() { fs::create_directories(folder_); }
   ~Io() override { fs::remove_all(folder_); }
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  [[nodiscard]] std::size_t entries() const {
-    return std::size_t(std::distance(fs::directory_iterator(folder_), {}));
-  }
+  [[nodiscard]] std::size_t entries() const { return std::size_t(std::distance(fs::directory_iterator(folder_), {})); }
 
  private:
   fs::path folder_ = fs::temp_directory_path() / ("envmap_io_" + std::to_string(::getpid()));
@@ -146,9 +145,9 @@ TEST_F(Io, FloatExrIsExact) {
 TEST_F(Io, EveryFormatHoldsWhatItsRowSays) {
   const EnvironmentMap map = generate(Directions{}, Projection::latlong, 24);  // 0 to 1, smooth.
   const auto tolerance = [](const FileFormat& format, Depth depth) {
-    if (format.name == "jpeg" || format.name == "webp") return 0.1;           // Lossy.
-    if (format.name == "hdr") return 0x1p-8;                                  // 8 bits beside a shared exponent.
-    if (depth == Depth::uint8) return 0.5 / 255 * 2.3;                        // The steepest of the sRGB curve.
+    if (format.name == "jpeg" || format.name == "webp") return 0.1;  // Lossy.
+    if (format.name == "hdr") return 0x1p-8;                         // 8 bits beside a shared exponent.
+    if (depth == Depth::uint8) return 0.5 / 255 * 2.3;               // The steepest of the sRGB curve.
     if (depth == Depth::uint16) return 0.5 / 65535 * 2.3 + 1e-6;
     if (depth == Depth::bc6h) return 0.15;  // Lossy, and 4x4 of these texels span 30 degrees.
     return depth == Depth::half ? 0x1p-12 : depth == Depth::rgb9e5 ? 0x1p-10 : 0.0;
@@ -279,9 +278,8 @@ void write_exr(const std::string& path, const Imath::Box2i& window, const std::m
   for (const auto& [name, channel] : channels) {
     header.channels().insert(name, channel);
     pixels.emplace_back(width * height, values.at(name));
-    char* origin =
-        reinterpret_cast<char*>(pixels.back().data()) -
-        std::ptrdiff_t(sizeof(float)) * (window.min.x + window.min.y * std::ptrdiff_t(width));
+    char* origin = reinterpret_cast<char*>(pixels.back().data()) -
+                   std::ptrdiff_t(sizeof(float)) * (window.min.x + window.min.y * std::ptrdiff_t(width));
     frame.insert(name, Imf::Slice(channel.type, origin, sizeof(float), sizeof(float) * width, channel.xSampling,
                                   channel.ySampling));
   }
@@ -431,8 +429,7 @@ TEST_F(Io, ExrDataWindowsArePaddedAndCropped) {
       ASSERT_EQ(level.height(), 4);
       for (int y = 0; y < 4; ++y)
         for (int x = 0; x < 8; ++x)
-          EXPECT_EQ(level.row(0, y)[x],
-                    data.intersects(shown.min + Imath::V2i(x, y)) ? Colour(1, 2, 3) : Colour(0));
+          EXPECT_EQ(level.row(0, y)[x], data.intersects(shown.min + Imath::V2i(x, y)) ? Colour(1, 2, 3) : Colour(0));
     }
 }
 
@@ -537,6 +534,29 @@ TEST_F(Io, LightThatBecomesNothingIsRefused) {
 TEST_F(Io, JpegsThatAreTooLongAreRefused) {
   OutputFile file(path("a.jpg"));
   EXPECT_THROW(formats().create(file, "jpg", {.levels = {{65501, 1}}, .depth = Depth::uint8}), OutputError);
+}
+
+// Read by OpenImageIO, which is another reader.
+TEST_F(Io, PngKeepsTexelsAndTextsInAnyLanguage) {
+  const std::vector<Colour> row{{0, 0.5F, 1}, {2, -1, 0.25F}};
+  for (const Depth depth : {Depth::uint8, Depth::uint16}) {
+    OutputFile file;
+    const ImageWriter writer =
+        make_writer(file, "a.png", "png",
+                    {.levels = {{2, 1}}, .depth = depth, .attributes = {{description, "a=1"}, {"Artist", "Jürgen"}}});
+    writer.write(0, 0, 1, row);
+    writer.close();
+    const std::vector<std::byte> bytes = file.bytes();
+    const ImageReader reader =
+        formats().open("png", "a.png", {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, false);
+    EXPECT_EQ(reader.facts.depth, depth);
+    EXPECT_EQ(reader.facts.attributes.at(description), "a=1");
+    EXPECT_EQ(reader.facts.attributes.at("Artist"), "Jürgen");
+    std::vector<float> texels(6);
+    reader.read(0, 0, 1, 0, 3, texels);
+    const float wanted[] = {0, 0.5F, 1, 1, 0, 0.25F};
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(texels[k], wanted[k], depth == Depth::uint8 ? 0.51 / 255 : 1e-5);
+  }
 }
 
 TEST(Srgb, CurveOfTheStandard) {

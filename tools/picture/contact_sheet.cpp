@@ -8,8 +8,8 @@
 #include <mutex>
 
 #include "cli/console.h"
-#include "envmap/io/formats.h"
 #include "picture/font.h"
+#include "picture/letters.h"
 
 namespace tools {
 namespace {
@@ -24,7 +24,7 @@ void paste(Picture& onto, Picture& from, int x, int y) {
 }
 
 void write(Picture& onto, int x, int y, const std::string& text, int height) {
-  if (!font_file().empty()) return formats().draw_text(onto.pixels, onto.size, x, y, text, height, font_file());
+  if (!font_file().empty()) return draw_letters(onto, x, y, text, height, font_file());
   static std::once_flag told;
   std::call_once(told, [] { warn(fmt::format("no font, so the picture has no words: {}", install_font)); });
 }

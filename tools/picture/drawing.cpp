@@ -8,8 +8,8 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
-#include "envmap/io/formats.h"
 #include "picture/font.h"
+#include "picture/letters.h"
 
 namespace tools {
 namespace {
@@ -115,7 +115,7 @@ Letters letters_of(const std::string& text, int height, int margin) {
   const int room = int(1.4 * width_of(text, height)) + 2 * margin;
   Letters letters{Picture({room, 3 * height / 2 + 2 * margin}, Colour(0)), room, 0};
   Picture& cover = letters.cover;
-  formats().draw_text(cover.pixels, cover.size, margin, margin + height, text, height, font_file());
+  draw_letters(cover, margin, margin + height, text, height, font_file());
   float most = 0;
   for (int j = 0; j < cover.size.height; ++j)
     for (int i = 0; i < cover.size.width; ++i)
@@ -162,7 +162,7 @@ double width_of(const std::string& text, double size) {
   double ems = 0;
   for (const char c : text) {
     if ((c & 0xC0) == 0x80) continue;  // The rest of a letter of UTF-8.
-    ems += std::string_view("mwMW@%").find(c) != std::string_view::npos ? 1.0
+    ems += std::string_view("mwMW@%").find(c) != std::string_view::npos           ? 1.0
            : c == '-' || c == '.' || c == ':' || c == ' ' || c == 'i' || c == 'l' ? 0.37
            : static_cast<unsigned char>(c) >= 0x80                                ? 1.0
            : c >= 'A' && c <= 'Z'                                                 ? 0.73

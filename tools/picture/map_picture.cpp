@@ -1,6 +1,7 @@
 #include "picture/map_picture.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -8,7 +9,6 @@
 #include <string>
 
 #include "envmap/base/parallel.h"
-#include "envmap/io/formats.h"
 #include "envmap/map/page.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
@@ -22,22 +22,42 @@ using namespace envmap;
 
 Layout layout_of(Projection p) { return p == Projection::cube ? Layout::cross : default_layout(p); }
 
-Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size wanted) {
-  show(radiance);
-  Picture small(wanted, Colour(0));
-  small.pixels = formats().resized(radiance, size, wanted);
-  for (Colour& c : small.pixels) c = glm::clamp(c, Colour(0), Colour(1));  // The filter overshoots beside edges.
-  return small;
+// Which pixels of a line each pixel of another line covers, and how much of itself each one is.
+struct Cover {
+  int first;
+  std::vector<float> parts;
+};
+std::vector<Cover> covers(int from, int to) {
+  std::vector<Cover> all(static_cast<std::size_t>(to));
+  const double step = double(from) / to;
+  for (int k = 0; k < to; ++k) {
+    Cover& cover = all[std::size_t(k)];
+    const double low = k * step, high = std::min<double>(from, (k + 1) * step);
+    cover.first = std::min(from - 1, int(low));
+    for (int i = cover.first; i < high; ++i)
+      cover.parts.push_back(float((std::min<double>(i + 1, high) - std::max<double>(i, low)) / step));
+  }
+  return all;
 }
 
-// Every pixel k x k times: what is enlarged shows its texels,
-// where a filter would mix them with what lies beside a face.
-std::vector<Colour> repeated(std::vector<Colour> picture, Size size, int k) {
-  if (k == 1) return picture;
-  const auto wide = std::size_t(size.width), times = std::size_t(k);
-  std::vector<Colour> out(picture.size() * times * times);
-  for (std::size_t j = 0; j < out.size() / (wide * times); ++j)
-    for (std::size_t i = 0; i < wide * times; ++i) out[j * wide * times + i] = picture[j / times * wide + i / times];
+// The mean over each pixel. Enlarged pictures show their texels as squares.
+Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size wanted) {
+  show(radiance);
+  Picture out(wanted, Colour(0));
+  const std::vector<Cover> across = covers(size.width, wanted.width), down = covers(size.height, wanted.height);
+  tbb::parallel_for(0, wanted.height, [&](int j) {
+    const Cover& rows = down[std::size_t(j)];
+    std::vector<Colour> wide(std::size_t(size.width), Colour(0));
+    for (std::size_t r = 0; r < rows.parts.size(); ++r) {
+      const Colour* row = &radiance[(std::size_t(rows.first) + r) * std::size_t(size.width)];
+      for (std::size_t i = 0; i < wide.size(); ++i) wide[i] += rows.parts[r] * row[i];
+    }
+    for (int i = 0; i < wanted.width; ++i) {
+      const Cover& columns = across[std::size_t(i)];
+      for (std::size_t c = 0; c < columns.parts.size(); ++c)
+        out.at(i, j) += columns.parts[c] * wide[std::size_t(columns.first) + c];
+    }
+  });
   return out;
 }
 
@@ -47,10 +67,8 @@ Picture page_picture(const Level& level, std::optional<int> face, const Show& sh
   std::vector<Colour> full(std::size_t(page.width()) * std::size_t(page.height()));
   page.gather(0, page.height(), full);
   const Size size{page.width(), page.height()};
-  const int k = (height + size.height - 1) / size.height;
   const double width = double(height) * size.width / size.height;
-  return shown_at(repeated(std::move(full), size, k), {k * size.width, k * size.height}, show,
-                  {std::max(1, int(std::lround(width))), height});
+  return shown_at(std::move(full), size, show, {std::max(1, int(std::lround(width))), height});
 }
 
 constexpr std::pair<Direction, const char*> axes[] = {{{1, 0, 0}, "+X"},  {{-1, 0, 0}, "-X"}, {{0, 1, 0}, "+Y"},
@@ -70,8 +88,7 @@ Picture ball(const Rotation& to_world, int size, const Show& show, const Radianc
       const double s = (2 * i + 1.0) / fine - 1, t = 1 - (2 * j + 1.0) / fine, rest = 1 - s * s - t * t;
       if (rest <= 0) continue;
       const Direction normal(s, t, std::sqrt(rest)), mirrored = 2 * normal.z * normal - Direction(0, 0, 1);
-      pixels[std::size_t(j) * std::size_t(fine) + std::size_t(i)] =
-          radiance(to_world * normal, to_world * mirrored);
+      pixels[std::size_t(j) * std::size_t(fine) + std::size_t(i)] = radiance(to_world * normal, to_world * mirrored);
     }
   });
   return shown_at(std::move(pixels), {fine, fine}, show, {size, size});

@@ -18,12 +18,6 @@ struct Formats {
                       bool straight_alpha);
   /// For make_writer(), one level: throws OutputError without the file's name.
   ImageWriter (*create)(OutputFile& file, const std::string& extension, const ImagePlan& plan);
-  /// A picture resampled with OpenImageIO's default filter.
-  std::vector<Colour> (*resized)(std::span<const Colour> picture, Size from, Size to);
-  /// Draws a line of text into a picture, its left end and baseline at (x, y).
-  /// @param font a file. @throws OutputError if the font cannot be used.
-  void (*draw_text)(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height,
-                    const std::string& font);
 };
 
 /// The module envmap-formats.so, beside the program or in ../lib/envmap. @throws InputError where it cannot be opened.

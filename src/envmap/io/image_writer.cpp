@@ -3,6 +3,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/openexr.h"
+#include "envmap/io/png.h"
 #include "envmap/io/radiance.h"
 
 namespace envmap {
@@ -24,6 +25,7 @@ ImageWriter make_writer(OutputFile& file, const std::string& path, const std::st
   const ImageWriter writer = naming(path, [&] {
     return extension == "exr"   ? create_openexr(file, plan)
            : extension == "hdr" ? create_radiance(file, plan)
+           : extension == "png" ? create_png(file, plan)
                                 : formats().create(file, extension, plan);
   });
   return {.write =

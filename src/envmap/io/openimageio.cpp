@@ -1,6 +1,4 @@
 // The module envmap-formats.so: the one file that OpenImageIO's 250 libraries are linked to.
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -44,8 +42,7 @@ std::string first_line(const std::string& message, const char* otherwise) {
 
 void use_our_threads() {
   static const bool told =
-      OIIO::attribute("threads",
-                      int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
+      OIIO::attribute("threads", int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
   (void)told;
 }
 
@@ -209,27 +206,7 @@ ImageWriter create(OutputFile& file, const std::string& extension, const ImagePl
               }};
 }
 
-// ---- pictures -------------------------------------------------------------------------------------------------------
-
-OIIO::ImageSpec spec_of(Size size) { return {size.width, size.height, 3, OIIO::TypeDesc::FLOAT}; }
-
-std::vector<Colour> resized(std::span<const Colour> picture, Size from, Size to) {
-  use_our_threads();
-  std::vector<Colour> out(std::size_t(to.width) * std::size_t(to.height));
-  const OIIO::ImageBuf source(spec_of(from), const_cast<Colour*>(picture.data()));
-  OIIO::ImageBuf wanted(spec_of(to), out.data());
-  OIIO::ImageBufAlgo::resize(wanted, source);
-  return out;
-}
-
-void draw_text(std::span<Colour> picture, Size size, int x, int y, const std::string& text, int height,
-               const std::string& font) {
-  OIIO::ImageBuf image(spec_of(size), picture.data());
-  if (!OIIO::ImageBufAlgo::render_text(image, x, y, text, height, font, {0.8F, 0.8F, 0.8F}) && image.has_error())
-    throw OutputError(font, first_line(image.geterror(), "no text can be drawn with this font"));
-}
-
 }  // namespace
 }  // namespace envmap
 
-extern "C" const envmap::Formats envmap_formats{envmap::open, envmap::create, envmap::resized, envmap::draw_text};
+extern "C" const envmap::Formats envmap_formats{envmap::open, envmap::create};

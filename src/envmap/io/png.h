@@ -1,6 +1,6 @@
 /// @file
-/// PNG images in memory, bytes of RGBA as they stand: colours are not multiplied by alpha. Images as such go through
-/// OpenImageIO, which knows no alpha that is no alpha.
+/// PNG by libpng: images as they are written, and bytes of RGBA in memory. Colours of these are not multiplied by
+/// alpha. OpenImageIO, which reads PNG images, would do that.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,9 @@
 #include "envmap/io/image_writer.h"
 
 namespace envmap {
+
+/// For make_writer(): an image of uint8 or uint16. @throws OutputError without the file's name.
+ImageWriter create_png(OutputFile& file, const ImagePlan& plan);
 
 struct RgbaImage {
   int width, height;

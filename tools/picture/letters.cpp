@@ -1,0 +1,83 @@
+#include "picture/letters.h"
+
+#include <ft2build.h>
+#include FT_FREETYPE_H
+
+#include "envmap/base/error.h"
+
+namespace tools {
+namespace {
+
+using namespace envmap;
+
+constexpr Colour ink(0.8F);
+
+// One for each thread: FreeType's are not shared.
+class Font {
+ public:
+  explicit Font(const std::string& file) {
+    if (FT_Init_FreeType(&library_) != 0 || FT_New_Face(library_, file.c_str(), 0, &face_) != 0) {
+      FT_Done_FreeType(library_);
+      throw OutputError(file, "no text can be drawn with this font");
+    }
+  }
+  ~Font() { FT_Done_FreeType(library_); }
+  Font(const Font&) = delete;
+  Font& operator=(const Font&) = delete;
+
+  void set_height(int pixels) { FT_Set_Pixel_Sizes(face_, 0, FT_UInt(pixels)); }
+  // Null where it cannot be drawn.
+  FT_GlyphSlot glyph(char32_t letter) {
+    return FT_Load_Char(face_, letter, FT_LOAD_RENDER) == 0 ? face_->glyph : nullptr;
+  }
+
+ private:
+  FT_Library library_ = nullptr;
+  FT_Face face_ = nullptr;
+};
+
+Font& font_of(const std::string& file) {
+  thread_local std::string open;
+  thread_local std::unique_ptr<Font> font;
+  if (open != file || !font) font = std::make_unique<Font>(file), open = file;
+  return *font;
+}
+
+// The next letter of UTF-8 text. Bytes that are none stand for themselves.
+char32_t next_letter(const std::string& text, std::size_t& at) {
+  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0U; };
+  const unsigned first = byte(at);
+  const std::size_t more = first >= 0xF0 ? 3 : first >= 0xE0 ? 2 : first >= 0xC0 ? 1 : 0;
+  char32_t letter = more == 0 ? first : first & (0x3FU >> more);
+  for (std::size_t k = 1; k <= more; ++k) {
+    if ((byte(at + k) & 0xC0U) != 0x80U) return ++at, first;
+    letter = letter << 6U | (byte(at + k) & 0x3FU);
+  }
+  at += more + 1;
+  return letter;
+}
+
+void blend(Picture& onto, int left, int top, const FT_Bitmap& cover) {
+  for (int j = 0; j < int(cover.rows); ++j)
+    for (int i = 0; i < int(cover.width); ++i)
+      if (onto.holds(left + i, top + j)) {
+        Colour& pixel = onto.at(left + i, top + j);
+        pixel = glm::mix(pixel, ink, float(cover.buffer[j * cover.pitch + i]) / 255);
+      }
+}
+
+}  // namespace
+
+void draw_letters(Picture& onto, int x, int y, const std::string& text, int height, const std::string& file) {
+  Font& font = font_of(file);
+  font.set_height(height);
+  for (std::size_t at = 0; at < text.size();) {
+    const FT_GlyphSlot glyph = font.glyph(next_letter(text, at));
+    if (glyph == nullptr) continue;
+    if (glyph->bitmap.pixel_mode == FT_PIXEL_MODE_GRAY)
+      blend(onto, x + glyph->bitmap_left, y - glyph->bitmap_top, glyph->bitmap);
+    x += int(glyph->advance.x >> 6);
+  }
+}
+
+}  // namespace tools
