@@ -27,6 +27,8 @@ void note(std::string_view line);    ///< Shown unless --quiet.
 void detail(std::string_view line);  ///< Shown with --verbose, unless --quiet.
 void print(std::string_view text);  ///< Writes to standard output. main() checks once, at the end, whether that worked.
 
+/// Bytes of the UTF-8 character at the beginning of a text, which is not empty. 0: the bytes there are no character.
+std::size_t utf8_length(std::string_view text);
 /// Replaces control characters and invalid UTF-8: names come from users and from files. Line breaks stay.
 std::string printable(std::string_view text);
 /// The same, escaped for SVG and HTML, as text or between double quotes.

@@ -3,8 +3,10 @@
 #include <ft2build.h>
 #include FT_FREETYPE_H
 
+#include <algorithm>
 #include <memory>
 
+#include "cli/console.h"
 #include "envmap/base/error.h"
 
 namespace tools {
@@ -45,17 +47,13 @@ Font& font_of(const std::string& file) {
   return *font;
 }
 
-// The next letter of UTF-8 text. Bytes that are none stand for themselves.
-char32_t next_letter(const std::string& text, std::size_t& at) {
-  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0U; };
-  const unsigned first = byte(at);
-  const std::size_t more = first >= 0xF0 ? 3 : first >= 0xE0 ? 2 : first >= 0xC0 ? 1 : 0;
-  char32_t letter = more == 0 ? first : first & (0x3FU >> more);
-  for (std::size_t k = 1; k <= more; ++k) {
-    if ((byte(at + k) & 0xC0U) != 0x80U) return ++at, first;
-    letter = letter << 6U | (byte(at + k) & 0x3FU);
-  }
-  at += more + 1;
+// Takes the next letter off UTF-8 text. Bytes that are no letter stand for themselves.
+char32_t take_letter(std::string_view& text) {
+  const std::size_t length = std::max<std::size_t>(1, utf8_length(text));
+  const auto byte = [&](std::size_t k) { return unsigned(static_cast<unsigned char>(text[k])); };
+  char32_t letter = length == 1 ? byte(0) : byte(0) & (0x7FU >> length);
+  for (std::size_t k = 1; k < length; ++k) letter = letter << 6U | (byte(k) & 0x3FU);
+  text.remove_prefix(length);
   return letter;
 }
 
@@ -70,11 +68,11 @@ void blend(Picture& onto, int left, int top, const FT_Bitmap& cover) {
 
 }  // namespace
 
-void draw_letters(Picture& onto, int x, int y, const std::string& text, int height, const std::string& file) {
+void draw_letters(Picture& onto, int x, int y, std::string_view text, int height, const std::string& file) {
   Font& font = font_of(file);
   font.set_height(height);
-  for (std::size_t at = 0; at < text.size();) {
-    const FT_GlyphSlot glyph = font.glyph(next_letter(text, at));
+  while (!text.empty()) {
+    const FT_GlyphSlot glyph = font.glyph(take_letter(text));
     if (glyph == nullptr) continue;
     if (glyph->bitmap.pixel_mode == FT_PIXEL_MODE_GRAY)
       blend(onto, x + glyph->bitmap_left, y - glyph->bitmap_top, glyph->bitmap);

@@ -1,7 +1,6 @@
 #include "picture/map_picture.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -45,7 +44,7 @@ Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size
   show(radiance);
   Picture out(wanted, Colour(0));
   const std::vector<Cover> across = covers(size.width, wanted.width), down = covers(size.height, wanted.height);
-  tbb::parallel_for(0, wanted.height, [&](int j) {
+  for_each_row(1, wanted.height, {}, [&](int, int j) {
     const Cover& rows = down[std::size_t(j)];
     std::vector<Colour> wide(std::size_t(size.width), Colour(0));
     for (std::size_t r = 0; r < rows.parts.size(); ++r) {

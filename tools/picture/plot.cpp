@@ -27,7 +27,7 @@ struct Axis {
     return has_zero && decade == first ? "0" : fmt::format("1e{}", decade);
   }
 };
-Axis axis(std::span<const PlotPoint> points, double PlotPoint::*value, double from, double to) {
+Axis axis(std::span<const PlotPoint> points, double PlotPoint::* value, double from, double to) {
   double least = 1e300, most = 0;
   bool has_zero = false;
   for (const PlotPoint& p : points) {
