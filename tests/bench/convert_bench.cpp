@@ -1,7 +1,7 @@
 // What conversion costs, one thread, no files: rows of a Resampler into one buffer. items/s are texels made.
 //
 //   kernel/FROM/TO      bilinear, equal density, all 25 pairs (same projection: turned, or it would be a copy)
-//   filter/NAME/xM      latlong to cube, a result M times as coarse; every filter there is
+//   filter/NAME/xM      latlong to cube, a result M times as coarse; every filter there is, bilinear with 2 to 16 samples
 //   size/W              latlong W wide to the cube of its density, bilinear: what caches and pages cost
 //   apron/P             a PaddedLevel made of the maps of kernel/
 //
@@ -104,6 +104,9 @@ void add_filters() {
     for (const int times : {1, 4, 32})
       add(fmt::format("filter/{}/x{}", f.name, times), Projection::latlong, latlong_height,
           {.to = Projection::cube, .size = latlong_height / 2 / times, .filter = f.filter});
+  for (const int samples : {2, 4, 8, 16})
+    add(fmt::format("filter/bilinear-{}/x4", samples), Projection::latlong, latlong_height,
+        {.to = Projection::cube, .size = latlong_height / 8, .filter = Filter::bilinear, .samples = samples});
 }
 
 void add_sizes() {
