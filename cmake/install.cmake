@@ -26,13 +26,16 @@ endforeach()
 add_custom_target(completions ALL DEPENDS ${scripts})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/completions/ DESTINATION ${CMAKE_INSTALL_DATADIR})
 
-# The library: shared as envmap::envmap, static as envmap::static.
+# The library: shared as envmap::envmap, static as envmap::static; and envmap::scenes, which draws.
 install(TARGETS envmap_shared EXPORT shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS envmap_scenes_shared EXPORT scenes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS envmap EXPORT static ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 # Not in a folder of the processor, as lib/x86_64-linux-gnu, which projects without a language do not search.
 set(package lib/cmake/envmap)
 install(EXPORT shared NAMESPACE envmap:: FILE envmapTargets.cmake DESTINATION ${package})
+install(EXPORT scenes NAMESPACE envmap:: FILE envmapScenesTargets.cmake DESTINATION ${package})
 install(EXPORT static NAMESPACE envmap:: FILE envmapStaticTargets.cmake DESTINATION ${package})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/envmapConfig.cmake.in ${PROJECT_BINARY_DIR}/envmapConfig.cmake
   INSTALL_DESTINATION ${package} PATH_VARS CMAKE_INSTALL_BINDIR NO_SET_AND_CHECK_MACRO)
@@ -48,7 +51,8 @@ foreach(flags OpenColorIO_LDFLAGS Png_LDFLAGS Zstd_LDFLAGS Highway_LDFLAGS)
   string(APPEND private_libraries " ${flags}")
 endforeach()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap.pc.in ${PROJECT_BINARY_DIR}/envmap.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/envmap.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap-scenes.pc.in ${PROJECT_BINARY_DIR}/envmap-scenes.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/envmap.pc ${PROJECT_BINARY_DIR}/envmap-scenes.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 # The Python module, of a package of its own: 'cmake --install' leaves it out, 'pip install .' knows its place.
 if(ENVMAP_PYTHON)

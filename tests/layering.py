@@ -29,7 +29,7 @@ def levels(root):
 
 def room(path, level):
     """The folder of the drawing that a file lies in, the deepest where there are several ('scene/read' before 'scene')."""
-    if path == 'src/envmap/envmap.h':  # All of the library.
+    if path in ('src/envmap/envmap.h', 'src/envmap/scenes.h'):  # All of the library.
         return 'tools'
     inside = path.removeprefix('src/envmap/')
     return max((folder for folder in level if inside.startswith(folder + '/')), key=len, default=None) or sys.exit(
@@ -102,11 +102,10 @@ def draw(root, level):
 
 
 def python_module(root):
-    """The module knows the library's public face, and render.cpp what draws scenes."""
+    """The module knows the public faces of the libraries."""
     for file in sorted((root / 'src/python').glob('*.*')):
         for name in re.findall(r'^\s*#\s*include\s*"(envmap/[^"]+)"', file.read_text(), re.M):
-            draws = file.name == 'render.cpp' and name.startswith(('envmap/render/', 'envmap/scene/'))
-            if name != 'envmap/envmap.h' and not draws:
+            if name not in ('envmap/envmap.h', 'envmap/scenes.h'):
                 yield str(file.relative_to(root)), f'src/{name}'
 
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs the program's commands on small inputs and several threads under the thread sanitizer; the exit status is 0 where it saw
+# Runs the program's commands on small inputs, and the tests of the library, with several threads under the thread sanitizer; the exit status is 0 where it saw
 # no race.
 #
 #   sh tests/tsan.sh
@@ -34,8 +34,9 @@ export LD_LIBRARY_PATH="$PWD/tbb"
 
 cd "$root"
 cmake --preset tsan
-cmake --build --preset tsan --target envmap_program
+cmake --build --preset tsan --target envmap_program library_tests
 export TSAN_OPTIONS="suppressions=$root/tests/tsan.supp halt_on_error=0 exitcode=66 second_deadlock_stack=1 ${TSAN_OPTIONS:-}"
 # Randomised addresses can lie where the sanitizer keeps its own memory.
 sh tests/every_command.sh "$root/build/tsan/envmap" setarch -R
+setarch -R build/tsan/library_tests
 echo 'no race'

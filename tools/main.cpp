@@ -15,7 +15,6 @@
 #include "cli/command_line.h"
 #include "cli/console.h"
 #include "envmap/base/error.h"
-#include "envmap/engine/file_error.h"
 
 using namespace tools;
 
@@ -29,6 +28,7 @@ Status status_of(envmap::ErrorCode code) {
     case envmap::ErrorCode::input: return bad_input;
     case envmap::ErrorCode::output: return not_written;
     case envmap::ErrorCode::renderer: break;
+    case envmap::ErrorCode::accuracy: return not_reached;
   }
   return no_renderer;
 }
@@ -78,8 +78,7 @@ bool has(const Options& options, std::string_view name) {
 std::string advice(envmap::Remedy remedy, const Options& options) {
   std::vector<std::string> words;
   for (const Step& step : steps(remedy))
-    if (*step.option == 0 || has(options, step.option))
-      words.emplace_back(step.words);
+    if (*step.option == 0 || has(options, step.option)) words.emplace_back(step.words);
   if (words.empty()) return "";
   const std::string last = words.back();
   words.pop_back();
@@ -108,8 +107,6 @@ int main(int argc, char** argv) {
     status = run(parsed);
   } catch (const Asked& asked) {
     std::fputs(asked.text.c_str(), stdout);
-  } catch (const envmap::NotReached& e) {
-    return complain(who, e.what(), not_reached);
   } catch (const envmap::Error& e) {
     return complain(who, e.what() + advice(e.remedy(), parsed.options), status_of(e.code()));
   } catch (const std::bad_alloc&) {

@@ -29,11 +29,12 @@ Direction direction_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}
 // What a file holds, or a blue sky with a sun.
 EnvironmentMap make_sky(const std::string& path) {
   if (!path.empty()) return convert(std::move(read(path).map), {.to = Projection::cube, .size = 512});
-  return generate(Sun{.towards = glm::normalize(Direction(-0.4, 0.8, 0.4)),
-                      .radius = 1,
-                      .radiance = {6000, 5300, 4300},
-                      .sky = {.zenith = {0.1, 0.3, 0.9}, .ground = {0.16, 0.19, 0.11}, .horizon = Rgb<double>(0.7, 0.82, 0.95)}},
-                  Projection::cube, 512);
+  return generate(
+      Sun{.towards = glm::normalize(Direction(-0.4, 0.8, 0.4)),
+          .radius_degrees = 1,
+          .radiance = {6000, 5300, 4300},
+          .sky = {.zenith = {0.1, 0.3, 0.9}, .ground = {0.16, 0.19, 0.11}, .horizon = Rgb<double>(0.7, 0.82, 0.95)}},
+      Projection::cube, 512);
 }
 
 // To where the sky is brightest; from above, where that is not.
@@ -59,7 +60,8 @@ void let_fall(HeightField& field, const Settings& s, int frame) {
   if (s.drops == 0 || frame % s.drops != 0) return;
   const int k = frame / s.drops;
   const auto place = [](double part, int size) { return (0.1 + 0.8 * std::fmod(part, 1)) * size; };
-  field.drop(place(0.3 + 0.618034 * k, field.columns()), place(0.45 + 0.754878 * k, field.rows()), 0.04 * field.columns(), s.depth);
+  field.drop(place(0.3 + 0.618034 * k, field.columns()), place(0.45 + 0.754878 * k, field.rows()),
+             0.04 * field.columns(), s.depth);
 }
 
 void run(const Settings& s) {

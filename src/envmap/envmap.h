@@ -2,12 +2,14 @@
 /// The whole library, as it is installed. envmap(3) shows it at work.
 ///
 /// Pixels are linear RGB radiance, float32. The frame is right-handed with +Y up; +Z lies at the centre of latlong and
-/// angular images. Sizes are heights of a face in texels, solid angles steradians. Functions never change what they
+/// angular images. Sizes are heights of a face in texels, solid angles steradians, angles radians unless a name says
+/// degrees. Functions never change what they
 /// read. Errors are exceptions, subclasses of envmap::Error.
 #pragma once
 
 #include "envmap/base/error.h"
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
+#include "envmap/engine/bake.h"
 #include "envmap/io/colour.h"
 #include "envmap/io/pack.h"
 #include "envmap/io/picture.h"

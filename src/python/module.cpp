@@ -56,8 +56,7 @@ Level level_of_array(const Array& a, Projection p) {
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < height; ++j)
       for (int i = 0; i < width; ++i)
-        for (int c = 0; c < 3; ++c)
-          (*level.texel(face, i, j))[c] = several ? a.at(face, j, i, c) : a.at(j, i, c);
+        for (int c = 0; c < 3; ++c) (*level.texel(face, i, j))[c] = several ? a.at(face, j, i, c) : a.at(j, i, c);
   if (find_flaws(level).count() > 0) throw InputError("the array holds NaN, infinite or negative radiance");
   return level;
 }
@@ -163,15 +162,14 @@ void write_file(const py::object& file, const GivenMap& given, const std::option
   WriteOptions o = write_options(depth, layout, format, compression, clamp, zstd, facts);
   o.commit.force = force;
   const std::string path = path_of(file).string();
-  Reporter(progress).run([&](const Progress& p) { return write(path, *given.map, o, p); });
+  Reporter(progress).run([&](const Run& r) { return write(path, *given.map, o, r); });
 }
 
 py::bytes encode_map(const GivenMap& given, const std::string& format, const std::optional<std::string>& depth,
                      const std::optional<std::string>& layout, const std::string& compression, bool clamp, bool zstd,
                      const Facts& facts, const py::object& progress) {
   const WriteOptions o = write_options(depth, layout, format, compression, clamp, zstd, facts);
-  const std::vector<std::byte> bytes =
-      Reporter(progress).run([&](const Progress& p) { return encode(*given.map, o, p); });
+  const std::vector<std::byte> bytes = Reporter(progress).run([&](const Run& r) { return encode(*given.map, o, r); });
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -198,7 +196,7 @@ py::list pack_map(const GivenMap& given, const std::string& format, const std::s
   const PackOptions o{.format = named<PixelFormat>("format", format, pixel_format_names),
                       .orientation = named<FaceOrientation>("orientation", orientation, orientations),
                       .clamp = clamp};
-  const PackedMap packed = Reporter(progress).run([&](const Progress& p) { return pack(*given.map, o, p); });
+  const PackedMap packed = Reporter(progress).run([&](const Run& r) { return pack(*given.map, o, r); });
   const py::bytes bytes(reinterpret_cast<const char*>(packed.bytes.data()), packed.bytes.size());
   py::list levels;
   for (int k = 0; k < packed.levels; ++k) {
@@ -228,7 +226,7 @@ Map convert_map(const GivenMap& given, const std::optional<std::string>& to, std
   if (ball_distance && ball_fov) throw UsageError("say ball_distance= or ball_fov=, not both");
   if (ball_distance) o.ball = BallCamera{*ball_distance};
   if (ball_fov) o.ball = BallCamera::of_field_of_view(*ball_fov);
-  return shared(Reporter(progress).run([&](const Progress& p) { return convert(*map, o, p); }));
+  return shared(Reporter(progress).run([&](const Run& r) { return convert(*map, o, r); }));
 }
 
 Map mipmap(const GivenMap& given, int levels, const std::string& weights) {
@@ -278,31 +276,25 @@ PrefilteredMap prefilter_map(const GivenMap& given, const std::string& lobe, con
                    .method = method_of(method),
                    .max_error = max_error};
   const std::vector<double> levels = parameters(wanted.shape, lobe, exponent, roughness);
-  const int first =
+  wanted.size =
       size.value_or(wanted.shape == Shape::diffuse ? matching_size(Projection::cube, 64, wanted.to)
                                                    : matching_size(map->projection(), map->base().height(), wanted.to));
-  return Reporter(progress).run([&](const Progress& p) {
+  return Reporter(progress).run([&](const Run& r) {
     const PrefilterSource source(*map);
     PrefilteredMap made;
-    EnvironmentMap all;
-    for (std::size_t k = 0; k < levels.size(); ++k) {
-      wanted.parameter = levels[k];
-      wanted.size = first < 1 ? first : std::max(1, first >> k);
-      const Progress part = p ? Progress([&](double done) { p((double(k) + done) / double(levels.size())); }) : p;
-      Prefiltered done = source.make(wanted, part);
-      if (k == 0) made.method = std::string(method_name(done));
-      made.error = std::max(made.error, done.error);
-      made.exact += done.exact;
-      all.forward = done.map.forward;
-      all.levels.push_back(std::move(done.map.base()));
+    PrefilteredChain chain = source.make_chain(wanted, levels, r);
+    made.method = std::string(method_name(chain.levels.front()));
+    for (const Prefiltered& level : chain.levels) {
+      made.error = std::max(made.error, level.error);
+      made.exact += level.exact;
     }
-    made.map = shared(std::move(all));
+    made.map = shared(std::move(chain.map));
     return made;
   });
 }
 
 py::array_t<double> sh(const GivenMap& given, int order, bool irradiance, const py::object& progress) {
-  Harmonics h = Reporter(progress).run([&](const Progress& p) { return project(*given.map, order, p); });
+  Harmonics h = Reporter(progress).run([&](const Run& r) { return project(*given.map, order, r); });
   if (irradiance) scale_degrees(h, irradiance_factors(order));
   py::array_t<double> out({static_cast<py::ssize_t>(h.coefficients.size()), py::ssize_t{3}});
   for (std::size_t k = 0; k < h.coefficients.size(); ++k)
@@ -417,9 +409,8 @@ PYBIND11_MODULE(_envmap, m) {
       });
   py::class_<PrefilteredMap>(m, "Prefiltered", "What prefilter() made, and how.")
       .def_readonly("map", &PrefilteredMap::map)
-      .def_readonly(
-          "method", &PrefilteredMap::method,
-          "exact, hierarchical, prefix-sums or multilevel: that of most texels; area or nearest of a mirror.")
+      .def_readonly("method", &PrefilteredMap::method,
+                    "exact, hierarchical, prefix-sums or multilevel: that of most texels; area or nearest of a mirror.")
       .def_readonly("error", &PrefilteredMap::error, "The largest figure of a texel; 0 of exact sums.")
       .def_readonly("exact", &PrefilteredMap::exact, "Texels that were summed exactly.");
   py::class_<Difference>(m, "Difference", "Of a map against a reference; solid-angle weighted.")
@@ -496,6 +487,7 @@ PYBIND11_MODULE(_envmap, m) {
         document("generate", "kind, to='latlong', size=64, forward='+z', **parameters",
                  "An environment with a known answer: constant, gradient, checker, directions, faces, sun, sky or sh, "
                  "with its parameters."));
+  add_bake(m);
   add_render(m);
   m.def("solid_angles", &solid_angles_of, "projection"_a, "size"_a,
         document("solid_angles", "projection, size", "Steradians of each texel of a face, an array (height, width)."));

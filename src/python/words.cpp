@@ -46,7 +46,8 @@ const char* advice(Remedy remedy) {
 }
 
 // In the order of the enumerators.
-constexpr const char* code_names[] = {"usage", "input", "output", "renderer"};
+constexpr const char* code_names[] = {"usage", "input", "output", "renderer", "accuracy"};
+static_assert(std::size(code_names) == std::size_t(ErrorCode::accuracy) + 1);
 constexpr const char* remedy_names[] = {"none",
                                         "choose_projection",
                                         "leave_out_from_layout",
@@ -128,7 +129,7 @@ Weights weights_of(const std::string& word) { return named<Weights>("weights", w
 
 void add_errors(py::module_& module) {
   using namespace py::literals;
-  static PyObject* kinds[4];
+  static PyObject* kinds[std::size(code_names)];
   static py::exception<Error> error(module, "Error", PyExc_RuntimeError);
   const auto add = [&](ErrorCode code, const char* name, PyObject* builtin) {
     const py::tuple bases = py::make_tuple(error, py::reinterpret_borrow<py::object>(builtin));
@@ -142,6 +143,7 @@ void add_errors(py::module_& module) {
   add(ErrorCode::input, "InputError", PyExc_OSError);
   add(ErrorCode::output, "OutputError", PyExc_OSError);
   add(ErrorCode::renderer, "RendererError", PyExc_RuntimeError);
+  add(ErrorCode::accuracy, "AccuracyError", PyExc_RuntimeError);
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

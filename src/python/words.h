@@ -59,6 +59,8 @@ Enum named(const std::string& what, const std::string& word, const Words& words)
 /// Error and its four kinds, as classes of the module; what() of the library in one line, and what would help.
 void add_errors(pybind11::module_& module);
 
+/// envmap.bake(), engines() and level_roughnesses(): bake.cpp.
+void add_bake(pybind11::module_& module);
 /// envmap.render(): render.cpp.
 void add_render(pybind11::module_& module);
 
@@ -67,13 +69,13 @@ class Reporter {
  public:
   explicit Reporter(pybind11::object function) : function_(std::move(function)) {}
 
-  /// Runs f(progress) while other Python threads go on.
+  /// Runs f(run) while other Python threads go on.
   template <class F>
   auto run(F&& f) {
     try {
-      const envmap::Progress progress = callback();
+      const envmap::Run run{.progress = callback()};
       const pybind11::gil_scoped_release others;
-      return f(progress);
+      return f(run);
     } catch (const Stopped&) {
       std::rethrow_exception(raised_);
     }

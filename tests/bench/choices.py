@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How far the filters that convert --max-error chooses are from the best there is, in time: the table of envmap-accuracy(7).
 
-    python3 tests/bench/choices.py PROBE... [--envmap build/bench/envmap] [--costs FILE] [--runs 3]
+    python3 tests/bench/choices.py PROBE... [--envmap build/bench/envmap] [--runs 3]
 
 Give probes that nothing was fitted to. Times are processor time of whole processes, the least of the runs, in rounds, less what reading
 alone takes; a choice is as good as its time over that of the quickest method that keeps the error.
@@ -38,7 +38,7 @@ def report(command):
     return json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)
 
 
-def conversions(envmap, probe, costs, runs, out):
+def conversions(envmap, probe, runs, out):
     """Ratios of convert --max-error to the quickest filter that is found to keep the error in every texel."""
     for size in (64, 256):
         to = [envmap, 'convert', probe, out / 'out.exr', '--to', 'cube', '--size', str(size), '--depth', 'float', '-q']
@@ -52,7 +52,7 @@ def conversions(envmap, probe, costs, runs, out):
             difference = report([envmap, 'compare', out / 'out.exr', truth, '--json'])
             errors.append(max(difference['max'], difference['rms']))
         for error in (0.1, 1e-2):
-            auto, *others = least([to + ['--max-error', str(error)] + costs] + ways, runs)
+            auto, *others = least([to + ['--max-error', str(error)]] + ways, runs)
             good = [t for t, e in zip(others, errors) if e <= error]
             yield f'{size} {error:g}', auto / min(good), auto - min(good)
 
@@ -61,14 +61,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('probes', nargs='+', type=Path)
     parser.add_argument('--envmap', default=str(ROOT / 'build/bench/envmap'))
-    parser.add_argument('--costs')
     parser.add_argument('--runs', type=int, default=3)
     o = parser.parse_args()
-    costs = ['--costs', o.costs] if o.costs else []
     with tempfile.TemporaryDirectory() as out:
         ratios, late = [], []
         for probe in o.probes:
-            for job, ratio, seconds in conversions(o.envmap, probe, costs, o.runs, Path(out)):
+            for job, ratio, seconds in conversions(o.envmap, probe, o.runs, Path(out)):
                 print(f'{probe.stem:24} {job:14} {ratio:6.2f} {seconds:7.3f} s', flush=True)
                 ratios.append(ratio), late.append(seconds)
     ratios.sort()

@@ -1,7 +1,7 @@
 // What conversion costs, one thread, no files: rows of a Resampler into one buffer. items/s are texels made.
 //
 //   kernel/FROM/TO      bilinear, equal density, all 25 pairs (same projection: turned, or it would be a copy)
-//   filter/NAME/xM      latlong to cube, a result M times as coarse; every filter there is, bilinear with 2 to 16 samples
+//   filter/NAME/xM      latlong to cube, a result M times as coarse; every filter
 //   size/W              latlong W wide to the cube of its density, bilinear: what caches and pages cost
 //   apron/P             a PaddedLevel made of the maps of kernel/
 //

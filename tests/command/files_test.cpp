@@ -19,6 +19,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// ---- accuracy -------------------------------------------------------------------------------------------------------
+
+// What is written within --max-error is read within it. Colours with a dark channel lose much of it to a shared
+// exponent.
+TEST_F(CommandTest, MaxErrorHoldsInEveryChannelOfAFile) {
+  succeeds({"generate", "gradient", "in.exr", "--size", "64", "--value", "1,0.01,0.1", "--value2", "0.3,2,0.02"});
+  succeeds({"convert", "in.exr", "truth.exr", "--to", "cube", "--size", "8", "--filter", "area", "--depth", "float"});
+  int written = 0, refused = 0;
+  for (const std::vector<std::string>& file : std::vector<std::vector<std::string>>{
+           {"a.hdr"}, {"a.ktx2", "--depth", "rgb9e5"}, {"a.ktx2", "--depth", "half"}, {"a.ktx2", "--depth", "bc6h"}})
+    for (const std::string error : {"6e-4", "5e-3", "2e-2", "0.3"}) {
+      std::vector<std::string> words{"convert", "in.exr"};
+      words.insert(words.end(), file.begin(), file.end());
+      words.insert(words.end(), {"--to", "cube", "--size", "8", "--max-error", error, "-q"});
+      const Result made = envmap(words);
+      ASSERT_TRUE(made.status == 0 || made.status == 1) << made.err;
+      (made.status == 0 ? written : refused) += 1;
+      if (made.status == 1) continue;
+      EXPECT_EQ(envmap({"compare", file.front(), "truth.exr", "--from", "cube", "--max-error", error}).status, 0)
+          << file.front() << " " << error;
+    }
+  EXPECT_GT(written, 4);
+  EXPECT_GT(refused, 4);
+}
+
 // ---- formats --------------------------------------------------------------------------------------------------------
 
 struct Format {

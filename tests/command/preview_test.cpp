@@ -50,6 +50,14 @@ TEST_F(Preview, WhiteOfBytesStaysWhite) {
   EXPECT_NEAR(*shown.at(border + 64, border + 50), 64 * byte, 1.01 * byte);
 }
 
+TEST_F(Preview, APageOfAReadOnlyMap) {
+  write_halves();
+  std::filesystem::permissions(path("halves.exr"), std::filesystem::perms::owner_read);
+  EXPECT_EQ(envmap({"preview", "halves.exr", "--html", "page.html", "-q"}).status, 0);
+  EXPECT_TRUE(read("page.html").starts_with("<!"));
+  fails(2, {"preview", "halves.exr", "--html", "halves.exr"}, {"both input and output"});
+}
+
 TEST_F(Preview, APercentileBecomesWhite) {
   write_halves();
   const Picture low = preview({"halves.exr", "--height", "64", "--percentile", "40", "--display", "clip"});

@@ -244,62 +244,6 @@ TEST_F(Tradeoff, BothPicturesShowTheSame) {
       EXPECT_TRUE(&a == &b || a[1] < b[0] || b[1] < a[0] || std::abs(a[2] - b[2]) >= 11) << a[0] << " " << a[2];
 }
 
-// Figures of a machine: all ways cost the same but those that are named.
-std::string costs_with(const json& others) {
-  json file;
-  for (const char* name : {"filter nearest", "filter bilinear", "filter bicubic", "filter bilinear 2",
-                           "filter bilinear 4", "filter ewa", "filter bilinear 8", "draw texel", "draw triangle",
-                           "cube texel", "cube triangle", "resample texel", "ray texel", "ray triangle"})
-    file["nanoseconds"][name] = 100;
-  file["nanoseconds"]["filter area"] = 1000;
-  file["nanoseconds"].update(others);
-  return file.dump();
-}
-
-TEST_F(Tradeoff, ChoicesFollowTheCostsThatAreNamed) {
-  ASSERT_EQ(shell("python3 " ENVMAP_SCENES "/make.py scenes").status, 0);
-  write("rays.json", costs_with({{"ray texel", 1}, {"ray triangle", 1}}));
-  write("draw.json", costs_with({{"draw texel", 1}, {"draw triangle", 1}}));
-  const auto method = [&](const std::string& before, const std::string& after) {
-    return shell(before + " \"$ENVMAP\" render scenes/room-2.glb out.exr --to cube --size 16 -v " + after).err;
-  };
-  EXPECT_NE(method("", "--costs rays.json").find("raycast"), std::string::npos);
-  EXPECT_NE(method("ENVMAP_COSTS=rays.json", "").find("raycast"), std::string::npos);
-  EXPECT_NE(method("ENVMAP_COSTS=rays.json", "--costs draw.json").find("exact"), std::string::npos);
-
-  const auto first_tried = [&](const std::string& costs) {
-    const Result r = envmap({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "4", "--max-error", "0.5",
-                             "--json", "--costs", costs});
-    EXPECT_EQ(r.status, 0) << r.err;
-    return r.out + r.err;
-  };
-  write("ewa.json", costs_with({{"filter ewa", 1}}));
-  EXPECT_NE(first_tried("ewa.json").find("ewa"), std::string::npos);
-  EXPECT_EQ(first_tried("draw.json").find("ewa"), std::string::npos);
-}
-
-TEST_F(Tradeoff, DamagedCostsAreRefused) {
-  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
-    write("costs.json", text);
-    for (const std::string command : {"convert", "prefilter"})
-      fails(3, {command, "in.exr", "out.exr", "--costs", "costs.json", "--size", "4"}, words);
-  };
-  for (const std::string text : {"", "[]", "{", "{\"nanoseconds\": 3}", "\xff"})
-    refused(text, {"costs.json", "--calibrate"});
-  refused(std::string(100000, '['), {"--calibrate"});
-  for (const double wrong : {0.0, -1.0, 1e13})
-    refused(costs_with({{"filter area", wrong}}), {"filter area", "above 0"});
-  refused(costs_with({{"filter area", "fast"}}), {"filter area", "must be a number"});
-  refused(costs_with({{"teleport", 1}}), {"teleport", "calibrate"});
-  json lacking = json::parse(costs_with(json::object()));
-  lacking["nanoseconds"].erase("ray texel");
-  refused(lacking.dump(), {"ray texel"});
-  fails(3, {"convert", "in.exr", "out.exr", "--costs", "none.json"}, {"none.json"});
-  fails(2, {"tradeoff", "in.exr", "--calibrate"}, {"--calibrate"});
-  fails(2, {"tradeoff", "--task", "depth"}, {"INPUT"});
-  fails(2, {"tradeoff", "in.exr", "--task", "depth", "--save", "costs.json"}, {"--save"});
-}
-
 TEST_F(Tradeoff, PlotsAndRefuses) {
   const Result csv = envmap({"tradeoff", "in.exr", "--task", "mipmap:1", "--csv"});
   EXPECT_TRUE(csv.out.starts_with("method,setting,seconds")) << csv.out;
@@ -316,26 +260,8 @@ TEST_F(Tradeoff, PlotsAndRefuses) {
   for (const std::string task :
        {"convert", "convert:oval", "convert:cube:x", "ggx", "ggx:2", "ggx:0.5:cube", "depth:1", "paint"})
     fails(2, {"tradeoff", "in.exr", "--task", task}, {});
+  fails(2, {"tradeoff", "--task", "depth"}, {"INPUT"});
   fails(2, {"tradeoff", "in.exr", "--task", "depth", "--plot", "out.gif"}, {".svg", ".png"});
-}
-
-// What it measures, every command takes: each time once, above 0, and more work never quicker by far.
-TEST_F(Tradeoff, CalibratedCostsAreReadBack) {
-#ifdef ENVMAP_SANITIZED
-  GTEST_SKIP() << "times under the sanitizers are none";
-#endif
-  const Result r = envmap({"tradeoff", "--calibrate", "--save", "costs.json"});
-  ASSERT_EQ(r.status, 0) << r.err;
-  const json found = json::parse(read("costs.json"))["nanoseconds"];
-  for (const auto& [name, value] : found.items()) {
-    EXPECT_GT(value.get<double>(), 0) << name;
-    EXPECT_NE(r.out.find(name), std::string::npos) << name;
-  }
-  EXPECT_EQ(found.size(), json::parse(costs_with(json::object()))["nanoseconds"].size());
-  EXPECT_GT(found["filter area"].get<double>(), found["filter nearest"].get<double>());
-  succeeds({"prefilter", "in.exr", "out.exr", "--size", "8", "--costs", "costs.json", "-q"});
-  succeeds({"convert", "in.exr", "out.exr", "--to", "cube", "--size", "4", "--max-error", "0.5", "--costs",
-            "costs.json", "-q"});
 }
 
 }  // namespace

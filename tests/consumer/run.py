@@ -46,12 +46,15 @@ for header in headers:
     demand(not re.search(r'#include <(hwy|OpenImageIO|OpenEXR|Imf|GL|glad|OpenColorIO|tbb|fmt)', text), f'{header} shows a library below')
     demand('@file' in text, f'{header} does not say what it is for')
 symbols = run('nm', '-DC', '--defined-only', library / 'libenvmap.so').splitlines()
-names = [line.split(maxsplit=2)[2] for line in symbols if ' ' in line]
+names = [line.split(maxsplit=2)[2] for line in symbols if ' A ' not in line]  # A: the version itself.
 demand(any(n.startswith('envmap::convert(') for n in names), 'envmap::convert is not exported')
 # fmt 10 shows its exception in every library that uses it, so that others can catch it.
 strays = [n for n in names if not re.search(r'\benvmap::', n) and not re.match(r'(void |.* )?(std|__gnu_cxx|glm)::', n)
           and not re.search(r'\bfmt::v\d+::format_error\b', n)]
 demand(not strays, f'exported besides envmap: {strays[:5]}')
+
+shown = [line for line in run('nm', '-DC', '--defined-only', library / 'libenvmap-scenes.so').splitlines() if ' T ' in line]
+demand(all('envmap::render(' in line for line in shown), f'libenvmap-scenes.so exports {shown}')
 
 # The example, word for word as the page has it.
 page = (tree / 'share/man/man3/envmap.3').read_text()
@@ -59,12 +62,13 @@ example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', 
 (work / 'example.cpp').write_text(example)
 # Those of docs/library.md, each the body of a main().
 bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
-demand(len(bodies) == 6, f'docs/library.md has {len(bodies)} examples')
+demand(len(bodies) == 8, f'docs/library.md has {len(bodies)} examples')
 examples = []
 for number, body in enumerate(bodies):
     examples.append(work / f'page_{number}.cpp')
-    examples[-1].write_text('#include <envmap/envmap.h>\n' + ''.join(f'#include <{h}>\n' for h in (
-        'algorithm', 'filesystem', 'thread', 'type_traits', 'vector')) + 'using namespace envmap;\nint main() {\n' + body + '}\n')
+    examples[-1].write_text('#include <envmap/scenes.h>\n' + ''.join(f'#include <{h}>\n' for h in (
+        'algorithm', 'filesystem', 'stop_token', 'thread', 'type_traits', 'vector')) +
+        'using namespace envmap;\nint main() {\n' + body + '}\n')
 run('cmake', '-S', source / 'tests/consumer', '-B', work / 'build', f'-DCMAKE_PREFIX_PATH={tree}', '-DCMAKE_BUILD_TYPE=',
     f'-DCMAKE_CXX_COMPILER={compiler}', f'-DEXAMPLE={work / "example.cpp"}', f'-DEXAMPLES={";".join(map(str, examples))}')
 run('cmake', '--build', work / 'build')
@@ -82,6 +86,8 @@ run(compiler, '-std=c++20', work / 'example.cpp', library / 'libenvmap.a', '-o',
 old = subprocess.run([compiler, '-std=c++17', '-fsyntax-only', '-x', 'c++', '-', *flags[:1]], input='#include <envmap/base/export.h>\n',
                      capture_output=True, text=True)
 demand('envmap needs C++20' in old.stderr, old.stderr)
+(work / 'room.obj').write_text(''.join(f'v {x} {y} {z}\n' for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)) +
+                               'f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\n')
 for number in range(len(examples)):
     run(work / f'build/page_{number}', cwd=work)
 # A project that adds the sources gets the libraries, and neither tests nor samples.
@@ -99,6 +105,21 @@ envmap = tree / 'bin/envmap'
 probe = work / 'probe.hdr'
 run(envmap, 'generate', 'sun', probe, '--to', 'latlong', '--size', 64, '--radius', 20, '--value', '9,8,7')
 run(envmap, 'convert', probe, work / 'cube.exr', '--to', 'cube', '--size', 64, '--depth', 'half')
+# What the program bakes and renders, the libraries do, too.
+for engine in ('three', 'filament', 'unity'):
+    run(envmap, 'bake', probe, work / f'{engine}-program', '--for', engine, '--quality', 'draft')
+    run(work / 'build/engines', probe, engine, work / f'{engine}-library')
+    files = sorted(p.name for p in (work / f'{engine}-program').iterdir())
+    demand(files == sorted(p.name for p in (work / f'{engine}-library').iterdir()), f'{engine}: other files')
+    for name in files:
+        demand((work / f'{engine}-program' / name).read_bytes() == (work / f'{engine}-library' / name).read_bytes(),
+               f'{engine}/{name}: the library writes other bytes than the program')
+run(envmap, 'render', work / 'room.obj', work / 'room.exr', '--environment', probe, '--size', 16, '--method', 'raycast')
+run(work / 'build/room', work / 'room.obj', probe, work / 'room-library.exr')
+demand((work / 'room.exr').read_bytes() == (work / 'room-library.exr').read_bytes(), 'render(): other bytes than the program')
+# Symbols have versions: two of the library may be in one process.
+demand('@@libenvmap.so.1.0' in run('nm', '-D', '--with-symbol-versions', '--defined-only', library / 'libenvmap.so'),
+       'symbols have no version')
 for program in (work / 'build/light', work / 'build/light_static', work / 'light_pc', work / 'light_pc_static'):
     cube, rough = work / f'{program.name}-cube.exr', work / f'{program.name}-rough.exr'
     said = run(program, probe, cube, rough)

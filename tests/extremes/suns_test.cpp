@@ -158,7 +158,7 @@ TEST(Suns, SmallSunsKeepTheirFlux) {
       for (const Projection p : {Projection::latlong, Projection::cube, Projection::sphere}) {
         const double radius = degrees * pi / 180, cap = 4 * pi * std::pow(std::sin(radius / 2), 2), radiance = 1e30;
         Sun sun;
-        sun.towards = towards, sun.radius = degrees, sun.radiance = Rgb<double>(radiance),
+        sun.towards = towards, sun.radius_degrees = degrees, sun.radiance = Rgb<double>(radiance),
         sun.sky = {Rgb<double>(0), Rgb<double>(0)};
         EXPECT_NEAR(flux(generate(sun, p, 16).base()).x / (cap * radiance), 1, 1e-5)
             << name(p) << ", " << degrees << " degrees, towards " << towards.x << " " << towards.y << " " << towards.z;

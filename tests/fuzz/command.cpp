@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "batch/manifest.h"
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
-#include "batch/manifest.h"
 #include "shared/maps.h"
 #include "sound_scene.h"
 #include "targets.h"
@@ -73,17 +73,6 @@ void fuzz_command(Bytes data) {
   Words words = commands_of_scenes[choice - of_images.size()];
   words[1] = write_scene(data);
   run(words);
-}
-
-void fuzz_costs(Bytes data) {
-  const std::string path = "fuzz_costs.json";
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data.data()), std::streamsize(data.size()));
-  try {
-    for (const double nanoseconds : tools::read_costs(path).nanoseconds)
-      if (!(nanoseconds > 0 && nanoseconds < 1e13)) std::abort();
-  } catch (const InputError& e) {
-    expect_harmless(e.what());
-  }
 }
 
 void fuzz_manifest(Bytes data) {

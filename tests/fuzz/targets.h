@@ -27,8 +27,6 @@ void fuzz_read(Bytes bytes);
 void fuzz_scene(Bytes bytes);
 /// Parts of a map, EXR files one after the other.
 void fuzz_part(Bytes bytes);
-/// A file of --costs.
-void fuzz_costs(Bytes bytes);
 /// A manifest of `batch`; no command is run.
 void fuzz_manifest(Bytes bytes);
 /// A file as a command of the program takes it, from its options to the file it writes.
@@ -44,7 +42,6 @@ inline void fuzz(std::string_view target, Bytes bytes) {
   if (target == "bc6h") return fuzz_bc6h(bytes);
   if (target == "colours") return fuzz_colours(bytes);
   if (target == "part") return fuzz_part(bytes);
-  if (target == "costs") return fuzz_costs(bytes);
   if (target == "manifest") return fuzz_manifest(bytes);
   if (target == "command") return fuzz_command(bytes);
   if (target == "obj" || target == "mtl" || target == "gltf") return fuzz_text(target, bytes);

@@ -148,7 +148,8 @@ std::vector<Call> of_the_rest() {
       [](int v) { (void)photograph(sky().clone(), {.samples = v}); });
   add(calls, "photograph", "gain", bad_gains, [](double v) { (void)photograph(sky().clone(), {.gain = v}); });
   for (const double field : {0.0, -1.0, nan, 7.0})
-    calls.push_back({"photograph field", [=] { (void)photograph(sky().clone(), {.field = field}); }, "degrees"});
+    calls.push_back(
+        {"photograph field", [=] { (void)photograph(sky().clone(), {.field_radians = field}); }, "degrees"});
   add(calls, "brdf_table", "size", std::vector{0, -1, 1025}, [](int v) { (void)brdf_table(v); });
   add(calls, "sheen_table", "size", std::vector{0, -1, 1025}, [](int v) { (void)sheen_table(v); });
   add(calls, "brdf", "roughness", std::vector<double>{-1, nan, 2}, [](double v) { (void)brdf(std::vector{0.5}, v); });
@@ -186,6 +187,33 @@ std::vector<Call> of_the_rest() {
   return calls;
 }
 
+std::vector<Call> of_engines() {
+  std::vector<Call> calls;
+  const auto baked = [](const BakeOptions& o) { (void)bake(sky().clone(), engine_named("filament"), "none", o); };
+  add(calls, "bake", "size", bad_sizes, [=](int v) { baked({.size = v}); });
+  add(calls, "bake", "chain_size", std::vector{0, -1, 4097}, [=](int v) { baked({.chain_size = v}); });
+  add(calls, "bake", "max_error", bad_errors, [=](double v) { baked({.max_error = v}); });
+  add(calls, "bake", "exposure", std::vector<double>{-101, nan, inf}, [=](double v) { baked({.exposure = v}); });
+  calls.push_back({"engine_named", [] { (void)engine_named("maya"); }, "none of the engines babylon, "});
+  calls.push_back({"chain_of", [] { (void)chain_of(engine_named("three")); }, "no levels"});
+  calls.push_back({"level_roughnesses", [] { (void)level_roughnesses(engine_named("three").maps[0], 8); }, "no chain"});
+  const EngineMap& chain = chain_of(engine_named("filament"));
+  add(calls, "level_roughnesses", "size", bad_sizes, [&chain](int v) { (void)level_roughnesses(chain, v); });
+  calls.push_back({"level_roughnesses", [&chain] { (void)level_roughnesses(chain, 4, 5); }, "has 5 levels"});
+  const auto chained = [](const Prefilter& p, std::vector<double> parameters) {
+    (void)PrefilterSource(sky()).make_chain(p, parameters);
+  };
+  calls.push_back({"make_chain", [=] { chained({.shape = Shape::ggx}, {}); }, "parameters must not be empty"});
+  calls.push_back({"make_chain rows",
+                   [=] { chained({.shape = Shape::ggx, .size = 4, .rows = std::vector<char>(24)}, {0.5}); },
+                   "rows must be empty"});
+  add(calls, "make_chain", "roughness", std::vector<double>{-1, nan, 2}, [=](double v) {
+    chained({.shape = Shape::ggx, .size = 4}, {0.5, v});
+  });
+  add(calls, "make_chain", "size", bad_sizes, [=](int v) { chained({.shape = Shape::ggx, .size = v}, {0.5}); });
+  return calls;
+}
+
 std::vector<Call> of_files() {
   std::vector<Call> calls;
   add(calls, "read", "level", std::vector{-1, 32}, [](int v) { (void)read("none.exr", {.level = v}); });
@@ -211,7 +239,7 @@ std::vector<Call> of_files() {
 }
 
 TEST(BadValues, AreUsageErrorsWithFieldAndRange) {
-  for (const auto& calls : {of_convert(), of_prefilter(), of_measures(), of_the_rest(), of_files()})
+  for (const auto& calls : {of_convert(), of_prefilter(), of_measures(), of_the_rest(), of_engines(), of_files()})
     for (const Call& c : calls) {
       try {
         c.call();

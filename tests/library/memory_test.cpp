@@ -22,7 +22,7 @@ std::vector<std::byte> bytes_of(const std::string& path) {
 }
 
 EnvironmentMap chain(Projection p) {
-  EnvironmentMap map = generate(Sun{.radius = 20}, p, 16);
+  EnvironmentMap map = generate(Sun{.radius_degrees = 20}, p, 16);
   add_levels(map);
   return map;
 }

@@ -124,7 +124,7 @@ TEST_P(EachPixelFormat, IsTightInOrderAndOpaque) {
 
 // The blocks are those of the KTX2 file, whose decoder is another program's in tests/ktx2_check.py.
 TEST(Pack, BlocksAreThoseOfTheFile) {
-  EnvironmentMap map = generate(Sun{.radius = 20}, Projection::cube, 16);
+  EnvironmentMap map = generate(Sun{.radius_degrees = 20}, Projection::cube, 16);
   add_levels(map);
   const PackedMap packed = pack(map, {.format = PixelFormat::bc6h, .clamp = true});
   const std::vector<std::byte> file = encode(map, {.format = "dds", .depth = Depth::bc6h, .clamp = true});

@@ -5,7 +5,10 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <mutex>
+#include <set>
 #include <stdexcept>
+#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -22,7 +25,7 @@ bool same(const EnvironmentMap& a, const EnvironmentMap& b) {
   return true;
 }
 
-EnvironmentMap sun(int size) { return generate(Sun{.radius = 5}, Projection::latlong, size); }
+EnvironmentMap sun(int size) { return generate(Sun{.radius_degrees = 5}, Projection::latlong, size); }
 
 // A map that is given away lives as long as what reads it. Under the address sanitizer this fails where it does not.
 TEST(Ownership, WhatIsGivenAwayIsKept) {
@@ -77,24 +80,29 @@ TEST(Threads, ShareAPrefilterSource) {
   EXPECT_EQ(wrong, 0);
 }
 
-using Operation = std::function<void(const Progress&)>;
+using Operation = std::function<void(const Run&)>;
 
 std::vector<Operation> operations() {
   static const EnvironmentMap map = sun(64);
   static const PrefilterSource source(map);
   return {
-      [](const Progress& p) { (void)convert(map, {.size = 48, .filter = Filter::area}, p); },
-      [](const Progress& p) { (void)generate(Checker{}, Projection::cube, 64, p); },
-      [](const Progress& p) { (void)project(map, 4, p); },
-      [](const Progress& p) { (void)brdf_table(48, p); },
-      [](const Progress& p) { (void)sheen_table(48, p); },
-      [](const Progress& p) { (void)source.make({.size = 16}, p); },
-      [](const Progress& p) { (void)source.make({.shape = Shape::ggx, .parameter = 0.4, .size = 16}, p); },
-      [](const Progress& p) { (void)source.make({.shape = Shape::ggx, .parameter = 0.0, .size = 16}, p); },
-      [](const Progress& p) { (void)source.make({.shape = Shape::charlie, .parameter = 0.5, .size = 8}, p); },
-      [](const Progress& p) { (void)encode(map, {.format = "exr"}, p); },
-      [](const Progress& p) { (void)encode(map, {.format = "ktx2", .depth = Depth::bc6h, .clamp = true}, p); },
-      [](const Progress& p) { (void)pack(map, {.clamp = true}, p); },
+      [](const Run& p) { (void)convert(map, {.size = 48, .filter = Filter::area}, p); },
+      [](const Run& p) { (void)generate(Checker{}, Projection::cube, 64, p); },
+      [](const Run& p) { (void)project(map, 4, p); },
+      [](const Run& p) { (void)brdf_table(48, p); },
+      [](const Run& p) { (void)sheen_table(48, p); },
+      [](const Run& p) { (void)source.make({.size = 16}, p); },
+      [](const Run& p) { (void)source.make({.shape = Shape::ggx, .parameter = 0.4, .size = 16}, p); },
+      [](const Run& p) { (void)source.make({.shape = Shape::ggx, .parameter = 0.0, .size = 16}, p); },
+      [](const Run& p) { (void)source.make({.shape = Shape::charlie, .parameter = 0.5, .size = 8}, p); },
+      [](const Run& p) {
+        (void)source.make_chain({.shape = Shape::ggx, .size = 16}, std::vector{0.0, 0.3, 1.0}, p);
+      },
+      [](const Run& p) { (void)photograph(map.clone(), {.width = 32, .height = 32}, p); },
+      [](const Run& p) { (void)read(encode(map, {.format = "exr"}), {}, p); },
+      [](const Run& p) { (void)encode(map, {.format = "exr"}, p); },
+      [](const Run& p) { (void)encode(map, {.format = "ktx2", .depth = Depth::bc6h, .clamp = true}, p); },
+      [](const Run& p) { (void)pack(map, {.clamp = true}, p); },
   };
 }
 
@@ -103,12 +111,13 @@ TEST(Progress, IsOneCallAtATimeRisingToOne) {
   for (std::size_t k = 0; k < all.size(); ++k) {
     std::atomic<int> inside{0}, most{0};
     std::vector<double> parts;
-    all[k]([&](double part) {
+    const auto watch = [&](double part) {
       most = std::max(most.load(), ++inside);
       parts.push_back(part);
       std::this_thread::yield();
       --inside;
-    });
+    };
+    all[k]({.progress = watch});
     ASSERT_FALSE(parts.empty()) << k;
     EXPECT_EQ(most, 1) << k;
     EXPECT_TRUE(std::ranges::is_sorted(parts)) << k;
@@ -118,15 +127,54 @@ TEST(Progress, IsOneCallAtATimeRisingToOne) {
   }
 }
 
-struct Cancelled {};
+struct Thrown {};
 
 TEST(Progress, AnExceptionCancels) {
+  const auto stop = [](double) { throw Thrown(); };
   const std::vector<Operation> all = operations();
-  for (std::size_t k = 0; k < all.size(); ++k) EXPECT_THROW(all[k]([](double) { throw Cancelled(); }), Cancelled) << k;
-  EXPECT_THROW(write("cancelled.exr", sun(64), {}, [](double) { throw Cancelled(); }), Cancelled);
+  for (std::size_t k = 0; k < all.size(); ++k) EXPECT_THROW(all[k]({.progress = stop}), Thrown) << k;
+  EXPECT_THROW(write("cancelled.exr", sun(64), {}, {.progress = stop}), Thrown);
   EXPECT_FALSE(std::filesystem::exists("cancelled.exr"));
   // The source can be used again.
   EXPECT_NO_THROW(all[6]({}));
+}
+
+// Before it begins, and from another thread while it works, with a callback and without.
+TEST(Run, IsStopped) {
+  const std::vector<Operation> all = operations();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::stop_source before;
+    before.request_stop();
+    EXPECT_THROW(all[k]({.stop = before.get_token()}), Cancelled) << k;
+    std::stop_source meanwhile;
+    const auto stop = [&](double) { meanwhile.request_stop(); };
+    EXPECT_NO_THROW(all[k]({.stop = meanwhile.get_token()})) << k;
+    const auto stops_after = [&](double part) {
+      stop(part);
+      if (part == 1) throw Cancelled();  // An operation may report once, at its end.
+    };
+    EXPECT_THROW(all[k]({.progress = stops_after, .stop = meanwhile.get_token()}), Cancelled) << k;
+  }
+  std::stop_source stopped;
+  const std::jthread soon([&] { stopped.request_stop(); });
+  EXPECT_THROW(while (true) write("stopped.exr", sun(64), {}, {.stop = stopped.get_token()}), Cancelled);
+}
+
+TEST(Run, KeepsToItsThreads) {
+  const EnvironmentMap map = sun(64);
+  std::mutex lock;
+  std::set<std::thread::id> seen;
+  const Rows rows{Projection::cube, 64, Forward::plus_z, [&](int, int, std::span<Colour> out) {
+                    std::ranges::fill(out, Colour(1));
+                    const std::lock_guard one(lock);
+                    seen.insert(std::this_thread::get_id());
+                  }};
+  (void)encode(std::span(&rows, 1), {.format = "exr"}, {.threads = 1});
+  EXPECT_EQ(seen, std::set{std::this_thread::get_id()});
+  for (const int threads : {-1, 1025}) EXPECT_THROW((void)convert(map, {}, {.threads = threads}), UsageError);
+  const EnvironmentMap one = convert(map, {.size = 16}, {.threads = 1}),
+                       two = convert(map, {.size = 16}, {.threads = 2});
+  EXPECT_EQ(compare(one, two).maximum, 0);
 }
 
 }  // namespace

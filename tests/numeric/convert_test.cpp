@@ -118,7 +118,7 @@ TEST_P(EachPair, FluxOfASmoothEnvironment) {
 }
 
 TEST_P(EachPair, TheSameBytesAtAnyNumberOfThreads) {
-  const EnvironmentMap source = generate(Sun{.radius = 5}, from_, 24);
+  const EnvironmentMap source = generate(Sun{.radius_degrees = 5}, from_, 24);
   const auto bytes = [&](std::size_t threads, Filter filter) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return convert(source, {.to = to_, .size = 20, .filter = filter});

@@ -28,8 +28,7 @@ double irradiance_of_floor(const Level& level) {
       const auto inside = std::span(d).first(in.count());
       texel_directions(level.projection(), level.height(), f, j, in.first, inside);
       for (int i = in.first; i < in.end; ++i)
-        sum.add(w[i] * level.texel(f, i, j)->x *
-                std::max(0.0, inside[i - in.first].y));
+        sum.add(w[i] * level.texel(f, i, j)->x * std::max(0.0, inside[i - in.first].y));
     }
   return sum.value();
 }
@@ -61,8 +60,7 @@ TEST_P(EachGenerated, GradientHasTheMeanOfItsEnds) {
 TEST_P(EachGenerated, SunHasItsFluxAtAnySizeAndPlace) {
   for (const double radius : {0.2666, 100.0})
     for (const int size : {1, 4, 33})
-      for (const Direction towards :
-           {Direction(0, 0, -1), Direction(0, 1, 0), glm::normalize(Direction(1, 1, 1))}) {
+      for (const Direction towards : {Direction(0, 0, -1), Direction(0, 1, 0), glm::normalize(Direction(1, 1, 1))}) {
         const EnvironmentMap map =
             generate(Sun{towards, radius, Direction(1e4), {Rgb<double>(0), Rgb<double>(0)}}, GetParam(), size);
         const double flux = 2 * pi * (1 - std::cos(radius * pi / 180)) * 1e4;
@@ -74,7 +72,8 @@ TEST_P(EachGenerated, SunHasItsFluxAtAnySizeAndPlace) {
 TEST_P(EachGenerated, BrightestTexelIsWhereTheSunIs) {
   for (const Direction towards : {Direction(0, 0, 1), Direction(-1, 0, 0), glm::normalize(Direction(1, 2, 3)),
                                   glm::normalize(Direction(0.3, -1, -2))}) {
-    const EnvironmentMap map = generate(Sun{.towards = towards, .radius = 3}, {GetParam(), Forward::minus_x}, 64);
+    const EnvironmentMap map =
+        generate(Sun{.towards = towards, .radius_degrees = 3}, {GetParam(), Forward::minus_x}, 64);
     EXPECT_LT(angle_between(measure(map).brightest_direction, towards), 0.1);
   }
 }
@@ -106,8 +105,7 @@ TEST_P(EachGenerated, FacesAreSixColours) {
 }
 
 TEST_P(EachGenerated, CheckerIsHalfAndHalf) {
-  const EnvironmentMap map =
-      generate(Checker{.squares = 6, .even = Direction(1), .odd = Direction(0)}, GetParam(), 96);
+  const EnvironmentMap map = generate(Checker{.squares = 6, .even = Direction(1), .odd = Direction(0)}, GetParam(), 96);
   EXPECT_NEAR(measure(map).mean.x, 0.5, 3e-3);
 }
 
@@ -157,7 +155,7 @@ TEST(Generate, RefusesWhatMakesNoSense) {
   EXPECT_THROW(make(Harmonic{.degree = 2, .order = 3}), UsageError);
   EXPECT_THROW(make(Harmonic{.degree = 2, .order = 0, .base = 0}), UsageError);
   EXPECT_THROW(make(Checker{.squares = 0}), UsageError);
-  EXPECT_THROW(make(Sun{.radius = 0}), UsageError);
+  EXPECT_THROW(make(Sun{.radius_degrees = 0}), UsageError);
 }
 
 }  // namespace

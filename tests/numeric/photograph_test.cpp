@@ -31,7 +31,8 @@ TEST(Photograph, ShowsTheFacesOfACube) {
     Direction towards;
   } sides[]{{0, {1, 0, 0}}, {1, {-1, 0, 0}}, {4, {0, 0, 1}}, {5, {0, 0, -1}}};
   for (const auto& side : sides) {
-    const PhotographOptions o{.field = pi / 2, .width = size, .height = size, .towards = side.towards, .samples = 1};
+    const PhotographOptions o{
+        .field_radians = pi / 2, .width = size, .height = size, .towards = side.towards, .samples = 1};
     const std::vector<Colour> picture = photograph(map.clone(), o);
     for (int row = 0; row < size; ++row)
       for (int i = 0; i < size; ++i)
@@ -46,14 +47,14 @@ TEST(Photograph, PlacesInThePictureLookWhereTheLensSays) {
     const EnvironmentMap map = directions_map(p, 256);
     PhotographOptions o{.width = 41, .height = 31, .towards = {2, 0, 0}, .samples = 1};
     const auto shown = [&](int i, int row) { return pixel(photograph(map.clone(), o), o, i, row); };
-    o.lens = CameraModel::perspective, o.field = pi / 2;
+    o.lens = CameraModel::perspective, o.field_radians = pi / 2;
     EXPECT_LT(off(shown(20, 15), {1, 0, 0}), 0.05);
     EXPECT_LT(off(shown(40, 0), glm::normalize(Direction(1, 30.0 / 31, 40.0 / 31))), 0.05);
-    o.lens = CameraModel::fisheye, o.field = pi, o.width = 31;
+    o.lens = CameraModel::fisheye, o.field_radians = pi, o.width = 31;
     EXPECT_LT(off(shown(30, 15), {std::cos(pi / 2 * 30 / 31), 0, std::sin(pi / 2 * 30 / 31)}), 0.05);
     EXPECT_LT(off(shown(15, 0), {std::cos(pi / 2 * 30 / 31), std::sin(pi / 2 * 30 / 31), 0}), 0.05);
     EXPECT_EQ(shown(0, 0), Colour(0));
-    o.lens = CameraModel::cylinder, o.field = pi / 2, o.width = 97;
+    o.lens = CameraModel::cylinder, o.field_radians = pi / 2, o.width = 97;
     const double turn = 96.0 / 31;
     EXPECT_NEAR(angle_across(o), 2 * 97.0 / 31, 1e-12);
     EXPECT_LT(off(shown(96, 0), glm::normalize(Direction(std::cos(turn), 30.0 / 31, std::sin(turn)))), 0.05);
@@ -62,7 +63,7 @@ TEST(Photograph, PlacesInThePictureLookWhereTheLensSays) {
 
 TEST(Photograph, UpIsMinusZOfTheSkyAndPlusZOfTheGround) {
   const EnvironmentMap map = directions_map(Projection::cube, 128);
-  PhotographOptions o{.field = pi / 2, .width = 31, .height = 31, .towards = {0, 1, 0}, .samples = 1};
+  PhotographOptions o{.field_radians = pi / 2, .width = 31, .height = 31, .towards = {0, 1, 0}, .samples = 1};
   EXPECT_LT(off(pixel(photograph(map.clone(), o), o, 15, 0), glm::normalize(Direction(0, 1, -30.0 / 31))), 0.05);
   o.towards = {0, -1, 0};
   EXPECT_LT(off(pixel(photograph(map.clone(), o), o, 15, 0), glm::normalize(Direction(0, -1, 30.0 / 31))), 0.05);
@@ -82,19 +83,19 @@ TEST(Photograph, TurnsTheEnvironmentAndScalesIt) {
 TEST(Photograph, WidePixelsAreMeans) {
   const EnvironmentMap map =
       generate(Checker{.squares = 64, .even = Rgb<double>(1), .odd = Rgb<double>(0)}, {Projection::latlong}, 256);
-  const PhotographOptions o{.field = 0.7, .width = 5, .height = 5};
+  const PhotographOptions o{.field_radians = 0.7, .width = 5, .height = 5};
   for (const Colour& c : photograph(map.clone(), o)) EXPECT_NEAR(c.x, 0.5, 0.05);
 }
 
 TEST(Photograph, RefusesWhatNoLensShows) {
   const EnvironmentMap map = directions_map(Projection::cube, 4);
   const auto refuses = [&](const PhotographOptions& o) { EXPECT_THROW(photograph(map.clone(), o), UsageError); };
-  refuses({.field = pi});
-  refuses({.field = std::nan("")});
-  refuses({.lens = CameraModel::fisheye, .field = 7});
+  refuses({.field_radians = pi});
+  refuses({.field_radians = std::nan("")});
+  refuses({.lens = CameraModel::fisheye, .field_radians = 7});
   refuses({.towards = Direction(0)});
   refuses({.filter = Filter::area});
-  refuses({.lens = CameraModel::cylinder, .field = pi / 2, .width = 2000, .height = 480});
+  refuses({.lens = CameraModel::cylinder, .field_radians = pi / 2, .width = 2000, .height = 480});
 }
 
 }  // namespace

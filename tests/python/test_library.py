@@ -3,6 +3,7 @@ import ast
 import copy
 import errno
 import inspect
+import os
 import pathlib
 import pickle
 import subprocess
@@ -123,6 +124,36 @@ def test_chains_go_into_one_file(tmp_path):
         envmap.Map(cube(), levels=[cube()])
     with pytest.raises(envmap.UsageError):
         envmap.Map(levels=[])
+
+
+@pytest.mark.parametrize('engine', ['three', 'filament', 'unity'])
+def test_bake_writes_what_the_command_writes(tmp_path, engine):
+    probe = envmap.generate('sun', size=32, radius=20.0, radiance=(9, 8, 7))
+    envmap.write(tmp_path / 'probe.exr', probe)
+    program = [os.environ['ENVMAP_PROGRAM'], 'bake', tmp_path / 'probe.exr', tmp_path / 'program', '--for', engine, '--quality', 'draft', '-q']
+    subprocess.run(program, check=True)
+    files = envmap.bake(probe, engine, tmp_path / 'module', quality='draft')
+    assert sorted(files) == sorted(p.name for p in (tmp_path / 'program').iterdir())
+    for name in files:
+        assert (tmp_path / 'module' / name).read_bytes() == (tmp_path / 'program' / name).read_bytes(), name
+
+
+def test_bake_says_what_is_wrong(tmp_path):
+    probe = envmap.generate('sun', size=16, radius=20.0)
+    assert 'filament' in envmap.engines()
+    with pytest.raises(envmap.UsageError, match="'maya' is none of the engines babylon, "):
+        envmap.bake(probe, 'maya', tmp_path / 'a')
+    with pytest.raises(envmap.AccuracyError) as caught:
+        envmap.bake(probe, 'unreal', tmp_path / 'a', max_error=1e-4)
+    assert caught.value.code == 'accuracy' and caught.value.file == str(tmp_path / 'a/background.hdr')
+    with pytest.raises(envmap.UsageError) as caught:
+        envmap.bake(probe, 'filament', tmp_path / 'a', chain_size=0)
+    assert caught.value.field == 'chain_size'
+    assert not (tmp_path / 'a').exists() and not list(tmp_path.iterdir())
+    roughnesses = envmap.level_roughnesses('filament', 16)
+    assert len(roughnesses) == 5 and roughnesses[0] == 0 and roughnesses == sorted(roughnesses)
+    with pytest.raises(envmap.UsageError):
+        envmap.level_roughnesses('three')
 
 
 def test_maps_pickle_and_copy():

@@ -58,8 +58,8 @@ const Light& sky() {
   return light;
 }
 const Light& sun() {
-  static const Light light{
-      generate(Sun{.towards = {-std::sin(1.047), 0, std::cos(1.047)}, .radius = 2.5}, Projection::latlong, 512)};
+  static const Light light{generate(Sun{.towards = {-std::sin(1.047), 0, std::cos(1.047)}, .radius_degrees = 2.5},
+                                    Projection::latlong, 512)};
   return light;
 }
 
@@ -126,13 +126,17 @@ TEST(LobeIntegral, WhiteSurfacesInAWhiteRoomStayWhite) {
 // A metal plate under a sun of 5 degrees: prefiltered levels mix roughness .2 and .4 for .3,
 // and show it half as bright again.
 TEST(LobeIntegral, PicturesOfRoughMetalAreRight) {
-  const Environment sky(generate(
-      Sun{.towards = {0, 0, 1}, .radius = 2.5, .radiance = Rgb<double>{500}, .sky = {Rgb<double>{0}, Rgb<double>{0}}},
-      Projection::latlong, 512));
+  const Environment sky(generate(Sun{.towards = {0, 0, 1},
+                                     .radius_degrees = 2.5,
+                                     .radiance = Rgb<double>{500},
+                                     .sky = {Rgb<double>{0}, Rgb<double>{0}}},
+                                 Projection::latlong, 512));
   Scene scene;
   scene.materials = {{.base_colour = {1, 1, 1, 1}, .metallic = 1, .roughness = 0.3F}};
-  scene.meshes = {{.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, .normals = {4, {0, 0, 1}},
-                   .coordinates = std::vector<glm::vec2>(4), .indices = {0, 1, 2, 0, 2, 3}}};
+  scene.meshes = {{.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
+                   .normals = {4, {0, 0, 1}},
+                   .coordinates = std::vector<glm::vec2>(4),
+                   .indices = {0, 1, 2, 0, 2, 3}}};
   scene.nodes = {{.name = "plate", .meshes = {0}}};
   const Viewpoint from{.size = 1, .at = {0, 0, 3}, .lens = Lens{1, {1e-3, 1e-3}, 0}};
   const auto seen = [&](int lobe_samples) {

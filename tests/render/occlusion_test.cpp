@@ -66,7 +66,7 @@ TEST(DistantLights, GiveItsIrradiance) {
 TEST(DistantLights, StandWhereASunDoes) {
   const Direction towards = glm::normalize(Direction(1, 2, 3));
   const Environment sun(generate(Sun{.towards = towards,
-                                     .radius = 3,
+                                     .radius_degrees = 3,
                                      .radiance = Direction(1000),
                                      .sky = {Rgb<double>(0), Rgb<double>(0)}},
                                  Projection::cube, 128),

@@ -146,7 +146,7 @@ int run(const Request& o) {
   if (status == 0) return 0;
   if (WIFSIGNALED(status)) throw OutputError("ninja was ended by a signal");
   throw OutputError(fmt::format("{} of {} jobs failed{}", output.failures(), jobs.size(),
-                                o.keep_going ? "" : "; what was not begun then is not made (-k goes on)"));
+                                o.keep_going ? "" : "; jobs not yet started were skipped (-k runs them)"));
 }
 
 }  // namespace

@@ -132,7 +132,8 @@ bool has(const Options& o, std::string_view name) {
 }
 bool reads_files(const Options& o) {
   return std::ranges::any_of(o.rows, [](const Option& row) {
-    return row.is_argument() && (row.file == File::input || row.file == File::inputs_then_output);
+    return row.is_argument() &&
+           (row.file == File::input || row.file == File::inputs_then_output || row.name == "FILES");
   });
 }
 
@@ -142,7 +143,7 @@ constexpr ExitStatus exit_statuses[] = {
      [](const Options& o) { return has(o, "--max-error"); }},
     {2, "The command line is wrong.", nullptr},
     {3, "An input cannot be read, or is damaged.", reads_files},
-    {4, "An output cannot be written.", nullptr},
+    {4, "An output cannot be written; of batch: a job failed.", nullptr},
     {5, "No renderer was found.", [](const Options& o) { return has(o, "--context") || has(o, "--task"); }},
 };
 

@@ -18,8 +18,7 @@ template <class T>
 T number(const Option& o, const std::string& text) {
   T value{};
   const bool is_number = parse_number(text, value);
-  if (is_number && std::isnan(double(value)))
-    throw std::invalid_argument("must be a number, not " + text);
+  if (is_number && std::isnan(double(value))) throw std::invalid_argument("must be a number, not " + text);
   if (!is_number && !o.range) throw std::invalid_argument("must be a number, not " + text);
   const auto in_words = [](double end) { return fmt::format("{:.7g}", end); };
   if (o.range && (!is_number || value < o.range->from || value > o.range->to))
@@ -39,8 +38,7 @@ std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
   const std::size_t power = unit.empty() ? 0 : std::string_view("?kmgtpe").find(unit);
   if (digits == 0 || unit.size() > 1 || power == std::string_view::npos || (binary && unit.empty()))
     throw std::invalid_argument("must be a size such as 500M, not " + text);
-  const double bytes =
-      std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, double(power));
+  const double bytes = std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, double(power));
   if (bytes < o.range->from || bytes > o.range->to)
     out_of(fmt::format("{:.0f}", bytes), fmt::format("{:.0f}", o.range->from), fmt::format("{:.0f}", o.range->to));
   return std::uint64_t(bytes);
@@ -158,9 +156,10 @@ std::vector<std::string> Options::named(File kind) const {
   std::vector<std::string> all;
   for (const Option& o : rows) {
     auto first = o.given.begin(), last = o.given.end();
-    if (o.file == File::inputs_then_output && kind != File::folder && first != last)
+    const bool ends_in_output = o.file == File::inputs_then_output && !given(o.all_inputs_with);
+    if (ends_in_output && kind != File::folder && first != last)
       (kind == File::input ? last : first) = last - 1;
-    else if (o.file != kind)
+    else if (o.file != kind && !(o.file == File::inputs_then_output && kind == File::input))
       continue;
     all.insert(all.end(), first, last);
   }

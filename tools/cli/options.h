@@ -71,7 +71,7 @@ struct Option {
   std::string type;  ///< The value's name in help, such as N. Empty for flags and arguments.
   std::string help;
   Value value;
-  Parse parse = {};  ///< Used instead of `value`.
+  Parse parse = {};                     ///< Used instead of `value`.
   std::vector<std::string> words = {};  ///< All words that are allowed; empty if any is.
   std::string_view group = {};          ///< The heading in help.
   std::optional<Range> range = {};
@@ -79,9 +79,10 @@ struct Option {
   File file = File::none;
   Several several = Several::words;
   bool required = false;
-  std::string alone = {};               ///< The value of an option that is given without one.
-  std::string environment = {};         ///< An environment variable that holds the value where the option is not given.
-  std::string excludes = {};            ///< An option that may not stand beside this one.
+  std::string alone = {};            ///< The value of an option that is given without one.
+  std::string environment = {};      ///< An environment variable that holds the value where the option is not given.
+  std::string excludes = {};         ///< An option that may not stand beside this one.
+  std::string all_inputs_with = {};  ///< Of inputs_then_output: an option that names the output in place of the last.
   std::vector<std::string> given = {};  ///< The values from the command line, or from the environment.
 
   [[nodiscard]] bool is_argument() const { return !name.starts_with('-'); }

@@ -183,7 +183,7 @@ int run(Request& o, Report& report) {
   a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());  // Or a filter might read them as its own.
   if (resampled)
     a.map = convert(a.map, {.to = b.map.frame(), .size = b.map.base().height(), .filter = o.filter},
-                    progress_line("resample"));
+                    {.progress = progress_line("resample")});
   Level shown(b.map.projection(), b.map.base().height());
   const Difference d = compare(a.map.base(), b.map.base(), &shown);
   const Verdict verdict = verdict_of(a.map, b.map, shown);

@@ -9,7 +9,7 @@
 #include "cli/console.h"
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/engine/bake.h"
+#include "envmap/engine/baker.h"
 #include "envmap/io/rounding.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
@@ -26,7 +26,7 @@ namespace {
 using namespace envmap;
 
 struct Convert {
-  std::string input, output, costs;
+  std::string input, output;
   const Engine* engine = nullptr;
   ReadOptions read;
   std::optional<Projection> to;
@@ -162,8 +162,6 @@ bool holds(const Convert& o, const Rounding& rounding, const Level& made, double
 
 int run(Convert& o, Report& report) {
   o.read.assumed_forward = o.forward;
-  const Costs costs = read_costs(o.costs);
-  o.convert.costs = &costs;
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
@@ -178,7 +176,7 @@ int run(Convert& o, Report& report) {
                     o.input, source.levels, o.read.level));
   o.convert.ball = ball_camera(o, source.map);
   grade(source, o.grade, o.read.colour);
-  if (engine) warn_about_clamping(*o.engine, source.map.base(), "convert");
+  if (engine) warn_about_clamping(*o.engine, source.map.base(), 1, "convert");
   const Frame from = source.map.frame();
   const Projection to = o.to.value_or(from.projection);
   o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
@@ -212,7 +210,7 @@ int run(Convert& o, Report& report) {
   bool within = !choice || tell_choice(*choice, *max_error);
   Rows rows = resampler.rows();
   std::optional<Level> made;
-  if (choice && within && !rounding->largest) {
+  if (choice && within && !bounds_every_channel(*rounding, resampler.filter().floor * o.convert.gain)) {
     made = level_of(rows);
     rows = rows_of(*made, rows.forward);
     within = holds(o, *rounding, *made, choice->trials.back().maximum, *max_error);
@@ -274,7 +272,6 @@ Action define_convert(Options& o) {
         "N x N samples per texel for nearest, bilinear, bicubic (default: 1; auto: 1 or 2)");
   o.add("--area-error", "E", &c->convert.area_error, range_of(limits::area_error),
         "Relative error at which 'area' stops (default: 1e-4; with auto 1e-3)");
-  add_costs(o, c->costs);
   add_read_options(o, c->read);
   add_repair(o, c->read);
   o.group = groups::colour;

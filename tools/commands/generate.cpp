@@ -70,7 +70,7 @@ int run(const Request& o) {
   check_output(o.output, o.write, to);
   if (o.forward && !has_forward(to)) throw UsageError("--forward is for latlong and angular maps");
   const EnvironmentMap map =
-      generate(pattern(o), {to, o.forward.value_or(Forward::plus_z)}, o.size, progress_line("generate"));
+      generate(pattern(o), {to, o.forward.value_or(Forward::plus_z)}, o.size, {.progress = progress_line("generate")});
   write_map(o.output, rows_of(map), o.write, "write");
   return 0;
 }
@@ -87,7 +87,7 @@ Action define_generate(Options& o) {
   o.add("--value2", "R,G,B", Triple{&r->value2, true}, "Radiance: bottom of gradient, odd squares (default: 0.1)");
   o.add("--squares", "N", &r->squares, "checker: squares from pole to pole (default: 8)");
   o.add("--direction", "X,Y,Z", Triple{&r->towards}, "sun: direction (default: 0,0,1)");
-  o.add("--radius", "DEGREES", &r->sun.radius, "sun: angular radius in degrees (default: 0.2666)");
+  o.add("--radius", "DEGREES", &r->sun.radius_degrees, "sun: angular radius in degrees (default: 0.2666)");
   o.add("--zenith", "R,G,B", Triple{&r->zenith, true}, "sun, sky: radiance of the zenith (default: 1)");
   o.add("--horizon", "R,G,B", Triple{&r->horizon, true},
         "sun, sky: radiance of the horizon (default: a third of the zenith's)");

@@ -2,7 +2,7 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/engine/bake.h"
+#include "envmap/engine/baker.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
@@ -42,7 +42,7 @@ void make_part(Request& o, const EnvironmentMap& map) {
 EnvironmentMap in_frame(EnvironmentMap map, const Frame& frame) {
   const Frame is = map.frame();
   if (is.projection == frame.projection && is.forward == frame.forward) return map;
-  return convert(map, {.to = frame}, progress_line("convert"));
+  return convert(map, {.to = frame}, {.progress = progress_line("convert")});
 }
 
 int run(Request& o, Report& report) {
@@ -91,8 +91,8 @@ int run(Request& o, Report& report) {
 
 Action define_mipmap(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face}: six files, {level}: one per level)")
-      .required = true;
+  o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face}: six files, {level}: one per level)").required =
+      true;
   o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} and {level} as for INPUT)").required = true;
   o.group = groups::output_map;
   o.add("--levels", "N", &r->levels, range_of(limits::levels),

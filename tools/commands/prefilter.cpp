@@ -7,7 +7,7 @@
 #include "cli/console.h"
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/engine/bake.h"
+#include "envmap/engine/baker.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
 #include "envmap/map/page.h"
@@ -24,7 +24,7 @@ namespace {
 using namespace envmap;
 
 struct Request {
-  std::string input, output, table, costs;
+  std::string input, output, table;
   ReadOptions read;
   WriteOptions write;
   const Engine* engine = nullptr;
@@ -115,8 +115,8 @@ Facts record(const std::vector<Prefilter>& levels) {
 // The file does not hold what --max-error asks for: says which depth does.
 [[noreturn]] void refuse(const Request& o, const std::string& what) {
   const std::string depth = depth_for_error(o.output, o.write, *o.max_error);
-  throw NotReached(fmt::format("{}: cannot meet --max-error {:g}: {}: use {}", o.output, *o.max_error, what,
-                               depth.empty() ? "an .exr file with --depth float" : depth));
+  throw AccuracyError(fmt::format("{}: cannot meet --max-error {:g}: {}: use {}", o.output, *o.max_error, what,
+                                  depth.empty() ? "an .exr file with --depth float" : depth));
 }
 
 void tell(const Prefilter& p, const BakedLevel& made) {
@@ -142,7 +142,7 @@ void add_level(Report& report, const Prefilter& p, const BakedLevel& made) {
 // Of Charlie its own table; of GGX, and of the diffuse map that goes with it, GGX's.
 void write_brdf_table(const Request& o) {
   const auto table = o.lobe == Shape::charlie ? sheen_table : brdf_table;
-  write_table(o.table, table(o.table_size, progress_line("brdf table")), o.table_size, settings().commit);
+  write_table(o.table, table(o.table_size, {.progress = progress_line("brdf table")}), o.table_size, settings().commit);
 }
 
 void check_brdf_table(const Request& o) {
@@ -163,7 +163,7 @@ int table_alone(const Request& o) {
 void leave_to_prefilter(Request& o, const FileError& error) {
   try {
     if (o.max_error) o.map.max_error = left_to_prefilter(error);
-  } catch (const NotReached& e) {
+  } catch (const AccuracyError& e) {
     refuse(o, e.what());
   }
 }
@@ -193,16 +193,15 @@ const EngineMap* settle_engine(Request& o) {
   if (!o.size) o.size = map.chain->size;
   o.map.shape = o.lobe.value_or(Shape::ggx);
   if (o.map.shape == Shape::ggx && !o.roughness && o.roughnesses.empty())
-    o.roughnesses = roughnesses_of(map, *o.size, o.levels, "--size");
+    o.roughnesses = level_roughnesses(map, *o.size, o.levels, "--size");
   return &map;
 }
 
 // Sizes and frame, now that the source is known.
 void choose_frame(Request& o, const EnvironmentMap& source) {
-  o.map.size = o.size ? *o.size
-               : o.map.shape == Shape::diffuse
-                   ? matching_size(Projection::cube, 64, o.map.to)
-                   : matching_size(source.projection(), source.base().height(), o.map.to);
+  o.map.size = o.size                          ? *o.size
+               : o.map.shape == Shape::diffuse ? matching_size(Projection::cube, 64, o.map.to)
+                                               : matching_size(source.projection(), source.base().height(), o.map.to);
   o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
 }
 
@@ -234,7 +233,7 @@ EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted
       if (level.rounded > 0 && settings().verbose)
         note(fmt::format("{}: in the file as {}", words(p), rounding_words(*m.error.rounding, level.rounded)));
       made.levels.push_back(std::move(level.done.map.base()));
-    } catch (const NotReached& e) {
+    } catch (const AccuracyError& e) {
       refuse(o, fmt::format("{} in {}", words(p), e.what()));
     }
   }
@@ -255,13 +254,12 @@ int run(Request& o, Report& report) {
   const EngineMap* engine = settle_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
-  const Costs costs = read_costs(o.costs);
   check_output(o.output, o.write, o.map.to);
   const Source source = read_map(o.input, o.read);
   choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
-  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror), costs};
+  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
   leave_to_prefilter(o, error);
   std::vector<Prefilter> wanted = levels_of(o);
   choose_rows(o, error.rounding, wanted);
@@ -312,7 +310,6 @@ Action define_prefilter(Options& o) {
   o.add("--max-error", "E", &r->max_error, {1e-7, 10},
         "Largest error of a texel, rounding included (default: 1e-3 + rounding)");
   o.add("--method", one_of(r->map.method, method_names), "{} (default: auto)");
-  add_costs(o, r->costs);
   add_write_options(o, r->write);
   o.group = "BRDF table";
   o.add("--brdf-table", "FILE", &r->table, "Write the split-sum table of ggx, or the sheen albedo of charlie").file =

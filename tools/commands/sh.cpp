@@ -64,14 +64,15 @@ void add(Report& report, const Harmonics& h, const Request& o) {
 
 int run(Request& o, Report& report) {
   const Projection to = o.to.value_or(Projection::cube);
-  if (!o.output.empty()) check_output(o.output, o.write, to);
+  if (!o.output.empty())
+    check_output(o.output, o.write, to);
   else if (!settings().depfile.empty())
     throw UsageError("--depfile is for the map of --evaluate");
   if (o.window == Window::automatic && o.order > most_deringed_order)
     throw UsageError(fmt::format("--window auto is for --order up to {}", most_deringed_order));
   o.read.assumed_forward = o.forward;
   const Source source = read_map(o.input, o.read);
-  Harmonics h = project(source.map, o.order, progress_line("sh"));
+  Harmonics h = project(source.map, o.order, {.progress = progress_line("sh")});
   if (o.window == Window::automatic) {
     o.deringing = weakest_window(h);
     scale_degrees(h, laplacian_window(o.order, o.deringing.lambda));
@@ -99,8 +100,7 @@ Action define_sh(Options& o) {
   o.group = "Coefficients";
   o.add("--order", "N", &r->order, range_of(limits::order), "Largest degree l (default: 2)");
   o.flag("--irradiance", r->irradiance, "Print coefficients of the irradiance instead of the radiance");
-  o.add("--window", one_of(r->window, window_names),
-        "Reduce ringing around lights: {} (default: none; bare: hann)")
+  o.add("--window", one_of(r->window, window_names), "Reduce ringing around lights: {} (default: none; bare: hann)")
       .alone = "hann";
   o.group = groups::output_map;
   o.add("--evaluate", "FILE", &r->output, "Write the series as a map, with negative values clamped to 0").file =

@@ -205,22 +205,23 @@ void add_tone_curve(Options& o, Request& r) {
   o.group = "Exposure and tone curve";
   o.add("--exposure", "STOPS", &r.exposure, {-100, 100},
         "Multiply radiance by 2^STOPS (default: mean becomes middle grey)");
-  o.add("--percentile", "P", &r.percentile, {0, 100}, "Expose so that P percent of the sphere is at most 1")
-      .excludes = "--exposure";
+  o.add("--percentile", "P", &r.percentile, {0, 100}, "Expose so that P percent of the sphere is at most 1").excludes =
+      "--exposure";
   add_display(o, r.display, Display::reinhard);
-  o.add("--view", "VIEW", &r.view, "OpenColorIO view instead of --display: VIEW or DISPLAY:VIEW")
-      .excludes = "--display";
+  o.add("--view", "VIEW", &r.view, "OpenColorIO view instead of --display: VIEW or DISPLAY:VIEW").excludes =
+      "--display";
 }
 
 }  // namespace
 
 Action define_preview(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.files(r->names, File::inputs_then_output, "Maps, and last the .png or .jpg to write (not with --html)");
+  o.files(r->names, File::inputs_then_output, "Maps, and last the .png or .jpg to write (not with --html)")
+      .all_inputs_with = "--html";
   add_parts(o, *r);
   add_tone_curve(o, *r);
   o.group = "Page";
-  o.add("--html", "FILE", &r->html, "Write an interactive page of one map instead of a picture");
+  o.add("--html", "FILE", &r->html, "Write an interactive page of one map instead of a picture").file = File::output;
   o.add("--size", "N", &r->size, {16, 2048}, "Height of the cube faces in the page (default: the map's, at most 256)");
   add_read_options(o, r->read);
   add_repair(o, r->read);

@@ -18,7 +18,7 @@ using namespace envmap;
 
 struct Request {
   SceneOptions scene;
-  std::string output, at, forward, costs;
+  std::string output, at, forward;
   std::optional<Projection> to;
   Viewpoint from;
   DrawMethod method = DrawMethod::automatic;
@@ -72,8 +72,8 @@ Direction direction(const Request& o, const Scene& scene, const Pose& pose) {
   if (const auto along = triple_of(o.forward)) return *along;
   if (const auto there = direction_to(scene, pose, o.from.at, o.forward)) return *there;
   if (o.forward == "camera") throw UsageError(fmt::format("--forward: {} has no camera", o.scene.path));
-  throw UsageError(fmt::format("--forward: '{}' must be +z, -z, +x, -x, X,Y,Z, a node of {} or 'camera'",
-                               o.forward, o.scene.path));
+  throw UsageError(
+      fmt::format("--forward: '{}' must be +z, -z, +x, -x, X,Y,Z, a node of {} or 'camera'", o.forward, o.scene.path));
 }
 
 void check(const Request& o) {
@@ -99,7 +99,6 @@ int run(Request& o, Report& report) {
   check_output(frames.path(o.output, frames.first), o.write, o.from.to);
   const std::vector<std::string> outputs = frames.paths(o.output);
   check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
-  const Costs costs = read_costs(o.costs);
   LoadedScene loaded = load(o.scene);
   check_files(outputs, loaded.inputs);
   open_depfile();
@@ -108,9 +107,8 @@ int run(Request& o, Report& report) {
   const bool turned = !o.forward.empty() && !forward_named(o.forward);
   // Who says what OpenGL is drawn with wants it drawn with OpenGL.
   const bool rays = o.scene.context == ContextKind::automatic;
-  const DrawMethod method = o.method == DrawMethod::automatic
-                                ? cheapest(o.from.to, o.from.size, triangles(loaded.scene), costs, rays)
-                                : o.method;
+  const DrawMethod method =
+      o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene), rays) : o.method;
   const std::vector<Mirror> mirrors =
       o.bounces > 0 ? find_mirrors(loaded.scene, Projection::paraboloid) : std::vector<Mirror>{};
   std::optional<Painter> painter;
@@ -136,8 +134,7 @@ int run(Request& o, Report& report) {
                        o.from.axes[2].y, o.from.axes[2].z));
     if (settings().verbose)
       note(fmt::format("{}: {} from {:.4g},{:.4g},{:.4g}, drawn in {:.1f} ms", path,
-                       draw_method_names[std::size_t(method)], o.from.at.x, o.from.at.y, o.from.at.z,
-                       1e3 * took));
+                       draw_method_names[std::size_t(method)], o.from.at.x, o.from.at.y, o.from.at.z, 1e3 * took));
     write_map(path, all_rows_of(drawn.radiance), o.write, "write");
     warn_about_missing(path, method, drawn);
     report.append("maps[]");
@@ -161,8 +158,7 @@ Action define_render(Options& o) {
   o.add("--at", "NODE|X,Y,Z", &r->at, "Centre of the map: a node of the scene or a point (default: 0,0,0)");
   add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
   add_size(o, &r->from.size, "Height of the image or of one cube face (default: 256)");
-  o.add("--forward", "AXIS|NODE|X,Y,Z|camera", &r->forward,
-        "Axis, node, direction or camera at the centre");
+  o.add("--forward", "AXIS|NODE|X,Y,Z|camera", &r->forward, "Axis, node, direction or camera at the centre");
   o.add("--near", "METRES", &r->from.near, {1e-9, 1e9}, "Distance of the near plane (default: 0.01)");
   o.add("--far", "METRES", &r->from.far, {1e-9, 1e12}, "Distance of the far plane (default: 1000)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
@@ -176,7 +172,6 @@ Action define_render(Options& o) {
         "raycast: samples per rough reflection (0: prefiltered levels) (default: 0)");
   o.add("--epsilon", "Z", &r->from.epsilon, {1e-6, 1},
         "distort, tessellate: move vertices with z < -1 + Z to infinity");
-  add_costs(o, r->costs);
   add_frames(o, r->scene);
   add_write_options(o, r->write, "float, or nearest");
   add_scene_input(o, r->scene);

@@ -18,15 +18,15 @@ using namespace envmap;
 PhotographOptions settled(const PhotographJob& job) {
   constexpr double degree = pi / 180;
   PhotographOptions o = job.photograph;
-  o.field = degree * job.field.value_or(o.lens == CameraModel::fisheye    ? 180
-                                        : o.lens == CameraModel::cylinder ? 90
-                                                                          : 60);
+  o.field_radians = degree * job.field.value_or(o.lens == CameraModel::fisheye    ? 180
+                                                : o.lens == CameraModel::cylinder ? 90
+                                                                                  : 60);
   o.height = job.height.value_or(480);
   o.width = 1;
   const double once_round = 2 * pi / angle_across(o);
   o.width = job.width.value_or(o.lens == CameraModel::fisheye       ? o.height
                                : o.lens == CameraModel::perspective ? (4 * o.height + 2) / 3
-                                                             : int(std::clamp(once_round, 1.0, 65536.0)));
+                                                                    : int(std::clamp(once_round, 1.0, 65536.0)));
   return o;
 }
 

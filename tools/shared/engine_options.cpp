@@ -80,21 +80,6 @@ std::string engine_text(const Engine& e) {
                      e.version, files_of(e, ", "), frame_words(e.maps.front().frame), turns_of(e), e.light, e.steps);
 }
 
-std::string turns_of(const Engine& e) {
-  const std::string mirrored = e.mirrored == "no"     ? ""
-                               : e.mirrored == "file" ? " The file is mirrored."
-                                                      : fmt::format(" {} mirrors the map.", e.title);
-  return fmt::format("+X +Y +Z of the probe are {} in {}.{}{}{}", e.axes, e.title, mirrored, e.turns.empty() ? "" : " ",
-                     e.turns);
-}
-
-std::string frame_words(const Frame& frame) {
-  const std::string projection = name(frame.projection);
-  return has_forward(frame.projection)
-             ? fmt::format("{}, {} at the centre", projection, forward_names[std::size_t(frame.forward)])
-             : projection;
-}
-
 const EngineMap& environment_of(const Engine& engine) {
   const EngineMap& map = engine.maps.front();
   if (map.chain)
@@ -144,14 +129,14 @@ void add_frame(Report& report, const Engine& engine, const EngineMap& map) {
   report.put("turns", turns_of(engine));
 }
 
-void warn_about_clamping(const Engine& engine, const Level& level, const std::string& command) {
+void warn_about_clamping(const Engine& engine, const Level& level, double gain, const std::string& command) {
   if (engine.largest == 0) return;
   std::int64_t texels = 0;
   float most = 0;
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < level.height(); ++j)
       for (const Colour& c : level.row(face, j)) {
-        const float value = std::max({c.x, c.y, c.z});
+        const float value = float(std::max({c.x, c.y, c.z}) * gain);
         texels += value > engine.largest;
         most = std::max(most, value);
       }

@@ -24,11 +24,6 @@ std::string engine_text(const envmap::Engine& engine);
 std::string image_of(const envmap::Engine& engine);
 /// Whether the engine itself loaded the files, or only its source was read.
 bool was_run(const envmap::Engine& engine);
-/// The orientation of a map in the engine's world, in sentences.
-std::string turns_of(const envmap::Engine& engine);
-
-/// "latlong, +x at the centre".
-std::string frame_words(const envmap::Frame& frame);
 
 /// The map that shows the environment. @throws UsageError where the engine takes it as a chain of rising roughness
 /// alone.
@@ -50,7 +45,8 @@ void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const st
 void tell_frame(const std::string& path, const envmap::Engine& engine, const envmap::EngineMap& map);
 /// The same in a report.
 void add_frame(Report& report, const envmap::Engine& engine, const envmap::EngineMap& map);
-/// Warns about values that the engine's loader clamps silently.
-void warn_about_clamping(const envmap::Engine& engine, const envmap::Level& level, const std::string& command);
+/// Warns about values, multiplied by a gain, that the engine's loader clamps silently.
+void warn_about_clamping(const envmap::Engine& engine, const envmap::Level& level, double gain,
+                         const std::string& command);
 
 }  // namespace tools

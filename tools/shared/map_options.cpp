@@ -150,10 +150,6 @@ void add_output_space(Options& o, WriteOptions& w) {
         "Colour space of the output (default: Rec.709 for floats, else sRGB)");
   o.flag("--encoded", w.encoded, "Allow an encoded --output-space, such as 'Display P3', in float files");
 }
-void add_costs(Options& o, std::string& path) {
-  o.add("--costs", "FILE", &path, "Choose methods by the timings in FILE (the output may differ)").environment =
-      "ENVMAP_COSTS";
-}
 
 int size_inside_border(int size, const WriteOptions& w) {
   if (size <= 2 * w.border)
@@ -167,7 +163,8 @@ std::string depth_for_error(const std::string& path, const WriteOptions& options
     other.depth = depth, other.compression.clear(), other.openexr_envmap = false;
     try {
       const std::optional<Rounding> rounding = rounding_of(path, other);
-      if (!rounding || rounding->largest.value_or(1) >= max_error) continue;
+      const bool bounded = rounding && bounds_every_channel(*rounding, 1);
+      if (!bounded || *rounding->largest >= max_error) continue;
       return fmt::format("--depth {}{}{}", name(depth), options.compression.empty() ? "" : " and no --compression",
                          options.openexr_envmap ? " and no --openexr-envmap" : "");
     } catch (const UsageError&) {  // Not of this format.

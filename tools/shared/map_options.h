@@ -36,7 +36,6 @@ void add_clamp(Options& o, envmap::WriteOptions& write);
 void add_write_options(Options& o, envmap::WriteOptions& write, std::string_view depth = "as input, or nearest");
 void add_border(Options& o, envmap::WriteOptions& write, std::string_view size);  ///< `size`: what help says of --size.
 void add_output_space(Options& o, envmap::WriteOptions& write);                   ///< --output-space, --encoded.
-void add_costs(Options& o, std::string& path);
 
 /// The size of a map without its border. @throws UsageError where nothing is left.
 int size_inside_border(int size, const envmap::WriteOptions& write);

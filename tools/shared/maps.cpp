@@ -146,7 +146,7 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
   const Rows& rows = levels.front();
   WriteOptions how = options;
   how.commit = settings().commit;
-  const Written written = write(path, levels, how, progress_line(verb));
+  const Written written = write(path, levels, how, {.progress = progress_line(verb)});
   if (written.clamped > 0)
     warn(
         fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "envmap/base/costs.h"
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
 
@@ -24,12 +23,6 @@ envmap::Written write_map(const std::string& path, const envmap::Rows& rows, con
 
 /// Writes a text to a file or to standard output ("-").
 void write_text(const std::string& path, std::string_view text);
-
-/// The costs that methods are chosen by. The defaults if `path` is empty. The file is a dependency of the output.
-/// @throws InputError where it lacks a figure, or one is not above 0 and up to 1000 seconds.
-envmap::Costs read_costs(const std::string& path);
-/// The text of a file for read_costs().
-std::string text_of(const envmap::Costs& costs);
 
 /// @throws UsageError where an output or the depfile is an input or another output, by whatever names, where standard
 /// input is named twice, or where a report and an output would both go to standard output.

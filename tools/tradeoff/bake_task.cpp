@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "envmap/base/error.h"
-#include "envmap/engine/bake.h"
+#include "envmap/engine/baker.h"
 #include "envmap/engine/engines.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/rounding.h"
@@ -64,7 +64,6 @@ class Truths {
 struct Baking {
   const Engine& engine;
   const Source& source;
-  const Costs& costs;
   Truths truths{source.map};
 
   [[nodiscard]] WriteOptions how(const EngineMap& map, std::optional<Depth> depth) const {
@@ -84,7 +83,7 @@ struct Baking {
   }
 
   [[nodiscard]] Outcome bake(const Quality& quality, std::optional<Depth> depth) const {
-    const BakeOptions wanted{.quality = quality, .costs = costs, .chain_size_name = "--chain-size"};
+    const BakeOptions wanted{.quality = quality};
     Baker maker(source.map, wanted);
     Outcome out{.level = Level(Projection::latlong, 1), .bytes = 0};
     for (const EngineMap& map : engine.maps) {
@@ -110,7 +109,7 @@ struct Baking {
       const Source read_back = read(out.files[k]->path(), all);
       const std::vector<Level>& levels = read_back.map.levels;
       const std::vector<double> roughnesses =
-          map.chain ? roughnesses_of(map, levels.front().height(), {}, "--chain-size") : std::vector<double>{0};
+          map.chain ? level_roughnesses(map, levels.front().height(), {}, "--chain-size") : std::vector<double>{0};
       for (std::size_t level = 0; level < roughnesses.size(); ++level) {
         const Difference d = compare(levels[level], truths.of(map, roughnesses[level], levels[level].height(),
                                                               closer * quality.max_error));
@@ -124,12 +123,12 @@ struct Baking {
 
 }  // namespace
 
-Task make_bake_task(const std::string& name, const Source& source, const Costs& costs) {
+Task make_bake_task(const std::string& name, const Source& source) {
   const std::vector<std::string> parts = parts_of(name);
   const auto engine = std::ranges::find(engines(), parts.size() == 2 ? parts[1] : "", &Engine::name);
   if (engine == engines().end())
     throw UsageError(fmt::format("--task {}: bake:ENGINE, one of {}", name, engine_names()));
-  const auto baking = std::shared_ptr<Baking>(new Baking{*engine, source, costs});
+  const auto baking = std::shared_ptr<Baking>(new Baking{*engine, source});
   Task task{.name = name,
             .reference =
                 "area to 1e-6, and lobes within a tenth of what the quality asks for, at each file's own size"};

@@ -14,7 +14,6 @@
 #include "shared/map_options.h"
 #include "shared/maps.h"
 #include "tradeoff/bake_task.h"
-#include "tradeoff/calibrate.h"
 #include "tradeoff/scene_task.h"
 #include "tradeoff/tasks.h"
 #include "tradeoff/view_task.h"
@@ -28,9 +27,9 @@ enum class Metric { rms, maximum, flux };
 constexpr std::string_view metric_names[] = {"rms", "max", "flux"};
 
 struct Request {
-  std::string input, task, only, plot, at, camera, environment, costs, saved;
+  std::string input, task, only, plot, at, camera, environment;
   ReadOptions read;
-  bool csv = false, calibrate = false;
+  bool csv = false;
   Metric by = Metric::rms;
   double budget = 60;
 };
@@ -228,30 +227,9 @@ Task only(Task task, const std::string& words) {
   return task;
 }
 
-// The figures that automatic choices rest on, measured here, beside the defaults.
-int calibrate(const Request& o) {
-  if (settings().json) throw UsageError("--calibrate: --save FILE writes JSON, and --save - prints it");
-  const Costs costs = calibrated();
-  if (!o.saved.empty()) write_text(o.saved, text_of(costs));
-  std::string table = fmt::format("{:18}  {:>10}  {:>10}  nanoseconds\n", "", "default", "here");
-  for (std::size_t k = 0; k < cost_count; ++k) {
-    const CostFact& fact = cost_facts()[k];
-    table +=
-        fmt::format("{:18}  {:>10.0f}  {:>10.0f}  {}\n", fact.name, fact.nanoseconds, costs.nanoseconds[k], fact.what);
-  }
-  if (o.saved == "-") return 0;
-  print(table);
-  if (!o.saved.empty()) note(fmt::format("{}: use it with --costs {} or ENVMAP_COSTS", o.saved, o.saved));
-  return 0;
-}
-
 int run(Request& o, Report& report) {
-  if (o.calibrate != o.input.empty() || o.calibrate == !o.task.empty())
-    throw UsageError("needs INPUT and --task, or --calibrate");
-  if (o.calibrate) return calibrate(o);
-  if (!o.saved.empty()) throw UsageError("--save is for --calibrate");
+  if (o.input.empty() || o.task.empty()) throw UsageError("needs INPUT and --task");
   check(o);
-  const Costs costs = read_costs(o.costs);
   if (is_of_scene(o.task)) {
     SceneOptions scene{.path = o.input, .environment = o.environment};
     scene.read.max_pixels = o.read.max_pixels;
@@ -264,9 +242,8 @@ int run(Request& o, Report& report) {
     tell(study_of(task, o), o, report);
   } else {
     const Source source = read_map(o.input, o.read);
-    const Task task = only(parts_of(o.task)[0] == "bake" ? make_bake_task(o.task, source, costs)
-                                                         : make_task(o.task, source.map),
-                           o.only);
+    const Task task =
+        only(parts_of(o.task)[0] == "bake" ? make_bake_task(o.task, source) : make_task(o.task, source.map), o.only);
     tell(study_of(task, o), o, report);
   }
   return 0;
@@ -290,10 +267,6 @@ Action define_tradeoff(Options& o) {
   o.add("--environment", "FILE", &r->environment, "Environment map for background and lighting");
   o.add("--at", "NODE|X,Y,Z", &r->at, "render: centre of the map, a node or a point (default: 0,0,0)");
   o.add("--camera", "NAME|X,Y,Z", &r->camera, "view: camera of the scene, or a point (default: as 'envmap view')");
-  o.group = "Timings for automatic choices";
-  o.flag("--calibrate", r->calibrate, "Measure the timings of this machine, in about a minute, and print them");
-  o.add("--save", "FILE", &r->saved, "Write the timings of --calibrate for --costs ('-' for stdout)");
-  add_costs(o, r->costs);
   add_read_options(o, r->read);
   add_repair(o, r->read);
   return [r](Report& report) { return run(*r, report); };

@@ -17,6 +17,7 @@ enum class ErrorCode {
   input,     ///< An input is unreadable or not what it claims to be.
   output,    ///< An output could not be written; nothing was left behind.
   renderer,  ///< There is nothing to draw with.
+  accuracy,  ///< An error that was asked for cannot be met.
 };
 
 /// What the caller may change so that the same request succeeds; a program words it in its own options.
@@ -86,6 +87,9 @@ struct OutputError : ErrorOf<ErrorCode::output> {
   using ErrorOf::ErrorOf;
 };
 struct RendererError : ErrorOf<ErrorCode::renderer> {
+  using ErrorOf::ErrorOf;
+};
+struct AccuracyError : ErrorOf<ErrorCode::accuracy> {
   using ErrorOf::ErrorOf;
 };
 

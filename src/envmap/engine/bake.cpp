@@ -2,138 +2,94 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <bit>
-
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
-#include "envmap/engine/irradiance.h"
-#include "envmap/operate/convert.h"
+#include "envmap/engine/baker.h"
+#include "envmap/io/output_folder.h"
+#include "envmap/io/rounding.h"
+#include "envmap/maths/portable.h"
+#include "envmap/operate/grade.h"
 
 namespace envmap {
-
-
 namespace {
 
-// A cube with X or Z negated: the two faces of that axis change places, and images are mirrored along the other axes'
-// faces: left to right but for the faces of Y under Z, which has their up there.
-Rows mirrored(const Rows& rows, MirroredAxis mirror) {
-  Rows turned = rows;
-  turned.fill = [rows, mirror](int face, int row, std::span<Colour> out) {
-    const int first = mirror == MirroredAxis::x ? 0 : 4;
-    const bool upside_down = mirror == MirroredAxis::z && (face == 2 || face == 3);
-    rows.fill(face / 2 * 2 == first ? face ^ 1 : face, upside_down ? rows.size - 1 - row : row, out);
-    if (!upside_down) std::ranges::reverse(out);
-  };
-  return turned;
+constexpr std::string_view readme = "README.txt";
+
+std::string readme_text(const Engine& e, const std::vector<BakedFile>& maps, double exposure) {
+  std::string text = fmt::format("Light for {} ({}): linear RGB radiance{}.\n\n", e.title, e.version,
+                                 exposure == 0 ? "" : fmt::format(", multiplied by 2^{:g}", exposure));
+  for (const BakedFile& map : maps)
+    text += fmt::format("{}: {}, {}x{}{}, {}; {}.\n", map.name, frame_words(map.frame), map.width, map.size,
+                        map.levels > 1 ? fmt::format(" in {} levels", map.levels) : "", name(map.written.depth),
+                        map.accuracy);
+  return text + fmt::format("Orientation: {}\nRough and diffuse light: {}.\n\n{}\n", turns_of(e), e.light, e.steps);
 }
 
-int scaled(int size, int doublings) { return std::max(1, doublings < 0 ? size >> -doublings : size << doublings); }
+void expose(EnvironmentMap& probe, double stops, Provenance& provenance) {
+  const double gain = portable::exp2(stops);
+  if (gain != 1) apply(Grade{.gain = Flux(gain)}, probe.base());
+  if (auto& luminance = provenance.white_luminance) luminance = float(*luminance / gain);
+}
 
-std::string of_lobes(const FileError& error, double max_error) {
-  return error.asked ? fmt::format("every texel read from it within {:g}", *error.asked)
-                     : fmt::format("every texel within {:g} before its depth rounds it", max_error);
+// Makes and writes one map into the hidden folder.
+BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folder, const std::string& shown,
+                   const BakeOptions& options, const Progress& progress) {
+  constexpr double made_part = 0.8;  // The rest is the time to write.
+  const std::string file = folder.file(map.file);
+  WriteOptions how = options.write;
+  if (!how.depth) how.depth = map.depth;
+  check_output(file, how, map.frame.projection, map.chain.has_value());
+  const auto scaled = [&](double first, double part) {
+    return progress ? Progress([&progress, first, part](double p) { progress(first + p * part); }) : Progress();
+  };
+  try {
+    const BakedMap made = baker.make(map, rounding_of(file, how), scaled(0, made_part));
+    how.pairs = made.pairs, how.facts = made.facts;
+    const Rows& base = made.rows.front();
+    const Written written = write(file, made.rows, how, {.progress = scaled(made_part, 1 - made_part)});
+    return {std::string(map.file), map.frame, base.width(), base.size, int(made.rows.size()), written, made.accuracy};
+  } catch (const OutputError& e) {
+    throw folder.with_final_path(e, map.file);
+  } catch (const AccuracyError& e) {
+    throw AccuracyError(shown, fmt::format("an error of {:g} cannot be met: {}", *options.max_error, e.what()));
+  }
 }
 
 }  // namespace
 
-std::vector<Rows> mirrored(std::vector<Rows> levels, MirroredAxis mirror) {
-  if (mirror != MirroredAxis::none)
-    for (Rows& rows : levels) rows = mirrored(rows, mirror);
-  return levels;
+std::vector<std::string> files_of(const Engine& engine) {
+  std::vector<std::string> files;
+  for (const EngineMap& map : engine.maps) files.emplace_back(map.file);
+  files.emplace_back(readme);
+  if (!engine.text.name.empty()) files.emplace_back(engine.text.name);
+  return files;
 }
 
-std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, MirroredAxis mirror) {
-  if (mirror == MirroredAxis::none || !rounding || !rounding->read_back) return rounding;
-  const auto turn = [mirror](const Level& level) {
-    return level_of(mirrored(rows_of(level, Forward::plus_z), mirror));
-  };
-  Rounding turned = *rounding;
-  turned.read_back = [turn, read_back = rounding->read_back](const Level& level) {
-    return turn(read_back(turn(level)));
-  };
-  return turned;
-}
-
-std::vector<double> roughnesses_of(const EngineMap& map, int size, std::optional<int> levels,
-                                   std::string_view size_name) {
-  const int possible = std::bit_width(unsigned(size)), fixed = levels.value_or(map.chain->levels);
-  const int count = fixed > 0 ? fixed : possible;
-  if (count > possible) throw UsageError(fmt::format("{} {}: {} has {} levels", size_name, size, map.file, count));
-  std::vector<double> roughnesses;
-  for (int k = 0; k < count; ++k) roughnesses.push_back(count > 1 ? map.chain->roughness(k, count, size) : 0);
-  return roughnesses;
-}
-
-std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source,
-                                                    const Progress& progress) {
-  if (!map.chain || map.chain->irradiance == IrradianceForm::none) return {};
-  return {harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress))};
-}
-
-Baker::Baker(const EnvironmentMap& source, const BakeOptions& options) : source_(source), options_(options) {}
-
-BakedMap Baker::environment(const EngineMap& wanted, const FileError& error) const {
-  const Projection to = wanted.frame.projection;
-  const int dense = matching_size(source_.projection(), source_.base().height(), to);
-  const int size = options_.size.value_or(scaled(dense, options_.quality.environment));
-  BakedMap made;
-  if (!error.asked) {
-    made.rows.push_back(Resampler(source_, {.to = wanted.frame, .size = size}).rows());
-    made.accuracy = "resampled as 'envmap convert' does by itself";
-    return made;
-  }
-  BakedLevel level = resample_level(source_, wanted.frame, size, error, true);
-  made.levels = std::move(level.done.map);
-  made.rows = all_rows_of(made.levels);
-  made.accuracy = fmt::format("read from it within {:g}, by {} and its depth, in the texels where that was measured",
-                              *error.asked, method_name(level.done));
-  return made;
-}
-
-BakedMap Baker::chain(const EngineMap& wanted, const FileError& error) {
-  const int base = options_.chain_size.value_or(scaled(wanted.chain->size, options_.quality.chain));
-  BakedMap made{.facts = {{"lobe", "ggx"}}};
-  for (int k = 0; const double roughness : roughnesses_of(wanted, base, {}, options_.chain_size_name)) {
-    const int size = base >> k;
-    made.facts["roughness"] += fmt::format("{}{:g}", k++ == 0 ? "" : ",", roughness);
-    BakedLevel level =
-        roughness == 0
-            ? resample_level(source_, wanted.frame, size, error, false)
-            : lobe({.shape = Shape::ggx, .parameter = roughness, .to = wanted.frame.projection, .size = size}, error);
-    made.levels.levels.push_back(std::move(level.done.map.base()));
-  }
-  made.rows = all_rows_of(made.levels);
-  made.pairs = irradiance_pairs(wanted, source_, progress("spherical harmonics"));
-  made.accuracy = of_lobes(error, options_.quality.max_error);
-  return made;
-}
-
-BakedMap Baker::diffuse(const EngineMap& wanted, const FileError& error) {
-  BakedMap made{.facts = {{"lobe", "diffuse"}}};
-  const int size = scaled(wanted.diffuse, options_.quality.chain);
-  made.levels =
-      std::move(lobe({.to = wanted.frame.projection, .size = size, .forward = wanted.frame.forward}, error).done.map);
-  made.rows = all_rows_of(made.levels);
-  made.accuracy = of_lobes(error, options_.quality.max_error);
-  return made;
-}
-
-BakedLevel Baker::lobe(const Prefilter& wanted, const FileError& error) {
-  if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
-  Prefilter within = wanted;
-  within.max_error = error.asked ? left_to_prefilter(error) : options_.quality.max_error;
-  const Progress shown = progress(
-      wanted.shape == Shape::diffuse ? "diffuse" : fmt::format("roughness {:.2f}", wanted.parameter));
-  return make_level(*prepared_, within, error, false, shown);
-}
-
-BakedMap Baker::make(const EngineMap& wanted, const std::optional<Rounding>& rounding) {
-  const FileError error{options_.max_error, mirrored(rounding, wanted.mirror), options_.costs};
-  BakedMap made = wanted.chain         ? chain(wanted, error)
-                  : wanted.diffuse > 0 ? diffuse(wanted, error)
-                                       : environment(wanted, error);
-  made.rows = mirrored(std::move(made.rows), wanted.mirror);
-  return made;
+std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const std::string& folder,
+                            const BakeOptions& asked, const Run& run) {
+  if (asked.size) check(limits::size, *asked.size);
+  if (asked.chain_size) check(limits::chain_size, *asked.chain_size);
+  if (asked.max_error) check(limits::max_error, *asked.max_error);
+  check(limits::exposure, asked.exposure);
+  BakeOptions options = asked;
+  expose(probe, options.exposure, options.write.provenance);
+  return carry_out(run, [&](const Progress& progress) {
+    OutputFolder out(folder, files_of(engine), options.write.commit);
+    Baker baker(probe, options);
+    std::vector<BakedFile> baked;
+    const auto count = double(engine.maps.size());
+    for (const EngineMap& map : engine.maps) {
+      const Progress so_far = [&progress, count, done = double(baked.size())](double p) {
+        progress((done + p) / count);
+      };
+      baked.push_back(
+          bake_map(map, baker, out, folder + "/" + std::string(map.file), options, progress ? so_far : Progress()));
+    }
+    if (!engine.text.name.empty()) out.write(engine.text.name, engine.text.text);
+    out.write(readme, readme_text(engine, baked, options.exposure));
+    out.commit();
+    return baked;
+  });
 }
 
 }  // namespace envmap

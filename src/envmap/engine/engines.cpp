@@ -1,13 +1,17 @@
 #include "envmap/engine/engines.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "envmap/base/error.h"
 #include "envmap/maths/portable.h"
 
 namespace envmap {
 namespace {
-
 
 constexpr std::string_view background_exr = "background.exr";
 
@@ -263,5 +267,46 @@ const Engine table[] = {
 }  // namespace
 
 std::span<const Engine> engines() { return table; }
+
+const Engine& engine_named(std::string_view name) {
+  const auto found = std::ranges::find(engines(), name, &Engine::name);
+  if (found != engines().end()) return *found;
+  std::vector<std::string_view> names;
+  for (const Engine& e : engines()) names.push_back(e.name);
+  throw UsageError(fmt::format("'{}' is none of the engines {}", name, fmt::join(names, ", ")));
+}
+
+const EngineMap& chain_of(const Engine& engine) {
+  for (const EngineMap& map : engine.maps)
+    if (map.chain) return map;
+  throw UsageError(fmt::format("{} takes no levels of rising roughness", engine.title));
+}
+
+std::vector<double> level_roughnesses(const EngineMap& map, int size, std::optional<int> levels,
+                                      std::string_view size_name) {
+  check(limits::size, size);
+  if (!map.chain) throw UsageError(fmt::format("{} has no chain", map.file));
+  const int possible = std::bit_width(unsigned(size)), fixed = levels.value_or(map.chain->levels);
+  const int count = fixed > 0 ? fixed : possible;
+  if (count > possible) throw UsageError(fmt::format("{} {}: {} has {} levels", size_name, size, map.file, count));
+  std::vector<double> roughnesses;
+  for (int k = 0; k < count; ++k) roughnesses.push_back(count > 1 ? map.chain->roughness(k, count, size) : 0);
+  return roughnesses;
+}
+
+std::string turns_of(const Engine& e) {
+  const std::string mirrored = e.mirrored == "no"     ? ""
+                               : e.mirrored == "file" ? " The file is mirrored."
+                                                      : fmt::format(" {} mirrors the map.", e.title);
+  return fmt::format("+X +Y +Z of the probe are {} in {}.{}{}{}", e.axes, e.title, mirrored, e.turns.empty() ? "" : " ",
+                     e.turns);
+}
+
+std::string frame_words(const Frame& frame) {
+  const std::string projection = name(frame.projection);
+  return has_forward(frame.projection)
+             ? fmt::format("{}, {} at the centre", projection, forward_names[std::size_t(frame.forward)])
+             : projection;
+}
 
 }  // namespace envmap

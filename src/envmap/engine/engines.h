@@ -1,15 +1,18 @@
-// What engines load: one row for each.
+/// @file
+/// What engines load: one row for each.
 #pragma once
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/io/depth.h"
 #include "envmap/map/environment_map.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// A file of text beside the map, and what is in it.
 struct TextFile {
@@ -38,24 +41,41 @@ struct EngineMap {
   std::optional<Depth> depth = {};  ///< That its loader or the cards behind it want; else the source's.
   MirroredAxis mirror = MirroredAxis::none;
   std::optional<EngineChain> chain = {};  ///< Else the environment itself, one level;
-  int diffuse = 0;                  ///< or the irradiance over pi, with faces so high.
+  int diffuse = 0;                        ///< or the irradiance over pi, with faces so high.
 };
 
 struct Engine {
-  std::string_view name;     ///< As users type it.
-  std::string_view title;    ///< As its makers write it.
-  std::string_view version;  ///< What was read of it, and whether it was run.
+  std::string_view name;        ///< As users type it.
+  std::string_view title;       ///< As its makers write it.
+  std::string_view version;     ///< What was read of it, and whether it was run.
   std::vector<EngineMap> maps;  ///< The first shows the environment.
-  double largest;            ///< That the engine's loader keeps; 0: any, or what the depth says.
-  std::string_view axes;     ///< Where +X, +Y and +Z of the probe lie in the engine's world: "-X +Y +Z".
-  std::string_view mirrored; ///< What mirrors the map for a left-handed world or lookup: "file", "engine" or "no".
-  std::string_view turns;    ///< More about the orientation, in sentences.
-  std::string_view light;    ///< How diffuse and rough light is made.
-  TextFile text;             ///< What loads the map, or nothing.
-  std::string_view steps;    ///< What to do with the folder.
+  double largest;               ///< That the engine's loader keeps; 0: any, or what the depth says.
+  std::string_view axes;        ///< Where +X, +Y and +Z of the probe lie in the engine's world: "-X +Y +Z".
+  std::string_view mirrored;    ///< What mirrors the map for a left-handed world or lookup: "file", "engine" or "no".
+  std::string_view turns;       ///< More about the orientation, in sentences.
+  std::string_view light;       ///< How diffuse and rough light is made.
+  TextFile text;                ///< What loads the map, or nothing.
+  std::string_view steps;       ///< What to do with the folder.
 };
 
 /// All of them, by name.
 std::span<const Engine> engines();
+
+/// @param name such as "filament". @throws UsageError where there is no such engine.
+const Engine& engine_named(std::string_view name);
+
+/// The map of an engine that has levels of rising roughness. @throws UsageError where it takes none.
+const EngineMap& chain_of(const Engine& engine);
+
+/// The roughness that the engine's shader looks for in each level of a chain.
+/// @param map has a chain. @param size height of a face of the first level. @param levels absent: as many as the engine
+/// takes. @param size_name names `size` in the error. @throws UsageError where the size does not have so many levels.
+std::vector<double> level_roughnesses(const EngineMap& map, int size, std::optional<int> levels = {},
+                                      std::string_view size_name = "size");
+
+/// The orientation of a map in the engine's world, in sentences.
+std::string turns_of(const Engine& engine);
+/// "latlong, +x at the centre".
+std::string frame_words(const Frame& frame);
 
 }  // namespace envmap

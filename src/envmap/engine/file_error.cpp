@@ -9,19 +9,17 @@
 #include "envmap/operate/measure.h"
 
 namespace envmap {
-
-
 namespace {
 
 [[noreturn]] void refuse(const FileError& error) {
-  throw NotReached(error.rounding ? rounding_words(*error.rounding, *error.rounding->largest)
-                                  : "integers, lossy compression and OpenEXR's envmap layout have no bound");
+  throw AccuracyError(error.rounding ? rounding_words(*error.rounding, *error.rounding->largest)
+                                     : "integers, lossy compression and OpenEXR's envmap layout have no bound");
 }
 
 void check(const BakedLevel& made, const FileError& error) {
   if (error.asked && made.in_file() > *error.asked)
-    throw NotReached(error.rounding->read_back ? rounding_words(*error.rounding, made.rounded)
-                                               : fmt::format("the error is {:.1e}", made.done.error));
+    throw AccuracyError(error.rounding->read_back ? rounding_words(*error.rounding, made.rounded)
+                                                  : fmt::format("the error is {:.1e}", made.done.error));
 }
 
 }  // namespace
@@ -43,15 +41,15 @@ double left_to_filter(const FileError& error) {
 }
 
 BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, const FileError& error, bool measure,
-                     const Progress& progress) {
-  BakedLevel made{source.make(wanted, progress)};
+                      const Progress& progress) {
+  BakedLevel made{source.make(wanted, {.progress = progress})};
   if (!error.rounding || !(error.asked || measure)) return made;
   const auto rounded = [&] { return rounding_error(*error.rounding, made.done.map.base(), made.done.floor); };
   made.rounded = rounded();
   if (error.asked && made.in_file() > *error.asked && made.rounded < *error.asked) {
     Prefilter closer = wanted;
     closer.max_error = 0.9 * (*error.asked - made.rounded);
-    made.done = source.make(closer, progress);
+    made.done = source.make(closer, {.progress = progress});
     made.rounded = rounded();
   }
   check(made, error);
@@ -60,14 +58,14 @@ BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, co
 
 BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size,
                           const FileError& error, bool measure) {
-  ConvertOptions how{.to = frame, .size = size, .costs = &error.costs};
+  ConvertOptions how{.to = frame, .size = size};
   if (error.asked) how.max_error = left_to_filter(error);
   const Resampler resampler(source, how);
   BakedLevel made{.done = {.map = {}, .method = Method::exact, .resampled = resampler.filter().filter},
                   .sampled = true};
   if (const auto& choice = resampler.choice()) {
     made.done.error = choice->trials.back().maximum;
-    if (!choice->reached) throw NotReached(fmt::format("the error of the filter area is {:.1e}", made.done.error));
+    if (!choice->reached) throw AccuracyError(fmt::format("the error of the filter area is {:.1e}", made.done.error));
   }
   made.done.map.forward = frame.forward;
   made.done.map.levels.push_back(level_of(resampler.rows()));

@@ -2,39 +2,30 @@
 #pragma once
 
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
-#include "envmap/base/costs.h"
 #include "envmap/io/rounding.h"
 #include "envmap/operate/convert.h"
 #include "envmap/prefilter/prefilter.h"
 
 namespace envmap {
 
-/// The answer is no: --max-error is not reached. Exit status 1.
-class NotReached : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
 /// What a file may err by.
 struct FileError {
   /// Of all; else what is made errs by its own default, and rounding comes on top.
   std::optional<double> asked;
   std::optional<Rounding> rounding;  ///< Of its depth; nothing where that has no bound.
-  Costs costs = {};                  ///< That a filter is chosen by.
 };
 
 /// What is left for making a map. Half of what is asked where rounding is known of the result alone.
-/// @throws NotReached where the depth rounds by more than was asked: what rounds, and by how much.
+/// @throws AccuracyError where the depth rounds by more than was asked: what rounds, and by how much.
 double left_to_prefilter(const FileError& error);
 double left_to_filter(const FileError& error);
 
 struct BakedLevel {
   Prefiltered done;
-  double rounded = 0;  ///< What the file's depth takes from it; 0 where that was not asked for.
+  double rounded = 0;    ///< What the file's depth takes from it; 0 where that was not asked for.
   bool sampled = false;  ///< `done.error` was measured in some texels: of resample_level().
 
   /// What readers find it to be off: what it was made with, over the truth, and what was lost since,
@@ -46,13 +37,13 @@ struct BakedLevel {
 /// shared exponent.
 /// @param wanted its max_error is left_to_prefilter(). @param measure whether `rounded` is wanted where nothing was
 /// asked.
-/// @throws NotReached where the file errs by more than was asked.
+/// @throws AccuracyError where the file errs by more than was asked.
 BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, const FileError& error, bool measure,
-                     const Progress& progress);
+                      const Progress& progress);
 
-/// The environment itself, resampled as `envmap convert` does. @throws NotReached as make_level().
+/// The environment itself, resampled as `envmap convert` does. @throws AccuracyError as make_level().
 BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size,
-                         const FileError& error, bool measure);
+                          const FileError& error, bool measure);
 
 /// "half, which rounds by up to 4.9e-04".
 std::string rounding_words(const Rounding& rounding, double rounded);

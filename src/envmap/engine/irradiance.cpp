@@ -11,7 +11,6 @@
 namespace envmap {
 namespace {
 
-
 // What orthonormal harmonics have before 1; y, z and x; xy, yz and zx; 3z^2 - 1; x^2 - y^2.
 constexpr double n0 = 0.28209479177387814, n1 = 0.4886025119029199, n2 = 1.0925484305920792, n20 = 0.31539156525252005;
 constexpr double n22 = n2 / 2;
@@ -48,7 +47,7 @@ std::string gltf(const IrradiancePolynomial& p) {
 }  // namespace
 
 IrradiancePolynomial irradiance_polynomial(const EnvironmentMap& source, const Progress& progress) {
-  Harmonics h = project(source, 2, progress);
+  Harmonics h = project(source, 2, {.progress = progress});
   scale_degrees(h, laplacian_window(2, weakest_window(h).lambda));
   std::vector<double> factors = irradiance_factors(2);
   for (double& f : factors) f /= pi;

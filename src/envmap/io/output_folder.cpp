@@ -91,7 +91,7 @@ void OutputFolder::make_hidden(const std::string& stem) {
   } while (!is_locked(lock_, hidden_));
 }
 
-OutputFolder::OutputFolder(std::string path, std::span<const std::string_view> files, const CommitOptions& how)
+OutputFolder::OutputFolder(std::string path, std::span<const std::string> files, const CommitOptions& how)
     : path_(std::move(path)), files_(files.begin(), files.end()), how_(how) {
   while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
   std::error_code error;

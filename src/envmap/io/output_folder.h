@@ -19,7 +19,7 @@ class OutputFolder {
  public:
   /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file
   /// of that name; OutputError where there can be none.
-  OutputFolder(std::string path, std::span<const std::string_view> files, const CommitOptions& how);
+  OutputFolder(std::string path, std::span<const std::string> files, const CommitOptions& how);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -40,7 +40,7 @@ class OutputFolder {
   void make_hidden(const std::string& stem);
 
   std::string path_, hidden_;
-  int lock_ = -1;  // The hidden folder, open and locked.
+  int lock_ = -1;                             // The hidden folder, open and locked.
   std::vector<std::string> files_, pending_;  // What a signal removes.
   CommitOptions how_;
 };

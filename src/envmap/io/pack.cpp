@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
-#include "envmap/base/steady_progress.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/texels.h"
 #include "envmap/io/texture.h"
@@ -23,9 +23,7 @@ namespace {
 constexpr std::array texels_of_format{Texels::rgba16f, Texels::rgba32f, Texels::rgb16f,
                                       Texels::rgb32f,  Texels::rgb9e5,  Texels::bc6h_ufloat};
 
-const TexelFormat& format_of(PixelFormat format) {
-  return format_of(texels_of_format[std::size_t(format)]);
-}
+const TexelFormat& format_of(PixelFormat format) { return format_of(texels_of_format[std::size_t(format)]); }
 
 // Each level as it is packed, and what of it does not fit.
 struct Stored {
@@ -83,7 +81,7 @@ const PackedMap::Part& PackedMap::part(int level, int face) const {
   return parts.at(std::size_t(level * faces + face));
 }
 
-PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Progress& progress) {
+PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Run& run) {
   envmap::check({"row_alignment", 1, 4096}, options.row_alignment);
   const TexelFormat& format = format_of(options.format);
   const bool api = options.orientation == FaceOrientation::graphics_api;
@@ -95,21 +93,21 @@ PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Prog
       size += made.parts.back().size;
     }
   made.bytes.resize(size);
-  const SteadyProgress steady(progress);
-  for (int k = 0; k < made.levels; ++k) {
-    const Level& level = map.levels[std::size_t(k)];
-    if (level.faces() != made.faces) throw UsageError("levels of one map must have one projection");
-    check(level, format, k > 0 ? fmt::format(" of level {}", k) : "");
-    const Stored stored(level, format, api);
-    const Grid grid = envmap::grid(default_layout(level.projection()));
-    for (int face = 0; face < made.faces; ++face) {
-      const PackedMap::Part& part = made.part(k, face);
-      put({stored.rows, grid, face}, format, part, made.bytes);
-      if (progress) steady.callback()(double(part.offset + part.size) / double(size));
+  carry_out(run, [&](const Progress& progress) {
+    for (int k = 0; k < made.levels; ++k) {
+      const Level& level = map.levels[std::size_t(k)];
+      if (level.faces() != made.faces) throw UsageError("levels of one map must have one projection");
+      check(level, format, k > 0 ? fmt::format(" of level {}", k) : "");
+      const Stored stored(level, format, api);
+      const Grid grid = envmap::grid(default_layout(level.projection()));
+      for (int face = 0; face < made.faces; ++face) {
+        const PackedMap::Part& part = made.part(k, face);
+        put({stored.rows, grid, face}, format, part, made.bytes);
+        if (progress) progress(double(part.offset + part.size) / double(size));
+      }
+      check_fit(stored.limited.total(), format, options, made);
     }
-    check_fit(stored.limited.total(), format, options, made);
-  }
-  steady.finish();
+  });
   return made;
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "envmap/base/export.h"
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -26,7 +26,7 @@ enum class FaceOrientation { graphics_api, seen_from_inside };
 struct PackOptions {
   PixelFormat format = PixelFormat::rgba16f;
   FaceOrientation orientation = FaceOrientation::graphics_api;
-  bool clamp = false;     ///< Clamps values beyond what the format holds. Without it they are refused.
+  bool clamp = false;  ///< Clamps values beyond what the format holds. Without it they are refused.
   /// Rows of texels or blocks start at multiples of so many bytes, 1 to 4096: 256 for Direct3D 12.
   int row_alignment = 1;
 };
@@ -52,6 +52,6 @@ struct PackedMap {
 
 /// @throws InputError where a texel is NaN or infinite, UsageError where a texel is negative and the format has no
 /// sign, where values do not fit and `clamp` is not set, or where an option is out of its range.
-PackedMap pack(const EnvironmentMap& map, const PackOptions& options = {}, const Progress& progress = {});
+PackedMap pack(const EnvironmentMap& map, const PackOptions& options = {}, const Run& run = {});
 
 }  // namespace envmap

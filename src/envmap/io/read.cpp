@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
@@ -16,9 +17,9 @@
 #include "envmap/io/recognise.h"
 #include "envmap/io/settle_flaws.h"
 #include "envmap/io/srgb.h"
-#include "envmap/operate/border_samples.h"
 #include "envmap/map/border.h"
 #include "envmap/map/page.h"
+#include "envmap/operate/border_samples.h"
 
 namespace envmap {
 namespace {
@@ -104,7 +105,7 @@ std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
 // A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
 // can promise anything.
 Level read_pixels(Image& image, int stored, const Channels& channels, const Recognised& base, int number,
-                  std::size_t max_memory) {
+                  std::size_t max_memory, const Progress& progress) {
   const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
   FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
@@ -119,8 +120,7 @@ Level read_pixels(Image& image, int stored, const Channels& channels, const Reco
   // Whole rows of tiles; enough lines that every core decompresses.
   const int unit = facts.tile_width > 0 ? facts.tile_height : 16;
   const int band_rows = (std::max(128, unit) / unit) * unit;
-  std::vector<Colour> band(std::size_t(std::min(band_rows, facts.height)) *
-                           std::size_t(facts.width));
+  std::vector<Colour> band(std::size_t(std::min(band_rows, facts.height)) * std::size_t(facts.width));
   std::optional<Level> level;
   for (int begin = 0; begin < facts.height; begin += band_rows) {
     const int end = std::min(begin + band_rows, facts.height);
@@ -130,6 +130,7 @@ Level read_pixels(Image& image, int stored, const Channels& channels, const Reco
     if (!level) level.emplace(base.projection, face.height, face.width, scratch(max_memory, facts));
     scatter(rows, facts.width, begin, end, places, *level);
     level->trim();
+    if (progress) progress(double(end) / facts.height);
   }
   return std::move(*level);
 }
@@ -160,9 +161,10 @@ Recognised recognise(const Image& image, const ReadOptions& options, const Metad
 }
 
 // A level, `stored` by that number in the file.
-Level read_level(Image& image, const ReadOptions& options, int stored, const Recognised& base, int number) {
+Level read_level(Image& image, const ReadOptions& options, int stored, const Recognised& base, int number,
+                 const Progress& progress) {
   if (!image.texture)
-    return read_pixels(image, stored, choose_channels(image, options), base, number, options.max_memory);
+    return read_pixels(image, stored, choose_channels(image, options), base, number, options.max_memory, progress);
   try {
     return read_texture(*image.file, *image.texture, stored, base, number, options.drop_channels);
   } catch (const InputError& e) {
@@ -217,7 +219,7 @@ int border_of(const Image& image, const ReadOptions& options, const Metadata& re
 }
 
 // @param image open. @param path its name, which may have {level} in it; empty in memory.
-Source read_image(Image& image, const std::string& path, const ReadOptions& options) {
+Source read_image(Image& image, const std::string& path, const ReadOptions& options, const Progress& progress) {
   Metadata recorded;
   Source source = read_head(image, options, recorded);
   const Recognised found = recognise(image, options, recorded, source.image_width, source.image_height);
@@ -232,14 +234,15 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
                   : image.texture ? most
                                   : count_levels(image, most);
   for (const int k : wanted_levels(image.name, options, source.levels)) {
+    const Progress of_level = k == options.level ? progress : Progress();  // The largest is most of the work.
     if (has_level(path) && k > 0) {
       Image one;
       open(one, level_path(path, k), options.choice);
       if (one.reader) check_size(one, options);
       one.decode = image.decode;
-      source.map.levels.push_back(read_level(one, options, 0, found, k));
+      source.map.levels.push_back(read_level(one, options, 0, found, k, of_level));
     } else {
-      source.map.levels.push_back(read_level(image, options, k, found, k));
+      source.map.levels.push_back(read_level(image, options, k, found, k, of_level));
     }
   }
   if (source.border > 0)
@@ -251,7 +254,8 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
 }
 
 // One level out of a file for each face, of a map that is `size` high at its base; 0: what the first file says.
-Level read_face_files(const std::string& path, const ReadOptions& options, int number, int size, Source& source) {
+Level read_face_files(const std::string& path, const ReadOptions& options, int number, int size, Source& source,
+                      const Progress& progress) {
   const Projection projection = projection_of_faces(path);
   std::optional<Level> level;
   for (int face = 0; face < faces(projection); ++face) {
@@ -282,25 +286,26 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
                                            wanted, wanted));
     if (!level) level.emplace(projection, wanted);
     // Any projection of one square face.
-    const Level one = read_level(image, options, 0, {Projection::sphere, Layout::single, wanted}, 0);
+    const Level one = read_level(image, options, 0, {Projection::sphere, Layout::single, wanted}, 0, {});
     for (int j = 0; j < wanted; ++j) std::ranges::copy(one.row(0, j), level->row(face, j).begin());
+    if (progress) progress((face + 1.0) / faces(projection));
   }
   return std::move(*level);
 }
 
-Source read_faces(const std::string& path, const ReadOptions& options) {
+Source read_faces(const std::string& path, const ReadOptions& options, const Progress& progress) {
   const Projection projection = projection_of_faces(path);
   if (options.projection && *options.projection != projection)
     throw UsageError(fmt::format("{} in a file name is for {} maps, not for a {} map",
                                  has_half(path) ? half_mark : face_mark, name(projection), name(*options.projection)));
   Source source{.map = {}, .layout = Layout::files};
   // Level 0 even where another is wanted: it tells how large that one must be.
-  source.map.levels.push_back(read_face_files(path, options, 0, 0, source));
+  source.map.levels.push_back(read_face_files(path, options, 0, 0, source, progress));
   const int size = source.map.base().height();
   source.levels =
       has_level(path) ? std::min(complete_levels({projection, Layout::files, size}), count_level_files(path)) : 1;
   for (const int k : wanted_levels(path, options, source.levels))
-    if (k > 0) source.map.levels.push_back(read_face_files(path, options, k, size, source));
+    if (k > 0) source.map.levels.push_back(read_face_files(path, options, k, size, source, {}));
   if (options.level > 0) source.map.levels.erase(source.map.levels.begin());
   return source;
 }
@@ -317,8 +322,7 @@ void check(const ReadOptions& options) {
 
 // @param take makes the map out of a file, as it is there.
 template <class F>
-Source read_named(const std::string& name, const ReadOptions& options, F&& take) {
-  check(options);
+Source settled(const std::string& name, const ReadOptions& options, const F& take) {
   try {
     Source source = take();
     // Flaws are those of the file's own values. Only linear ones can be averaged.
@@ -336,22 +340,29 @@ Source read_named(const std::string& name, const ReadOptions& options, F&& take)
   }
 }
 
+template <class F>
+Source read_named(const std::string& name, const ReadOptions& options, const Run& run, const F& take) {
+  check(options);
+  return carry_out(run,
+                   [&](const Progress& progress) { return settled(name, options, [&] { return take(progress); }); });
+}
+
 }  // namespace
 
-Source read(const std::string& path, const ReadOptions& options) {
-  return read_named(path == "-" ? "standard input" : path, options, [&] {
-    if (has_face(path)) return read_faces(path, options);
+Source read(const std::string& path, const ReadOptions& options, const Run& run) {
+  return read_named(path == "-" ? "standard input" : path, options, run, [&](const Progress& progress) {
+    if (has_face(path)) return read_faces(path, options, progress);
     Image image;
     open(image, level_path(path, 0), options.choice);
-    return read_image(image, path, options);
+    return read_image(image, path, options, progress);
   });
 }
 
-Source read(std::span<const std::byte> file, const ReadOptions& options) {
-  return read_named("", options, [&] {
+Source read(std::span<const std::byte> file, const ReadOptions& options, const Run& run) {
+  return read_named("", options, run, [&](const Progress& progress) {
     Image image;
     open_bytes(image, "", {reinterpret_cast<const char*>(file.data()), file.size()}, false, options.choice);
-    return read_image(image, "", options);
+    return read_image(image, "", options, progress);
   });
 }
 

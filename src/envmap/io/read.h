@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "envmap/base/export.h"
+#include "envmap/base/run.h"
 #include "envmap/io/colour.h"
 #include "envmap/io/depth.h"
 #include "envmap/io/image_reader.h"
@@ -31,12 +32,12 @@ struct ReadOptions {
   std::optional<Layout> layout = {};
   std::optional<Forward> forward = {};          ///< Overrides the metadata.
   std::optional<Forward> assumed_forward = {};  ///< Where there is no metadata; otherwise +z.
-  std::optional<int> border = {};  ///< Texels round an octahedral map, to be left out; overrides the metadata.
-  bool ignore_envmap_attribute = false;    ///< Take texels as cell-centred whatever OpenEXR's attribute says.
+  std::optional<int> border = {};        ///< Texels round an octahedral map, to be left out; overrides the metadata.
+  bool ignore_envmap_attribute = false;  ///< Take texels as cell-centred whatever OpenEXR's attribute says.
   std::size_t max_memory = 0;  ///< Bytes that the process may take; larger maps lie in a scratch file. 0: no limit.
   std::uint64_t max_pixels = default_max_pixels;  ///< Of an image, all faces counted; larger ones are refused.
-  bool drop_channels = false;  ///< Read RGB and leave alpha and other channels behind.
-  ImageChoice choice = {};     ///< Which of the images of an EXR file.
+  bool drop_channels = false;                     ///< Read RGB and leave alpha and other channels behind.
+  ImageChoice choice = {};                        ///< Which of the images of an EXR file.
   FlawPolicy flaws = FlawPolicy::refuse;
   ColourOptions colour = {};
   int level = 0;            ///< The level to read, as the only one of the map.
@@ -49,24 +50,24 @@ struct Source {
   Depth depth = Depth::single;
   std::string format = {};  ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
   int image_width = 0, image_height = 0;
-  bool border_samples = false;            ///< OpenEXR's `envmap` convention; resampled to cell centres here.
-  int border = 0;                         ///< Texels round every level of an octahedral map, left out here.
-  int levels = 1;                         ///< That the file has; `map` holds those that were asked for.
-  Facts facts = {};                       ///< Further metadata, such as the lobe.
-  Provenance provenance = {};             ///< Of the map: its chromaticities are those of the working space.
-  ClaimedSpace claimed = {};              ///< What the file says of its colours; `by` is empty where it says nothing.
+  bool border_samples = false;  ///< OpenEXR's `envmap` convention; resampled to cell centres here.
+  int border = 0;               ///< Texels round every level of an octahedral map, left out here.
+  int levels = 1;               ///< That the file has; `map` holds those that were asked for.
+  Facts facts = {};             ///< Further metadata, such as the lobe.
+  Provenance provenance = {};   ///< Of the map: its chromaticities are those of the working space.
+  ClaimedSpace claimed = {};    ///< What the file says of its colours; `by` is empty where it says nothing.
   std::vector<std::string> colour_files = {};  ///< The config and its tables, where they were read.
-  std::int64_t repaired = 0;              ///< Texels that FlawPolicy::repair changed.
-  std::vector<std::string> notes = {};    ///< What of the file is not read, or was added.
-  std::vector<std::string> details = {};  ///< What reading did to the values, such as dividing an exposure out.
+  std::int64_t repaired = 0;                   ///< Texels that FlawPolicy::repair changed.
+  std::vector<std::string> notes = {};         ///< What of the file is not read, or was added.
+  std::vector<std::string> details = {};       ///< What reading did to the values, such as dividing an exposure out.
 };
 
 /// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz), `{half}` for
 /// a paraboloid's (front back) and `{level}` for those of all levels, numbered from 0.
 /// @throws InputError in one line, naming the file; UsageError where the options contradict each other.
-Source read(const std::string& path, const ReadOptions& options = {});
+Source read(const std::string& path, const ReadOptions& options = {}, const Run& run = {});
 
 /// Reads the bytes of a file in memory, which are copied. Errors name no file.
-Source read(std::span<const std::byte> file, const ReadOptions& options = {});
+Source read(std::span<const std::byte> file, const ReadOptions& options = {}, const Run& run = {});
 
 }  // namespace envmap

@@ -22,6 +22,10 @@ struct Rounding {
   std::function<Level(const Level&)> read_back;
 };
 
+/// Whether every channel loses at most `largest` of itself, or of `floor` where it is smaller. Not so of shared
+/// exponents, which take more of a texel's darker channels.
+bool bounds_every_channel(const Rounding& rounding, double floor);
+
 /// @return nothing where what is lost has no bound: integers, which end at 1, EXR compressions that lose, and samples
 /// on the border, between texels (openexr_envmap).
 /// @param path, options of which check_output() says nothing. @throws UsageError where the format does not hold the

@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
-#include "envmap/base/steady_progress.h"
 #include "envmap/io/babylon_env.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/chain.h"
@@ -330,7 +330,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   check_compression(path, ext, options.compression);
   if (options.zstd && ext != "ktx2") throw UsageError(path, "Zstandard is for .ktx2 files");
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
-    throw UsageError(path, fmt::format("{} one level: put {{level}} where its number shall stand in the file name",
+    throw UsageError(path, fmt::format("{} one level: put {{level}} into the file name",
                                        layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
   if (path == "-") return;
   const fs::path parent = fs::path(path).parent_path();
@@ -367,6 +367,11 @@ std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions&
                   }};
 }
 
+bool bounds_every_channel(const Rounding& rounding, double floor) {
+  constexpr double least_normal = 0x1p-14;  // Of half: below it steps are all alike.
+  return !rounding.read_back || (rounding.depth == Depth::half && floor >= least_normal);
+}
+
 std::string_view name(const Rounding& rounding) {
   return rounding.read_back && rounding.depth == Depth::single ? "a shared exponent" : name(rounding.depth);
 }
@@ -389,8 +394,27 @@ double rounding_error(const Rounding& rounding, const Level& level, double floor
 namespace {
 
 // To files, or into memory.
-Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
-                  const Progress& wanted, std::vector<std::byte>* memory) {
+Written write_checked(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
+                      const Progress& progress, std::vector<std::byte>* memory) {
+  if (options.border > 0) {
+    EnvironmentMap textures;
+    for (const Rows& rows : levels) textures.levels.push_back(with_border(level_of(rows), options.border));
+    check_sizes(path, all_rows_of(textures));
+    return write_files(path, all_rows_of(textures), options, progress, memory);
+  }
+  check_sizes(path, levels);
+  if (!options.openexr_envmap) return write_files(path, levels, options, progress, memory);
+  if (levels.front().forward != Forward::plus_z)
+    throw UsageError(path, "OpenEXR's envmap files have +z at the centre", Remedy::choose_plus_z);
+  EnvironmentMap border;
+  for (const Rows& rows : levels) border.levels.push_back(level_of(rows));
+  if (levels.size() > 1) add_levels(border.levels);
+  for (Level& level : border.levels) level = to_border(level);
+  return write_files(path, all_rows_of(border), options, progress, memory);
+}
+
+Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Run& run,
+                  std::vector<std::byte>* memory) {
   if (levels.empty()) throw UsageError(path, "nothing to write: the map has no levels");
   for (const Rows& rows : levels) check(rows);
   check(limits::border, options.border);
@@ -399,52 +423,31 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
     if (rows.projection != base.projection || rows.forward != base.forward)
       throw UsageError(path, "levels of one map must have one projection and forward axis");
   check_output(path, options, base.projection, levels.size() > 1);
-  const SteadyProgress steady(wanted);
-  const Progress& progress = steady.callback();
-  const auto finished = [&](const Written& done) {
-    steady.finish();
-    return done;
-  };
-  if (options.border > 0) {
-    EnvironmentMap textures;
-    for (const Rows& rows : levels) textures.levels.push_back(with_border(level_of(rows), options.border));
-    check_sizes(path, all_rows_of(textures));
-    return finished(write_files(path, all_rows_of(textures), options, progress, memory));
-  }
-  check_sizes(path, levels);
-  if (!options.openexr_envmap) return finished(write_files(path, levels, options, progress, memory));
-  if (base.forward != Forward::plus_z)
-    throw UsageError(path, "OpenEXR's envmap files have +z at the centre", Remedy::choose_plus_z);
-  EnvironmentMap border;
-  for (const Rows& rows : levels) border.levels.push_back(level_of(rows));
-  if (levels.size() > 1) add_levels(border.levels);
-  for (Level& level : border.levels) level = to_border(level);
-  return finished(write_files(path, all_rows_of(border), options, progress, memory));
+  return carry_out(run,
+                   [&](const Progress& progress) { return write_checked(path, levels, options, progress, memory); });
 }
 
 }  // namespace
 
-Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Progress& progress) {
-  return write(path, std::span(&rows, 1), options, progress);
+Written write(const std::string& path, const Rows& rows, const WriteOptions& options, const Run& run) {
+  return write(path, std::span(&rows, 1), options, run);
 }
 
-Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options,
-              const Progress& progress) {
-  return write(path, all_rows_of(map), options, progress);
+Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options, const Run& run) {
+  return write(path, all_rows_of(map), options, run);
 }
 
-Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
-              const Progress& progress) {
-  return write_map(path, levels, options, progress, nullptr);
+Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Run& run) {
+  return write_map(path, levels, options, run, nullptr);
 }
 
-std::vector<std::byte> encode(const EnvironmentMap& map, const WriteOptions& options, const Progress& progress) {
-  return encode(all_rows_of(map), options, progress);
+std::vector<std::byte> encode(const EnvironmentMap& map, const WriteOptions& options, const Run& run) {
+  return encode(all_rows_of(map), options, run);
 }
 
-std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& options, const Progress& progress) {
+std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& options, const Run& run) {
   std::vector<std::byte> bytes;
-  write_map("", levels, options, progress, &bytes);  // Errors name no file.
+  write_map("", levels, options, run, &bytes);  // Errors name no file.
   return bytes;
 }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "envmap/base/export.h"
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
 #include "envmap/io/colour.h"
 #include "envmap/io/commit.h"
 #include "envmap/io/depth.h"
@@ -22,25 +22,25 @@ namespace ENVMAP_EXPORT envmap {
 
 struct WriteOptions {
   std::optional<Layout> layout = {};  ///< Of a cube; column if nothing is said.
-  std::string format = {};       ///< A file name extension for `-` and names without one; else the name's decides.
-  std::optional<Depth> depth = {};  ///< Asked for; refused where the format cannot hold it.
+  std::string format = {};            ///< A file name extension for `-` and names without one; else the name's decides.
+  std::optional<Depth> depth = {};    ///< Asked for; refused where the format cannot hold it.
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.
   bool clamp = false;                  ///< Values beyond what the depth holds: clamp instead of refusing.
   bool openexr_envmap = false;   ///< OpenEXR's envmap attribute, samples on the border: EXR, latlong or cube column.
   std::string compression = {};  ///< Of an EXR file, zip, zip:1, piz, dwaa:45, ...; zip if empty.
   /// Texels written round every level of an octahedral map, which repeat what lies beyond its edges.
   int border = 0;
-  bool zstd = false;             ///< Compress KTX2 files with Zstandard.
+  bool zstd = false;     ///< Compress KTX2 files with Zstandard.
   bool encoded = false;  ///< Allow a space that is not linear in a format whose values other programs take for linear.
-  Facts facts = {};              ///< Further metadata, such as the lobe: attributes envmap:NAME.
+  Facts facts = {};      ///< Further metadata, such as the lobe: attributes envmap:NAME.
   /// Key/value pairs of a KTX or KTX2 file as they stand: Filament's "sh".
   std::map<std::string, std::string> pairs = {};
   CommitOptions commit = {};
-  ColourOptions colour = {};     ///< Space of the values in the file; integers are sRGB where nothing is said.
+  ColourOptions colour = {};  ///< Space of the values in the file; integers are sRGB where nothing is said.
   /// Make and write these rows of the image alone: one EXR file, the rows its data window,
   /// the image its display window.
   std::optional<RowRange> rows = {};
-  Provenance provenance = {};    ///< Of the map that this one was made of; formats hold what they can.
+  Provenance provenance = {};  ///< Of the map that this one was made of; formats hold what they can.
 };
 
 struct Written {
@@ -61,19 +61,18 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
 /// @param path a file, `-` for standard output, or a name with `{face}` for six files, `{half}` for a paraboloid's two
 /// and `{level}` for one a level.
 /// @param levels the base first; each half the one before, rounded down (see half_level()); with their border, where
-/// there shall be one. @param progress may be empty.
+/// there shall be one.
 /// @throws OutputError where it cannot be written, or values do not fit and `clamp` is not set.
 Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options = {},
-              const Progress& progress = {});
-Written write(const std::string& path, const Rows& rows, const WriteOptions& options = {},
-              const Progress& progress = {});
+              const Run& run = {});
+Written write(const std::string& path, const Rows& rows, const WriteOptions& options = {}, const Run& run = {});
 /// All levels of the map.
 Written write(const std::string& path, const EnvironmentMap& map, const WriteOptions& options = {},
-              const Progress& progress = {});
+              const Run& run = {});
 
 /// Returns the bytes of the file that write() would write; no file is made. Errors name no file.
 /// @param options `format` names the format by its extension, such as "exr"; `commit` has no meaning.
-std::vector<std::byte> encode(const EnvironmentMap& map, const WriteOptions& options, const Progress& progress = {});
-std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& options, const Progress& progress = {});
+std::vector<std::byte> encode(const EnvironmentMap& map, const WriteOptions& options, const Run& run = {});
+std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& options, const Run& run = {});
 
 }  // namespace envmap

@@ -56,7 +56,7 @@ Layout choose_layout(const std::string& path, const FileFormat& format, const Wr
     return Layout::api;
   }
   if (options.layout == Layout::files && !has_face(path))
-    throw UsageError("a file for each face: put {face} where px, nx, py, ny, pz, nz shall stand in the file name");
+    throw UsageError("a file for each face: put {face} into the file name, for px, nx, py, ny, pz, nz");
   if (has_face(path)) {
     if (options.layout && options.layout != Layout::files)
       throw UsageError("{face} in a file name writes six files", Remedy::leave_out_layout);

@@ -29,8 +29,8 @@ using Rotation = glm::mat<3, 3, double, glm::highp>;
 inline constexpr double pi = std::numbers::pi;
 
 /// Turn about +Y (+Z towards +X), then +X (+Y towards +Z), then +Z (+X towards +Y), right-handed, applied roll first.
-/// @param yaw,pitch,roll angles in degrees. @return Ry(yaw) Rx(pitch) Rz(roll).
-Rotation rotation(double yaw, double pitch, double roll);
+/// @return Ry(yaw) Rx(pitch) Rz(roll).
+Rotation rotation(double yaw_degrees, double pitch_degrees, double roll_degrees);
 
 /// Columns x, y, z, right-handed: z as it is given, a unit vector, and y as near to +Y as can be; where z is +Y or -Y,
 /// y is

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "envmap/base/costs.h"
 #include "envmap/operate/convert.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/target.h"
@@ -17,7 +16,7 @@ namespace envmap {
 /// most: where a filter fails, it fails there. The truth is the area filter at a tenth of the error; the area filter as
 /// a choice runs at a quarter of it.
 /// @param levels the source, down to one texel. @param floor 0.001 x the mean radiance of the source.
-FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target& target, double max_error, double floor,
-                           const Costs& costs);
+FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target& target, double max_error,
+                           double floor);
 
 }  // namespace envmap

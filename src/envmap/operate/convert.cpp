@@ -5,10 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "envmap/base/costs.h"
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
-#include "envmap/base/steady_progress.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/operate/choose_filter.h"
@@ -141,7 +140,7 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
   if (options.max_error || reads_levels(filter.filter)) add_levels(source.levels);
   for (Level& level : source.levels) levels.emplace_back(std::move(level));
   if (options.max_error) {
-    choice = choose_filter(levels, target, *options.max_error, filter.floor, options.costs ? *options.costs : Costs());
+    choice = choose_filter(levels, target, *options.max_error, filter.floor);
     filter = choice->filter;
   }
   sampler = make_sampler(levels, target, filter);
@@ -181,16 +180,16 @@ Rows Resampler::rows() const {
           [prepared = prepared_](int face, int row, std::span<Colour> out) { prepared->fill(face, row, out); }};
 }
 
-EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Progress& progress) {
-  const Resampler resampler(source, options);
-  const Rows rows = resampler.rows();
-  EnvironmentMap out = blank_map(resampler.frame(), resampler.size());
-  Level& level = out.base();
-  const SteadyProgress steady(progress);
-  for_each_row(level.faces(), level.height(), steady.callback(),
-               [&](int face, int row) { rows.fill(face, row, level.row(face, row)); });
-  steady.finish();
-  return out;
+EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Run& run) {
+  return carry_out(run, [&](const Progress& progress) {
+    const Resampler resampler(source, options);
+    const Rows rows = resampler.rows();
+    EnvironmentMap out = blank_map(resampler.frame(), resampler.size());
+    Level& level = out.base();
+    for_each_row(level.faces(), level.height(), progress,
+                 [&](int face, int row) { rows.fill(face, row, level.row(face, row)); });
+    return out;
+  });
 }
 
 }  // namespace envmap

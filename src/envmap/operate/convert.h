@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "envmap/base/export.h"
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/rows.h"
 #include "envmap/projection/ball_camera.h"
@@ -16,26 +16,23 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-struct Costs;  // The program's measured times: base/costs.h.
-
 struct ConvertOptions {
   Frame to{Projection::cube};
-  std::optional<int> size = {};       ///< Height of a face; absent: matching_size() of the source.
+  std::optional<int> size = {};  ///< Height of a face; absent: matching_size() of the source.
   /// Absent: `area` where a texel of the result spans more than 1.25 texels of the source; otherwise `bilinear`,
   /// with 2 x 2 samples (or `samples`, if more) where it spans more than 0.5 and texels do not fall on texels.
   std::optional<Filter> filter = {};
-  int samples = 1;                    ///< Along each side of a texel, for nearest, bilinear and bicubic.
+  int samples = 1;  ///< Along each side of a texel, for nearest, bilinear and bicubic.
   /// Of the area filter, relative to the texel (or 0.001 x the mean if larger). Absent: 1e-4 if it was asked for, 1e-3
   /// if it was chosen.
   std::optional<double> area_error = {};
   /// Take the cheapest filter that is found to err by no more (FilterChoice); `filter` and `samples` are then ignored.
   std::optional<double> max_error = {};
-  Rotation rotation{1};               ///< Turns the environment: radiance from d comes out from rotation x d.
-  double gain = 1;                    ///< Factor on radiance.
+  Rotation rotation{1};  ///< Turns the environment: radiance from d comes out from rotation x d.
+  double gain = 1;       ///< Factor on radiance.
   /// The camera that took the source, a photo of a mirror ball; absent: one infinitely far away. What the camera does
   /// not see gets the colours of the ball's rim. Of sphere maps only.
   std::optional<BallCamera> ball = std::nullopt;
-  const Costs* costs = nullptr;       ///< The times that `max_error` chooses by; null: those of the library.
 };
 
 /// What a filter was measured to do: metrics `rms` and `max` against the area filter in sampled texels, as compare()
@@ -84,7 +81,6 @@ class Resampler {
 
 /// The result whole, with one level; the same at any number of threads. Resampler makes it row by row and tells
 /// what filter it chose.
-/// @param progress may be empty.
-EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Progress& progress = {});
+EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Run& run = {});
 
 }  // namespace envmap

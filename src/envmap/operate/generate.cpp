@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
-#include "envmap/base/steady_progress.h"
 #include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/check_options.h"
@@ -197,15 +197,14 @@ void add_coverage(const Cone& cone, Level& coverage) {
   for_each_row(P::faces, h, {}, [&](int face, int row) {
     for (int i = 0; i < w; ++i)
       if (Colour& c = *coverage.texel(face, i, row); c.x < 1 && c.y > 0)
-        c.x = float(
-            std::min(1.0, c.y * steradians / double(points) / P::solid_angle(rect(i, row))));
+        c.x = float(std::min(1.0, c.y * steradians / double(points) / P::solid_angle(rect(i, row))));
   });
 }
 
 void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
   fill(sun.sky, map, progress);
   Level& level = map.base();
-  const Cone cone{glm::transpose(image_to_world(map.forward)) * sun.towards, sun.radius * pi / 180};
+  const Cone cone{glm::transpose(image_to_world(map.forward)) * sun.towards, sun.radius_degrees * pi / 180};
   Level coverage(level.projection(), level.height());
   visit(level.projection(), [&](auto p) { add_coverage<decltype(p)>(cone, coverage); });
   for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
@@ -231,7 +230,7 @@ void check(const Sky&) {}
 void check(const Checker& p) { require(p.squares >= 1, "the squares of a checker: at least 1"); }
 void check(const Sun& p) {
   check_direction("towards", p.towards);
-  require(p.radius > 0 && p.radius <= 180, "the radius of a sun: more than 0 and at most 180 degrees");
+  require(p.radius_degrees > 0 && p.radius_degrees <= 180, "the radius of a sun: more than 0 and at most 180 degrees");
 }
 void check(const Harmonic& p) {
   require(p.degree >= 0 && p.degree <= 100, "the degree of a harmonic: from 0 to 100");
@@ -255,12 +254,12 @@ double real_harmonic(int degree, int order, const Direction& d) {
   return std::numbers::sqrt2 * current * (order > 0 ? portable::cos(m * longitude) : portable::sin(m * longitude));
 }
 
-EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Progress& progress) {
+EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Run& run) {
   std::visit([](const auto& p) { check(p); }, pattern);
   check(limits::size, size);
   EnvironmentMap map = blank_map(to, size);
-  const SteadyProgress steady(progress);
-  std::visit([&](const auto& p) { fill(p, map, steady.callback()); }, pattern);
+  carry_out(run,
+            [&](const Progress& progress) { std::visit([&](const auto& p) { fill(p, map, progress); }, pattern); });
   for (int face = 0; face < map.base().faces(); ++face)
     for (int j = 0; j < map.base().height(); ++j)
       for (const Colour& c : map.base().row(face, j))
@@ -268,7 +267,6 @@ EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const
               glm::all(glm::lessThanEqual(c, Colour(std::numeric_limits<float>::max())))))
           throw UsageError(
               "the pattern has negative or infinite radiance: change its values (for a harmonic: a smaller amplitude)");
-  steady.finish();
   return map;
 }
 

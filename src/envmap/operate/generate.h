@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "envmap/base/export.h"
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
-#include "envmap/base/progress.h"
 
 namespace ENVMAP_EXPORT envmap {
 
@@ -47,7 +47,7 @@ struct Sky {
 /// 2 pi (1 - cos radius) x radiance at any size.
 struct Sun {
   Direction towards{0, 0, 1};  ///< Unit vector, world frame.
-  double radius = 0.2666;      ///< Degrees.
+  double radius_degrees = 0.2666;
   Rgb<double> radiance{1e5};
   Sky sky = {};
 };
@@ -66,6 +66,6 @@ using Pattern = std::variant<Constant, Gradient, Checker, Directions, Faces, Sun
 double real_harmonic(int degree, int order, const Direction& d);
 
 /// @throws UsageError where the pattern would hold negative radiance or its parameters make no sense.
-EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Progress& progress = {});
+EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Run& run = {});
 
 }  // namespace envmap

@@ -21,7 +21,8 @@ constexpr int most_samples = 32;
 
 // Half the picture's height at a distance of 1, or half its angle.
 double half_height(const PhotographOptions& o) {
-  return o.lens == CameraModel::fisheye ? 0.5 * o.field : portable::sin(0.5 * o.field) / portable::cos(0.5 * o.field);
+  return o.lens == CameraModel::fisheye ? 0.5 * o.field_radians
+                                        : portable::sin(0.5 * o.field_radians) / portable::cos(0.5 * o.field_radians);
 }
 
 void check(const PhotographOptions& o) {
@@ -31,7 +32,7 @@ void check(const PhotographOptions& o) {
   check(limits::gain, o.gain);
   check_rotation("rotation", o.rotation);
   check_direction("towards", o.towards);
-  if (!(o.field > 0 && (o.lens == CameraModel::fisheye ? o.field <= 2 * pi : o.field < pi)))
+  if (!(o.field_radians > 0 && (o.lens == CameraModel::fisheye ? o.field_radians <= 2 * pi : o.field_radians < pi)))
     throw UsageError(
         "a fisheye sees more than 0 and up to 360 degrees from bottom to top, other pictures less than 180");
   if (o.filter != Filter::nearest && o.filter != Filter::bilinear && o.filter != Filter::bicubic)
@@ -93,7 +94,7 @@ int samples_of(const PhotographOptions& o, const Level& source) {
   return std::clamp(int(std::ceil(2 * pixel / texel)), 1, most_samples);
 }
 
-std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o) {
+std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o, const Run& run) {
   check(o);
   require_finite(source);
   const Camera camera{.lens = o.lens,
@@ -107,7 +108,7 @@ std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o
   const PaddedLevel base(std::move(source.base()));
   const auto width = std::size_t(o.width), each = std::size_t(camera.samples * camera.samples);
   std::vector<Colour> picture(width * std::size_t(o.height));
-  for_each_row(1, o.height, {}, [&](int, int row) {
+  const auto take_row = [&](int row) {
     std::vector<Direction> directions;
     std::vector<Location<double>> places(each);
     std::vector<Colour> found(each);
@@ -121,6 +122,9 @@ std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o
       pixels[std::size_t(i)] = Colour(sum * (o.gain / double(each)));
     }
     base.trim();
+  };
+  carry_out(run, [&](const Progress& progress) {
+    for_each_row(1, o.height, progress, [&](int, int row) { take_row(row); });
   });
   return picture;
 }

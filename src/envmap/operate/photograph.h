@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "envmap/base/export.h"
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/sample/filter.h"
 
@@ -23,15 +24,15 @@ inline constexpr std::array<std::string_view, 3> camera_model_names{"perspective
 
 struct PhotographOptions {
   CameraModel lens = CameraModel::perspective;
-  /// Angle in radians from the bottom to the top of the picture; in (0, pi), of fisheyes up to 2 pi.
-  double field = pi / 3;
+  /// From the bottom to the top of the picture; in (0, pi), of fisheyes up to 2 pi.
+  double field_radians = pi / 3;
   int width = 640, height = 480;
   /// World direction in the middle; not 0. +Y is up, or -Z of what looks up, +Z of what looks down.
   Direction towards{0, 0, 1};
   Filter filter = Filter::bilinear;  ///< nearest, bilinear or bicubic.
-  std::optional<int> samples = {};  ///< Along each side of a pixel; absent: as samples_of() says.
-  Rotation rotation{1};         ///< Turns the environment before the picture is taken, as ConvertOptions::rotation.
-  double gain = 1;              ///< Factor on radiance.
+  std::optional<int> samples = {};   ///< Along each side of a pixel; absent: as samples_of() says.
+  Rotation rotation{1};  ///< Turns the environment before the picture is taken, as ConvertOptions::rotation.
+  double gain = 1;       ///< Factor on radiance.
 };
 
 /// The angle in radians that a cylinder's picture spans from left to right, for square pixels.
@@ -43,6 +44,6 @@ int samples_of(const PhotographOptions& options, const Level& source);
 /// Radiance, rows from the top: plain means of samples x samples places in each pixel.
 /// @throws UsageError where a field is out of its range (bounds.h) or a cylinder spans more than one turn, InputError
 /// where a texel is NaN or infinite.
-std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& options);
+std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& options, const Run& run = {});
 
 }  // namespace envmap

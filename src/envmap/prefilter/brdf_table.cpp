@@ -11,8 +11,8 @@
 #include <array>
 
 #include "envmap/base/bounds.h"
+#include "envmap/base/carry_out.h"
 #include "envmap/base/parallel.h"
-#include "envmap/base/steady_progress.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/lobe_lanes-inl.h"
 
@@ -59,8 +59,8 @@ struct Views {
     const V cos2d = hn::Mul(hn::Sub(one, t2), near), sin2d = hn::Mul(hn::Add(tangent, tangent), near);
     const V light_cosine = hn::Max(hn::Zero(D()), hn::Sub(hn::Mul(cosine, cos2d), hn::Mul(sine, sin2d)));
     const V light_sine = hn::Max(hn::Zero(D()), hn::Add(hn::Mul(sine, cos2d), hn::Mul(cosine, sin2d)));
-    const V far = hn::Mul(square(hn::Sub(cosine, hn::Mul(sine, tangent))), near);  // cos^2 s
-    const V least = hn::Mul(number(4), hn::Mul(hn::Mul(far, near), hn::Add(t2, number(a2))));  // A - B
+    const V far = hn::Mul(square(hn::Sub(cosine, hn::Mul(sine, tangent))), near);                            // cos^2 s
+    const V least = hn::Mul(number(4), hn::Mul(hn::Mul(far, near), hn::Add(t2, number(a2))));                // A - B
     const V most = hn::Mul(number(4), hn::Mul(near, hn::Add(hn::Sub(one, far), hn::Mul(number(a2), far))));  // A + B
     const V both = hn::Mul(number(2), hn::Mul(sine, light_sine)), twice_far = hn::Add(far, far),
             two_both = hn::Add(both, both);
@@ -147,18 +147,18 @@ std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness) {
   return found;
 }
 
-std::vector<Colour> brdf_table(int size, const Progress& progress) {
+std::vector<Colour> brdf_table(int size, const Run& run) {
   check(limits::table_size, size);
-  const SteadyProgress steady(progress);
   const auto n = std::size_t(size);
   std::vector<double> cosines;
   for (int i = 0; i < size; ++i) cosines.push_back((i + 0.5) / size);
   std::vector<Colour> table(n * n);
-  for_each_row(1, size, steady.callback(), [&](int, int j) {
-    const std::vector<ScaleBias> row = brdf(cosines, (j + 0.5) / size);
-    for (std::size_t i = 0; i < n; ++i) table[std::size_t(j) * n + i] = Colour(row[i].scale, row[i].bias, 0);
+  carry_out(run, [&](const Progress& progress) {
+    for_each_row(1, size, progress, [&](int, int j) {
+      const std::vector<ScaleBias> row = brdf(cosines, (j + 0.5) / size);
+      for (std::size_t i = 0; i < n; ++i) table[std::size_t(j) * n + i] = Colour(row[i].scale, row[i].bias, 0);
+    });
   });
-  steady.finish();
   return table;
 }
 

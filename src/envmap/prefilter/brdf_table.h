@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "envmap/base/export.h"
+#include "envmap/base/run.h"
 #include "envmap/maths/vector.h"
-#include "envmap/base/progress.h"
 
 namespace ENVMAP_EXPORT envmap {
 
@@ -25,7 +25,7 @@ struct ScaleBias {
 std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness);
 
 /// size x size texels, columns cosine (i + 0.5) / size, rows roughness (j + 0.5) / size: red scale, green bias, blue 0.
-std::vector<Colour> brdf_table(int size, const Progress& progress = {});
+std::vector<Colour> brdf_table(int size, const Run& run = {});
 
 /// Directional albedo of white sheen: integral of D(h) V(l,v) cos(n,l) over the hemisphere. D is Estevez and Kulla's
 /// (2017, "Production friendly microfacet sheen BRDF"), with alpha = roughness^2, no less than 9e-4. V is Ashikhmin and
@@ -37,6 +37,6 @@ std::vector<double> sheen_albedo(double cosine, std::span<const double> roughnes
 
 /// size x size texels, columns cosine (i + 0.5) / size, rows roughness (j + 0.5) / size:
 /// the albedo in all three channels.
-std::vector<Colour> sheen_table(int size, const Progress& progress = {});
+std::vector<Colour> sheen_table(int size, const Run& run = {});
 
 }  // namespace envmap

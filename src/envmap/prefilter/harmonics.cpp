@@ -7,9 +7,9 @@
 #include <cmath>
 #include <optional>
 
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
-#include "envmap/base/steady_progress.h"
 #include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
@@ -147,7 +147,7 @@ class LatlongRows {
 
   const Level& level_;
   const Recursion& recursion_;
-  std::size_t width_;  // In whole lanes.
+  std::size_t width_;                                 // In whole lanes.
   std::vector<std::vector<double>> cosines_, sines_;  // By m: integrals over the longitudes of each texel.
   std::vector<int> sectors_;                          // m by index of a coefficient.
 };
@@ -172,36 +172,36 @@ void harmonics_at(int order, const Direction& d, std::span<double> out) {
   Recursion(order).each(d, [&](int k, double y) { out[std::size_t(k)] = y; });
 }
 
-Harmonics project(const EnvironmentMap& map, int order, const Progress& progress) {
+Harmonics project(const EnvironmentMap& map, int order, const Run& run) {
   check_order(order);
-  const SteadyProgress steady(progress);
-  const std::optional<EnvironmentMap> cube = prefiltering::source_cube(require_finite(map));
-  const Level& level = cube ? cube->base() : map.base();
-  const Recursion recursion(order);
-  const Rotation to_world = image_to_world(cube ? cube->forward : map.forward);
-  Harmonics found{order, std::vector<Flux>(std::size_t((order + 1) * (order + 1)), Flux(0))};
-  std::vector<std::array<Sum, 3>> totals(found.coefficients.size());
-  std::optional<LatlongRows> latlong;
-  if (level.projection() == Projection::latlong) latlong.emplace(level, recursion, to_world);
-  const int rows = level.faces() * level.height();
-  constexpr int band = 64;  // Rows at once: their sums stay small however high the order.
-  for (int start = 0; start < rows; start += band) {
-    const auto parts = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
-      if (latlong) return (*latlong)(start + k);
-      return prefiltering::visit_source(level.projection(), [&](auto p) {
-        return row_of<decltype(p)>(level, recursion, to_world, (start + k) / level.height(),
-                                   (start + k) % level.height());
+  return carry_out(run, [&](const Progress& progress) {
+    const std::optional<EnvironmentMap> cube = prefiltering::source_cube(require_finite(map));
+    const Level& level = cube ? cube->base() : map.base();
+    const Recursion recursion(order);
+    const Rotation to_world = image_to_world(cube ? cube->forward : map.forward);
+    Harmonics found{order, std::vector<Flux>(std::size_t((order + 1) * (order + 1)), Flux(0))};
+    std::vector<std::array<Sum, 3>> totals(found.coefficients.size());
+    std::optional<LatlongRows> latlong;
+    if (level.projection() == Projection::latlong) latlong.emplace(level, recursion, to_world);
+    const int rows = level.faces() * level.height();
+    constexpr int band = 64;  // Rows at once: their sums stay small however high the order.
+    for (int start = 0; start < rows; start += band) {
+      const auto parts = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
+        if (latlong) return (*latlong)(start + k);
+        return prefiltering::visit_source(level.projection(), [&](auto p) {
+          return row_of<decltype(p)>(level, recursion, to_world, (start + k) / level.height(),
+                                     (start + k) % level.height());
+        });
       });
-    });
-    for (const auto& part : parts)
-      for (std::size_t k = 0; k < totals.size(); ++k)
-        for (int c = 0; c < 3; ++c) totals[k][std::size_t(c)].add(part[k][c]);
-    if (progress) steady.callback()(double(std::min(rows, start + band)) / rows);
-  }
-  steady.finish();
-  for (std::size_t k = 0; k < totals.size(); ++k)
-    found.coefficients[k] = {totals[k][0].value(), totals[k][1].value(), totals[k][2].value()};
-  return found;
+      for (const auto& part : parts)
+        for (std::size_t k = 0; k < totals.size(); ++k)
+          for (int c = 0; c < 3; ++c) totals[k][std::size_t(c)].add(part[k][c]);
+      if (progress) progress(double(std::min(rows, start + band)) / rows);
+    }
+    for (std::size_t k = 0; k < totals.size(); ++k)
+      found.coefficients[k] = {totals[k][0].value(), totals[k][1].value(), totals[k][2].value()};
+    return found;
+  });
 }
 
 Flux evaluate(const Harmonics& h, const Direction& d) {
@@ -299,8 +299,7 @@ void scale_degrees(Harmonics& h, std::span<const double> factors) {
     throw UsageError(
         fmt::format("factors must hold {} values, one for each degree, not {}", h.order + 1, factors.size()));
   for (int l = 0; l <= h.order; ++l)
-    for (int m = -l; m <= l; ++m)
-      h.coefficients[std::size_t(l * (l + 1) + m)] *= factors[std::size_t(l)];
+    for (int m = -l; m <= l; ++m) h.coefficients[std::size_t(l * (l + 1) + m)] *= factors[std::size_t(l)];
 }
 
 }  // namespace envmap

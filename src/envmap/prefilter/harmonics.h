@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "envmap/base/export.h"
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
-#include "envmap/base/progress.h"
 #include "envmap/prefilter/lobe.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -30,7 +30,7 @@ void harmonics_at(int order, const Direction& d, std::span<double> out);
 
 /// Coefficients of the radiance of a map, world frame: the integral of L Y over the sphere, L constant over each texel.
 /// @throws InputError where a texel is NaN or infinite.
-Harmonics project(const EnvironmentMap& map, int order, const Progress& progress = {});
+Harmonics project(const EnvironmentMap& map, int order, const Run& run = {});
 
 /// Value of the series in a direction.
 Flux evaluate(const Harmonics& h, const Direction& d);

@@ -14,9 +14,9 @@
 #include <mutex>
 #include <utility>
 
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
-#include "envmap/base/steady_progress.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
@@ -235,11 +235,14 @@ PrefilterSource::~PrefilterSource() = default;
 
 const EnvironmentMap& PrefilterSource::source() const { return prepared_->source; }
 
-Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progress) const {
-  const auto start = std::chrono::steady_clock::now();
+Prefiltered PrefilterSource::make(const Prefilter& wanted, const Run& run) const {
   check(wanted);
+  return carry_out(run, [&](const Progress& progress) { return make_now(wanted, progress); });
+}
+
+Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& progress) const {
+  const auto start = std::chrono::steady_clock::now();
   const EnvironmentMap& from = source();
-  const SteadyProgress steady(progress);
   Prefiltered done{.map = {}, .method = Method::exact};
   done.map.levels.emplace_back(wanted.to, wanted.size);
   done.map.forward = has_forward(wanted.to) ? wanted.forward : Forward::plus_z;
@@ -260,15 +263,43 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Progress& progr
              wanted,
              lobe_of(wanted),
              {wanted.to, wanted.size, turn},
-             steady.callback()}
+             progress}
           .make(done);
     });
   }
   done.seconds = seconds_since(start);
   done.floor = 1e-3 * prepared_->light.mean * factor(wanted);
   scale(done.map.base(), factor(wanted));
-  steady.finish();
   return done;
+}
+
+PrefilteredChain PrefilterSource::make_chain(const Prefilter& base, std::span<const double> parameters,
+                                             const Run& run) const {
+  if (parameters.empty()) throw UsageError("parameters must not be empty: a chain has a level for each");
+  if (!base.rows.empty()) throw UsageError("rows must be empty: a chain is made whole");
+  std::vector<Prefilter> wanted(parameters.size(), base);
+  double texels = 0;
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    wanted[k].parameter = parameters[k];
+    if (k > 0) wanted[k].size = std::max(1, wanted[k - 1].size / 2);
+    check(wanted[k]);
+    texels += texel_count(base.to, wanted[k].size);
+  }
+  return carry_out(run, [&](const Progress& progress) {
+    PrefilteredChain chain{.map = {.levels = {}, .forward = {}}, .levels = {}};
+    double done = 0;
+    for (const Prefilter& level : wanted) {
+      const double part = texel_count(level.to, level.size);
+      const auto so_far = [&](double p) { progress((done + p * part) / texels); };
+      Prefiltered made = make_now(level, progress ? Progress(so_far) : Progress());
+      chain.map.forward = made.map.forward;
+      chain.map.levels.push_back(std::move(made.map.base()));
+      made.map = {};
+      chain.levels.push_back(std::move(made));
+      done += part;
+    }
+    return chain;
+  });
 }
 
 }  // namespace envmap

@@ -5,11 +5,12 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "envmap/base/export.h"
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/prefilter/lobe.h"
 #include "envmap/sample/filter.h"
@@ -61,6 +62,12 @@ struct Prefiltered {
   std::optional<Filter> resampled = {};  ///< Of a mirror: the filter that made it, or nearest where texels were copied.
 };
 
+/// The levels of a chain, and how each was made: Prefiltered without its map.
+struct PrefilteredChain {
+  EnvironmentMap map;
+  std::vector<Prefiltered> levels;
+};
+
 /// The filter of a mirror, else the method.
 std::string_view method_name(const Prefiltered& done);
 
@@ -93,10 +100,18 @@ class PrefilterSource {
   /// power 1, 2 or 3 of the cosine, multilevel sums for every other lobe that they serve (multilevel.h), and a treecode
   /// (`hierarchical`) for the rest. Texels whose figure is over the error wanted are summed exactly.
   /// @throws UsageError where a field is out of its range (bounds.h).
-  Prefiltered make(const Prefilter& wanted, const Progress& progress = {}) const;
+  Prefiltered make(const Prefilter& wanted, const Run& run = {}) const;
+
+  /// Makes the levels of a chain: level k is as `base` with parameter k, and its height is base.size / 2^k, rounded
+  /// down, at least 1. level_roughnesses() has the parameters that engines look for.
+  /// @param base `parameter` has no meaning, and `rows` must be empty.
+  /// @throws UsageError where a field is out of its range (bounds.h).
+  PrefilteredChain make_chain(const Prefilter& base, std::span<const double> parameters, const Run& run = {}) const;
 
  private:
   struct Prepared;
+  Prefiltered make_now(const Prefilter& wanted, const Progress& progress) const;
+
   std::unique_ptr<Prepared> prepared_;
 };
 

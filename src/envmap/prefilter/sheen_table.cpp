@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "envmap/base/bounds.h"
+#include "envmap/base/carry_out.h"
 #include "envmap/base/parallel.h"
-#include "envmap/base/steady_progress.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/brdf_table.h"
@@ -56,19 +56,18 @@ std::vector<double> sheen_albedo(double cosine, std::span<const double> roughnes
   return albedos;
 }
 
-std::vector<Colour> sheen_table(int size, const Progress& progress) {
+std::vector<Colour> sheen_table(int size, const Run& run) {
   check(limits::table_size, size);
-  const SteadyProgress steady(progress);
   const auto n = std::size_t(size);
   std::vector<double> roughnesses;
   for (int j = 0; j < size; ++j) roughnesses.push_back((j + 0.5) / size);
   std::vector<Colour> table(n * n);
-  for_each_row(1, size, steady.callback(), [&](int, int i) {
-    const std::vector<double> column = sheen_albedo((i + 0.5) / size, roughnesses);
-    for (std::size_t j = 0; j < n; ++j)
-      table[j * n + std::size_t(i)] = Colour(float(column[j]));
+  carry_out(run, [&](const Progress& progress) {
+    for_each_row(1, size, progress, [&](int, int i) {
+      const std::vector<double> column = sheen_albedo((i + 0.5) / size, roughnesses);
+      for (std::size_t j = 0; j < n; ++j) table[j * n + std::size_t(i)] = Colour(float(column[j]));
+    });
   });
-  steady.finish();
   return table;
 }
 

@@ -2,7 +2,8 @@
 /// Which way of drawing is the cheapest that is right.
 #pragma once
 
-#include "envmap/base/costs.h"
+#include <cstddef>
+
 #include "envmap/render/method.h"
 
 namespace envmap {
@@ -11,9 +12,9 @@ namespace envmap {
 /// so much for each texel drawn, and so much for each triangle in each face it is sent to. Ratios carry over to other
 /// machines, not the figures.
 /// @param method exact, resample or raycast.
-double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles, const Costs& costs = {});
+double estimated_cost(DrawMethod method, Projection to, int size, std::size_t triangles);
 
 /// exact, resample or raycast, whichever costs least. @param rays whether raycast may be chosen.
-DrawMethod cheapest(Projection to, int size, std::size_t triangles, const Costs& costs = {}, bool rays = true);
+DrawMethod cheapest(Projection to, int size, std::size_t triangles, bool rays = true);
 
 }  // namespace envmap

@@ -5,12 +5,10 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
+
+#include "envmap/render/method.h"
 
 namespace envmap {
-
-enum class ContextKind { automatic, osmesa, egl };
-inline constexpr std::string_view context_names[] = {"auto", "osmesa", "egl"};
 
 /// Current on the thread that made it, from then on; nothing of GL may be called on another one. GL's functions (gl.h)
 /// belong to the context made last, so there is one at a time.
@@ -24,7 +22,7 @@ class Context {
 
   /// The library, and what GL says of the renderer and its version.
   [[nodiscard]] const std::string& renderer() const { return renderer_; }
-  [[nodiscard]] bool on_processor() const { return on_processor_; }        ///< llvmpipe or softpipe.
+  [[nodiscard]] bool on_processor() const { return on_processor_; }  ///< llvmpipe or softpipe.
 
  private:
   struct Handle;

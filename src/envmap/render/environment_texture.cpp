@@ -5,7 +5,7 @@
 #include "envmap/operate/convert.h"
 #include "envmap/render/programs.h"
 #include "envmap/render/sheen.h"
-#include "envmap/sample/lookup.h"
+#include "envmap/sample/padded_level.h"
 
 namespace envmap {
 namespace {
@@ -53,14 +53,14 @@ EnvironmentTexture upload(const EnvironmentMap& map) {
   GLint largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   const bool too_large = std::max(map.base().width(), map.base().height()) + aprons > largest;
-  const EnvironmentLookup shown = [&] {
-    if (map.projection() != Projection::sphere && has_shader(map.projection()) && !too_large)
-      return EnvironmentLookup(map);
-    const int dense = matching_size(map.projection(), map.base().height(), Projection::cube);
-    return EnvironmentLookup(convert(map, {.to = Projection::cube, .size = std::min(dense, largest - aprons)}));
-  }();
-  const PaddedLevel& level = shown.level();
-  EnvironmentTexture out{gl::make_texture(GL_TEXTURE_2D_ARRAY), level.projection(), shown.world_to_image()};
+  const bool as_it_is = map.projection() != Projection::sphere && has_shader(map.projection()) && !too_large;
+  const int dense = matching_size(map.projection(), map.base().height(), Projection::cube);
+  const PaddedLevel level(
+      as_it_is ? map.base().clone()
+               : std::move(convert(map, {.to = Projection::cube, .size = std::min(dense, largest - aprons)}).base()));
+  const Forward forward = as_it_is ? map.forward : Forward::plus_z;
+  EnvironmentTexture out{gl::make_texture(GL_TEXTURE_2D_ARRAY), level.projection(),
+                         glm::transpose(image_to_world(forward))};
   const int width = level.width() + aprons, height = level.height() + aprons;
   glTextureStorage3D(out.texture, 1, GL_RGB32F, width, height, level.faces());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);

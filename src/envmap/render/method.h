@@ -5,9 +5,10 @@
 #include <cstddef>
 #include <string_view>
 
+#include "envmap/base/export.h"
 #include "envmap/projection/projection.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 /// exact: each texel's ray meets the triangles themselves. distort: vertices moved by the map's formula, sides
 /// straight.
@@ -16,6 +17,10 @@ namespace envmap {
 enum class DrawMethod { automatic, exact, distort, tessellate, resample, raycast };
 inline constexpr std::string_view draw_method_names[] = {"auto",       "exact",    "distort",
                                                          "tessellate", "resample", "raycast"};
+
+/// What OpenGL draws with. automatic: a graphics card through EGL, else OSMesa, else the processor through EGL.
+enum class ContextKind { automatic, osmesa, egl };
+inline constexpr std::string_view context_names[] = {"auto", "osmesa", "egl"};
 
 /// Whether a map can be drawn so, which says of a projection that is new whether it waits for shaders. resample and
 /// raycast draw any.

@@ -111,13 +111,13 @@ constexpr std::array<FilterInfo, 7> all_filters{{
     {Filter::bilinear, "bilinear", "Bilinear interpolation at this point", false},
     {Filter::bicubic, "bicubic", "Catmull-Rom interpolation, clamped to the range of the four nearest texels", false},
     {Filter::trilinear, "trilinear",
-     "Two solid-angle weighted mip levels. Never aliases, but blurs texels that are long and narrow in the source",
+     "Interpolates between two mip levels. Never aliases, but blurs texels that are long and narrow in the source",
      true},
     {Filter::sat, "sat", "Mean over an axis-aligned box in the source, from a summed-area table", false},
-    {Filter::ewa, "ewa", "Elliptical footprint of several trilinear samples", true},
+    {Filter::ewa, "ewa", "Mean of several trilinear samples along an ellipse that covers the texel", true},
     {Filter::area, "area",
-     "Solid-angle mean of the bilinearly reconstructed source over the exact footprint, accurate to the requested "
-     "error. The reference",
+     "Solid-angle mean of the bilinearly reconstructed source over the exact footprint, to within the "
+     "area error. The reference",
      false},
 }};
 

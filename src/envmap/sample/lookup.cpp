@@ -1,24 +1,57 @@
 #include "envmap/sample/lookup.h"
 
-#include <cmath>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "envmap/base/error.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
 
-EnvironmentLookup::EnvironmentLookup(Level&& level, Forward forward)
-    : level_(std::make_shared<const PaddedLevel>(std::move(level))),
-      world_to_image_(glm::transpose(image_to_world(forward))) {}
+struct EnvironmentLookup::Levels {
+  std::vector<PaddedLevel> levels;
+  Rotation world_to_image;
 
-Colour EnvironmentLookup::operator()(const Direction& direction) const {
+  // @param d a unit vector of the image's frame.
+  [[nodiscard]] Colour at(const Direction& d, double level) const {
+    const Location<double> place =
+        visit(levels.front().projection(), [&](auto p) { return decltype(p)::template locate<double>(d); });
+    const double last = double(levels.size() - 1), clamped = level > 0 ? std::min(level, last) : 0;
+    const auto finer = std::size_t(clamped);
+    const Colour found = bilinear(levels[finer], place);
+    const auto part = float(clamped - double(finer));
+    return part > 0 ? found + part * (bilinear(levels[finer + 1], place) - found) : found;
+  }
+};
+
+EnvironmentLookup::EnvironmentLookup(EnvironmentMap&& map) {
+  Levels made{.levels = {}, .world_to_image = glm::transpose(image_to_world(map.forward))};
+  const Projection projection = map.projection();
+  for (Level& level : map.levels) {
+    if (level.projection() != projection) throw UsageError("levels of one map must have one projection");
+    made.levels.emplace_back(std::move(level));
+  }
+  levels_ = std::make_shared<const Levels>(std::move(made));
+}
+
+Colour EnvironmentLookup::operator()(const Direction& direction, double level) const {
   const double square = glm::dot(direction, direction);
   if (!(square > 0 && std::isfinite(square))) return Colour(0);
   // Unit vectors stay as they are, to the last bit.
-  const Direction d = world_to_image_ * (std::abs(square - 1) < 1e-9 ? direction : direction / std::sqrt(square));
-  return bilinear(*level_,
-                  visit(level_->projection(), [&](auto p) { return decltype(p)::template locate<double>(d); }));
+  return levels_->at(levels_->world_to_image *
+                         (std::abs(square - 1) < 1e-9 ? direction : direction / std::sqrt(square)),
+                     level);
+}
+
+void EnvironmentLookup::operator()(std::span<const Direction> directions, std::span<Colour> out, double level) const {
+  if (out.size() != directions.size())
+    throw UsageError(fmt::format("out must hold {} colours, not {}", directions.size(), out.size()));
+  std::ranges::transform(directions, out.begin(), [&](const Direction& d) { return (*this)(d, level); });
 }
 
 }  // namespace envmap

@@ -11,12 +11,12 @@ Radiance is linear RGB, float32. The frame is right-handed, +Y up, +Z at the cen
 face in texels. Functions never change what they are given, and let other Python threads run. progress= takes a function that
 is called with the part done, one call at a time, from any thread; the last value is 1. What it raises ends the work.
 
-Errors are envmap.Error, in one line: UsageError (a ValueError), InputError and OutputError (OSErrors), RendererError. They have
-code ('usage', 'input', 'output', 'renderer'), file, remedy (a word of envmap/base/error.h), field (of a value out of its range),
+Errors are envmap.Error, in one line: UsageError (a ValueError), InputError and OutputError (OSErrors), RendererError, AccuracyError.
+They have code ('usage', 'input', 'output', 'renderer', 'accuracy'), file, remedy (a word of envmap/base/error.h), field (of a value out of its range),
 and OSErrors also filename and errno. file, field and errno may be None: errno is set where the system refused.
 """
-from ._envmap import (Difference, Error, InputError, Map, OutputError, Prefiltered, RendererError, UsageError, __version__, compare,
-                      convert, encode, generate, mipmap, pack, prefilter, read, render, sh, solid_angles, write)
+from ._envmap import (AccuracyError, Difference, Error, InputError, Map, OutputError, Prefiltered, RendererError, UsageError, __version__, bake,
+                      compare, convert, encode, engines, generate, level_roughnesses, mipmap, pack, prefilter, read, render, sh, solid_angles, write)
 
-__all__ = ["Difference", "Error", "InputError", "Map", "OutputError", "Prefiltered", "RendererError", "UsageError", "__version__",
-           "compare", "convert", "encode", "generate", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "write"]
+__all__ = ["AccuracyError", "Difference", "Error", "InputError", "Map", "OutputError", "Prefiltered", "RendererError", "UsageError", "__version__",
+           "bake", "compare", "convert", "encode", "engines", "generate", "level_roughnesses", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "write"]

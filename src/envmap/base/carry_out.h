@@ -1,0 +1,75 @@
+/// @file
+/// A public operation as its caller wants it run.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <type_traits>
+
+#include "envmap/base/bounds.h"
+#include "envmap/base/run.h"
+
+namespace envmap {
+
+/// What the parts of an operation report to. The caller's callback sees one call at a time, values that never fall, and
+/// 1 at the end. Threads that report while another call runs go on with their work.
+class SteadyProgress {
+ public:
+  /// @param run must outlive this.
+  explicit SteadyProgress(const Run& run) : run_(run) {
+    if (run.progress || run.stop.stop_possible()) report_ = [this](double part) { report(part); };
+  }
+  SteadyProgress(const SteadyProgress&) = delete;
+  SteadyProgress& operator=(const SteadyProgress&) = delete;
+
+  /// For the parts of the operation; empty where nobody listens. @throws Cancelled from there.
+  [[nodiscard]] const Progress& callback() const { return report_; }
+
+  /// Reports 1, after all threads are done.
+  void finish() const {
+    if (run_.progress) run_.progress(1);
+  }
+
+ private:
+  void report(double part) {
+    if (run_.stop.stop_requested()) throw Cancelled();
+    if (!run_.progress || busy_.test_and_set(std::memory_order_acquire)) return;
+    struct Release {
+      std::atomic_flag& busy;
+      ~Release() { busy.clear(std::memory_order_release); }
+    } const release{busy_};
+    if (part < 1) last_ = std::max(last_, part);
+    run_.progress(last_);
+  }
+
+  const Run& run_;
+  Progress report_;
+  std::atomic_flag busy_;
+  double last_ = 0;
+};
+
+/// Calls work(progress) with the threads of the run. @return its result. @throws UsageError where `threads` is out of
+/// its range, Cancelled where the run was stopped before it began.
+template <class Work>
+auto carry_out(const Run& run, const Work& work) {
+  check(limits::threads, run.threads);
+  if (run.stop.stop_requested()) throw Cancelled();
+  const SteadyProgress steady(run);
+  const auto all = [&] {
+    if constexpr (std::is_void_v<decltype(work(steady.callback()))>) {
+      work(steady.callback());
+      steady.finish();
+    } else {
+      auto made = work(steady.callback());
+      steady.finish();
+      return made;
+    }
+  };
+  if (run.threads == 0) return all();
+  tbb::task_arena arena(run.threads);
+  return arena.execute(all);
+}
+
+}  // namespace envmap

@@ -1,0 +1,26 @@
+/// @file
+/// How an operation runs: how far it is, what stops it, and how many threads it takes.
+#pragma once
+
+#include <exception>
+#include <stop_token>
+
+#include "envmap/base/export.h"
+#include "envmap/base/progress.h"
+
+namespace ENVMAP_EXPORT envmap {
+
+/// The last argument of operations that take time. An operation that is stopped leaves no file, and a file that was
+/// there stays.
+struct Run {
+  Progress progress = {};
+  std::stop_token stop = {};  ///< A request ends the operation by Cancelled, within about 0.2 s.
+  int threads = 0;  ///< At most so many, the caller's among them, up to 1024. 0: what oneTBB gives the caller.
+};
+
+/// Thrown by an operation that was asked to stop.
+struct Cancelled : std::exception {
+  [[nodiscard]] const char* what() const noexcept override { return "cancelled"; }
+};
+
+}  // namespace envmap

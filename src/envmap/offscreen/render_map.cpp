@@ -1,0 +1,122 @@
+#include "envmap/offscreen/render_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <thread>
+
+#include "envmap/base/carry_out.h"
+#include "envmap/base/error.h"
+#include "envmap/render/choose.h"
+#include "envmap/render/context.h"
+#include "envmap/render/distant_lights.h"
+#include "envmap/render/raycast.h"
+#include "envmap/render/renderer.h"
+#include "envmap/render/turn.h"
+#include "envmap/scene/deform.h"
+#include "envmap/scene/read/read_scene.h"
+
+namespace envmap {
+namespace {
+
+void check(const RenderOptions& o) {
+  check(limits::size, o.size);
+  envmap::check({"samples", 1, 1024}, o.samples);
+  envmap::check({"occlusion", 0, most_distant_lights}, o.occlusion);
+  envmap::check({"near_metres", 1e-9, 1e9}, o.near_metres);
+  envmap::check({"far_metres", 1e-9, 1e12}, o.far_metres);
+  if (o.near_metres >= o.far_metres) throw UsageError("near_metres must be less than far_metres");
+  if (!can_draw(o.method, o.to.projection))
+    throw UsageError(fmt::format("method '{}' cannot draw {} maps: resample or raycast can",
+                                 draw_method_names[std::size_t(o.method)], name(o.to.projection)));
+  if (o.method == DrawMethod::raycast && o.context != ContextKind::automatic)
+    throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");
+}
+
+std::vector<std::string> remarks_on(const Scene& scene, bool lit) {
+  std::vector<std::string> remarks = scene.remarks;
+  for (const std::string& what : scene.unmodelled) remarks.push_back("not drawn: " + what);
+  const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
+  if (!lit && scene.lights.empty() && std::ranges::none_of(scene.materials, glows))
+    remarks.push_back("no light in it and none given, so it is black: give an environment or ambient light");
+  return remarks;
+}
+
+Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose, const std::string& path) {
+  Viewpoint from{.to = o.to.projection,
+                 .size = o.size,
+                 .axes = image_to_world(o.to.forward),
+                 .near = o.near_metres,
+                 .far = o.far_metres,
+                 .samples = o.samples};
+  if (const auto* const place = std::get_if<Direction>(&o.at)) from.at = *place;
+  if (const auto* const name = std::get_if<std::string>(&o.at)) {
+    const auto node = find_node(scene, *name);
+    if (!node) throw UsageError(fmt::format("at: '{}' is no node of {}", *name, path));
+    from.without = *node;
+    from.at = centre_of(scene, pose, *node);
+  }
+  if (!o.towards) return from;
+  if (const auto* const along = std::get_if<Direction>(&*o.towards)) from.axes = turned_to(*along);
+  if (const auto* const name = std::get_if<std::string>(&*o.towards)) {
+    const auto there = direction_to(scene, pose, from.at, *name);
+    if (!there) throw UsageError(fmt::format("towards: '{}' is no node of {} and no camera", *name, path));
+    from.axes = turned_to(*there);
+  }
+  return from;
+}
+
+// A thread of its own, so that the context that is current in the caller's stays current.
+Drawn draw_by_opengl(const Shot& shot, const Viewpoint& from, DrawMethod method, ContextKind kind) {
+  Drawn drawn;
+  std::exception_ptr raised;
+  std::thread([&] {
+    try {
+      const Context context(kind);
+      Renderer renderer(shot.scene, shot.environment);
+      drawn = draw(renderer, from, shot, method);
+    } catch (...) {
+      raised = std::current_exception();
+    }
+  }).join();
+  if (raised) std::rethrow_exception(raised);
+  return drawn;
+}
+
+}  // namespace
+
+RenderedMap render(const std::string& path, const RenderOptions& o, const EnvironmentMap* environment, const Run& run) {
+  check(o);
+  return carry_out(run, [&](const Progress& progress) {
+    Scene scene = read_scene(path);
+    const Pose placed = pose(scene, o.time_seconds);
+    deform(scene, placed, o.time_seconds);
+    const Viewpoint from = viewpoint(o, scene, placed, path);
+    std::unique_ptr<const Environment> around;
+    std::vector<DistantLight> distant;
+    if (environment != nullptr) {
+      EnvironmentMap base{.levels = {}, .forward = environment->forward};
+      base.levels.push_back(environment->base().clone());
+      around = std::make_unique<const Environment>(std::move(base));
+      if (o.occlusion > 0) distant = distant_lights(around->map, o.occlusion);
+    }
+    const Shot shot{.scene = scene,
+                    .pose = placed,
+                    .environment = around.get(),
+                    .ambient = o.ambient.value_or(Colour(0)),
+                    .shadows = o.shadows,
+                    .distant = distant};
+    const DrawMethod method = o.method == DrawMethod::automatic ? cheapest(o.to.projection, o.size, triangles(scene),
+                                                                           o.context == ContextKind::automatic)
+                                                                : o.method;
+    Drawn drawn = method == DrawMethod::raycast ? raycast(shot, from, {}, progress)
+                                                : draw_by_opengl(shot, from, method, o.context);
+    drawn.radiance.forward = o.towards ? Forward::plus_z : o.to.forward;
+    return RenderedMap{std::move(drawn.radiance), method, drawn.missing_solid_angle,
+                       remarks_on(scene, environment != nullptr || o.ambient)};
+  });
+}
+
+}  // namespace envmap
