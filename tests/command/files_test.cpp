@@ -44,6 +44,24 @@ TEST_F(CommandTest, MaxErrorHoldsInEveryChannelOfAFile) {
   EXPECT_GT(refused, 4);
 }
 
+// ---- the axis at the centre -----------------------------------------------------------------------------------------
+
+TEST_F(CommandTest, AFileThatCannotHoldItsAxisSaysSo) {
+  succeeds({"generate", "directions", "in.exr", "--size", "16"});
+  for (const std::string file : {"a.hdr", "a.pfm", "a.dds"}) {
+    const Result made = envmap({"convert", "in.exr", file, "--forward", "+x"});
+    EXPECT_EQ(made.status, 0);
+    EXPECT_NE(made.err.find(file + ": "), std::string::npos) << made.err;
+    EXPECT_NE(made.err.find("--from-forward +x"), std::string::npos) << made.err;
+    succeeds({"convert", file, "back.exr", "--from-forward", "+x", "--forward", "+z"});
+    EXPECT_EQ(envmap({"compare", "back.exr", "in.exr", "--max-rms", "0.02"}).status, 0) << file;
+  }
+  for (const std::string file : {"a.exr", "a.ktx2", "a.png"})
+    EXPECT_EQ(envmap({"convert", "in.exr", file, "--forward", "+x"}).err, "") << file;
+  EXPECT_EQ(envmap({"convert", "in.exr", "plus_z.hdr"}).err, "");
+  fails(2, {"convert", "in.exr", "a.exr", "--max-error", "1e-2", "--filter", "ewa"}, {"--max-error", "--filter"});
+}
+
 // ---- formats --------------------------------------------------------------------------------------------------------
 
 struct Format {

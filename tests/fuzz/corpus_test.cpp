@@ -89,7 +89,7 @@ TEST_P(Corpus, IsReadOrRefusedInOneLine) {
 
 INSTANTIATE_TEST_SUITE_P(Targets, Corpus,
                          testing::Values("hdr", "exr", "ktx2", "ktx", "dds", "env", "glb", "bc6h", "obj", "mtl", "gltf",
-                                         "words", "colours", "part", "manifest", "read", "scene", "command"),
+                                         "words", "colours", "part", "manifest", "read", "scene", "command", "library"),
                          [](const auto& target) { return std::string(target.param); });
 
 // Readers that are ours alone: others' libraries are fuzzed by hand.
@@ -114,7 +114,7 @@ TEST_P(DamagedCorpus, IsReadOrRefusedInOneLine) {
 
 INSTANTIATE_TEST_SUITE_P(Targets, DamagedCorpus,
                          testing::Values("hdr", "ktx2", "ktx", "dds", "env", "glb", "bc6h", "obj", "mtl", "gltf",
-                                         "words"),
+                                         "words", "library"),
                          [](const auto& target) { return std::string(target.param); });
 
 }  // namespace

@@ -32,6 +32,8 @@ void fuzz_manifest(Bytes bytes);
 /// A file as a command of the program takes it, from its options to the file it writes.
 /// The last byte chooses the command.
 void fuzz_command(Bytes bytes);
+/// Calls of the library's public functions with any values.
+void fuzz_library(Bytes bytes);
 /// An image description, attribute values and a shape: what the metadata says and what is recognised in it.
 void fuzz_words(Bytes bytes);
 
@@ -44,6 +46,7 @@ inline void fuzz(std::string_view target, Bytes bytes) {
   if (target == "part") return fuzz_part(bytes);
   if (target == "manifest") return fuzz_manifest(bytes);
   if (target == "command") return fuzz_command(bytes);
+  if (target == "library") return fuzz_library(bytes);
   if (target == "obj" || target == "mtl" || target == "gltf") return fuzz_text(target, bytes);
   fuzz_image(target, bytes);
 }

@@ -10,7 +10,7 @@ namespace tools {
 namespace {
 
 constexpr std::size_t columns = 100, indent = 24;  // Of the texts beside the options.
-constexpr std::size_t short_groups = 2;            // That -h shows.
+constexpr std::size_t short_groups = 3;            // That -h shows.
 
 // Words in lines that begin at `indent`. @param left what stands before the first line.
 std::string beside(std::string left, const std::string& text) {

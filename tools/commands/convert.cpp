@@ -165,6 +165,9 @@ int run(Convert& o, Report& report) {
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
+  if (o.convert.max_error && (o.convert.filter || o.samples))
+    throw UsageError(
+        fmt::format("--max-error chooses the filter: remove {}", o.convert.filter ? "--filter" : "--samples"));
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
   if (engine) settle(*o.engine, *engine, o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.output, o.write, *o.to);
@@ -230,7 +233,10 @@ int run(Convert& o, Report& report) {
   if (max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
   const WriteOptions how = part_or_whole(o.shard, o.write, rows, made_of);
   report.put_written(o.output, write_map(o.output, mirrored({rows}, mirror), how, "convert"));
-  if (engine) tell_frame(o.output, *o.engine, *engine);
+  if (engine)
+    tell_frame(o.output, *o.engine, *engine);
+  else
+    tell_lost_axis(o.output, {to, rows.forward}, o.write);
   report.put_seconds();
   return 0;
 }

@@ -72,6 +72,7 @@ int run(const Request& o) {
   const EnvironmentMap map =
       generate(pattern(o), {to, o.forward.value_or(Forward::plus_z)}, o.size, {.progress = progress_line("generate")});
   write_map(o.output, rows_of(map), o.write, "write");
+  tell_lost_axis(o.output, map.frame(), o.write);
   return 0;
 }
 

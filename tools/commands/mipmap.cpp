@@ -71,7 +71,10 @@ int run(Request& o, Report& report) {
     add_levels(map.levels, o.weights, o.levels);
   const std::vector<Rows> rows = mirrored(all_rows_of(map), engine ? engine->mirror : MirroredAxis::none);
   const Written written = write_map(o.output, rows, o.write, "write");
-  if (engine) tell_frame(o.output, *o.engine, *engine);
+  if (engine)
+    tell_frame(o.output, *o.engine, *engine);
+  else
+    tell_lost_axis(o.output, map.frame(), o.write);
   if (!settings().json) return 0;
   report.put("input", o.input);
   if (engine) add_frame(report, *o.engine, *engine);

@@ -279,7 +279,10 @@ int run(Request& o, Report& report) {
   const WriteOptions how = part_or_whole(o.shard, o.write, rows.front(), o.shard.part ? digest(source.map) : "");
   report.put_written(o.output, write_map(o.output, rows, how, "write"));
   if (!o.table.empty()) write_brdf_table(o);
-  if (engine) tell_frame(o.output, *o.engine, *engine);
+  if (engine)
+    tell_frame(o.output, *o.engine, *engine);
+  else
+    tell_lost_axis(o.output, made.frame(), o.write);
   report.put_seconds();
   return 0;
 }

@@ -10,6 +10,7 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "shared/named_files.h"
@@ -157,6 +158,14 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
                        levels.size() > 1 ? fmt::format(", {} levels", levels.size()) : "", name(written.depth),
                        watch.seconds()));
   return written;
+}
+
+void tell_lost_axis(const std::string& path, const Frame& frame, const WriteOptions& options) {
+  const std::string extension = options.format.empty() ? extension_of(path) : options.format;
+  const FileFormat* const format = format_with_extension(extension);
+  if (frame.forward == Forward::plus_z || !format || format->frame) return;
+  note(fmt::format("{}: .{} files do not store the axis at the centre: read it with --from-forward {}", path, extension,
+                   forward_names[std::size_t(frame.forward)]));
 }
 
 void write_text(const std::string& path, std::string_view text) {

@@ -14,16 +14,17 @@ namespace envmap {
 
 /// A row of the table. A new format is a row of it, a reader (image.cpp) and a writer (write.cpp, image_writer.cpp).
 struct FileFormat {
-  std::string_view name;                         ///< As OpenImageIO names it, and info does.
-  std::string_view title;                        ///< As people do.
+  std::string_view name;   ///< As OpenImageIO names it, and info does.
+  std::string_view title;  ///< As people do.
   /// Lower case, no dots. Of a format that is only read it may have none.
   std::span<const std::string_view> extensions;
-  std::span<const Depth> depths;                 ///< Written, least first; none where it is only read.
+  std::span<const Depth> depths;  ///< Written, least first; none where it is only read.
   /// Whether a file begins so: it is known by its bytes, not by its name. Null where it has no mark, only a name.
   bool (*is_head)(std::string_view head);
+  bool frame;                                          ///< Written with its projection and the axis at its centre.
   double largest = std::numeric_limits<float>::max();  ///< Of its floats.
   bool levels = false;                                 ///< All levels of a map go into one file.
-  bool texture = false;  ///< Holds the faces of a cube as such, not side by side in one image.
+  bool texture = false;      ///< Holds the faces of a cube as such, not side by side in one image.
   bool cubes_alone = false;  ///< Of such a format: it holds nothing else.
   bool irradiance = false;   ///< Holds irradiance, too, which a map alone does not bring along.
 
