@@ -1,5 +1,5 @@
 """Runs the commands of the documents word for word, on files with the names that they use: every indented line of README.md and of
-docs/ that begins with `envmap`, in its order, and every recipe of man/envmap.7. Where output follows a command, it is compared.
+docs/ that begins with `envmap` or `$ envmap`, in its order, and every recipe of man/envmap.7. Where output follows a command, it is compared.
 
   recipes.py SOURCE_DIR ENVMAP
 """
@@ -18,11 +18,12 @@ def commands(page):
     """Indented lines, as the shell takes them. @return pairs of a command and the lines of output right below it."""
     found, following = [], False
     for line in page.read_text().splitlines():
-        if line.startswith('    envmap '):
-            found.append((line.strip(), []))
+        command = re.match(r'    (?:\$ )?(envmap .*)', line)
+        if command:
+            found.append((command[1].strip(), []))
         elif line.startswith('    ') and following:
             found[-1][1].append(line[4:].rstrip())
-        following = line.startswith('    envmap ') or (following and line.startswith('    '))
+        following = bool(command) or (following and line.startswith('    '))
     return found
 
 

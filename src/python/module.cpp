@@ -210,7 +210,8 @@ py::list pack_map(const GivenMap& given, const std::string& format, const std::s
 
 Map convert_map(const GivenMap& given, const std::optional<std::string>& to, std::optional<int> size,
                 const std::optional<std::string>& filter, int samples, std::optional<double> max_error,
-                const Triple& rotate, double gain, const std::optional<std::string>& forward,
+                const Triple& rotate, const std::string& mirror, double gain,
+                const std::optional<std::string>& forward,
                 std::optional<double> ball_distance, std::optional<double> ball_fov, const py::object& progress) {
   const Map& map = given.map;
   const Frame from = map->frame();
@@ -221,6 +222,7 @@ Map convert_map(const GivenMap& given, const std::optional<std::string>& to, std
                    .samples = samples,
                    .max_error = max_error,
                    .rotation = rotation(rotate[0], rotate[1], rotate[2]),
+                   .mirror = named<MirroredAxis>("mirror", mirror, mirrored_axis_names),
                    .gain = gain};
   if (filter) o.filter = filter_of(*filter);
   if (ball_distance && ball_fov) throw UsageError("say ball_distance= or ball_fov=, not both");
@@ -452,10 +454,10 @@ PYBIND11_MODULE(_envmap, m) {
                  "Map.array has them."));
   m.def("convert", &convert_map, "map"_a, "to"_a = py::none(), py::kw_only(), "size"_a = py::none(),
         "filter"_a = py::none(), "samples"_a = 1, "max_error"_a = py::none(), "rotate"_a = Triple{0, 0, 0},
-        "gain"_a = 1.0, "forward"_a = py::none(), "ball_distance"_a = py::none(), "ball_fov"_a = py::none(),
+        "mirror"_a = "none", "gain"_a = 1.0, "forward"_a = py::none(), "ball_distance"_a = py::none(), "ball_fov"_a = py::none(),
         "progress"_a = py::none(),
         document("convert",
-                 "map, to=None, *, size=None, filter=None, samples=1, max_error=None, rotate=(0, 0, 0), gain=1.0, "
+                 "map, to=None, *, size=None, filter=None, samples=1, max_error=None, rotate=(0, 0, 0), mirror='none', gain=1.0, "
                  "forward=None, "
                  "ball_distance=None, ball_fov=None, progress=None",
                  "A map in another projection, size or frame. ball_distance (from its centre, in radii of the ball) or "

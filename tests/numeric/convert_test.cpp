@@ -258,6 +258,34 @@ TEST(Convert, TurnsByWholeTexelsAreExactCopies) {
   }
 }
 
+// Radiance from d comes out from d with one coordinate negated, after the rotation; twice is nothing.
+TEST(Convert, MirroringNegatesAnAxis) {
+  const EnvironmentMap source = generate(Directions{}, {Projection::latlong, Forward::minus_x}, 64);
+  const Rotation turn = rotation(20, -30, 50);
+  for (const Projection p : all_projections)
+    for (const Forward forward : {Forward::plus_z, Forward::minus_z, Forward::plus_x, Forward::minus_x})
+      for (const MirroredAxis axis : {MirroredAxis::x, MirroredAxis::y, MirroredAxis::z}) {
+        const Frame frame(p, forward);
+        const ConvertOptions how{.to = frame, .size = 8, .filter = Filter::bilinear, .rotation = turn, .mirror = axis};
+        const EnvironmentMap map = convert(source, how);
+        double worst = 0;
+        for_texels(map.base(), [&](int f, int i, int j, const Direction& d) {
+          Direction negated = image_to_world(frame.forward) * d;
+          negated[int(axis) - 1] *= -1;
+          const Direction expected = glm::transpose(turn) * negated;
+          worst = std::max(worst, glm::length(2.0 * Direction(*map.base().texel(f, i, j)) - 1.0 - expected));
+        });
+        EXPECT_LT(worst, p == Projection::sphere ? 0.5 : 0.01) << name(p) << " " << int(forward) << " " << int(axis);
+      }
+  for (const MirroredAxis axis : {MirroredAxis::x, MirroredAxis::y, MirroredAxis::z})
+    for (const Projection p : {Projection::cube, Projection::octahedral}) {
+      if (p == Projection::octahedral && axis == MirroredAxis::y) continue;  // Resampled: it turns inside out.
+      const EnvironmentMap map = generate(Directions{}, p, 8);
+      const EnvironmentMap twice = convert(convert(map, {.to = p, .mirror = axis}), {.to = p, .mirror = axis});
+      EXPECT_EQ(compare(twice, map).maximum, 0) << name(p) << " " << int(axis);
+    }
+}
+
 TEST(Convert, GainIsAPlainFactor) {
   EnvironmentMap source = generate(Constant{Direction(0.25)}, Projection::latlong, 4);
   EXPECT_EQ(convert(source, {.to = Projection::cube, .gain = 8}).base().texel(0, 0, 0)->x, 2);

@@ -49,7 +49,7 @@ struct Convert {
 
 // Options that only maps have, or only pictures.
 constexpr std::array of_maps{"--for",           "--layout",   "--area-error",     "--max-error",
-                             "--ball-distance", "--ball-fov", "--forward",        "--depth",
+                             "--ball-distance", "--ball-fov", "--forward",        "--mirror", "--depth",
                              "--border",        "--zstd",     "--openexr-envmap", "--compression",
                              "--clamp",         "--shard",    "--output-space",   "--encoded",
                              "--max-memory"};
@@ -266,6 +266,14 @@ Action define_convert(Options& o) {
   add_size(o, &c->convert.size, "Height of the image or of one cube face (default: same texels per degree)");
   add_engine(o, c->engine, "Projection, orientation and file format of an engine ('list' lists engines)");
   add_rotate(o, c->turn);
+  o.add("--mirror", "x|y|z",
+        [&mirror = c->convert.mirror](const std::string& word) {
+          const int axis = index_of(word, mirrored_axis_names);
+          if (axis > 0) mirror = MirroredAxis(axis);
+          return axis > 0;
+        },
+        "Exchange the directions of this axis, after --rotate: {}")
+      .excludes = "--for";
   add_forward(o, "--forward AXIS", c->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   add_layout(o, "--layout", c->write.layout, "Cube faces: {} (default: column)");
   add_border(o, c->write, "part of --size");

@@ -32,14 +32,11 @@ struct EngineChain {
   IrradianceForm irradiance = IrradianceForm::none;
 };
 
-/// For cubes that are looked up in a left-handed frame: -X where the probe has +X, or -Z where it has +Z.
-enum class MirroredAxis { none, x, z };
-
 struct EngineMap {
   std::string_view file;
   Frame frame;
   std::optional<Depth> depth = {};  ///< That its loader or the cards behind it want; else the source's.
-  MirroredAxis mirror = MirroredAxis::none;
+  MirroredAxis mirror = MirroredAxis::none;  ///< x or z, of cubes that are looked up in a left-handed frame.
   std::optional<EngineChain> chain = {};  ///< Else the environment itself, one level;
   int diffuse = 0;                        ///< or the irradiance over pi, with faces so high.
 };

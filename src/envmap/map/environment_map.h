@@ -85,6 +85,10 @@ inline constexpr std::string_view forward_names[] = {"+z", "-z", "+x", "-x"};
 /// Turn about +Y from the image frame (+Z at the centre) to the world.
 Rotation image_to_world(Forward forward);
 
+/// A world axis whose two directions are exchanged, as left-handed tools need it.
+enum class MirroredAxis { none, x, y, z };
+inline constexpr std::string_view mirrored_axis_names[] = {"none", "x", "y", "z"};
+
 /// How an image shows the world: its projection, and the world axis at its centre.
 struct Frame {
   Projection projection;

@@ -39,6 +39,17 @@ void check(const ConvertOptions& o) {
   check_rotation("rotation", o.rotation);
 }
 
+// The turn that is left of `rotation` and the mirroring where columns of the result are reversed: this negates x of
+// every image, and a turn does the rest.
+Rotation turn_before_reversal(const ConvertOptions& o) {
+  if (o.mirror == MirroredAxis::none) return o.rotation;
+  Rotation axis(1), across(1);
+  axis[int(o.mirror) - 1][int(o.mirror) - 1] = -1;
+  across[0][0] = -1;
+  const Rotation to_world = image_to_world(o.to.forward);
+  return to_world * across * glm::transpose(to_world) * axis * o.rotation;
+}
+
 Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
   check(o);
   if (o.ball && source.projection() != Projection::sphere) throw UsageError("only sphere maps are photos of a ball");
@@ -46,7 +57,7 @@ Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
     throw UsageError("a camera is 1.02 to 1e6 radii away from the ball's centre");
   const int size = o.size.value_or(matching_size(source.projection(), source.base().height(), o.to.projection));
   return {o.to.projection, size,
-          glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) * image_to_world(o.to.forward),
+          glm::transpose(image_to_world(source.forward)) * glm::transpose(turn_before_reversal(o)) * image_to_world(o.to.forward),
           o.ball};
 }
 
@@ -113,6 +124,7 @@ struct Resampler::Prepared {
   Target target;
   FilterOptions filter;
   double gain;
+  bool reversed;  // Columns, and a cube's faces of X.
   std::optional<FilterChoice> choice;
   std::optional<Level> unchanged;   // The source, where its texels are the result's own and nothing is resampled.
   std::vector<PaddedLevel> levels;  // Else what the filter reads.
@@ -125,6 +137,7 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
       target(make_target(source, options)),
       filter(make_filter(target, source.base(), options)),
       gain(options.gain),
+      reversed(options.mirror != MirroredAxis::none),
       texels_between_trims(between_trims(target, source.base())) {
   if (!options.max_error && interpolates(filter)) {
     if (is_source(target, source.base())) {
@@ -147,6 +160,7 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
 }
 
 void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
+  if (reversed && target.to == Projection::cube && face < 2) face = 1 - face;
   const Columns in = columns(target.to, target.size, row);
   std::ranges::fill(out, Colour(0));
   const std::span<Colour> texels = in.of(out);
@@ -160,6 +174,7 @@ void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
   }
   if (gain != 1)
     for (Colour& texel : texels) texel = Colour(Rgb<double>(texel) * gain);
+  if (reversed) std::ranges::reverse(out);
 }
 
 bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options) {

@@ -29,6 +29,7 @@ struct ConvertOptions {
   /// Take the cheapest filter that is found to err by no more (FilterChoice); `filter` and `samples` are then ignored.
   std::optional<double> max_error = {};
   Rotation rotation{1};  ///< Turns the environment: radiance from d comes out from rotation x d.
+  MirroredAxis mirror = MirroredAxis::none;  ///< After `rotation`.
   double gain = 1;       ///< Factor on radiance.
   /// The camera that took the source, a photo of a mirror ball; absent: one infinitely far away. What the camera does
   /// not see gets the colours of the ball's rim. Of sphere maps only.
