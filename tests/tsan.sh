@@ -35,7 +35,7 @@ export LD_LIBRARY_PATH="$PWD/tbb"
 cd "$root"
 cmake --preset tsan
 cmake --build --preset tsan --target envmap_program library_tests
-export TSAN_OPTIONS="suppressions=$root/tests/tsan.supp halt_on_error=0 exitcode=66 second_deadlock_stack=1 ${TSAN_OPTIONS:-}"
+export TSAN_OPTIONS="suppressions=$root/tests/tsan.supp halt_on_error=0 exitcode=66 second_deadlock_stack=1 history_size=7 ${TSAN_OPTIONS:-}"
 # Randomised addresses can lie where the sanitizer keeps its own memory.
 sh tests/every_command.sh "$root/build/tsan/envmap" setarch -R
 setarch -R build/tsan/library_tests

@@ -54,7 +54,8 @@ std::vector<Step> steps(envmap::Remedy remedy) {
     case Remedy::choose_format: return {{"--format", "or use --format"}};
     case Remedy::choose_plus_z: return {{"--forward", "use --forward +z"}};
     case Remedy::clamp_or_deepen: return {deepen, dim, clamp};
-    case Remedy::clamp_or_darken: return {{"", "choose a floating-point format"}, dim, clamp};
+    case Remedy::clamp_or_darken:
+      return {{"", "choose a floating-point format"}, dim, {"--display", "use --display neutral"}, clamp};
     case Remedy::clamp_or_dim: return {dim, clamp};
     case Remedy::clamp_or_brighten: return {deepen, brighten, clamp};
     case Remedy::clamp_or_light_up: return {brighten, clamp};

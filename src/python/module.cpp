@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
+#include <tbb/global_control.h>
 
 #include <variant>
 
@@ -210,8 +211,7 @@ py::list pack_map(const GivenMap& given, const std::string& format, const std::s
 
 Map convert_map(const GivenMap& given, const std::optional<std::string>& to, std::optional<int> size,
                 const std::optional<std::string>& filter, int samples, std::optional<double> max_error,
-                const Triple& rotate, const std::string& mirror, double gain,
-                const std::optional<std::string>& forward,
+                const Triple& rotate, const std::string& mirror, double gain, const std::optional<std::string>& forward,
                 std::optional<double> ball_distance, std::optional<double> ball_fov, const py::object& progress) {
   const Map& map = given.map;
   const Frame from = map->frame();
@@ -368,6 +368,13 @@ Map generate_map(const std::string& kind, const std::string& to, int size, const
   return shared(generate(wanted, frame, size));
 }
 
+void limit_threads(int count) {
+  static std::optional<tbb::global_control> limit;
+  check(limits::threads, count);
+  limit.reset();
+  if (count > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(count));
+}
+
 }  // namespace
 
 Map map_of_object(const py::object& array, const std::optional<std::string>& projection, const std::string& forward) {
@@ -454,10 +461,11 @@ PYBIND11_MODULE(_envmap, m) {
                  "Map.array has them."));
   m.def("convert", &convert_map, "map"_a, "to"_a = py::none(), py::kw_only(), "size"_a = py::none(),
         "filter"_a = py::none(), "samples"_a = 1, "max_error"_a = py::none(), "rotate"_a = Triple{0, 0, 0},
-        "mirror"_a = "none", "gain"_a = 1.0, "forward"_a = py::none(), "ball_distance"_a = py::none(), "ball_fov"_a = py::none(),
-        "progress"_a = py::none(),
+        "mirror"_a = "none", "gain"_a = 1.0, "forward"_a = py::none(), "ball_distance"_a = py::none(),
+        "ball_fov"_a = py::none(), "progress"_a = py::none(),
         document("convert",
-                 "map, to=None, *, size=None, filter=None, samples=1, max_error=None, rotate=(0, 0, 0), mirror='none', gain=1.0, "
+                 "map, to=None, *, size=None, filter=None, samples=1, max_error=None, rotate=(0, 0, 0), mirror='none', "
+                 "gain=1.0, "
                  "forward=None, "
                  "ball_distance=None, ball_fov=None, progress=None",
                  "A map in another projection, size or frame. ball_distance (from its centre, in radii of the ball) or "
@@ -489,6 +497,8 @@ PYBIND11_MODULE(_envmap, m) {
         document("generate", "kind, to='latlong', size=64, forward='+z', **parameters",
                  "An environment with a known answer: constant, gradient, checker, directions, faces, sun, sky or sh, "
                  "with its parameters."));
+  m.def("limit_threads", &limit_threads, "count"_a,
+        document("limit_threads", "count", "Lets all calls together use at most so many threads; 0: all cores again."));
   add_bake(m);
   add_render(m);
   m.def("solid_angles", &solid_angles_of, "projection"_a, "size"_a,

@@ -46,6 +46,20 @@ TEST_F(CommandTest, MaxErrorHoldsInEveryChannelOfAFile) {
 
 // ---- the axis at the centre -----------------------------------------------------------------------------------------
 
+// --forward is the axis of the output; what a file without metadata shows stays where it is.
+TEST_F(CommandTest, AnotherAxisAtTheCentreKeepsDirections) {
+  succeeds({"generate", "directions", "in.hdr", "--size", "32"});
+  succeeds({"convert", "in.hdr", "out.exr", "--forward", "+x"});
+  succeeds({"convert", "in.hdr", "latlong.exr", "--to", "latlong", "--forward", "-z"});
+  succeeds({"prefilter", "in.hdr", "ggx.exr", "--lobe", "ggx", "--roughness", "0", "--to", "latlong", "--forward", "+x",
+            "--size", "32", "-q"});
+  for (const std::string file : {"out.exr", "latlong.exr", "ggx.exr"})
+    EXPECT_EQ(envmap({"compare", file, "in.hdr", "--max-rms", "0.02"}).status, 0) << file;
+  // A cube has no axis to choose: then it is the input's.
+  succeeds({"convert", "in.hdr", "cube.exr", "--to", "cube", "--forward", "+x"});
+  EXPECT_EQ(envmap({"compare", "cube.exr", "in.hdr", "--from-b", "latlong", "--max-rms", "0.02"}).status, 1);
+}
+
 TEST_F(CommandTest, AFileThatCannotHoldItsAxisSaysSo) {
   succeeds({"generate", "directions", "in.exr", "--size", "16"});
   for (const std::string file : {"a.hdr", "a.pfm", "a.dds"}) {

@@ -101,7 +101,7 @@ TEST_F(Hints, OfLightThatDoesNotFit) {
   const Words png = split("convert bright.exr out.png");
   leads({png,
          4,
-         ": choose a floating-point format, lower --exposure or use --clamp",
+         ": choose a floating-point format, lower --exposure, use --display neutral or use --clamp",
          {split("convert bright.exr out.exr"), with(png, "--exposure -20"), with(png, "--clamp")}});
   const Words env = split("mipmap cube.exr out.env"),
               diffuse = split("prefilter bright.exr out.exr --size 4 --depth half");

@@ -62,7 +62,7 @@ example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', 
 (work / 'example.cpp').write_text(example)
 # Those of docs/library.md, each the body of a main().
 bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
-demand(len(bodies) == 8, f'docs/library.md has {len(bodies)} examples')
+demand(len(bodies) == 9, f'docs/library.md has {len(bodies)} examples')
 examples = []
 for number, body in enumerate(bodies):
     examples.append(work / f'page_{number}.cpp')

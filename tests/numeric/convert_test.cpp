@@ -8,8 +8,10 @@
 
 #include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
+#include "envmap/operate/grade.h"
 #include "envmap/operate/measure.h"
 #include "envmap/projection/visit.h"
+#include "envmap/sample/lookup.h"
 #include "formulae.h"
 
 namespace envmap {
@@ -284,6 +286,29 @@ TEST(Convert, MirroringNegatesAnAxis) {
       const EnvironmentMap twice = convert(convert(map, {.to = p, .mirror = axis}), {.to = p, .mirror = axis});
       EXPECT_EQ(compare(twice, map).maximum, 0) << name(p) << " " << int(axis);
     }
+}
+
+TEST(Light, AddedIsThatOfBoth) {
+  EnvironmentMap sky = generate(Constant{Rgb<double>(0.25)}, {Projection::latlong, Forward::minus_z}, 32);
+  const EnvironmentMap sun =
+      generate(Sun{.radius_degrees = 20, .radiance = Rgb<double>(8), .sky = {Rgb<double>(0), Rgb<double>(0)}},
+               Projection::cube, 64);
+  const Flux expected = flux(sky.base()) + flux(sun.base());
+  add_light(sky, sun);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(flux(sky.base())[c] / expected[c], 1, 2e-3);
+  EXPECT_NEAR(EnvironmentLookup(sky)({0, 0, 1}).x, 8.25, 1e-3);
+  EXPECT_NEAR(EnvironmentLookup(sky)({0, 0, -1}).x, 0.25, 1e-6);
+}
+
+TEST(Light, ExposureIsFitted) {
+  const EnvironmentMap map = generate(Directions{}, Projection::latlong, 16);
+  EnvironmentMap brighter = convert(map, {.to = Projection::latlong, .gain = 3});
+  EXPECT_NEAR(best_exposure(map.base(), brighter.base()), 3, 1e-6);
+  EXPECT_NEAR(best_exposure(brighter.base(), map.base()), 1 / 3.0, 1e-7);
+  const EnvironmentMap black = generate(Constant{Rgb<double>(0)}, Projection::latlong, 16);
+  EXPECT_EQ(best_exposure(black.base(), map.base()), 1);
+  EXPECT_EQ(best_exposure(map.base(), black.base()), 1);
+  EXPECT_THROW((void)best_exposure(map.base(), Level(Projection::cube, 4)), UsageError);
 }
 
 TEST(Convert, GainIsAPlainFactor) {

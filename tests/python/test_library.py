@@ -8,6 +8,7 @@ import pathlib
 import pickle
 import subprocess
 import sys
+import time
 
 import envmap
 import numpy as np
@@ -154,6 +155,20 @@ def test_bake_says_what_is_wrong(tmp_path):
     assert len(roughnesses) == 5 and roughnesses[0] == 0 and roughnesses == sorted(roughnesses)
     with pytest.raises(envmap.UsageError):
         envmap.level_roughnesses('three')
+
+
+def test_threads_are_limited():
+    probe = envmap.generate('sky', size=256)
+    envmap.limit_threads(1)
+    try:
+        wall, used = time.perf_counter(), time.process_time()
+        envmap.prefilter(probe, 'ggx', roughness=0.3, size=64)
+        assert time.process_time() - used < 1.3 * (time.perf_counter() - wall) + 0.05
+    finally:
+        envmap.limit_threads(0)
+    with pytest.raises(envmap.UsageError) as caught:
+        envmap.limit_threads(-1)
+    assert caught.value.field == 'threads'
 
 
 def test_maps_pickle_and_copy():

@@ -140,7 +140,7 @@ bool reads_files(const Options& o) {
 constexpr ExitStatus exit_statuses[] = {
     {0, "The command succeeded.", nullptr},
     {1, "A check failed: a limit such as --max-error is not met.",
-     [](const Options& o) { return has(o, "--max-error"); }},
+     [](const Options& o) { return has(o, "--max-error") && !has(o, "--orbit"); }},
     {2, "The command line is wrong.", nullptr},
     {3, "An input cannot be read, or is damaged.", reads_files},
     {4, "An output cannot be written; of batch: a job failed.", nullptr},

@@ -7,6 +7,7 @@
 #include "envmap/base/error.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
+#include "envmap/operate/grade.h"
 #include "envmap/operate/measure.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
@@ -23,6 +24,7 @@ struct Request {
   std::optional<Filter> filter = Filter::area;
   std::optional<double> max_error, max_rms, max_flux;
   bool one_level = false;  // --level was given, be it 0.
+  bool fit_exposure = false;
   bool same_shape = false, same_levels = false, same_depth = false, golden = false;
   [[nodiscard]] bool limited() const { return max_error || max_rms || max_flux; }
 };
@@ -164,6 +166,16 @@ void add(Report& report, const Comparison& c) {
   report.put("within", c.within);
 }
 
+// Multiplies A by the factor that brings it nearest to B. @return that factor.
+double fit_exposure(EnvironmentMap& a, const EnvironmentMap& b, std::optional<Filter> filter) {
+  EnvironmentMap base{.levels = {}, .forward = a.forward};
+  base.levels.push_back(a.base().clone());
+  if (!same_frame(a, b)) base = convert(base, {.to = b.frame(), .size = b.base().height(), .filter = filter});
+  const double factor = best_exposure(base.base(), b.base());
+  for (Level& level : a.levels) apply(Grade{.gain = Flux(factor)}, level);
+  return factor;
+}
+
 int run(Request& o, Report& report) {
   if (!o.difference.empty()) check_output(o.difference, {}, Projection::cube);
   if (o.difference.empty() && !settings().depfile.empty()) throw UsageError("--depfile is for the map of --difference");
@@ -178,6 +190,8 @@ int run(Request& o, Report& report) {
   if (o.from_b) read_b.projection = o.from_b;
   const Source b = read_map(o.b, read_b);
   const std::string unlikeness = unlike(o, a, b);
+  std::optional<double> stops;
+  if (o.fit_exposure) stops = portable::log2(fit_exposure(a.map, b.map, o.filter));
   const std::vector<LevelDifference> levels = compare_levels(a.map, b.map);
   const bool resampled = !same_frame(a.map, b.map);
   a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());  // Or a filter might read them as its own.
@@ -195,6 +209,7 @@ int run(Request& o, Report& report) {
   const bool same = unlikeness.empty() && broken.empty();
   if (settings().json) {
     add(report, {o, resampled, same, d, verdict, levels, unlikeness, broken});
+    if (stops) report.put("exposure", *stops);
   } else {
     print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n{}\n",
                       d.flux.x, d.flux.y, d.flux.z, d.rms, d.maximum, d.worst.face, d.worst.i, d.worst.j,
@@ -203,6 +218,7 @@ int run(Request& o, Report& report) {
       print(fmt::format("level {:2}  flux {:+.3e} {:+.3e} {:+.3e}{}\n", level.number, level.flux.x, level.flux.y,
                         level.flux.z,
                         level.same_texels ? fmt::format("  rms {:.3e}  max {:.3e}", level.rms, level.maximum) : ""));
+    if (stops) print(fmt::format("exposure of A fitted: {:+.4f} stops\n", *stops));
     if (resampled) warn(fmt::format("{} was resampled to the texels of {}", o.a, o.b));
   }
   if (!o.difference.empty()) {
@@ -238,6 +254,7 @@ Action define_compare(Options& o) {
   o.flag("--same-depth", r->same_depth, "Require equal depths, such as half");
   o.group = "Comparison";
   o.add("--difference", "FILE", &r->difference, "Write |A-B| as a map").file = File::output;
+  o.flag("--fit-exposure", r->fit_exposure, "First multiply A by the factor that brings it nearest to B");
   add_filter(o, r->filter, "Filter that resamples A to the texels of B (default: area)");
   add_read_options(o, r->read);
   add_repair(o, r->read);

@@ -11,7 +11,9 @@
 #include "envmap/base/error.h"
 #include "envmap/engine/baker.h"
 #include "envmap/io/rounding.h"
+#include "envmap/io/write_plan.h"
 #include "envmap/maths/portable.h"
+#include "envmap/operate/grade.h"
 #include "envmap/operate/measure.h"
 #include "shared/camera_picture.h"
 #include "shared/engine_options.h"
@@ -26,7 +28,7 @@ namespace {
 using namespace envmap;
 
 struct Convert {
-  std::string input, output;
+  std::string input, output, added;
   const Engine* engine = nullptr;
   ReadOptions read;
   std::optional<Projection> to;
@@ -48,12 +50,11 @@ struct Convert {
 };
 
 // Options that only maps have, or only pictures.
-constexpr std::array of_maps{"--for",           "--layout",   "--area-error",     "--max-error",
-                             "--ball-distance", "--ball-fov", "--forward",        "--mirror", "--depth",
-                             "--border",        "--zstd",     "--openexr-envmap", "--compression",
-                             "--clamp",         "--shard",    "--output-space",   "--encoded",
-                             "--max-memory"};
-constexpr std::array of_pictures{"--look-at", "--fov", "--width", "--display"};
+constexpr std::array of_maps{"--for",      "--layout",       "--area-error",     "--max-error",   "--ball-distance",
+                             "--ball-fov", "--forward",      "--mirror",         "--add",         "--depth",
+                             "--border",   "--zstd",         "--openexr-envmap", "--compression", "--clamp",
+                             "--shard",    "--output-space", "--encoded",        "--max-memory"};
+constexpr std::array of_pictures{"--look-at", "--fov", "--width"};
 
 void refuse_options(const Options& options, bool picture) {
   const std::span<const char* const> others = picture ? std::span<const char* const>(of_maps) : of_pictures;
@@ -160,8 +161,30 @@ bool holds(const Convert& o, const Rounding& rounding, const Level& made, double
   return false;
 }
 
+// What the options say of the input's projection does not hold for a second map.
+EnvironmentMap read_added(const Convert& o) {
+  ReadOptions read = o.read;
+  read.projection.reset(), read.layout.reset(), read.forward.reset(), read.border.reset(), read.level = 0;
+  return std::move(read_map(o.added, read).map);
+}
+
+// What a screen shows of radiance, for files of integers.
+Rows displayed(const Convert& o, const Rows& rows) {
+  const FileFormat* const format =
+      format_with_extension(o.write.format.empty() ? extension_of(o.output) : o.write.format);
+  if (!format || !is_integer(choose_depth(*format, o.write)))
+    throw UsageError(o.output,
+                     "holds radiance as it is: remove --display, or use --depth uint8 where the format has it");
+  Rows shown = rows;
+  shown.fill = [rows, display = *o.display](int face, int row, std::span<Colour> out) {
+    rows.fill(face, row, out);
+    show(out, display);
+  };
+  return shown;
+}
+
 int run(Convert& o, Report& report) {
-  o.read.assumed_forward = o.forward;
+  if (o.to && !has_forward(*o.to)) o.read.assumed_forward = o.forward;  // The output has no axis to choose.
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
@@ -177,6 +200,7 @@ int run(Convert& o, Report& report) {
         fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, and 'envmap mipmap' "
                     "to add levels",
                     o.input, source.levels, o.read.level));
+  if (!o.added.empty()) add_light(source.map, read_added(o));
   o.convert.ball = ball_camera(o, source.map);
   grade(source, o.grade, o.read.colour);
   if (engine) warn_about_clamping(*o.engine, source.map.base(), 1, "convert");
@@ -219,6 +243,7 @@ int run(Convert& o, Report& report) {
     within = holds(o, *rounding, *made, choice->trials.back().maximum, *max_error);
     report.put("error.within", within);
   }
+  if (o.display) rows = displayed(o, rows);
   if (!within) {
     report.put_seconds();
     return 1;
@@ -266,13 +291,14 @@ Action define_convert(Options& o) {
   add_size(o, &c->convert.size, "Height of the image or of one cube face (default: same texels per degree)");
   add_engine(o, c->engine, "Projection, orientation and file format of an engine ('list' lists engines)");
   add_rotate(o, c->turn);
-  o.add("--mirror", "x|y|z",
-        [&mirror = c->convert.mirror](const std::string& word) {
-          const int axis = index_of(word, mirrored_axis_names);
-          if (axis > 0) mirror = MirroredAxis(axis);
-          return axis > 0;
-        },
-        "Exchange the directions of this axis, after --rotate: {}")
+  o.add(
+       "--mirror", "x|y|z",
+       [&mirror = c->convert.mirror](const std::string& word) {
+         const int axis = index_of(word, mirrored_axis_names);
+         if (axis > 0) mirror = MirroredAxis(axis);
+         return axis > 0;
+       },
+       "Exchange the directions of this axis, after --rotate: {}")
       .excludes = "--for";
   add_forward(o, "--forward AXIS", c->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   add_layout(o, "--layout", c->write.layout, "Cube faces: {} (default: column)");
@@ -283,15 +309,17 @@ Action define_convert(Options& o) {
         "Use the fastest filter with errors in the file below E, or exit with 1");
   add_filter(o, c->convert.filter, "{} (default: auto)");
   o.add("--samples", "N", &c->samples, range_of(limits::samples),
-        "N x N samples per texel for nearest, bilinear, bicubic (default: 1; auto: 1 or 2)");
+        "nearest, bilinear, bicubic: N x N samples per texel (default: 1; auto: 1 or 2)");
   o.add("--area-error", "E", &c->convert.area_error, range_of(limits::area_error),
         "Relative error at which 'area' stops (default: 1e-4; with auto 1e-3)");
   add_read_options(o, c->read);
   add_repair(o, c->read);
   o.group = groups::colour;
+  o.add("--add", "FILE", &c->added, "Add the light of another map, resampled to the input's texels").file = File::input;
   add_exposure(o, c->exposure);
   add_grade(o, c->grade);
   o["--scale-to"].excludes = "--exposure";
+  add_display(o, c->display, Display::clip);
   add_output_space(o, c->write);
   o.group = "Photo of a mirror ball (--from sphere)";
   o.add("--ball-distance", "R", &c->ball_distance, {BallCamera::nearest, BallCamera::farthest},
@@ -305,7 +333,6 @@ Action define_convert(Options& o) {
         "Vertical field of view (default: perspective 60, fisheye 180, cylinder 90)");
   o.add("--width", "N", &c->width, range_of(limits::picture_width),
         "Width, with --size as height (default: height 480, width by projection)");
-  add_display(o, c->display, Display::clip);
   add_shard(o, "convert", c->shard);
   add_max_memory(o, c->read);
   return [c, &o](Report& report) {

@@ -8,6 +8,7 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/engine/baker.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
 #include "envmap/map/page.h"
@@ -114,9 +115,11 @@ Facts record(const std::vector<Prefilter>& levels) {
 
 // The file does not hold what --max-error asks for: says which depth does.
 [[noreturn]] void refuse(const Request& o, const std::string& what) {
-  const std::string depth = depth_for_error(o.output, o.write, *o.max_error);
-  throw AccuracyError(fmt::format("{}: cannot meet --max-error {:g}: {}: use {}", o.output, *o.max_error, what,
-                                  depth.empty() ? "an .exr file with --depth float" : depth));
+  std::string depth = depth_for_error(o.output, o.write, *o.max_error);
+  if (depth.empty()) depth = "an .exr file with --depth float";
+  const bool exact = o.write.depth == Depth::single && extension_of(o.output) == "exr";
+  throw AccuracyError(fmt::format("{}: cannot meet --max-error {:g}: {}: {}", o.output, *o.max_error, what,
+                                  exact ? "raise --max-error" : "use " + depth));
 }
 
 void tell(const Prefilter& p, const BakedLevel& made) {
@@ -185,6 +188,11 @@ void choose_rows(const Request& o, const std::optional<Rounding>& rounding, std:
 const EngineMap* settle_engine(Request& o) {
   if (!o.engine) return nullptr;
   const EngineMap& map = prefiltered_of(*o.engine, o.lobe == Shape::diffuse);
+  if (!map.chain && map.diffuse == 0 && !o.lobe)
+    throw UsageError(
+        fmt::format("--for {0}: {1} makes rough and diffuse light itself: use 'envmap bake --for {0}', or "
+                    "name a --lobe",
+                    o.engine->name, o.engine->title));
   settle(*o.engine, map, o.output, o.to, o.forward, o.write);
   if (map.diffuse > 0 && !o.size) o.size = map.diffuse;
   if (!map.chain) return &map;
@@ -234,7 +242,7 @@ EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted
         note(fmt::format("{}: in the file as {}", words(p), rounding_words(*m.error.rounding, level.rounded)));
       made.levels.push_back(std::move(level.done.map.base()));
     } catch (const AccuracyError& e) {
-      refuse(o, fmt::format("{} in {}", words(p), e.what()));
+      refuse(o, fmt::format("{}: {}", words(p), e.what()));
     }
   }
   return made;
@@ -249,7 +257,7 @@ int run(Request& o, Report& report) {
   choose_working_space(o.read, o.write);
   if (out_of_working(o.write.colour).apply)
     throw UsageError("--output-space: must be a linear space for prefiltered light");
-  o.read.assumed_forward = o.forward;
+  if (!has_forward(o.to.value_or(Projection::cube))) o.read.assumed_forward = o.forward;
   o.map.shape = o.lobe.value_or(Shape::diffuse);
   const EngineMap* engine = settle_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
@@ -305,7 +313,7 @@ Action define_prefilter(Options& o) {
   add_engine(o, r->engine, "Levels, orientation and file format of an engine ('list' lists engines)");
   o.group = groups::output_map;
   add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
-  add_size(o, &r->size, "Height of a face (default: diffuse 64; others the engine's or input's)");
+  add_size(o, &r->size, "Height of a face (default: diffuse 64 per cube face; others the engine's or input's)");
   add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
   add_border(o, r->write, "part of --size");

@@ -66,7 +66,8 @@ Option& add_filter(Options& o, std::optional<Filter>& value, std::string_view he
 
 Option& add_display(Options& o, std::optional<Display>& value, Display otherwise) {
   return o.add("--display CURVE", one_of(value, display_names),
-               fmt::format("Tone curve of 8-bit pictures: {{}} (default: {})", display_names[std::size_t(otherwise)]));
+               fmt::format("Tone curve of files of 8 or 16 bits: {{}} (default: {})",
+                           display_names[std::size_t(otherwise)]));
 }
 Option& add_size(Options& o, const Value& value, std::string_view help) {
   return o.add("--size", "N", value, range_of(limits::size), help);

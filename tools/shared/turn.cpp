@@ -72,7 +72,7 @@ void add_rotate(Options& o, std::optional<Turn>& turn) {
         turn = turn_of(text);
         return turn.has_value();
       },
-      "Rotate by yaw, pitch and roll in degrees, or FROM to TO: sun:+z, +x:0,1,1");
+      "Yaw, pitch and roll in degrees, or turn FROM to TO, as in sun:+z");
 }
 
 Rotation rotation_of(const Turn& turn, const EnvironmentMap& map) {

@@ -65,7 +65,8 @@ BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std:
                   .sampled = true};
   if (const auto& choice = resampler.choice()) {
     made.done.error = choice->trials.back().maximum;
-    if (!choice->reached) throw AccuracyError(fmt::format("the error of the filter area is {:.1e}", made.done.error));
+    if (!choice->reached)
+      throw AccuracyError(fmt::format("the error of the filter area is at least {:.1e}", made.done.error));
   }
   made.done.map.forward = frame.forward;
   made.done.map.levels.push_back(level_of(resampler.rows()));

@@ -57,7 +57,8 @@ Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
     throw UsageError("a camera is 1.02 to 1e6 radii away from the ball's centre");
   const int size = o.size.value_or(matching_size(source.projection(), source.base().height(), o.to.projection));
   return {o.to.projection, size,
-          glm::transpose(image_to_world(source.forward)) * glm::transpose(turn_before_reversal(o)) * image_to_world(o.to.forward),
+          glm::transpose(image_to_world(source.forward)) * glm::transpose(turn_before_reversal(o)) *
+              image_to_world(o.to.forward),
           o.ball};
 }
 

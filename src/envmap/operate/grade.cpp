@@ -10,6 +10,7 @@
 #include "envmap/maths/portable.h"
 #include "envmap/maths/sum.h"
 #include "envmap/operate/check_options.h"
+#include "envmap/operate/convert.h"
 #include "envmap/operate/refuse_flaws.h"
 
 namespace envmap {
@@ -86,6 +87,20 @@ void apply(const Grade& grade, Level& level) {
       const Flux c = grade.gain * Flux(texel);
       texel = Colour(grade.saturation == 1 ? c : saturated(c, grade.saturation, glm::dot(c, grade.luminance)));
     }
+    level.trim();
+  });
+}
+
+void add_light(EnvironmentMap& map, const EnvironmentMap& other) {
+  require_finite(map);
+  const Rows more = Resampler(other, {.to = map.frame(), .size = map.base().height()}).rows();
+  Level& level = map.base();
+  if (more.width() != level.width()) throw UsageError("the map to add to must have the proportions of its projection");
+  for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
+    std::vector<Colour> added(std::size_t(level.width()));
+    more.fill(face, row, added);
+    const std::span<Colour> out = level.row(face, row);
+    for (std::size_t i = 0; i < added.size(); ++i) out[i] += added[i];
     level.trim();
   });
 }

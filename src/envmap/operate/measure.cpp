@@ -249,6 +249,30 @@ void check_same_shape(const Level& a, const Level& b) {
 
 }  // namespace
 
+double best_exposure(const Level& a, const Level& b) {
+  check_same_shape(a, b);
+  require_finite(a);
+  require_finite(b);
+  struct Row {
+    Sum product, power;
+  };
+  const auto rows = map_rows<Row>(b.height(), [&](int j) {
+    Row r;
+    const std::vector<double> w = weights(b, j);
+    for (int face = 0; face < b.faces(); ++face)
+      for (int i = 0; i < b.width(); ++i) {
+        if (w[i] <= 0) continue;
+        const Rgb<double> ca(*a.texel(face, i, j)), cb(*b.texel(face, i, j));
+        r.product.add(w[i] * glm::dot(ca, cb));
+        r.power.add(w[i] * glm::dot(ca, ca));
+      }
+    return r;
+  });
+  Row all;
+  for (const Row& r : rows) all.product.add(r.product), all.power.add(r.power);
+  return all.power.value() > 0 && all.product.value() > 0 ? all.product.value() / all.power.value() : 1;
+}
+
 Difference compare(const EnvironmentMap& a, const EnvironmentMap& b) {
   if (a.frame().forward != b.frame().forward)
     throw UsageError("maps to compare must have one forward axis: convert() one of them");

@@ -26,7 +26,7 @@ std::size_t index_of(const Level& level, const Texel& texel);
 struct Flaws {
   /// Texels; one with several flaws counts once, as the first of these.
   std::int64_t nan = 0, infinite = 0, negative = 0;
-  std::optional<Texel> first;                        ///< In reading order: by face, row, column.
+  std::optional<Texel> first;  ///< In reading order: by face, row, column.
   [[nodiscard]] std::int64_t count() const { return nan + infinite + negative; }
 };
 Flaws find_flaws(const Level& level);
@@ -39,9 +39,9 @@ std::int64_t repair(Level& level);
 /// Radiance of sound texels only, luminance by Rec. 709.
 struct Measures {
   Rgb<double> minimum, maximum, mean;  ///< Per channel, W/(sr m^2) or whatever the pixels hold.
-  Flux flux;                         ///< Per channel: sum of radiance x solid angle.
-  double solid_angle;                ///< 4 pi, as a check.
-  double darkest, brightest;         ///< Luminance: least above 0, and largest; 0 if all is black.
+  Flux flux;                           ///< Per channel: sum of radiance x solid angle.
+  double solid_angle;                  ///< 4 pi, as a check.
+  double darkest, brightest;           ///< Luminance: least above 0, and largest; 0 if all is black.
   Texel brightest_texel;          ///< Of the largest region of texels as bright as any, the one nearest to its middle.
   Direction brightest_direction;  ///< The middle of that region, weighted by solid angle, in the world frame.
   std::int64_t brightest_texels;  ///< That the region has: many where a light was clipped.
@@ -73,6 +73,9 @@ struct Difference {
 
 /// (flux a - flux b) / flux b, per channel. The two need not be of one size.
 Flux flux_difference(const Level& a, const Level& b);
+
+/// The factor on a that brings it nearest to b: the least rms. 1 where no factor above 0 does. @throws as compare().
+double best_exposure(const Level& a, const Level& b);
 
 /// @param shown if given, is set to |a-b| per texel. @throws UsageError where the levels, or `shown`, differ in
 /// projection or size, InputError where one holds NaN or infinity.

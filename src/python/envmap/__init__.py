@@ -9,14 +9,15 @@
 
 Radiance is linear RGB, float32. The frame is right-handed, +Y up, +Z at the centre of latlong images; sizes are heights of a
 face in texels. Functions never change what they are given, and let other Python threads run. progress= takes a function that
-is called with the part done, one call at a time, from any thread; the last value is 1. What it raises ends the work.
+is called with the fraction done, never two calls at once, from any thread; the last value is 1. What it raises ends the work.
+limit_threads() limits the threads of all calls.
 
 Errors are envmap.Error, in one line: UsageError (a ValueError), InputError and OutputError (OSErrors), RendererError, AccuracyError.
 They have code ('usage', 'input', 'output', 'renderer', 'accuracy'), file, remedy (a word of envmap/base/error.h), field (of a value out of its range),
 and OSErrors also filename and errno. file, field and errno may be None: errno is set where the system refused.
 """
 from ._envmap import (AccuracyError, Difference, Error, InputError, Map, OutputError, Prefiltered, RendererError, UsageError, __version__, bake,
-                      compare, convert, encode, engines, generate, level_roughnesses, mipmap, pack, prefilter, read, render, sh, solid_angles, write)
+                      compare, convert, encode, engines, generate, level_roughnesses, limit_threads, mipmap, pack, prefilter, read, render, sh, solid_angles, write)
 
 __all__ = ["AccuracyError", "Difference", "Error", "InputError", "Map", "OutputError", "Prefiltered", "RendererError", "UsageError", "__version__",
-           "bake", "compare", "convert", "encode", "engines", "generate", "level_roughnesses", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "write"]
+           "bake", "compare", "convert", "encode", "engines", "generate", "level_roughnesses", "limit_threads", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "write"]
