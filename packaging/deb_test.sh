@@ -32,6 +32,7 @@ envmap compare back.exr white.exr --max-error 1e-6
 test -f /usr/share/man/man1/envmap-convert.1.gz
 test -f /usr/share/bash-completion/completions/envmap
 ldconfig -p | grep -q libenvmap.so.1.0
+ldconfig -p | grep -q libenvmap-scenes.so.1.0
 cat >own.py <<'PYTHON'
 import envmap
 white = envmap.read("white.exr")
@@ -48,6 +49,16 @@ int main() { return envmap::read("white.exr").map.base().height() == 16 ? 0 : 1;
 CPP
 g++ -std=c++20 own.cpp -o own $(pkg-config --cflags --libs envmap)
 ./own
+printf 'v -1 0 -1\nv 1 0 -1\nv 0 0 1\nf 1 2 3\n' >floor.obj
+cat >scene.cpp <<'CPP'
+#include <envmap/scenes.h>
+int main() {
+  const envmap::Source sky = envmap::read("white.exr");
+  return envmap::render("floor.obj", {.size = 8, .method = envmap::DrawMethod::raycast}, &sky.map).map.levels.size() == 1 ? 0 : 1;
+}
+CPP
+g++ -std=c++20 scene.cpp -o scene $(pkg-config --cflags --libs envmap-scenes)
+./scene
 mkdir project
 cp own.cpp project
 printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(own CXX)' 'find_package(envmap 1 CONFIG REQUIRED)' \
