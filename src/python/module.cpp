@@ -295,8 +295,21 @@ PrefilteredMap prefilter_map(const GivenMap& given, const std::string& lobe, con
   });
 }
 
-py::array_t<double> sh(const GivenMap& given, int order, bool irradiance, const py::object& progress) {
-  Harmonics h = Reporter(progress).run([&](const Run& r) { return project(*given.map, order, r); });
+// As `envmap sh --window`: what is left of each degree, so that bright lights ring less.
+void apply_window(const std::string& window, Harmonics& h) {
+  static const std::vector<std::string_view> words{"none", "hann", "auto"};
+  const std::size_t kind = index_of_word("window", window, words);
+  if (kind == 1) scale_degrees(h, hann_window(h.order));
+  if (kind == 2) scale_degrees(h, laplacian_window(h.order, weakest_window(h).lambda));
+}
+
+py::array_t<double> sh(const GivenMap& given, int order, bool irradiance, const std::string& window,
+                       const py::object& progress) {
+  Harmonics h = Reporter(progress).run([&](const Run& r) {
+    Harmonics found = project(*given.map, order, r);
+    apply_window(window, found);
+    return found;
+  });
   if (irradiance) scale_degrees(h, irradiance_factors(order));
   py::array_t<double> out({static_cast<py::ssize_t>(h.coefficients.size()), py::ssize_t{3}});
   for (std::size_t k = 0; k < h.coefficients.size(); ++k)
@@ -307,6 +320,14 @@ py::array_t<double> sh(const GivenMap& given, int order, bool irradiance, const 
 Difference compare_maps(const GivenMap& a, const GivenMap& b) {
   const py::gil_scoped_release others;
   return compare(*a.map, *b.map);
+}
+
+py::array_t<float> table_of(const std::string& lobe, int size, const py::object& progress) {
+  const Shape shape = shape_of(lobe);
+  if (shape != Shape::ggx && shape != Shape::charlie) throw UsageError("a table is of the lobe ggx or charlie");
+  const std::vector<Colour> table = Reporter(progress).run(
+      [&](const Run& r) { return shape == Shape::ggx ? brdf_table(size, r) : sheen_table(size, r); });
+  return py::array_t<float>({py::ssize_t{size}, py::ssize_t{size}, py::ssize_t{3}}, &table.front().x);
 }
 
 py::array_t<double> solid_angles_of(const std::string& projection, int size) {
@@ -488,9 +509,12 @@ PYBIND11_MODULE(_envmap, m) {
                  "The map that a material of that lobe reflects, every texel within max_error. A list of roughnesses "
                  "or exponents makes a "
                  "mip chain: a level for each, half the size of the one before."));
-  m.def("sh", &sh, "map"_a, "order"_a = 2, py::kw_only(), "irradiance"_a = false, "progress"_a = py::none(),
-        document("sh", "map, order=2, *, irradiance=False, progress=None",
-                 "Coefficients of real spherical harmonics, an array ((order + 1)^2, 3), at l (l + 1) + m."));
+  m.def(
+      "sh", &sh, "map"_a, "order"_a = 2, py::kw_only(), "irradiance"_a = false, "window"_a = "none",
+      "progress"_a = py::none(),
+      document("sh", "map, order=2, *, irradiance=False, window='none', progress=None",
+               "Coefficients of real spherical harmonics, an array ((order + 1)^2, 3), at l (l + 1) + m. window='auto' "
+               "is the weakest that keeps irradiance above 0; 'hann' is the other."));
   m.def("compare", &compare_maps, "a"_a, "b"_a,
         document("compare", "a, b", "Level 0 of map a against that of the reference b."));
   m.def("generate", &generate_map, "kind"_a, "to"_a = "latlong", "size"_a = 64, "forward"_a = "+z",
@@ -501,6 +525,11 @@ PYBIND11_MODULE(_envmap, m) {
         document("limit_threads", "count", "Lets all calls together use at most so many threads; 0: all cores again."));
   add_bake(m);
   add_render(m);
+  m.def("brdf_table", &table_of, "lobe"_a = "ggx", "size"_a = 128, py::kw_only(), "progress"_a = py::none(),
+        document(
+            "brdf_table", "lobe='ggx', size=128, *, progress=None",
+            "The other factor of the split sum, an array (size, size, 3): roughness by row, the smoothest first, and "
+            "the cosine of the view by column; red scale, green bias. Of charlie the albedo of sheen."));
   m.def("solid_angles", &solid_angles_of, "projection"_a, "size"_a,
         document("solid_angles", "projection, size", "Steradians of each texel of a face, an array (height, width)."));
 }

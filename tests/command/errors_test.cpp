@@ -36,7 +36,7 @@ TEST_F(Usage, RefusesUnknownOptionsEvenUnlikeAny) {
 TEST_F(Usage, NamesTheArgumentThatIsMissing) {
   fails(usage, {"convert"}, {"INPUT"});
   fails(usage, {"convert", "in.exr"}, {"OUTPUT"});
-  fails(usage, {"info"}, {"INPUT"});
+  fails(usage, {"info"}, {"FILES"});
   fails(usage, {"compare", "in.exr"}, {"B"});
   fails(usage, {"generate", "sun"}, {"OUTPUT"});
   fails(usage, {"manual"}, {"FOLDER"});

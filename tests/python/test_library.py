@@ -3,6 +3,7 @@ import ast
 import copy
 import errno
 import inspect
+import json
 import os
 import pathlib
 import pickle
@@ -155,6 +156,23 @@ def test_bake_says_what_is_wrong(tmp_path):
     assert len(roughnesses) == 5 and roughnesses[0] == 0 and roughnesses == sorted(roughnesses)
     with pytest.raises(envmap.UsageError):
         envmap.level_roughnesses('three')
+
+
+def test_windows_and_tables_are_those_of_the_command(tmp_path):
+    probe = envmap.generate('sun', size=32, radius=5.0, radiance=(500, 500, 500))
+    envmap.write(tmp_path / 'probe.exr', probe)
+    program = os.environ['ENVMAP_PROGRAM']
+    for window in ('none', 'hann', 'auto'):
+        said = subprocess.run([program, 'sh', tmp_path / 'probe.exr', '--irradiance', '--window', window, '--json'], check=True, capture_output=True)
+        wanted = np.array(json.loads(said.stdout)['coefficients'])
+        assert np.allclose(envmap.sh(probe, irradiance=True, window=window), wanted, rtol=1e-6, atol=1e-6), window
+    for lobe in ('ggx', 'charlie'):
+        subprocess.run([program, 'prefilter', '--lobe', lobe, '--brdf-table', tmp_path / 'table.exr', '--table-size', '16'], check=True)
+        table = envmap.brdf_table(lobe, 16)
+        assert table.shape == (16, 16, 3)
+        assert np.allclose(table, envmap.read(tmp_path / 'table.exr', projection='octahedral').array, atol=1e-6), lobe
+    with pytest.raises(envmap.UsageError):
+        envmap.brdf_table('phong')
 
 
 def test_threads_are_limited():

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <string>
+#include <vector>
+
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/measure.h"
@@ -14,7 +17,7 @@ namespace {
 using namespace envmap;
 
 struct Request {
-  std::string input;
+  std::vector<std::string> inputs;
   ReadOptions read;
   bool sampling = false, levels = false;
   std::optional<Direction> towards;
@@ -53,18 +56,16 @@ void print_levels(const EnvironmentMap& map) {
   }
 }
 
-int run(Request& o, Report& report) {
-  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
-  o.read.all_levels = o.levels;
-  const Source source = read_map(o.input, o.read);
-  const MapFacts facts = facts_of(source, o.input, o.read.colour.space, o.towards);
+void tell(const Request& o, const std::string& input, Report& report) {
+  const Source source = read_map(input, o.read);
+  const MapFacts facts = facts_of(source, input, o.read.colour.space, o.towards);
   std::vector<SamplingRow> table;
   if (o.sampling) table = sampling_table(source.map.projection(), source.map.base().height());
   if (settings().json) {
     add(report, facts);
     if (o.levels) add_levels(report, source.map);
     add_sampling(report, table);
-    return 0;
+    return;
   }
   for (const auto& [what, value] : lines_of(facts)) print(fmt::format("{:15}{}\n", what, value));
   if (o.levels) print_levels(source.map);
@@ -74,6 +75,16 @@ int run(Request& o, Report& report) {
   for (const SamplingRow& r : table)
     print(fmt::format("{:>14} {:10.3f} {:14.5e} {:10.4f} {:11.4g}\n", fmt::format("({},{})", r.i, r.j), r.angle,
                       r.solid_angle, r.relative, r.anisotropy));
+}
+
+int run(Request& o, Report& report) {
+  if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
+  if (settings().json && o.inputs.size() > 1) throw UsageError("--json is for one map");
+  o.read.all_levels = o.levels;
+  for (const std::string& input : o.inputs) {
+    if (&input != &o.inputs.front()) print("\n");
+    tell(o, input, report);
+  }
   return 0;
 }
 
@@ -81,7 +92,7 @@ int run(Request& o, Report& report) {
 
 Action define_info(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face} in the name reads six files)").required = true;
+  o.files(r->inputs, File::input, "Maps to read, or '-' for stdin ({face} in the name reads six files)");
   o.group = "Facts";
   o.flag("--levels", r->levels, "Print the size and the flux of every mip level");
   o.flag("--sampling", r->sampling, "Print solid angle and anisotropy of texels, from the centre to the rim");

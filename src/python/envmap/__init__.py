@@ -17,7 +17,7 @@ They have code ('usage', 'input', 'output', 'renderer', 'accuracy'), file, remed
 and OSErrors also filename and errno. file, field and errno may be None: errno is set where the system refused.
 """
 from ._envmap import (AccuracyError, Difference, Error, InputError, Map, OutputError, Prefiltered, RendererError, UsageError, __version__, bake,
-                      compare, convert, encode, engines, generate, level_roughnesses, limit_threads, mipmap, pack, prefilter, read, render, sh, solid_angles, write)
+                      brdf_table, compare, convert, encode, engines, generate, level_roughnesses, limit_threads, mipmap, pack, prefilter, read, render, sh, solid_angles, write)
 
 __all__ = ["AccuracyError", "Difference", "Error", "InputError", "Map", "OutputError", "Prefiltered", "RendererError", "UsageError", "__version__",
-           "bake", "compare", "convert", "encode", "engines", "generate", "level_roughnesses", "limit_threads", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "write"]
+           "bake", "brdf_table", "compare", "convert", "encode", "engines", "generate", "level_roughnesses", "limit_threads", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "write"]
