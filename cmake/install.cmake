@@ -52,7 +52,8 @@ foreach(flags OpenColorIO_LDFLAGS Png_LDFLAGS Zstd_LDFLAGS Highway_LDFLAGS)
 endforeach()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap.pc.in ${PROJECT_BINARY_DIR}/envmap.pc @ONLY)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap-scenes.pc.in ${PROJECT_BINARY_DIR}/envmap-scenes.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/envmap.pc ${PROJECT_BINARY_DIR}/envmap-scenes.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/envmap.pc ${PROJECT_BINARY_DIR}/envmap-scenes.pc
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 # The Python module, of a package of its own: 'cmake --install' leaves it out, 'pip install .' knows its place.
 if(ENVMAP_PYTHON)

@@ -296,18 +296,19 @@ PrefilteredMap prefilter_map(const GivenMap& given, const std::string& lobe, con
 }
 
 // As `envmap sh --window`: what is left of each degree, so that bright lights ring less.
-void apply_window(const std::string& window, Harmonics& h) {
-  static const std::vector<std::string_view> words{"none", "hann", "auto"};
-  const std::size_t kind = index_of_word("window", window, words);
-  if (kind == 1) scale_degrees(h, hann_window(h.order));
-  if (kind == 2) scale_degrees(h, laplacian_window(h.order, weakest_window(h).lambda));
+enum class Window { none, hann, automatic };
+constexpr std::string_view window_words[] = {"none", "hann", "auto"};
+void apply(Window window, Harmonics& h) {
+  if (window == Window::hann) scale_degrees(h, hann_window(h.order));
+  if (window == Window::automatic) scale_degrees(h, laplacian_window(h.order, weakest_window(h).lambda));
 }
 
 py::array_t<double> sh(const GivenMap& given, int order, bool irradiance, const std::string& window,
                        const py::object& progress) {
+  const auto kind = named<Window>("window", window, window_words);
   Harmonics h = Reporter(progress).run([&](const Run& r) {
     Harmonics found = project(*given.map, order, r);
-    apply_window(window, found);
+    apply(kind, found);
     return found;
   });
   if (irradiance) scale_degrees(h, irradiance_factors(order));

@@ -74,9 +74,7 @@ std::vector<BakedFile> bake_folder(const Request& o, EnvironmentMap probe) {
 void tell(const Request& o, const std::vector<BakedFile>& baked, Report& report) {
   for (const BakedFile& map : baked) {
     const std::string path = o.folder + "/" + map.name;
-    if (map.written.clamped > 0)
-      warn(fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, map.written.clamped,
-                       100 * map.written.flux_lost));
+    tell_clamping(path, map.written);
     report.append("maps[]");
     report.put("maps[].size", map.size);
     report.put("maps[].levels", map.levels);
@@ -141,7 +139,7 @@ Action define_bake(Options& o) {
   o.add("--max-error", "E", &r->maps.max_error, {1e-6, 10},
         "Largest error of a texel, rounding included (default: by --quality)");
   add_size(o, &r->maps.size, "Height of the environment map or face (default: same texels per degree)");
-  o.add("--chain-size", "N", &r->maps.chain_size, {1, 4096},
+  o.add("--chain-size", "N", &r->maps.chain_size, range_of(limits::chain_size),
         "Height of the first level of rough light (default: the engine's)");
   o.group = groups::output_file;
   add_depth(o, r->maps.write, "engine's, or input's");

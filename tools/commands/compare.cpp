@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "command.h"
@@ -73,12 +74,15 @@ struct LevelDifference : Difference {
   bool same_texels;
 };
 
-std::vector<LevelDifference> compare_levels(const EnvironmentMap& a, const EnvironmentMap& b) {
+// @param further those of A. @param same_texels whether A has the frame of B.
+std::vector<LevelDifference> compare_levels(const std::vector<Level>& further, const EnvironmentMap& b,
+                                            bool same_texels) {
   std::vector<LevelDifference> all;
-  for (std::size_t k = 1; k < a.levels.size(); ++k) {
-    const bool both = same_frame(a, b) && k < b.levels.size();
-    LevelDifference d{both ? compare(a.levels[k], b.levels[k]) : Difference{}, int(k), both};
-    if (!both) d.flux = flux_difference(a.levels[k], b.base());
+  for (const Level& level : further) {
+    const std::size_t k = all.size() + 1;
+    const bool both = same_texels && k < b.levels.size();
+    LevelDifference d{both ? compare(level, b.levels[k]) : Difference{}, int(k), both};
+    if (!both) d.flux = flux_difference(level, b.base());
     all.push_back(d);
   }
   return all;
@@ -166,14 +170,13 @@ void add(Report& report, const Comparison& c) {
   report.put("within", c.within);
 }
 
-// Multiplies A by the factor that brings it nearest to B. @return that factor.
-double fit_exposure(EnvironmentMap& a, const EnvironmentMap& b, std::optional<Filter> filter) {
-  EnvironmentMap base{.levels = {}, .forward = a.forward};
-  base.levels.push_back(a.base().clone());
-  if (!same_frame(a, b)) base = convert(base, {.to = b.frame(), .size = b.base().height(), .filter = filter});
-  const double factor = best_exposure(base.base(), b.base());
-  for (Level& level : a.levels) apply(Grade{.gain = Flux(factor)}, level);
-  return factor;
+// Multiplies A by the factor that brings its first level nearest to B. @return that factor in stops.
+double fit_exposure(Level& base, std::vector<Level>& further, const Level& b) {
+  const double factor = best_exposure(base, b);
+  const Grade brighter{.gain = Flux(factor)};
+  apply(brighter, base);
+  for (Level& level : further) apply(brighter, level);
+  return portable::log2(factor);
 }
 
 int run(Request& o, Report& report) {
@@ -190,14 +193,16 @@ int run(Request& o, Report& report) {
   if (o.from_b) read_b.projection = o.from_b;
   const Source b = read_map(o.b, read_b);
   const std::string unlikeness = unlike(o, a, b);
-  std::optional<double> stops;
-  if (o.fit_exposure) stops = portable::log2(fit_exposure(a.map, b.map, o.filter));
-  const std::vector<LevelDifference> levels = compare_levels(a.map, b.map);
   const bool resampled = !same_frame(a.map, b.map);
-  a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());  // Or a filter might read them as its own.
+  // Apart from the first, or a filter might read them as its own.
+  std::vector<Level> further(std::move_iterator(a.map.levels.begin() + 1), std::move_iterator(a.map.levels.end()));
+  a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());
   if (resampled)
     a.map = convert(a.map, {.to = b.map.frame(), .size = b.map.base().height(), .filter = o.filter},
                     {.progress = progress_line("resample")});
+  std::optional<double> stops;
+  if (o.fit_exposure) stops = fit_exposure(a.map.base(), further, b.map.base());
+  const std::vector<LevelDifference> levels = compare_levels(further, b.map, !resampled);
   Level shown(b.map.projection(), b.map.base().height());
   const Difference d = compare(a.map.base(), b.map.base(), &shown);
   const Verdict verdict = verdict_of(a.map, b.map, shown);

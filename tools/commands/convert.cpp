@@ -170,8 +170,7 @@ EnvironmentMap read_added(const Convert& o) {
 
 // What a screen shows of radiance, for files of integers.
 Rows displayed(const Convert& o, const Rows& rows) {
-  const FileFormat* const format =
-      format_with_extension(o.write.format.empty() ? extension_of(o.output) : o.write.format);
+  const FileFormat* const format = format_with_extension(extension(o.output, o.write));
   if (!format || !is_integer(choose_depth(*format, o.write)))
     throw UsageError(o.output,
                      "holds radiance as it is: remove --display, or use --depth uint8 where the format has it");

@@ -8,7 +8,6 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/engine/baker.h"
-#include "envmap/io/file_format.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
 #include "envmap/map/page.h"
@@ -117,7 +116,8 @@ Facts record(const std::vector<Prefilter>& levels) {
 [[noreturn]] void refuse(const Request& o, const std::string& what) {
   std::string depth = depth_for_error(o.output, o.write, *o.max_error);
   if (depth.empty()) depth = "an .exr file with --depth float";
-  const bool exact = o.write.depth == Depth::single && extension_of(o.output) == "exr";
+  const std::optional<Rounding> rounding = rounding_of(o.output, o.write);
+  const bool exact = rounding && !rounding->read_back;
   throw AccuracyError(fmt::format("{}: cannot meet --max-error {:g}: {}: {}", o.output, *o.max_error, what,
                                   exact ? "raise --max-error" : "use " + depth));
 }

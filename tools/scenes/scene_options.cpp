@@ -121,9 +121,7 @@ Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::str
 }
 
 bool is_dark(const LoadedScene& loaded, const SceneOptions& o) {
-  const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
-  return !loaded.environment && !o.ambient && loaded.scene.lights.empty() &&
-         std::ranges::none_of(loaded.scene.materials, glows);
+  return !loaded.environment && !o.ambient && !has_light(loaded.scene);
 }
 
 void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {

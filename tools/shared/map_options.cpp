@@ -73,7 +73,7 @@ Option& add_size(Options& o, const Value& value, std::string_view help) {
   return o.add("--size", "N", value, range_of(limits::size), help);
 }
 Option& add_exposure(Options& o, double& stops) {
-  return o.add("--exposure", "STOPS", &stops, {-100, 100}, "Multiply radiance by 2^STOPS (default: 0)");
+  return o.add("--exposure", "STOPS", &stops, range_of(limits::exposure), "Multiply radiance by 2^STOPS (default: 0)");
 }
 
 void add_read_options(Options& o, ReadOptions& r) {

@@ -10,9 +10,9 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
-#include "envmap/io/file_format.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
+#include "envmap/io/write_plan.h"
 #include "shared/named_files.h"
 
 namespace tools {
@@ -134,6 +134,12 @@ Source read_map(const std::string& path, const ReadOptions& options) {
   return source;
 }
 
+void tell_clamping(const std::string& path, const Written& written) {
+  if (written.clamped > 0)
+    warn(
+        fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
+}
+
 Written write_map(const std::string& path, const Rows& rows, const WriteOptions& options, const std::string& verb) {
   return write_map(path, std::span(&rows, 1), options, verb);
 }
@@ -148,9 +154,7 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
   WriteOptions how = options;
   how.commit = settings().commit;
   const Written written = write(path, levels, how, {.progress = progress_line(verb)});
-  if (written.clamped > 0)
-    warn(
-        fmt::format("{}: clamped {} texels, {:.3g}% of the flux lost", path, written.clamped, 100 * written.flux_lost));
+  tell_clamping(path, written);
   if (settings().verbose)
     detail(fmt::format("{}: {} {}x{}{}{}, {}, made and written in {:.2f} s", path, name(rows.projection), rows.width(),
                        rows.size,
@@ -161,10 +165,10 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
 }
 
 void tell_lost_axis(const std::string& path, const Frame& frame, const WriteOptions& options) {
-  const std::string extension = options.format.empty() ? extension_of(path) : options.format;
-  const FileFormat* const format = format_with_extension(extension);
+  const std::string type = extension(path, options);
+  const FileFormat* const format = format_with_extension(type);
   if (frame.forward == Forward::plus_z || !format || format->frame) return;
-  note(fmt::format("{}: .{} files do not store the axis at the centre: read it with --from-forward {}", path, extension,
+  note(fmt::format("{}: .{} files do not store the axis at the centre: read it with --from-forward {}", path, type,
                    forward_names[std::size_t(frame.forward)]));
 }
 

@@ -18,6 +18,8 @@ envmap::Source read_map(const std::string& path, const envmap::ReadOptions& opti
 /// @param verb for the progress line.
 envmap::Written write_map(const std::string& path, std::span<const envmap::Rows> levels,
                           const envmap::WriteOptions& options, const std::string& verb);
+/// Warns of what --clamp took, if anything.
+void tell_clamping(const std::string& path, const envmap::Written& written);
 /// Says that the file does not hold the axis at its centre, where that is not +z.
 void tell_lost_axis(const std::string& path, const envmap::Frame& frame, const envmap::WriteOptions& options);
 envmap::Written write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,

@@ -4,6 +4,7 @@
 
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/engine/baker.h"
 #include "envmap/io/output_folder.h"
 #include "envmap/io/rounding.h"
@@ -39,14 +40,12 @@ BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folde
   WriteOptions how = options.write;
   if (!how.depth) how.depth = map.depth;
   check_output(file, how, map.frame.projection, map.chain.has_value());
-  const auto scaled = [&](double first, double part) {
-    return progress ? Progress([&progress, first, part](double p) { progress(first + p * part); }) : Progress();
-  };
   try {
-    const BakedMap made = baker.make(map, rounding_of(file, how), scaled(0, made_part));
+    const BakedMap made = baker.make(map, rounding_of(file, how), part_progress(progress, 0, made_part));
     how.pairs = made.pairs, how.facts = made.facts;
     const Rows& base = made.rows.front();
-    const Written written = write(file, made.rows, how, {.progress = scaled(made_part, 1 - made_part)});
+    const Written written =
+        write(file, made.rows, how, {.progress = part_progress(progress, made_part, 1 - made_part)});
     return {std::string(map.file), map.frame, base.width(), base.size, int(made.rows.size()), written, made.accuracy};
   } catch (const OutputError& e) {
     throw folder.with_final_path(e, map.file);
@@ -77,14 +76,10 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
     OutputFolder out(folder, files_of(engine), options.write.commit);
     Baker baker(probe, options);
     std::vector<BakedFile> baked;
-    const auto count = double(engine.maps.size());
-    for (const EngineMap& map : engine.maps) {
-      const Progress so_far = [&progress, count, done = double(baked.size())](double p) {
-        progress((done + p) / count);
-      };
-      baked.push_back(
-          bake_map(map, baker, out, folder + "/" + std::string(map.file), options, progress ? so_far : Progress()));
-    }
+    const double share = 1 / double(engine.maps.size());
+    for (const EngineMap& map : engine.maps)
+      baked.push_back(bake_map(map, baker, out, folder + "/" + std::string(map.file), options,
+                               part_progress(progress, share * double(baked.size()), share)));
     if (!engine.text.name.empty()) out.write(engine.text.name, engine.text.text);
     out.write(readme, readme_text(engine, baked, options.exposure));
     out.commit();

@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/engine/irradiance.h"
 #include "envmap/operate/convert.h"
 
@@ -15,11 +16,11 @@ namespace {
 // A cube with X or Z negated: the two faces of that axis change places, and images are mirrored along the other axes'
 // faces: left to right but for the faces of Y under Z, which has their up there.
 Rows mirrored(const Rows& rows, MirroredAxis mirror) {
+  if (mirror == MirroredAxis::x) return with_x_negated(rows);
   Rows turned = rows;
-  turned.fill = [rows, mirror](int face, int row, std::span<Colour> out) {
-    const int first = mirror == MirroredAxis::x ? 0 : 4;
-    const bool upside_down = mirror == MirroredAxis::z && (face == 2 || face == 3);
-    rows.fill(face / 2 * 2 == first ? face ^ 1 : face, upside_down ? rows.size - 1 - row : row, out);
+  turned.fill = [rows](int face, int row, std::span<Colour> out) {
+    const bool upside_down = face == 2 || face == 3;
+    rows.fill(face >= 4 ? 9 - face : face, upside_down ? rows.size - 1 - row : row, out);
     if (!upside_down) std::ranges::reverse(out);
   };
   return turned;
@@ -85,16 +86,15 @@ BakedMap Baker::chain(const EngineMap& wanted, const FileError& error, const Pro
   for (std::size_t k = 0; k < roughnesses.size(); ++k) {
     made.facts["roughness"] += fmt::format("{}{:g}", k == 0 ? "" : ",", roughnesses[k]);
     const int size = base >> k;
-    const Progress so_far = [&progress, k, count = double(roughnesses.size())](double p) {
-      progress((double(k) + p) / count);
-    };
-    const Prefilter level{.shape = Shape::ggx,
-                          .parameter = roughnesses[k],
-                          .to = wanted.frame.projection,
-                          .size = size};
-    made.levels.levels.push_back(std::move((is_mirror(level) ? resample_level(source_, wanted.frame, size, error, false)
-                                                             : lobe(level, error, progress ? so_far : Progress()))
-                                               .done.map.base()));
+    const double share = 1 / double(roughnesses.size());
+    const Prefilter wanted_level{.shape = Shape::ggx,
+                                 .parameter = roughnesses[k],
+                                 .to = wanted.frame.projection,
+                                 .size = size};
+    BakedLevel level = is_mirror(wanted_level)
+                           ? resample_level(source_, wanted.frame, size, error, false)
+                           : lobe(wanted_level, error, part_progress(progress, share * double(k), share));
+    made.levels.levels.push_back(std::move(level.done.map.base()));
   }
   made.rows = all_rows_of(made.levels);
   made.pairs = irradiance_pairs(wanted, source_, {});

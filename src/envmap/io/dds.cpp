@@ -8,14 +8,14 @@
 #include <cstring>
 
 #include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
 
 namespace envmap {
 namespace {
 
 constexpr std::uint32_t four(const char (&c)[5]) {
-  return std::uint32_t(c[0]) | std::uint32_t(c[1]) << 8 |
-         std::uint32_t(c[2]) << 16 | std::uint32_t(c[3]) << 24;
+  return std::uint32_t(c[0]) | std::uint32_t(c[1]) << 8 | std::uint32_t(c[2]) << 16 | std::uint32_t(c[3]) << 24;
 }
 
 struct Header {
@@ -69,7 +69,7 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
   h.height = cube ? h.width : std::uint32_t(levels[0].height());
   // Of blocks the size of the first image, else that of a row.
   h.pitch = std::uint32_t(format.side > 1 ? format.image_bytes(levels[0].width(), int(h.height))
-                                                       : format.row_bytes(levels[0].width()));
+                                          : format.row_bytes(levels[0].width()));
   h.levels = std::uint32_t(levels.size());
   h.format = {.size = sizeof(Header::PixelFormat), .flags = format_four_cc, .four_cc = four("DX10")};
   h.caps = caps_texture | (chain || cube ? caps_complex : 0) | (chain ? caps_levels : 0);
@@ -89,7 +89,7 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
     for (const std::vector<Page>& level : images) {
       const Page& image = level[face];
       const double part = 1.0 * image.width() * image.height();
-      const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+      const Progress so_far = part_progress(progress, done / all, part / all);
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
         encode_rows(format, image, begin, end, band, packed);
         file.put(packed.data(), packed.size());

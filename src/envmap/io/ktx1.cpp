@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
 
 namespace envmap {
@@ -31,12 +32,12 @@ struct Names {
 };
 constexpr std::uint32_t rgb = 0x1907, rgba = 0x1908, ubyte = 0x1401, floats = 0x1406, halves = 0x140b;
 constexpr Names names[] = {
-    {Texels::rgba16f, 0x881a, rgba, halves},    {Texels::rgba32f, 0x8814, rgba, floats},
-    {Texels::rgb9e5, 0x8c3d, rgb, 0x8c3e},      {Texels::rgb16f, 0x881b, rgb, halves},
-    {Texels::rgb32f, 0x8815, rgb, floats},      {Texels::rg11b10f, 0x8c3a, rgb, 0x8c3b},
-    {Texels::bc6h_ufloat, 0x8e8f, 0, 0},        {Texels::bc6h_sfloat, 0x8e8e, 0, 0},
-    {Texels::rgb8, 0x8051, rgb, ubyte},         {Texels::rgb8_srgb, 0x8c41, rgb, ubyte},
-    {Texels::rgba8, 0x8058, rgba, ubyte},       {Texels::rgba8_srgb, 0x8c43, rgba, ubyte},
+    {Texels::rgba16f, 0x881a, rgba, halves}, {Texels::rgba32f, 0x8814, rgba, floats},
+    {Texels::rgb9e5, 0x8c3d, rgb, 0x8c3e},   {Texels::rgb16f, 0x881b, rgb, halves},
+    {Texels::rgb32f, 0x8815, rgb, floats},   {Texels::rg11b10f, 0x8c3a, rgb, 0x8c3b},
+    {Texels::bc6h_ufloat, 0x8e8f, 0, 0},     {Texels::bc6h_sfloat, 0x8e8e, 0, 0},
+    {Texels::rgb8, 0x8051, rgb, ubyte},      {Texels::rgb8_srgb, 0x8c41, rgb, ubyte},
+    {Texels::rgba8, 0x8058, rgba, ubyte},    {Texels::rgba8_srgb, 0x8c43, rgba, ubyte},
 };
 
 // Without alpha: Filament takes no floats that have one.
@@ -109,7 +110,7 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels wanted, b
     file.put(&image_size, sizeof image_size);
     for (const Page& image : images) {
       const double part = 1.0 * image.width() * image.height();
-      const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+      const Progress so_far = part_progress(progress, done / all, part / all);
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
         encode_rows(format, image, begin, end, band, packed);
         if (padded(row) == row) {
@@ -157,8 +158,8 @@ TextureFile open_ktx1(const InputFile& file) {
   std::uint64_t at = sizeof(Header) + h.pairs_size;
   for (int k = 0; k < t.levels; ++k) {
     const auto size = read_as<std::uint32_t>(file, at);
-    const std::uint64_t tight = format_of(texels).row_bytes(t.level_width(k)),
-                        rows = t.image_bytes(k) / tight, faces = t.cube ? 6 : 1;
+    const std::uint64_t tight = format_of(texels).row_bytes(t.level_width(k)), rows = t.image_bytes(k) / tight,
+                        faces = t.cube ? 6 : 1;
     // Some writers leave the padding of rows out.
     const std::uint64_t row = size == rows * padded(tight) ? padded(tight) : tight;
     if (size != rows * row)

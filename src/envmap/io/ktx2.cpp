@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
 
 namespace envmap {
@@ -48,11 +49,9 @@ Words descriptor(const TexelFormat& format, KhrColour colour) {
   constexpr unsigned is_float = 0x80, is_signed = 0x40, is_exponent = 0x20, alpha = 15;
   constexpr std::uint32_t one = 0x3f800000, minus_one = 0xbf800000;  // As floats.
   constexpr std::uint32_t rgbsda = 1, bc6h = 133;
-  const std::uint32_t model = format.depth == Depth::bc6h ? bc6h : rgbsda,
-                      side = std::uint32_t(format.side) - 1;
+  const std::uint32_t model = format.depth == Depth::bc6h ? bc6h : rgbsda, side = std::uint32_t(format.side) - 1;
   const std::uint32_t primaries = colour.primaries, transfer = colour.transfer;
-  Words words{
-      0, 0, 0, model | primaries << 8 | transfer << 16, side | side << 8, std::uint32_t(format.bytes), 0};
+  Words words{0, 0, 0, model | primaries << 8 | transfer << 16, side | side << 8, std::uint32_t(format.bytes), 0};
   if (model == bc6h) {
     const bool is_negative = format.texels == Texels::bc6h_sfloat;
     add_sample(words, 0, 128, is_float | (is_negative ? is_signed : 0), is_negative ? minus_one : 0, one);
@@ -172,7 +171,7 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
     out.begin(index[k].plain_size);
     for (const Page& image : images) {
       const double part = 1.0 * image.width() * image.height();
-      const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+      const Progress so_far = part_progress(progress, done / all, part / all);
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
         encode_rows(format, image, begin, end, band, packed);
         out.write(packed);

@@ -322,9 +322,9 @@ void check(const ReadOptions& options) {
 
 // @param take makes the map out of a file, as it is there.
 template <class F>
-Source settled(const std::string& name, const ReadOptions& options, const F& take) {
+Source settled(const std::string& name, const ReadOptions& options, const Progress& progress, const F& take) {
   try {
-    Source source = take();
+    Source source = take(progress);
     // Flaws are those of the file's own values. Only linear ones can be averaged.
     const ColourTransform colours = colours_of(source, options.colour);
     if (colours.apply) settle_flaws(name, options, source);
@@ -343,8 +343,7 @@ Source settled(const std::string& name, const ReadOptions& options, const F& tak
 template <class F>
 Source read_named(const std::string& name, const ReadOptions& options, const Run& run, const F& take) {
   check(options);
-  return carry_out(run,
-                   [&](const Progress& progress) { return settled(name, options, [&] { return take(progress); }); });
+  return carry_out(run, [&](const Progress& progress) { return settled(name, options, progress, take); });
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/io/babylon_env.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/chain.h"
@@ -82,7 +83,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
   const ImageWriter writer = make_writer(file, path, ext, plan);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const double part = 1.0 * levels[k].width() * levels[k].height();
-    const Progress so_far = !progress ? progress : [&](double p) { progress((done + p * part) / all); };
+    const Progress so_far = part_progress(progress, done / all, part / all);
     for_each_band(levels[k], options.rows.value_or(RowRange{0, levels[k].height()}), so_far,
                   [&](int begin, int end, std::vector<Colour>& band) {
                     if (is_integer(depth) && options.colour.space.empty()) encode_srgb(band);
@@ -271,8 +272,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
       for (int k = 0; k < count; ++k) {
         const std::string one = level_path(path, int(level));
         const Page page{rows[level], grid(done.layout), count > 1 ? k : -1};
-        const Progress part =
-            !progress || level > 0 ? Progress() : [&progress, k, count](double p) { progress((k + p) / count); };
+        const Progress part = level > 0 ? Progress() : part_progress(progress, double(k) / count, 1.0 / count);
         write_file(count > 1 ? face_path(one, k) : one, std::span(&page, 1), part);
       }
   }

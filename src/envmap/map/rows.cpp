@@ -42,6 +42,15 @@ std::vector<Rows> all_rows_of(EnvironmentMap&& map) {
   return all;
 }
 
+Rows with_x_negated(const Rows& rows) {
+  Rows negated = rows;
+  negated.fill = [rows](int face, int row, std::span<Colour> out) {
+    rows.fill(rows.projection == Projection::cube && face < 2 ? 1 - face : face, row, out);
+    std::ranges::reverse(out);
+  };
+  return negated;
+}
+
 void check(const Rows& rows) {
   if (!rows.fill) throw UsageError("rows need a function that fills them");
   check(limits::level_height, rows.size);

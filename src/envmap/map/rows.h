@@ -37,6 +37,9 @@ Rows rows_of(EnvironmentMap&& map);
 std::vector<Rows> all_rows_of(const EnvironmentMap& map);
 std::vector<Rows> all_rows_of(EnvironmentMap&& map);
 
+/// The rows of the map with x of its images negated: columns reversed, and the faces of X of a cube exchanged.
+Rows with_x_negated(const Rows& rows);
+
 /// @throws UsageError where the rows cannot be made: no function, or a size out of its range.
 void check(const Rows& rows);
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <exception>
 #include <memory>
 #include <thread>
@@ -38,8 +37,7 @@ void check(const RenderOptions& o) {
 std::vector<std::string> remarks_on(const Scene& scene, bool lit) {
   std::vector<std::string> remarks = scene.remarks;
   for (const std::string& what : scene.unmodelled) remarks.push_back("not drawn: " + what);
-  const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
-  if (!lit && scene.lights.empty() && std::ranges::none_of(scene.materials, glows))
+  if (!lit && !has_light(scene))
     remarks.push_back("no light in it and none given, so it is black: give an environment or ambient light");
   return remarks;
 }

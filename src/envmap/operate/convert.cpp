@@ -39,9 +39,8 @@ void check(const ConvertOptions& o) {
   check_rotation("rotation", o.rotation);
 }
 
-// The turn that is left of `rotation` and the mirroring where columns of the result are reversed: this negates x of
-// every image, and a turn does the rest.
-Rotation turn_before_reversal(const ConvertOptions& o) {
+// The turn that is left of `rotation` and the mirroring where x of the result's images is negated.
+Rotation turn_before_negation(const ConvertOptions& o) {
   if (o.mirror == MirroredAxis::none) return o.rotation;
   Rotation axis(1), across(1);
   axis[int(o.mirror) - 1][int(o.mirror) - 1] = -1;
@@ -57,7 +56,7 @@ Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
     throw UsageError("a camera is 1.02 to 1e6 radii away from the ball's centre");
   const int size = o.size.value_or(matching_size(source.projection(), source.base().height(), o.to.projection));
   return {o.to.projection, size,
-          glm::transpose(image_to_world(source.forward)) * glm::transpose(turn_before_reversal(o)) *
+          glm::transpose(image_to_world(source.forward)) * glm::transpose(turn_before_negation(o)) *
               image_to_world(o.to.forward),
           o.ball};
 }
@@ -125,7 +124,7 @@ struct Resampler::Prepared {
   Target target;
   FilterOptions filter;
   double gain;
-  bool reversed;  // Columns, and a cube's faces of X.
+  bool mirrored;
   std::optional<FilterChoice> choice;
   std::optional<Level> unchanged;   // The source, where its texels are the result's own and nothing is resampled.
   std::vector<PaddedLevel> levels;  // Else what the filter reads.
@@ -138,7 +137,7 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
       target(make_target(source, options)),
       filter(make_filter(target, source.base(), options)),
       gain(options.gain),
-      reversed(options.mirror != MirroredAxis::none),
+      mirrored(options.mirror != MirroredAxis::none),
       texels_between_trims(between_trims(target, source.base())) {
   if (!options.max_error && interpolates(filter)) {
     if (is_source(target, source.base())) {
@@ -161,7 +160,6 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
 }
 
 void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
-  if (reversed && target.to == Projection::cube && face < 2) face = 1 - face;
   const Columns in = columns(target.to, target.size, row);
   std::ranges::fill(out, Colour(0));
   const std::span<Colour> texels = in.of(out);
@@ -175,7 +173,6 @@ void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
   }
   if (gain != 1)
     for (Colour& texel : texels) texel = Colour(Rgb<double>(texel) * gain);
-  if (reversed) std::ranges::reverse(out);
 }
 
 bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options) {
@@ -192,8 +189,9 @@ const FilterOptions& Resampler::filter() const { return prepared_->filter; }
 const std::optional<FilterChoice>& Resampler::choice() const { return prepared_->choice; }
 
 Rows Resampler::rows() const {
-  return {frame().projection, size(), frame().forward,
-          [prepared = prepared_](int face, int row, std::span<Colour> out) { prepared->fill(face, row, out); }};
+  const Rows made{frame().projection, size(), frame().forward,
+                  [prepared = prepared_](int face, int row, std::span<Colour> out) { prepared->fill(face, row, out); }};
+  return prepared_->mirrored ? with_x_negated(made) : made;
 }
 
 EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Run& run) {

@@ -247,27 +247,34 @@ void check_same_shape(const Level& a, const Level& b) {
                                  b.height()));
 }
 
-}  // namespace
-
-double best_exposure(const Level& a, const Level& b) {
+// One result a row: add(result, weight, texel, colour of a, colour of b) for every texel that carries weight.
+template <class Row, class Add>
+std::vector<Row> map_pairs(const Level& a, const Level& b, const Add& add) {
   check_same_shape(a, b);
   require_finite(a);
   require_finite(b);
-  struct Row {
-    Sum product, power;
-  };
-  const auto rows = map_rows<Row>(b.height(), [&](int j) {
+  return map_rows<Row>(b.height(), [&](int j) {
     Row r;
     const std::vector<double> w = weights(b, j);
     for (int face = 0; face < b.faces(); ++face)
-      for (int i = 0; i < b.width(); ++i) {
-        if (w[i] <= 0) continue;
-        const Rgb<double> ca(*a.texel(face, i, j)), cb(*b.texel(face, i, j));
-        r.product.add(w[i] * glm::dot(ca, cb));
-        r.power.add(w[i] * glm::dot(ca, ca));
-      }
+      for (int i = 0; i < b.width(); ++i)
+        if (w[i] > 0)
+          add(r, w[i], Texel{face, i, j}, Rgb<double>(*a.texel(face, i, j)), Rgb<double>(*b.texel(face, i, j)));
     return r;
   });
+}
+
+}  // namespace
+
+double best_exposure(const Level& a, const Level& b) {
+  struct Row {
+    Sum product, power;
+  };
+  const auto rows =
+      map_pairs<Row>(a, b, [](Row& r, double w, const Texel&, const Rgb<double>& ca, const Rgb<double>& cb) {
+        r.product.add(w * glm::dot(ca, cb));
+        r.power.add(w * glm::dot(ca, ca));
+      });
   Row all;
   for (const Row& r : rows) all.product.add(r.product), all.power.add(r.power);
   return all.power.value() > 0 && all.product.value() > 0 ? all.product.value() / all.power.value() : 1;
@@ -282,30 +289,21 @@ Difference compare(const EnvironmentMap& a, const EnvironmentMap& b) {
 Difference compare(const Level& a, const Level& b, Level* shown) {
   check_same_shape(a, b);
   if (shown) check_same_shape(*shown, b);
-  require_finite(a);
-  require_finite(b);
   const double floor = 1e-3 * mean_radiance(b);
   struct Row {
     Sum error, power;
     double maximum = -1;
     Texel worst{0, 0, 0};
   };
-  const auto rows = map_rows<Row>(b.height(), [&](int j) {
-    Row r;
-    const std::vector<double> w = weights(b, j);
-    for (int face = 0; face < b.faces(); ++face)
-      for (int i = 0; i < b.width(); ++i) {
-        if (w[i] <= 0) continue;
-        const Rgb<double> ca(*a.texel(face, i, j)), cb(*b.texel(face, i, j)), d = glm::abs(ca - cb);
-        if (shown) *shown->texel(face, i, j) = Colour(d);
-        r.error.add(w[i] * glm::dot(d, d));
-        r.power.add(w[i] * glm::dot(cb, cb));
+  const auto rows =
+      map_pairs<Row>(a, b, [&](Row& r, double w, const Texel& t, const Rgb<double>& ca, const Rgb<double>& cb) {
+        const Rgb<double> d = glm::abs(ca - cb);
+        if (shown) *shown->texel(t.face, t.i, t.j) = Colour(d);
+        r.error.add(w * glm::dot(d, d));
+        r.power.add(w * glm::dot(cb, cb));
         for (int k = 0; k < 3; ++k)
-          if (const double m = ratio(d[k], std::max(std::abs(cb[k]), floor)); m > r.maximum)
-            r.maximum = m, r.worst = {face, i, j};
-      }
-    return r;
-  });
+          if (const double m = ratio(d[k], std::max(std::abs(cb[k]), floor)); m > r.maximum) r.maximum = m, r.worst = t;
+      });
   Row all;
   for (const Row& r : rows) {
     all.error.add(r.error);

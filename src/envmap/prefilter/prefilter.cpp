@@ -17,6 +17,7 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
@@ -290,8 +291,7 @@ PrefilteredChain PrefilterSource::make_chain(const Prefilter& base, std::span<co
     double done = 0;
     for (const Prefilter& level : wanted) {
       const double part = texel_count(level.to, level.size);
-      const auto so_far = [&](double p) { progress((done + p * part) / texels); };
-      Prefiltered made = make_now(level, progress ? Progress(so_far) : Progress());
+      Prefiltered made = make_now(level, part_progress(progress, done / texels, part / texels));
       chain.map.forward = made.map.forward;
       chain.map.levels.push_back(std::move(made.map.base()));
       made.map = {};

@@ -31,8 +31,7 @@ Pose pose(const Scene& scene, double time) {
     local = moved(local, motion, time);
   }
   for (std::size_t i = 0; i < world.size(); ++i)
-    if (const int parent = scene.nodes[i].parent; parent >= 0)
-      world[i] = world[parent] * world[i];
+    if (const int parent = scene.nodes[i].parent; parent >= 0) world[i] = world[parent] * world[i];
   return world;
 }
 
@@ -40,6 +39,11 @@ std::optional<int> find_node(const Scene& scene, const std::string& name) {
   const auto found = std::ranges::find(scene.nodes, name, &Node::name);
   if (found == scene.nodes.end()) return std::nullopt;
   return int(found - scene.nodes.begin());
+}
+
+bool has_light(const Scene& scene) {
+  const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
+  return !scene.lights.empty() || std::ranges::any_of(scene.materials, glows);
 }
 
 bool lies_under(const Scene& scene, int node, int ancestor) {

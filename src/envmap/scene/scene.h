@@ -152,6 +152,9 @@ Pose pose(const Scene& scene, double time);
 /// The first node of that name, if there is one.
 std::optional<int> find_node(const Scene& scene, const std::string& name);
 
+/// Whether the scene has light of its own: lights, or materials that glow.
+bool has_light(const Scene& scene);
+
 /// Whether a node is `ancestor` or lies below it.
 bool lies_under(const Scene& scene, int node, int ancestor);
 
