@@ -1,7 +1,8 @@
 /// @file
-/// Maps of scenes: libenvmap-scenes, which stands beside libenvmap. CMake: find_package(envmap COMPONENTS scenes) and
-/// the target envmap::scenes. pkg-config: envmap-scenes.
+/// Maps and pictures of scenes: libenvmap-scenes, which stands beside libenvmap.
+/// CMake: find_package(envmap COMPONENTS scenes) and the target envmap::scenes. pkg-config: envmap-scenes.
 #pragma once
 
 #include "envmap/envmap.h"
 #include "envmap/offscreen/render_map.h"
+#include "envmap/offscreen/view.h"

@@ -26,6 +26,10 @@ struct GivenMap {
 Map map_of_object(const pybind11::object& array, const std::optional<std::string>& projection,
                   const std::string& forward);
 
+inline Map shared(envmap::EnvironmentMap&& map) { return std::make_shared<envmap::EnvironmentMap>(std::move(map)); }
+inline envmap::Rgb<double> rgb(const Triple& t) { return {t[0], t[1], t[2]}; }
+inline Triple triple(const envmap::Rgb<double>& c) { return {c.x, c.y, c.z}; }
+
 /// A docstring whose first line inspect.signature() reads.
 const char* document(const char* name, const char* parameters, const char* text);
 
@@ -59,10 +63,14 @@ Enum named(const std::string& what, const std::string& word, const Words& words)
 /// Error and its four kinds, as classes of the module; what() of the library in one line, and what would help.
 void add_errors(pybind11::module_& module);
 
-/// envmap.bake(), engines() and level_roughnesses(): bake.cpp.
+// Parts of the module, a file each.
+void add_map(pybind11::module_& module);
+void add_files(pybind11::module_& module);
+void add_operations(pybind11::module_& module);
+void add_prefilter(pybind11::module_& module);
+void add_generate(pybind11::module_& module);
 void add_bake(pybind11::module_& module);
-/// envmap.render(): render.cpp.
-void add_render(pybind11::module_& module);
+void add_scenes(pybind11::module_& module);
 
 /// Calls a Python function with the part done, from any thread. What it raises ends the work and is raised again.
 class Reporter {

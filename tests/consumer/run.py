@@ -54,7 +54,7 @@ strays = [n for n in names if not re.search(r'\benvmap::', n) and not re.match(r
 demand(not strays, f'exported besides envmap: {strays[:5]}')
 
 shown = [line for line in run('nm', '-DC', '--defined-only', library / 'libenvmap-scenes.so').splitlines() if ' T ' in line]
-demand(all('envmap::render(' in line for line in shown), f'libenvmap-scenes.so exports {shown}')
+demand(all(re.search(r'envmap::(render|view)\(', line) for line in shown), f'libenvmap-scenes.so exports {shown}')
 
 # The example, word for word as the page has it.
 page = (tree / 'share/man/man3/envmap.3').read_text()
@@ -62,7 +62,7 @@ example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', 
 (work / 'example.cpp').write_text(example)
 # Those of docs/library.md, each the body of a main().
 bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
-demand(len(bodies) == 9, f'docs/library.md has {len(bodies)} examples')
+demand(len(bodies) == 10, f'docs/library.md has {len(bodies)} examples')
 examples = []
 for number, body in enumerate(bodies):
     examples.append(work / f'page_{number}.cpp')
@@ -117,10 +117,12 @@ for engine in ('three', 'filament', 'unity'):
         demand((work / f'{engine}-program' / name).read_bytes() == (work / f'{engine}-library' / name).read_bytes(),
                f'{engine}/{name}: the library writes other bytes than the program')
 run(envmap, 'render', work / 'room.obj', work / 'room.exr', '--environment', probe, '--size', 16, '--method', 'raycast')
-run(work / 'build/room', work / 'room.obj', probe, work / 'room-library.exr')
-run(work / 'room_pc', work / 'room.obj', probe, work / 'room-pc.exr')
-for name in ('library', 'pc'):
-    demand((work / 'room.exr').read_bytes() == (work / f'room-{name}.exr').read_bytes(), 'render(): other bytes than the program')
+run(envmap, 'view', work / 'room.obj', work / 'view.exr', '--environment', probe, '--width', 32, '--height', 24, '--method', 'raycast')
+for name, program in (('library', work / 'build/room'), ('pc', work / 'room_pc')):
+    run(program, work / 'room.obj', probe, work / f'room-{name}.exr', work / f'view-{name}.exr')
+    for made in ('room', 'view'):
+        demand((work / f'{made}.exr').read_bytes() == (work / f'{made}-{name}.exr').read_bytes(),
+               f'{made} of libenvmap-scenes ({name}): other bytes than the program')
 # Symbols have versions: two of the library may be in one process.
 demand('@@libenvmap.so.1.0' in run('nm', '-D', '--with-symbol-versions', '--defined-only', library / 'libenvmap.so'),
        'symbols have no version')

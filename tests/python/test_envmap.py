@@ -257,6 +257,41 @@ def test_render_says_what_is_wrong(tmp_path, scene):
         assert envmap.render(scene, size=4, method='raycast').array.max() == 0
 
 
+def test_view_is_what_the_command_draws(tmp_path, scene):
+    sky = envmap.generate('sky', 'latlong', 16)
+    envmap.write(tmp_path / 'sky.exr', sky, depth='float')
+    sides = {'width': 24, 'height': 24}
+    cases = [({'method': 'raycast'}, ['--method', 'raycast']),
+             ({'method': 'raycast', 'camera': (1, 2, 3), 'fov': 50, 'mirrors': {'flag': None}, 'bounces': 2},
+              ['--method', 'raycast', '--camera', '1,2,3', '--fov', '50', '--mirror', 'flag', '--bounces', '2']),
+             ({'mirrors': {'flag': 'cube'}, 'look_at': (0, 0, 0)}, ['--mirror', 'flag:cube', '--look-at', '0,0,0']),
+             ({'mirrors': {'flag': 'off'}, 'samples': 1}, ['--mirror', 'flag:off', '--samples', '1']),
+             ({'mirrors': {'flag': None}, 'max_error': 1e-5}, ['--mirror', 'flag', '--max-error', '1e-5'])]
+    (tmp_path / 'maps').mkdir()
+    for options, words in cases:
+        seen = envmap.view(scene, environment=sky, **sides, **options)
+        saved = [] if 'raycast' in words or '--max-error' in words else ['--save-maps', 'maps']
+        command(tmp_path, 'view', 'scene.gltf', 'view.exr', '--environment', 'sky.exr', '--width', '24', '--height', '24', *saved, *words)
+        picture = envmap.read(tmp_path / 'view.exr', projection='equal-area')  # Any square will do.
+        np.testing.assert_array_equal(seen.array, picture.array, err_msg=' '.join(words))
+        assert seen.array.std() > 0.01 and seen.array.shape == (24, 24, 3)
+        assert (seen.error is not None) == ('max_error' in options)
+        assert list(seen.mirrors) == (['flag'] if options.get('mirrors') == {'flag': 'cube'} else list(seen.mirrors))
+        if saved and seen.mirrors:
+            np.testing.assert_array_equal(seen.mirrors['flag'].array, envmap.read(tmp_path / 'maps' / 'flag.exr').array)
+
+
+def test_view_says_what_is_wrong(tmp_path, scene):
+    for options, words in (({'camera': 'nobody'}, "camera 'nobody' is neither"), ({'mirrors': {'nobody': None}}, "'nobody' is no node"),
+                           ({'mirrors': {'flag': 'latlong'}}, 'sphere, paraboloid or cube'), ({'width': 0}, 'width'), ({'fov': 180}, 'field'),
+                           ({'method': 'fast'}, 'none of maps, raycast'), ({'method': 'raycast', 'max_error': .1}, 'max_error'),
+                           ({'maps': 'angular'}, 'sphere, paraboloid or cube'), ({'max_error': float('nan')}, 'max_error')):
+        with pytest.raises(envmap.UsageError, match=words):
+            envmap.view(scene, **{'width': 8, 'height': 8, **options})
+    with pytest.raises(envmap.InputError, match='none.glb'):
+        envmap.view(tmp_path / 'none.glb')
+
+
 def test_the_readme_runs(tmp_path, monkeypatch):
     top = pathlib.Path(__file__).parents[2]
     script = (top / 'README.md').read_text().split('```python\n')[1].split('```')[0]

@@ -6,52 +6,23 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
-#include "envmap/render/draw.h"
 
 namespace tools {
-namespace {
-
 using namespace envmap;
 
-// What --mirror says of a node: no projection, as --maps says.
-struct MirrorWish {
-  int node;
-  bool off = false;
-  std::optional<Projection> to = {};
-};
-
-// NODE, NODE:PROJECTION or NODE:off.
-MirrorWish wish(const Scene& scene, const std::string& text) {
-  if (const auto node = find_node(scene, text)) return {*node};
+MirrorWish mirror_wish(const Scene& scene, const std::string& text) {
+  if (find_node(scene, text)) return {text};
   if (const auto colon = text.rfind(':'); colon != std::string::npos) {
-    const auto node = find_node(scene, text.substr(0, colon));
-    const std::string how = text.substr(colon + 1);
+    const std::string node = text.substr(0, colon), how = text.substr(colon + 1);
     const auto to = projection_named(how);
-    if (node && how == "off") return {*node, true};
-    if (node && to && std::ranges::find(map_names, name(*to)) != std::end(map_names)) return {*node, false, to};
+    if (find_node(scene, node)) {
+      if (how == "off") return {.node = node, .off = true};
+      if (to && std::ranges::find(map_names, name(*to)) != std::end(map_names)) return {node, to};
+    }
   }
   throw UsageError(
       fmt::format("--mirror: '{}' must be a node of the scene, or NODE:sphere, NODE:paraboloid, NODE:cube or NODE:off",
                   text));
-}
-
-}  // namespace
-
-std::vector<Mirror> mirrors_of(const Scene& scene, const std::vector<std::string>& wishes, Projection maps) {
-  std::vector<Mirror> all;
-  std::vector<int> decided;
-  for (const std::string& text : wishes) {
-    const MirrorWish wished = wish(scene, text);
-    const bool is_empty = std::ranges::none_of(
-        instances(scene), [&](const Instance& instance) { return lies_under(scene, instance.node, wished.node); });
-    if (is_empty) throw UsageError(fmt::format("--mirror: '{}' has no triangles", text));
-    decided.push_back(wished.node);
-    if (!wished.off) all.push_back(make_mirror(scene, wished.node, wished.to.value_or(maps)));
-  }
-  for (const Mirror& found : find_mirrors(scene, maps))
-    if (std::ranges::none_of(decided, [&](int node) { return lies_under(scene, found.node, node); }))
-      all.push_back(found);
-  return all;
 }
 
 std::vector<std::string> map_files(const std::string& folder, const Scene& scene, const std::vector<int>& nodes) {

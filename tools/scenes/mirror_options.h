@@ -1,21 +1,20 @@
-// Which nodes are mirrors, and the files of their maps.
+// What --mirror says, and the files of mirrors' maps.
 #pragma once
 
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "envmap/render/mirrors.h"
+#include "envmap/offscreen/view.h"
+#include "envmap/scene/scene.h"
 
 namespace tools {
 
 // Projections of mirrors' maps.
 inline constexpr std::string_view map_names[] = {"sphere", "paraboloid", "cube"};
 
-// Those that their material makes one, but for the wishes: NODE, NODE:PROJECTION or NODE:off. @param maps of those
-// whose projection is not wished for. @throws UsageError
-std::vector<envmap::Mirror> mirrors_of(const envmap::Scene& scene, const std::vector<std::string>& wishes,
-                                       envmap::Projection maps);
+// NODE, NODE:PROJECTION or NODE:off. @throws UsageError
+envmap::MirrorWish mirror_wish(const envmap::Scene& scene, const std::string& text);
 
 // FOLDER/NODE.exr for each; names are told apart, and what would end them is replaced. @throws UsageError where there
 // is no such folder.

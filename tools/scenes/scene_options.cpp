@@ -7,7 +7,6 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
-#include "envmap/scene/deform.h"
 #include "envmap/scene/read/read_scene.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
@@ -78,19 +77,21 @@ Frames frames_of(const SceneOptions& o) {
   return {std::stoi(parts[1]), std::stoi(parts[2]), true, o.time, o.rate};
 }
 
-std::vector<int> LoadedScene::move_to(double time) { return deform(scene, pose(scene, time), time); }
+namespace {
 
-Shot LoadedScene::shot(double time, const SceneOptions& options) const {
-  return {.scene = scene,
-          .pose = pose(scene, time),
-          .environment = environment.get(),
-          .ambient = Colour(options.ambient.value_or(Direction(0))),
-          .shadows = !options.no_shadows,
-          .distant = distant};
+std::optional<Colour> ambient_of(const SceneOptions& o) {
+  if (!o.ambient) return {};
+  return Colour(*o.ambient);
+}
+
+}  // namespace
+
+Shot LoadedScene::shot(double time, const SceneOptions& o) const {
+  return LitScene::shot(time, ambient_of(o), !o.no_shadows);
 }
 
 LoadedScene load(const SceneOptions& o) {
-  LoadedScene loaded{.scene = read_scene(o.path, o.read.max_pixels)};
+  LoadedScene loaded{{.scene = read_scene(o.path, o.read.max_pixels)}};
   loaded.move_to(frames_of(o).time(frames_of(o).first));
   const Scene& scene = loaded.scene;
   loaded.inputs = scene.files;
@@ -101,9 +102,7 @@ LoadedScene load(const SceneOptions& o) {
                      instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  loaded.environment = std::make_unique<Environment>(read_map(o.environment, o.read).map, glossy_size,
-                                                     progress_line("light of the environment"));
-  if (o.occlusion > 0) loaded.distant = distant_lights(loaded.environment->map, o.occlusion);
+  loaded.light_by(read_map(o.environment, o.read).map, o.occlusion, progress_line("light of the environment"));
   return loaded;
 }
 
@@ -120,12 +119,14 @@ Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::str
   return from;
 }
 
-bool is_dark(const LoadedScene& loaded, const SceneOptions& o) {
-  return !loaded.environment && !o.ambient && !has_light(loaded.scene);
+std::optional<std::variant<Direction, std::string>> camera_of(const std::string& text) {
+  if (text.empty()) return {};
+  if (const auto point = triple_of(text)) return *point;
+  return text;
 }
 
 void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
-  if (is_dark(loaded, o))
+  if (loaded.is_dark(ambient_of(o)))
     warn(fmt::format("{}: the scene has no light and is black: use --environment MAP or --ambient 1", o.path));
 }
 

@@ -2,16 +2,16 @@
 /// What the commands that draw scenes have in common: the scene, its light, its moments.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "cli/options.h"
 #include "envmap/io/read.h"
+#include "envmap/offscreen/lit_scene.h"
 #include "envmap/render/context.h"
 #include "envmap/render/draw.h"
-#include "envmap/render/shading.h"
 
 namespace tools {
 
@@ -47,17 +47,14 @@ struct Frames {
 /// @throws UsageError
 Frames frames_of(const SceneOptions& options);
 
-/// A scene in memory with its environment. What it does not draw has been said.
-struct LoadedScene {
-  envmap::Scene scene;
-  std::unique_ptr<envmap::Environment> environment;  ///< Null: black.
-  std::vector<envmap::DistantLight> distant;         ///< Of it.
-  std::vector<std::string> inputs;
+/// A scene with its environment. What it does not draw has been said.
+struct LoadedScene : envmap::LitScene {
+  std::vector<std::string> inputs = {};
 
-  /// Puts skins and morph targets where they are then; load() did for the first moment. @return meshes that changed.
-  std::vector<int> move_to(double time);
+  using LitScene::shot;
   [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;
 };
+/// As it is at the first moment.
 LoadedScene load(const SceneOptions& options);
 
 /// From where --at says: a node, whose `at` is to be found for each pose and which is left out; a place X,Y,Z; or the
@@ -65,8 +62,8 @@ LoadedScene load(const SceneOptions& options);
 /// @throws UsageError where it is neither. @param path of the scene's file.
 envmap::Viewpoint viewpoint_of(const std::string& at, const envmap::Scene& scene, const std::string& path);
 
-/// Whether nothing lights the scene.
-bool is_dark(const LoadedScene& loaded, const SceneOptions& options);
+/// A point X,Y,Z, or a name; of nothing nothing.
+std::optional<std::variant<envmap::Direction, std::string>> camera_of(const std::string& text);
 
 /// A line where it is dark.
 void tell_darkness(const LoadedScene& loaded, const SceneOptions& options);

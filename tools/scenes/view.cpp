@@ -8,16 +8,13 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/io/picture.h"
-#include "envmap/operate/convert.h"
-#include "envmap/render/context.h"
-#include "envmap/render/mirrors.h"
+#include "envmap/offscreen/choose_maps.h"
+#include "envmap/offscreen/choose_mirrors.h"
+#include "envmap/offscreen/mirror_painter.h"
+#include "envmap/offscreen/viewpoints.h"
 #include "envmap/render/raycast.h"
-#include "envmap/scene/read/read_scene.h"
-#include "scenes/choose_maps.h"
-#include "scenes/eyes.h"
 #include "scenes/mirror_options.h"
 #include "scenes/scene_options.h"
-#include "scenes/viewpoints.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
 
@@ -26,15 +23,12 @@ namespace {
 
 using namespace envmap;
 
-// Of drawing what mirrors show.
-enum class Through { maps, rays };
-
 struct Request {
   SceneOptions scene;
   ViewpointOptions from;
-  std::string output, format, saved;
+  std::string camera, output, format, saved;
   std::vector<std::string> mirrors;
-  Through method = Through::maps;
+  ViewMethod method = ViewMethod::maps;
   std::optional<Projection> maps;
   int width = 640, height = 480, samples = 4, lobe_samples = 0;
   double exposure = 0;
@@ -45,8 +39,6 @@ struct Request {
   MirrorOptions drawing;
   std::optional<double> max_error;
 };
-
-constexpr std::string_view method_names[] = {"maps", "raycast"};
 
 // Red of the left eye, green and blue of the right: for red and cyan glasses.
 std::vector<Colour> anaglyph(std::vector<Colour> left, const std::vector<Colour>& right) {
@@ -69,61 +61,27 @@ std::vector<std::string> eye_files(const std::string& path) {
 // Pictures of a moment, one for each eye.
 using Pictures = std::vector<std::vector<Colour>>;
 
-// Through dynamic maps, which stay from frame to frame.
-class MapPainter {
- public:
-  MapPainter(const Request& o, const LoadedScene& loaded, const std::vector<Mirror>& mirrors,
-             const std::vector<int>& nodes)
-      : options_(o),
-        context_(o.scene.context),
-        renderer_(loaded.scene, loaded.environment.get(), nodes),
-        maps_(loaded.scene, mirrors) {
-    if (settings().verbose) note(context_.renderer());
-  }
+void tell(const std::string& line) {
+  if (settings().verbose) note(line);
+}
 
-  // Each mirror's map, turned to the axes of the world.
-  void save(const std::vector<std::string>& paths) const {
-    for (std::size_t k = 0; k < paths.size(); ++k) {
-      const MirrorMap& map = maps_.maps()[k];
-      if (!map.texture) continue;  // Not seen, not drawn.
-      EnvironmentMap seen = read_back(*map.texture);
-      if (map.axes != Rotation(1)) seen = convert(seen, {.to = {seen.base().projection()}, .rotation = map.axes});
-      write_map(paths[k], all_rows_of(seen), {}, "write");
-    }
-  }
+// @param moved meshes whose vertices are others than in the last shot. @param first whether no frame was drawn yet.
+Pictures paint(const Request& o, MirrorPainter& painter, Shot shot, const std::vector<int>& moved,
+               const std::vector<Eye>& eyes, bool first) {
+  MirrorOptions drawing = o.drawing;
+  if (!drawing.bounces && !first && !o.max_error) drawing.bounces = 1;
+  shot.look = o.look;
+  shot.look.lookup = o.lookup.value_or(shot.look.lookup);
+  shot.look.pictures = o.drawing.bounces.value_or(shot.look.pictures);
+  return painter.paint(std::move(shot), moved, eyes, drawing, tell);
+}
 
-  [[nodiscard]] MapChoice choose(const std::vector<Mirror>& mirrors, std::vector<Moment> moments) {
-    return choose_maps(renderer_, mirrors, std::move(moments), options_.drawing, *options_.max_error);
-  }
-
-  // @param moved meshes whose vertices are others than in the last shot.
-  [[nodiscard]] Pictures paint(Shot shot, const std::vector<int>& moved, const std::vector<Eye>& eyes) {
-    for (const int mesh : moved) renderer_.update(shot.scene, mesh);
-    std::vector<Viewer> viewers;
-    for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
-    MirrorOptions drawing = options_.drawing;
-    drawing.moved = !moved.empty();
-    if (!drawing.bounces && !first_ && !options_.max_error) drawing.bounces = 1;
-    first_ = false;
-    shot.look = options_.look;
-    shot.look.lookup = options_.lookup.value_or(shot.look.lookup);
-    shot.look.pictures = options_.drawing.bounces.value_or(shot.look.pictures);
-    maps_.update(renderer_, shot, viewers, drawing, [&](const std::string& line) {
-      if (settings().verbose) note(line);
-    });
-    shot.mirrors = maps_.maps();
-    Pictures pictures;
-    for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer_, eye.from, shot));
-    return pictures;
-  }
-
- private:
-  const Request& options_;
-  Context context_;
-  Renderer renderer_;
-  Mirrors maps_;
-  bool first_ = true;
-};
+// A mirror that nobody saw has no file.
+void save(const MirrorPainter& painter, const std::vector<std::string>& paths) {
+  const std::vector<EnvironmentMap> maps = painter.maps();
+  for (std::size_t k = 0; k < maps.size(); ++k)
+    if (!maps[k].levels.empty()) write_map(paths[k], all_rows_of(maps[k]), {}, "write");
+}
 
 Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes) {
   Pictures pictures;
@@ -136,18 +94,18 @@ Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& sho
 }
 
 void check(const Request& o) {
-  if (o.method == Through::rays) check_no_context(o.scene);
+  if (o.method == ViewMethod::raycast) check_no_context(o.scene);
   const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.largest != MirrorOptions{}.largest || o.drawing.all ||
                        o.lookup || o.look.tinted || !o.saved.empty() ||
                        std::ranges::any_of(o.mirrors, [](const std::string& m) {
                          return m.find(':') != m.npos && !m.ends_with(":off");
                        });
-  if (o.method == Through::rays && of_maps)
+  if (o.method == ViewMethod::raycast && of_maps)
     throw UsageError(
         "--method raycast draws no maps: remove --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all "
         "and NODE:MAP");
-  if (o.lobe_samples > 0 && o.method != Through::rays) throw UsageError("--lobe-samples is for --method raycast");
-  if (o.max_error && (of_maps || o.method == Through::rays || o.drawing.bounces))
+  if (o.lobe_samples > 0 && o.method != ViewMethod::raycast) throw UsageError("--lobe-samples is for --method raycast");
+  if (o.max_error && (of_maps || o.method == ViewMethod::raycast || o.drawing.bounces))
     throw UsageError(
         "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, "
         "--show-maps, --save-maps, "
@@ -176,7 +134,7 @@ struct Scenery {
 
 // For --max-error: tries maps in the first frame, the middle one and the last.
 void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirrors,
-            std::optional<MapPainter>& painter) {
+            std::optional<MirrorPainter>& painter) {
   if (mirrors.empty()) return;
   const int first = scenery.frames.first, last = scenery.frames.last;
   std::vector<Moment> moments;
@@ -184,11 +142,11 @@ void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirro
     const Shot shot = scenery.shot(frame);
     moments.push_back({shot, scenery.eyes(frame, shot.pose)[0]});
   }
-  const MapChoice choice = painter->choose(mirrors, std::move(moments));
+  const MapChoice choice = choose_maps(painter->renderer(), mirrors, std::move(moments), o.drawing, *o.max_error);
   if (choice.rays) {
     note(fmt::format("mirrors by rays: maps are off by {:.2g} of the picture (rms), more than {:g}", choice.error,
                      *o.max_error));
-    o.method = Through::rays;
+    o.method = ViewMethod::raycast;
     painter.reset();
     return;
   }
@@ -214,13 +172,19 @@ int run(Request& o) {
   check_files(outputs, loaded.inputs);
   open_depfile();
   const Scene& scene = loaded.scene;
+  o.from.camera = camera_of(o.camera);
   const Viewpoints viewpoints(o.from, double(o.width) / o.height, scene, o.scene.path,
                               pose(scene, frames.time(frames.first)));
-  const std::vector<Mirror> mirrors = mirrors_of(scene, o.mirrors, o.maps.value_or(Projection::paraboloid));
+  std::vector<MirrorWish> wishes;
+  for (const std::string& text : o.mirrors) wishes.push_back(mirror_wish(scene, text));
+  const std::vector<Mirror> mirrors = choose_mirrors(scene, wishes, o.maps.value_or(Projection::paraboloid));
   const std::vector<int> nodes = nodes_of(mirrors);
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
-  std::optional<MapPainter> painter;
-  if (o.method == Through::maps) painter.emplace(o, loaded, mirrors, nodes);
+  std::optional<MirrorPainter> painter;
+  if (o.method == ViewMethod::maps) {
+    painter.emplace(o.scene.context, loaded, mirrors);
+    tell(painter->context().renderer());
+  }
   if (viewpoints.is_framed()) note(fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
   const Scenery scenery{o, loaded, viewpoints, frames};
   if (o.max_error) choose(o, scenery, mirrors, painter);
@@ -230,9 +194,10 @@ int run(Request& o) {
     const Shot shot = scenery.shot(frame);
     const std::vector<Eye> eyes = scenery.eyes(frame, shot.pose);
     const Stopwatch watch;
-    Pictures pictures = painter ? painter->paint(shot, moved, eyes) : cast(o, nodes, shot, eyes);
+    Pictures pictures =
+        painter ? paint(o, *painter, shot, moved, eyes, frame == frames.first) : cast(o, nodes, shot, eyes);
     seconds += watch.seconds();
-    if (!maps.empty()) painter->save(frames.sequence ? numbered(maps, frame) : maps);
+    if (!maps.empty()) save(*painter, frames.sequence ? numbered(maps, frame) : maps);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
     const std::vector<std::string> files = eye_files(frames.path(o.output, frame));
     if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
@@ -254,12 +219,12 @@ Action define_view(Options& o) {
   o.writes("OUTPUT", r->output, "Picture: .png .jpg .exr .hdr, or '-' for stdout ({frame}: one per frame)").required =
       true;
   o.group = "Camera";
-  o.add("--camera", "NAME|X,Y,Z", &r->from.camera,
-        "Camera of the scene, or a point (default: the first, or one for all)");
+  o.add("--camera", "NAME|X,Y,Z", &r->camera, "Camera of the scene, or a point (default: the first, or one for all)");
   o.add("--look-at", "X,Y,Z", Triple{&r->from.look_at},
         "Point at the centre (default: the camera's, or the scene's middle)");
-  o.add("--fov", "DEGREES", &r->from.fov, {0.01, 179}, "Vertical field of view (default: the camera's, or 40)");
-  o.add("--orbit", "DEGREES", &r->from.orbit, {-36000, 36000},
+  o.add("--fov", "DEGREES", &r->from.vertical_field_degrees, {0.01, 179},
+        "Vertical field of view (default: the camera's, or 40)");
+  o.add("--orbit", "DEGREES", &r->from.orbit_degrees, {-36000, 36000},
         "Orbit the camera by this angle during --frames (default: 0)");
   o.group = "Picture";
   o.add("--width", "N", &r->width, {1, 16384}, "Width in pixels (default: 640)");
@@ -272,7 +237,7 @@ Action define_view(Options& o) {
   o.add("--format", "EXT", &r->format, "File type for '-' or a name without extension (default: png)");
   add_light(o, r->scene);
   o.group = "Mirrors";
-  o.add("--method", one_of(r->method, method_names), "How mirrors are drawn: {}, the reference (default: maps)");
+  o.add("--method", one_of(r->method, view_method_names), "How mirrors are drawn: {}, the reference (default: maps)");
   o.add(
       "--maps PROJECTION", joined(map_names),
       [&maps = r->maps](const std::string& word) {
@@ -282,8 +247,7 @@ Action define_view(Options& o) {
       "Projection of mirror maps: {} (default: paraboloid)");
   o.add("--size", "N", &r->drawing.size, {4, 8192}, "Height of a map or cube face (default: as the picture needs)");
   o.add("--max-size", "N", &r->drawing.largest, {4, 8192}, "Upper limit of the automatic size (default: 1024)");
-  o.add("--mirror", "NODE[:HOW]", &r->mirrors,
-        "Draw a node as a mirror (HOW: sphere paraboloid cube off), repeatable")
+  o.add("--mirror", "NODE[:HOW]", &r->mirrors, "Draw a node as a mirror (HOW: sphere paraboloid cube off), repeatable")
       .several = Several::repeated;
   o.add("--bounces", "N", &r->drawing.bounces, {1, 64},
         "Reflections between mirrors per frame (default: first all, then 1)");

@@ -234,7 +234,7 @@ int run(Request& o, Report& report) {
     SceneOptions scene{.path = o.input, .environment = o.environment};
     scene.read.max_pixels = o.read.max_pixels;
     const LoadedScene loaded = load(scene);
-    if (is_dark(loaded, scene))
+    if (loaded.is_dark({}))
       throw UsageError(o.input, "no light in it, so every method would be right: give some with --environment MAP");
     const Task all = parts_of(o.task)[0] == "view" ? make_view_task(o.task, loaded, scene, o.camera)
                                                    : make_scene_task(o.task, loaded, scene, o.at);

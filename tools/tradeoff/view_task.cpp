@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "envmap/base/error.h"
+#include "envmap/offscreen/choose_maps.h"
+#include "envmap/offscreen/choose_mirrors.h"
+#include "envmap/offscreen/eyes.h"
+#include "envmap/offscreen/viewpoints.h"
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
-#include "scenes/choose_maps.h"
-#include "scenes/eyes.h"
 #include "scenes/mirror_options.h"
-#include "scenes/viewpoints.h"
 #include "tradeoff/scene_task.h"
 
 namespace tools {
@@ -44,7 +45,8 @@ struct Stage {
 Outcome draw_once(Gl& gl, const Stage& stage, Projection maps, MirrorLookup lookup, const MirrorOptions& how) {
   Shot shot = stage.shot;
   shot.look.lookup = lookup;
-  return as_level(picture_through_maps(gl.renderer, shot, mirrors_of(stage.loaded.scene, {}, maps), stage.eye(), how),
+  return as_level(picture_through_maps(gl.renderer, shot, choose_mirrors(stage.loaded.scene, {}, maps), stage.eye(),
+                                       how),
                   stage.size);
 }
 
@@ -86,8 +88,9 @@ Task make_view_task(const std::string& name, const LoadedScene& loaded, const Sc
   if (parts.size() > 2) throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
   const int size = parts.size() == 2 ? size_of(name, parts[1]) : 256;
   const Shot shot = loaded.shot(options.time, options);
-  const View view = Viewpoints({.camera = camera}, 1, loaded.scene, options.path, shot.pose).view(shot.pose, 0);
-  const std::vector<int> mirrors = nodes_of(mirrors_of(loaded.scene, {}, Projection::cube));
+  const View view =
+      Viewpoints({.camera = camera_of(camera)}, 1, loaded.scene, options.path, shot.pose).view(shot.pose, 0);
+  const std::vector<int> mirrors = nodes_of(choose_mirrors(loaded.scene, {}, Projection::cube));
   if (mirrors.empty()) throw UsageError(options.path, "has no mirror and no lens, whose maps 'view' is about");
   const auto stage = std::make_shared<const Stage>(Stage{loaded, shot, view, size, mirrors});
   const auto cast = [stage] { return stage->cast(); };

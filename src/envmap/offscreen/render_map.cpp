@@ -2,20 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <exception>
-#include <memory>
-#include <thread>
-
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
+#include "envmap/offscreen/lit_scene.h"
+#include "envmap/offscreen/own_thread.h"
 #include "envmap/render/choose.h"
 #include "envmap/render/context.h"
-#include "envmap/render/distant_lights.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "envmap/render/turn.h"
-#include "envmap/scene/deform.h"
-#include "envmap/scene/read/read_scene.h"
 
 namespace envmap {
 namespace {
@@ -32,14 +28,6 @@ void check(const RenderOptions& o) {
                                  draw_method_names[std::size_t(o.method)], name(o.to.projection)));
   if (o.method == DrawMethod::raycast && o.context != ContextKind::automatic)
     throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");
-}
-
-std::vector<std::string> remarks_on(const Scene& scene, bool lit) {
-  std::vector<std::string> remarks = scene.remarks;
-  for (const std::string& what : scene.unmodelled) remarks.push_back("not drawn: " + what);
-  if (!lit && !has_light(scene))
-    remarks.push_back("no light in it and none given, so it is black: give an environment or ambient light");
-  return remarks;
 }
 
 Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose, const std::string& path) {
@@ -66,20 +54,13 @@ Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose
   return from;
 }
 
-// A thread of its own, so that the context that is current in the caller's stays current.
 Drawn draw_by_opengl(const Shot& shot, const Viewpoint& from, DrawMethod method, ContextKind kind) {
   Drawn drawn;
-  std::exception_ptr raised;
-  std::thread([&] {
-    try {
-      const Context context(kind);
-      Renderer renderer(shot.scene, shot.environment);
-      drawn = draw(renderer, from, shot, method);
-    } catch (...) {
-      raised = std::current_exception();
-    }
-  }).join();
-  if (raised) std::rethrow_exception(raised);
+  in_own_thread([&] {
+    const Context context(kind);
+    Renderer renderer(shot.scene, shot.environment);
+    drawn = draw(renderer, from, shot, method);
+  });
   return drawn;
 }
 
@@ -88,32 +69,18 @@ Drawn draw_by_opengl(const Shot& shot, const Viewpoint& from, DrawMethod method,
 RenderedMap render(const std::string& path, const RenderOptions& o, const EnvironmentMap* environment, const Run& run) {
   check(o);
   return carry_out(run, [&](const Progress& progress) {
-    Scene scene = read_scene(path);
-    const Pose placed = pose(scene, o.time_seconds);
-    deform(scene, placed, o.time_seconds);
-    const Viewpoint from = viewpoint(o, scene, placed, path);
-    std::unique_ptr<const Environment> around;
-    std::vector<DistantLight> distant;
-    if (environment != nullptr) {
-      EnvironmentMap base{.levels = {}, .forward = environment->forward};
-      base.levels.push_back(environment->base().clone());
-      around = std::make_unique<const Environment>(std::move(base));
-      if (o.occlusion > 0) distant = distant_lights(around->map, o.occlusion);
-    }
-    const Shot shot{.scene = scene,
-                    .pose = placed,
-                    .environment = around.get(),
-                    .ambient = o.ambient.value_or(Colour(0)),
-                    .shadows = o.shadows,
-                    .distant = distant};
-    const DrawMethod method = o.method == DrawMethod::automatic ? cheapest(o.to.projection, o.size, triangles(scene),
-                                                                           o.context == ContextKind::automatic)
-                                                                : o.method;
-    Drawn drawn = method == DrawMethod::raycast ? raycast(shot, from, {}, progress)
+    const LitScene lit =
+        read_lit_scene(path, environment, o.occlusion, o.time_seconds, part_progress(progress, 0, 0.5));
+    const Shot shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
+    const Viewpoint from = viewpoint(o, lit.scene, shot.pose, path);
+    const DrawMethod method =
+        o.method == DrawMethod::automatic
+            ? cheapest(o.to.projection, o.size, triangles(lit.scene), o.context == ContextKind::automatic)
+            : o.method;
+    Drawn drawn = method == DrawMethod::raycast ? raycast(shot, from, {}, part_progress(progress, 0.5, 0.5))
                                                 : draw_by_opengl(shot, from, method, o.context);
     drawn.radiance.forward = o.towards ? Forward::plus_z : o.to.forward;
-    return RenderedMap{std::move(drawn.radiance), method, drawn.missing_solid_angle,
-                       remarks_on(scene, environment != nullptr || o.ambient)};
+    return RenderedMap{std::move(drawn.radiance), method, drawn.missing_solid_angle, lit.remarks(o.ambient)};
   });
 }
 

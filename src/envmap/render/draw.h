@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
+#include "envmap/render/method.h"
 #include "envmap/sample/lookup.h"
 #include "envmap/scene/scene.h"
 
@@ -59,11 +60,6 @@ struct DistantLight;
 struct Environment;
 struct MirrorMap;
 struct MapTexture;
-
-/// How mirrors look their maps up. direction: as if all in them were far away. distance: where the ray meets what the
-/// map shows. vertex: by direction, at vertices, places in the map interpolated between them, as was done before 2000.
-enum class MirrorLookup { direction, distance, vertex };
-inline constexpr std::string_view mirror_lookup_names[] = {"direction", "distance", "vertex"};
 
 struct MirrorLook {
   MirrorLookup lookup = MirrorLookup::distance;

@@ -22,6 +22,11 @@ inline constexpr std::string_view draw_method_names[] = {"auto",       "exact", 
 enum class ContextKind { automatic, osmesa, egl };
 inline constexpr std::string_view context_names[] = {"auto", "osmesa", "egl"};
 
+/// How mirrors look their maps up. direction: as if all in them were far away. distance: where the ray meets what the
+/// map shows. vertex: by direction, at vertices, places in the map interpolated between them, as was done before 2000.
+enum class MirrorLookup { direction, distance, vertex };
+inline constexpr std::string_view mirror_lookup_names[] = {"direction", "distance", "vertex"};
+
 /// Whether a map can be drawn so, which says of a projection that is new whether it waits for shaders. resample and
 /// raycast draw any.
 bool can_draw(DrawMethod method, Projection to);

@@ -6,6 +6,7 @@
     diffuse = envmap.prefilter(cube, "diffuse", max_error=1e-4).map
     envmap.write("diffuse.exr", diffuse, depth="half")
     seen = envmap.render("room.glb", "latlong", at="Ball", environment=probe)
+    picture = envmap.view("room.glb", environment=probe).array
 
 Radiance is linear RGB, float32. The frame is right-handed, +Y up, +Z at the centre of latlong images; sizes are heights of a
 face in texels. Functions never change what they are given, and let other Python threads run. progress= takes a function that
@@ -16,8 +17,8 @@ Errors are envmap.Error, in one line: UsageError (a ValueError), InputError and 
 They have code ('usage', 'input', 'output', 'renderer', 'accuracy'), file, remedy (a word of envmap/base/error.h), field (of a value out of its range),
 and OSErrors also filename and errno. file, field and errno may be None: errno is set where the system refused.
 """
-from ._envmap import (AccuracyError, Difference, Error, InputError, Map, OutputError, Prefiltered, RendererError, UsageError, __version__, bake,
-                      brdf_table, compare, convert, encode, engines, generate, level_roughnesses, limit_threads, mipmap, pack, prefilter, read, render, sh, solid_angles, write)
+from ._envmap import (AccuracyError, Difference, Error, InputError, Map, OutputError, Picture, Prefiltered, RendererError, UsageError, __version__, bake,
+                      brdf_table, compare, convert, encode, engines, generate, level_roughnesses, limit_threads, mipmap, pack, prefilter, read, render, sh, solid_angles, view, write)
 
-__all__ = ["AccuracyError", "Difference", "Error", "InputError", "Map", "OutputError", "Prefiltered", "RendererError", "UsageError", "__version__",
-           "bake", "brdf_table", "compare", "convert", "encode", "engines", "generate", "level_roughnesses", "limit_threads", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "write"]
+__all__ = ["AccuracyError", "Difference", "Error", "InputError", "Map", "OutputError", "Picture", "Prefiltered", "RendererError", "UsageError", "__version__",
+           "bake", "brdf_table", "compare", "convert", "encode", "engines", "generate", "level_roughnesses", "limit_threads", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "view", "write"]

@@ -1,16 +1,13 @@
-#include "scenes/viewpoints.h"
+#include "envmap/offscreen/viewpoints.h"
 
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "cli/options.h"
 #include "envmap/base/error.h"
 
-namespace tools {
+namespace envmap {
 namespace {
-
-using namespace envmap;
 
 constexpr double default_field = 40;  // Degrees.
 
@@ -19,7 +16,7 @@ const Camera& camera_named(const std::string& name, const Scene& scene, const st
     if (camera.name == name || scene.nodes[std::size_t(camera.node)].name == name) return camera;
   std::vector<std::string> names;
   for (const Camera& camera : scene.cameras) names.push_back(camera.name);
-  throw UsageError(fmt::format("--camera: '{}' is neither X,Y,Z nor a camera of {}: it has {}", name, path,
+  throw UsageError(fmt::format("camera '{}' is neither a point X,Y,Z nor a camera of {}, which has {}", name, path,
                                scene.cameras.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
@@ -27,18 +24,19 @@ const Camera& camera_named(const std::string& name, const Scene& scene, const st
 
 Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Scene& scene, const std::string& path,
                        const Pose& first)
-    : look_at_(options.look_at), scene_(scene), orbit_(options.orbit), ball_(bounds(scene, first)) {
-  const auto radians = [](double degrees) { return degrees * pi / 180; };
-  if (const auto point = triple_of(options.camera)) {
-    still_ = framing(ball_, radians(options.fov.value_or(default_field)), aspect);
+    : look_at_(options.look_at), scene_(scene), orbit_(options.orbit_degrees), ball_(bounds(scene, first)) {
+  const auto to_radians = [](double degrees) { return degrees * pi / 180; };
+  const auto& field = options.vertical_field_degrees;
+  const auto* const point = options.camera ? std::get_if<Direction>(&*options.camera) : nullptr;
+  if (point != nullptr || (!options.camera && scene.cameras.empty())) {
+    still_ = framing(ball_, to_radians(field.value_or(default_field)), aspect);
+    if (point == nullptr) return;
     still_->at = *point;
     if (!look_at_) look_at_ = ball_.centre;
-  } else if (!options.camera.empty() || !scene.cameras.empty()) {
-    camera_ = options.camera.empty() ? scene.cameras.front() : camera_named(options.camera, scene, path);
-    if (options.fov) camera_.vertical_field = radians(*options.fov), camera_.half_height = 0;
-  } else {
-    still_ = framing(ball_, radians(options.fov.value_or(default_field)), aspect);
+    return;
   }
+  camera_ = options.camera ? camera_named(std::get<std::string>(*options.camera), scene, path) : scene.cameras.front();
+  if (field) camera_.vertical_field = to_radians(*field), camera_.half_height = 0;
 }
 
 View Viewpoints::view(const Pose& pose, double part) const {
@@ -53,4 +51,4 @@ View Viewpoints::view(const Pose& pose, double part) const {
   return view;
 }
 
-}  // namespace tools
+}  // namespace envmap

@@ -1,13 +1,11 @@
-#include "scenes/choose_maps.h"
+#include "envmap/offscreen/choose_maps.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "envmap/render/raycast.h"
 
-namespace tools {
-
-using namespace envmap;
+namespace envmap {
 
 std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, const std::vector<Mirror>& mirrors,
                                          const Eye& eye, const MirrorOptions& drawing) {
@@ -65,4 +63,4 @@ MapChoice choose_maps(Renderer& renderer, const std::vector<Mirror>& mirrors, st
   return best;
 }
 
-}  // namespace tools
+}  // namespace envmap

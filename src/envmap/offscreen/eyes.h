@@ -5,7 +5,7 @@
 #include "envmap/render/needed.h"
 #include "envmap/scene/camera.h"
 
-namespace tools {
+namespace envmap {
 
 // A picture of so many pixels.
 struct PictureSize {
@@ -14,12 +14,12 @@ struct PictureSize {
 };
 
 struct Eye {
-  envmap::Viewpoint from;
-  envmap::Viewer viewer;
+  Viewpoint from;
+  Viewer viewer;
 };
 
 // What is seen from beside a view by `aside` metres; at `still` metres both eyes see the same.
 // @throws UsageError where rays are parallel and both eyes would see the same.
-Eye eye_of(const PictureSize& picture, const envmap::View& view, double aside = 0, double still = 1);
+Eye eye_of(const PictureSize& picture, const View& view, double aside = 0, double still = 1);
 
-}  // namespace tools
+}  // namespace envmap

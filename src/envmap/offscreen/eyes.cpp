@@ -1,18 +1,18 @@
-#include "scenes/eyes.h"
+#include "envmap/offscreen/eyes.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "envmap/base/error.h"
+#include "envmap/maths/portable.h"
 
-namespace tools {
-
-using namespace envmap;
+namespace envmap {
 
 Eye eye_of(const PictureSize& picture, const View& view, double aside, double still) {
   const Rotation& axes = view.axes;
   const bool parallel = view.half_height > 0;
-  if (parallel && aside != 0) throw UsageError("--anaglyph: the camera is orthographic, and both eyes see the same");
-  const double up = parallel ? view.half_height : std::tan(0.5 * view.vertical_field),
+  if (parallel && aside != 0) throw UsageError("the camera is orthographic, so both eyes of an anaglyph see the same");
+  const double half = 0.5 * view.vertical_field;
+  const double up = parallel ? view.half_height : portable::sin(half) / portable::cos(half),
                across = up * picture.width / picture.height;
   Eye eye;
   eye.from = {.size = picture.height,
@@ -29,7 +29,7 @@ Eye eye_of(const PictureSize& picture, const View& view, double aside, double st
     return Plane(normal, -glm::dot(normal, eye.from.at) + 1e-3 + beyond);
   };
   if (parallel) {
-    const double distance = 1e4 * std::hypot(across, up);  // As good as from infinity.
+    const double distance = 1e4 * portable::hypot(across, up);  // As good as from infinity.
     eye.viewer = {.at = view.at + distance * axes[2],
                   .planes = {side({1, 0, 0}, across), side({-1, 0, 0}, across), side({0, 1, 0}, up),
                              side({0, -1, 0}, up), side({0, 0, -1})},
@@ -44,4 +44,4 @@ Eye eye_of(const PictureSize& picture, const View& view, double aside, double st
   return eye;
 }
 
-}  // namespace tools
+}  // namespace envmap

@@ -3,26 +3,25 @@
 
 #include <vector>
 
+#include "envmap/offscreen/eyes.h"
 #include "envmap/render/mirrors.h"
-#include "scenes/eyes.h"
 
-namespace tools {
+namespace envmap {
 
 // A picture through maps that begin empty.
-std::vector<envmap::Colour> picture_through_maps(envmap::Renderer& renderer, const envmap::Shot& shot,
-                                                 const std::vector<envmap::Mirror>& mirrors, const Eye& eye,
-                                                 const envmap::MirrorOptions& drawing);
+std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, const std::vector<Mirror>& mirrors,
+                                         const Eye& eye, const MirrorOptions& drawing);
 
 // A picture that is wanted.
 struct Moment {
-  envmap::Shot shot;
+  Shot shot;
   Eye eye;
 };
 
 struct MapChoice {
   bool rays = false;  // No maps are good enough.
-  envmap::MirrorLookup lookup = envmap::MirrorLookup::distance;
-  envmap::MirrorOptions drawing;
+  MirrorLookup lookup = MirrorLookup::distance;
+  MirrorOptions drawing;
   double error = 0;  // Of the maps, the largest of all moments.
 };
 
@@ -30,7 +29,7 @@ struct MapChoice {
 // the picture by rays. Tries increasing map sizes with distance lookup until one is accurate enough, then tries fewer
 // rounds and direction lookup.
 // @param drawing near, far and method.
-MapChoice choose_maps(envmap::Renderer& renderer, const std::vector<envmap::Mirror>& mirrors,
-                      std::vector<Moment> moments, const envmap::MirrorOptions& drawing, double max_error);
+MapChoice choose_maps(Renderer& renderer, const std::vector<Mirror>& mirrors, std::vector<Moment> moments,
+                      const MirrorOptions& drawing, double max_error);
 
-}  // namespace tools
+}  // namespace envmap

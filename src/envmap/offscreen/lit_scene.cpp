@@ -1,0 +1,47 @@
+#include "envmap/offscreen/lit_scene.h"
+
+#include "envmap/scene/deform.h"
+#include "envmap/scene/read/read_scene.h"
+
+namespace envmap {
+
+void LitScene::light_by(EnvironmentMap map, int lights, const Progress& progress) {
+  environment = std::make_unique<const Environment>(std::move(map), glossy_size, progress);
+  if (lights > 0) distant = distant_lights(environment->map, lights);
+}
+
+std::vector<int> LitScene::move_to(double time) { return deform(scene, pose(scene, time), time); }
+
+Shot LitScene::shot(double time, const std::optional<Colour>& ambient, bool shadows) const {
+  return {.scene = scene,
+          .pose = pose(scene, time),
+          .environment = environment.get(),
+          .ambient = ambient.value_or(Colour(0)),
+          .shadows = shadows,
+          .distant = distant};
+}
+
+bool LitScene::is_dark(const std::optional<Colour>& ambient) const {
+  return !environment && !ambient && !has_light(scene);
+}
+
+std::vector<std::string> LitScene::remarks(const std::optional<Colour>& ambient) const {
+  std::vector<std::string> all = scene.remarks;
+  for (const std::string& what : scene.unmodelled) all.push_back("not drawn: " + what);
+  if (is_dark(ambient))
+    all.push_back("no light in it and none given, so it is black: give an environment or ambient light");
+  return all;
+}
+
+LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, double time,
+                        const Progress& progress) {
+  LitScene lit{.scene = read_scene(path)};
+  lit.move_to(time);
+  if (environment == nullptr) return lit;
+  EnvironmentMap base{.levels = {}, .forward = environment->forward};
+  base.levels.push_back(environment->base().clone());
+  lit.light_by(std::move(base), lights, progress);
+  return lit;
+}
+
+}  // namespace envmap

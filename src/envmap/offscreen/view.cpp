@@ -1,0 +1,108 @@
+#include "envmap/offscreen/view.h"
+
+#include <optional>
+
+#include "envmap/base/carry_out.h"
+#include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
+#include "envmap/offscreen/choose_maps.h"
+#include "envmap/offscreen/choose_mirrors.h"
+#include "envmap/offscreen/lit_scene.h"
+#include "envmap/offscreen/mirror_painter.h"
+#include "envmap/offscreen/own_thread.h"
+#include "envmap/offscreen/viewpoints.h"
+#include "envmap/render/raycast.h"
+
+namespace envmap {
+namespace {
+
+void check_map(Projection map) {
+  if (map != Projection::sphere && map != Projection::paraboloid && map != Projection::cube)
+    throw UsageError("maps of mirrors are sphere, paraboloid or cube");
+}
+
+void check(const ViewOptions& o) {
+  envmap::check({"width", 1, 16384}, o.width);
+  envmap::check({"height", 1, 16384}, o.height);
+  envmap::check({"samples", 1, 1024}, o.samples);
+  envmap::check({"occlusion", 0, most_distant_lights}, o.occlusion);
+  envmap::check({"lobe_samples", 0, 65536}, o.lobe_samples);
+  envmap::check({"largest_map", 4, 8192}, o.largest_map);
+  envmap::check({"near_metres", 1e-9, 1e9}, o.near_metres);
+  envmap::check({"far_metres", 1e-9, 1e12}, o.far_metres);
+  if (o.map_size != 0) envmap::check({"map_size", 4, 8192}, o.map_size);
+  if (o.vertical_field_degrees) envmap::check({"vertical_field_degrees", 0.01, 179}, *o.vertical_field_degrees);
+  if (o.bounces) envmap::check({"bounces", 1, 64}, *o.bounces);
+  if (o.max_error) envmap::check({"max_error", 1e-6, 10}, *o.max_error);
+  if (o.near_metres >= o.far_metres) throw UsageError("near_metres must be less than far_metres");
+  check_map(o.maps);
+  for (const MirrorWish& wish : o.mirrors) check_map(wish.map.value_or(o.maps));
+  if (o.method != ViewMethod::raycast) {
+    if (o.lobe_samples > 0) throw UsageError("lobe_samples is for the method 'raycast'");
+    return;
+  }
+  if (o.context != ContextKind::automatic)
+    throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");
+  if (o.max_error) throw UsageError("max_error chooses maps, which the method 'raycast' does not draw");
+}
+
+// One picture, and what it is made of.
+struct Sitting {
+  const ViewOptions& options;
+  const LitScene& lit;
+  const std::vector<Mirror>& mirrors;
+  Shot shot;
+  Eye eye;
+};
+
+void cast(const Sitting& s, const Progress& progress, ViewedScene& viewed) {
+  const ViewOptions& o = s.options;
+  viewed.method = ViewMethod::raycast;
+  viewed.radiance =
+      raycast_picture(s.shot, s.eye.from,
+                      {nodes_of(s.mirrors), o.bounces.value_or(most_rounds), o.far_metres, o.lobe_samples}, progress);
+}
+
+// @return whether maps are good enough.
+bool paint(Sitting& s, ViewedScene& viewed) {
+  const ViewOptions& o = s.options;
+  MirrorOptions drawing{
+      .size = o.map_size, .largest = o.largest_map, .bounces = o.bounces, .near = o.near_metres, .far = o.far_metres};
+  s.shot.look.lookup = o.lookup;
+  MirrorPainter painter(o.context, s.lit, s.mirrors);
+  if (o.max_error && !s.mirrors.empty()) {
+    const MapChoice choice = choose_maps(painter.renderer(), s.mirrors, {{s.shot, s.eye}}, drawing, *o.max_error);
+    viewed.error = choice.error;
+    if (choice.rays) return false;
+    s.shot.look.lookup = choice.lookup, drawing = choice.drawing;
+  }
+  s.shot.look.pictures = drawing.bounces.value_or(s.shot.look.pictures);
+  viewed.radiance = std::move(painter.paint(s.shot, {}, {s.eye}, drawing, [](const std::string&) {}).front());
+  std::vector<EnvironmentMap> maps = painter.maps();
+  for (std::size_t k = 0; k < maps.size(); ++k)
+    viewed.mirrors.push_back({s.lit.scene.nodes[std::size_t(s.mirrors[k].node)].name, std::move(maps[k])});
+  return true;
+}
+
+}  // namespace
+
+ViewedScene view(const std::string& path, const ViewOptions& o, const EnvironmentMap* environment, const Run& run) {
+  check(o);
+  return carry_out(run, [&](const Progress& progress) {
+    const LitScene lit =
+        read_lit_scene(path, environment, o.occlusion, o.time_seconds, part_progress(progress, 0, 0.5));
+    const std::vector<Mirror> mirrors = choose_mirrors(lit.scene, o.mirrors, o.maps);
+    const Shot shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
+    const Viewpoints viewpoints({o.camera, o.look_at, o.vertical_field_degrees}, double(o.width) / o.height, lit.scene,
+                                path, shot.pose);
+    Sitting sitting{o, lit, mirrors, shot, eye_of({o.width, o.height, o.samples}, viewpoints.view(shot.pose, 0))};
+    ViewedScene viewed{.width = o.width, .height = o.height, .radiance = {}, .mirrors = {}, .remarks = {}};
+    bool by_rays = o.method == ViewMethod::raycast;
+    if (!by_rays) in_own_thread([&] { by_rays = !paint(sitting, viewed); });
+    if (by_rays) cast(sitting, part_progress(progress, 0.5, 0.5), viewed);
+    viewed.remarks = lit.remarks(o.ambient);
+    return viewed;
+  });
+}
+
+}  // namespace envmap

@@ -1,0 +1,74 @@
+// envmap.generate(): patterns by their names and parameters.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "words.h"
+
+namespace envmap_python {
+namespace {
+
+namespace py = pybind11;
+using namespace py::literals;
+using namespace envmap;
+
+// A parameter of a pattern, taken out of what was given.
+template <class T>
+T take(py::kwargs& given, const char* name, const T& otherwise) {
+  if (!given.contains(name)) return otherwise;
+  const T value = py::cast<T>(given[name]);
+  given.attr("pop")(name);
+  return value;
+}
+
+// A number is all three channels.
+Rgb<double> take(py::kwargs& given, const char* name, const Rgb<double>& otherwise) {
+  if (given.contains(name) && (py::isinstance<py::float_>(given[name]) || py::isinstance<py::int_>(given[name])))
+    return Rgb<double>(take(given, name, 0.0));
+  return rgb(take(given, name, triple(otherwise)));
+}
+
+Sky sky_of(py::kwargs& k) {
+  Sky sky{take(k, "zenith", Rgb<double>(1)), take(k, "ground", Rgb<double>(0.2))};
+  if (k.contains("horizon")) sky.horizon = take(k, "horizon", Rgb<double>(0));
+  return sky;
+}
+
+Pattern pattern(const std::string& kind, py::kwargs& k) {
+  if (kind == "constant") return Constant{take(k, "radiance", Rgb<double>(1))};
+  if (kind == "gradient") return Gradient{take(k, "bottom", Rgb<double>(0.1)), take(k, "top", Rgb<double>(1))};
+  if (kind == "checker")
+    return Checker{take(k, "squares", 8), take(k, "even", Rgb<double>(1)), take(k, "odd", Rgb<double>(0.1))};
+  if (kind == "directions") return Directions{};
+  if (kind == "faces") return Faces{};
+  if (kind == "sky") return sky_of(k);
+  if (kind == "sh")
+    return Harmonic{take(k, "degree", 2), take(k, "order", 0), take(k, "base", 1.0), take(k, "amplitude", 0.5)};
+  if (kind != "sun")
+    throw UsageError("kind '" + kind + "' is none of constant, gradient, checker, directions, faces, sun, sky, sh");
+  const Triple to = take(k, "direction", Triple{0, 0, 1});
+  const Direction d(to[0], to[1], to[2]);
+  if (!(glm::length(d) > 0)) throw UsageError("a direction has a length");
+  return Sun{glm::normalize(d), take(k, "radius", 0.2666), take(k, "radiance", Rgb<double>(1e5)), sky_of(k)};
+}
+
+Map generate_map(const std::string& kind, const std::string& to, int size, const std::string& forward,
+                 py::kwargs parameters) {
+  const Pattern wanted = pattern(kind, parameters);
+  if (parameters.size() > 0)
+    throw UsageError(kind + " has no parameter " + py::cast<std::string>(parameters.begin()->first));
+  const Frame frame(projection_of(to), forward_of(forward));
+  const py::gil_scoped_release others;
+  return shared(generate(wanted, frame, size));
+}
+
+}  // namespace
+
+void add_generate(py::module_& m) {
+  m.def("generate", &generate_map, "kind"_a, "to"_a = "latlong", "size"_a = 64, "forward"_a = "+z",
+        document("generate", "kind, to='latlong', size=64, forward='+z', **parameters",
+                 "An environment with a known answer: constant, gradient, checker, directions, faces, sun, sky or sh, "
+                 "with its parameters."));
+}
+
+}  // namespace envmap_python
