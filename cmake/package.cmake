@@ -54,7 +54,8 @@ if(ENVMAP_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   # A module is of one version of Python. The other package holds what reads the formats that are opened at run time.
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-    "python3 (>= 3.${ENVMAP_PYTHON_MINOR}~), python3 (<< 3.${next}), python3-numpy, envmap (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+    "python3 (>= 3.${ENVMAP_PYTHON_MINOR}~), python3 (<< 3.${next}), python3-numpy, \
+envmap (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "libosmesa6 | libgl1-mesa-dri, libegl1, libgl1-mesa-dri")
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "${about}The package holds the Python module, on numpy arrays.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/python/postinst

@@ -32,8 +32,8 @@ for path in sorted(p for p in (root / 'src').rglob('*') if p.suffix in ('.h', '.
             broken.append(f'{name}:{number}: {LIBM.search(line)[0]}...) differs between processors: see maths/portable.h')
 
 # The formatter breaks longer lines (git clang-format). Raw strings and the table of engines stay as they are.
-for folder in ('src', 'tools', 'tests'):
-    for path in sorted(p for p in (root / folder).rglob('*') if p.suffix in ('.h', '.cpp')):
+for folder in ('src', 'tools', 'tests', 'cmake'):
+    for path in sorted(p for p in (root / folder).rglob('*') if p.suffix in ('.h', '.cpp', '.cmake') or p.name == 'CMakeLists.txt'):
         name = str(path.relative_to(root))
         text = re.sub(r'R"(\w*)\(.*?\)\1"', lambda match: '\n' * match[0].count('\n'), path.read_text(), flags=re.S)
         broken += [f'{name}:{number}: over 120 columns' for number, line in enumerate(text.splitlines(), 1)

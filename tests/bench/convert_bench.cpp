@@ -24,7 +24,7 @@ namespace {
 using namespace envmap;
 
 constexpr int latlong_height = 1024;  // What the maps of kernel/, filter/ and apron/ are as dense as.
-constexpr int most_rows = 192;        // Timed at once: enough to see every part of a map, few enough for 16k maps.
+constexpr int max_rows = 192;         // Timed at once: enough to see every part of a map, few enough for 16k maps.
 constexpr int run_rows = 16;          // That follow each other, as those of a band do: they share what the caches hold.
 
 int height(Projection p) { return matching_size(Projection::latlong, latlong_height, p); }
@@ -51,14 +51,14 @@ EnvironmentMap& source(Projection p, int size) {
   return map;
 }
 
-// Up to most_rows rows in runs, evenly spaced over all faces, and how many texels of the image they hold.
+// Up to max_rows rows in runs, evenly spaced over all faces, and how many texels of the image they hold.
 struct Sample {
   std::vector<std::pair<int, int>> rows;  // Face, row.
   std::int64_t texels = 0;
 };
 
 Sample sample_of(const Rows& rows) {
-  const int all = faces(rows.projection) * rows.size, runs = std::max(1, std::min(all, most_rows) / run_rows);
+  const int all = faces(rows.projection) * rows.size, runs = std::max(1, std::min(all, max_rows) / run_rows);
   const int each = std::min(all / runs, run_rows);
   Sample s;
   for (int run = 0; run < runs; ++run)

@@ -12,18 +12,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "envmap/sample/padded_level.h"
-#include "envmap/map/layout.h"
-#include "envmap/map/page.h"
 #include "envmap/base/parallel.h"
+#include "envmap/map/atlas.h"
+#include "envmap/map/layout.h"
 #include "envmap/projection/visit.h"
+#include "envmap/sample/padded_level.h"
 
 namespace {
 

@@ -1,5 +1,3 @@
-#include "envmap/io/part.h"
-
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/io/shard.h"
 #include "targets.h"
 
 using namespace envmap;
@@ -23,7 +22,7 @@ void fuzz_part(Bytes data) {
   }
   if (parts.empty()) return;
   try {
-    const Joined joined = join_parts(parts);
+    const MergedShards joined = merge_shards(parts);
     if (joined.map.base().height() < 1) std::abort();
   } catch (const InputError&) {  // Its words become printable where the program tells them.
   }

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "envmap/base/error.h"
-#include "envmap/io/recognise.h"
+#include "envmap/io/detect_layout.h"
 #include "targets.h"
 
 using namespace envmap;
@@ -31,7 +31,7 @@ void fuzz_words(Bytes data) {
   }
   try {
     // Texels of all faces fit in the image.
-    const Recognised r = recognise(shape[0], shape[1], said, recorded);
+    const DetectedLayout r = detect_layout(shape[0], shape[1], said, recorded);
     const double texels = double(faces(r.projection)) * r.size * r.size * aspect(r.projection);
     if (r.size < 1 || texels > double(shape[0]) * shape[1]) std::abort();
   } catch (const InputError&) {

@@ -52,7 +52,7 @@ TEST_F(DeformTest, MorphTargetsAreAddedByTheirWeights) {
   animate(file, 0, "weights", {0, 1}, "SCALAR", 1);
   file.write(folder / "moving.glb");
   Scene scene = read_scene(path("moving.glb"));
-  EXPECT_TRUE(scene.unmodelled.empty());
+  EXPECT_TRUE(scene.unsupported.empty());
   EXPECT_EQ(scene.meshes[0].positions[2], glm::vec3(1, 1, 0));
   EXPECT_EQ(deform(scene, pose(scene, 0.75), 0.75), std::vector<int>{0});
   EXPECT_EQ(scene.meshes[0].positions[2], glm::vec3(1, 1, 1.5F));
@@ -104,8 +104,9 @@ GltfFile tube() {
   primitive["indices"] = file.add(indices, "SCALAR", 1);
   primitive["material"] = 0;
   file.document["materials"] = {{{"doubleSided", true}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}}};
-  const int inverse = file.add<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,  0, 1,
-                                       1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1}, "MAT4", 16);
+  const int inverse =
+      file.add<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1},
+                      "MAT4", 16);
   file.document["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", inverse}}};
   // A skin's node moves nothing by itself.
   file.document["nodes"] = {
@@ -124,7 +125,7 @@ Direction in_world(const Scene& scene, const Pose& pose, std::size_t vertex) {
 TEST_F(DeformTest, ATubeOfTwoBonesBends) {
   tube().write(folder / "tube.glb");
   Scene scene = read_scene(path("tube.glb"));
-  EXPECT_TRUE(scene.unmodelled.empty());
+  EXPECT_TRUE(scene.unsupported.empty());
   const Pose straight = pose(scene, 0), bent = pose(scene, 1);
   std::vector<Direction> before;
   for (std::size_t k = 0; k < scene.meshes[0].positions.size(); ++k) before.push_back(in_world(scene, straight, k));

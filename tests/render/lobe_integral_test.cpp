@@ -118,7 +118,7 @@ TEST(LobeIntegral, WhiteSurfacesInAWhiteRoomStayWhite) {
   for (const float metallic : {0.0F, 1.0F})
     for (const float roughness : {0.1F, 0.3F, 1.0F})
       for (const double angle : {0.0, 0.7, 1.4}) {
-        const Surface s{.metallic = metallic, .roughness = roughness, .coat = 0.5F, .coat_roughness = 0.2F};
+        const ShadingPoint s{.metallic = metallic, .roughness = roughness, .coat = 0.5F, .coat_roughness = 0.2F};
         EXPECT_NEAR(shade(s, tilted(angle), light).x, 1, 0.02) << metallic << ' ' << roughness << ' ' << angle;
       }
 }

@@ -29,7 +29,7 @@ struct Ray {
 };
 
 // Rays from the viewer to random places of a mesh, turned there; those that the viewer's planes hide left out.
-std::vector<Ray> rays(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
+std::vector<Ray> rays(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const MirrorOptics& optics) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform;
   std::vector<Ray> shown;
@@ -54,21 +54,21 @@ std::vector<Ray> rays(const Viewer& viewer, const Mesh& mesh, const Matrix& worl
   return shown;
 }
 
-double beyond(const Direction& ray, const std::vector<Cap>& caps) {
+double beyond(const Direction& ray, const std::vector<DirectionCone>& caps) {
   double nearest = 10;
-  for (const Cap& cap : caps) nearest = std::min(nearest, angle_between(ray, cap.axis) - cap.angle);
+  for (const DirectionCone& cap : caps) nearest = std::min(nearest, angle_between(ray, cap.axis) - cap.angle);
   return nearest;
 }
 
 // Every ray lies in a cap, all its points seen from a middle do,
 // and it lies in a face that is said to be reached. @return how many faces are.
-int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics) {
-  const std::vector<Cap> caps = shown_directions(viewer, mesh, world, optics).caps;
+int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const MirrorOptics& optics) {
+  const std::vector<DirectionCone> caps = reflection_bounds(viewer, mesh, world, optics).caps;
   const Rotation axes = rotation(20, 30, 40);
   const auto reached = reached_faces(caps, axes, 0);
-  const Cap all = caps.empty() ? Cap{{0, 0, 1}, 0} : enclosing(caps);
+  const DirectionCone all = caps.empty() ? DirectionCone{{0, 0, 1}, 0} : enclosing(caps);
   const Direction middle = Direction(world[3]) + Direction(0.1, 0.05, 0);
-  const std::vector<Cap> swept = shown_directions(viewer, mesh, world, optics, middle).caps;
+  const std::vector<DirectionCone> swept = reflection_bounds(viewer, mesh, world, optics, middle).caps;
   for (const auto& [from, ray] : rays(viewer, mesh, world, optics)) {
     EXPECT_LE(beyond(ray, caps), 1e-9);
     for (const double distance : {0.0, 0.1, 0.5, 2.0, 10.0})
@@ -101,29 +101,29 @@ TEST(Needed, EveryRayOfALensIsHeld) {
 
 TEST(Needed, WhatIsOutOfSightNeedsNothing) {
   const Vector4 ahead(0, 0, -1, 0);  // The viewer at the origin sees -Z.
-  EXPECT_TRUE(shown_directions({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {})
+  EXPECT_TRUE(reflection_bounds({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {})
                   .caps.empty());
-  EXPECT_TRUE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {}).caps.empty()) << "seen from behind";
-  EXPECT_FALSE(shown_directions({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {0, true}).caps.empty());
+  EXPECT_TRUE(reflection_bounds({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {}).caps.empty()) << "seen from behind";
+  EXPECT_FALSE(reflection_bounds({{0, -2, 0}, {}}, plate(1, 0), Matrix(1), {0, true}).caps.empty());
   expect_held({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, -0.5)), {});
 }
 
 TEST(Needed, AFlatMirrorTakesOneHalfAndABallTakesAll) {
-  const Shown shown = shown_directions({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {});
+  const Shown shown = reflection_bounds({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {});
   EXPECT_NEAR(shown.widening, 1, 1e-9);
-  const std::vector<Cap>& flat = shown.caps;
-  const Cap all = enclosing(flat);
+  const std::vector<DirectionCone>& flat = shown.caps;
+  const DirectionCone all = enclosing(flat);
   EXPECT_LT(all.angle, 0.6);
   EXPECT_GT(all.axis.y, 0.3);
   EXPECT_LT(all.axis.z, -0.3);
   EXPECT_LE(expect_held({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {}), 3);
   EXPECT_EQ(expect_held({{0, 0, 3}, {}}, rooms::ball(6), Matrix(1), {}), 6);
-  EXPECT_GT(enclosing(shown_directions({{0, 0, 3}, {}}, rooms::ball(16), Matrix(1), {}).caps).angle, pi / 2);
+  EXPECT_GT(enclosing(reflection_bounds({{0, 0, 3}, {}}, rooms::ball(16), Matrix(1), {}).caps).angle, pi / 2);
 }
 
 TEST(Needed, AFaceIsReachedWhereACapTouchesIt) {
   const auto reached = [](const Direction& axis, double angle) {
-    return reached_faces(std::vector{Cap{glm::normalize(axis), angle}}, Rotation(1), 0);
+    return reached_faces(std::vector{DirectionCone{glm::normalize(axis), angle}}, Rotation(1), 0);
   };
   EXPECT_EQ(reached({0, 0, 1}, 0.78), (std::array{false, false, false, false, true, false}));
   EXPECT_EQ(reached({0, 0, 1}, 0.79), (std::array{true, true, true, true, true, false}));

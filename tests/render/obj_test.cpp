@@ -62,7 +62,7 @@ TEST_F(SceneTest, ObjAsTheManualHasIt) {
   EXPECT_EQ(red.name, "red #1");
   EXPECT_EQ(red.base_colour, glm::vec4(1, 0, 0, 1));
   EXPECT_EQ(red.ior, 2);
-  EXPECT_EQ(scene.unmodelled, (std::vector<std::string>{"colours of vertices", "points and lines"}));
+  EXPECT_EQ(scene.unsupported, (std::vector<std::string>{"colours of vertices", "points and lines"}));
   EXPECT_EQ(scene.remarks, (std::vector<std::string>{"no .mtl defines the material 'none': it is white"}));
   EXPECT_EQ(scene.files, (std::vector<std::string>{path("a.obj"), path("my colours.mtl")}));
 }
@@ -99,10 +99,9 @@ TEST_F(SceneTest, OptionsAndExtensionsOfMaterials) {
   ASSERT_EQ(matte.base_colour_texture, 1) << "not clamped, so another";
   EXPECT_EQ(scene.materials[2].coat, 0.5F);
   EXPECT_EQ(scene.materials[2].coat_roughness, 0.25F);
-  EXPECT_EQ(scene.unmodelled,
-            (std::vector<std::string>{"scaled textures", "alpha blending", "normal maps",
-                                      "textures of roughness, metalness and highlights",
-                                      "sheen and anisotropy", "colours as spectra or CIE XYZ"}));
+  EXPECT_EQ(scene.unsupported, (std::vector<std::string>{"scaled textures", "alpha blending", "normal maps",
+                                                         "textures of roughness, metalness and highlights",
+                                                         "sheen and anisotropy", "colours as spectra or CIE XYZ"}));
 }
 
 // A cube in one smoothing group: at a corner three faces meet at right angles, so the normal is (1,1,1)/sqrt(3),
@@ -200,8 +199,7 @@ TEST(Triangulate, WhatIsNoPolygonEnds) {
     EXPECT_EQ(triangulate(points).size(), points.size() - 2);
   }
   std::vector<Direction> large;
-  for (std::size_t k = 0; k <= most_concave_corners; ++k)
-    large.push_back({double(k), double(k % 2), 0});
+  for (std::size_t k = 0; k <= max_concave_corners; ++k) large.push_back({double(k), double(k % 2), 0});
   EXPECT_THROW(triangulate(large), InputError);
 }
 

@@ -26,11 +26,12 @@ TEST_F(SceneTest, TransformsGoDownTheTree) {
   GltfFile file = triangle();
   const double h = std::sqrt(0.5);
   file.document["scenes"] = {{{"nodes", {2}}}};
-  file.document["nodes"] = {
-      {{"mesh", 0}, {"name", "leaf"}, {"translation", {1, 0, 0}}},
-      // 90 degrees about +Y.
-      {{"name", "turned"}, {"rotation", {0, h, 0, h}}, {"scale", {2, 2, 2}}, {"children", {0}}},
-      {{"name", "root"}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1}}, {"children", {1}}}};
+  file.document["nodes"] = {{{"mesh", 0}, {"name", "leaf"}, {"translation", {1, 0, 0}}},
+                            // 90 degrees about +Y.
+                            {{"name", "turned"}, {"rotation", {0, h, 0, h}}, {"scale", {2, 2, 2}}, {"children", {0}}},
+                            {{"name", "root"},
+                             {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 20, 30, 1}},
+                             {"children", {1}}}};
   for (const char* name : {"a.gltf", "a.glb"}) {
     file.write(folder / name);
     const Scene scene = read_scene(path(name));
@@ -43,7 +44,7 @@ TEST_F(SceneTest, TransformsGoDownTheTree) {
     near(at(world[leaf], {1, 0, 0}), {10, 20, 26});
     ASSERT_EQ(scene.meshes.size(), 1U);
     EXPECT_EQ(scene.meshes[0].normals[0], glm::vec3(0, 0, 1));
-    EXPECT_TRUE(scene.unmodelled.empty());
+    EXPECT_TRUE(scene.unsupported.empty());
   }
 }
 
@@ -87,8 +88,7 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   const Material& plain = scene.materials[scene.meshes[1].material];
   EXPECT_EQ(plain.metallic, 1);
   EXPECT_EQ(plain.roughness, 1);
-  EXPECT_EQ(scene.unmodelled,
-            (std::vector<std::string>{"the extension KHR_materials_iridescence"}));
+  EXPECT_EQ(scene.unsupported, (std::vector<std::string>{"the extension KHR_materials_iridescence"}));
   EXPECT_FALSE(m.blended);
   EXPECT_TRUE(scene.materials[1].blended);
 }
@@ -106,8 +106,8 @@ TEST_F(SceneTest, UnlitMaterialsAndTransformsOfTextures) {
   json& primitive = file.document["meshes"][0]["primitives"][0];
   primitive["attributes"]["TEXCOORD_0"] = file.document["accessors"].size() - 1;
   primitive["material"] = 0;
-  const json transform = {{"KHR_texture_transform",
-                           {{"offset", {0.1, 0.2}}, {"rotation", 0.5 * pi}, {"scale", {2, 3}}}}};
+  const json transform = {
+      {"KHR_texture_transform", {{"offset", {0.1, 0.2}}, {"rotation", 0.5 * pi}, {"scale", {2, 3}}}}};
   file.document["textures"] = {{{"source", 0}}};
   file.document["images"] = {{{"uri", "data:image/png;base64," + png}}};
   file.document["materials"] = {
@@ -118,7 +118,7 @@ TEST_F(SceneTest, UnlitMaterialsAndTransformsOfTextures) {
   file.document["extensionsUsed"] = {"KHR_materials_unlit", "KHR_texture_transform"};
   file.write(folder / "a.gltf");
   const Scene scene = read_scene(path("a.gltf"));
-  EXPECT_TRUE(scene.unmodelled.empty());
+  EXPECT_TRUE(scene.unsupported.empty());
   const Material& m = scene.materials[0];
   EXPECT_EQ(m.emissive, Colour(0.1F, 0.2F, 0.3F));
   EXPECT_EQ(m.emissive_texture, m.base_colour_texture);
@@ -141,11 +141,11 @@ TEST_F(SceneTest, NormalAndOcclusionMaps) {
   primitive["material"] = 0;
   file.document["textures"] = {{{"source", 0}}};
   file.document["images"] = {{{"uri", "data:image/png;base64," + png}}};
-  file.document["materials"] = {{{"normalTexture", {{"index", 0}, {"scale", 0.5}}},
-                                 {"occlusionTexture", {{"index", 0}, {"strength", 0.25}}}}};
+  file.document["materials"] = {
+      {{"normalTexture", {{"index", 0}, {"scale", 0.5}}}, {"occlusionTexture", {{"index", 0}, {"strength", 0.25}}}}};
   file.write(folder / "a.gltf");
   const Scene made = read_scene(path("a.gltf"));
-  EXPECT_TRUE(made.unmodelled.empty());
+  EXPECT_TRUE(made.unsupported.empty());
   EXPECT_EQ(made.materials[0].normal_scale, 0.5F);
   EXPECT_EQ(made.materials[0].occlusion_strength, 0.25F);
   EXPECT_FALSE(made.textures[made.materials[0].normal_texture].srgb);
@@ -204,9 +204,10 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
        {"range", 7},
        {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
       {{"type", "directional"}}};
-  file.document["cameras"] = {
-      {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}, {"aspectRatio", 1.5}}}},
-      {{"type", "orthographic"}, {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0.5}, {"zfar", 9}}}}};
+  file.document["cameras"] = {{{"type", "perspective"},
+                               {"perspective", {{"yfov", 0.7}, {"znear", 0.1}, {"aspectRatio", 1.5}}}},
+                              {{"type", "orthographic"},
+                               {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0.5}, {"zfar", 9}}}}};
   file.document["nodes"].push_back(
       {{"name", "lit"}, {"translation", {1, 2, 3}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
   file.document["nodes"].push_back({{"name", "eye"},
@@ -353,7 +354,7 @@ TEST_F(SceneTest, MeshesThatDracoCompressed) {
   for (const std::uint32_t v : scene.meshes[0].indices) sum += Direction(scene.meshes[0].positions[v]);
   near(sum, {1, 1, 0}, 1e-3);
   near(Direction(scene.meshes[0].normals[0]), {0, 1, 0}, 2e-2);
-  EXPECT_TRUE(scene.unmodelled.empty());
+  EXPECT_TRUE(scene.unsupported.empty());
   extension["attributes"]["POSITION"] = 7;
   file.write(folder / "a.glb");
   EXPECT_NE(why(path("a.glb")).find("lacks an attribute"), std::string::npos);
@@ -380,14 +381,14 @@ TEST_F(SceneTest, TheSampleScenesAreRead) {
        {std::pair("room-2.glb", 1), std::pair("room-4.glb", 3), std::pair("room-21.glb", 20)}) {
     const Scene room = read_scene(path(name));
     EXPECT_EQ(room.meshes[0].indices.size() / 6, std::size_t(side * side)) << name;
-    EXPECT_TRUE(room.unmodelled.empty());
+    EXPECT_TRUE(room.unsupported.empty());
   }
   EXPECT_EQ(read_scene(path("wire-cube.glb")).nodes.size(), 22U);  // 12 edges, 8 corners, a lamp, a camera.
   const Scene cellar = read_scene(path("cellar.glb"));
-  EXPECT_TRUE(cellar.unmodelled.empty());
+  EXPECT_TRUE(cellar.unsupported.empty());
   EXPECT_EQ(cellar.cameras.size(), 2U);
   EXPECT_EQ(cellar.lights.size(), 3U);
-  EXPECT_EQ(cellar.motions.size(), 3U);
+  EXPECT_EQ(cellar.animations.size(), 3U);
   for (const char* mirror : {"mirror ball", "mirror ring"}) {
     const auto node = find_node(cellar, mirror);
     ASSERT_TRUE(node);

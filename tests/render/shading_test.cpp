@@ -1,13 +1,13 @@
 // Surfaces under light, against integrals of their own and white rooms.
 #include "envmap/render/shading.h"
-#include "envmap/render/sheen.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "envmap/sample/lookup.h"
 #include "envmap/operate/generate.h"
+#include "envmap/render/sheen.h"
+#include "envmap/sample/lookup.h"
 
 namespace {
 
@@ -30,7 +30,7 @@ TEST(Shading, WhiteSurfacesInAWhiteRoomStayWhite) {
       for (const float transmission : {0.0F, 1.0F})
         for (const float roughness : {0.0F, 0.05F, 0.3F, 0.7F, 1.0F})
           for (const double angle : {0.0, 0.5, 1.0, 1.4, 1.55}) {
-            const Surface s{.metallic = metallic, .roughness = roughness, .transmission = transmission};
+            const ShadingPoint s{.metallic = metallic, .roughness = roughness, .transmission = transmission};
             const Colour c = shade(s, tilted(angle), l);
             for (int k = 0; k < 3; ++k) EXPECT_NEAR(c[k], 1, 3e-3) << metallic << ' ' << roughness << ' ' << angle;
           }
@@ -38,7 +38,7 @@ TEST(Shading, WhiteSurfacesInAWhiteRoomStayWhite) {
 
 // What a punctual light gives, from the definitions of glTF 2.0's appendix B, written as they stand there.
 // Of a dielectric where there is a diffuse colour, else of a metal.
-double appendix_b(const Surface& s, const Direction& v, const Direction& l, double f0, double diffuse) {
+double appendix_b(const ShadingPoint& s, const Direction& v, const Direction& l, double f0, double diffuse) {
   const Direction &n = s.normal, h = glm::normalize(v + l);
   const double a = s.roughness * s.roughness, nh = glm::dot(n, h), nl = glm::dot(n, l), nv = glm::dot(n, v);
   const double d = a * a / (pi * std::pow(nh * nh * (a * a - 1) + 1, 2));
@@ -50,10 +50,10 @@ double appendix_b(const Surface& s, const Direction& v, const Direction& l, doub
 }
 
 TEST(Shading, LightsFollowAppendixB) {
-  const Surface s{.position = {1, 2, 3},
-                  .base_colour = glm::vec4(0.5F, 0.25F, 0.75F, 1),
-                  .metallic = 0.25F,
-                  .roughness = 0.4F};
+  const ShadingPoint s{.position = {1, 2, 3},
+                       .base_colour = glm::vec4(0.5F, 0.25F, 0.75F, 1),
+                       .metallic = 0.25F,
+                       .roughness = 0.4F};
   for (const double angle : {0.1, 0.6, 1.2})
     for (const double other : {-1.3, -0.5, 0.3}) {
       const Direction v = tilted(angle), l = tilted(other);
@@ -70,14 +70,14 @@ TEST(Shading, LightsFollowAppendixB) {
 
 // KHR_materials_clearcoat: mix(base, D V of the coat, coat x Fresnel of the view), the coat with a normal of its own.
 TEST(Shading, CoatsFollowTheirExtension) {
-  Surface s{.base_colour = glm::vec4(0.5F), .roughness = 0.6F, .coat = 0.8F, .coat_roughness = 0.3F};
+  ShadingPoint s{.base_colour = glm::vec4(0.5F), .roughness = 0.6F, .coat = 0.8F, .coat_roughness = 0.3F};
   s.coat_normal = tilted(0.2);
   for (const double angle : {0.1, 0.6, 1.2})
     for (const double other : {-1.3, -0.5, 0.3}) {
       const Direction v = tilted(angle), l = tilted(other);
       Lighting lit;
       lit.lights = {{PunctualLight::Kind::point, 2.0 * l, {0, 0, -1}, Colour(8), 0, 1, 0}};
-      Surface over = s;
+      ShadingPoint over = s;
       over.normal = s.coat_normal, over.roughness = s.coat_roughness;
       const double part = 0.8 * (0.04 + 0.96 * std::pow(1 - glm::dot(over.normal, v), 5));
       const double mixed = (1 - part) * appendix_b(s, v, l, 0.04, 0.5) +
@@ -100,10 +100,10 @@ TEST(Shading, SheenFollowsItsExtension) {
     const auto lambda = [&](double c) { return c < 0.5 ? std::exp(l(c)) : std::exp(2 * l(0.5) - l(1 - c)); };
     return d / ((1 + lambda(nv) + lambda(nl)) * 4 * nv * nl);
   };
-  Surface s{.base_colour = glm::vec4(0.5F),
-            .roughness = 0.6F,
-            .sheen = Colour(0.9F, 0.5F, 0.1F),
-            .sheen_roughness = 0.6F};
+  ShadingPoint s{.base_colour = glm::vec4(0.5F),
+                 .roughness = 0.6F,
+                 .sheen = Colour(0.9F, 0.5F, 0.1F),
+                 .sheen_roughness = 0.6F};
   for (const double angle : {0.1, 0.6, 1.2})
     for (const double other : {-1.3, -0.5, 0.3}) {
       const Direction v = tilted(angle), l = tilted(other);
@@ -118,7 +118,7 @@ TEST(Shading, SheenFollowsItsExtension) {
 }
 
 TEST(Shading, RangeConeAndSun) {
-  const Surface s{.metallic = 1, .roughness = 1};
+  const ShadingPoint s{.metallic = 1, .roughness = 1};
   const auto from = [&](const PlacedLight& light) {
     Lighting lit;
     lit.lights = {light};
@@ -143,7 +143,7 @@ TEST(Shading, RangeConeAndSun) {
 // A diffuse floor under the CIE overcast sky: E = 7 pi / 9 of the zenith (generate.h).
 // Of a gradient harmonics are exact.
 TEST(Shading, DiffuseLightOfTheEnvironment) {
-  Surface floor{.normal = {0, 1, 0}, .roughness = 1, .ior = 1};  // No interface: all is diffuse.
+  ShadingPoint floor{.normal = {0, 1, 0}, .roughness = 1, .ior = 1};  // No interface: all is diffuse.
   const Room sky(Sky{Rgb<double>(1), Rgb<double>(0)});
   EXPECT_NEAR(shade(floor, {0, 1, 0}, sky.lighting()).x, 7.0 / 9, 0.03);
   const Room gradient(Gradient{Direction(0), Direction(1)});
@@ -159,7 +159,7 @@ TEST(Shading, AMirrorShowsTheEnvironmentAndGlassLetsItThrough) {
   const auto coded = [](const Direction& d) { return Flux((d + 1.0) * 0.5); };
   for (const double angle : {0.0, 0.7, 1.3}) {
     const Direction v = tilted(angle);
-    Surface s{.metallic = 1, .roughness = 0};
+    ShadingPoint s{.metallic = 1, .roughness = 0};
     EXPECT_LT(glm::length(Flux(shade(s, v, room.lighting())) - coded({-v.x, v.y, v.z})), 3e-3) << angle;
     // Ice that reflects next to nothing, away from the edge: what is seen is refracted by Snell's law.
     if (angle > 1) continue;
@@ -183,7 +183,7 @@ TEST(Shading, RoughMetalBlursAsGgxDoes) {
       const double w = d * nl * std::sin(2 * t);
       sum += w * nl, weight += w;
     }
-    const Surface s{.normal = {0, 1, 0}, .metallic = 1, .roughness = roughness};
+    const ShadingPoint s{.normal = {0, 1, 0}, .metallic = 1, .roughness = roughness};
     const Colour c = shade(s, {0, 1, 0}, room.lighting());
     // What bounces more than once comes diffused: 1/2 + 1/3.
     const double once = c.x, sharp = 0.5 + 0.5 * sum / weight;

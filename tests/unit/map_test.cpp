@@ -4,11 +4,11 @@
 #include <random>
 
 #include "envmap/base/error.h"
-#include "envmap/io/recognise.h"
-#include "envmap/sample/padded_level.h"
-#include "envmap/map/page.h"
+#include "envmap/io/detect_layout.h"
+#include "envmap/map/atlas.h"
 #include "envmap/operate/generate.h"
 #include "envmap/projection/visit.h"
+#include "envmap/sample/padded_level.h"
 
 namespace envmap {
 namespace {
@@ -150,18 +150,18 @@ TEST(PaddedLevel, LatlongWrapsExactlyAndCrossesThePole) {
   for (int i = 0; i < 16; ++i) EXPECT_NEAR(level.texel(0, i, -1)->x, level.texel(0, (i + 8) % 16, 0)->x, 1e-3);
 }
 
-TEST(Page, ScatterUndoesGather) {
+TEST(Atlas, ScatterUndoesGather) {
   EnvironmentMap map = generate(Directions{}, Projection::cube, 4);
   const Rows rows = rows_of(map);
   for (const Layout layout : {Layout::column, Layout::row, Layout::cross, Layout::vcross, Layout::grid3x2}) {
-    const Page page{rows, grid(layout)};
-    std::vector<Colour> image(std::size_t(page.width() * page.height()));
-    page.gather(0, page.height(), image);
+    const Atlas atlas{rows, grid(layout)};
+    std::vector<Colour> image(std::size_t(atlas.width() * atlas.height()));
+    atlas.gather(0, atlas.height(), image);
     Level back(Projection::cube, 4);
     // In two bands, cut through a face.
-    const auto cut = std::size_t(3 * page.width());
-    scatter(std::span(image).first(cut), page.width(), 0, 3, page.grid, back);
-    scatter(std::span(image).subspan(cut), page.width(), 3, page.height(), page.grid, back);
+    const auto cut = std::size_t(3 * atlas.width());
+    scatter(std::span(image).first(cut), atlas.width(), 0, 3, atlas.grid, back);
+    scatter(std::span(image).subspan(cut), atlas.width(), 3, atlas.height(), atlas.grid, back);
     for (int f = 0; f < 6; ++f)
       for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 4; ++i) EXPECT_EQ(*back.texel(f, i, j), *map.base().texel(f, i, j)) << name(layout);
@@ -169,34 +169,33 @@ TEST(Page, ScatterUndoesGather) {
 }
 
 // In a cross, texels that meet across a face's edge look almost the same way.
-TEST(Page, CrossesAreTheUnfoldedCube) {
+TEST(Atlas, CrossesAreTheUnfoldedCube) {
   const int n = 16;
   EnvironmentMap map = generate(Directions{}, Projection::cube, n);
   const Rows rows = rows_of(map);
   for (const Layout layout : {Layout::cross, Layout::vcross}) {
-    const Page page{rows, grid(layout)};
-    std::vector<Colour> image(std::size_t(page.width() * page.height()));
-    page.gather(0, page.height(), image);
+    const Atlas atlas{rows, grid(layout)};
+    std::vector<Colour> image(std::size_t(atlas.width() * atlas.height()));
+    atlas.gather(0, atlas.height(), image);
     int edges = 0;
     const auto check = [&](int x, int y, int x2, int y2) {
-      if (x2 >= page.width() || y2 >= page.height()) return;
-      const Colour a = image[y * page.width() + x],
-                   b = image[y2 * page.width() + x2];
+      if (x2 >= atlas.width() || y2 >= atlas.height()) return;
+      const Colour a = image[y * atlas.width() + x], b = image[y2 * atlas.width() + x2];
       if (a == Colour(0) || b == Colour(0)) return;
       ++edges;
       const Direction da = glm::normalize(2.0 * Direction(a) - 1.0), db = glm::normalize(2.0 * Direction(b) - 1.0);
       EXPECT_LT(angle_between(da, db), 2.1 / n) << name(layout) << " " << x << "," << y;
     };
-    for (int y = 0; y < page.height(); ++y)
-      for (int x = n - 1; x < page.width(); x += n) check(x, y, x + 1, y);
-    for (int y = n - 1; y < page.height(); y += n)
-      for (int x = 0; x < page.width(); ++x) check(x, y, x, y + 1);
+    for (int y = 0; y < atlas.height(); ++y)
+      for (int x = n - 1; x < atlas.width(); x += n) check(x, y, x + 1, y);
+    for (int y = n - 1; y < atlas.height(); y += n)
+      for (int x = 0; x < atlas.width(); ++x) check(x, y, x, y + 1);
     EXPECT_EQ(edges, 5 * n) << name(layout);
   }
 }
 
 TEST(Recognise, ByShape) {
-  const auto found = [](int w, int h) { return recognise(w, h, {}, {}); };
+  const auto found = [](int w, int h) { return detect_layout(w, h, {}, {}); };
   EXPECT_EQ(found(64, 32).projection, Projection::latlong);
   EXPECT_EQ(found(8, 48).layout, Layout::column);
   EXPECT_EQ(found(48, 8).layout, Layout::row);
@@ -210,12 +209,12 @@ TEST(Recognise, ByShape) {
 
 TEST(Recognise, WhatIsSaidComesFirstThenWhatIsRecorded) {
   const Metadata paraboloid{Projection::paraboloid, {}, {}}, angular{Projection::angular, {}, {}};
-  EXPECT_EQ(recognise(64, 32, {}, paraboloid).projection, Projection::paraboloid);
-  EXPECT_EQ(recognise(32, 32, {}, angular).projection, Projection::angular);
-  EXPECT_EQ(recognise(32, 32, {Projection::sphere, {}, {}}, angular).projection, Projection::sphere);
-  EXPECT_THROW(recognise(32, 32, {Projection::latlong, {}, {}}, {}), InputError);
+  EXPECT_EQ(detect_layout(64, 32, {}, paraboloid).projection, Projection::paraboloid);
+  EXPECT_EQ(detect_layout(32, 32, {}, angular).projection, Projection::angular);
+  EXPECT_EQ(detect_layout(32, 32, {Projection::sphere, {}, {}}, angular).projection, Projection::sphere);
+  EXPECT_THROW(detect_layout(32, 32, {Projection::latlong, {}, {}}, {}), InputError);
   // Metadata that does not fit the image is not believed over the image.
-  EXPECT_THROW(recognise(1000, 600, {}, paraboloid), InputError);
+  EXPECT_THROW(detect_layout(1000, 600, {}, paraboloid), InputError);
 }
 
 // ---- storage --------------------------------------------------------------------------------------------------------

@@ -2,8 +2,8 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/io/part.h"
 #include "envmap/io/rounding.h"
+#include "envmap/io/shard.h"
 #include "envmap/operate/levels.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
@@ -33,7 +33,7 @@ WriteOptions options_of(const WriteOptions& parts, const WriteOptions& said) {
 }
 
 // What `prefilter` and `convert` promised of the whole must be true of this file, too.
-void check_promise(const std::string& output, const Joined& parts, const WriteOptions& now) {
+void check_promise(const std::string& output, const MergedShards& parts, const WriteOptions& now) {
   if (!parts.making.contains("max-error")) return;
   const auto was = rounding_of("-", parts.write), is = rounding_of(output, now);
   const auto most = [](const std::optional<Rounding>& r) { return r ? r->largest.value_or(1) : 1; };
@@ -59,7 +59,7 @@ int run(Request& o) {
   if (o.names.size() < 2) throw UsageError("needs the parts, and last the file to write");
   const std::string& output = o.names.back();
   const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
-  Joined joined = join_parts(parts, o.read.max_pixels);
+  MergedShards joined = merge_shards(parts, o.read.max_pixels);
   const WriteOptions how = options_of(joined.write, o.write);
   check_promise(output, joined, how);
   add_levels(joined.map, joined.making, how.border);

@@ -10,7 +10,7 @@
 #include "envmap/engine/baker.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 #include "envmap/maths/portable.h"
 #include "envmap/prefilter/brdf_table.h"
 #include "shared/engine_options.h"

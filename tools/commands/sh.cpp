@@ -68,8 +68,8 @@ int run(Request& o, Report& report) {
     check_output(o.output, o.write, to);
   else if (!settings().depfile.empty())
     throw UsageError("--depfile is for the map of --evaluate");
-  if (o.window == Window::automatic && o.order > most_deringed_order)
-    throw UsageError(fmt::format("--window auto is for --order up to {}", most_deringed_order));
+  if (o.window == Window::automatic && o.order > max_deringed_order)
+    throw UsageError(fmt::format("--window auto is for --order up to {}", max_deringed_order));
   if (o.output.empty() || !has_forward(to)) o.read.assumed_forward = o.forward;
   const Source source = read_map(o.input, o.read);
   Harmonics h = project(source.map, o.order, {.progress = progress_line("sh")});

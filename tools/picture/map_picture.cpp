@@ -8,7 +8,7 @@
 #include <string>
 
 #include "envmap/base/parallel.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 #include "envmap/prefilter/prefilter.h"
@@ -62,10 +62,10 @@ Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size
 
 Picture page_picture(const Level& level, std::optional<int> face, const Show& show, int height) {
   const Rows rows = rows_of(level, Forward::plus_z);
-  const Page page{rows, grid(layout_of(level.projection())), face.value_or(-1)};
-  std::vector<Colour> full(std::size_t(page.width()) * std::size_t(page.height()));
-  page.gather(0, page.height(), full);
-  const Size size{page.width(), page.height()};
+  const Atlas atlas{rows, grid(layout_of(level.projection())), face.value_or(-1)};
+  std::vector<Colour> full(std::size_t(atlas.width()) * std::size_t(atlas.height()));
+  atlas.gather(0, atlas.height(), full);
+  const Size size{atlas.width(), atlas.height()};
   const double width = double(height) * size.width / size.height;
   return shown_at(std::move(full), size, show, {std::max(1, int(std::lround(width))), height});
 }

@@ -25,7 +25,7 @@ void add_light(Options& o, SceneOptions& s) {
   o.add("--ambient", "R,G,B", Triple{&s.ambient, true},
         "Uniform radiance from all directions, without occlusion (default: 0)");
   o.flag("--no-shadows", s.no_shadows, "Draw point, spot and directional lights without shadows");
-  o.add("--occlusion", "N", &s.occlusion, {0, most_distant_lights},
+  o.add("--occlusion", "N", &s.occlusion, {0, max_distant_lights},
         "Lights that approximate the environment's shadows (0: none) (default: 64)");
 }
 
@@ -96,7 +96,7 @@ LoadedScene load(const SceneOptions& o) {
   const Scene& scene = loaded.scene;
   loaded.inputs = scene.files;
   for (const std::string& what : scene.remarks) warn(fmt::format("{}: {}", o.path, what));
-  for (const std::string& what : scene.unmodelled) warn(fmt::format("{}: not drawn: {}", o.path, what));
+  for (const std::string& what : scene.unsupported) warn(fmt::format("{}: not drawn: {}", o.path, what));
   if (settings().verbose)
     note(fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
                      instances(scene).size(), scene.materials.size(), scene.lights.size()));

@@ -86,10 +86,9 @@ void save(const MirrorPainter& painter, const std::vector<std::string>& paths) {
 Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes) {
   Pictures pictures;
   for (const Eye& eye : eyes)
-    pictures.push_back(
-        raycast_picture(shot, eye.from,
-                        {mirrors, o.drawing.bounces.value_or(most_rounds), o.drawing.far, o.lobe_samples},
-                        progress_line("cast")));
+    pictures.push_back(raycast_picture(shot, eye.from,
+                                       {mirrors, o.drawing.bounces.value_or(max_rounds), o.drawing.far, o.lobe_samples},
+                                       progress_line("cast")));
   return pictures;
 }
 

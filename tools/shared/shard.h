@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cli/options.h"
-#include "envmap/io/part.h"
+#include "envmap/io/shard.h"
 
 namespace tools {
 

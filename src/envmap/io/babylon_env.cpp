@@ -43,7 +43,7 @@ std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uin
 
 }  // namespace
 
-void write_env(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs, const Progress& progress) {
+void write_env(OutputFile& file, std::span<const Atlas> levels, const KeyValues& pairs, const Progress& progress) {
   const auto size = unsigned(levels[0].width());
   if (!std::has_single_bit(size) || levels.size() != std::size_t(std::bit_width(size)))
     throw OutputError(

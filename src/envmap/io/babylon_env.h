@@ -12,7 +12,7 @@
 #include "envmap/io/key_values.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/texture.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 
 namespace envmap {
 
@@ -22,7 +22,7 @@ inline constexpr std::string_view env_mark{"\x86\x16\x87\x96\xf6\xd6\x96\x36", 8
 /// @param pairs "irradiance" is JSON for the header, its spherical polynomial; else Babylon.js makes it.
 /// @param progress may be empty.
 /// @throws OutputError where levels are missing, or sides are no power of two.
-void write_env(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs, const Progress& progress);
+void write_env(OutputFile& file, std::span<const Atlas> levels, const KeyValues& pairs, const Progress& progress);
 
 /// The header of a file with env_mark. Its irradiance is not read. @throws InputError, without the name of the file,
 /// where it is damaged or its faces are no PNG images.

@@ -6,15 +6,15 @@
 
 namespace envmap {
 
-void for_each_band(const Page& page, const Progress& progress, const WriteBand& write_band) {
-  for_each_band(page, {0, page.height()}, progress, write_band);
+void for_each_band(const Atlas& atlas, const Progress& progress, const WriteBand& write_band) {
+  for_each_band(atlas, {0, atlas.height()}, progress, write_band);
 }
 
-void for_each_band(const Page& page, const RowRange& rows, const Progress& progress, const WriteBand& write_band) {
+void for_each_band(const Atlas& atlas, const RowRange& rows, const Progress& progress, const WriteBand& write_band) {
   const auto make = [&](int begin, std::vector<Colour>& band) {
     const int end = std::min(begin + band_rows, rows.end);
-    band.resize(std::size_t(end - begin) * std::size_t(page.width()));
-    page.gather(begin, end, band);
+    band.resize(std::size_t(end - begin) * std::size_t(atlas.width()));
+    atlas.gather(begin, end, band);
   };
   std::vector<Colour> band, next;
   make(rows.begin, band);

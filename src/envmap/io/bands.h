@@ -5,9 +5,9 @@
 #include <functional>
 #include <vector>
 
-#include "envmap/io/image_writer.h"
-#include "envmap/map/page.h"
 #include "envmap/base/progress.h"
+#include "envmap/io/image_writer.h"
+#include "envmap/map/atlas.h"
 
 namespace envmap {
 
@@ -18,8 +18,8 @@ inline constexpr int band_rows = tile_size;
 using WriteBand = std::function<void(int begin, int end, std::vector<Colour>& band)>;
 
 /// Bands of these rows from the top; the next one is made while one is written. @param progress may be empty.
-void for_each_band(const Page& page, const RowRange& rows, const Progress& progress, const WriteBand& write_band);
+void for_each_band(const Atlas& atlas, const RowRange& rows, const Progress& progress, const WriteBand& write_band);
 /// Of all rows.
-void for_each_band(const Page& page, const Progress& progress, const WriteBand& write_band);
+void for_each_band(const Atlas& atlas, const Progress& progress, const WriteBand& write_band);
 
 }  // namespace envmap

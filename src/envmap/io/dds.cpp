@@ -58,7 +58,7 @@ void check_masks(const Header& h) {
 
 }  // namespace
 
-void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bool cube, const Progress& progress) {
+void write_dds(OutputFile& file, std::span<const Atlas> levels, Texels texels, bool cube, const Progress& progress) {
   const TexelFormat& format = format_of(texels);
   const bool chain = levels.size() > 1;
   Header h{};
@@ -78,16 +78,16 @@ void write_dds(OutputFile& file, std::span<const Page> levels, Texels texels, bo
   file.put(&h, sizeof h);
   file.put(&dx10, sizeof dx10);
 
-  std::vector<std::vector<Page>> images;
+  std::vector<std::vector<Atlas>> images;
   double all = 0, done = 0;
-  for (const Page& page : levels) {
-    images.push_back(images_of(page, cube));
-    all += 1.0 * page.width() * page.height();
+  for (const Atlas& atlas : levels) {
+    images.push_back(images_of(atlas, cube));
+    all += 1.0 * atlas.width() * atlas.height();
   }
   std::vector<std::byte> packed;
   for (std::size_t face = 0; face < images[0].size(); ++face)
-    for (const std::vector<Page>& level : images) {
-      const Page& image = level[face];
+    for (const std::vector<Atlas>& level : images) {
+      const Atlas& image = level[face];
       const double part = 1.0 * image.width() * image.height();
       const Progress so_far = part_progress(progress, done / all, part / all);
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {

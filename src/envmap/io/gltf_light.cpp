@@ -56,7 +56,7 @@ Json document(const std::vector<RgbdFaces>& levels, const Json& harmonics, int s
 
 }  // namespace
 
-void write_gltf_light(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs,
+void write_gltf_light(OutputFile& file, std::span<const Atlas> levels, const KeyValues& pairs,
                       const Progress& progress) {
   const auto size = unsigned(levels[0].width());
   const auto harmonics = pairs.find("irradianceCoefficients");

@@ -12,14 +12,15 @@
 #include "envmap/io/key_values.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/texture.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 
 namespace envmap {
 
 /// A file with the light alone, in an empty scene. @param levels of a cube, two at least, the largest first.
 /// @param pairs "irradianceCoefficients" is JSON: nine colours. @param progress may be empty.
 /// @throws OutputError where levels or coefficients are missing, or sides are no power of two.
-void write_gltf_light(OutputFile& file, std::span<const Page> levels, const KeyValues& pairs, const Progress& progress);
+void write_gltf_light(OutputFile& file, std::span<const Atlas> levels, const KeyValues& pairs,
+                      const Progress& progress);
 
 /// Whether a file begins as a .glb.
 bool is_glb(std::string_view head);

@@ -73,7 +73,7 @@ struct LevelPlace {
 
 }  // namespace
 
-void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels wanted, bool cube, const KeyValues& pairs,
+void write_ktx1(OutputFile& file, std::span<const Atlas> levels, Texels wanted, bool cube, const KeyValues& pairs,
                 const Progress& progress) {
   const Texels texels = without_alpha(wanted);
   const TexelFormat& format = format_of(texels);
@@ -98,17 +98,17 @@ void write_ktx1(OutputFile& file, std::span<const Page> levels, Texels wanted, b
   file.put(kvd.data(), kvd.size());
 
   double all = 0, done = 0;
-  for (const Page& page : levels) all += 1.0 * page.width() * page.height();
+  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
   std::vector<std::byte> packed;
-  for (const Page& page : levels) {
-    const std::vector<Page> images = images_of(page, cube);
+  for (const Atlas& atlas : levels) {
+    const std::vector<Atlas> images = images_of(atlas, cube);
     // Of a cube it is the size of one face.
     const std::uint64_t row = format.row_bytes(images[0].width());
     const std::uint64_t size = format.image_bytes(images[0].width(), images[0].height()) / row * padded(row);
     if (size > 0xffffffff) throw OutputError(fmt::format("KTX holds images of up to 4 GiB, not of {} bytes", size));
     const auto image_size = std::uint32_t(size);
     file.put(&image_size, sizeof image_size);
-    for (const Page& image : images) {
+    for (const Atlas& image : images) {
       const double part = 1.0 * image.width() * image.height();
       const Progress so_far = part_progress(progress, done / all, part / all);
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {

@@ -135,7 +135,7 @@ std::vector<std::byte> decompressed(std::span<const std::byte> packed, std::uint
 
 }  // namespace
 
-void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const KeyValues& pairs,
+void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const Ktx2Options& options, const KeyValues& pairs,
                 const Progress& progress) {
   const TexelFormat& format = format_of(options.texels);
   const Words dfd = descriptor(format, options.colour);
@@ -157,19 +157,19 @@ void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Option
   h.kvd_size = std::uint32_t(kvd.size());
 
   double all = 0, done = 0;
-  for (const Page& page : levels) all += 1.0 * page.width() * page.height();
+  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
   std::vector<LevelIndex> index(levels.size());
   std::vector<std::byte> packed;
   LevelWriter out(file, options.zstd);
   file.seek(h.kvd_offset + h.kvd_size);
   for (std::size_t k = levels.size(); k-- > 0;) {
-    const std::vector<Page> images = images_of(levels[k], options.cube);
+    const std::vector<Atlas> images = images_of(levels[k], options.cube);
     const auto align = options.zstd ? 1 : std::lcm(std::int64_t(format.bytes), std::int64_t{4});
     file.seek((file.tell() + align - 1) / align * align);
     index[k].offset = std::uint64_t(file.tell());
     index[k].plain_size = images.size() * format.image_bytes(images[0].width(), images[0].height());
     out.begin(index[k].plain_size);
-    for (const Page& image : images) {
+    for (const Atlas& image : images) {
       const double part = 1.0 * image.width() * image.height();
       const Progress so_far = part_progress(progress, done / all, part / all);
       for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {

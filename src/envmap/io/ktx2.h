@@ -11,7 +11,7 @@
 #include "envmap/io/khr_colour.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/texture.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 
 namespace envmap {
 
@@ -26,7 +26,7 @@ struct Ktx2Options {
 
 /// All levels, the smallest first in the file, with KTXorientation "rd". @param pairs go into the file besides.
 /// @param progress may be empty.
-void write_ktx2(OutputFile& file, std::span<const Page> levels, const Ktx2Options& options, const KeyValues& pairs,
+void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const Ktx2Options& options, const KeyValues& pairs,
                 const Progress& progress);
 
 /// The header of a file with ktx2_mark. @throws InputError, without the name of the file, where it is damaged or holds

@@ -24,21 +24,20 @@ Range range_of(Depth depth, double largest) {
   return {.largest = largest};
 }
 
-Limited::Limited(const Rows& rows, const Range& range, bool weigh)
+ClampedRows::ClampedRows(const Rows& rows, const Range& range, bool weigh)
     : range_(range),
       weigh_(weigh || range.step > 0),
       limited_(rows),
       misfits_(std::size_t(faces(rows.projection)) * std::size_t(rows.size)) {
   limited_.fill = [this, &rows](int face, int row, std::span<Colour> out) {
     rows.fill(face, row, out);
-    misfits_[std::size_t(face) * std::size_t(rows.size) + std::size_t(row)] =
-        cut(row, out);
+    misfits_[std::size_t(face) * std::size_t(rows.size) + std::size_t(row)] = cut(row, out);
   };
 }
 
-Misfits Limited::total() const {
-  Misfits sum;
-  for (const Misfits& m : misfits_) {
+ClampStatistics ClampedRows::total() const {
+  ClampStatistics sum;
+  for (const ClampStatistics& m : misfits_) {
     sum.over += m.over;
     sum.dark += m.dark;
     sum.nan += m.nan;
@@ -50,8 +49,8 @@ Misfits Limited::total() const {
   return sum;
 }
 
-Misfits Limited::cut(int row, std::span<Colour> out) const {
-  Misfits m;
+ClampStatistics ClampedRows::cut(int row, std::span<Colour> out) const {
+  ClampStatistics m;
   const auto largest = float(range_.largest);
   const double fine = range_.fine, step = range_.step;
   std::vector<double> w;

@@ -23,7 +23,7 @@ Range range_of(Depth depth, double largest);
 
 /// What did not fit: texels beyond the largest value, and those below the fine ones. Of their radiance x solid angle,
 /// and that of all. The brightest value of any channel that did not fit.
-struct Misfits {
+struct ClampStatistics {
   std::int64_t over = 0, dark = 0, nan = 0;
   float brightest = 0;
   double cut = 0, rounded = 0, flux = 0;
@@ -31,22 +31,22 @@ struct Misfits {
 
 /// Rows cut at the largest value the file holds. What is cut is noted per row, so that the sums do not depend on the
 /// order in which rows are made.
-class Limited {
+class ClampedRows {
  public:
   /// @param rows must outlive this. @param weigh whether flux is summed though nothing may be lost to darkness.
-  Limited(const Rows& rows, const Range& range, bool weigh);
-  Limited(const Limited&) = delete;
+  ClampedRows(const Rows& rows, const Range& range, bool weigh);
+  ClampedRows(const ClampedRows&) = delete;
 
   [[nodiscard]] const Rows& rows() const { return limited_; }
-  [[nodiscard]] Misfits total() const;
+  [[nodiscard]] ClampStatistics total() const;
 
  private:
-  [[nodiscard]] Misfits cut(int row, std::span<Colour> out) const;
+  [[nodiscard]] ClampStatistics cut(int row, std::span<Colour> out) const;
 
   Range range_;
   bool weigh_;
   Rows limited_;
-  std::vector<Misfits> misfits_;
+  std::vector<ClampStatistics> misfits_;
 };
 
 }  // namespace envmap

@@ -12,8 +12,8 @@
 #include "envmap/io/limit.h"
 #include "envmap/io/texels.h"
 #include "envmap/io/texture.h"
+#include "envmap/map/atlas.h"
 #include "envmap/map/layout.h"
-#include "envmap/map/page.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
 
@@ -33,7 +33,7 @@ struct Stored {
         rows(api && level.projection() == Projection::cube ? in_api_orientation(limited.rows()) : limited.rows()) {}
 
   Rows plain;
-  Limited limited;
+  ClampedRows limited;
   Rows rows;
 };
 
@@ -55,7 +55,7 @@ PackedMap::Part part_of(const TexelFormat& format, const Level& level, int align
 }
 
 // One image into its place. BC6H looks at blocks beside each other, so that an image is packed whole.
-void put(const Page& image, const TexelFormat& format, const PackedMap::Part& part, std::span<std::byte> to) {
+void put(const Atlas& image, const TexelFormat& format, const PackedMap::Part& part, std::span<std::byte> to) {
   std::vector<Colour> texels(std::size_t(part.width) * std::size_t(part.height));
   image.gather(0, part.height, texels);
   std::vector<std::byte> tight;
@@ -65,7 +65,7 @@ void put(const Page& image, const TexelFormat& format, const PackedMap::Part& pa
     std::ranges::copy(std::span(tight).subspan(k * row, row), to.subspan(part.offset + k * part.row_bytes).begin());
 }
 
-void check_fit(const Misfits& level, const TexelFormat& format, const PackOptions& options, PackedMap& made) {
+void check_fit(const ClampStatistics& level, const TexelFormat& format, const PackOptions& options, PackedMap& made) {
   if (level.over > 0 && !options.clamp)
     throw UsageError(fmt::format("{} texels over {:g} do not fit {}", level.over, range_of(format.depth, 0).largest,
                                  format.name),

@@ -3,11 +3,11 @@
 #pragma once
 
 #include "envmap/io/output_file.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 
 namespace envmap {
 
 /// Little-endian, bottom row first (Debevec, "The portable float map").
-void write_pfm(OutputFile& file, const Page& page);
+void write_pfm(OutputFile& file, const Atlas& atlas);
 
 }  // namespace envmap

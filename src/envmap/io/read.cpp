@@ -10,15 +10,15 @@
 
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
+#include "envmap/io/detect_layout.h"
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/path.h"
 #include "envmap/io/read_colours.h"
-#include "envmap/io/recognise.h"
 #include "envmap/io/settle_flaws.h"
 #include "envmap/io/srgb.h"
+#include "envmap/map/atlas.h"
 #include "envmap/map/border.h"
-#include "envmap/map/page.h"
 #include "envmap/operate/border_samples.h"
 
 namespace envmap {
@@ -104,7 +104,7 @@ std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
 
 // A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
 // can promise anything.
-Level read_pixels(Image& image, int stored, const Channels& channels, const Recognised& base, int number,
+Level read_pixels(Image& image, int stored, const Channels& channels, const DetectedLayout& base, int number,
                   std::size_t max_memory, const Progress& progress) {
   const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
   FaceSize face = face_size(base, number);
@@ -146,10 +146,11 @@ std::vector<int> wanted_levels(const std::string& name, const ReadOptions& optio
   return wanted;
 }
 
-Recognised recognise(const Image& image, const ReadOptions& options, const Metadata& recorded, int width, int height) {
+DetectedLayout detect_layout(const Image& image, const ReadOptions& options, const Metadata& recorded, int width,
+                             int height) {
   try {
     if (!image.texture || !image.texture->cube)
-      return recognise(width, height, {options.projection, options.layout}, recorded);
+      return detect_layout(width, height, {options.projection, options.layout}, recorded);
   } catch (const InputError& e) {
     image.fail(e.what(), e.remedy());
   }
@@ -161,7 +162,7 @@ Recognised recognise(const Image& image, const ReadOptions& options, const Metad
 }
 
 // A level, `stored` by that number in the file.
-Level read_level(Image& image, const ReadOptions& options, int stored, const Recognised& base, int number,
+Level read_level(Image& image, const ReadOptions& options, int stored, const DetectedLayout& base, int number,
                  const Progress& progress) {
   if (!image.texture)
     return read_pixels(image, stored, choose_channels(image, options), base, number, options.max_memory, progress);
@@ -205,7 +206,7 @@ int count_levels(const Image& image, int most) {
 }
 
 // Of an octahedral map; 0 of others. Levels that it would fill are no part of the map.
-int border_of(const Image& image, const ReadOptions& options, const Metadata& recorded, const Recognised& found) {
+int border_of(const Image& image, const ReadOptions& options, const Metadata& recorded, const DetectedLayout& found) {
   if (!is_octahedral(found.projection)) {
     if (options.border.value_or(0) > 0)
       image.fail(
@@ -222,7 +223,7 @@ int border_of(const Image& image, const ReadOptions& options, const Metadata& re
 Source read_image(Image& image, const std::string& path, const ReadOptions& options, const Progress& progress) {
   Metadata recorded;
   Source source = read_head(image, options, recorded);
-  const Recognised found = recognise(image, options, recorded, source.image_width, source.image_height);
+  const DetectedLayout found = detect_layout(image, options, recorded, source.image_width, source.image_height);
   source.layout = found.layout;
   source.facts = recorded.facts;
   source.provenance = recorded.provenance;

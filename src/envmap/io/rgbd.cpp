@@ -67,12 +67,12 @@ void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to) {
   }
 }
 
-std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const Progress& progress) {
+std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress& progress) {
   double all = 0, done = 0;
-  for (const Page& page : levels) all += 1.0 * page.width() * page.height();
+  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
   std::vector<RgbdFaces> files;
-  for (const Page& page : levels) {
-    const std::vector<Page> images = images_of(page, true);
+  for (const Atlas& atlas : levels) {
+    const std::vector<Atlas> images = images_of(atlas, true);
     RgbdFaces& faces = files.emplace_back();
     const int size = images[0].width();
     const std::size_t texels = std::size_t(size) * std::size_t(size);

@@ -10,7 +10,7 @@
 
 #include "envmap/base/progress.h"
 #include "envmap/io/texture.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 #include "envmap/maths/vector.h"
 
 namespace envmap {
@@ -30,7 +30,7 @@ using RgbdFaces = std::array<std::vector<char>, 6>;
 
 /// Levels as PNG files, the largest first. @param levels columns of faces in the API's orientation.
 /// @param progress may be empty.
-std::vector<RgbdFaces> rgbd_faces(std::span<const Page> levels, const Progress& progress);
+std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress& progress);
 
 /// Where in a file a PNG image lies.
 struct FilePart {

@@ -47,28 +47,27 @@ void check_texture(const TextureFile& t, std::uint64_t file_size) {
                                  bytes / 0x1p30, memory / 0x1p30));
 }
 
-void encode_rows(const TexelFormat& format, const Page& page, int begin, int end, std::span<const Colour> from,
+void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int end, std::span<const Colour> from,
                  std::vector<std::byte>& to) {
-  const auto width = std::size_t(page.width());
-  const std::size_t row_bytes = format.row_bytes(page.width());
+  const auto width = std::size_t(atlas.width());
+  const std::size_t row_bytes = format.row_bytes(atlas.width());
   const int strips = int(format.blocks(end - begin));
   to.resize(std::size_t(strips) * row_bytes);
   tbb::parallel_for(0, strips, [&](int k) {
     const int top = begin + k * format.side, bottom = std::min(end, top + format.side);
-    const auto rows =
-        from.subspan(std::size_t(top - begin) * width, std::size_t(bottom - top) * width);
+    const auto rows = from.subspan(std::size_t(top - begin) * width, std::size_t(bottom - top) * width);
     const auto out = std::span(to).subspan(std::size_t(k) * row_bytes, row_bytes);
     if (format.depth == Depth::bc6h)
-      encode_bc6h(rows, width, top == 0, bottom == page.height(), out);
+      encode_bc6h(rows, width, top == 0, bottom == atlas.height(), out);
     else
       encode(format.texels, rows, out);
   });
 }
 
-std::vector<Page> images_of(const Page& page, bool cube) {
-  if (!cube) return {page};
-  std::vector<Page> faces;
-  for (int face = 0; face < 6; ++face) faces.push_back({page.rows, page.grid, face});
+std::vector<Atlas> images_of(const Atlas& atlas, bool cube) {
+  if (!cube) return {atlas};
+  std::vector<Atlas> faces;
+  for (int face = 0; face < 6; ++face) faces.push_back({atlas.rows, atlas.grid, face});
   return faces;
 }
 
@@ -122,7 +121,7 @@ Level decode_cube(const Stored& s, bool& opaque) {
 }
 
 // @param number the level of `base` that it is.
-Level decode_flat(const Stored& s, const Recognised& base, int number, bool& opaque) {
+Level decode_flat(const Stored& s, const DetectedLayout& base, int number, bool& opaque) {
   const int w = s.texture.level_width(s.number), h = s.texture.level_height(s.number);
   std::vector<Colour> image(std::size_t(w) * std::size_t(h));
   opaque =
@@ -142,7 +141,7 @@ Level decode_flat(const Stored& s, const Recognised& base, int number, bool& opa
 
 }  // namespace
 
-Level read_texture(const InputFile& file, const TextureFile& t, int stored, const Recognised& base, int number,
+Level read_texture(const InputFile& file, const TextureFile& t, int stored, const DetectedLayout& base, int number,
                    bool any_alpha) {
   const std::vector<std::byte> bytes = t.bytes(file, stored);
   if (const int h = t.level_height(stored); t.cube && h != face_size(base, number).height)
@@ -150,8 +149,7 @@ Level read_texture(const InputFile& file, const TextureFile& t, int stored, cons
   bool opaque = true;
   Level level =
       t.cube ? decode_cube({bytes, stored, t}, opaque) : decode_flat({bytes, stored, t}, base, number, opaque);
-  if (!opaque && !any_alpha)
-    throw InputError("has an alpha that is not 1 everywhere", Remedy::drop_channels);
+  if (!opaque && !any_alpha) throw InputError("has an alpha that is not 1 everywhere", Remedy::drop_channels);
   return level;
 }
 
@@ -161,7 +159,7 @@ Level read_back(const Level& level, Texels texels) {
   const Layout layout = cube ? Layout::api : default_layout(level.projection());
   std::vector<std::byte> bytes, packed;
   int width = 0, height = 0;
-  for (const Page& image : images_of({stored, grid(layout)}, cube)) {
+  for (const Atlas& image : images_of({stored, grid(layout)}, cube)) {
     width = image.width(), height = image.height();
     std::vector<Colour> all(std::size_t(width) * std::size_t(height));
     image.gather(0, height, all);

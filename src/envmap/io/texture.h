@@ -8,12 +8,12 @@
 #include <functional>
 #include <vector>
 
+#include "envmap/io/detect_layout.h"
 #include "envmap/io/input_file.h"
 #include "envmap/io/khr_colour.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/recognise.h"
 #include "envmap/io/texels.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 #include "envmap/map/rows.h"
 
 namespace envmap {
@@ -55,11 +55,11 @@ T read_as(const InputFile& file, std::uint64_t offset) {
 /// Rows of an image as the file holds them, made in parallel.
 /// @param page one image. @param begin a multiple of a block's side;
 /// it and `end` tell which rows of the page `from` is.
-void encode_rows(const TexelFormat& format, const Page& page, int begin, int end, std::span<const Colour> from,
+void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int end, std::span<const Colour> from,
                  std::vector<std::byte>& to);
 
 /// The images of a level, one for each face of a cube or all in one.
-std::vector<Page> images_of(const Page& page, bool cube);
+std::vector<Atlas> images_of(const Atlas& atlas, bool cube);
 
 /// Whether all levels there can be of these sides are there at most, and memory could hold them. @throws InputError.
 void check_texture(const TextureFile& texture, std::uint64_t file_size);
@@ -70,12 +70,12 @@ void check_texture(const TextureFile& texture, std::uint64_t file_size);
 /// returns the radiance from d.
 Rows in_api_orientation(const Rows& rows);
 
-/// A level out of a texture. @param stored its number in the file. @param base what recognise() or the cube flag says
-/// of level 0.
+/// A level out of a texture. @param stored its number in the file.
+/// @param base what detect_layout() or the cube flag says of level 0.
 /// @param number the level of `base` that it is. @param any_alpha whether an alpha other than 1 is left behind;
 /// else it is an InputError.
-Level read_texture(const InputFile& file, const TextureFile& texture, int stored, const Recognised& base, int number,
-                   bool any_alpha);
+Level read_texture(const InputFile& file, const TextureFile& texture, int stored, const DetectedLayout& base,
+                   int number, bool any_alpha);
 
 /// What is read back of a level written as such texels.
 Level read_back(const Level& level, Texels texels);

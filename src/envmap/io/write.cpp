@@ -14,7 +14,6 @@
 #include "envmap/base/part_progress.h"
 #include "envmap/io/babylon_env.h"
 #include "envmap/io/bands.h"
-#include "envmap/io/chain.h"
 #include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/gltf_light.h"
@@ -24,6 +23,7 @@
 #include "envmap/io/ktx2.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
+#include "envmap/io/mip_chain.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
@@ -35,8 +35,8 @@
 #include "envmap/io/texels.h"
 #include "envmap/io/texture.h"
 #include "envmap/io/write_plan.h"
+#include "envmap/map/atlas.h"
 #include "envmap/map/border.h"
-#include "envmap/map/page.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/operate/levels.h"
 
@@ -59,7 +59,7 @@ std::optional<std::string> profile_of(const ColourOptions& colour) {
 }
 
 // One image, or all levels of one, the largest first: then in tiles, as renderers' texture caches want them.
-void write_image(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Page> levels,
+void write_image(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Atlas> levels,
                  Depth depth, const Metadata& data, const WriteOptions& options, const Progress& progress) {
   const bool cube = data.projection == Projection::cube;
   ImagePlan plan{.depth = depth,
@@ -71,7 +71,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
                  .latlong_envmap = options.openexr_envmap && !cube,
                  .cube_envmap = options.openexr_envmap && cube};
   double done = 0, all = 0;
-  for (const Page& level : levels) {
+  for (const Atlas& level : levels) {
     plan.levels.push_back({level.width(), level.height()});
     all += 1.0 * level.width() * level.height();
   }
@@ -101,8 +101,8 @@ bool fits_float(const FileFormat& format, Depth chosen, double value) {
 }
 
 // Refuses a level of which the depth loses light, or notes how much.
-void check_fit(const std::string& path, const FileFormat& format, const Misfits& level, const WriteOptions& options,
-               Written& done) {
+void check_fit(const std::string& path, const FileFormat& format, const ClampStatistics& level,
+               const WriteOptions& options, Written& done) {
   const Range range = range_of(done.depth, format.largest);
   if (level.nan > 0) throw OutputError(path, fmt::format("{} texels are NaN", level.nan), Remedy::repair);
   if (level.over > 0 && !options.clamp)
@@ -215,13 +215,13 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   const FileFormat& format = *format_with_extension(ext);
   Written done{.depth = choose_depth(format, options), .layout = choose_layout(path, format, options, base.projection)};
   const Range range = range_of(done.depth, format.largest);
-  std::vector<std::unique_ptr<Limited>> limited;
+  std::vector<std::unique_ptr<ClampedRows>> limited;
   std::vector<Rows> rows;
   const ColourTransform colours = out_of_working(options.colour);
   std::vector<Rows> stored;
   for (const Rows& level : levels) stored.push_back(in_space(level, colours));
   for (const Rows& level : stored) {
-    limited.push_back(std::make_unique<Limited>(level, range, options.clamp));
+    limited.push_back(std::make_unique<ClampedRows>(level, range, options.clamp));
     rows.push_back(done.layout == Layout::api ? in_api_orientation(limited.back()->rows()) : limited.back()->rows());
   }
   Metadata data{.projection = base.projection, .facts = options.facts, .provenance = options.provenance};
@@ -235,29 +235,29 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
 
   // All files are written before the first appears.
   std::vector<std::unique_ptr<OutputFile>> files;
-  const auto write_into = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
+  const auto write_into = [&](const std::string& name, std::span<const Atlas> atlases, const Progress& part) {
     const bool cube = done.layout == Layout::api;
     if (ext == "pfm")
-      write_pfm(*files.back(), pages[0]);
+      write_pfm(*files.back(), atlases[0]);
     else if (ext == "ktx2")
-      write_ktx2(*files.back(), pages, {texels_of(done.depth), cube, options.zstd, colour},
+      write_ktx2(*files.back(), atlases, {texels_of(done.depth), cube, options.zstd, colour},
                  key_values(data, options.pairs), part);
     else if (ext == "ktx")
-      write_ktx1(*files.back(), pages, texels_of(done.depth), cube, key_values(data, options.pairs), part);
+      write_ktx1(*files.back(), atlases, texels_of(done.depth), cube, key_values(data, options.pairs), part);
     else if (ext == "dds")
-      write_dds(*files.back(), pages, texels_of(done.depth), cube, part);
+      write_dds(*files.back(), atlases, texels_of(done.depth), cube, part);
     else if (ext == "env")
-      naming(name, [&] { write_env(*files.back(), pages, options.pairs, part); });
+      naming(name, [&] { write_env(*files.back(), atlases, options.pairs, part); });
     else if (ext == "glb")
-      naming(name, [&] { write_gltf_light(*files.back(), pages, options.pairs, part); });
+      naming(name, [&] { write_gltf_light(*files.back(), atlases, options.pairs, part); });
     else
-      write_image(*files.back(), name, ext, pages, done.depth, data, options, part);
+      write_image(*files.back(), name, ext, atlases, done.depth, data, options, part);
   };
-  const auto write_file = [&](const std::string& name, std::span<const Page> pages, const Progress& part) {
+  const auto write_file = [&](const std::string& name, std::span<const Atlas> atlases, const Progress& part) {
     files.push_back(memory ? std::make_unique<OutputFile>() : std::make_unique<OutputFile>(name, options.commit));
     if (files.size() == 1 && !options.rows) files.back()->expect(least_bytes(levels, ext, done.depth, options));
     try {
-      write_into(name, pages, part);
+      write_into(name, atlases, part);
     } catch (const OutputError&) {
       files.back()->check();  // What the disk says is more than what an encoder makes of it.
       throw;
@@ -265,15 +265,15 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   };
   if (levels.size() > 1 && !has_level(path)) {
     if (!format.texture) data.levels = int(levels.size());
-    write_file(path, Chain(rows, done.layout, !format.texture).pages(), progress);
+    write_file(path, MipChain(rows, done.layout, !format.texture).atlases(), progress);
   } else {
     const int count = done.layout == Layout::files ? faces(base.projection) : 1;
     for (std::size_t level = 0; level < levels.size(); ++level)
       for (int k = 0; k < count; ++k) {
         const std::string one = level_path(path, int(level));
-        const Page page{rows[level], grid(done.layout), count > 1 ? k : -1};
+        const Atlas atlas{rows[level], grid(done.layout), count > 1 ? k : -1};
         const Progress part = level > 0 ? Progress() : part_progress(progress, double(k) / count, 1.0 / count);
-        write_file(count > 1 ? face_path(one, k) : one, std::span(&page, 1), part);
+        write_file(count > 1 ? face_path(one, k) : one, std::span(&atlas, 1), part);
       }
   }
   for (const auto& level : limited) check_fit(path, format, level->total(), options, done);

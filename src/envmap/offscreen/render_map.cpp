@@ -19,7 +19,7 @@ namespace {
 void check(const RenderOptions& o) {
   check(limits::size, o.size);
   envmap::check({"samples", 1, 1024}, o.samples);
-  envmap::check({"occlusion", 0, most_distant_lights}, o.occlusion);
+  envmap::check({"occlusion", 0, max_distant_lights}, o.occlusion);
   envmap::check({"near_metres", 1e-9, 1e9}, o.near_metres);
   envmap::check({"far_metres", 1e-9, 1e12}, o.far_metres);
   if (o.near_metres >= o.far_metres) throw UsageError("near_metres must be less than far_metres");

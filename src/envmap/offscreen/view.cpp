@@ -25,7 +25,7 @@ void check(const ViewOptions& o) {
   envmap::check({"width", 1, 16384}, o.width);
   envmap::check({"height", 1, 16384}, o.height);
   envmap::check({"samples", 1, 1024}, o.samples);
-  envmap::check({"occlusion", 0, most_distant_lights}, o.occlusion);
+  envmap::check({"occlusion", 0, max_distant_lights}, o.occlusion);
   envmap::check({"lobe_samples", 0, 65536}, o.lobe_samples);
   envmap::check({"largest_map", 4, 8192}, o.largest_map);
   envmap::check({"near_metres", 1e-9, 1e9}, o.near_metres);
@@ -60,7 +60,7 @@ void cast(const Sitting& s, const Progress& progress, ViewedScene& viewed) {
   viewed.method = ViewMethod::raycast;
   viewed.radiance =
       raycast_picture(s.shot, s.eye.from,
-                      {nodes_of(s.mirrors), o.bounces.value_or(most_rounds), o.far_metres, o.lobe_samples}, progress);
+                      {nodes_of(s.mirrors), o.bounces.value_or(max_rounds), o.far_metres, o.lobe_samples}, progress);
 }
 
 // @return whether maps are good enough.

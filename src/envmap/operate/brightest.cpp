@@ -11,7 +11,7 @@
 namespace envmap {
 namespace {
 
-constexpr std::int64_t most_listed = 1 << 22;
+constexpr std::int64_t max_listed = 1 << 22;
 
 struct Middle {
   Direction sum{0};
@@ -131,7 +131,7 @@ double luminance_of(const Colour& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.07
 Region brightest_region(const Level& level, double luminance, std::int64_t count, const Texel& first) {
   const Region alone{first, direction_of(level, first), count};
   if (count <= 1) return alone;
-  if (count > most_listed) return {first, middle_of_all(level, luminance).value_or(alone.direction), count};
+  if (count > max_listed) return {first, middle_of_all(level, luminance).value_or(alone.direction), count};
   const std::vector<Texel> texels = largest_region(level, texels_of_luminance(level, luminance));
   const auto middle = middle_of(level, texels).direction();
   if (texels.size() == 1 || !middle)

@@ -17,7 +17,7 @@
 namespace envmap {
 namespace {
 
-constexpr int most_samples = 32;
+constexpr int max_samples = 32;
 
 // Half the picture's height at a distance of 1, or half its angle.
 double half_height(const PhotographOptions& o) {
@@ -91,7 +91,7 @@ int samples_of(const PhotographOptions& o, const Level& source) {
   const double texel =
       visit(source.projection(), [](auto p) { return decltype(p)::span; }) * pi / 180 / source.height();
   const double pixel = 2 * half_height(o) / o.height;  // In the middle, where it is widest.
-  return std::clamp(int(std::ceil(2 * pixel / texel)), 1, most_samples);
+  return std::clamp(int(std::ceil(2 * pixel / texel)), 1, max_samples);
 }
 
 std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o, const Run& run) {

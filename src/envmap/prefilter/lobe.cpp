@@ -9,9 +9,9 @@ namespace envmap {
 
 namespace {
 
-constexpr double most_factors = 8;  // Small whole powers are products.
+constexpr double max_factors = 8;  // Small whole powers are products.
 
-bool is_product(double power) { return power <= most_factors && power == std::floor(power); }
+bool is_product(double power) { return power <= max_factors && power == std::floor(power); }
 
 // (1 - x)^power.
 double power_of(double x, double power) {

@@ -49,7 +49,7 @@ int rows_at_horizon(const Splitting& s, double fourth) {
   return rows_for(std::sqrt(std::sqrt(s.bend * floor_density / (bend * std::max(1e-12, fourth)))));
 }
 
-std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int most_rows) {
+std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int max_rows) {
   if (lobe.b <= 0) return std::nullopt;
   MultilevelPlan plan;
   const double a = lobe.a / lobe.b, whole = a + 1, scale = lobe.scale / (lobe.b * lobe.b),
@@ -57,8 +57,8 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int m
   const double first = scale / (whole * whole), second = 2 * first / whole, third = 1.5 * second / whole;
   int rows = rows_for(width / s.steps);
   LevelKernel k{.quartic = s.quartic, .a = float(a), .scale = scale};
-  if (rows > most_rows) {
-    rows = most_rows;
+  if (rows > max_rows) {
+    rows = max_rows;
     const double outer = s.radius * pi / rows;
     k.outer = softened(s, outer), k.end = float(0.5 * outer * outer);
     plan.core = k;
@@ -79,32 +79,32 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int m
 
 // A single level: (1 - part x)^power, times t of Blinn's lobe.
 std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s,
-                                            int most_rows, MultilevelPlan plan) {
+                                            int max_rows, MultilevelPlan plan) {
   const int rows = std::max(least, rows_for(width / s.per_sigma));
-  most_rows = std::min(2 * most_rows, 2048);  // A power is cut off many widths away, and so sees more texels.
+  max_rows = std::min(2 * max_rows, 2048);  // A power is cut off many widths away, and so sees more texels.
   // Cut where what is left is small beside 0.001 x the mean.
   const double left = portable::log(k.scale / (0.02 * error * floor_density));
   k.end = float(std::min(1.0, -portable::expm1(-left / double(k.power)) / double(k.part)));
-  if (rows > most_rows)
+  if (rows > max_rows)
     plan.core = k;
   else
     plan.steps.push_back({rows, k});
   return plan;
 }
 
-std::optional<MultilevelPlan> plan_of(const Phong& lobe, double error, const Splitting& s, int most_rows) {
+std::optional<MultilevelPlan> plan_of(const Phong& lobe, double error, const Splitting& s, int max_rows) {
   if (lobe.exponent < 4) return std::nullopt;
   MultilevelPlan plan;
   plan.constant = 1;
   const LevelKernel k{.kind = LevelKernel::Kind::power, .power = float(lobe.exponent), .scale = lobe.scale()};
   const int at_horizon = lobe.exponent >= 6 ? 128 : 256;
-  return plan_of_power(k, 1 / std::sqrt(lobe.exponent), s.quartic ? 2 * at_horizon : at_horizon, error, s, most_rows,
+  return plan_of_power(k, 1 / std::sqrt(lobe.exponent), s.quartic ? 2 * at_horizon : at_horizon, error, s, max_rows,
                        plan);
 }
 
 // t (1 - x/2)^p = t ((1 + t)/2)^p: the binomial series at the horizon, whose first three factors are not negative for
 // p >= 1.
-std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, const Splitting& s, int most_rows) {
+std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, const Splitting& s, int max_rows) {
   const double p = lobe.power;
   if (p < 1) return std::nullopt;
   MultilevelPlan plan;
@@ -114,7 +114,7 @@ std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, cons
   // All light of a channel at the horizon, 12 pi x the mean, is nothing then.
   if (12 * pi * (first + second + third) > 0.002 * error * 1e-3) set_hinges(plan, k, {first, second, third});
   const int at_horizon = rows_at_horizon(s, std::abs(p - 2) / 3 * third);
-  return plan_of_power(k, 1 / std::sqrt(0.5 * p + 1), at_horizon, error, s, most_rows, plan);
+  return plan_of_power(k, 1 / std::sqrt(0.5 * p + 1), at_horizon, error, s, max_rows, plan);
 }
 
 }  // namespace
@@ -123,13 +123,13 @@ int MultilevelPlan::finest() const {
   return steps.empty() ? least_rows : std::ranges::max_element(steps, {}, &Step::rows)->rows;
 }
 
-std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int most_rows) {
+std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int max_rows) {
   if (error < 1e-4) return std::nullopt;
   const Splitting& s = error < 1e-3 ? fine : coarse;
   std::optional<MultilevelPlan> plan;
-  if (const auto* ggx = std::get_if<Ggx>(&lobe)) plan = plan_of(*ggx, s, most_rows);
-  if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s, most_rows);
-  if (const auto* blinn = std::get_if<BlinnPhong>(&lobe)) plan = plan_of(*blinn, error, s, most_rows);
+  if (const auto* ggx = std::get_if<Ggx>(&lobe)) plan = plan_of(*ggx, s, max_rows);
+  if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s, max_rows);
+  if (const auto* blinn = std::get_if<BlinnPhong>(&lobe)) plan = plan_of(*blinn, error, s, max_rows);
   if (plan)
     plan->error = s.kappa, plan->floor_error = s.bend, plan->hinge_error = (error - s.kappa - s.bend) / (1 + 2 * error);
   return plan;

@@ -44,8 +44,8 @@ struct MultilevelPlan {
 
 /// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, Phong lobes of exponent below
 /// 4, and sheen.
-/// @param most_rows of a grid: what is too narrow for it is the core. A power of two from 512.
-std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int most_rows = 2048);
+/// @param max_rows of a grid: what is too narrow for it is the core. A power of two from 512.
+std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int max_rows = 2048);
 
 /// What a map is made of.
 struct MultilevelSource {

@@ -133,7 +133,7 @@ void unite_lanes(std::span<const Part> parts, NodeBatch& whole) {
     V covariance[6];
     for (std::size_t n = 0; n < 6; ++n)
       covariance[n] = over(weighted(second[0][n], second[1][n], second[2][n]), weight);
-    V most_uneven = hn::Zero(d), most_cube = hn::Zero(d);
+    V most_uneven = hn::Zero(d), max_cube = hn::Zero(d);
     for (std::size_t c = 0; c < node_channels; ++c) {
       const V flux = load(whole.flux[c], k);
       V square = hn::Zero(d);
@@ -143,10 +143,10 @@ void unite_lanes(std::span<const Part> parts, NodeBatch& whole) {
         square = hn::Add(square, n == 0 || n == 3 || n == 5 ? both : hn::Add(both, both));
       }
       most_uneven = hn::Max(most_uneven, hn::IfThenElseZero(hn::Gt(flux, hn::Zero(d)), hn::Sqrt(square)));
-      most_cube = hn::Max(most_cube, over(cube[c], flux));
+      max_cube = hn::Max(max_cube, over(cube[c], flux));
     }
     hn::Store(most_uneven, d, &whole.uneven[k]);
-    hn::Store(cube_root(most_cube), d, &whole.spread[k]);
+    hn::Store(cube_root(max_cube), d, &whole.spread[k]);
     hn::Store(reach_of_all(parts, whole, k), d, &whole.reach[k]);
   }
 }
@@ -170,9 +170,9 @@ void unite(std::span<const NodeBatch> parts, NodeBatch& whole) { HWY_DYNAMIC_DIS
 Node node_of(const Moments& patch, const Flux& radiance) {
   const double w = patch.solid_angle;
   Node node{.centre = patch.centre,
-              .flux = {float(w * radiance.x), float(w * radiance.y), float(w * radiance.z)},
-              .spread = float(patch.spread),
-              .reach = float(patch.reach)};
+            .flux = {float(w * radiance.x), float(w * radiance.y), float(w * radiance.z)},
+            .spread = float(patch.spread),
+            .reach = float(patch.reach)};
   for (auto& second : node.second)
     for (std::size_t n = 0; n < 6; ++n) second[n] = float(patch.covariance.m[n]);
   return node;
@@ -248,9 +248,9 @@ void NodeBatch::set(std::size_t lane, const Node& node, const Direction& origin)
 
 Node NodeBatch::node(std::size_t lane, const Direction& origin) const {
   Node node{.centre = origin + Direction(centre[0][lane], centre[1][lane], centre[2][lane]),
-              .uneven = uneven[lane],
-              .spread = spread[lane],
-              .reach = reach[lane]};
+            .uneven = uneven[lane],
+            .spread = spread[lane],
+            .reach = reach[lane]};
   for (std::size_t c = 0; c < node_channels; ++c) {
     node.flux[c] = flux[c][lane];
     node.dipole[c] = {dipole[c][0][lane], dipole[c][1][lane], dipole[c][2][lane]};

@@ -32,7 +32,7 @@ class Subdivision {
   struct Texel {
     int face;
     Flux radiance;
-    double error = 0;  // Of all its parts: they are lit alike and lie in one place, and may all be wrong the same way.
+    double error = 0;   // Of all its parts: they are lit alike and lie in one place, and may all be wrong the same way.
     bool bent = false;  // See Judged.
   };
 
@@ -42,14 +42,18 @@ class Subdivision {
     return phong && phong->breaks_off() && criterion.radius == 0 && !criterion.surveying ? phong : nullptr;
   }
 
-  bool enough() const { return found_.count > criterion_.most_nodes; }
+  bool enough() const { return found_.count > criterion_.max_nodes; }
 
   // Four smaller blocks, or the texels.
   void open(int face, const Span& in) {
     const std::optional<std::array<Node, 4>> nodes = tree_.quarters(face, in);
     if (!nodes) return texels(face, in);
     judge_all(
-        *nodes, [&](std::size_t k) { open(face, in.quarters()[k]); return true; },
+        *nodes,
+        [&](std::size_t k) {
+          open(face, in.quarters()[k]);
+          return true;
+        },
         [&](float error, bool bent) { found_.add_error(error, bent); });
   }
   void texels(int face, const Span& in) {
@@ -121,8 +125,9 @@ class Subdivision {
     const double nearest = 0.5 * near * near, farthest = 0.5 * far * far;
     if (farthest >= 1 || std::max(lobe.rate(nearest), lobe.rate(farthest)) * far * node.reach < worth) return false;
     const double each = weight(texel.radiance);
-    const Integral found = RoundBorder<P, L>(lobe, criterion_.middle, texel.face, nearest)(
-        recent_border<P>(texel.face, rect), P::solid_angle(rect), node.reach, nearest, 0.1 * criterion_.limit / each);
+    const Integral found = RoundBorder<P, L>(lobe, criterion_.middle, texel.face,
+                                             nearest)(recent_border<P>(texel.face, rect), P::solid_angle(rect),
+                                                      node.reach, nearest, 0.1 * criterion_.limit / each);
     if (criterion_.surveying) {
       const Flux& l = texel.radiance;
       found_.add_least(criterion_, {float(l.x), float(l.y), float(l.z)},

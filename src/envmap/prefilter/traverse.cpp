@@ -155,7 +155,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
   std::size_t count = 0;
   for (int face = faces(tree.source().projection()); face-- > 0;) stack[count++] = {tree.last(), face, 0, 0};
   NodeGroup group = NodeGroup::none();
-  while (count > 0 && found.count <= criterion.most_nodes) {
+  while (count > 0 && found.count <= criterion.max_nodes) {
     // Four at a time, whatever the width of a vector: it is their order that sums depend on.
     std::array<Entry, 4> quads;
     const std::size_t several = std::min(count, quads.size());

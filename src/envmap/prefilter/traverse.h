@@ -31,8 +31,7 @@ struct alignas(4 * N) NodeHeads {
   }
   /// @param from what the centre is counted from.
   void set(std::size_t lane, const Node& node, const Direction& from = Direction(0)) {
-    for (std::size_t n = 0; n < 3; ++n)
-      centre[n][lane] = float(node.centre[int(n)] - from[int(n)]);
+    for (std::size_t n = 0; n < 3; ++n) centre[n][lane] = float(node.centre[int(n)] - from[int(n)]);
     reach[lane] = node.reach, spread[lane] = node.spread, uneven[lane] = node.uneven;
     for (std::size_t c = 0; c < node_channels; ++c) flux[c][lane] = node.flux[c];
   }
@@ -42,20 +41,20 @@ using NodeGroup = NodeHeads<16>;  ///< What is judged at once.
 
 /// The directions of a tile, and what is good enough for them.
 struct Criterion {
-  Direction middle;   ///< A unit vector.
-  double radius = 0;  ///< No direction is farther from the middle.
-  NodeFlux darkest{}; ///< What every direction gets of a channel besides.
-  NodeFlux most{};    ///< 1 over the least that any direction gets of it in all.
-  float limit = 0;    ///< What a node may be off, relative to that.
+  Direction middle;    ///< A unit vector.
+  double radius = 0;   ///< No direction is farther from the middle.
+  NodeFlux darkest{};  ///< What every direction gets of a channel besides.
+  NodeFlux most{};     ///< 1 over the least that any direction gets of it in all.
+  float limit = 0;     ///< What a node may be off, relative to that.
   /// Looks for the least that directions get: a node is good where the lobe changes by less than the limit over it.
   bool surveying = false;
-  std::size_t most_nodes = SIZE_MAX;  ///< There is no use for more.
+  std::size_t max_nodes = SIZE_MAX;  ///< There is no use for more.
 };
 
 /// What a criterion makes of a group of nodes; a bit each.
 struct Judged {
-  unsigned visible = 0;                ///< Above the horizon.
-  unsigned good = 0;                   ///< And good enough.
+  unsigned visible = 0;  ///< Above the horizon.
+  unsigned good = 0;     ///< And good enough.
   /// The lobe is no smooth function over the node: the horizon crosses it, or it is wide.
   unsigned bent = 0;
   unsigned crossed = 0;                ///< The horizon may cross the node.
@@ -144,10 +143,10 @@ struct Traversal {
   double sum, largest;  ///< Of the bounds of others.
   double uneven;        ///< Sum of what is off because channels spread unlike each other.
   double power;         ///< Sum of the squares of what they are off either way.
-  std::vector<CrossedNode> crossed;  ///< But for stepped ones.
-  NodeFlux got;                ///< What directions get at least of the nodes.
+  std::vector<CrossedNode> crossed;              ///< But for stepped ones.
+  NodeFlux got;                                  ///< What directions get at least of the nodes.
   std::array<double, node_channels> integrated;  ///< What the direction gets of pieces that are no nodes.
-  std::size_t count;           ///< Of good nodes, those below the stored blocks among them.
+  std::size_t count;                             ///< Of good nodes, those below the stored blocks among them.
 
   /// @param alike whether texels are parts of larger ones: see Tree::parts().
   /// @param pole whether the tile is near one of a latlong map.

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "envmap/operate/measure.h"
 #include "envmap/base/parallel.h"
+#include "envmap/operate/measure.h"
 #include "envmap/prefilter/subdivide.h"
 
 namespace envmap::prefiltering {
@@ -56,7 +56,7 @@ void set_tile(std::span<const Direction> directions, Tile& tile) {
 // Nodes beyond which the exact sum of so many directions is quicker, or fewer directions at a time are. The exact sum
 // goes round every texel that the horizon of a lobe that breaks off cuts, and cuts those of a coarse map: a face of one
 // texel takes it as long as thousands of nodes.
-std::size_t most_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
+std::size_t max_nodes(const Tree& tree, const Lobe& lobe, std::size_t directions) {
   const Level& s = tree.source();
   const std::size_t texels = index_of(s, {s.faces(), 0, 0}), parts = std::size_t(tree.parts());
   const std::size_t sum = directions * (parts > 1 ? 8 * texels / (parts * parts) : texels / 8);
@@ -80,7 +80,7 @@ class TileNodes {
       go([](const Node&) {});
     }
     criterion_.surveying = false;
-    criterion_.most_nodes = most_nodes(job.tree, job.lobe, tile.count);
+    criterion_.max_nodes = max_nodes(job.tree, job.lobe, tile.count);
   }
 
   /// Of the last find(): see Traversal.
@@ -91,12 +91,12 @@ class TileNodes {
   /// @param add takes the nodes. @return the figure, or nothing where there would be too many.
   template <class Clear, class Add>
   std::optional<double> find(double& limit, Clear&& clear, Add&& add) {
-    constexpr int most_tries = 10;
-    for (int n = 0; n < most_tries; ++n) {
+    constexpr int max_tries = 10;
+    for (int n = 0; n < max_tries; ++n) {
       clear();
       criterion_.limit = float(limit);
       go(add);
-      if (found().count > criterion_.most_nodes) return std::nullopt;
+      if (found().count > criterion_.max_nodes) return std::nullopt;
       const double figure = error_figure(found(), tile_);
       if (figure <= job_.max_error) {
         for (const Node* node : found().nodes) add(*node);

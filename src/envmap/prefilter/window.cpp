@@ -41,8 +41,8 @@ class Irradiance {
     Flux change(0), whole(0);  // Parseval: integrals of squares are sums of squares.
     for (int l = 0; l <= series_.order; ++l)
       for (int m = -l; m <= l; ++m) {
-        const Flux square = series_.coefficients[std::size_t(l * (l + 1) + m)] *
-                            series_.coefficients[std::size_t(l * (l + 1) + m)];
+        const Flux square =
+            series_.coefficients[std::size_t(l * (l + 1) + m)] * series_.coefficients[std::size_t(l * (l + 1) + m)];
         const double lost = 1 - window[std::size_t(l)];
         whole += square, change += lost * lost * square;
       }
@@ -75,8 +75,7 @@ class Irradiance {
   }
 
   [[nodiscard]] std::size_t index(int row, int column) const {
-    return std::size_t(row) * std::size_t(columns_) +
-           std::size_t((column + columns_) % columns_);
+    return std::size_t(row) * std::size_t(columns_) + std::size_t((column + columns_) % columns_);
   }
 
   [[nodiscard]] bool negative(std::span<const double> window, int channel) const {
@@ -168,7 +167,7 @@ std::vector<double> laplacian_window(int order, double lambda) {
 }
 
 Deringing weakest_window(const Harmonics& radiance) {
-  check({"order", 0, most_deringed_order}, radiance.order);
+  check({"order", 0, max_deringed_order}, radiance.order);
   const Irradiance irradiance(radiance);
   const auto negative = [&](double lambda) { return irradiance.negative(laplacian_window(radiance.order, lambda)); };
   if (!negative(0)) return {};

@@ -25,7 +25,7 @@ struct Deringing {
 };
 
 /// The largest order that weakest_window() takes.
-inline constexpr int most_deringed_order = 20;
+inline constexpr int max_deringed_order = 20;
 
 /// The least lambda, to 1e-6 of it, of which no channel's irradiance is below 0 anywhere. Its lowest value is looked
 /// for on a grid of sixteen points a period of the highest degree and, from those that may be near it, by descent.

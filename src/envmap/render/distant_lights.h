@@ -14,7 +14,7 @@ struct DistantLight {
   Colour irradiance{0};     ///< Across it.
 };
 
-inline constexpr int most_distant_lights = 256;
+inline constexpr int max_distant_lights = 256;
 
 /// At most so many, which share out the flux of the environment: parts of the sphere are cut in two
 /// halves of the same luminance, the brightest first, across the longer side. A sun gets many of them, or one where a

@@ -51,9 +51,9 @@ struct Viewpoint {
   /// distort and tessellate move vertices near a disc's singularity (z < -1 + epsilon) to infinity. 0: 0.5 for
   /// paraboloids, otherwise 0.05 for distort and 0.01 for tessellate.
   double epsilon = 0;
-  bool show_ambient = false;       ///< Behind all surfaces, too: as mirrors show it.
-  std::optional<Lens> lens;        ///< Then it is a picture of one face, and `to` is not looked at.
-  Plane before{0, 0, 0, 1};        ///< Of pictures that OpenGL draws: nothing behind it is drawn. World.
+  bool show_ambient = false;  ///< Behind all surfaces, too: as mirrors show it.
+  std::optional<Lens> lens;   ///< Then it is a picture of one face, and `to` is not looked at.
+  Plane before{0, 0, 0, 1};   ///< Of pictures that OpenGL draws: nothing behind it is drawn. World.
 };
 
 struct DistantLight;
@@ -63,8 +63,8 @@ struct MapTexture;
 
 struct MirrorLook {
   MirrorLookup lookup = MirrorLookup::distance;
-  bool tinted = false;     ///< Each face of a map in a colour of its own.
-  int pictures = 16;       ///< So often at most flat mirrors show each other by pictures: draw_picture().
+  bool tinted = false;  ///< Each face of a map in a colour of its own.
+  int pictures = 16;    ///< So often at most flat mirrors show each other by pictures: draw_picture().
   /// What flat mirrors reflect is as far away as its image, which lies behind them: as maps that are looked up want it.
   bool images = false;
 };
@@ -76,10 +76,10 @@ struct Shot {
   const Environment* environment = nullptr;  ///< Background and light (shading.h); null: black.
   Colour ambient{0};                         ///< Radiance from everywhere, beside the environment; no background.
   bool shadows = true;                       ///< Of punctual lights.
-  /// The environment's (distant_lights.h), for what surfaces keep of it from each other: at most most_distant_lights;
+  /// The environment's (distant_lights.h), for what surfaces keep of it from each other: at most max_distant_lights;
   /// none: it shines through everything.
   std::span<const DistantLight> distant{};
-  std::span<const MirrorMap> mirrors{};      ///< In the order of the renderer's; empty: they show the environment.
+  std::span<const MirrorMap> mirrors{};  ///< In the order of the renderer's; empty: they show the environment.
   /// What flat mirrors show of a picture, as the eye mirrored in each sees it, right and left exchanged; in the order
   /// of `mirrors`, null for all others. Empty: none has one.
   std::span<const MapTexture* const> reflections{};

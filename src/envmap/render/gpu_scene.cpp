@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
-#include "envmap/render/light_image.h"
 #include "envmap/render/programs.h"
 #include "envmap/render/shading.h"
+#include "envmap/render/shadow_view.h"
 
 namespace envmap {
 namespace {
@@ -29,7 +29,7 @@ struct GpuInstance {
 struct GpuMaterial {
   glm::vec4 base_colour, emissive;
   float metallic, roughness, transmission, ior;
-  glm::vec4 rest;  // How light bends (shading.glsl), Material::normal_scale, occlusion_strength.
+  glm::vec4 rest;   // How light bends (shading.glsl), Material::normal_scale, occlusion_strength.
   glm::vec4 sheen;  // And its roughness.
   glm::vec4 coat;   // How much, its roughness, Material::coat_normal_scale.
 };
@@ -84,9 +84,15 @@ void set_bounds(const Mesh& mesh, Part& part) {
 std::vector<GpuMaterial> materials_of(const Scene& scene) {
   std::vector<GpuMaterial> all;
   for (const Material& m : scene.materials)
-    all.push_back({m.base_colour, {m.emissive, m.alpha_cutoff}, m.metallic, m.roughness, m.transmission, m.ior,
+    all.push_back({m.base_colour,
+                   {m.emissive, m.alpha_cutoff},
+                   m.metallic,
+                   m.roughness,
+                   m.transmission,
+                   m.ior,
                    glm::vec4(m.solid ? 1 / std::max(1.0F, m.ior) : 1, m.normal_scale, m.occlusion_strength, 0),
-                   glm::vec4(m.sheen, m.sheen_roughness), glm::vec4(m.coat, m.coat_roughness, m.coat_normal_scale, 0)});
+                   glm::vec4(m.sheen, m.sheen_roughness),
+                   glm::vec4(m.coat, m.coat_roughness, m.coat_normal_scale, 0)});
   return all;
 }
 
@@ -151,7 +157,7 @@ GpuLight from_viewpoint(const PlacedLight& light, const Direction& eye, int firs
   return {{glm::vec3(light.position - eye), float(light.kind)},
           {glm::vec3(light.direction), float(light.range)},
           {light.intensity, 0},
-          {light.inner, light.outer, first_face, light_faces(light)}};
+          {light.inner, light.outer, first_face, shadow_view_count(light)}};
 }
 
 }  // namespace
@@ -264,7 +270,7 @@ void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye,
   int face = 0;
   for (const PlacedLight& light : placed_lights(scene, pose)) {
     lights.push_back(from_viewpoint(light, eye, face));
-    face += light_faces(light);
+    face += shadow_view_count(light);
   }
   glNamedBufferSubData(light_buffer_, 0, static_cast<GLsizeiptr>(lights.size() * sizeof(GpuLight)), lights.data());
 }

@@ -41,7 +41,7 @@ struct Group {
 };
 
 /// How a part lies seen from a viewpoint.
-struct Placed {
+struct InstanceTransform {
   glm::mat4 to_map;  ///< From the mesh to the frame of the map, the viewpoint at the origin.
   bool mirrored;     ///< Right becomes left on the way to the world.
   Ball ball;         ///< What surely holds it, in the frame of the map.
@@ -65,7 +65,7 @@ class GpuScene {
 
   /// Where everything is, seen from `at` in a frame of `axes`: one element a part.
   void place(const Scene& scene, const Pose& pose, const Direction& at, const Rotation& axes);
-  [[nodiscard]] const std::vector<Placed>& placed() const { return placed_; }
+  [[nodiscard]] const std::vector<InstanceTransform>& placed() const { return placed_; }
 
   /// Binds vertices and buffers for drawing and shading, and the textures of a group.
   void bind() const;
@@ -82,7 +82,7 @@ class GpuScene {
 
   std::vector<Part> parts_;
   std::vector<First> first_;  // By mesh.
-  std::vector<Placed> placed_;
+  std::vector<InstanceTransform> placed_;
   std::vector<Group> groups_;
   std::size_t triangles_ = 0;
   int lights_ = 0;

@@ -128,8 +128,8 @@ void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, 
     if (!lies_under(scene_, instance.node, mirror.node)) continue;
     const Mesh& mesh = scene_.meshes[instance.mesh];
     const Matrix& world = shot.pose[instance.node];
-    const auto add = [&](const Optics& optics) {
-      const Shown shown = shown_directions(viewer, mesh, world, optics, middle);
+    const auto add = [&](const MirrorOptics& optics) {
+      const Shown shown = reflection_bounds(viewer, mesh, world, optics, middle);
       want.caps.insert(want.caps.end(), shown.caps.begin(), shown.caps.end());
       return shown;
     };
@@ -139,7 +139,7 @@ void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, 
       want.pixels += shown.solid_angle / (viewer.pixel * viewer.pixel);
     }
     if (is_bumpy(material_of(scene_, instance)) && !shown.caps.empty())
-      want.caps.push_back({Direction(0, 0, 1), pi});  // Where a normal map may send rays.
+      want.caps.push_back({Direction(0, 0, 1), pi});                                // Where a normal map may send rays.
     if (mirror.optics.refracts() && !middle) add({0, mirror.optics.double_sided});  // A lens reflects, too.
   }
 }
@@ -225,7 +225,7 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   } else if (want.front) {
     plan.axes = looking_along(*want.front);
   } else {
-    const Cap all = enclosing(want.caps);
+    const DirectionCone all = enclosing(want.caps);
     const double room = pi / 2 - margin(plan.size) - all.angle;
     if (moved || (room > 0 && angle_between(map.axes[2], all.axis) >= room))
       plan.axes = room > 0 ? looking_along(all.axis) : Rotation(1);
@@ -239,15 +239,15 @@ unsigned Mirrors::needed_faces(std::size_t k, const Wanted& want, const Plan& pl
   if (mirror.rough || mirror.to == Projection::sphere) return all_faces(mirror.to);
   if (want.front && mirror.to == Projection::paraboloid) return 1;
   // Rays from a flat mirror may meet anything before it.
-  const std::vector<Cap> before(1, {want.front.value_or(Direction(0)), pi / 2 - margin(plan.size)});
-  const std::vector<Cap>& caps = want.front ? before : want.caps;
+  const std::vector<DirectionCone> before(1, {want.front.value_or(Direction(0)), pi / 2 - margin(plan.size)});
+  const std::vector<DirectionCone>& caps = want.front ? before : want.caps;
   unsigned needed = 0;
   if (mirror.to == Projection::cube) {
     const auto reached = reached_faces(caps, plan.axes, margin(plan.size));
     for (unsigned face = 0; face < 6; ++face) needed |= reached[face] ? 1U << face : 0;
     return needed;
   }
-  for (const Cap& cap : caps) {
+  for (const DirectionCone& cap : caps) {
     const double reach = cap.angle + margin(plan.size), along = angle_between(cap.axis, plan.axes[2]);
     if (along - reach <= pi / 2) needed |= 1;
     if (along + reach >= pi / 2) needed |= 2;
@@ -312,7 +312,7 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
     needed[k] = options.all ? all_faces(mirrors_[k].to) : needed_faces(k, want[k], plans[k]);
   }
   bool changing = true;
-  for (int round = 0; changing && round < options.bounces.value_or(most_rounds); ++round) {
+  for (int round = 0; changing && round < options.bounces.value_or(max_rounds); ++round) {
     changing = false;
     for (std::size_t k = 0; k < want.size(); ++k) {
       if (want[k].caps.empty()) continue;
@@ -340,7 +340,7 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
     }
   }
   if (changing && !options.bounces && maps_.size() > 1)
-    tell(fmt::format("mirrors go on changing each other after {} rounds", most_rounds));
+    tell(fmt::format("mirrors go on changing each other after {} rounds", max_rounds));
 }
 
 }  // namespace envmap

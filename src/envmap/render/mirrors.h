@@ -19,7 +19,7 @@ namespace envmap {
 struct Mirror {
   int node = 0;
   Projection to = Projection::paraboloid;
-  Optics optics;
+  MirrorOptics optics;
   bool rough = false;  ///< Then its map is a whole cube, of which the GGX-prefiltered levels are made.
 };
 
@@ -36,15 +36,15 @@ struct MirrorOptions {
   int size = 0;  ///< Height of a face; 0: what the pixels of the picture need, up to `largest`.
   int largest = 1024;
   /// Update rounds per frame (reflections between mirrors). Unset: repeats until no texel changes by more than 1/255 of
-  /// white, or of itself if it is brighter, at most most_rounds times.
+  /// white, or of itself if it is brighter, at most max_rounds times.
   std::optional<int> bounces;
-  bool all = false;  ///< Draw every face of every map in every frame.
+  bool all = false;    ///< Draw every face of every map in every frame.
   bool moved = false;  ///< Vertices of meshes did: what shows them is drawn again.
   double near = 0.01, far = 1000;
   DrawMethod method = DrawMethod::exact;
 };
 
-inline constexpr int most_rounds = 32;
+inline constexpr int max_rounds = 32;
 
 /// The maps as they are from frame to frame. A map begins as the environment.
 class Mirrors {
@@ -71,9 +71,9 @@ class Mirrors {
   };
   struct Wanted {
     Direction at{0};  // Where it is drawn from.
-    std::vector<Cap> caps;
-    double spacing = pi;  // Radians between texels.
-    double pixels = 0;    // That look it up.
+    std::vector<DirectionCone> caps;
+    double spacing = pi;              // Radians between texels.
+    double pixels = 0;                // That look it up.
     std::optional<Direction> normal;  // Of a flat mirror.
     std::optional<Direction> front;   // The same where it shows one side: nothing behind that is looked up.
   };
@@ -83,9 +83,7 @@ class Mirrors {
     bool anew = false;  // All of it must be drawn.
   };
 
-  [[nodiscard]] const std::string& name_of(std::size_t k) const {
-    return scene_.nodes[mirrors_[k].node].name;
-  }
+  [[nodiscard]] const std::string& name_of(std::size_t k) const { return scene_.nodes[mirrors_[k].node].name; }
   // The normal of a mirror that is flat.
   [[nodiscard]] std::optional<Direction> normal_of(const Mirror& mirror, const Shot& shot) const;
   // For pictures of flat mirrors.

@@ -22,10 +22,10 @@ Corner halfway(const Corner& a, const Corner& b) {
 }
 
 // The cap round three directions about their mean; every direction where they may surround half a sphere.
-Cap cap_of(const std::array<Direction, 3>& v) {
+DirectionCone cap_of(const std::array<Direction, 3>& v) {
   const Direction sum = v[0] + v[1] + v[2];
   if (glm::length(sum) < 1e-6) return {v[0], pi};
-  Cap cap{glm::normalize(sum), 0};
+  DirectionCone cap{glm::normalize(sum), 0};
   for (const Direction& d : v) cap.angle = std::max(cap.angle, angle_between(cap.axis, d));
   if (cap.angle >= pi / 2) cap.angle = pi;
   return cap;
@@ -50,10 +50,10 @@ double usual(std::vector<Widening> all) {
 
 struct Search {
   const Viewer& viewer;
-  const Optics& optics;
+  const MirrorOptics& optics;
   const std::optional<Direction>& middle;
   double fineness;
-  std::vector<Cap>& caps;
+  std::vector<DirectionCone>& caps;
   std::vector<Widening>& widenings;
 
   [[nodiscard]] bool out_of_sight(const Facet& f) const {
@@ -64,14 +64,14 @@ struct Search {
   }
 
   // Where rays of these directions go that start at a part of the mesh.
-  void add_rays(const Facet& f, const Cap& along) {
+  void add_rays(const Facet& f, const DirectionCone& along) {
     if (!middle) return caps.push_back(along);
     if (optics.refracts()) {  // From one side of a lens to the other: all round.
       if (caps.empty()) caps.push_back({along.axis, pi});
       return;
     }
     const auto from = [&](int i) { return unit_or_z(f[i].position - *middle); };
-    const Cap start = cap_of({from(0), from(1), from(2)});
+    const DirectionCone start = cap_of({from(0), from(1), from(2)});
     const double arc = angle_between(start.axis, along.axis), widest = std::max(start.angle, along.angle);
     if (arc + widest > 3) return caps.push_back({along.axis, pi});
     // Between caps of this size two arcs part by no more than 1 / cos(arc / 2) times as much as at their ends.
@@ -88,7 +88,8 @@ struct Search {
     if (out_of_sight(f)) return;
     const auto rays = [&](int i) { return unit_or_z(f[i].position - viewer.at); };
     const auto normals = [&](int i) { return unit_or_z(f[i].normal); };
-    const Cap view = cap_of({rays(0), rays(1), rays(2)}), normal = cap_of({normals(0), normals(1), normals(2)});
+    const DirectionCone view = cap_of({rays(0), rays(1), rays(2)}),
+                        normal = cap_of({normals(0), normals(1), normals(2)});
     const double angle = view.angle + 2 * normal.angle;
     if (angle <= fineness || depth == deepest) {
       Widening w{std::numeric_limits<double>::infinity(),
@@ -116,13 +117,13 @@ struct Search {
 
 }  // namespace
 
-Direction Optics::turned(const Direction& view, const Direction& normal) const {
+Direction MirrorOptics::turned(const Direction& view, const Direction& normal) const {
   if (!refracts()) return glm::reflect(view, normal);
   return unit_or_z(glm::refract(view, glm::faceforward(normal, view, normal), 1 / ior));
 }
 
-Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
-                       const std::optional<Direction>& middle, double fineness) {
+Shown reflection_bounds(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const MirrorOptics& optics,
+                        const std::optional<Direction>& middle, double fineness) {
   const Rotation turn(world), normals = glm::determinant(turn) != 0 ? glm::transpose(glm::inverse(turn)) : turn;
   const double handed = glm::determinant(turn) < 0 ? -1 : 1;  // A mirrored node's triangles are wound the other way.
   const auto corner = [&](std::uint32_t index) {
@@ -160,10 +161,10 @@ std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world) {
                    normal * (glm::determinant(turn) < 0 ? -1.0 : 1.0));
 }
 
-std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axes, double margin) {
+std::array<bool, 6> reached_faces(std::span<const DirectionCone> caps, const Rotation& axes, double margin) {
   std::array<bool, 6> reached{};
   const Rotation to_map = glm::transpose(axes);
-  for (const Cap& cap : caps) {
+  for (const DirectionCone& cap : caps) {
     const double angle = cap.angle + margin;
     const double reach = angle < pi / 2 ? std::sin(angle) : 2;
     const Direction axis = to_map * cap.axis;
@@ -179,15 +180,15 @@ std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axe
   return reached;
 }
 
-Cap enclosing(std::span<const Cap> caps) {
+DirectionCone enclosing(std::span<const DirectionCone> caps) {
   Direction sum(0);
-  for (const Cap& cap : caps) sum += cap.axis;
+  for (const DirectionCone& cap : caps) sum += cap.axis;
   struct Bounded {
     Direction axis;
     double cosine, sine;
   };
   std::vector<Bounded> all;
-  for (const Cap& cap : caps) all.push_back({cap.axis, std::cos(cap.angle), std::sin(cap.angle)});
+  for (const DirectionCone& cap : caps) all.push_back({cap.axis, std::cos(cap.angle), std::sin(cap.angle)});
   // The cosine of how far the widest reaches from an axis, -1 where it reaches all round: angles by atan2 took longer
   // than drawing.
   const auto widest = [&](const Direction& axis) {
@@ -201,7 +202,7 @@ Cap enclosing(std::span<const Cap> caps) {
     }
     return std::pair(least, far);
   };
-  Cap best{unit_or_z(sum), pi};
+  DirectionCone best{unit_or_z(sum), pi};
   double highest = -1;
   Direction centre = best.axis;
   for (int step = 2; step < 64; ++step) {
@@ -210,7 +211,8 @@ Cap enclosing(std::span<const Cap> caps) {
     centre = unit_or_z(centre + (far->axis - centre) / double(step));
   }
   best.angle = 0;
-  for (const Cap& cap : caps) best.angle = std::max(best.angle, angle_between(best.axis, cap.axis) + cap.angle);
+  for (const DirectionCone& cap : caps)
+    best.angle = std::max(best.angle, angle_between(best.axis, cap.axis) + cap.angle);
   best.angle = std::min(best.angle, pi);
   return best;
 }

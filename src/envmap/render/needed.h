@@ -13,7 +13,7 @@
 namespace envmap {
 
 /// All directions within an angle of an axis.
-struct Cap {
+struct DirectionCone {
   Direction axis;
   double angle;  ///< Radians; pi: every direction.
 };
@@ -28,7 +28,7 @@ struct Viewer {
 };
 
 /// What a surface does with a view ray.
-struct Optics {
+struct MirrorOptics {
   double ior = 0;  ///< Below 1: reflects; else refracts once, into a medium of that index.
   bool double_sided = false;
 
@@ -39,7 +39,7 @@ struct Optics {
 };
 
 struct Shown {
-  std::vector<Cap> caps;
+  std::vector<DirectionCone> caps;
   /// The least that directions turn for each radian that the ray does: 1 for flat mirrors and along cylinders, more on
   /// balls. A tenth of what is seen may be below. Infinite where nothing is seen.
   double widening = std::numeric_limits<double>::infinity();
@@ -56,18 +56,18 @@ struct Shown {
 /// distance read there.
 /// @param world places the mesh. @param middle of the map, if it is looked up by distance. @param fineness of the caps
 /// in radians; wider ones are split up to six times.
-Shown shown_directions(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const Optics& optics,
-                       const std::optional<Direction>& middle = {}, double fineness = 0.2);
+Shown reflection_bounds(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const MirrorOptics& optics,
+                        const std::optional<Direction>& middle = {}, double fineness = 0.2);
 
 /// The normal of a mesh that is flat, in the world: all rays from it stay on its side. None of others.
 std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world);
 
 /// The cube's faces (in the order of cube.h, in the frame of `axes`) that the caps reach.
 /// @param axes from the map's frame to the world's. @param margin in radians, for what a lookup reads beyond its place.
-std::array<bool, 6> reached_faces(std::span<const Cap> caps, const Rotation& axes, double margin);
+std::array<bool, 6> reached_faces(std::span<const DirectionCone> caps, const Rotation& axes, double margin);
 
 /// The smallest cap round all of them, nearly: Badoiu and Clarkson 2003, "Smaller core-sets for balls", on the sphere.
 /// @param caps at least one.
-Cap enclosing(std::span<const Cap> caps);
+DirectionCone enclosing(std::span<const DirectionCone> caps);
 
 }  // namespace envmap

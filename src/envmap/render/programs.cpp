@@ -47,7 +47,7 @@ gl::Definitions constants() {
           {"UNIT_SHADOWS", number(unit_shadows)},
           {"UNIT_DISTANT_SHADOWS", number(unit_distant_shadows)},
           {"UNIT_BEHIND", number(unit_behind)},
-          {"MOST_DISTANT_LIGHTS", number(most_distant_lights)},
+          {"MOST_DISTANT_LIGHTS", number(max_distant_lights)},
           {"BLOCK_DISTANT_FACES", number(block_distant_faces)},
           {"BLOCK_DISTANT_LIGHTS", number(block_distant_lights)},
           {"CORNER", number(corner_texels)},
@@ -55,7 +55,7 @@ gl::Definitions constants() {
           {"LEAST_SHEEN_ROUGHNESS", fmt::format("{}", least_sheen_roughness)},
           {"SMOOTH_GLASS", fmt::format("{}", smooth_glass)},
           {"BUFFER_LIGHTS", number(buffer_lights)},
-          {"BUFFER_LIGHT_FACES", number(buffer_light_faces)},
+          {"BUFFER_SHADOW_VIEWS", number(buffer_shadow_views)},
           {"BUFFER_MISSING", number(buffer_missing)}};
 }
 
@@ -117,12 +117,12 @@ gl::Program visibility_program(DrawMethod method, Projection image, bool holes, 
 gl::Program shadow_program(bool holes) {
   gl::Definitions definitions = constants();
   definitions["HOLES"] = number(holes);
-  return gl::make_program(
-      {{GL_VERTEX_SHADER, {"instances.glsl", "light_image.glsl", "light_faces.glsl", "shadow.vert.glsl"}},
-       {GL_FRAGMENT_SHADER,
-        {"instances.glsl", "ray.glsl", "triangle.glsl", "hole.glsl", "light_image.glsl", "light_faces.glsl",
-         "shadow.frag.glsl"}}},
-      definitions);
+  return gl::make_program({{GL_VERTEX_SHADER,
+                            {"instances.glsl", "shadow_view.glsl", "shadow_views.glsl", "shadow.vert.glsl"}},
+                           {GL_FRAGMENT_SHADER,
+                            {"instances.glsl", "ray.glsl", "triangle.glsl", "hole.glsl", "shadow_view.glsl",
+                             "shadow_views.glsl", "shadow.frag.glsl"}}},
+                          definitions);
 }
 
 gl::Program background_program(Projection environment) {
@@ -159,7 +159,7 @@ gl::Program shading_program(const Shading& s) {
   else
     add({s.by_picture ? "reflect_picture.glsl" : "reflect_environment.glsl"});
   if (s.sheen) add({"sheen.glsl"});
-  add({"lights.glsl", "light_image.glsl", "light_faces.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl",
+  add({"lights.glsl", "shadow_view.glsl", "shadow_views.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl",
        "shade.frag.glsl"});
   return lighting(files, definitions, s.environment);
 }

@@ -37,7 +37,7 @@ enum Unit : GLuint {
   unit_distant_shadows,
   unit_behind,
   buffer_lights = 4,
-  buffer_light_faces,
+  buffer_shadow_views,
   buffer_missing,
   block_distant_faces = 0,
   block_distant_lights
@@ -58,7 +58,7 @@ gl::Program shadow_program(bool holes);
 /// The environment behind all surfaces. @param environment projection of its texture, has_shader().
 gl::Program background_program(Projection environment);
 
-/// Adds Layers::sample to a map.
+/// Adds DepthPeeling::sample to a map.
 gl::Program adding_program();
 
 /// Makes a level of a mirror's map. @param map cube, sphere or paraboloid.
@@ -67,12 +67,12 @@ gl::Program level_program(Projection map);
 /// What lights the texels of a group.
 struct Shading {
   Projection environment;
-  int textures = 0;                  ///< A bit each: Group::textures.
+  int textures = 0;  ///< A bit each: Group::textures.
   bool coated = false, sheen = false;
   /// Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
   std::optional<Projection> mirror;
   MirrorLookup lookup = MirrorLookup::direction;
-  bool by_picture = false;           ///< Of Shot::reflections, and no map.
+  bool by_picture = false;  ///< Of Shot::reflections, and no map.
   auto operator<=>(const Shading&) const = default;
 };
 gl::Program shading_program(const Shading& shading);

@@ -4,7 +4,7 @@
 
 #include "envmap/base/parallel.h"
 #include "envmap/map/image_view.h"
-#include "envmap/render/tracer.h"
+#include "envmap/render/whitted_integrator.h"
 
 namespace envmap {
 namespace {
@@ -16,7 +16,7 @@ struct Seen {
 };
 
 // Through what is blended to the first that is not: the surface, and its distance.
-Seen look(const RayTree& tree, const Tracer& tracer, const Lighting& lighting, const Viewpoint& from,
+Seen look(const EmbreeScene& tree, const WhittedIntegrator& tracer, const Lighting& lighting, const Viewpoint& from,
           const Direction& ray) {
   Seen seen;
   float left = 1;  // Of what is behind.
@@ -30,7 +30,7 @@ Seen look(const RayTree& tree, const Tracer& tracer, const Lighting& lighting, c
       return seen;
     }
     left -= part;
-    near = hit->distance + RayTree::clearance(hit->distance * ray);
+    near = hit->distance + EmbreeScene::clearance(hit->distance * ray);
   }
   seen.radiance += left * (background(lighting.environment, ray) + (from.show_ambient ? lighting.ambient : Colour(0)));
   return seen;
@@ -39,14 +39,14 @@ Seen look(const RayTree& tree, const Tracer& tracer, const Lighting& lighting, c
 }  // namespace
 
 Drawn raycast(const Shot& shot, const Viewpoint& from, const RayPaths& paths, const Progress& progress) {
-  const RayTree tree(shot, from.at, from.without);
+  const EmbreeScene tree(shot, from.at, from.without);
   const std::optional<LobeIntegral> integral = lobe_integral(shot, paths);
   Lighting light = lighting(shot, &tree);
   if (integral) light.integral = &*integral;
   // What the map leaves out, mirrors show.
-  std::optional<RayTree> all;
+  std::optional<EmbreeScene> all;
   if (from.without >= 0 && !paths.mirrors.empty()) all.emplace(shot, from.at, -1);
-  const Tracer tracer(all ? *all : tree, light, shot, from, paths);
+  const WhittedIntegrator tracer(all ? *all : tree, light, shot, from, paths);
   Drawn drawn{.radiance = blank_map(from.to, from.size)};
   Level& level = drawn.radiance.base();
   drawn.distances.assign(ImageView<float>::count(level.width(), level.height(), level.faces()),

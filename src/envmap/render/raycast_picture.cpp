@@ -1,15 +1,15 @@
 #include "envmap/base/parallel.h"
-#include "envmap/render/tracer.h"
+#include "envmap/render/whitted_integrator.h"
 
 namespace envmap {
 
 std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, const RayPaths& paths,
                                     const Progress& progress) {
-  const RayTree tree(shot, from.at, from.without);
+  const EmbreeScene tree(shot, from.at, from.without);
   const std::optional<LobeIntegral> integral = lobe_integral(shot, paths);
   Lighting light = lighting(shot, &tree);
   if (integral) light.integral = &*integral;
-  const Tracer tracer(tree, light, shot, from, paths);
+  const WhittedIntegrator tracer(tree, light, shot, from, paths);
   const Lens& lens = *from.lens;
   std::vector<Colour> picture(std::size_t(lens.width) * std::size_t(from.size));
   for_each_row(1, from.size, progress, [&](int, int row) {
@@ -20,8 +20,7 @@ std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, con
         const double u = (i + 0.5 + offset.x) / lens.width, v = (row + 0.5 + offset.y) / from.size;
         sum += tracer.from_eye(from.axes * lens.origin(u, v), from.axes * lens.ray(u, v));
       }
-      picture[std::size_t(row) * std::size_t(lens.width) + std::size_t(i)] =
-          Colour(sum / double(from.samples));
+      picture[std::size_t(row) * std::size_t(lens.width) + std::size_t(i)] = Colour(sum / double(from.samples));
     }
   });
   return picture;

@@ -101,7 +101,9 @@ void Renderer::update(const Scene& scene, int mesh) {
 const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   int textures = 0;
   for (std::size_t k = 0; k < group.textures.size(); ++k) textures |= group.textures[k] >= 0 ? 1 << k : 0;
-  Shading wanted{.environment = environment_.projection, .textures = textures, .coated = group.coated,
+  Shading wanted{.environment = environment_.projection,
+                 .textures = textures,
+                 .coated = group.coated,
                  .sheen = group.sheen};
   if (reflection_of(group, shot) != nullptr) {
     wanted.by_picture = true;
@@ -201,8 +203,7 @@ void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t 
   const Group& group = gpu_.groups()[k];
   if (group.blended != blended) return;
   // What is left out is not shaded: its map may be what is being drawn.
-  if (group.mirror >= 0 && lies_under(shot.scene, mirrors_[group.mirror], from.without))
-    return;
+  if (group.mirror >= 0 && lies_under(shot.scene, mirrors_[group.mirror], from.without)) return;
   gpu_.bind(group);
   const gl::Program& program = shading(group, shot);
   set_light(program, group, from, shot);
@@ -213,22 +214,22 @@ void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t 
 // Maps that are not of this moment yet.
 void Renderer::draw_shadows(const Shot& shot) {
   if (shot.shadows && gpu_.lights() > 0 && !shadows_.are_of(shot.pose))
-    shadows_.draw(gpu_, shot, light_images(placed_lights(shot.scene, shot.pose), bounds(shot.scene, shot.pose)));
+    shadows_.draw(gpu_, shot, shadow_views(placed_lights(shot.scene, shot.pose), bounds(shot.scene, shot.pose)));
   if (shot.distant.empty() || distant_shadows_.are_of(shot.pose)) return;
   const Ball ball = bounds(shot.scene, shot.pose);
-  std::vector<LightFace> faces;
+  std::vector<ShadowView> faces;
   std::vector<glm::vec4> light;
   for (const DistantLight& each : shot.distant) {
     faces.push_back(parallel_image(-each.from, ball));
     light.emplace_back(each.irradiance, 0);
   }
-  light.resize(most_distant_lights);  // A block has its size.
+  light.resize(max_distant_lights);  // A block has its size.
   distant_lights_ = gl::make_buffer(light);
   distant_shadows_.draw(gpu_, shot, std::move(faces));
 }
 
 void Renderer::bind_shadows(const Shot& shot, const Direction& eye) const {
-  if (shot.shadows) shadows_.bind(eye, unit_shadows, GL_SHADER_STORAGE_BUFFER, buffer_light_faces);
+  if (shot.shadows) shadows_.bind(eye, unit_shadows, GL_SHADER_STORAGE_BUFFER, buffer_shadow_views);
   if (shot.distant.empty()) return;
   distant_shadows_.bind(eye, unit_distant_shadows, GL_UNIFORM_BUFFER, block_distant_faces);
   glBindBufferBase(GL_UNIFORM_BUFFER, block_distant_lights, distant_lights_);
@@ -246,8 +247,7 @@ void Renderer::prepare_canvas(const Viewpoint& from) {
 double Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
                       std::vector<std::uint32_t>* surfaces) {
   if (!from.lens && !can_draw(method, from.to))
-    throw UsageError(
-        fmt::format("{} cannot draw {} maps", draw_method_names[std::size_t(method)], name(from.to)));
+    throw UsageError(fmt::format("{} cannot draw {} maps", draw_method_names[std::size_t(method)], name(from.to)));
   prepare_canvas(from);
   const std::size_t texels = std::size_t(canvas_->width) * std::size_t(from.size);
   std::vector<glm::uvec2> seen;

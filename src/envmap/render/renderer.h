@@ -8,13 +8,13 @@
 #include <tuple>
 #include <vector>
 
-#include "envmap/render/canvas.h"
 #include "envmap/render/draw.h"
 #include "envmap/render/environment_texture.h"
 #include "envmap/render/gpu_scene.h"
 #include "envmap/render/method.h"
 #include "envmap/render/programs.h"
 #include "envmap/render/shadow_maps.h"
+#include "envmap/render/visibility_buffer.h"
 
 namespace envmap {
 
@@ -42,9 +42,9 @@ struct MirrorMap {
   std::optional<LightTexture> glossy;  ///< Of rough mirrors, from the texture.
   /// What a flat mirror lies in, its front before it; only where pictures are to be drawn so.
   std::optional<Plane> flat;
-  bool double_sided = false;           ///< It mirrors behind it, too.
-  bool metal = false;                  ///< It shows nothing but what it reflects.
-  Direction centre{0};                 ///< Of the flat mirror, and how far it reaches from there.
+  bool double_sided = false;  ///< It mirrors behind it, too.
+  bool metal = false;         ///< It shows nothing but what it reflects.
+  Direction centre{0};        ///< Of the flat mirror, and how far it reaches from there.
   double radius = 0;
 };
 
@@ -108,8 +108,8 @@ class Renderer {
   EnvironmentTexture environment_;
   LightTexture light_;
   gl::Texture split_sum_, sheen_table_;  // The last of scenes that have any.
-  std::optional<Canvas> canvas_;
-  std::optional<Layers> layers_;  // Where something is blended.
+  std::optional<VisibilityBuffer> canvas_;
+  std::optional<DepthPeeling> layers_;  // Where something is blended.
   std::map<std::tuple<DrawMethod, Projection, bool, bool>, gl::Program> visibility_;
   std::map<std::tuple<Projection, int, int>, gl::Texture> rays_;  // Of texels' centres, by projection, size and face.
   gl::Texture sample_rays_;

@@ -7,9 +7,9 @@
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/projection/visit.h"
+#include "envmap/render/embree_scene.h"
 #include "envmap/render/lobe_integral.h"
 #include "envmap/render/microfacet.h"
-#include "envmap/render/ray_tree.h"
 #include "envmap/render/sheen.h"
 #include "envmap/sample/point.h"
 
@@ -111,17 +111,17 @@ struct Base {
   double nv;
   // What plain dielectrics reflect straight on, and at grazing angles: where nothing is
   Flux colour, dielectric, plain;
-  double edge;                     // refracted nothing is.
+  double edge;  // refracted nothing is.
 };
 
-Base base_of(const Surface& s, const Direction& v) {
+Base base_of(const ShadingPoint& s, const Direction& v) {
   const Flux colour(s.base_colour.x, s.base_colour.y, s.base_colour.z);
   return {std::clamp(glm::dot(s.normal, v), 1e-3, 1.0), colour, colour * (1.0 - s.metallic),
           Flux(std::pow((s.ior - 1.0) / (s.ior + 1.0), 2)), s.ior > 1 ? 1.0 : 0.0};
 }
 
 // What leaves towards v of light of 1 across its way.
-Flux lit(const Base& b, const Surface& s, const Direction& v, const Direction& from) {
+Flux lit(const Base& b, const ShadingPoint& s, const Direction& v, const Direction& from) {
   const double nl = glm::dot(s.normal, from);
   if (nl <= 0) return Flux(0);
   const Direction h = glm::normalize(from + v);
@@ -138,7 +138,7 @@ struct Coat {
   double nv, part, once;
 };
 
-Coat coat_of(const Surface& s, const Direction& v) {
+Coat coat_of(const ShadingPoint& s, const Direction& v) {
   if (s.coat == 0) return {1, 0, 0};
   constexpr double straight = 0.04;
   const double nv = std::clamp(glm::dot(s.coat_normal, v), 1e-3, 1.0);
@@ -146,7 +146,7 @@ Coat coat_of(const Surface& s, const Direction& v) {
   return {nv, s.coat * (straight + (1 - straight) * schlick_weight(nv)), table.scale + table.bias};
 }
 
-double lit(const Coat& c, const Surface& s, const Direction& v, const Direction& from) {
+double lit(const Coat& c, const ShadingPoint& s, const Direction& v, const Direction& from) {
   const double nl = glm::dot(s.coat_normal, from);
   return nl <= 0 ? 0 : nl * specular(alpha_of(s.coat_roughness), s.coat_normal, glm::normalize(from + v), c.nv, nl);
 }
@@ -156,14 +156,14 @@ struct Sheen {
   double nv, most, albedo;  // The largest of the colour's components.
 };
 
-Sheen sheen_of(const Surface& s, const Direction& v) {
+Sheen sheen_of(const ShadingPoint& s, const Direction& v) {
   const double most = std::max(s.sheen.x, std::max(s.sheen.y, s.sheen.z));
   if (most <= 0) return {1, 0, 0};
   const double nv = std::clamp(glm::dot(s.normal, v), 1e-3, 1.0);
   return {nv, most, sheen_albedo(nv, s.sheen_roughness)};
 }
 
-Flux lit(const Sheen& f, const Surface& s, const Direction& v, const Direction& from, const Flux& base) {
+Flux lit(const Sheen& f, const ShadingPoint& s, const Direction& v, const Direction& from, const Flux& base) {
   const double nl = glm::dot(s.normal, from);
   if (nl <= 0) return Flux(0);
   const double left = 1 - f.most * std::max(f.albedo, sheen_albedo(nl, s.sheen_roughness));
@@ -178,7 +178,7 @@ double left_to_base(const Coat& c, const Sheen& f) { return (1 - c.part) * (1 - 
 constexpr float least_lobe_roughness = 0.03F;
 
 // What fibres of colour 1 reflect.
-Flux cloth(const Surface& s, const Direction& v, const Lighting& l, double albedo, const Flux& reached,
+Flux cloth(const ShadingPoint& s, const Direction& v, const Lighting& l, double albedo, const Flux& reached,
            const Flux& irradiance) {
   if (l.integral == nullptr || l.environment == nullptr || albedo == 0) return albedo * irradiance;
   return double(s.reached) * (albedo * Flux(l.ambient) + reached * l.integral->charlie(s.normal, v, s.sheen_roughness));
@@ -211,20 +211,20 @@ std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
   return placed;
 }
 
-Lighting lighting(const Shot& shot, const RayTree* obstacles) {
+Lighting lighting(const Shot& shot, const EmbreeScene* obstacles) {
   return {placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient, obstacles, shot.shadows, shot.distant};
 }
 
-bool in_shadow(const RayTree& obstacles, const Surface& s, const PlacedLight& light) {
+bool in_shadow(const EmbreeScene& obstacles, const ShadingPoint& s, const PlacedLight& light) {
   const bool parallel = light.kind == PunctualLight::Kind::directional;
-  const Direction way = light.position - s.lifted;
+  const Direction way = light.position - s.shadow_origin;
   const double distance = parallel ? std::numeric_limits<double>::infinity() : glm::length(way);
   if (distance == 0) return false;
   const Direction towards = parallel ? -light.direction : way / distance;
-  return obstacles.blocked(s.lifted, s.smooth_normal, towards, distance, light.node);
+  return obstacles.blocked(s.shadow_origin, s.smooth_normal, towards, distance, light.node);
 }
 
-Flux unoccluded(const RayTree& obstacles, const Surface& s, std::span<const DistantLight> distant) {
+Flux unoccluded(const EmbreeScene& obstacles, const ShadingPoint& s, std::span<const DistantLight> distant) {
   Flux all(0), reached(0);
   for (const DistantLight& light : distant) {
     const double cosine = glm::dot(s.smooth_normal, light.from);
@@ -232,13 +232,13 @@ Flux unoccluded(const RayTree& obstacles, const Surface& s, std::span<const Dist
     const Flux there = cosine * Flux(light.irradiance);
     all += there;
     constexpr double endless = std::numeric_limits<double>::infinity();
-    if (!obstacles.blocked(s.lifted, s.smooth_normal, light.from, endless, -1)) reached += there;
+    if (!obstacles.blocked(s.shadow_origin, s.smooth_normal, light.from, endless, -1)) reached += there;
   }
   for (int k = 0; k < 3; ++k) reached[k] = all[k] > 0 ? reached[k] / all[k] : 1;
   return reached;
 }
 
-Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
+ShadingResult scatter(const ShadingPoint& s, const Direction& v, const Lighting& l) {
   const Direction& n = s.normal;
   const Base base = base_of(s, v);
   const Coat coat = coat_of(s, v);
@@ -260,14 +260,14 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   const Flux even =
       rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
   const Flux fibre_light = through * Flux(s.sheen) * cloth(s, v, l, fibres.albedo, reached, irradiance);
-  Scattered out{.radiance = through * Flux(s.emissive) + fibre_light +
-                            (under * even + coat.part * (1 - coat.once)) * irradiance,
-                .reflected = under * s.reached * glm::mix(once(plain, base.edge), once(base.colour, 1), metallic),
-                .transmitted = under * rest * base.dielectric * transmitted,
-                .coat = Flux(coat.part * coat.once * s.reached),
-                .mirrored = 2 * glm::dot(n, v) * n - v,
-                .refracted = s.solid ? glm::refract(-v, n, 1.0 / std::max(1.0F, s.ior)) : -v,
-                .coat_mirrored = 2 * glm::dot(s.coat_normal, v) * s.coat_normal - v};
+  ShadingResult out{.radiance = through * Flux(s.emissive) + fibre_light +
+                                (under * even + coat.part * (1 - coat.once)) * irradiance,
+                    .reflected = under * s.reached * glm::mix(once(plain, base.edge), once(base.colour, 1), metallic),
+                    .transmitted = under * rest * base.dielectric * transmitted,
+                    .coat = Flux(coat.part * coat.once * s.reached),
+                    .mirrored = 2 * glm::dot(n, v) * n - v,
+                    .refracted = s.solid ? glm::refract(-v, n, 1.0 / std::max(1.0F, s.ior)) : -v,
+                    .coat_mirrored = 2 * glm::dot(s.coat_normal, v) * s.coat_normal - v};
 
   for (const PlacedLight& light : l.lights) {
     Direction from;
@@ -282,7 +282,7 @@ Scattered scatter(const Surface& s, const Direction& v, const Lighting& l) {
   return out;
 }
 
-Flux reflected_light(const Surface& s, const Direction& v, const Lighting& l, const Scattered& out) {
+Flux reflected_light(const ShadingPoint& s, const Direction& v, const Lighting& l, const ShadingResult& out) {
   if (l.integral == nullptr || l.environment == nullptr || s.roughness < least_lobe_roughness)
     return out.reflected * glossy_radiance(l, out.mirrored, s.roughness);
   const Base base = base_of(s, v);
@@ -292,15 +292,15 @@ Flux reflected_light(const Surface& s, const Direction& v, const Lighting& l, co
   return out.reflected * Flux(l.ambient) + part * l.integral->ggx(s.normal, v, alpha_of(s.roughness), f0, f90);
 }
 
-Flux coat_light(const Surface& s, const Direction& v, const Lighting& l, const Scattered& out) {
+Flux coat_light(const ShadingPoint& s, const Direction& v, const Lighting& l, const ShadingResult& out) {
   if (l.integral == nullptr || l.environment == nullptr || s.coat_roughness < least_lobe_roughness)
     return out.coat * glossy_radiance(l, out.coat_mirrored, s.coat_roughness);
   const double part = coat_of(s, v).part * s.reached;
   return out.coat * Flux(l.ambient) + part * l.integral->ggx(s.coat_normal, v, alpha_of(s.coat_roughness), Flux(1), 1);
 }
 
-Colour shade(const Surface& s, const Direction& v, const Lighting& l) {
-  const Scattered out = scatter(s, v, l);
+Colour shade(const ShadingPoint& s, const Direction& v, const Lighting& l) {
+  const ShadingResult out = scatter(s, v, l);
   Flux sum = out.radiance + reflected_light(s, v, l, out);
   if (s.transmission > 0) sum += out.transmitted * glossy_radiance(l, out.refracted, s.roughness);
   if (s.coat > 0) sum += coat_light(s, v, l, out);

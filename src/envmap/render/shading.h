@@ -21,26 +21,26 @@
 namespace envmap {
 
 class LobeIntegral;
-class RayTree;
+class EmbreeScene;
 
 /// Seen from outside: its normals face the viewer.
-struct Surface {
+struct ShadingPoint {
   Direction position{0}, normal{0, 0, 1};  ///< World.
   Direction smooth_normal{0, 0, 1};        ///< Before the normal map: shadows are found with it.
   glm::vec4 base_colour{1};
   float metallic = 0, roughness = 1;
   Colour emissive{0};
   float transmission = 0, ior = 1.5F;
-  float opacity = 1;   ///< The part of what is behind that it covers: alpha of blended materials.
-  bool solid = false;  ///< Material::solid.
+  float opacity = 1;                   ///< The part of what is behind that it covers: alpha of blended materials.
+  bool solid = false;                  ///< Material::solid.
   float coat = 0, coat_roughness = 0;  ///< Material::coat, with its own normal.
   Direction coat_normal{0, 0, 1};
   Colour sheen{0};  ///< Material::sheen.
   float sheen_roughness = 0;
-  float reached = 1;   ///< Part of the light from all round that does reach it: by the occlusion map.
+  float reached = 1;  ///< Part of the light from all round that does reach it: by the occlusion map.
   /// Where shadows are found: on the curved surface that the normals of the triangle's corners tell of, which surrounds
   /// triangles that are convex, so that these do not shade themselves (Hanika 2021, "Hacking the shadow terminator").
-  Direction lifted{0};
+  Direction shadow_origin{0};
 };
 
 /// What an environment gives surfaces, made once for it.
@@ -87,28 +87,28 @@ struct Lighting {
   std::vector<PlacedLight> lights;
   const Environment* environment = nullptr;  ///< Null: black.
   Colour ambient{0};
-  const RayTree* obstacles = nullptr;  ///< What casts shadows; null: nothing.
-  bool shadows = true;                 ///< Of the lights, too.
+  const EmbreeScene* obstacles = nullptr;   ///< What casts shadows; null: nothing.
+  bool shadows = true;                      ///< Of the lights, too.
   std::span<const DistantLight> distant{};  ///< Shot::distant.
   /// Over `environment`: takes the place of its prefiltered levels and of its harmonics,
   /// of all but rough glass. Optional.
   const LobeIntegral* integral = nullptr;
 };
 /// @param obstacles of the shot, or null: then nothing casts a shadow.
-Lighting lighting(const Shot& shot, const RayTree* obstacles = nullptr);
+Lighting lighting(const Shot& shot, const EmbreeScene* obstacles = nullptr);
 
 /// Radiance of the environment, without ambient light, from a world direction: black where there is none.
 Colour background(const Environment* environment, const Direction& from);
 
 /// Whether a light does not reach the surface: something that casts_shadow() is in between.
-bool in_shadow(const RayTree& obstacles, const Surface& surface, const PlacedLight& light);
+bool in_shadow(const EmbreeScene& obstacles, const ShadingPoint& surface, const PlacedLight& light);
 
 /// The part of the environment's diffuse light that reaches the surface: of its distant lights on that side.
-Flux unoccluded(const RayTree& obstacles, const Surface& surface, std::span<const DistantLight> distant);
+Flux unoccluded(const EmbreeScene& obstacles, const ShadingPoint& surface, std::span<const DistantLight> distant);
 
 /// What leaves a surface towards the viewer: light of its own and of lights,
 /// and parts of what comes from three directions.
-struct Scattered {
+struct ShadingResult {
   Flux radiance{0};
   Flux reflected{0}, transmitted{0}, coat{0};
   /// Where that comes from, away from the surface. A thin wall does not bend it.
@@ -116,19 +116,19 @@ struct Scattered {
 };
 
 /// @param towards_viewer unit vector.
-Scattered scatter(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting);
+ShadingResult scatter(const ShadingPoint& surface, const Direction& towards_viewer, const Lighting& lighting);
 
 /// Radiance of the environment and of ambient light from a world direction, blurred by roughness.
 Flux glossy_radiance(const Lighting& lighting, const Direction& from, double roughness);
 
 /// What the base reflects, and what the coat does, of the environment and of ambient light.
 /// @param scattered by scatter().
-Flux reflected_light(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting,
-                     const Scattered& scattered);
-Flux coat_light(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting,
-                const Scattered& scattered);
+Flux reflected_light(const ShadingPoint& surface, const Direction& towards_viewer, const Lighting& lighting,
+                     const ShadingResult& scattered);
+Flux coat_light(const ShadingPoint& surface, const Direction& towards_viewer, const Lighting& lighting,
+                const ShadingResult& scattered);
 
 /// scatter() where the environment is all round. @param towards_viewer unit vector. @return radiance.
-Colour shade(const Surface& surface, const Direction& towards_viewer, const Lighting& lighting);
+Colour shade(const ShadingPoint& surface, const Direction& towards_viewer, const Lighting& lighting);
 
 }  // namespace envmap

@@ -12,14 +12,14 @@
 namespace envmap {
 namespace {
 
-// As light_image.glsl reads it.
-struct GpuLightFace {
+// As shadow_view.glsl reads it.
+struct GpuShadowView {
   std::array<glm::vec4, 3> axes;  // w: of the centre, from the viewpoint.
   glm::vec4 lens;                 // Half the width; 1 for parallel rays; the depth that nothing may lie before.
 };
 
 // 256 MiB for all of them.
-constexpr std::size_t most_texels = std::size_t{1} << 24;
+constexpr std::size_t max_texels = std::size_t{1} << 24;
 constexpr std::size_t largest = 2048;
 // Nothing nearer to a light than this part of the scene casts a shadow of it: depth buffers of floats do not mind.
 constexpr double nearest = 1e-6;
@@ -35,10 +35,10 @@ const gl::Program& ShadowMaps::program(bool holes) {
 void ShadowMaps::make(std::size_t faces) {
   GLint layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
-  if (faces > std::min(std::size_t(layers), most_texels / 4096))
+  if (faces > std::min(std::size_t(layers), max_texels / 4096))
     throw UsageError(fmt::format("shadow maps of {} faces: this renderer takes {}", faces, layers),
                      Remedy::leave_out_shadows);
-  const auto affordable = std::size_t(std::sqrt(double(most_texels / faces)));
+  const auto affordable = std::size_t(std::sqrt(double(max_texels / faces)));
   size_ = int(std::min(largest, std::bit_floor(affordable)));
   maps_ = gl::make_texture(GL_TEXTURE_2D_ARRAY);
   glTextureStorage3D(maps_, 1, GL_RGBA32F, size_, size_, static_cast<GLsizei>(faces));
@@ -47,19 +47,19 @@ void ShadowMaps::make(std::size_t faces) {
   depth_ = gl::make_renderbuffer(GL_DEPTH_COMPONENT32F, size_, size_);
   seen_ = gl::make_framebuffer();
   glNamedFramebufferRenderbuffer(seen_, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
-  const std::size_t held = std::max<std::size_t>(faces, most_distant_lights);  // A block has its size.
-  face_buffer_ = gl::make_buffer(nullptr, held * sizeof(GpuLightFace), GL_DYNAMIC_STORAGE_BIT);
+  const std::size_t held = std::max<std::size_t>(faces, max_distant_lights);  // A block has its size.
+  face_buffer_ = gl::make_buffer(nullptr, held * sizeof(GpuShadowView), GL_DYNAMIC_STORAGE_BIT);
   gl::check("shadow maps");
 }
 
 void ShadowMaps::place(const Direction& eye) const {
-  std::vector<GpuLightFace> faces;
-  for (const LightFace& f : faces_) {
-    GpuLightFace face{.lens = glm::vec4(f.half, f.parallel ? 1 : 0, nearest, 0)};
+  std::vector<GpuShadowView> faces;
+  for (const ShadowView& f : faces_) {
+    GpuShadowView face{.lens = glm::vec4(f.half, f.parallel ? 1 : 0, nearest, 0)};
     for (int k = 0; k < 3; ++k) face.axes[k] = glm::vec4(f.axes[k], (f.centre - eye)[k]);
     faces.push_back(face);
   }
-  glNamedBufferSubData(face_buffer_, 0, static_cast<GLsizeiptr>(faces.size() * sizeof(GpuLightFace)), faces.data());
+  glNamedBufferSubData(face_buffer_, 0, static_cast<GLsizeiptr>(faces.size() * sizeof(GpuShadowView)), faces.data());
 }
 
 void ShadowMaps::bind(const Direction& eye, Unit unit, GLenum target, Unit binding) const {
@@ -77,7 +77,7 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& sh
   constexpr float far = 0;
   glClearNamedFramebufferfv(seen_, GL_COLOR, 0, nothing.data());
   glClearNamedFramebufferfv(seen_, GL_DEPTH, 0, &far);
-  const LightFace& f = faces_[face];
+  const ShadowView& f = faces_[face];
   for (const bool holes : {false, true}) {
     const gl::Program& with = program(holes);
     glUseProgram(with);
@@ -103,7 +103,7 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& sh
   }
 }
 
-void ShadowMaps::draw(GpuScene& gpu, const Shot& shot, std::vector<LightFace> faces) {
+void ShadowMaps::draw(GpuScene& gpu, const Shot& shot, std::vector<ShadowView> faces) {
   pose_ = shot.pose;
   faces_ = std::move(faces);
   if (faces_.empty()) return;
@@ -119,7 +119,7 @@ void ShadowMaps::draw(GpuScene& gpu, const Shot& shot, std::vector<LightFace> fa
     gpu.place(shot.scene, shot.pose, faces_[k].centre, Rotation(1));
     gpu.bind();
     place(faces_[k].centre);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_light_faces, face_buffer_);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer_shadow_views, face_buffer_);
     draw_face(k, gpu, shot);
   }
   glBindFramebuffer(GL_FRAMEBUFFER, 0);

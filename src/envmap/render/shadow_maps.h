@@ -6,8 +6,8 @@
 
 #include "envmap/render/gl.h"
 #include "envmap/render/gpu_scene.h"
-#include "envmap/render/light_image.h"
 #include "envmap/render/programs.h"
+#include "envmap/render/shadow_view.h"
 
 namespace envmap {
 
@@ -16,7 +16,7 @@ class ShadowMaps {
  public:
   /// Draws them. The scene must be placed anew after this.
   /// @param faces as many as before. @throws UsageError where the renderer has no room for so many.
-  void draw(GpuScene& gpu, const Shot& shot, std::vector<LightFace> faces);
+  void draw(GpuScene& gpu, const Shot& shot, std::vector<ShadowView> faces);
 
   /// Whether they are of this moment.
   [[nodiscard]] bool are_of(const Pose& pose) const { return pose == pose_; }
@@ -34,7 +34,7 @@ class ShadowMaps {
   const gl::Program& program(bool holes);
 
   Pose pose_;  // Of what is drawn.
-  std::vector<LightFace> faces_;
+  std::vector<ShadowView> faces_;
   int size_ = 0;
   gl::Texture maps_;  // A layer a face: see shadow.glsl.
   gl::Renderbuffer depth_;

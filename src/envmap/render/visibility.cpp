@@ -98,7 +98,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod
     const gl::Program* program = nullptr;
     for (std::size_t k = 0; k < gpu_.parts().size(); ++k) {
       const Part& part = gpu_.parts()[k];
-      const Placed& placed = gpu_.placed()[k];
+      const InstanceTransform& placed = gpu_.placed()[k];
       if (part.blended != blended || (part.holes && !blended) != holes || part.indices == 0) continue;
       if (from.without >= 0 && lies_under(shot.scene, part.node, from.without)) continue;
       if ((parallel ? -placed.ball.centre.z : glm::length(placed.ball.centre)) - placed.ball.radius > from.far)

@@ -18,7 +18,7 @@
 namespace envmap {
 namespace {
 
-constexpr std::size_t most_pieces = 4096;  // That a side of a texel is followed by.
+constexpr std::size_t max_pieces = 4096;  // That a side of a texel is followed by.
 constexpr std::size_t rim_pieces = 64;    // Of a texel that a disc's rim cuts, at the least.
 
 // A side that bends by half the tolerance puts that much of a sun into the wrong one of two texels; what else there
@@ -52,7 +52,7 @@ struct Corner {
 void cut(const std::vector<Corner>& corners, const Direction& side, std::vector<Corner>& out) {
   out.clear();
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    const Corner&p = corners[k], &q = corners[k + 1 < corners.size() ? k + 1 : 0];
+    const Corner &p = corners[k], &q = corners[k + 1 < corners.size() ? k + 1 : 0];
     const double dp = glm::dot(side, p.direction), dq = glm::dot(side, q.direction);
     if (dp >= 0) out.push_back(p);
     if ((dp >= 0) != (dq >= 0))
@@ -218,7 +218,7 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
       const bool rim = on_rim(task.target, row, column(k));
       task.find(ws.sides, face, row, column(k), 1, rim ? std::max(pieces, rim_pieces) : pieces, rim);
       const Outcome outcome = texel_mean(task, 0, ws, out[k]);
-      if (outcome == Outcome::bent && 4 * pieces <= most_pieces)
+      if (outcome == Outcome::bent && 4 * pieces <= max_pieces)
         ws.open.push_back(k);
       else if (outcome != Outcome::done)
         otherwise(face, row, column(k), out.subspan(k, 1));
@@ -229,15 +229,15 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
 // By what odd factor the texels of a source must be divided for a tolerance: densities are taken as linear over a
 // texel, which leaves an eighth of their second derivative. 0 where the finer source would be too large.
 int division_for(const PaddedLevel& source, double tolerance) {
-  constexpr double most_texels = 4096.0 * 4096;
+  constexpr double max_texels = 4096.0 * 4096;
   if (source.projection() == Projection::equal_area) return 1;
   const double curvature = is_octahedral(source.projection()) ? 0.5 : 0.2;
   const double texel =
       visit(source.projection(), [](auto q) { return decltype(q)::span; }) * pi / 180 / source.height();
   int times = 1;
   while (curvature * texel * texel > tolerance * times * times) times += 2;
-  return times == 1 || double(source.faces()) * source.width() * source.height() * times * times < most_texels ? times
-                                                                                                               : 0;
+  return times == 1 || double(source.faces()) * source.width() * source.height() * times * times < max_texels ? times
+                                                                                                              : 0;
 }
 
 // The same reconstruction from texels an odd number of times as small: their centres meet those of the source's, and a

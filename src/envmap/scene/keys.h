@@ -17,9 +17,9 @@ inline Quaternion between(const Quaternion& a, const Quaternion& b, double t) { 
 
 /// The value at a time; `rest` where there are no keys.
 template <class T>
-T value_at(const std::vector<Motion::Key<T>>& keys, double time, const T& rest) {
+T value_at(const std::vector<Animation::Key<T>>& keys, double time, const T& rest) {
   if (keys.empty()) return rest;
-  const auto next = std::ranges::upper_bound(keys, time, {}, &Motion::Key<T>::time);
+  const auto next = std::ranges::upper_bound(keys, time, {}, &Animation::Key<T>::time);
   if (next == keys.begin()) return keys.front().value;
   const auto last = std::prev(next);
   if (next == keys.end()) return last->value;

@@ -16,9 +16,9 @@ void complete(Mesh& mesh);
 void make_normals_flat(Mesh& mesh);
 
 /// More corners of triangles and vertices no scene is read with.
-inline constexpr std::size_t most_corners = std::size_t{1} << 27;
+inline constexpr std::size_t max_corners = std::size_t{1} << 27;
 
-/// Names something once in Scene::unmodelled.
-void note_unmodelled(Scene& scene, const std::string& what);
+/// Names something once in Scene::unsupported.
+void note_unsupported(Scene& scene, const std::string& what);
 
 }  // namespace envmap

@@ -9,7 +9,7 @@
 namespace envmap {
 namespace {
 
-Matrix moved(const Matrix& rest, const Motion& motion, double time) {
+Matrix moved(const Matrix& rest, const Animation& motion, double time) {
   Direction scale, skew, translation;
   Quaternion rotation;
   glm::vec<4, double, glm::highp> perspective;
@@ -26,7 +26,7 @@ Matrix moved(const Matrix& rest, const Motion& motion, double time) {
 Pose pose(const Scene& scene, double time) {
   Pose world(scene.nodes.size());
   for (std::size_t i = 0; i < world.size(); ++i) world[i] = scene.nodes[i].local;
-  for (const Motion& motion : scene.motions) {
+  for (const Animation& motion : scene.animations) {
     Matrix& local = world[motion.node];
     local = moved(local, motion, time);
   }

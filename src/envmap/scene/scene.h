@@ -35,23 +35,23 @@ struct Material {
   int metallic_roughness_texture = -1;  ///< Green roughness, blue metalness.
   Colour emissive{0};                   ///< KHR_materials_emissive_strength is multiplied in.
   int emissive_texture = -1;
-  int normal_texture = -1;  ///< Unit vectors by (texel + 1) / 2: along the mesh's tangent, across it, and outwards.
-  float normal_scale = 1;   ///< Of the first two.
-  int occlusion_texture = -1;    ///< Red: how much of the light from all round reaches the surface.
-  float occlusion_strength = 1;  ///< How far that counts.
+  int normal_texture = -1;     ///< Unit vectors by (texel + 1) / 2: along the mesh's tangent, across it, and outwards.
+  float normal_scale = 1;      ///< Of the first two.
+  int occlusion_texture = -1;  ///< Red: how much of the light from all round reaches the surface.
+  float occlusion_strength = 1;        ///< How far that counts.
   float transmission = 0, ior = 1.5F;  ///< KHR_materials_transmission, KHR_materials_ior.
   /// KHR_materials_clearcoat: how much of a layer of index 1.5 lies over all else.
   float coat = 0, coat_roughness = 0;
   int coat_texture = -1, coat_roughness_texture = -1;  ///< Red; green.
   int coat_normal_texture = -1;  ///< Without one the coat is smooth, whatever the normal map below it says.
   float coat_normal_scale = 1;
-  Colour sheen{0};            ///< KHR_materials_sheen: of cloth, under the coat.
+  Colour sheen{0};  ///< KHR_materials_sheen: of cloth, under the coat.
   float sheen_roughness = 0;
   int sheen_texture = -1, sheen_roughness_texture = -1;  ///< A colour; alpha.
   /// Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
   bool solid = false;
-  float alpha_cutoff = 0;              ///< Above 0: what is below it in alpha is a hole.
-  bool blended = false;  ///< Covers what is behind as far as alpha says; then holes are those of shadows alone.
+  float alpha_cutoff = 0;  ///< Above 0: what is below it in alpha is a hole.
+  bool blended = false;    ///< Covers what is behind as far as alpha says; then holes are those of shadows alone.
   bool double_sided = false;
 };
 
@@ -96,7 +96,7 @@ struct Camera {
 };
 
 /// Key frames of one node. A part without keys stays as it is at rest.
-struct Motion {
+struct Animation {
   template <class T>
   struct Key {
     double time;  ///< Seconds; rising.
@@ -117,14 +117,14 @@ struct Vertices {
 struct Deformation {
   int node = 0, mesh = 0;
   Vertices rest;
-  bool flat = false;                                ///< Normals are those of the triangles.
-  std::vector<Vertices> targets;                    ///< Added as often as their weights say; no vectors: nothing.
-  std::valarray<double> weights;                    ///< One a target, where there are no keys.
-  std::vector<Motion::Key<std::valarray<double>>> keys;
-  std::vector<int> joints;                          ///< Nodes; none: no skin.
-  std::vector<Matrix> inverse_bind;                 ///< Of each joint: from the mesh to its frame, at rest.
-  std::vector<glm::u16vec4> influences;             ///< Of each vertex: four of the joints.
-  std::vector<glm::vec4> parts;                     ///< What those count for, 1 in all.
+  bool flat = false;              ///< Normals are those of the triangles.
+  std::vector<Vertices> targets;  ///< Added as often as their weights say; no vectors: nothing.
+  std::valarray<double> weights;  ///< One a target, where there are no keys.
+  std::vector<Animation::Key<std::valarray<double>>> keys;
+  std::vector<int> joints;               ///< Nodes; none: no skin.
+  std::vector<Matrix> inverse_bind;      ///< Of each joint: from the mesh to its frame, at rest.
+  std::vector<glm::u16vec4> influences;  ///< Of each vertex: four of the joints.
+  std::vector<glm::vec4> parts;          ///< What those count for, 1 in all.
 };
 
 struct Scene {
@@ -134,12 +134,12 @@ struct Scene {
   std::vector<Texture> textures;
   std::vector<PunctualLight> lights;
   std::vector<Camera> cameras;
-  std::vector<Motion> motions;
+  std::vector<Animation> animations;
   std::vector<Deformation> deformations;
-  std::vector<std::string> unmodelled;  ///< What the file uses and this does not draw, each named once.
+  std::vector<std::string> unsupported;  ///< What the file uses and this does not draw, each named once.
   /// Sentences on what else the file leaves open, such as a material library that is missing.
   std::vector<std::string> remarks;
-  std::vector<std::string> files;       ///< Paths of all that was read: the scene, its buffers, materials and images.
+  std::vector<std::string> files;  ///< Paths of all that was read: the scene, its buffers, materials and images.
 };
 
 /// World matrices of all nodes.

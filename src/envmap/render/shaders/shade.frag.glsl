@@ -51,7 +51,7 @@ Beside next_to(Triangle t, mat3 turn, ivec2 at, ivec2 step) {
 }
 #endif
 
-// From a place on a triangle to the mean of where the planes of its corners have it: Surface::lifted of shading.h.
+// From a place on a triangle to the mean of where the planes of its corners have it: ShadingPoint::lifted of shading.h.
 // @param turn to the world's normals, on the side that is seen.
 vec3 lift(Triangle t, vec3 place, vec3 weights, mat3 turn) {
   vec3 sum = vec3(0);
@@ -95,7 +95,7 @@ void main() {
 
   int material = MATERIAL * int(x.w);
   vec4 glow = texelFetch(materials, material + 1), rest = texelFetch(materials, material + 2);
-  Surface surface;
+  ShadingPoint surface;
   surface.position = to_world * (whole.from + far_off * ray);
   surface.normal = surface.smooth_normal = normalize(normal);
   surface.base_colour = texelFetch(materials, material) * colour_of(seen.y, weights);
@@ -107,7 +107,7 @@ void main() {
   vec3 more = texelFetch(materials, material + 3).xyz;
   surface.bend = more.x;
   surface.reached = 1;
-  surface.lifted = surface.position + lift(t, far_off * ray, weights, side * mat3(x.xyz, y.xyz, z.xyz));
+  surface.shadow_origin = surface.position + lift(t, far_off * ray, weights, side * mat3(x.xyz, y.xyz, z.xyz));
 #if TEXTURES != 0
   vec2 place = t.places * weights;
   vec2 along = change(t, whole, at, ivec2(1, 0), place), down = change(t, whole, at, ivec2(0, 1), place);

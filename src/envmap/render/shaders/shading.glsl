@@ -13,7 +13,7 @@ layout(binding = UNIT_GLOSSY) uniform samplerCubeArray glossy;  // Its levels as
 uniform vec3 reflected_ambient;  // Beside what is reflected: 0 where a map holds it.
 uniform float blur;              // 1; 0: the base reflects all sharply, and a smooth coat, too.
 
-struct Surface {
+struct ShadingPoint {
   vec3 position, normal, smooth_normal;
   vec4 base_colour;
   float metallic, roughness;
@@ -21,7 +21,7 @@ struct Surface {
   float transmission, ior;
   float bend;    // Of what is let through: 1 / ior of solids, 1 of thin walls.
   float reached; // Part of the light from all round that does: by the occlusion map.
-  vec3 lifted;   // Where shadows are found.
+  vec3 shadow_origin;   // Where shadows are found.
 #if SHEEN
   vec3 sheen;
   float sheen_roughness;
@@ -95,13 +95,13 @@ struct Base {
   float edge;
 };
 
-Base base_of(Surface s, vec3 v) {
+Base base_of(ShadingPoint s, vec3 v) {
   float part = (s.ior - 1) / (s.ior + 1);
   return Base(clamp(dot(s.normal, v), 1e-3, 1), s.base_colour.rgb, s.base_colour.rgb * (1 - s.metallic), vec3(part * part),
               s.ior > 1 ? 1 : 0);
 }
 
-vec3 lit(Base b, Surface s, vec3 v, vec3 from) {
+vec3 lit(Base b, ShadingPoint s, vec3 v, vec3 from) {
   float nl = dot(s.normal, from);
   if (nl <= 0) return vec3(0);
   vec3 h = normalize(from + v);
@@ -116,12 +116,12 @@ struct Sheen {
   float nv, most, albedo;
 };
 
-Sheen sheen_of(Surface s, vec3 v) {
+Sheen sheen_of(ShadingPoint s, vec3 v) {
   float nv = clamp(dot(s.normal, v), 1e-3, 1);
   return Sheen(nv, max(s.sheen.r, max(s.sheen.g, s.sheen.b)), sheen_albedo(nv, s.sheen_roughness));
 }
 
-vec3 lit(Sheen f, Surface s, vec3 v, vec3 from, vec3 base) {
+vec3 lit(Sheen f, ShadingPoint s, vec3 v, vec3 from, vec3 base) {
   float nl = dot(s.normal, from);
   if (nl <= 0) return vec3(0);
   float left = 1 - f.most * max(f.albedo, sheen_albedo(nl, s.sheen_roughness));
@@ -134,25 +134,25 @@ struct Coat {
   float nv, part, once;
 };
 
-Coat coat_of(Surface s, vec3 v) {
+Coat coat_of(ShadingPoint s, vec3 v) {
   float nv = clamp(dot(s.coat_normal, v), 1e-3, 1);
   vec2 table = textureLod(split_sum, vec2(nv, s.coat_roughness), 0).rg;
   return Coat(nv, s.coat * (0.04 + 0.96 * grazing(nv)), table.x + table.y);
 }
 
-float lit(Coat c, Surface s, vec3 v, vec3 from) {
+float lit(Coat c, ShadingPoint s, vec3 v, vec3 from) {
   float nl = dot(s.coat_normal, from);
   return nl <= 0 ? 0 : nl * specular(alpha_of(s.coat_roughness), s.coat_normal, normalize(from + v), c.nv, nl);
 }
 #endif
 
-vec3 shade(Surface s, vec3 v) {
+vec3 shade(ShadingPoint s, vec3 v) {
   vec3 n = s.normal;
   Base b = base_of(s, v);
 
   // The environment: what is reflected once, and what after bouncing between microfacets, of either material.
   vec2 table = textureLod(split_sum, vec2(b.nv, s.roughness), 0).rg;
-  vec3 even = s.reached * irradiance_over_pi(n, unoccluded(s.lifted, s.smooth_normal));
+  vec3 even = s.reached * irradiance_over_pi(n, unoccluded(s.shadow_origin, s.smooth_normal));
   vec3 rest = 1 - once(b.plain, b.edge, table) - later(b.plain, b.edge, table);
   vec3 sum = rest * b.dielectric * (1 - s.transmission) * even +
              mix(later(b.plain, b.edge, table), later(b.colour, 1, table), s.metallic) * even +
@@ -182,7 +182,7 @@ vec3 shade(Surface s, vec3 v) {
 #if COATED
     part = (1 - c.part) * part + c.part * lit(c, s, v, from);
 #endif
-    if (part == vec3(0) || in_shadow(lights[k], s.lifted, s.smooth_normal)) continue;
+    if (part == vec3(0) || in_shadow(lights[k], s.shadow_origin, s.smooth_normal)) continue;
     sum += there * part;
   }
   return sum;

@@ -4,7 +4,7 @@ uniform int light_face;
 uniform vec2 pixel;  // Of the image, in clip space.
 
 void main() {
-  LightFace f = light_faces[light_face];
+  ShadowView f = shadow_views[light_face];
   uint which = uint(first_triangle + gl_PrimitiveID);
   Triangle t = triangle_of(instance, which, vec3(0));
   vec3 n = to_light(f, normalize(t.normal));

@@ -8,7 +8,7 @@ bool in_shadow(Light light, vec3 place, vec3 normal) {
   vec3 way = place - light.position.xyz, size = abs(way);
   int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   int number = int(light.cone.z) + (light.cone.w == 6 ? 2 * axis + (way[axis] < 0 ? 1 : 0) : 0);
-  LightFace f = light_faces[number];
+  ShadowView f = shadow_views[number];
   Seen s = seen_by(f, place, normal);
   if (is_parallel(f) && max(abs(s.at.x), abs(s.at.y)) > 1) return false;
 

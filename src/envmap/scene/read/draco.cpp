@@ -40,7 +40,7 @@ Mesh decode_draco(std::span<const std::byte> bytes, const DracoAttributes& attri
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
   if (!decoded.ok()) throw InputError("holds a damaged Draco mesh");
   const draco::Mesh& from = *decoded.value();
-  if (std::size_t{3} * from.num_faces() + from.num_points() > most_corners) throw InputError("holds too many corners");
+  if (std::size_t{3} * from.num_faces() + from.num_points() > max_corners) throw InputError("holds too many corners");
   Mesh mesh;
   mesh.positions = values<glm::vec3>(from, attributes.position);
   if (attributes.normal) mesh.normals = values<glm::vec3>(from, *attributes.normal);

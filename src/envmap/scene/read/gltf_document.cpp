@@ -302,8 +302,8 @@ Accessor open_accessor(const GltfDocument& document, const Field& index) {
   a.normalized = field["normalized"].truth(false);
   a.sparse = field["sparse"].there();
   // Without a view all is zero, and nothing in the file bounds how much: more than this nobody means.
-  constexpr std::size_t most = std::size_t{1} << 31, most_zeros = std::size_t{1} << 20;
-  a.count = field["count"].index(view.there() ? most : most_zeros);
+  constexpr std::size_t most = std::size_t{1} << 31, max_zeros = std::size_t{1} << 20;
+  a.count = field["count"].index(view.there() ? most : max_zeros);
   const std::size_t element = size * std::size_t(a.components);
   a.stride = element;
   if (!view.there()) return a;

@@ -13,7 +13,8 @@ namespace {
 
 Vertices read_target(const GltfDocument& document, const Field& target, std::size_t vertices) {
   Vertices v{vectors<glm::vec3>(document, target["POSITION"], vertices),
-             vectors<glm::vec3>(document, target["NORMAL"], vertices), {}};
+             vectors<glm::vec3>(document, target["NORMAL"], vertices),
+             {}};
   for (const glm::vec3& t : vectors<glm::vec3>(document, target["TANGENT"], vertices)) v.tangents.emplace_back(t, 0);
   return v;
 }
@@ -52,8 +53,7 @@ bool read_skin(const GltfDocument& document, const Field& skin, std::span<const 
   if (inverse.there()) {
     const std::vector<double> numbers = accessor_numbers(document, inverse, 16);
     if (numbers.size() < 16 * count) inverse.fail("has no matrix for each joint");
-    for (std::size_t k = 0; k < 16 * count; ++k)
-      d.inverse_bind[k / 16][int(k % 16 / 4)][int(k % 4)] = numbers[k];
+    for (std::size_t k = 0; k < 16 * count; ++k) d.inverse_bind[k / 16][int(k % 16 / 4)][int(k % 4)] = numbers[k];
   }
   return std::ranges::find(d.joints, -1) == d.joints.end();
 }
@@ -73,10 +73,10 @@ Deformation read_shape(const GltfDocument& document, const Field& primitive, std
   for (std::size_t k = 0; k < targets.size(); ++k) {
     shape.targets.push_back(read_target(document, targets[k], vertices));
     if (targets[k]["TEXCOORD_0"].there() || targets[k]["COLOR_0"].there())
-      note_unmodelled(scene, "morph targets of colours and texture coordinates");
+      note_unsupported(scene, "morph targets of colours and texture coordinates");
   }
   if (attributes["JOINTS_0"].there()) read_influences(document, attributes, vertices, shape);
-  if (attributes["JOINTS_1"].there()) note_unmodelled(scene, "more than four joints of a vertex");
+  if (attributes["JOINTS_1"].there()) note_unsupported(scene, "more than four joints of a vertex");
   return shape;
 }
 
@@ -108,10 +108,10 @@ void read_deformations(const GltfDocument& document, std::span<const int> placed
       if (shape == shapes.end() || (shape->second.targets.empty() && !is_skinned)) continue;
       Deformation d = shape->second;
       vertices += d.rest.positions.size() * (1 + d.targets.size());
-      if (vertices > most_corners) nodes[n].fail("is one too many: too many vertices move");
+      if (vertices > max_corners) nodes[n].fail("is one too many: too many vertices move");
       if (!is_skinned || d.influences.empty() ||
           !read_skin(document, document.refer(nodes[n]["skin"], "skins"), placed, d)) {
-        if (!d.joints.empty()) note_unmodelled(scene, "skins with joints outside the scene");
+        if (!d.joints.empty()) note_unsupported(scene, "skins with joints outside the scene");
         d.joints.clear();
       }
       d.weights = weights_of(document, nodes[n], d.targets.size());

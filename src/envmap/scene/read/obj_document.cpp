@@ -31,8 +31,8 @@ struct Reader {
   Names groups{document.groups}, materials{document.materials};
   ObjDocument::Face now = {};  // What the next face belongs to.
 
-  void lacks(const char* what) {
-    auto& list = document.unmodelled;
+  void note_unsupported(const char* what) {
+    auto& list = document.unsupported;
     if (std::ranges::find(list, what) == list.end()) list.emplace_back(what);
   }
 };
@@ -52,7 +52,7 @@ void read_position(Reader& r, Words& words) {
   r.document.positions.push_back(vector(words));
   int more = 0;
   for (; words.more(); ++more) words.number();
-  if (more >= 3) r.lacks("colours of vertices");
+  if (more >= 3) r.note_unsupported("colours of vertices");
 }
 
 // `index`, from 1, or backwards from the last: what is counted may come later in the file, so it is checked at its end.
@@ -85,14 +85,14 @@ void read_face(Reader& r, Words& words, int line) {
   ObjDocument::Face face = r.now;
   face.first = d.corners.size();
   while (words.more()) d.corners.push_back(corner(d, words.word(), words));
-  if (d.corners.size() > most_corners)
-    words.fail(fmt::format("over {} million corners of faces", most_corners / 1000000));
+  if (d.corners.size() > max_corners)
+    words.fail(fmt::format("over {} million corners of faces", max_corners / 1000000));
   face.count = int(d.corners.size() - face.first);
   face.line = line;
   if (face.count == 0) words.fail("a face has no corners");
   if (face.count >= 3) return d.faces.push_back(face);
   d.corners.resize(face.first);
-  r.lacks("points and lines");
+  r.note_unsupported("points and lines");
 }
 
 int smoothing(Words& words) {
@@ -130,11 +130,11 @@ void read_statement(Reader& r, std::string_view key, Words& words, int line) {
   else if (key == "mtllib")
     d.libraries.push_back(words.name());
   else if (key == "l" || key == "p")
-    r.lacks("points and lines");
+    r.note_unsupported("points and lines");
   else if (std::ranges::find(free_form, key) != std::end(free_form))
-    r.lacks("free-form curves and surfaces");
+    r.note_unsupported("free-form curves and surfaces");
   else if (key == "usemap" || key == "maplib")
-    r.lacks("texture maps without a material");
+    r.note_unsupported("texture maps without a material");
   else if (std::ranges::find(passed_over, key) == std::end(passed_over))
     words.fail(quoted(key) + " is no statement of OBJ");
 }
@@ -160,9 +160,8 @@ ObjDocument read_obj_text(std::string_view text) {
   for (TextLines lines(text); lines.next();) {
     Words words(lines);
     if (const std::string_view key = words.word(); !key.empty()) read_statement(r, key, words, lines.number());
-    if (std::max({r.document.positions.size(), r.document.normals.size(), r.document.coordinates.size()}) >
-        most_corners)
-      words.fail(fmt::format("over {} million vertices", most_corners / 1000000));
+    if (std::max({r.document.positions.size(), r.document.normals.size(), r.document.coordinates.size()}) > max_corners)
+      words.fail(fmt::format("over {} million vertices", max_corners / 1000000));
   }
   check_indices(r.document);
   return std::move(r.document);

@@ -29,7 +29,7 @@ struct ObjDocument {
   std::vector<Face> faces;
   std::vector<std::string> groups, materials;  ///< Names, each once.
   std::vector<std::string> libraries;          ///< What mtllib names, a line each.
-  std::vector<std::string> unmodelled;         ///< As Scene::unmodelled.
+  std::vector<std::string> unsupported;        ///< As Scene::unsupported.
 };
 
 /// @throws InputError("line N: ...") where the text is no sound OBJ file.

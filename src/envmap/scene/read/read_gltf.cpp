@@ -12,8 +12,8 @@
 #include "envmap/scene/deform.h"
 #include "envmap/scene/mesh.h"
 #include "envmap/scene/read/draco.h"
+#include "envmap/scene/read/gltf_animations.h"
 #include "envmap/scene/read/gltf_document.h"
-#include "envmap/scene/read/gltf_motions.h"
 #include "envmap/scene/read/gltf_shapes.h"
 #include "envmap/scene/read/read_texture.h"
 #include "envmap/scene/tangents.h"
@@ -21,12 +21,17 @@
 namespace envmap {
 namespace {
 
-constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength", "KHR_lights_punctual",
-                                         "KHR_materials_transmission",      "KHR_materials_ior",
-                                         "KHR_materials_volume",            "KHR_materials_clearcoat",
+constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength",
+                                         "KHR_lights_punctual",
+                                         "KHR_materials_transmission",
+                                         "KHR_materials_ior",
+                                         "KHR_materials_volume",
+                                         "KHR_materials_clearcoat",
                                          "KHR_materials_sheen",
-                                         "KHR_mesh_quantization",           "KHR_draco_mesh_compression",
-                                         "KHR_materials_unlit",             "KHR_texture_transform"};
+                                         "KHR_mesh_quantization",
+                                         "KHR_draco_mesh_compression",
+                                         "KHR_materials_unlit",
+                                         "KHR_texture_transform"};
 
 // KHR_texture_transform: coordinates are scaled, turned counter-clockwise as seen on the image, and moved.
 struct TextureTransform {
@@ -51,7 +56,7 @@ struct Reader {
   std::map<std::pair<std::size_t, bool>, int> textures = {};  // By index and whether they are colours.
   int plain_material = -1;                                    // Of primitives that name none.
 
-  void lacks(const std::string& what) { note_unmodelled(scene, what); }
+  void note_unsupported(const std::string& what) { envmap::note_unsupported(scene, what); }
 };
 
 // ---- materials ------------------------------------------------------------------------------------------------------
@@ -83,9 +88,9 @@ Texture open_texture(Reader& r, const Field& field) {
 int texture(Reader& r, const Field& info, bool colour) {
   if (!info.there()) return -1;
   const Field field = r.document.refer(info["index"], "textures");
-  if (info["texCoord"].index(64, 0) > 0) r.lacks("a second set of texture coordinates");
+  if (info["texCoord"].index(64, 0) > 0) r.note_unsupported("a second set of texture coordinates");
   if (!field["source"].there()) {
-    r.lacks("images in other formats than PNG and JPEG");
+    r.note_unsupported("images in other formats than PNG and JPEG");
     return -1;
   }
   const std::pair key(info["index"].index(1u << 31), colour);
@@ -96,7 +101,7 @@ int texture(Reader& r, const Field& info, bool colour) {
     const Field sampler = r.document.refer(field["sampler"], "samplers");
     t.wrap_u = wrap_of(sampler["wrapS"]);
     t.wrap_v = wrap_of(sampler["wrapT"]);
-    if (sampler["magFilter"].index(65536, 9729) == 9728) r.lacks("textures without interpolation");
+    if (sampler["magFilter"].index(65536, 9729) == 9728) r.note_unsupported("textures without interpolation");
   }
   r.scene.textures.push_back(std::move(t));
   return r.textures[key] = int(r.scene.textures.size()) - 1;
@@ -104,7 +109,7 @@ int texture(Reader& r, const Field& info, bool colour) {
 
 TextureTransform transform_of(Reader& r, const Field& info) {
   const Field extension = info["extensions"]["KHR_texture_transform"];
-  if (extension["texCoord"].index(64, 0) > 0) r.lacks("a second set of texture coordinates");
+  if (extension["texCoord"].index(64, 0) > 0) r.note_unsupported("a second set of texture coordinates");
   const auto offset = extension["offset"].numbers({0, 0}), scale = extension["scale"].numbers({1, 1});
   return {{offset[0], offset[1]}, {scale[0], scale[1]}, extension["rotation"].number(0, -1e6, 1e6)};
 }
@@ -115,7 +120,7 @@ TextureTransform transform_of(Reader& r, std::initializer_list<Field> infos) {
   for (const Field& info : infos)
     if (info.there()) {
       const TextureTransform found = transform_of(r, info);
-      if (first && *first != found) r.lacks("a transform of each texture of a material");
+      if (first && *first != found) r.note_unsupported("a transform of each texture of a material");
       if (!first) first = found;
     }
   return first.value_or(TextureTransform{});
@@ -166,13 +171,13 @@ Material material(Reader& r, const Field& field) {
   m.emissive_texture = texture(r, field["emissiveTexture"], true);
   const Field transmission = extensions["KHR_materials_transmission"];
   m.transmission = float(transmission["transmissionFactor"].number(0, 0, 1));
-  if (transmission["transmissionTexture"].there()) r.lacks("textures of transmission");
+  if (transmission["transmissionTexture"].there()) r.note_unsupported("textures of transmission");
   // 0 stands for infinity there, the old metal-like workflow; it reflects everything.
   m.ior = float(extensions["KHR_materials_ior"]["ior"].number(1.5, 0, 1e6));
   if (m.ior < 1) m.ior = m.ior == 0 ? 1e6F : 1;
   const Field volume = extensions["KHR_materials_volume"];
   m.solid = volume["thicknessFactor"].number(0, 0, 1e30) > 0;
-  if (m.solid && volume["attenuationDistance"].there()) r.lacks("absorption inside glass");
+  if (m.solid && volume["attenuationDistance"].there()) r.note_unsupported("absorption inside glass");
   m.double_sided = field["doubleSided"].truth(false);
   const std::string mode = field["alphaMode"].text("OPAQUE");
   if (mode == "MASK") m.alpha_cutoff = float(field["alphaCutoff"].number(0.5, 0, 1e6));
@@ -186,10 +191,10 @@ Material material(Reader& r, const Field& field) {
   const Field coat = extensions["KHR_materials_clearcoat"], sheen = extensions["KHR_materials_sheen"];
   read_coat(r, coat, m);
   read_sheen(r, sheen, m);
-  r.transforms.push_back(transform_of(r, {metallic["baseColorTexture"], metallic["metallicRoughnessTexture"],
-                                          field["emissiveTexture"], normal, occlusion, coat["clearcoatTexture"],
-                                          coat["clearcoatRoughnessTexture"], coat["clearcoatNormalTexture"],
-                                          sheen["sheenColorTexture"], sheen["sheenRoughnessTexture"]}));
+  r.transforms.push_back(
+      transform_of(r, {metallic["baseColorTexture"], metallic["metallicRoughnessTexture"], field["emissiveTexture"],
+                       normal, occlusion, coat["clearcoatTexture"], coat["clearcoatRoughnessTexture"],
+                       coat["clearcoatNormalTexture"], sheen["sheenColorTexture"], sheen["sheenRoughnessTexture"]}));
   if (extensions["KHR_materials_unlit"].there()) make_unlit(m);
   return m;
 }
@@ -286,15 +291,15 @@ void read_mesh(Reader& r, const Field& field) {
   for (std::size_t k = 0; k < primitives.size(); ++k) {
     const Field primitive = primitives[k], attributes = primitive["attributes"];
     if (primitive["mode"].index(7, 4) < 4) {
-      r.lacks("points and lines");
+      r.note_unsupported("points and lines");
       continue;
     }
     const bool draco = primitive["extensions"]["KHR_draco_mesh_compression"].there();
     Mesh mesh = draco ? compressed(r.document, primitive) : plain(r.document, primitive);
-    if (draco && attributes["COLOR_0"].there()) r.lacks("colours of Draco's vertices");
+    if (draco && attributes["COLOR_0"].there()) r.note_unsupported("colours of Draco's vertices");
     if (mesh.indices.empty()) continue;
     const bool moves = primitive["targets"].size() > 0 || attributes["JOINTS_0"].there();
-    if (draco && moves) r.lacks("skins and morph targets of Draco's vertices");
+    if (draco && moves) r.note_unsupported("skins and morph targets of Draco's vertices");
     std::optional<Deformation> shape;
     if (moves && !draco) shape = read_shape(r.document, primitive, mesh.positions.size(), r.scene);
     const std::vector<std::uint32_t> before = mesh.indices;
@@ -303,12 +308,11 @@ void read_mesh(Reader& r, const Field& field) {
         primitive["material"].there() &&
         r.document.refer(primitive["material"], "materials")["extensions"]["KHR_materials_unlit"].there();
     if (unlit && !mesh.colours.empty()) {
-      r.lacks("colours of unlit vertices");
+      r.note_unsupported("colours of unlit vertices");
       mesh.colours.clear();
     }
     if (primitive["material"].there())
-      std::ranges::transform(mesh.coordinates, mesh.coordinates.begin(),
-                             r.transforms[std::size_t(mesh.material)]);
+      std::ranges::transform(mesh.coordinates, mesh.coordinates.begin(), r.transforms[std::size_t(mesh.material)]);
     complete(mesh);
     complete_tangents(mesh, r.scene.materials[std::size_t(mesh.material)]);
     made.push_back(int(r.scene.meshes.size()));
@@ -333,8 +337,8 @@ void check_corners(const GltfDocument& document) {
         for (const char* what : {"POSITION", "NORMAL", "TANGENT"})
           if (const Field list = primitive["targets"][t][what]; list.there())
             corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
-      if (corners > most_corners)
-        primitive.fail(fmt::format("is one too many: over {} million corners", most_corners / 1000000));
+      if (corners > max_corners)
+        primitive.fail(fmt::format("is one too many: over {} million corners", max_corners / 1000000));
     }
 }
 
@@ -349,7 +353,7 @@ Matrix local_matrix(const Field& node) {
       if (m[k][3] != (k == 3 ? 1 : 0)) node["matrix"].fail("is not affine");
     return m;
   }
-  const Placement p = placement(node);
+  const NodeTransform p = node_transform(node);
   return glm::scale(glm::translate(Matrix(1), p.translation) * glm::mat4_cast(p.rotation), p.scale);
 }
 
@@ -463,7 +467,7 @@ void check_extensions(Reader& r) {
     if (const std::string name = required[k].text(); !known(name))
       throw InputError("needs the extension " + name + ", which is not read");
   for (std::size_t k = 0; k < used.size(); ++k)
-    if (const std::string name = used[k].text(); !known(name)) r.lacks("the extension " + name);
+    if (const std::string name = used[k].text(); !known(name)) r.note_unsupported("the extension " + name);
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ struct Statements {
   float exponent = 0;
   int illumination = 2;
 
-  void lacks(const char* what) {
-    if (std::ranges::find(found.unmodelled, what) == found.unmodelled.end()) found.unmodelled.emplace_back(what);
+  void note_unsupported(const char* what) {
+    if (std::ranges::find(found.unsupported, what) == found.unsupported.end()) found.unsupported.emplace_back(what);
   }
 };
 
@@ -31,7 +31,7 @@ std::string lower(std::string_view text) {
 // One number is grey. Colours may also be the name of a file of spectra, or CIE XYZ: those are left as they were.
 std::optional<Colour> colour(Words& words, Statements& s) {
   const std::string kind = lower(words.peek());
-  if (kind == "spectral" || kind == "xyz") return s.lacks("colours as spectra or CIE XYZ"), std::nullopt;
+  if (kind == "spectral" || kind == "xyz") return s.note_unsupported("colours as spectra or CIE XYZ"), std::nullopt;
   const float red = words.number(), green = words.number(red), blue = words.number(green);
   if (red < 0 || green < 0 || blue < 0) words.fail("a colour is negative");
   return Colour(red, green, blue);
@@ -49,7 +49,7 @@ MtlMap map(Words& words, Statements& s) {
   // Up to three numbers, which say that nothing is to be done.
   const auto expect = [&](std::initializer_list<float> nothing, const char* otherwise) {
     for (const float value : nothing)
-      if (is_number(words.peek()) && words.number() != value) s.lacks(otherwise);
+      if (is_number(words.peek()) && words.number() != value) s.note_unsupported(otherwise);
   };
   while (words.peek().starts_with('-')) {
     const std::string option = lower(words.word());
@@ -91,12 +91,12 @@ bool read_number(const std::string& key, Words& words, Statements& s) {
   } else if (key == "pcr") {
     m.coat_roughness = bounded(0, 1);
   } else if (key == "tr") {
-    if (words.number() > 0) s.lacks("alpha blending");
+    if (words.number() > 0) s.note_unsupported("alpha blending");
   } else if (key == "d") {
     if (lower(words.peek()) == "-halo") words.word();
-    if (words.number() < 1) s.lacks("alpha blending");
+    if (words.number() < 1) s.note_unsupported("alpha blending");
   } else if (key == "ps" || key == "aniso") {
-    if (words.number() != 0) s.lacks("sheen and anisotropy");
+    if (words.number() != 0) s.note_unsupported("sheen and anisotropy");
   } else {
     return key == "anisor" || key == "sharpness";
   }
@@ -127,13 +127,13 @@ bool read_map(const std::string& key, Words& words, Statements& s) {
   else if (key == "map_ke")
     s.found.emission = map(words, s);
   else if (key == "map_d" || key == "map_tr")
-    map(words, s), s.lacks("alpha blending");
+    map(words, s), s.note_unsupported("alpha blending");
   else if (key == "bump" || key == "map_bump" || key == "norm" || key == "map_kn")
-    map(words, s), s.lacks("normal maps");
+    map(words, s), s.note_unsupported("normal maps");
   else if (key == "disp" || key == "map_disp")
-    map(words, s), s.lacks("displacement");
+    map(words, s), s.note_unsupported("displacement");
   else if (key == "map_pr" || key == "map_pm" || key == "map_ns" || key == "map_ks")
-    map(words, s), s.lacks("textures of roughness, metalness and highlights");
+    map(words, s), s.note_unsupported("textures of roughness, metalness and highlights");
   else if (key == "map_ka" || key == "refl" || key == "decal" || key.starts_with("map_"))
     (void)words.name();
   else
@@ -173,7 +173,7 @@ std::map<std::string, MtlMaterial> read_mtl(std::string_view text) {
     }
     if (now == nullptr) words.fail(quoted(key) + " stands before the first newmtl");
     if (!read_number(key, words, *now) && !read_colour(key, words, *now) && !read_map(key, words, *now))
-      now->lacks("unknown statements of MTL");
+      now->note_unsupported("unknown statements of MTL");
   }
   std::map<std::string, MtlMaterial> made;
   for (auto& [name, statements] : all) made.emplace(name, finished(statements));

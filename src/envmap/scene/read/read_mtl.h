@@ -21,7 +21,7 @@ struct MtlMap {
 struct MtlMaterial {
   Material material;
   MtlMap colour, emission;
-  std::vector<std::string> unmodelled;  ///< As Scene::unmodelled.
+  std::vector<std::string> unsupported;  ///< As Scene::unsupported.
 };
 
 /// The materials of a file by name. Kd and Ke are taken as they are, Pm and Pr, too. Without Pr Phong's exponent Ns

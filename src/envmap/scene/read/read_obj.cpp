@@ -100,7 +100,7 @@ Material material(Materials& m, const std::string& name) {
   Material made = listed.material.material;
   made.base_colour_texture = texture(m, listed.material.colour, listed.folder);
   made.emissive_texture = texture(m, listed.material.emission, listed.folder);
-  for (const std::string& what : listed.material.unmodelled) note_unmodelled(m.scene, what);
+  for (const std::string& what : listed.material.unsupported) note_unsupported(m.scene, what);
   return made;
 }
 
@@ -141,8 +141,7 @@ void add_normals(ObjDocument& d) {
         corners[k].normal = flat;
         continue;
       }
-      const auto [found, first] =
-          smooth.try_emplace({corners[k].position, face.smoothing}, int(d.normals.size()));
+      const auto [found, first] = smooth.try_emplace({corners[k].position, face.smoothing}, int(d.normals.size()));
       if (first) d.normals.emplace_back(0);
       const Direction before = unit(at[(k + at.size() - 1) % at.size()] - at[k]),
                       after = unit(at[(k + 1) % at.size()] - at[k]);
@@ -209,7 +208,7 @@ void read_faces(const ObjDocument& d, Scene& scene) {
 Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels) {
   ObjDocument document = read_obj_text(text_of(file));
   Scene scene;
-  for (const std::string& what : document.unmodelled) note_unmodelled(scene, what);
+  for (const std::string& what : document.unsupported) note_unsupported(scene, what);
   read_materials(document, folder, max_pixels, scene);
   add_normals(document);
   read_faces(document, scene);

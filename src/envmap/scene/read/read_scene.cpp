@@ -62,7 +62,7 @@ Scene read_scene(const std::string& path, std::uint64_t max_pixels) {
     Scene scene = read_any(path, max_pixels);
     scene.files.insert(scene.files.begin(), path);
     check(scene);
-    std::ranges::transform(scene.unmodelled, scene.unmodelled.begin(), harmless);
+    std::ranges::transform(scene.unsupported, scene.unsupported.begin(), harmless);
     std::ranges::transform(scene.remarks, scene.remarks.begin(), harmless);
     return scene;
   } catch (const InputError& e) {

@@ -13,7 +13,7 @@ namespace envmap {
 /// movements of nodes, skins and morph targets (as of time 0: deform.h); extensions: KHR_materials_emissive_strength,
 /// _transmission, _ior, _volume, _clearcoat, _sheen, _unlit, KHR_texture_transform, KHR_mesh_quantization,
 /// KHR_draco_mesh_compression. Normals are those of the triangles where the file has none. Of OBJ files see read_obj.h.
-/// Scene::unmodelled names what else they use; a file that *requires* an extension not named here is refused.
+/// Scene::unsupported names what else they use; a file that *requires* an extension not named here is refused.
 ///
 /// Every index, count and number is checked before it is used.
 /// @param path `-` for standard input; then what the scene names lies in the current folder.

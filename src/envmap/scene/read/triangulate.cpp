@@ -133,9 +133,9 @@ std::vector<Triangle> triangulate(std::span<const Direction> corners) {
     for (std::uint32_t k = 1; k + 1 < count; ++k) found.push_back({0, k, k + 1});
     return found;
   }
-  if (count > most_concave_corners)
+  if (count > max_concave_corners)
     throw InputError(
-        fmt::format("a polygon of {} corners is not convex; such ones have {} at most", count, most_concave_corners));
+        fmt::format("a polygon of {} corners is not convex; such ones have {} at most", count, max_concave_corners));
   return EarCutter(flat).triangles();
 }
 

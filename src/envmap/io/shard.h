@@ -27,7 +27,7 @@ Grid part_grid(const WriteOptions& whole, Projection projection);
 /// @param job what tells parts of one map from those of another: one word.
 WriteOptions part_options(const WriteOptions& whole, const Rows& rows, const PartNumber& part, const std::string& job);
 
-struct Joined {
+struct MergedShards {
   EnvironmentMap map;  ///< Of one level.
   WriteOptions write;  ///< As it was asked for when the parts were made.
   Facts making = {};   ///< Facts `whole-NAME` of the parts that are for what goes on with the map, without the prefix.
@@ -35,6 +35,6 @@ struct Joined {
 
 /// Reads parts in any order. @param max_pixels of the whole; larger ones are refused before memory is taken.
 /// @throws InputError where a part is missing, twice there, damaged, or of another map.
-Joined join_parts(std::span<const std::string> paths, std::uint64_t max_pixels = default_max_pixels);
+MergedShards merge_shards(std::span<const std::string> paths, std::uint64_t max_pixels = default_max_pixels);
 
 }  // namespace envmap

@@ -1,4 +1,4 @@
-#include "envmap/render/tracer.h"
+#include "envmap/render/whitted_integrator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@ namespace {
 
 // Parts of a pixel below this are not followed; how often a ray may be reflected inside a solid.
 constexpr double negligible = 1e-4;
-constexpr int most_inside = 16;
+constexpr int max_inside = 16;
 
 double largest(const Flux& part) { return std::max(part.x, std::max(part.y, part.z)); }
 
@@ -25,40 +25,40 @@ std::optional<LobeIntegral> lobe_integral(const Shot& shot, const RayPaths& path
   return LobeIntegral(shot.environment->map, shot.environment->lookup, paths.lobe_samples);
 }
 
-Tracer::Tracer(const RayTree& tree, const Lighting& light, const Shot& shot, const Viewpoint& from,
-               const RayPaths& paths)
+WhittedIntegrator::WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const Shot& shot,
+                                     const Viewpoint& from, const RayPaths& paths)
     : tree_(tree), light_(light), from_(from), bounces_(paths.bounces), far_(paths.far) {
   for (const Instance& instance : instances(shot.scene)) {
     const Mesh& mesh = shot.scene.meshes[instance.mesh];
-    const bool named = std::ranges::any_of(
-        paths.mirrors, [&](int node) { return lies_under(shot.scene, instance.node, node); });
+    const bool named =
+        std::ranges::any_of(paths.mirrors, [&](int node) { return lies_under(shot.scene, instance.node, node); });
     const Material& material = shot.scene.materials[mesh.material];
     followed_.push_back({named && is_smooth(material), named && material.coat_roughness < smooth_glass});
   }
 }
 
-Flux Tracer::from_eye(const Direction& origin, const Direction& ray) const {
+Flux WhittedIntegrator::from_eye(const Direction& origin, const Direction& ray) const {
   const Ray first{origin, ray, bounces_, 1, true};
   const auto hit = tree_.find(origin, ray, from_.near, from_.far);
   return hit ? leaving(*hit, first) : missing(first);
 }
 
-Flux Tracer::from_surface(const RayHit& hit, const Direction& ray) const {
+Flux WhittedIntegrator::from_surface(const SurfaceHit& hit, const Direction& ray) const {
   return scattered(hit, {Direction(0), ray, bounces_, 1, true});
 }
 
 // Returns the radiance that arrives along a ray starting on a surface.
-Flux Tracer::along(const Ray& ray) const {
-  const auto hit = tree_.find(ray.origin, ray.along, RayTree::clearance(ray.origin), far_);
+Flux WhittedIntegrator::along(const Ray& ray) const {
+  const auto hit = tree_.find(ray.origin, ray.along, EmbreeScene::clearance(ray.origin), far_);
   return hit ? leaving(*hit, ray) : missing(ray);
 }
 
-Flux Tracer::missing(const Ray& ray) const {
+Flux WhittedIntegrator::missing(const Ray& ray) const {
   if (!ray.of_eye) return glossy_radiance(light_, ray.along, 0);
   return Flux(background(light_.environment, ray.along) + (from_.show_ambient ? light_.ambient : Colour(0)));
 }
 
-Flux Tracer::leaving(const RayHit& hit, const Ray& ray) const {
+Flux WhittedIntegrator::leaving(const SurfaceHit& hit, const Ray& ray) const {
   const double covered = hit.surface.opacity;
   const Ray onwards{ray.origin + hit.distance * ray.along, ray.along, ray.bounces, ray.weight * (1 - covered),
                     ray.of_eye};
@@ -67,9 +67,9 @@ Flux Tracer::leaving(const RayHit& hit, const Ray& ray) const {
   return sum;
 }
 
-Flux Tracer::scattered(const RayHit& hit, const Ray& ray) const {
-  const Surface& s = hit.surface;
-  const Scattered out = scatter(s, -ray.along, light_);
+Flux WhittedIntegrator::scattered(const SurfaceHit& hit, const Ray& ray) const {
+  const ShadingPoint& s = hit.surface;
+  const ShadingResult out = scatter(s, -ray.along, light_);
   const Direction place = ray.origin + hit.distance * ray.along;
   // What mirrors and lenses show is followed; the environment's light that others send on comes from its levels or
   // lobes.
@@ -89,8 +89,8 @@ Flux Tracer::scattered(const RayHit& hit, const Ray& ray) const {
 }
 
 // Returns the radiance along a ray inside a solid. The glass tint was applied where the ray entered.
-Flux Tracer::through(const Ray& ray, double ior, int reflections) const {
-  const auto hit = tree_.find(ray.origin, ray.along, RayTree::clearance(ray.origin), far_, Medium::solid);
+Flux WhittedIntegrator::through(const Ray& ray, double ior, int reflections) const {
+  const auto hit = tree_.find(ray.origin, ray.along, EmbreeScene::clearance(ray.origin), far_, Medium::solid);
   if (!hit) return glossy_radiance(light_, ray.along, 0);
   if (!hit->back) return leaving(*hit, ray);  // Something in the glass.
   const Direction& n = hit->surface.normal;
@@ -100,7 +100,7 @@ Flux Tracer::through(const Ray& ray, double ior, int reflections) const {
   if (reflected < 1) sum += (1 - reflected) * along({place, out, ray.bounces, ray.weight * (1 - reflected)});
   if (reflected > 0) {
     const Ray back{place, glm::reflect(ray.along, n), ray.bounces, ray.weight * reflected};
-    const bool end = reflections == most_inside || back.weight < negligible;
+    const bool end = reflections == max_inside || back.weight < negligible;
     sum += reflected * (end ? glossy_radiance(light_, back.along, 0) : through(back, ior, reflections + 1));
   }
   return sum;

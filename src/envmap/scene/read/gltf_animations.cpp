@@ -1,4 +1,4 @@
-#include "envmap/scene/read/gltf_motions.h"
+#include "envmap/scene/read/gltf_animations.h"
 
 #include <map>
 #include <string>
@@ -24,8 +24,8 @@ std::valarray<double> as(const std::vector<double>& v, std::size_t at, std::size
 
 // @param wide numbers of a value, which are in the accessor as elements of so many components.
 template <class T>
-std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field& sampler, std::size_t wide,
-                                      int components) {
+std::vector<Animation::Key<T>> read_keys(const GltfDocument& document, const Field& sampler, std::size_t wide,
+                                         int components) {
   constexpr const T* kind = nullptr;
   const std::vector<double> times = accessor_numbers(document, sampler["input"], 1);
   const std::vector<double> values = accessor_numbers(document, sampler["output"], components);
@@ -34,7 +34,7 @@ std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field&
   if (!cubic && !steps && between != "LINEAR") sampler["interpolation"].fail("is '" + between + "', no interpolation");
   if (values.size() != times.size() * wide * (cubic ? 3 : 1))
     sampler["output"].fail("does not have a value for each time");
-  std::vector<Motion::Key<T>> keys;
+  std::vector<Animation::Key<T>> keys;
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (k > 0 && !(times[k] > times[k - 1])) sampler["input"].fail("holds times that do not rise");
     if (k > 0 && steps) keys.push_back({times[k], keys.back().value});
@@ -46,7 +46,7 @@ std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field&
       for (int piece = 1; piece < pieces; ++piece) {
         const double t = double(piece) / pieces, t2 = t * t, t3 = t2 * t;
         keys.push_back({times[k - 1] + t * span, T(p0 * (2 * t3 - 3 * t2 + 1) + m0 * (span * (t3 - 2 * t2 + t)) +
-                                                     p1 * (3 * t2 - 2 * t3) + m1 * (span * (t3 - t2)))});
+                                                   p1 * (3 * t2 - 2 * t3) + m1 * (span * (t3 - t2)))});
       }
     }
     keys.push_back({times[k], as(values, (cubic ? 3 * k + 1 : k) * wide, wide, kind)});
@@ -57,14 +57,14 @@ std::vector<Motion::Key<T>> read_keys(const GltfDocument& document, const Field&
 void read_weights(const GltfDocument& document, const Field& sampler, int node, Scene& scene) {
   for (Deformation& d : scene.deformations)
     if (d.node == node && !d.targets.empty()) {
-      if (!d.keys.empty()) return note_unmodelled(scene, "several animations of one node");
+      if (!d.keys.empty()) return note_unsupported(scene, "several animations of one node");
       d.keys = read_keys<std::valarray<double>>(document, sampler, d.targets.size(), 1);
     }
 }
 
 }  // namespace
 
-Placement placement(const Field& node) {
+NodeTransform node_transform(const Field& node) {
   const auto t = node["translation"].numbers({0, 0, 0}), q = node["rotation"].numbers({0, 0, 0, 1}),
              s = node["scale"].numbers({1, 1, 1});
   const Quaternion turn(q[3], q[0], q[1], q[2]);
@@ -74,7 +74,7 @@ Placement placement(const Field& node) {
 
 void read_motions(const GltfDocument& document, std::span<const int> placed, Scene& scene) {
   const Field animations = document.root()["animations"], nodes = document.root()["nodes"];
-  std::map<int, Motion> moving;  // By node of the scene.
+  std::map<int, Animation> moving;  // By node of the scene.
   for (std::size_t a = 0; a < animations.size(); ++a) {
     const Field channels = animations[a]["channels"], samplers = animations[a]["samplers"];
     for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -89,10 +89,10 @@ void read_motions(const GltfDocument& document, std::span<const int> placed, Sce
         continue;
       }
       if (nodes[at]["matrix"].there()) target.fail("moves a node that has a matrix");
-      Motion& motion = moving[placed[at]];
+      Animation& motion = moving[placed[at]];
       const auto fill = [&](auto& keys) {
         using T = decltype(keys.front().value);
-        if (!keys.empty()) return note_unmodelled(scene, "several animations of one node");
+        if (!keys.empty()) return note_unsupported(scene, "several animations of one node");
         keys = read_keys<std::remove_reference_t<T>>(document, sampler, T::length(), T::length());
       };
       if (path == "translation")
@@ -109,13 +109,13 @@ void read_motions(const GltfDocument& document, std::span<const int> placed, Sce
     const auto found = moving.find(placed[k]);
     if (placed[k] < 0 || found == moving.end()) continue;
     // What has no keys stays as the file says, whatever a matrix could be taken apart to.
-    const Placement rest = placement(nodes[k]);
-    Motion& motion = found->second;
+    const NodeTransform rest = node_transform(nodes[k]);
+    Animation& motion = found->second;
     motion.node = placed[k];
     if (motion.translations.empty()) motion.translations = {{0, rest.translation}};
     if (motion.rotations.empty()) motion.rotations = {{0, rest.rotation}};
     if (motion.scales.empty()) motion.scales = {{0, rest.scale}};
-    scene.motions.push_back(std::move(motion));
+    scene.animations.push_back(std::move(motion));
   }
 }
 

@@ -1,4 +1,4 @@
-#include "envmap/io/part.h"
+#include "envmap/io/shard.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 #include "envmap/operate/measure.h"
 
 namespace envmap {
@@ -26,7 +26,7 @@ struct Head {
   int size;  // Of the whole: height of a face.
   std::string job;
   Metadata data;
-  int width, height;  // Of the part.
+  int width, height;                // Of the part.
   std::shared_ptr<Image> standard;  // Input, which can be read once; of files nothing is kept open.
 };
 
@@ -156,7 +156,7 @@ std::optional<Enum> named(const std::string_view (&names)[N], const std::string&
 }
 
 // What part_options() put down.
-void restore(Facts& facts, Joined& joined, std::uint64_t max_pixels) {
+void restore(Facts& facts, MergedShards& joined, std::uint64_t max_pixels) {
   Facts& making = joined.making;
   for (const auto& [name, text] : Facts(facts))
     if (name.starts_with(whole)) making[name.substr(whole.size())] = take(facts, name);
@@ -211,14 +211,14 @@ WriteOptions part_options(const WriteOptions& options, const Rows& rows, const P
   return o;
 }
 
-Joined join_parts(std::span<const std::string> paths, std::uint64_t max_pixels) {
+MergedShards merge_shards(std::span<const std::string> paths, std::uint64_t max_pixels) {
   std::vector<Head> parts;
   for (const std::string& path : paths) parts.push_back(read_head(path));
   check(parts);
   Metadata& data = parts.front().data;
   const Grid places = grid(data.layout.value_or(default_layout(*data.projection)));
   check_sizes(parts, places, max_pixels);
-  Joined joined{.map = blank_map({*data.projection, data.forward.value_or(Forward::plus_z)}, parts.front().size)};
+  MergedShards joined{.map = blank_map({*data.projection, data.forward.value_or(Forward::plus_z)}, parts.front().size)};
   for (const Head& head : parts) read_rows(head, places, joined.map.base());
   check_radiance(joined.map.base());
   restore(data.facts, joined, max_pixels);

@@ -1,4 +1,4 @@
-#include "envmap/render/ray_tree.h"
+#include "envmap/render/embree_scene.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
 using Tree = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
 
 // A mesh in its place, the tree's centre at the origin, axes the world's; counter-clockwise from the front.
-struct Placed {
+struct InstanceTransform {
   const Scene* scene = nullptr;
   const Mesh* mesh = nullptr;
   const Material* material = nullptr;
@@ -28,8 +28,8 @@ struct Placed {
   double handed = 1;                 // -1: mirrored.
 };
 
-Placed place(const Shot& shot, const Direction& centre, const Instance& instance) {
-  Placed p{.scene = &shot.scene, .mesh = &shot.scene.meshes[instance.mesh], .node = instance.node};
+InstanceTransform place(const Shot& shot, const Direction& centre, const Instance& instance) {
+  InstanceTransform p{.scene = &shot.scene, .mesh = &shot.scene.meshes[instance.mesh], .node = instance.node};
   p.material = &shot.scene.materials[p.mesh->material];
   const Matrix& world = shot.pose[instance.node];
   const Rotation linear(world);
@@ -66,7 +66,7 @@ struct Meeting {
 };
 
 // Volumes of the ray with the sides (Moeller and Trumbore 1997, symmetric); Embree's own are float32.
-Meeting meet(const Placed& p, std::size_t triangle, const Direction& origin, const Direction& ray) {
+Meeting meet(const InstanceTransform& p, std::size_t triangle, const Direction& origin, const Direction& ray) {
   Meeting m{};
   Direction corner[3];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -84,11 +84,11 @@ Meeting meet(const Placed& p, std::size_t triangle, const Direction& origin, con
   return m;
 }
 
-glm::vec4 sample(const Placed& p, int texture, const glm::vec2& at) {
+glm::vec4 sample(const InstanceTransform& p, int texture, const glm::vec2& at) {
   return texture < 0 ? glm::vec4(1) : texture_at(p.scene->textures[texture], at);
 }
 
-glm::vec4 base_colour(const Placed& p, const Meeting& m) {
+glm::vec4 base_colour(const InstanceTransform& p, const Meeting& m) {
   const glm::vec4 own = p.material->base_colour * sample(p, p.material->base_colour_texture, m.of(p.mesh->coordinates));
   return p.mesh->colours.empty() ? own : own * m.of(p.mesh->colours);
 }
@@ -101,13 +101,13 @@ struct Query : embree::Context {
 };
 
 // For light; to the eye what is blended has no holes.
-bool is_hole(const Placed& p, const Meeting& m) {
+bool is_hole(const InstanceTransform& p, const Meeting& m) {
   return p.material->alpha_cutoff > 0 && base_colour(p, m).w < p.material->alpha_cutoff;
 }
 
 // Called for each hit of a ray of light.
 void let_light_through(const RTCFilterFunctionNArguments* call) {
-  const Placed& p = *static_cast<const Placed*>(call->geometryUserPtr);
+  const InstanceTransform& p = *static_cast<const InstanceTransform*>(call->geometryUserPtr);
   if (call->N != 1) return;
   const Query& query = *static_cast<const Query*>(call->context);
   const bool is_lamp = query.but >= 0 && lies_under(*p.scene, p.node, query.but);
@@ -118,7 +118,7 @@ void let_light_through(const RTCFilterFunctionNArguments* call) {
 
 // Called for each hit: a side that is not drawn and a hole let the ray through.
 void filter(const RTCFilterFunctionNArguments* call) {
-  const Placed& p = *static_cast<const Placed*>(call->geometryUserPtr);
+  const InstanceTransform& p = *static_cast<const InstanceTransform*>(call->geometryUserPtr);
   if (call->N != 1) return;
   const Query& query = *static_cast<const Query*>(call->context);
   const Meeting m = meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray);
@@ -129,7 +129,7 @@ void filter(const RTCFilterFunctionNArguments* call) {
 }
 
 // From a place on a triangle to the mean of where the planes of its corners have it; none where those lie below.
-Direction lift(const Placed& p, const Meeting& m, const Direction& place, double side) {
+Direction lift(const InstanceTransform& p, const Meeting& m, const Direction& place, double side) {
   Direction sum(0);
   for (int k = 0; k < 3; ++k) {
     const Direction normal = unit(p.normals * Direction(p.mesh->normals[m.corners[k]]) * side);
@@ -140,7 +140,8 @@ Direction lift(const Placed& p, const Meeting& m, const Direction& place, double
 }
 
 // What a map makes of the normal of the front (glTF 2.0, 3.9.3).
-Direction mapped_normal(const Placed& p, const Meeting& m, int texture, double scale, const Direction& normal) {
+Direction mapped_normal(const InstanceTransform& p, const Meeting& m, int texture, double scale,
+                        const Direction& normal) {
   if (texture < 0) return normal;
   const glm::vec4 interpolated = m.of(p.mesh->tangents);
   const Direction along = unit(p.tangents * Direction(interpolated));
@@ -150,8 +151,8 @@ Direction mapped_normal(const Placed& p, const Meeting& m, int texture, double s
 }
 
 // @param place from the tree's centre.
-Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, const Direction& place,
-                   const Direction& ray) {
+ShadingPoint surface_at(const InstanceTransform& p, const Meeting& m, const Direction& centre, const Direction& place,
+                        const Direction& ray) {
   const Direction position = centre + place;
   const Material& material = *p.material;
   const glm::vec2 at = m.of(p.mesh->coordinates);
@@ -178,19 +179,19 @@ Surface surface_at(const Placed& p, const Meeting& m, const Direction& centre, c
           .sheen = material.sheen * Colour(sample(p, material.sheen_texture, at)),
           .sheen_roughness = material.sheen_roughness * sample(p, material.sheen_roughness_texture, at).w,
           .reached = 1 + material.occlusion_strength * (open - 1),
-          .lifted = position + lift(p, m, place, side)};
+          .shadow_origin = position + lift(p, m, place, side)};
 }
 
 }  // namespace
 
-struct RayTree::World {
+struct EmbreeScene::World {
   Direction centre{0};
   Device device{nullptr, &rtcReleaseDevice};
   Tree tree{nullptr, &rtcReleaseScene};
-  std::vector<Placed> placed;  // By number of instance.
+  std::vector<InstanceTransform> placed;  // By number of instance.
 
   void add(unsigned number) {
-    Placed& p = placed[number];
+    InstanceTransform& p = placed[number];
     RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, p.positions.data(), 0,
                                sizeof(glm::vec3), p.positions.size());
@@ -206,7 +207,7 @@ struct RayTree::World {
   }
 };
 
-RayTree::RayTree(const Shot& shot, const Direction& centre, int without) : world_(std::make_unique<World>()) {
+EmbreeScene::EmbreeScene(const Shot& shot, const Direction& centre, int without) : world_(std::make_unique<World>()) {
   World& w = *world_;
   w.centre = centre;
   w.device.reset(rtcNewDevice(nullptr));
@@ -225,13 +226,13 @@ RayTree::RayTree(const Shot& shot, const Direction& centre, int without) : world
     throw UsageError(fmt::format("Embree cannot hold the scene (error {})", int(error)));
 }
 
-RayTree::RayTree(RayTree&&) noexcept = default;
-RayTree::~RayTree() = default;
+EmbreeScene::EmbreeScene(EmbreeScene&&) noexcept = default;
+EmbreeScene::~EmbreeScene() = default;
 
-double RayTree::clearance(const Direction& place) { return glm::length(place) / 32768; }
+double EmbreeScene::clearance(const Direction& place) { return glm::length(place) / 32768; }
 
-std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ray, double near, double far,
-                                    Medium medium) const {
+std::optional<SurfaceHit> EmbreeScene::find(const Direction& origin, const Direction& ray, double near, double far,
+                                            Medium medium) const {
   Query query{};
   embree::prepare(query);
   query.origin = origin;
@@ -239,24 +240,31 @@ std::optional<RayHit> RayTree::find(const Direction& origin, const Direction& ra
   query.medium = medium;
   RTCRayHit hit{};
   const glm::vec3 from(origin), along(ray);
-  hit.ray = {.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = float(near),
-             .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = float(far), .mask = ~0U};
+  hit.ray = {.org_x = from.x,
+             .org_y = from.y,
+             .org_z = from.z,
+             .tnear = float(near),
+             .dir_x = along.x,
+             .dir_y = along.y,
+             .dir_z = along.z,
+             .tfar = float(far),
+             .mask = ~0U};
   hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   embree::intersect(world_->tree.get(), query, hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const Placed& p = world_->placed[hit.hit.geomID];
+  const InstanceTransform& p = world_->placed[hit.hit.geomID];
   const Meeting m = meet(p, hit.hit.primID, origin, ray);
   // A ray along the triangle's plane meets it where Embree says.
   const double distance = m.distance > 0 && std::isfinite(m.distance) ? m.distance : double(hit.ray.tfar);
-  return RayHit{.surface = surface_at(p, m, world_->centre, origin + distance * ray, ray),
-                .distance = distance,
-                .instance = int(hit.hit.geomID),
-                .blended = p.material->blended,
-                .back = m.back};
+  return SurfaceHit{.surface = surface_at(p, m, world_->centre, origin + distance * ray, ray),
+                    .distance = distance,
+                    .instance = int(hit.hit.geomID),
+                    .blended = p.material->blended,
+                    .back = m.back};
 }
 
-bool RayTree::blocked(const Direction& place, const Direction& normal, const Direction& towards, double distance,
-                      int but) const {
+bool EmbreeScene::blocked(const Direction& place, const Direction& normal, const Direction& towards, double distance,
+                          int but) const {
   Query query{};
   embree::prepare(query);
   const Direction from_centre = place - world_->centre;
@@ -264,8 +272,15 @@ bool RayTree::blocked(const Direction& place, const Direction& normal, const Dir
   query.ray = towards;
   query.but = but;
   const glm::vec3 from(query.origin), along(towards);
-  RTCRay ray{.org_x = from.x, .org_y = from.y, .org_z = from.z, .tnear = 0,
-             .dir_x = along.x, .dir_y = along.y, .dir_z = along.z, .tfar = float(distance), .mask = ~0U};
+  RTCRay ray{.org_x = from.x,
+             .org_y = from.y,
+             .org_z = from.z,
+             .tnear = 0,
+             .dir_x = along.x,
+             .dir_y = along.y,
+             .dir_z = along.z,
+             .tfar = float(distance),
+             .mask = ~0U};
   embree::occlude(world_->tree.get(), query, ray);
   return ray.tfar < 0;
 }

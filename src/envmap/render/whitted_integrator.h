@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "envmap/render/embree_scene.h"
 #include "envmap/render/lobe_integral.h"
-#include "envmap/render/ray_tree.h"
 #include "envmap/render/raycast.h"
 
 namespace envmap {
@@ -15,16 +15,17 @@ namespace envmap {
 std::optional<LobeIntegral> lobe_integral(const Shot& shot, const RayPaths& paths);
 
 /// Follows rays through a shot as RayPaths says. What it is made of must outlive it.
-class Tracer {
+class WhittedIntegrator {
  public:
   /// @param tree of the shot, its centre the viewpoint's.
-  Tracer(const RayTree& tree, const Lighting& light, const Shot& shot, const Viewpoint& from, const RayPaths& paths);
+  WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const Shot& shot, const Viewpoint& from,
+                    const RayPaths& paths);
 
   /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world.
   [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray) const;
 
   /// What the surface that it met sends back along it.
-  [[nodiscard]] Flux from_surface(const RayHit& hit, const Direction& ray) const;
+  [[nodiscard]] Flux from_surface(const SurfaceHit& hit, const Direction& ray) const;
 
  private:
   // A ray on its way.
@@ -36,11 +37,11 @@ class Tracer {
   };
   [[nodiscard]] Flux along(const Ray& ray) const;
   [[nodiscard]] Flux missing(const Ray& ray) const;
-  [[nodiscard]] Flux leaving(const RayHit& hit, const Ray& ray) const;
-  [[nodiscard]] Flux scattered(const RayHit& hit, const Ray& ray) const;
+  [[nodiscard]] Flux leaving(const SurfaceHit& hit, const Ray& ray) const;
+  [[nodiscard]] Flux scattered(const SurfaceHit& hit, const Ray& ray) const;
   [[nodiscard]] Flux through(const Ray& ray, double ior, int reflections) const;
 
-  const RayTree& tree_;
+  const EmbreeScene& tree_;
   const Lighting& light_;
   const Viewpoint& from_;
   int bounces_;

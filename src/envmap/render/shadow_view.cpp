@@ -1,4 +1,4 @@
-#include "envmap/render/light_image.h"
+#include "envmap/render/shadow_view.h"
 
 #include <cmath>
 
@@ -16,23 +16,23 @@ Rotation looking_along(const Direction& ahead) {
 
 }  // namespace
 
-int light_faces(const PlacedLight& light) {
+int shadow_view_count(const PlacedLight& light) {
   const bool wide = light.kind == PunctualLight::Kind::spot && light.outer < std::cos(0.25 * pi);
   return light.kind == PunctualLight::Kind::point || wide ? 6 : 1;
 }
 
-LightFace parallel_image(const Direction& along, const Ball& scene) {
+ShadowView parallel_image(const Direction& along, const Ball& scene) {
   const double half = scene.radius > 0 ? 1.001 * scene.radius : 1;
   return {-1, scene.centre, looking_along(along), half, true};
 }
 
-std::vector<LightFace> light_images(std::span<const PlacedLight> lights, const Ball& scene) {
-  std::vector<LightFace> all;
+std::vector<ShadowView> shadow_views(std::span<const PlacedLight> lights, const Ball& scene) {
+  std::vector<ShadowView> all;
   for (const PlacedLight& light : lights) {
     if (light.kind == PunctualLight::Kind::directional) {
       all.push_back(parallel_image(light.direction, scene));
       all.back().but = light.node;
-    } else if (light_faces(light) == 1) {
+    } else if (shadow_view_count(light) == 1) {
       const double half = std::sqrt(1 - light.outer * light.outer) / light.outer;
       all.push_back({light.node, light.position, looking_along(light.direction), std::max(half, 1e-6)});
     } else {

@@ -1,4 +1,4 @@
-#include "envmap/io/recognise.h"
+#include "envmap/io/detect_layout.h"
 
 #include <fmt/ranges.h>
 
@@ -34,21 +34,21 @@ std::optional<Layout> cube_layout_of_shape(int width, int height) {
 
 }  // namespace
 
-FaceSize face_size(const Recognised& base, int level) {
+FaceSize face_size(const DetectedLayout& base, int level) {
   const int height = std::max(1, base.size >> level);
   // A latlong image rounds each side by itself.
   const int width = base.projection == Projection::latlong ? std::max(1, 2 * base.size >> level) : height;
   return {width, height};
 }
 
-int complete_levels(const Recognised& base) {
+int complete_levels(const DetectedLayout& base) {
   int levels = 1;
   for (FaceSize s = face_size(base, 0); s.width > 1 || s.height > 1; s = face_size(base, levels++)) {
   }
   return levels;
 }
 
-Recognised recognise(int width, int height, const Metadata& said, const Metadata& recorded) {
+DetectedLayout detect_layout(int width, int height, const Metadata& said, const Metadata& recorded) {
   const std::string found = fmt::format("({}x{})", width, height);
   std::optional<Projection> p = said.projection ? said.projection : recorded.projection;
   std::optional<Layout> layout = said.layout;

@@ -1,20 +1,20 @@
-// The image of a light (render/light_image.h): x and y from -1 to 1, and how near things are: 1 / depth of a pinhole,
+// The image of a light (render/shadow_view.h): x and y from -1 to 1, and how near things are: 1 / depth of a pinhole,
 // -depth of parallel rays. Of a plane that is linear in x and y: three numbers hold it.
-struct LightFace {
+struct ShadowView {
   vec4 right, up, ahead;  // World; w: of the centre, from the viewpoint.
   vec4 lens;              // Half the width; 1 for parallel rays, else 0; the depth that nothing may lie before.
 };
 
-bool is_parallel(LightFace f) { return f.lens.y != 0; }
-vec3 to_light(LightFace f, vec3 v) { return vec3(dot(f.right.xyz, v), dot(f.up.xyz, v), dot(f.ahead.xyz, v)); }
+bool is_parallel(ShadowView f) { return f.lens.y != 0; }
+vec3 to_light(ShadowView f, vec3 v) { return vec3(dot(f.right.xyz, v), dot(f.up.xyz, v), dot(f.ahead.xyz, v)); }
 
 // Of all points with dot(n, point) = h, n unit, in the axes of the face. Nearness is dot(plane, vec3(x, y, 1)).
-vec3 plane_seen(LightFace f, vec3 n, float h) {
+vec3 plane_seen(ShadowView f, vec3 n, float h) {
   return is_parallel(f) ? vec3(f.lens.x * n.xy, -h) / n.z : vec3(f.lens.x * n.xy, n.z) / h;
 }
 
 // How much nearness changes for each metre across a plane, times depth where there is one.
-float slope(LightFace f, vec3 plane) { return length(vec3(plane.xy / f.lens.x, is_parallel(f) ? 1 : plane.z)); }
+float slope(ShadowView f, vec3 plane) { return length(vec3(plane.xy / f.lens.x, is_parallel(f) ? 1 : plane.z)); }
 
 // A place as a light sees it.
 struct Seen {
@@ -27,7 +27,7 @@ struct Seen {
 };
 
 // @param place from the viewpoint, world axes. @param normal unit.
-Seen seen_by(LightFace f, vec3 place, vec3 normal) {
+Seen seen_by(ShadowView f, vec3 place, vec3 normal) {
   vec3 p = to_light(f, place - vec3(f.right.w, f.up.w, f.ahead.w)), n = to_light(f, normal);
   Seen s;
   s.depth = is_parallel(f) ? 1 : p.z;
@@ -43,7 +43,7 @@ Seen seen_by(LightFace f, vec3 place, vec3 normal) {
 // plane lies before it at its own place, and before the surface's plane at the texel's centre. So nothing is compared but
 // what is known exactly, and there is no bias but what floats are rounded by. The first spares what is concave, the second
 // what is convex (Dou, Yan, Kerzner, Dai and Wyman 2014, "Adaptive depth bias for shadow maps").
-bool is_behind(Seen s, LightFace f, vec3 plane, vec3 centre) {
+bool is_behind(Seen s, ShadowView f, vec3 plane, vec3 centre) {
   float nearness = dot(plane, centre), depth = is_parallel(f) ? 1 : 1 / nearness;
   return s.depth * (dot(plane, s.at) - s.nearness) > s.rounding * slope(f, plane) &&
          depth * (nearness - dot(s.plane, centre)) > s.rounding * s.slope;

@@ -10,7 +10,7 @@
 
 namespace envmap {
 
-struct Page {
+struct Atlas {
   const Rows& rows;
   Grid grid;
   int face = -1;           ///< The only face shown, or -1 for all of them.

@@ -1,4 +1,4 @@
-#include "envmap/render/canvas.h"
+#include "envmap/render/visibility_buffer.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -48,7 +48,7 @@ void check_face(int width, int height) {
     throw UsageError(fmt::format("a face of {}x{}: this renderer draws up to {}", width, height, largest));
 }
 
-Canvas::Canvas(int w, int h)
+VisibilityBuffer::VisibilityBuffer(int w, int h)
     : width(w),
       height(h),
       surfaces(gl::make_texture(GL_TEXTURE_2D)),
@@ -66,7 +66,7 @@ Canvas::Canvas(int w, int h)
   gl::check("canvas");
 }
 
-Layers::Layers(const Canvas& canvas) : sample(gl::make_texture(GL_TEXTURE_2D)) {
+DepthPeeling::DepthPeeling(const VisibilityBuffer& canvas) : sample(gl::make_texture(GL_TEXTURE_2D)) {
   glTextureStorage2D(sample, 1, GL_RGBA32F, canvas.width, canvas.height);
   glTextureParameteri(sample, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   for (int k = 0; k < 2; ++k) {

@@ -18,8 +18,8 @@ void check_face(int width, int height);
 
 /// Which surface each texel sees, and how near it is: what all methods draw, and shading reads. It is made new for each
 /// face; a map has one canvas.
-struct Canvas {
-  Canvas(int width, int height);
+struct VisibilityBuffer {
+  VisibilityBuffer(int width, int height);
 
   int width, height;
   gl::Texture surfaces;  ///< Instance + 1 and triangle.
@@ -30,8 +30,8 @@ struct Canvas {
 
 /// What blended surfaces need beside a canvas: the nearness and the stencil of two of their layers, and one sample of
 /// all texels, on which they are put.
-struct Layers {
-  explicit Layers(const Canvas& canvas);
+struct DepthPeeling {
+  explicit DepthPeeling(const VisibilityBuffer& canvas);
 
   gl::Texture sample;
   std::array<gl::Texture, 2> depth;

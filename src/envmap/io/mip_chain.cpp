@@ -1,4 +1,4 @@
-#include "envmap/io/chain.h"
+#include "envmap/io/mip_chain.h"
 
 #include <algorithm>
 
@@ -6,25 +6,25 @@
 
 namespace envmap {
 
-Chain::Chain(std::span<const Rows> levels, Layout layout, bool to_one_texel) {
+MipChain::MipChain(std::span<const Rows> levels, Layout layout, bool to_one_texel) {
   const Grid places = grid(layout);
-  const Page base{levels.front(), places};
+  const Atlas base{levels.front(), places};
   const bool fill = layout != Layout::api;
   const auto wide = [&](std::size_t k) { return fill ? std::max(1, base.width() >> k) : 0; };
   const auto high = [&](std::size_t k) { return fill ? std::max(1, base.height() >> k) : 0; };
-  for (std::size_t k = 0; k < levels.size(); ++k) pages_.push_back({levels[k], places, -1, wide(k), high(k)});
+  for (std::size_t k = 0; k < levels.size(); ++k) atlases_.push_back({levels[k], places, -1, wide(k), high(k)});
   if (!to_one_texel) return;
 
   more_.push_back(level_of(levels.back()));
   while (has_next(more_.back())) more_.push_back(half_level(more_.back()));
   for (const Level& level : more_) rows_.push_back(rows_of(level, levels.front().forward));
   for (std::size_t k = 1; k < rows_.size(); ++k)
-    pages_.push_back({rows_[k], places, -1, wide(pages_.size()), high(pages_.size())});
+    atlases_.push_back({rows_[k], places, -1, wide(atlases_.size()), high(atlases_.size())});
   Colour mean(0);
   for (int f = 0; f < more_.back().faces(); ++f) mean += *more_.back().texel(f, 0, 0);
   mean /= float(more_.back().faces());
-  while (pages_.back().width() > 1 || pages_.back().height() > 1)
-    pages_.push_back({rows_.back(), {1, 1, {}}, -1, wide(pages_.size()), high(pages_.size()), mean});
+  while (atlases_.back().width() > 1 || atlases_.back().height() > 1)
+    atlases_.push_back({rows_.back(), {1, 1, {}}, -1, wide(atlases_.size()), high(atlases_.size()), mean});
 }
 
 }  // namespace envmap

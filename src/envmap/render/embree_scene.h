@@ -10,8 +10,8 @@
 
 namespace envmap {
 
-struct RayHit {
-  Surface surface;
+struct SurfaceHit {
+  ShadingPoint surface;
   double distance;  ///< From the origin of the ray.
   int instance;     ///< Index into instances().
   bool blended;     ///< Material::blended: the ray goes on, too.
@@ -23,19 +23,19 @@ enum class Medium { air, solid };
 
 /// Triangles are moved to a centre in double and rounded to float32 there, and so are rays; what a ray meets in a
 /// triangle is found in double. Source: Wald et al. 2014, "Embree: a kernel framework for efficient CPU ray tracing".
-class RayTree {
+class EmbreeScene {
  public:
   /// @param centre world. @param without the node that is not seen, with all below it; -1: none. It casts shadows.
   /// @throws UsageError where Embree runs out of memory.
-  RayTree(const Shot& shot, const Direction& centre, int without);
-  RayTree(RayTree&&) noexcept;
-  ~RayTree();
+  EmbreeScene(const Shot& shot, const Direction& centre, int without);
+  EmbreeScene(EmbreeScene&&) noexcept;
+  ~EmbreeScene();
 
   /// Returns the closest hit. In air, back faces of single-sided materials are skipped (glTF doubleSided). Inside a
   /// solid, all faces of solids count, because the solid ends there. Holes of alpha_cutoff are skipped.
   /// @param origin from the centre. @param ray unit, world.
-  [[nodiscard]] std::optional<RayHit> find(const Direction& origin, const Direction& ray, double near, double far,
-                                           Medium medium = Medium::air) const;
+  [[nodiscard]] std::optional<SurfaceHit> find(const Direction& origin, const Direction& ray, double near, double far,
+                                               Medium medium = Medium::air) const;
 
   /// Whether something that casts_shadow() lies on the way of light, whichever side it shows.
   /// @param place on a surface. @param normal of it. @param towards unit, to the light. @param but the node that, with

@@ -1,4 +1,4 @@
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 
 #include <tbb/parallel_for.h>
 
@@ -16,7 +16,7 @@ std::span<T> part(std::span<T> band, int width, int y, int begin, const Slot& sl
 
 }  // namespace
 
-void Page::gather(int begin, int end, std::span<Colour> out) const {
+void Atlas::gather(int begin, int end, std::span<Colour> out) const {
   const int h = rows.size, w = width();
   const auto fill = [&](int f, const Slot& slot, int y) {
     const int j = y - slot.row * h;
@@ -26,9 +26,7 @@ void Page::gather(int begin, int end, std::span<Colour> out) const {
     if (slot.turned) std::ranges::reverse(to);
   };
   tbb::parallel_for(begin, end, [&](int y) {
-    std::ranges::fill(out.subspan(std::size_t(y - begin) * std::size_t(w),
-                                  std::size_t(w)),
-                      background);
+    std::ranges::fill(out.subspan(std::size_t(y - begin) * std::size_t(w), std::size_t(w)), background);
     if (face >= 0) return fill(face, {0, 0}, y);
     for (std::size_t f = 0; f < grid.slots.size(); ++f) fill(int(f), grid.slots[f], y);
   });

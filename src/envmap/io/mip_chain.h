@@ -5,26 +5,26 @@
 #include <span>
 #include <vector>
 
-#include "envmap/map/page.h"
+#include "envmap/map/atlas.h"
 
 namespace envmap {
 
 /// Images as large as the formats want them, each side half of the one before and rounded down. Where faces do not fill
 /// an image they lie at its top left, which is where OpenEXR's ImfEnvmap.h looks for them, too. (Of Layout::api each
 /// face is an image, and there is nothing to fill.)
-class Chain {
+class MipChain {
  public:
   /// @param levels must outlive this. @param to_one_texel whether the chain is gone on with until the image is one
   /// texel, as EXR has it; an image too small for faces of one texel shows their mean.
-  Chain(std::span<const Rows> levels, Layout layout, bool to_one_texel);
-  Chain(const Chain&) = delete;
+  MipChain(std::span<const Rows> levels, Layout layout, bool to_one_texel);
+  MipChain(const MipChain&) = delete;
 
-  [[nodiscard]] std::span<const Page> pages() const { return pages_; }
+  [[nodiscard]] std::span<const Atlas> atlases() const { return atlases_; }
 
  private:
   std::vector<Level> more_;
   std::vector<Rows> rows_;  // Of these.
-  std::vector<Page> pages_;
+  std::vector<Atlas> atlases_;
 };
 
 }  // namespace envmap

@@ -8,7 +8,7 @@
 
 namespace envmap {
 
-struct Recognised {
+struct DetectedLayout {
   Projection projection;
   Layout layout;
   int size;  ///< Height of a face.
@@ -18,13 +18,13 @@ struct Recognised {
 struct FaceSize {
   int width, height;
 };
-FaceSize face_size(const Recognised& base, int level);
+FaceSize face_size(const DetectedLayout& base, int level);
 
 /// Levels of a chain that goes on while a face has more than one texel.
-int complete_levels(const Recognised& base);
+int complete_levels(const DetectedLayout& base);
 
 /// From what the user said, else the metadata, else the shape: 2:1 latlong; 1:6, 6:1, 4:3, 3:4, 3:2 cube.
 /// @throws InputError with the choices where the shape is ambiguous or fits nothing. The message names no file.
-Recognised recognise(int width, int height, const Metadata& said, const Metadata& recorded);
+DetectedLayout detect_layout(int width, int height, const Metadata& said, const Metadata& recorded);
 
 }  // namespace envmap

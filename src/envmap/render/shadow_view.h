@@ -11,22 +11,22 @@
 namespace envmap {
 
 /// One image of a light: a pinhole's, or that of parallel rays.
-struct LightFace {
-  int but = -1;        ///< The node that casts no shadow, with all below it; -1: none.
+struct ShadowView {
+  int but = -1;         ///< The node that casts no shadow, with all below it; -1: none.
   Direction centre{0};  ///< World: the pinhole, or the middle of all that parallel rays pass through.
-  Rotation axes{1};    ///< Columns: right, up, ahead; world.
-  double half = 1;     ///< Half the width of the image: at depth 1, of parallel rays in metres.
+  Rotation axes{1};     ///< Columns: right, up, ahead; world.
+  double half = 1;      ///< Half the width of the image: at depth 1, of parallel rays in metres.
   bool parallel = false;
 };
 
 /// The number of images that all it lights is in: 1 of directional lights and of spots up to 45 degrees from their
 /// axis, else 6, in the order of a cube's faces.
-int light_faces(const PlacedLight& light);
+int shadow_view_count(const PlacedLight& light);
 
 /// The image of parallel rays along a direction through all of a ball.
-LightFace parallel_image(const Direction& along, const Ball& scene);
+ShadowView parallel_image(const Direction& along, const Ball& scene);
 
 /// All of these lights, in their order. @param scene what may cast shadows.
-std::vector<LightFace> light_images(std::span<const PlacedLight> lights, const Ball& scene);
+std::vector<ShadowView> shadow_views(std::span<const PlacedLight> lights, const Ball& scene);
 
 }  // namespace envmap

@@ -10,11 +10,11 @@
 namespace envmap {
 
 /// What a node's matrix is made of; a node that moves has no other.
-struct Placement {
+struct NodeTransform {
   Direction translation{0}, scale{1};
   Quaternion rotation{1, 0, 0, 0};
 };
-Placement placement(const Field& node);
+NodeTransform node_transform(const Field& node);
 
 /// All animations into scene.motions. @param placed where in scene.nodes each node of the document is; -1:
 /// not in the scene.
