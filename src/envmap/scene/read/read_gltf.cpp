@@ -1,22 +1,15 @@
 #include "envmap/scene/read/read_gltf.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <map>
 #include <string_view>
 
 #include "envmap/base/error.h"
 #include "envmap/scene/deform.h"
-#include "envmap/scene/mesh.h"
-#include "envmap/scene/read/draco.h"
 #include "envmap/scene/read/gltf_animations.h"
-#include "envmap/scene/read/gltf_document.h"
+#include "envmap/scene/read/gltf_reader.h"
 #include "envmap/scene/read/gltf_shapes.h"
-#include "envmap/scene/read/read_texture.h"
-#include "envmap/scene/tangents.h"
 
 namespace envmap {
 namespace {
@@ -33,317 +26,6 @@ constexpr std::string_view modelled[] = {"KHR_materials_emissive_strength",
                                          "KHR_materials_unlit",
                                          "KHR_texture_transform"};
 
-// KHR_texture_transform: coordinates are scaled, turned counter-clockwise as seen on the image, and moved.
-struct TextureTransform {
-  glm::dvec2 offset{0}, scale{1};
-  double rotation = 0;
-
-  bool operator==(const TextureTransform&) const = default;
-  [[nodiscard]] glm::vec2 operator()(const glm::vec2& at) const {
-    const double c = std::cos(rotation), s = std::sin(rotation), u = scale.x * at.x, v = scale.y * at.y;
-    return {offset.x + c * u + s * v, offset.y - s * u + c * v};
-  }
-};
-
-struct Reader {
-  const GltfDocument& document;
-  std::uint64_t pixels_left;  // Of textures.
-  Scene scene = {};
-  std::vector<std::vector<int>> meshes = {};                  // Of scene.meshes, for each mesh of the document.
-  std::map<int, Deformation> shapes = {};                     // Of scene.meshes that move.
-  std::vector<TextureTransform> transforms = {};              // Of each material's textures.
-  std::vector<int> nodes = {};                                // In scene.nodes, for each node; -1: not in the scene.
-  std::map<std::pair<std::size_t, bool>, int> textures = {};  // By index and whether they are colours.
-  int plain_material = -1;                                    // Of primitives that name none.
-
-  void note_unsupported(const std::string& what) { envmap::note_unsupported(scene, what); }
-};
-
-// ---- materials ------------------------------------------------------------------------------------------------------
-
-Texture::Wrap wrap_of(const Field& mode) {
-  switch (mode.index(65536, 10497)) {
-    case 10497: return Texture::Wrap::repeat;
-    case 33648: return Texture::Wrap::mirror;
-    case 33071: return Texture::Wrap::clamp;
-    default: mode.fail("is no way to wrap");
-  }
-}
-
-Texture open_texture(Reader& r, const Field& field) {
-  const GltfDocument& document = r.document;
-  const Field image = document.refer(field["source"], "images"), view = image["bufferView"];
-  Resource read;
-  if (!view.there()) read = bytes_at(document, image["uri"]);
-  if (!read.file.empty()) r.scene.files.push_back(read.file);
-  const std::span<const std::byte> bytes =
-      view.there() ? view_bytes(document, view) : std::span<const std::byte>(read.bytes);
-  const auto* first = reinterpret_cast<const char*>(bytes.data());
-  const std::string text = image["uri"].text();
-  const std::string name = text.empty() || text.starts_with("data:") ? "an image in the file" : text;
-  return decode_texture(name, {first, first + bytes.size()}, r.pixels_left);
-}
-
-// @param info a textureInfo, may be absent. @return index into scene.textures or -1.
-int texture(Reader& r, const Field& info, bool colour) {
-  if (!info.there()) return -1;
-  const Field field = r.document.refer(info["index"], "textures");
-  if (info["texCoord"].index(64, 0) > 0) r.note_unsupported("a second set of texture coordinates");
-  if (!field["source"].there()) {
-    r.note_unsupported("images in other formats than PNG and JPEG");
-    return -1;
-  }
-  const std::pair key(info["index"].index(1u << 31), colour);
-  if (const auto found = r.textures.find(key); found != r.textures.end()) return found->second;
-  Texture t = open_texture(r, field);
-  t.srgb = colour;
-  if (field["sampler"].there()) {
-    const Field sampler = r.document.refer(field["sampler"], "samplers");
-    t.wrap_u = wrap_of(sampler["wrapS"]);
-    t.wrap_v = wrap_of(sampler["wrapT"]);
-    if (sampler["magFilter"].index(65536, 9729) == 9728) r.note_unsupported("textures without interpolation");
-  }
-  r.scene.textures.push_back(std::move(t));
-  return r.textures[key] = int(r.scene.textures.size()) - 1;
-}
-
-TextureTransform transform_of(Reader& r, const Field& info) {
-  const Field extension = info["extensions"]["KHR_texture_transform"];
-  if (extension["texCoord"].index(64, 0) > 0) r.note_unsupported("a second set of texture coordinates");
-  const auto offset = extension["offset"].numbers({0, 0}), scale = extension["scale"].numbers({1, 1});
-  return {{offset[0], offset[1]}, {scale[0], scale[1]}, extension["rotation"].number(0, -1e6, 1e6)};
-}
-
-// What all textures of a material share: coordinates are those of the mesh.
-TextureTransform transform_of(Reader& r, std::initializer_list<Field> infos) {
-  std::optional<TextureTransform> first;
-  for (const Field& info : infos)
-    if (info.there()) {
-      const TextureTransform found = transform_of(r, info);
-      if (first && *first != found) r.note_unsupported("a transform of each texture of a material");
-      if (!first) first = found;
-    }
-  return first.value_or(TextureTransform{});
-}
-
-// KHR_materials_unlit: the base colour is what is seen. It becomes emission, and nothing is reflected.
-void make_unlit(Material& m) {
-  m.emissive = Colour(m.base_colour);
-  m.emissive_texture = m.base_colour_texture;
-  m.base_colour = {0, 0, 0, m.base_colour.w};
-  m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = m.coat_normal_texture = -1;
-  m.metallic = 0, m.roughness = 1, m.transmission = 0, m.ior = 1, m.coat = 0, m.sheen = Colour(0);
-}
-
-// KHR_materials_clearcoat.
-void read_coat(Reader& r, const Field& coat, Material& m) {
-  m.coat = float(coat["clearcoatFactor"].number(0, 0, 1));
-  m.coat_roughness = float(coat["clearcoatRoughnessFactor"].number(0, 0, 1));
-  if (m.coat == 0) return;
-  m.coat_texture = texture(r, coat["clearcoatTexture"], false);
-  m.coat_roughness_texture = texture(r, coat["clearcoatRoughnessTexture"], false);
-  m.coat_normal_texture = texture(r, coat["clearcoatNormalTexture"], false);
-  m.coat_normal_scale = float(coat["clearcoatNormalTexture"]["scale"].number(1, -1e6, 1e6));
-}
-
-// KHR_materials_sheen.
-void read_sheen(Reader& r, const Field& sheen, Material& m) {
-  const auto colour = sheen["sheenColorFactor"].numbers({0, 0, 0});
-  for (int k = 0; k < 3; ++k) m.sheen[k] = float(std::clamp(colour[std::size_t(k)], 0.0, 1.0));
-  m.sheen_roughness = float(sheen["sheenRoughnessFactor"].number(0, 0, 1));
-  if (m.sheen == Colour(0)) return;
-  m.sheen_texture = texture(r, sheen["sheenColorTexture"], true);
-  m.sheen_roughness_texture = texture(r, sheen["sheenRoughnessTexture"], false);
-}
-
-Material material(Reader& r, const Field& field) {
-  const Field metallic = field["pbrMetallicRoughness"], extensions = field["extensions"];
-  Material m{.name = field["name"].text()};
-  const auto base = metallic["baseColorFactor"].numbers({1, 1, 1, 1});
-  m.base_colour = glm::vec4(base[0], base[1], base[2], base[3]);
-  m.base_colour_texture = texture(r, metallic["baseColorTexture"], true);
-  m.metallic = float(metallic["metallicFactor"].number(1, 0, 1));
-  m.roughness = float(metallic["roughnessFactor"].number(1, 0, 1));
-  m.metallic_roughness_texture = texture(r, metallic["metallicRoughnessTexture"], false);
-  const auto emissive = field["emissiveFactor"].numbers({0, 0, 0});
-  const double strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"].number(1, 0, 1e30);
-  m.emissive = Colour(Flux(emissive[0], emissive[1], emissive[2]) * strength);
-  m.emissive_texture = texture(r, field["emissiveTexture"], true);
-  const Field transmission = extensions["KHR_materials_transmission"];
-  m.transmission = float(transmission["transmissionFactor"].number(0, 0, 1));
-  if (transmission["transmissionTexture"].there()) r.note_unsupported("textures of transmission");
-  // 0 stands for infinity there, the old metal-like workflow; it reflects everything.
-  m.ior = float(extensions["KHR_materials_ior"]["ior"].number(1.5, 0, 1e6));
-  if (m.ior < 1) m.ior = m.ior == 0 ? 1e6F : 1;
-  const Field volume = extensions["KHR_materials_volume"];
-  m.solid = volume["thicknessFactor"].number(0, 0, 1e30) > 0;
-  if (m.solid && volume["attenuationDistance"].there()) r.note_unsupported("absorption inside glass");
-  m.double_sided = field["doubleSided"].truth(false);
-  const std::string mode = field["alphaMode"].text("OPAQUE");
-  if (mode == "MASK") m.alpha_cutoff = float(field["alphaCutoff"].number(0.5, 0, 1e6));
-  // Light passes or it does not: it takes half as the limit.
-  if (mode == "BLEND") m.blended = true, m.alpha_cutoff = 0.5F;
-  const Field normal = field["normalTexture"], occlusion = field["occlusionTexture"];
-  m.normal_texture = texture(r, normal, false);
-  m.normal_scale = float(normal["scale"].number(1, -1e6, 1e6));
-  m.occlusion_texture = texture(r, occlusion, false);
-  m.occlusion_strength = float(occlusion["strength"].number(1, 0, 1));
-  const Field coat = extensions["KHR_materials_clearcoat"], sheen = extensions["KHR_materials_sheen"];
-  read_coat(r, coat, m);
-  read_sheen(r, sheen, m);
-  r.transforms.push_back(
-      transform_of(r, {metallic["baseColorTexture"], metallic["metallicRoughnessTexture"], field["emissiveTexture"],
-                       normal, occlusion, coat["clearcoatTexture"], coat["clearcoatRoughnessTexture"],
-                       coat["clearcoatNormalTexture"], sheen["sheenColorTexture"], sheen["sheenRoughnessTexture"]}));
-  if (extensions["KHR_materials_unlit"].there()) make_unlit(m);
-  return m;
-}
-
-int material_of(Reader& r, const Field& index) {
-  if (index.there()) return int(index.index(r.document.root()["materials"].size()));
-  if (r.plain_material < 0) {
-    r.plain_material = int(r.scene.materials.size());
-    r.scene.materials.push_back({.metallic = 1, .roughness = 1});
-  }
-  return r.plain_material;
-}
-
-// ---- meshes ---------------------------------------------------------------------------------------------------------
-
-std::vector<std::uint32_t> corners(const GltfDocument& document, const Field& accessor, std::size_t vertices) {
-  std::vector<std::uint32_t> found;
-  if (!accessor.there()) {
-    for (std::size_t k = 0; k < vertices; ++k) found.push_back(std::uint32_t(k));
-    return found;
-  }
-  for (const double n : accessor_numbers(document, accessor, 1)) {
-    if (!(n >= 0) || n >= double(vertices) || n != std::floor(n))
-      accessor.fail(fmt::format("points to vertex {}, but there are {}", n, vertices));
-    found.push_back(std::uint32_t(n));
-  }
-  return found;
-}
-
-// Triangles of a list, a strip or a fan (specification, 3.7.2.1).
-std::vector<std::uint32_t> triangles(const std::vector<std::uint32_t>& v, const Field& primitive) {
-  const std::size_t mode = primitive["mode"].index(7, 4);
-  if (mode == 4) {
-    if (v.size() % 3 != 0) primitive.fail(fmt::format("has {} corners, not three a triangle", v.size()));
-    return v;
-  }
-  std::vector<std::uint32_t> found;
-  for (std::size_t k = 0; k + 2 < v.size(); ++k) {
-    if (mode == 5) found.insert(found.end(), {v[k], v[k + 1 + k % 2], v[k + 2 - k % 2]});
-    if (mode == 6) found.insert(found.end(), {v[0], v[k + 1], v[k + 2]});
-  }
-  return found;
-}
-
-// COLOR_0: red, green and blue, and alpha or not.
-std::vector<glm::vec4> colours(const GltfDocument& document, const Field& accessor, std::size_t expected) {
-  if (!accessor.there()) return {};
-  if (document.refer(accessor, "accessors")["type"].text() == "VEC4")
-    return vectors<glm::vec4>(document, accessor, expected);
-  std::vector<glm::vec4> found;
-  for (const glm::vec3& c : vectors<glm::vec3>(document, accessor, expected)) found.emplace_back(c, 1);
-  return found;
-}
-
-Mesh plain(const GltfDocument& document, const Field& primitive) {
-  const Field attributes = primitive["attributes"];
-  Mesh mesh;
-  mesh.positions = vectors<glm::vec3>(document, attributes["POSITION"], 0);
-  if (mesh.positions.empty()) return mesh;
-  const std::size_t count = mesh.positions.size();
-  mesh.normals = vectors<glm::vec3>(document, attributes["NORMAL"], count);
-  mesh.coordinates = vectors<glm::vec2>(document, attributes["TEXCOORD_0"], count);
-  mesh.tangents = vectors<glm::vec4>(document, attributes["TANGENT"], count);
-  mesh.colours = colours(document, attributes["COLOR_0"], count);
-  mesh.indices = triangles(corners(document, primitive["indices"], count), primitive);
-  return mesh;
-}
-
-Mesh compressed(const GltfDocument& document, const Field& primitive) {
-  const Field extension = primitive["extensions"]["KHR_draco_mesh_compression"], attributes = extension["attributes"];
-  const auto id = [](const Field& field) {
-    return field.there() ? std::optional(unsigned(field.index(std::size_t{1} << 31))) : std::nullopt;
-  };
-  try {
-    return decode_draco(view_bytes(document, extension["bufferView"]),
-                        {.position = unsigned(attributes["POSITION"].index(std::size_t{1} << 31)),
-                         .normal = id(attributes["NORMAL"]),
-                         .coordinate = id(attributes["TEXCOORD_0"])});
-  } catch (const InputError& e) {
-    primitive.fail(e.what());
-  }
-}
-
-// Where a normal map asks for them: those of the file, or as MikkTSpace makes them.
-void complete_tangents(Mesh& mesh, const Material& material) {
-  if (material.normal_texture < 0 && material.coat_normal_texture < 0) return mesh.tangents.clear();
-  const auto is_none = [](const glm::vec4& t) { return glm::vec3(t) == glm::vec3(0) || std::abs(t.w) != 1; };
-  if (mesh.tangents.empty() || std::ranges::any_of(mesh.tangents, is_none)) add_tangents(mesh);
-}
-
-void read_mesh(Reader& r, const Field& field) {
-  const Field primitives = field["primitives"];
-  std::vector<int>& made = r.meshes.emplace_back();
-  for (std::size_t k = 0; k < primitives.size(); ++k) {
-    const Field primitive = primitives[k], attributes = primitive["attributes"];
-    if (primitive["mode"].index(7, 4) < 4) {
-      r.note_unsupported("points and lines");
-      continue;
-    }
-    const bool draco = primitive["extensions"]["KHR_draco_mesh_compression"].there();
-    Mesh mesh = draco ? compressed(r.document, primitive) : plain(r.document, primitive);
-    if (draco && attributes["COLOR_0"].there()) r.note_unsupported("colours of Draco's vertices");
-    if (mesh.indices.empty()) continue;
-    const bool moves = primitive["targets"].size() > 0 || attributes["JOINTS_0"].there();
-    if (draco && moves) r.note_unsupported("skins and morph targets of Draco's vertices");
-    std::optional<Deformation> shape;
-    if (moves && !draco) shape = read_shape(r.document, primitive, mesh.positions.size(), r.scene);
-    const std::vector<std::uint32_t> before = mesh.indices;
-    mesh.material = material_of(r, primitive["material"]);
-    const bool unlit =
-        primitive["material"].there() &&
-        r.document.refer(primitive["material"], "materials")["extensions"]["KHR_materials_unlit"].there();
-    if (unlit && !mesh.colours.empty()) {
-      r.note_unsupported("colours of unlit vertices");
-      mesh.colours.clear();
-    }
-    if (primitive["material"].there())
-      std::ranges::transform(mesh.coordinates, mesh.coordinates.begin(), r.transforms[std::size_t(mesh.material)]);
-    complete(mesh);
-    complete_tangents(mesh, r.scene.materials[std::size_t(mesh.material)]);
-    made.push_back(int(r.scene.meshes.size()));
-    if (shape) {
-      finish_shape(*shape, before, mesh);
-      r.shapes.emplace(made.back(), std::move(*shape));
-    }
-    r.scene.meshes.push_back(std::move(mesh));
-  }
-}
-
-// Files can name the same bytes again and again, so what they have says nothing of what they make.
-void check_corners(const GltfDocument& document) {
-  const Field meshes = document.root()["meshes"];
-  std::size_t corners = 0;
-  for (std::size_t m = 0; m < meshes.size(); ++m)
-    for (std::size_t k = 0; k < meshes[m]["primitives"].size(); ++k) {
-      const Field primitive = meshes[m]["primitives"][k];
-      for (const Field& list : {primitive["indices"], primitive["attributes"]["POSITION"]})
-        if (list.there()) corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
-      for (std::size_t t = 0; t < primitive["targets"].size(); ++t)
-        for (const char* what : {"POSITION", "NORMAL", "TANGENT"})
-          if (const Field list = primitive["targets"][t][what]; list.there())
-            corners += document.refer(list, "accessors")["count"].index(std::size_t{1} << 31);
-      if (corners > max_corners)
-        primitive.fail(fmt::format("is one too many: over {} million corners", max_corners / 1000000));
-    }
-}
-
-// ---- nodes ----------------------------------------------------------------------------------------------------------
-
 Matrix local_matrix(const Field& node) {
   if (node["matrix"].there()) {
     const auto numbers = node["matrix"].numbers(std::vector<double>(16));
@@ -357,7 +39,7 @@ Matrix local_matrix(const Field& node) {
   return glm::scale(glm::translate(Matrix(1), p.translation) * glm::mat4_cast(p.rotation), p.scale);
 }
 
-void read_light(Reader& r, const Field& node, int index) {
+void read_light(GltfReader& r, const Field& node, int index) {
   const Field reference = node["extensions"]["KHR_lights_punctual"]["light"];
   if (!reference.there()) return;
   const Field all = r.document.root()["extensions"]["KHR_lights_punctual"]["lights"];
@@ -378,7 +60,7 @@ void read_light(Reader& r, const Field& node, int index) {
   r.scene.lights.push_back(light);
 }
 
-void read_camera(Reader& r, const Field& node, int index) {
+void read_camera(GltfReader& r, const Field& node, int index) {
   if (!node["camera"].there()) return;
   const Field field = r.document.refer(node["camera"], "cameras"), perspective = field["perspective"];
   const Field orthographic = field["orthographic"], shape = perspective.there() ? perspective : orthographic;
@@ -439,7 +121,7 @@ std::vector<std::size_t> roots(const GltfDocument& document, const std::vector<i
   return found;
 }
 
-void read_nodes(Reader& r) {
+void read_nodes(GltfReader& r) {
   const Field all = r.document.root()["nodes"];
   const std::vector<int> parent = parents(all);
   r.nodes.assign(all.size(), -1);
@@ -458,9 +140,7 @@ void read_nodes(Reader& r) {
   }
 }
 
-// ---------------------------------------------------------------------------------------------------------------------
-
-void check_extensions(Reader& r) {
+void check_extensions(GltfReader& r) {
   const Field used = r.document.root()["extensionsUsed"], required = r.document.root()["extensionsRequired"];
   const auto known = [](const std::string& name) { return std::ranges::find(modelled, name) != std::end(modelled); };
   for (std::size_t k = 0; k < required.size(); ++k)
@@ -474,14 +154,12 @@ void check_extensions(Reader& r) {
 
 Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels) {
   const GltfDocument document = open_gltf(file, folder);
-  Reader r{document, max_pixels};
+  GltfReader r{document, max_pixels};
   r.scene.files = document.files;
   check_extensions(r);
   check_corners(document);
   const Field materials = document.root()["materials"], meshes = document.root()["meshes"];
-  for (std::size_t k = 0; k < materials.size(); ++k) {
-    r.scene.materials.push_back(material(r, materials[k]));
-  }
+  for (std::size_t k = 0; k < materials.size(); ++k) read_material(r, materials[k]);
   for (std::size_t k = 0; k < meshes.size(); ++k) read_mesh(r, meshes[k]);
   read_nodes(r);
   read_deformations(document, r.nodes, r.shapes, r.scene);

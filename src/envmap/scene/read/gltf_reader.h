@@ -1,0 +1,55 @@
+/// @file
+/// A glTF document on its way into a scene: what its parts share.
+#pragma once
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "envmap/scene/mesh.h"
+#include "envmap/scene/read/gltf_document.h"
+#include "envmap/scene/scene.h"
+
+namespace envmap {
+
+/// KHR_texture_transform: coordinates are scaled, turned counter-clockwise as seen on the image, and moved.
+struct TextureTransform {
+  glm::dvec2 offset{0}, scale{1};
+  double rotation = 0;
+
+  bool operator==(const TextureTransform&) const = default;
+  [[nodiscard]] glm::vec2 operator()(const glm::vec2& at) const {
+    const double c = std::cos(rotation), s = std::sin(rotation), u = scale.x * at.x, v = scale.y * at.y;
+    return {offset.x + c * u + s * v, offset.y - s * u + c * v};
+  }
+};
+
+struct GltfReader {
+  const GltfDocument& document;
+  std::uint64_t pixels_left;  ///< Of textures.
+  Scene scene = {};
+  std::vector<std::vector<int>> meshes = {};                  ///< Of scene.meshes, for each mesh of the document.
+  std::map<int, Deformation> shapes = {};                     ///< Of scene.meshes that move.
+  std::vector<TextureTransform> transforms = {};              ///< Of each material's textures.
+  std::vector<int> nodes = {};                                ///< In scene.nodes, for each node; -1: not in the scene.
+  std::map<std::pair<std::size_t, bool>, int> textures = {};  ///< By index and whether they are colours.
+  int plain_material = -1;                                    ///< Of primitives that name none.
+
+  void note_unsupported(const std::string& what) { envmap::note_unsupported(scene, what); }
+};
+
+/// Into scene.materials, with its textures.
+void read_material(GltfReader& r, const Field& field);
+
+/// Where in scene.materials a primitive's is. @param index of the document, may be absent.
+int material_of(GltfReader& r, const Field& index);
+
+/// Into scene.meshes, one a primitive.
+void read_mesh(GltfReader& r, const Field& field);
+
+/// @throws InputError where the meshes have too many corners: files can name the same bytes again and again, so their
+/// size says nothing of what they make.
+void check_corners(const GltfDocument& document);
+
+}  // namespace envmap
