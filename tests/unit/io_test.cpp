@@ -24,9 +24,11 @@
 #include "envmap/io/formats.h"
 #include "envmap/io/image_writer.h"
 #include "envmap/io/output_file.h"
+#include "envmap/io/picture.h"
 #include "envmap/io/read.h"
 #include "envmap/io/srgb.h"
 #include "envmap/io/write.h"
+#include "envmap/io/write_table.h"
 #include "envmap/operate/generate.h"
 #include "envmap/projection/visit.h"
 
@@ -458,6 +460,57 @@ TEST_F(Io, ExrLuminanceAndChroma) {
 }
 
 // A header can promise anything, and OpenEXR takes the memory first: here there is none to take.
+// What a row says a format can do is done, and the rest is refused.
+TEST_F(Io, FormatsDoWhatTheirRowsSay) {
+  const EnvironmentMap map = generate(Constant{Rgb<double>(0.5)}, Projection::latlong, 8);
+  const std::vector<Colour> texels(64, Colour(0.5F));
+  const auto taken = [](auto&& action) {
+    try {
+      action();
+      return true;
+    } catch (const UsageError&) {
+      return false;
+    }
+  };
+  for (const FileFormat& format : file_formats())
+    for (const std::string_view extension : format.extensions) {
+      if (format.cubes_alone) continue;
+      SCOPED_TRACE(extension);
+      const std::string file = path("row." + std::string(extension));
+      const auto writes = [&](const WriteOptions& options) {
+        return taken([&] { write(file, rows_of(map), options); });
+      };
+      EXPECT_EQ(writes({.compression = "zip"}), format.can(FileFormat::compression));
+      EXPECT_EQ(writes({.openexr_envmap = true}), format.can(FileFormat::envmap_mark));
+      EXPECT_EQ(writes({.rows = RowRange{2, 4}}), format.can(FileFormat::row_range));
+      EXPECT_EQ(writes({.zstd = true}), format.can(FileFormat::zstd));
+      EXPECT_EQ(is_picture(file), format.can(FileFormat::picture));
+      if (is_picture(file)) {
+        EXPECT_TRUE(taken([&] { write_picture(file, 8, texels); }));
+      }
+      EXPECT_EQ(taken([&] { write_table(file, texels, 8, {}); }), format.can(FileFormat::table));
+    }
+}
+
+// A disk with less room than that is refused before anything is written: it must never be too much.
+TEST_F(Io, FilesHaveTheBytesThatTheirRowsPromise) {
+  const EnvironmentMap black = generate(Constant{Rgb<double>(0)}, Projection::latlong, 256);
+  for (const FileFormat& format : file_formats())
+    for (const Depth depth : format.depths) {
+      if (format.cubes_alone || format.least_bytes == nullptr) continue;
+      for (const char* compression : {"", "none", "zip:9", "dwaa", "piz"})
+        for (const bool zstd : {false, true}) {
+          if ((*compression && !format.can(FileFormat::compression)) || (zstd && !format.can(FileFormat::zstd)))
+            continue;
+          const WriteOptions options{.depth = depth, .compression = compression, .zstd = zstd};
+          const std::string file = path("black." + std::string(format.extensions.front()));
+          write(file, rows_of(black), options);
+          EXPECT_GE(double(fs::file_size(file)), 256 * 512 * format.least_bytes(depth, options))
+              << format.title << ' ' << name(depth) << ' ' << compression;
+        }
+    }
+}
+
 TEST_F(Io, ExrsThatPromiseMoreThanTheyHold) {
   const Imf::Channel single(Imf::FLOAT);
   write_exr(path("m.exr"), {{0, 0}, {7, 3}}, {{"R", single}, {"G", single}, {"B", single}},

@@ -8,10 +8,15 @@
 #include <vector>
 
 #include "envmap/io/babylon_env.h"
+#include "envmap/io/dds.h"
 #include "envmap/io/gltf_light.h"
+#include "envmap/io/image.h"
 #include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
+#include "envmap/io/pfm.h"
+#include "envmap/io/png.h"
 #include "envmap/io/radiance.h"
+#include "envmap/io/write_plan.h"
 
 namespace envmap {
 namespace {
@@ -25,34 +30,183 @@ constexpr Depth linear[] = {Depth::half, Depth::single}, floats[] = {Depth::sing
                 rgbd[] = {Depth::rgbd}, integers[] = {Depth::uint8, Depth::uint16},
                 all_of_tiff[] = {Depth::uint8, Depth::uint16, Depth::single};
 
-constexpr double any_float = std::numeric_limits<float>::max();
-
 using Head = std::string_view;
 bool is_pnm(Head h, std::string_view kinds) { return h.size() > 1 && h[0] == 'P' && kinds.find(h[1]) != kinds.npos; }
 
-// Columns: file_format.h. In the order in which people are told of them.
+// What of a texel's channels a texture without alpha holds; blocks have their part of one.
+double texture_bytes(Depth depth) {
+  const TexelFormat& format = format_of(texels_of(depth));
+  return double(format.bytes) * std::min(3, format.channels) / (format.channels * format.side * format.side);
+}
+
+// ZIP makes data 1032 times smaller at most (zlib's technical details).
+double openexr_bytes(Depth depth, const WriteOptions& o) {
+  const bool zip = o.compression.empty() || o.compression.starts_with("zip");
+  return (depth == Depth::half ? 6 : 12) * (o.compression == "none" ? 1 : zip ? 1.0 / 1032 : 0);
+}
+
+constexpr FileFormat openexr{
+    .name = "openexr",
+    .title = "EXR",
+    .extensions = exr,
+    .depths = linear,
+    .is_head = [](Head h) { return h.starts_with("\x76\x2f\x31\x01"); },
+    .frame = true,
+    .levels = true,
+    .abilities = FileFormat::compression | FileFormat::envmap_mark | FileFormat::row_range | FileFormat::picture |
+                 FileFormat::table | FileFormat::encoded_values,
+    .open = [](Image& i, const ImageChoice& choice) { i.reader = open_openexr(*i.file, choice); },
+    .create = create_openexr,
+    .least_bytes = openexr_bytes,
+};
+constexpr FileFormat radiance{
+    .name = "hdr",
+    .title = "HDR",
+    .extensions = hdr,
+    .depths = floats,
+    .is_head = [](Head h) { return h.starts_with("#?"); },
+    .largest = largest_radiance,
+    .abilities = FileFormat::picture | FileFormat::table,
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_radiance(*i.file); },
+    .create = create_radiance,
+    .round = round_to_radiance,
+    .least_bytes = [](Depth, const WriteOptions&) { return 4 * 2.0 / 127; },  // Runs of 127 bytes take 2.
+};
+constexpr FileFormat float_map{
+    .name = "pnm",
+    .title = "PFM",
+    .extensions = pfm,
+    .depths = floats,
+    .is_head = [](Head h) { return is_pnm(h, "Ff"); },
+    .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan&,
+                const Progress&) { write_pfm(f, levels[0]); },
+    .least_bytes = [](Depth, const WriteOptions&) { return 12.0; },
+};
+constexpr FileFormat ktx_of_2020{
+    .name = "ktx2",
+    .title = "KTX2",
+    .extensions = ktx2,
+    .depths = texture,
+    .is_head = [](Head h) { return h.starts_with(ktx2_mark); },
+    .frame = true,
+    .levels = true,
+    .texture = true,
+    .abilities = FileFormat::zstd | FileFormat::encoded_values,
+    .open = [](Image& i, const ImageChoice&) { i.texture = open_ktx2(*i.file); },
+    .write =
+        [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p, const Progress& progress) {
+          write_ktx2(f, levels, {p.texels, p.cube, p.zstd, p.colour}, key_values(p.data, p.pairs), progress);
+        },
+    .names = [](const Primaries& p) { return khr_colour(p, Curve::linear).has_value(); },
+    .least_bytes = [](Depth depth, const WriteOptions& o) { return o.zstd ? 0 : texture_bytes(depth); },
+};
+constexpr FileFormat ktx_of_2010{
+    .name = "ktx",
+    .title = "KTX",
+    .extensions = ktx1,
+    .depths = texture,
+    .is_head = [](Head h) { return h.starts_with(ktx1_mark); },
+    .frame = true,
+    .levels = true,
+    .texture = true,
+    .open = [](Image& i, const ImageChoice&) { i.texture = open_ktx1(*i.file); },
+    .write =
+        [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p, const Progress& progress) {
+          write_ktx1(f, levels, p.texels, p.cube, key_values(p.data, p.pairs), progress);
+        },
+    .least_bytes = [](Depth depth, const WriteOptions&) { return texture_bytes(depth); },
+};
+constexpr FileFormat directx{
+    .name = "dds",
+    .title = "DDS",
+    .extensions = dds,
+    .depths = texture,
+    .is_head = [](Head h) { return h.starts_with("DDS "); },
+    .levels = true,
+    .texture = true,
+    .open = [](Image& i, const ImageChoice&) { i.texture = open_dds(*i.file); },
+    .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p,
+                const Progress& progress) { write_dds(f, levels, p.texels, p.cube, progress); },
+    .least_bytes = [](Depth depth, const WriteOptions&) { return texture_bytes(depth); },
+};
+constexpr FileFormat babylon{
+    .name = "env",
+    .title = "Babylon.js .env",
+    .extensions = env,
+    .depths = rgbd,
+    .is_head = [](Head h) { return h.starts_with(env_mark); },
+    .frame = true,
+    .levels = true,
+    .texture = true,
+    .cubes_alone = true,
+    .open = [](Image& i, const ImageChoice&) { i.texture = open_env(*i.file); },
+    .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p,
+                const Progress& progress) { write_env(f, levels, p.pairs, progress); },
+};
+constexpr FileFormat gltf_light{
+    .name = "glb",
+    .title = "glTF light",
+    .extensions = glb,
+    .depths = rgbd,
+    .is_head = is_glb,
+    .frame = true,
+    .levels = true,
+    .texture = true,
+    .cubes_alone = true,
+    .irradiance = true,
+    .open = [](Image& i, const ImageChoice&) { i.texture = open_gltf_light(*i.file); },
+    .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p,
+                const Progress& progress) { write_gltf_light(f, levels, p.pairs, progress); },
+};
+constexpr FileFormat portable_network{
+    .name = "png",
+    .title = "PNG",
+    .extensions = png,
+    .depths = integers,
+    .is_head = [](Head h) { return h.starts_with("\x89PNG"); },
+    .frame = true,
+    .abilities = FileFormat::picture | FileFormat::encoded_values,
+    .create = create_png,
+};
+
+// One that OpenImageIO reads and writes.
+constexpr FileFormat other(std::string_view name, std::string_view title, std::span<const Extension> extensions,
+                           std::span<const Depth> depths, bool (*is_head)(Head), bool frame = false,
+                           unsigned more = 0) {
+  return {.name = name,
+          .title = title,
+          .extensions = extensions,
+          .depths = depths,
+          .is_head = is_head,
+          .frame = frame,
+          .abilities = FileFormat::encoded_values | more};
+}
+
+// In the order in which people are told of them.
 constexpr FileFormat table[] = {
-    {"openexr", "EXR", exr, linear, [](Head h) { return h.starts_with("\x76\x2f\x31\x01"); }, true, any_float, true},
-    {"hdr", "HDR", hdr, floats, [](Head h) { return h.starts_with("#?"); }, false, largest_radiance},
-    {"pnm", "PFM", pfm, floats, [](Head h) { return is_pnm(h, "Ff"); }, false},
-    {"ktx2", "KTX2", ktx2, texture, [](Head h) { return h.starts_with(ktx2_mark); }, true, any_float, true, true},
-    {"ktx", "KTX", ktx1, texture, [](Head h) { return h.starts_with(ktx1_mark); }, true, any_float, true, true},
-    {"dds", "DDS", dds, texture, [](Head h) { return h.starts_with("DDS "); }, false, any_float, true, true},
-    {"env", "Babylon.js .env", env, rgbd, [](Head h) { return h.starts_with(env_mark); }, true, any_float, true, true,
-     true},
-    {"glb", "glTF light", glb, rgbd, is_glb, true, any_float, true, true, true, true},
-    {"tiff", "TIFF", tiff, all_of_tiff, [](Head h) { return h.starts_with("II") || h.starts_with("MM"); }, true},
-    {"png", "PNG", png, integers, [](Head h) { return h.starts_with("\x89PNG"); }, true},
-    {"pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }, false},
-    {"jpeg", "JPEG", jpeg, bytes, [](Head h) { return h.starts_with("\xff\xd8"); }, true},
-    {"targa", "TGA", targa, bytes, nullptr, true},
-    {"bmp", "BMP", bmp, bytes, [](Head h) { return h.starts_with("BM"); }, false},
-    {"webp", "WebP", webp, bytes, [](Head h) { return h.starts_with("RIFF") && h.find("WEBP") == 8; }, false},
-    {"jpeg2000", "JPEG 2000", {}, {}, [](Head h) { return h.find("jP  ") == 4 || h.starts_with("\xff\x4f\xff\x51"); },
-     false},
-    {"gif", "GIF", {}, {}, [](Head h) { return h.starts_with("GIF8"); }, false},
-    {"psd", "PSD", {}, {}, [](Head h) { return h.starts_with("8BPS"); }, false},
-    {"sgi", "SGI", {}, {}, [](Head h) { return h.starts_with("\x01\xda"); }, false},
+    openexr,
+    radiance,
+    float_map,
+    ktx_of_2020,
+    ktx_of_2010,
+    directx,
+    babylon,
+    gltf_light,
+    other(
+        "tiff", "TIFF", tiff, all_of_tiff, [](Head h) { return h.starts_with("II") || h.starts_with("MM"); }, true,
+        FileFormat::table),
+    portable_network,
+    other("pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }),
+    other(
+        "jpeg", "JPEG", jpeg, bytes, [](Head h) { return h.starts_with("\xff\xd8"); }, true, FileFormat::picture),
+    other("targa", "TGA", targa, bytes, nullptr, true),
+    other("bmp", "BMP", bmp, bytes, [](Head h) { return h.starts_with("BM"); }),
+    other("webp", "WebP", webp, bytes, [](Head h) { return h.starts_with("RIFF") && h.find("WEBP") == 8; }),
+    other("jpeg2000", "JPEG 2000", {}, {},
+          [](Head h) { return h.find("jP  ") == 4 || h.starts_with("\xff\x4f\xff\x51"); }),
+    other("gif", "GIF", {}, {}, [](Head h) { return h.starts_with("GIF8"); }),
+    other("psd", "PSD", {}, {}, [](Head h) { return h.starts_with("8BPS"); }),
+    other("sgi", "SGI", {}, {}, [](Head h) { return h.starts_with("\x01\xda"); }),
 };
 
 // "a, b or c".
@@ -68,8 +222,9 @@ std::string listed(const std::vector<std::string>& words) {
 std::span<const FileFormat> file_formats() { return table; }
 
 const FileFormat* format_with_extension(std::string_view extension) {
-  const auto found = std::ranges::find_if(
-      table, [&](const FileFormat& f) { return std::ranges::find(f.extensions, extension) != f.extensions.end(); });
+  const auto found = std::ranges::find_if(table, [&](const FileFormat& f) {
+    return std::ranges::find(f.extensions, extension) != f.extensions.end();
+  });
   return found == std::end(table) ? nullptr : found;
 }
 

@@ -7,13 +7,36 @@
 #include <string>
 #include <string_view>
 
+#include "envmap/base/progress.h"
 #include "envmap/io/depth.h"
+#include "envmap/maths/primaries.h"
+#include "envmap/maths/vector.h"
 #include "envmap/projection/projection.h"
 
 namespace envmap {
 
-/// A row of the table. A new format is a row of it, a reader (image.cpp) and a writer (write.cpp, image_writer.cpp).
+class InputFile;
+class OutputFile;
+struct Atlas;
+struct Image;
+struct ImageChoice;
+struct ImagePlan;
+struct ImageWriter;
+struct TexturePlan;
+struct WriteOptions;
+
+/// A row of the table. A new format is a row of it, with a reader and a writer in a file of their own.
 struct FileFormat {
+  enum Ability : unsigned {
+    compression = 1,      ///< WriteOptions::compression.
+    envmap_mark = 2,      ///< WriteOptions::openexr_envmap.
+    row_range = 4,        ///< WriteOptions::rows.
+    zstd = 8,             ///< WriteOptions::zstd.
+    picture = 16,         ///< write_picture().
+    table = 32,           ///< write_table().
+    encoded_values = 64,  ///< Can say that its values are not linear.
+  };
+
   std::string_view name;   ///< As OpenImageIO names it, and info does.
   std::string_view title;  ///< As people do.
   /// Lower case, no dots. Of a format that is only read it may have none.
@@ -21,13 +44,29 @@ struct FileFormat {
   std::span<const Depth> depths;  ///< Written, least first; none where it is only read.
   /// Whether a file begins so: it is known by its bytes, not by its name. Null where it has no mark, only a name.
   bool (*is_head)(std::string_view head);
-  bool frame;                                          ///< Written with its projection and the axis at its centre.
+  bool frame = false;                                  ///< Written with its projection and the axis at its centre.
   double largest = std::numeric_limits<float>::max();  ///< Of its floats.
   bool levels = false;                                 ///< All levels of a map go into one file.
   bool texture = false;      ///< Holds the faces of a cube as such, not side by side in one image.
   bool cubes_alone = false;  ///< Of such a format: it holds nothing else.
   bool irradiance = false;   ///< Holds irradiance, too, which a map alone does not bring along.
+  unsigned abilities = encoded_values;
+  /// Sets the reader or the texture of an image. Null, or where neither is set then: OpenImageIO reads it.
+  /// @throws InputError without the file's name.
+  void (*open)(Image& image, const ImageChoice& choice) = nullptr;
+  /// Writes a texture or an image row by row. @throws OutputError without the file's name.
+  void (*write)(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan,
+                const Progress& progress) = nullptr;
+  /// Where there is no `write`: begins an image. Null: OpenImageIO writes it.
+  ImageWriter (*create)(OutputFile& file, const ImagePlan& plan) = nullptr;
+  /// Whether it has a number for primaries. Null: it names all of them, or none.
+  bool (*names)(const Primaries& primaries) = nullptr;
+  /// What is read back of floats, where that is something else.
+  void (*round)(std::span<Colour> texels) = nullptr;
+  /// Bytes that a texel surely takes. Null: 0.
+  double (*least_bytes)(Depth depth, const WriteOptions& options) = nullptr;
 
+  [[nodiscard]] bool can(Ability a) const { return (abilities & a) != 0; }
   [[nodiscard]] bool is_written() const { return !depths.empty(); }
 };
 

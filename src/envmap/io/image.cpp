@@ -6,17 +6,10 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
-#include "envmap/io/babylon_env.h"
 #include "envmap/io/check_tiles.h"
-#include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
-#include "envmap/io/gltf_light.h"
-#include "envmap/io/ktx1.h"
-#include "envmap/io/ktx2.h"
-#include "envmap/io/openexr.h"
 #include "envmap/io/orientation.h"
-#include "envmap/io/radiance.h"
 
 namespace envmap {
 
@@ -47,23 +40,14 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
   try {
     file.read_all();
     image.size = file.size();
-    if (format == "openexr") image.reader = open_openexr(file, choice);
-    if (format == "ktx2") image.texture = open_ktx2(file);
-    if (format == "ktx") image.texture = open_ktx1(file);
-    if (format == "dds") image.texture = open_dds(file);
-    if (format == "env") image.texture = open_env(file);
-    if (format == "glb") image.texture = open_gltf_light(file);
+    if (known->open) known->open(image, choice);
   } catch (const InputError& e) {
     image.fail(e.what(), e.remedy());
   }
   if (image.texture || image.reader) return;
   try {
-    if (format == "hdr") {
-      image.reader = open_radiance(file);
-    } else {
-      if (path.empty()) file.hold();
-      image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture);
-    }
+    if (path.empty()) file.hold();
+    image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture);
     check_tiles(image.reader->facts);
     // The coordinates of a texture count from its first texel, whatever way a camera was held.
     if (!for_texture && image.reader->facts.orientation != Orientation::upright)

@@ -1,10 +1,8 @@
 #include "envmap/io/image_writer.h"
 
 #include "envmap/base/error.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
-#include "envmap/io/openexr.h"
-#include "envmap/io/png.h"
-#include "envmap/io/radiance.h"
 
 namespace envmap {
 namespace {
@@ -23,10 +21,8 @@ auto naming(const std::string& path, F&& action) {
 ImageWriter make_writer(OutputFile& file, const std::string& path, const std::string& extension,
                         const ImagePlan& plan) {
   const ImageWriter writer = naming(path, [&] {
-    return extension == "exr"   ? create_openexr(file, plan)
-           : extension == "hdr" ? create_radiance(file, plan)
-           : extension == "png" ? create_png(file, plan)
-                                : formats().create(file, extension, plan);
+    const FileFormat* format = format_with_extension(extension);
+    return format && format->create ? format->create(file, plan) : formats().create(file, extension, plan);
   });
   return {.write =
               [path, writer](int level, int begin, int end, std::span<const Colour> rows) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "envmap/io/file_format.h"
 #include "envmap/io/image_writer.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/srgb.h"
@@ -18,17 +19,21 @@ std::string extension(const std::string& path, const PictureOptions& options) {
   return path == "-" ? "png" : of_name.substr(std::min<std::size_t>(1, of_name.size()));
 }
 
-bool holds_floats(const std::string& extension) { return extension == "exr" || extension == "hdr"; }
+// Of that file; null where it holds no picture.
+const FileFormat* picture_format(const std::string& path, const PictureOptions& options) {
+  const FileFormat* format = format_with_extension(extension(path, options));
+  return format && format->can(FileFormat::picture) ? format : nullptr;
+}
 
 }  // namespace
 
 bool is_picture(const std::string& path, const PictureOptions& options) {
-  const std::string kind = extension(path, options);
-  return holds_floats(kind) || kind == "png" || kind == "jpg";
+  return picture_format(path, options) != nullptr;
 }
 
 bool is_linear_picture(const std::string& path, const PictureOptions& options) {
-  return holds_floats(extension(path, options));
+  const FileFormat* format = picture_format(path, options);
+  return format && !is_integer(format->depths.front());
 }
 
 void write_picture(const std::string& path, int width, std::span<const Colour> pixels, const PictureOptions& options) {

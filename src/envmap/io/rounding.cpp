@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "envmap/io/file_format.h"
-#include "envmap/io/radiance.h"
 #include "envmap/io/texels.h"
 #include "envmap/io/write_plan.h"
 #include "envmap/map/border.h"
@@ -13,20 +12,19 @@
 namespace envmap {
 
 std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options) {
-  const std::string ext = extension(path, options);
-  const FileFormat& format = *format_with_extension(ext);
+  const FileFormat& format = *format_with_extension(extension(path, options));
   const Depth depth = choose_depth(format, options);
   const std::string& c = options.compression;
   const bool lossy = c.starts_with("b44") || c.starts_with("dwa") || (c == "pxr24" && depth == Depth::single);
   if (is_integer(depth) || lossy || options.openexr_envmap) return std::nullopt;
-  if (depth == Depth::single && ext != "hdr") return Rounding{depth};
-  if (ext == "hdr")
-    return Rounding{depth, 0x1p-8, [](const Level& level) {
+  if (depth == Depth::single && !format.round) return Rounding{depth};
+  if (format.round)
+    return Rounding{depth, 0x1p-8, [round = format.round](const Level& level) {
                       const Rows rows = rows_of(level, Forward::plus_z);
                       Rows rounded = rows;
-                      rounded.fill = [&rows](int face, int row, std::span<Colour> out) {
+                      rounded.fill = [&rows, round](int face, int row, std::span<Colour> out) {
                         rows.fill(face, row, out);
-                        round_to_radiance(out);
+                        round(out);
                       };
                       return level_of(rounded);
                     }};

@@ -12,22 +12,16 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
-#include "envmap/io/babylon_env.h"
 #include "envmap/io/bands.h"
-#include "envmap/io/dds.h"
 #include "envmap/io/file_format.h"
-#include "envmap/io/gltf_light.h"
 #include "envmap/io/icc_profile.h"
 #include "envmap/io/image_writer.h"
-#include "envmap/io/ktx1.h"
-#include "envmap/io/ktx2.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/mip_chain.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
-#include "envmap/io/pfm.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/srgb.h"
 #include "envmap/io/texels.h"
@@ -154,23 +148,21 @@ std::optional<KhrColour> described(const Metadata& data, const ColourOptions& co
 void check_space(const std::string& path, const FileFormat& format, Depth depth, const WriteOptions& options) {
   const ColourOptions& colour = options.colour;
   if (colour.space.empty()) return;
-  const std::string ext = extension(path, options);
   const bool linear = curve_of(colour.config, colour.space) == Curve::linear;
-  if (!linear && ext == "hdr")
-    throw UsageError(
-        path,
-        "a Radiance file holds linear values and cannot say that they are encoded: choose a linear space, or .exr");
+  if (!linear && !format.can(FileFormat::encoded_values))
+    throw UsageError(path, fmt::format("{} files hold linear values and cannot say that they are encoded: choose a "
+                                       "linear space, or .exr",
+                                       format.title));
   if (!linear && !is_integer(depth) && !options.encoded)
     throw UsageError(path,
                      fmt::format("{} is encoded, and programs take the values of {} files for linear", colour.space,
                                  format.title),
                      Remedy::choose_linear);
   const std::optional<Primaries> stored = primaries_of(colour.config, colour.space);
-  if (ext == "ktx2" && !khr_colour(stored, Curve::linear))
+  if (format.names && !(stored && format.names(*stored)))
     throw UsageError(
-        path,
-        fmt::format("KTX2 has no number for the primaries of {}: choose ACEScg or another standard space, or .exr",
-                    colour.space));
+        path, fmt::format("{} has no number for the primaries of {}: choose ACEScg or another standard space, or .exr",
+                          format.title, colour.space));
 }
 
 // Names the file at fault.
@@ -179,29 +171,17 @@ void naming(const std::string& path, F&& action) {
   try {
     action();
   } catch (const OutputError& e) {
+    if (!e.file().empty()) throw;
     throw OutputError(path, e.what(), e.remedy());
   }
 }
 
-// Bytes that texels surely take in a file. ZIP makes data 1032 times smaller at most (zlib's technical details), the
-// runs of a Radiance file 127 bytes 2. KTX leaves out alpha.
-std::uint64_t least_bytes(std::span<const Rows> levels, const std::string& ext, Depth depth,
+// Bytes that texels surely take in a file.
+std::uint64_t least_bytes(std::span<const Rows> levels, const FileFormat& format, Depth depth,
                           const WriteOptions& options) {
-  const std::string& packed = options.compression;
-  const TexelFormat& format = format_of(texels_of(depth));
-  const bool plain = ext == "ktx" || ext == "dds" || (ext == "ktx2" && !options.zstd),
-             zip = packed.empty() || packed.starts_with("zip");
-  const double of_texel =
-      ext == "exr"   ? (depth == Depth::half ? 6 : 12) * (packed == "none" ? 1
-                                                          : zip            ? 1.0 / 1032
-                                                                           : 0)
-      : ext == "hdr" ? 4 * 2.0 / 127
-      : ext == "pfm" ? 12
-      : plain ? double(format.bytes) * std::min(3, format.channels) / (format.channels * format.side * format.side)
-              : 0;
   double texels = 0;
   for (const Rows& rows : levels) texels += texel_count(rows.projection, rows.size);
-  return std::uint64_t(texels * of_texel);
+  return format.least_bytes ? std::uint64_t(texels * format.least_bytes(depth, options)) : 0;
 }
 
 // All files of a map, whose samples lie where the files want them. @param memory takes the bytes of the one file, if
@@ -233,27 +213,16 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
 
   // All files are written before the first appears.
   std::vector<std::unique_ptr<OutputFile>> files;
+  const TexturePlan plan{texels_of(done.depth), done.layout == Layout::api, options.zstd, colour, data, options.pairs};
   const auto write_into = [&](const std::string& name, std::span<const Atlas> atlases, const Progress& part) {
-    const bool cube = done.layout == Layout::api;
-    if (ext == "pfm")
-      write_pfm(*files.back(), atlases[0]);
-    else if (ext == "ktx2")
-      write_ktx2(*files.back(), atlases, {texels_of(done.depth), cube, options.zstd, colour},
-                 key_values(data, options.pairs), part);
-    else if (ext == "ktx")
-      write_ktx1(*files.back(), atlases, texels_of(done.depth), cube, key_values(data, options.pairs), part);
-    else if (ext == "dds")
-      write_dds(*files.back(), atlases, texels_of(done.depth), cube, part);
-    else if (ext == "env")
-      naming(name, [&] { write_env(*files.back(), atlases, options.pairs, part); });
-    else if (ext == "glb")
-      naming(name, [&] { write_gltf_light(*files.back(), atlases, options.pairs, part); });
+    if (format.write)
+      naming(name, [&] { format.write(*files.back(), atlases, plan, part); });
     else
       write_image(*files.back(), name, ext, atlases, done.depth, data, options, part);
   };
   const auto write_file = [&](const std::string& name, std::span<const Atlas> atlases, const Progress& part) {
     files.push_back(memory ? std::make_unique<OutputFile>() : std::make_unique<OutputFile>(name, options.commit));
-    if (files.size() == 1 && !options.rows) files.back()->expect(least_bytes(levels, ext, done.depth, options));
+    if (files.size() == 1 && !options.rows) files.back()->expect(least_bytes(levels, format, done.depth, options));
     try {
       write_into(name, atlases, part);
     } catch (const OutputError&) {
@@ -279,9 +248,9 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   return done;
 }
 
-void check_compression(const std::string& path, const std::string& ext, const std::string& wanted) {
+void check_compression(const std::string& path, const FileFormat& format, const std::string& wanted) {
   if (wanted.empty()) return;
-  if (ext != "exr") throw UsageError(path, "a compression is chosen for .exr files alone");
+  if (!format.can(FileFormat::compression)) throw UsageError(path, "a compression is chosen for .exr files alone");
   const auto colon = wanted.find(':');
   const std::string kind = wanted.substr(0, colon), level = colon == std::string::npos ? "" : wanted.substr(colon + 1);
   const bool zip = kind.starts_with("zip"), dwa = kind.starts_with("dwa");
@@ -318,15 +287,16 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   choose_depth(*format, options);
   if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
   const Layout layout = choose_layout(path, *format, options, projection);
-  if (options.openexr_envmap && (ext != "exr" || (layout != Layout::column && projection != Projection::latlong)))
+  if (options.openexr_envmap &&
+      (!format->can(FileFormat::envmap_mark) || (layout != Layout::column && projection != Projection::latlong)))
     throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
   if (options.border > 0 && !is_octahedral(projection))
     throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
-  if (options.rows &&
-      (ext != "exr" || layout == Layout::files || levels || options.openexr_envmap || options.border > 0))
+  if (options.rows && (!format->can(FileFormat::row_range) || layout == Layout::files || levels ||
+                       options.openexr_envmap || options.border > 0))
     throw UsageError(path, "rows of a map are written to one .exr file, without levels and borders");
-  check_compression(path, ext, options.compression);
-  if (options.zstd && ext != "ktx2") throw UsageError(path, "Zstandard is for .ktx2 files");
+  check_compression(path, *format, options.compression);
+  if (options.zstd && !format->can(FileFormat::zstd)) throw UsageError(path, "Zstandard is for .ktx2 files");
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
     throw UsageError(path, fmt::format("{} one level: put {{level}} into the file name",
                                        layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));

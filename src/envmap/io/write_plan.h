@@ -5,9 +5,22 @@
 #include <string>
 
 #include "envmap/io/file_format.h"
+#include "envmap/io/key_values.h"
+#include "envmap/io/khr_colour.h"
+#include "envmap/io/texels.h"
 #include "envmap/io/write.h"
 
 namespace envmap {
+
+/// What FileFormat::write is told.
+struct TexturePlan {
+  Texels texels;
+  bool cube;  ///< Each level is a column of faces in the API's orientation.
+  bool zstd;
+  KhrColour colour;
+  const Metadata& data;
+  const KeyValues& pairs;  ///< The caller's.
+};
 
 /// The extension that names the format: WriteOptions::format, or that of the file name.
 std::string extension(const std::string& path, const WriteOptions& options);

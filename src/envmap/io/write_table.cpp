@@ -5,14 +5,14 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/picture.h"
 
 namespace envmap {
 
 void check_table(const std::string& path) {
-  const std::string ext = std::filesystem::path(path).extension().string();
-  if (ext != ".exr" && ext != ".hdr" && ext != ".tif" && ext != ".tiff")
-    throw UsageError(path, "a table is an .exr, .hdr or .tif");
+  const FileFormat* format = format_with_extension(extension_of(path));
+  if (!format || !format->can(FileFormat::table)) throw UsageError(path, "a table is an .exr, .hdr or .tif");
   const std::filesystem::path parent = std::filesystem::path(path).parent_path();
   std::error_code error;
   if (!parent.empty() && !std::filesystem::is_directory(parent, error))
