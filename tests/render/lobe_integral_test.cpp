@@ -123,33 +123,44 @@ TEST(LobeIntegral, WhiteSurfacesInAWhiteRoomStayWhite) {
       }
 }
 
-// A metal plate under a sun of 5 degrees: prefiltered levels mix roughness .2 and .4 for .3,
-// and show it half as bright again.
+// A metal plate under a sun of 5 degrees. Even levels mix roughness .2 and .4 for .3, and show it half as bright again;
+// those of the scene have a level for it.
 TEST(LobeIntegral, PicturesOfRoughMetalAreRight) {
-  const Environment sky(generate(Sun{.towards = {0, 0, 1},
-                                     .radius_degrees = 2.5,
-                                     .radiance = Rgb<double>{500},
-                                     .sky = {Rgb<double>{0}, Rgb<double>{0}}},
-                                 Projection::latlong, 512));
+  const EnvironmentMap map = generate(Sun{.towards = {0, 0, 1},
+                                          .radius_degrees = 2.5,
+                                          .radiance = Rgb<double>{500},
+                                          .sky = {Rgb<double>{0}, Rgb<double>{0}}},
+                                      Projection::latlong, 512);
   Scene scene;
-  scene.materials = {{.base_colour = {1, 1, 1, 1}, .metallic = 1, .roughness = 0.3F}};
+  scene.materials = {{.base_colour = {1, 1, 1, 1}, .metallic = 1}};
   scene.meshes = {{.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
                    .normals = {4, {0, 0, 1}},
                    .coordinates = std::vector<glm::vec2>(4),
                    .indices = {0, 1, 2, 0, 2, 3}}};
   scene.nodes = {{.name = "plate", .meshes = {0}}};
   const Viewpoint from{.size = 1, .at = {0, 0, 3}, .lens = Lens{1, {1e-3, 1e-3}, 0}};
-  const auto seen = [&](int lobe_samples) {
+  const auto seen = [&](const Environment& sky, int lobe_samples) {
     return raycast_picture({.scene = scene, .pose = pose(scene, 0), .environment = &sky}, from,
                            {.lobe_samples = lobe_samples})
         .front()
         .x;
   };
   const Direction n(0, 0, 1);
-  const double once =
-      over_sphere(sky.lookup, [&](const Direction& l) { return gltf_specular(n, n, l, 0.09, Flux(1), 1); }).x;
-  EXPECT_NEAR(seen(samples) / once, 1, 0.02);  // And a little that bounces between microfacets.
-  EXPECT_GT(seen(0) / once, 1.3);
+  const EnvironmentLookup lookup(map);
+  for (const float roughness : {0.1F, 0.3F}) {
+    scene.materials[0].roughness = roughness;
+    const double alpha = double(roughness) * roughness;
+    const double once =
+        over_sphere(lookup, [&](const Direction& l) { return gltf_specular(n, n, l, alpha, Flux(1), 1); }).x;
+    const std::vector<float> own = glossy_roughnesses(scene);
+    EXPECT_EQ(own, std::vector{roughness});
+    const Environment sky(map.clone(), glossy_size, {}, own);
+    EXPECT_NEAR(seen(sky, samples) / once, 1, 0.02) << roughness;  // And a little that bounces between microfacets.
+    EXPECT_NEAR(seen(sky, 0) / once, 1, 0.05) << roughness;
+    if (roughness == 0.3F) {
+      EXPECT_GT(seen(Environment(map.clone()), 0) / once, 1.3);
+    }
+  }
 }
 
 }  // namespace

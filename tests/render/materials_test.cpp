@@ -184,25 +184,55 @@ INSTANTIATE_TEST_SUITE_P(Under, Materials, ::testing::ValuesIn(skies),
                          [](const auto& p) { return std::string(p.param.name); });
 
 // In every pixel; of those whose rays graze an outline a few see something else.
-TEST_P(Materials, AreDrawnAsRaysSeeThem) {
-  const Named& named = GetParam();
+void expect_as_rays(const Scene& scene, const Environment& sky, double tolerance) {
   const Viewpoint from = camera();
+  const Drawn map = drawn(scene, sky, from), truth = raycast(shot_of(scene, sky), from);
+  int others = 0, on_ball = 0;
+  double worst = 0;
+  for_each_pixel(from, [&](std::size_t k, const Direction&) {
+    on_ball += truth.surfaces[k] != 0;
+    if (map.surfaces[k] != truth.surfaces[k])
+      ++others;
+    else
+      worst = std::max(worst, difference(rooms::colour_at(map, k), rooms::colour_at(truth, k)));
+  });
+  EXPECT_LE(others, 4);
+  EXPECT_GT(on_ball, 1000);
+  EXPECT_LT(worst, tolerance);
+}
+
+TEST_P(Materials, AreDrawnAsRaysSeeThem) {
   for (const Lit& lit : materials) {
     SCOPED_TRACE(lit.name);
-    const Scene scene = scene_of(lit.material);
-    const Drawn map = drawn(scene, named.sky(), from), truth = raycast(shot_of(scene, named.sky()), from);
-    int others = 0, on_ball = 0;
-    double worst = 0;
-    for_each_pixel(from, [&](std::size_t k, const Direction&) {
-      on_ball += truth.surfaces[k] != 0;
-      if (map.surfaces[k] != truth.surfaces[k])
-        ++others;
-      else
-        worst = std::max(worst, difference(rooms::colour_at(map, k), rooms::colour_at(truth, k)));
-    });
-    EXPECT_LE(others, 4);
-    EXPECT_GT(on_ball, 1000);
-    EXPECT_LT(worst, named.tolerance);
+    expect_as_rays(scene_of(lit.material), GetParam().sky(), GetParam().tolerance);
+  }
+}
+
+// With levels at the roughnesses of their scene: one, or the steps of a texture.
+TEST(OwnLevels, AreMixedAsRaysMixThem) {
+  for (const Lit& lit : materials)
+    for (const char* name : {"Metal35", "TexturedMetal", "Lacquer", "MirrorMetal"}) {
+      if (std::string_view(lit.name) != name) continue;
+      SCOPED_TRACE(name);
+      const Scene scene = scene_of(lit.material);
+      const std::vector<float> own = glossy_roughnesses(scene);
+      EXPECT_EQ(own.size(), std::string_view(name) == "Lacquer" ? 2U : std::string_view(name) == "Metal35" ? 1U : 9U);
+      expect_as_rays(scene, Environment(sunny().map.clone(), 64, {}, own), 0.014);
+    }
+}
+
+TEST(OwnLevels, FitWhateverTheScene) {
+  Scene scene = scene_of({.roughness = 0.5F, .metallic_roughness_texture = 1});
+  for (int k = 0; k < 40; ++k) {
+    scene.materials.push_back({.roughness = 0.02F * float(k)});
+    scene.meshes.push_back(scene.meshes[0]);
+    scene.meshes.back().material = k + 1;
+    scene.nodes[0].meshes.push_back(k + 1);
+    const std::vector<float> all = glossy_roughnesses(scene);
+    EXPECT_LE(int(all.size()), max_glossy_levels);
+    EXPECT_GT(all.front(), 0);
+    EXPECT_EQ(all.back(), 1);
+    EXPECT_EQ(std::ranges::adjacent_find(all, std::greater_equal<>()), all.end());
   }
 }
 
@@ -309,7 +339,10 @@ TEST(ClosedForms, OcclusionKeepsThatMuchOfAnEvenLight) {
 TEST(ClosedForms, CoatsReflectByFresnelAndDarkenWhatTheyCover) {
   for (const float roughness : {0.0F, 0.7F})
     for (const float glow : {0.0F, 2.0F}) {
-      const Scene scene = scene_of({.base_colour = {0, 0, 0, 1}, .emissive = Colour(glow), .ior = 1, .coat = 0.75F,
+      const Scene scene = scene_of({.base_colour = {0, 0, 0, 1},
+                                    .emissive = Colour(glow),
+                                    .ior = 1,
+                                    .coat = 0.75F,
                                     .coat_roughness = roughness});
       const Viewpoint from = camera();
       for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})

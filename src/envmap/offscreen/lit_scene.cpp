@@ -6,7 +6,7 @@
 namespace envmap {
 
 void LitScene::light_by(EnvironmentMap map, int lights, const Progress& progress) {
-  environment = std::make_unique<const Environment>(std::move(map), glossy_size, progress);
+  environment = std::make_unique<const Environment>(std::move(map), glossy_size, progress, glossy_roughnesses(scene));
   if (lights > 0) distant = distant_lights(environment->map, lights);
 }
 

@@ -19,6 +19,7 @@ struct EnvironmentTexture {
 /// What an environment gives surfaces (shading.h), as shading.glsl reads it.
 struct LightTexture {
   gl::Texture glossy;  ///< A cube array, faces turned as GL has them.
+  std::vector<float> roughnesses, mips;  ///< Of its layers: each is in the mip level of its size.
   std::array<Colour, 9> irradiance{};
 };
 LightTexture upload(const EnvironmentLight& light);

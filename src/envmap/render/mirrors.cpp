@@ -294,7 +294,8 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
     ++drawn.version;
   drawn.seen = std::move(seen);
   if (!mirror.rough) return;
-  map.glossy = upload(environment_light(*drawn.seen, std::min(glossy_size, plan.size)));
+  map.glossy = upload(environment_light(*drawn.seen, glossy_roughnesses(scene_, mirror.node),
+                                        std::min(glossy_size, plan.size), plan.size));
 }
 
 void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers,

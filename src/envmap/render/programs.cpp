@@ -16,7 +16,7 @@ std::string number(auto value) { return std::to_string(int(value)); }
 gl::Definitions constants() {
   return {{"PI", fmt::format("{}", float(pi))},
           {"APRON", fmt::format("{}.0", Level::apron)},
-          {"GLOSSY_LEVELS", number(glossy_levels)},
+          {"MAX_GLOSSY_LEVELS", number(max_glossy_levels)},
           {"POINT", number(PunctualLight::Kind::point)},
           {"SPOT", number(PunctualLight::Kind::spot)},
           {"DIRECTIONAL", number(PunctualLight::Kind::directional)},

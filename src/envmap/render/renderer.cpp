@@ -35,7 +35,7 @@ const Environment& darkness() {
   static const Environment black = [] {
     EnvironmentMap map;
     map.levels.emplace_back(Projection::cube, 1);
-    return Environment(std::move(map), 1);
+    return Environment(std::move(map), 1, {}, {1});
   }();
   return black;
 }
@@ -135,6 +135,11 @@ void Renderer::set_light(const gl::Program& program, const Group& group, const V
   gl::set(program, "reflected_ambient", mirror != nullptr || picture != nullptr ? none : shot.ambient);
   gl::set(program, "blur", (mirror != nullptr && !own) || picture != nullptr ? 0.0F : 1.0F);
   glProgramUniform3fv(program, glGetUniformLocation(program, "irradiance"), 9, &light.irradiance[0].x);
+  glProgramUniform1fv(program, glGetUniformLocation(program, "glossy_roughness"), GLsizei(light.roughnesses.size()),
+                      light.roughnesses.data());
+  glProgramUniform1fv(program, glGetUniformLocation(program, "glossy_mip"), GLsizei(light.mips.size()),
+                      light.mips.data());
+  gl::set(program, "glossy_count", int(light.roughnesses.size()));
   glBindTextureUnit(unit_glossy, light.glossy);
   if (picture != nullptr) glBindTextureUnit(unit_mirror, picture->texture);
   if (mirror == nullptr) return;

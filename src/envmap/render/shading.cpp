@@ -17,8 +17,9 @@ namespace envmap {
 
 // ---- the environment ------------------------------------------------------------------------------------------------
 
-EnvironmentLight environment_light(const EnvironmentMap& map, int size, const Progress& progress) {
-  EnvironmentLight light;
+EnvironmentLight environment_light(const EnvironmentMap& map, const std::vector<float>& roughnesses, int size,
+                                   int largest, const Progress& progress) {
+  EnvironmentLight light{.roughnesses = roughnesses};
   Harmonics h = project(map, 2);
   scale_degrees(h, irradiance_factors(2));
   // Of the basis functions, in the order of harmonics.h.
@@ -28,16 +29,22 @@ EnvironmentLight environment_light(const EnvironmentMap& map, int size, const Pr
   // There: 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2.
   for (std::size_t k = 0; k < 9; ++k) light.irradiance[k] = Colour(h.coefficients[k] * (scale[k] / pi));
   const PrefilterSource source(map);
-  for (int k = 1; k <= glossy_levels; ++k) {
-    Prefiltered made = source.make({.shape = Shape::ggx,
-                                    .parameter = double(k) / glossy_levels,
-                                    .size = size,
-                                    .method = Method::hierarchical,
-                                    .max_error = 1e-2});
+  for (const float roughness : roughnesses) {
+    int height = size;
+    for (int k = 0; k < glossy_doublings(roughness) && 2 * height <= largest; ++k) height *= 2;
+    Prefiltered made = source.make({.shape = Shape::ggx, .parameter = roughness, .size = height, .max_error = 1e-2});
     light.glossy.emplace_back(std::move(made.map.base()));
-    if (progress) progress(double(k) / glossy_levels);
+    if (progress) progress(double(light.glossy.size()) / double(roughnesses.size()));
   }
   return light;
+}
+
+GlossyMix glossy_mix(const std::vector<float>& roughnesses, double roughness) {
+  const int last = int(roughnesses.size()) - 1;
+  const auto above = std::ranges::lower_bound(roughnesses, roughness);
+  const int upper = std::min(last, int(above - roughnesses.begin()));
+  const double least = upper == 0 ? 0 : roughnesses[std::size_t(upper - 1)], most = roughnesses[std::size_t(upper)];
+  return {upper - 1, upper, std::clamp((roughness - least) / (most - least), 0.0, 1.0)};
 }
 
 const std::vector<Colour>& split_sum_table() {
@@ -189,14 +196,13 @@ Flux cloth(const ShadingPoint& s, const Direction& v, const Lighting& l, double 
 Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness) {
   const Flux ambient(l.ambient);
   if (l.environment == nullptr) return ambient;
-  const double level = std::clamp(roughness, 0.0, 1.0) * glossy_levels;
-  const int lower = std::min(int(level), glossy_levels - 1);
+  const EnvironmentLight& light = l.environment->light;
+  const auto [lower, upper, part] = glossy_mix(light.roughnesses, roughness);
   const auto at = [&](int k) {
-    if (k == 0) return Flux(background(l.environment, from));
-    return Flux(bilinear(l.environment->light.glossy[k - 1], Cube::locate(from)));
+    if (k < 0) return Flux(background(l.environment, from));
+    return Flux(bilinear(light.glossy[std::size_t(k)], Cube::locate(from)));
   };
-  const double part = level - lower;
-  return ambient + (part < 1 ? (1 - part) * at(lower) : Flux(0)) + (part > 0 ? part * at(lower + 1) : Flux(0));
+  return ambient + (part < 1 ? (1 - part) * at(lower) : Flux(0)) + (part > 0 ? part * at(upper) : Flux(0));
 }
 
 std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {

@@ -15,6 +15,7 @@
 #include "envmap/base/progress.h"
 #include "envmap/render/distant_lights.h"
 #include "envmap/render/draw.h"
+#include "envmap/render/glossy_levels.h"
 #include "envmap/sample/lookup.h"
 #include "envmap/sample/padded_level.h"
 
@@ -48,19 +49,29 @@ struct EnvironmentLight {
   /// Irradiance over pi in direction (x,y,z): the sum of these times 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2; what
   /// falls below 0 beside suns is 0 (Ramamoorthi and Hanrahan 2001). Off by 1% on average and 9% at worst.
   std::array<Colour, 9> irradiance{};
-  /// GGX-prefiltered cubes in the world's frame, all of one size: roughness 1/n, 2/n, ... 1. Roughness 0
-  /// is the environment itself.
+  /// GGX-prefiltered cubes in the world's frame for each of the roughnesses, which rise; their heights are `size` or its
+  /// double or its fourfold. Roughness 0 is the environment itself.
   std::vector<PaddedLevel> glossy;
+  std::vector<float> roughnesses;
 };
-inline constexpr int glossy_size = 64, glossy_levels = 5;
 
-/// @param size of the glossy cubes. @param progress may be empty.
-EnvironmentLight environment_light(const EnvironmentMap& map, int size = glossy_size, const Progress& progress = {});
+/// @param roughnesses of glossy_levels.h. @param size of cubes for wide lobes. @param largest of all.
+/// @param progress may be empty.
+EnvironmentLight environment_light(const EnvironmentMap& map, const std::vector<float>& roughnesses, int size,
+                                   int largest, const Progress& progress = {});
+
+/// Of two levels, the lower -1 where it is the environment itself, and how far it is from the lower to the upper.
+struct GlossyMix {
+  int lower, upper;
+  double part;
+};
+GlossyMix glossy_mix(const std::vector<float>& roughnesses, double roughness);
 
 /// What lies all round a scene: a map, and what it gives surfaces.
 struct Environment {
-  explicit Environment(EnvironmentMap from, int size = glossy_size, const Progress& progress = {})
-      : map(std::move(from)), lookup(map), light(environment_light(map, size, progress)) {}
+  explicit Environment(EnvironmentMap from, int size = glossy_size, const Progress& progress = {},
+                       const std::vector<float>& roughnesses = even_roughnesses)
+      : map(std::move(from)), lookup(map), light(environment_light(map, roughnesses, size, 4 * size, progress)) {}
 
   EnvironmentMap map;
   EnvironmentLookup lookup;

@@ -40,15 +40,19 @@ vec3 irradiance_over_pi(vec3 n, vec3 reached) {
   return ambient + reached * max(sum, 0);
 }
 
-vec3 blurred(vec3 from, int level) { return ambient + textureLod(glossy, vec4(from, level - 1), 0).rgb; }
+uniform int glossy_count;
+uniform float glossy_roughness[MAX_GLOSSY_LEVELS], glossy_mip[MAX_GLOSSY_LEVELS];
+
+vec3 blurred(vec3 from, int level) { return ambient + textureLod(glossy, vec4(from, level), glossy_mip[level]).rgb; }
 
 // @param v away from the surface. @param bend as turned() has it.
 vec3 glossy_radiance(vec3 v, vec3 n, float bend, float roughness) {
   vec3 from = turned(-v, n, bend);
-  float level = clamp(roughness, 0, 1) * GLOSSY_LEVELS;
-  int lower = min(int(level), GLOSSY_LEVELS - 1);
-  vec3 below = lower == 0 ? reflected_ambient + reflected(from, n, bend) : blurred(from, lower);
-  return mix(below, blurred(from, lower + 1), level - lower);
+  int upper = 0;
+  while (upper < glossy_count - 1 && glossy_roughness[upper] < roughness) ++upper;
+  float least = upper == 0 ? 0 : glossy_roughness[upper - 1];
+  vec3 below = upper == 0 ? reflected_ambient + reflected(from, n, bend) : blurred(from, upper - 1);
+  return mix(below, blurred(from, upper), clamp((roughness - least) / (glossy_roughness[upper] - least), 0, 1));
 }
 
 // KHR_lights_punctual: what arrives across the light, and from where.
