@@ -181,5 +181,7 @@ void main() {
   }
   place_by_vertex = in_face(place_by_vertex, face);
 #endif
-  colour = vec4(weight * shade(surface, to_world * -ray), blended != 0 ? clamp(surface.base_colour.a, 0, 1) : 1 / (far_off + beyond));
+  // A statement of its own: it sets `beyond`, and nobody says in which order the parts of an expression are found.
+  vec3 light = shade(surface, to_world * -ray);
+  colour = vec4(weight * light, blended != 0 ? clamp(surface.base_colour.a, 0, 1) : 1 / (far_off + beyond));
 }

@@ -101,7 +101,7 @@ struct Base {
 
 Base base_of(ShadingPoint s, vec3 v) {
   float part = (s.ior - 1) / (s.ior + 1);
-  return Base(clamp(dot(s.normal, v), 1e-3, 1), s.base_colour.rgb, s.base_colour.rgb * (1 - s.metallic), vec3(part * part),
+  return Base(clamp(dot(s.normal, v), 1e-3, 1.0), s.base_colour.rgb, s.base_colour.rgb * (1 - s.metallic), vec3(part * part),
               s.ior > 1 ? 1 : 0);
 }
 
@@ -121,7 +121,7 @@ struct Sheen {
 };
 
 Sheen sheen_of(ShadingPoint s, vec3 v) {
-  float nv = clamp(dot(s.normal, v), 1e-3, 1);
+  float nv = clamp(dot(s.normal, v), 1e-3, 1.0);
   return Sheen(nv, max(s.sheen.r, max(s.sheen.g, s.sheen.b)), sheen_albedo(nv, s.sheen_roughness));
 }
 
@@ -139,7 +139,7 @@ struct Coat {
 };
 
 Coat coat_of(ShadingPoint s, vec3 v) {
-  float nv = clamp(dot(s.coat_normal, v), 1e-3, 1);
+  float nv = clamp(dot(s.coat_normal, v), 1e-3, 1.0);
   vec2 table = textureLod(split_sum, vec2(nv, s.coat_roughness), 0).rg;
   return Coat(nv, s.coat * (0.04 + 0.96 * grazing(nv)), table.x + table.y);
 }

@@ -2,7 +2,7 @@
 // inside it, roughly.
 float solid_angle(vec2 at, float texel) {
   if (length(max(abs(at) - 0.5 * texel, 0)) >= 1) return 0;
-  return clamp(0.5 + (1 - length(at)) / texel, 0.01, 1);
+  return clamp(0.5 + (1 - length(at)) / texel, 0.01, 1.0);
 }
 
 float texel_angle(vec3 d, float texel) { return 2 * texel; }
