@@ -31,6 +31,12 @@ for path in sorted(p for p in (root / 'src').rglob('*') if p.suffix in ('.h', '.
         if LIBM.search(line) and not name.startswith(DRAWING) and name not in MAY_CALL_LIBM:
             broken.append(f'{name}:{number}: {LIBM.search(line)[0]}...) differs between processors: see maths/portable.h')
 
+# NVIDIA's compiler finds clamp(x, 0.5, 1) ambiguous: of floats or of doubles. Mesa's does not mind.
+MIXED = re.compile(r'\bclamp\(.*, *(?:-?\d*\.\d+|-?\d+e-?\d+), *-?\d+\)|\bclamp\(.*, *-?\d+, *(?:-?\d*\.\d+|-?\d+e-?\d+)\)')
+for path in sorted((root / 'src').rglob('*.glsl')):
+    broken += [f'{path.relative_to(root)}:{number}: write both limits of clamp() as floats, or both as integers'
+               for number, line in enumerate(path.read_text().splitlines(), 1) if MIXED.search(line)]
+
 # The formatter breaks longer lines (git clang-format). Raw strings and the table of engines stay as they are.
 for folder in ('src', 'tools', 'tests', 'cmake'):
     for path in sorted(p for p in (root / folder).rglob('*') if p.suffix in ('.h', '.cpp', '.cmake') or p.name == 'CMakeLists.txt'):

@@ -197,6 +197,11 @@ TEST(DrawMethods, EnvironmentIsTheBackground) {
 TEST(DrawMethods, ManyTrianglesAreCast) {
   EXPECT_EQ(cheapest(Projection::sphere, 512, 12), DrawMethod::exact);
   EXPECT_EQ(cheapest(Projection::sphere, 512, 5'000'000), DrawMethod::raycast);
+  // A card draws triangles faster than the processor builds their tree.
+  EXPECT_EQ(cheapest(Projection::sphere, 512, 1'000'000, true, true), DrawMethod::exact);
+  EXPECT_EQ(cheapest(Projection::cube, 512, 1'000'000, true, true), DrawMethod::resample);
+  EXPECT_EQ(cheapest(Projection::octahedral, 64, 1'000'000, true, true), DrawMethod::resample);
+  EXPECT_EQ(cheapest(Projection::octahedral, 1024, 1'000'000, true, true), DrawMethod::raycast);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/render/choose.h"
+#include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
@@ -90,6 +91,14 @@ void check(const Request& o) {
                                  can_draw(DrawMethod::exact, o.from.to) ? "exact, " : ""));
 }
 
+// For --method auto. Who says what OpenGL is drawn with wants it drawn with OpenGL. A card takes longer to start than
+// rays take for a map, so only sequences look for one.
+DrawMethod method_for(const Request& o, const Frames& frames, const Scene& scene) {
+  const bool rays = o.scene.context == ContextKind::automatic;
+  const bool card = frames.count() > 1 && o.scene.context != ContextKind::osmesa && finds_graphics_card();
+  return cheapest(o.from.to, o.from.size, triangles(scene), rays, card);
+}
+
 int run(Request& o, Report& report) {
   o.from.to = o.to.value_or(Projection::cube);
   const Forward forward = forward_named(o.forward).value_or(Forward::plus_z);
@@ -105,10 +114,7 @@ int run(Request& o, Report& report) {
   const Viewpoint place = viewpoint_of(o.at, loaded.scene, o.scene.path);
   o.from.at = place.at, o.from.without = place.without;
   const bool turned = !o.forward.empty() && !forward_named(o.forward);
-  // Who says what OpenGL is drawn with wants it drawn with OpenGL.
-  const bool rays = o.scene.context == ContextKind::automatic;
-  const DrawMethod method =
-      o.method == DrawMethod::automatic ? cheapest(o.from.to, o.from.size, triangles(loaded.scene), rays) : o.method;
+  const DrawMethod method = o.method == DrawMethod::automatic ? method_for(o, frames, loaded.scene) : o.method;
   const std::vector<Mirror> mirrors =
       o.bounces > 0 ? find_mirrors(loaded.scene, Projection::paraboloid) : std::vector<Mirror>{};
   std::optional<Painter> painter;

@@ -7,6 +7,7 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <fstream>
@@ -59,9 +60,17 @@ struct OsMesaContext : Base {
   std::array<GLubyte, 4> pixel{};  // All drawing goes to framebuffer objects, but there must be one.
 
   OsMesaContext() {
-    constexpr std::array<int, 11> wanted{osmesa::format,        osmesa::rgba,         osmesa::depth_bits,    0,
-                                         osmesa::profile,       osmesa::core_profile, osmesa::major_version, 4,
-                                         osmesa::minor_version, 5,                    0};
+    constexpr std::array<int, 11> wanted{osmesa::format,
+                                         osmesa::rgba,
+                                         osmesa::depth_bits,
+                                         0,
+                                         osmesa::profile,
+                                         osmesa::core_profile,
+                                         osmesa::major_version,
+                                         4,
+                                         osmesa::minor_version,
+                                         5,
+                                         0};
     context = mesa.create(wanted.data(), nullptr);
     if (context == nullptr) throw RendererError("OSMesa gives no OpenGL 4.5 core context");
     if (mesa.make_current(context, pixel.data(), GL_UNSIGNED_BYTE, 1, 1) != GL_TRUE) {
@@ -94,22 +103,24 @@ struct Egl {
   PFNEGLMAKECURRENTPROC make_current = function<PFNEGLMAKECURRENTPROC>("eglMakeCurrent");
   PFNEGLQUERYSTRINGPROC query = function<PFNEGLQUERYSTRINGPROC>("eglQueryString");
 
-  // Graphics cards, and last what Mesa draws with on the processor. None where EGL cannot list them.
-  [[nodiscard]] std::vector<EGLDeviceEXT> devices(bool cards_only) const {
+  struct Devices {
+    std::vector<EGLDeviceEXT> cards, others;  // Others: what Mesa draws with on the processor.
+  };
+  // None where EGL cannot list them.
+  [[nodiscard]] Devices devices() const {
     const auto list = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(load("eglQueryDevicesEXT"));
     const auto ask = reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(load("eglQueryDeviceStringEXT"));
-    std::array<EGLDeviceEXT, 32> found{};
+    std::array<EGLDeviceEXT, 32> all{};
     EGLint count = 0;
-    if (list == nullptr || ask == nullptr || list(found.size(), found.data(), &count) != EGL_TRUE) return {};
-    std::vector<EGLDeviceEXT> cards, others;
+    if (list == nullptr || ask == nullptr || list(all.size(), all.data(), &count) != EGL_TRUE) return {};
+    Devices found;
     for (EGLint k = 0; k < count; ++k) {
-      const EGLDeviceEXT device = found[k];
+      const EGLDeviceEXT device = all[k];
       const char* extensions = ask(device, EGL_EXTENSIONS);
       const bool software = extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software") != nullptr;
-      (software ? others : cards).push_back(device);
+      (software ? found.others : found.cards).push_back(device);
     }
-    if (!cards_only) cards.insert(cards.end(), others.begin(), others.end());
-    return cards;
+    return found;
   }
 };
 
@@ -144,24 +155,30 @@ struct EglContext : Base {
   }
 };
 
-// Surfaceless first, then device by device. The first context that can be had.
+// The first context that can be had: card by card, then surfaceless, then on the processor. Surfaceless, Mesa chooses a
+// device, and Mesa does not know the cards of other drivers.
 template <class Base>
 std::unique_ptr<Base> open_egl(bool cards_only) {
   const Egl egl;
-  const std::vector<EGLDeviceEXT> devices = egl.devices(cards_only);
-  if (cards_only && devices.empty()) throw RendererError("EGL finds no graphics card");
+  const auto [cards, others] = egl.devices();
+  if (cards_only && cards.empty()) throw RendererError("EGL finds no graphics card");
   std::string reason = "EGL finds no device";
+  std::unique_ptr<Base> context;
+  const auto opens = [&](EGLenum platform, void* device) {
+    try {
+      context = std::make_unique<EglContext<Base>>(egl, platform, device);
+    } catch (const RendererError& e) {
+      reason = e.what();
+    }
+    return context != nullptr;
+  };
+  const auto opens_device = [&](EGLDeviceEXT device) { return opens(EGL_PLATFORM_DEVICE_EXT, device); };
   const char* known = egl.query(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-  if (known != nullptr && std::strstr(known, "EGL_MESA_platform_surfaceless") != nullptr) try {
-      return std::make_unique<EglContext<Base>>(egl, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY);
-    } catch (const RendererError& e) {
-      reason = e.what();
-    }
-  for (const EGLDeviceEXT device : devices) try {
-      return std::make_unique<EglContext<Base>>(egl, EGL_PLATFORM_DEVICE_EXT, device);
-    } catch (const RendererError& e) {
-      reason = e.what();
-    }
+  const bool surfaceless = known != nullptr && std::strstr(known, "EGL_MESA_platform_surfaceless") != nullptr;
+  if (std::ranges::any_of(cards, opens_device) ||
+      (surfaceless && opens(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY)) ||
+      (!cards_only && std::ranges::any_of(others, opens_device)))
+    return context;
   throw RendererError(reason);
 }
 
@@ -206,6 +223,14 @@ Context::Context(ContextKind kind) {
   if (kind != ContextKind::egl && opens("OSMesa", [] { return std::make_unique<OsMesaContext<Handle>>(); })) return;
   if (kind != ContextKind::osmesa && opens("EGL", [] { return open_egl<Handle>(false); })) return;
   throw RendererError(fmt::format("no context through {}: {}", reasons, remedy(kind)));
+}
+
+bool finds_graphics_card() {
+  try {
+    return !Context(ContextKind::egl).on_processor();
+  } catch (const RendererError&) {
+    return false;
+  }
 }
 
 Context::~Context() = default;

@@ -10,6 +10,9 @@
 
 namespace envmap {
 
+/// Whether `automatic` would draw on a graphics card. Opens a context and closes it: no other may be current.
+bool finds_graphics_card();
+
 /// Current on the thread that made it, from then on; nothing of GL may be called on another one. GL's functions (gl.h)
 /// belong to the context made last, so there is one at a time.
 class Context {
