@@ -24,7 +24,7 @@
 
 #include "envmap/render/choose.h"
 #include "envmap/render/context.h"
-#include "envmap/render/ray_tree.h"
+#include "envmap/render/embree_scene.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 
@@ -187,7 +187,7 @@ void run(const Scene& scene, int largest, int rounds) {
   }
   double tree = std::numeric_limits<double>::infinity();
   for (int round = 0; round < rounds; ++round) {
-    tree = std::min(tree, seconds_each([&] { RayTree(shot, all[0].from.at, -1); }));
+    tree = std::min(tree, seconds_each([&] { EmbreeScene(shot, all[0].from.at, -1); }));
     for (Case& c : all) measure(c, *renderer, shot, tree);
   }
   const std::size_t count = triangles(scene);

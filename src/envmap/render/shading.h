@@ -49,7 +49,7 @@ struct EnvironmentLight {
   /// Irradiance over pi in direction (x,y,z): the sum of these times 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2; what
   /// falls below 0 beside suns is 0 (Ramamoorthi and Hanrahan 2001). Off by 1% on average and 9% at worst.
   std::array<Colour, 9> irradiance{};
-  /// GGX-prefiltered cubes in the world's frame for each of the roughnesses, which rise; their heights are `size` or its
+  /// GGX-prefiltered cubes in the world's frame for each of the roughnesses, which rise. Their heights are `size`, its
   /// double or its fourfold. Roughness 0 is the environment itself.
   std::vector<PaddedLevel> glossy;
   std::vector<float> roughnesses;
