@@ -460,6 +460,36 @@ TEST_F(Io, ExrLuminanceAndChroma) {
 }
 
 // A header can promise anything, and OpenEXR takes the memory first: here there is none to take.
+// Rows of a Radiance file may go up and to the left. Its reader says so, and whoever reads sees them upright.
+TEST_F(Io, RadianceFilesAreTurnedUpright) {
+  const auto texel = [](int number) { return std::string(3, static_cast<char>(20 * number)) + '\x80'; };
+  const auto written = [&](const std::string& resolution, const std::vector<int>& numbers) {
+    std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + resolution + "\n";
+    for (const int number : numbers) bytes += texel(number);
+    std::ofstream(path("turned.hdr"), std::ios::binary) << bytes;
+    return read(path("turned.hdr"), {.projection = Projection::latlong}).map;
+  };
+  const EnvironmentMap upright = written("-Y 2 +X 4", {1, 2, 3, 4, 5, 6, 7, 8});
+  EXPECT_NE(upright.base().texel(0, 0, 0)->x, upright.base().texel(0, 0, 1)->x);
+  for (const auto& [resolution, numbers] : {std::pair("+Y 2 +X 4", std::vector{5, 6, 7, 8, 1, 2, 3, 4}),
+                                            std::pair("-Y 2 -X 4", std::vector{4, 3, 2, 1, 8, 7, 6, 5}),
+                                            std::pair("+X 4 -Y 2", std::vector{1, 5, 2, 6, 3, 7, 4, 8})}) {
+    const EnvironmentMap turned = written(resolution, numbers);
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < 4; ++i)
+        EXPECT_EQ(turned.base().texel(0, i, j)->x, upright.base().texel(0, i, j)->x)
+            << resolution << ' ' << i << ' ' << j;
+  }
+  std::ofstream(path("no.hdr")) << "#?RADIANCE\nFORMAT=no\n\n-Y 2 +X 4\n";
+  try {
+    static_cast<void>(read(path("no.hdr")));
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("not an image that can be read: neither FORMAT"), std::string::npos)
+        << e.what();
+  }
+}
+
 // What a row says a format can do is done, and the rest is refused.
 TEST_F(Io, FormatsDoWhatTheirRowsSay) {
   const EnvironmentMap map = generate(Constant{Rgb<double>(0.5)}, Projection::latlong, 8);
@@ -490,6 +520,7 @@ TEST_F(Io, FormatsDoWhatTheirRowsSay) {
       }
       EXPECT_EQ(taken([&] { write_table(file, texels, 8, {}); }), format.can(FileFormat::table));
     }
+  EXPECT_FALSE(taken([&] { write_table(path("row.EXR"), texels, 8, {}); }));  // As pictures: no capitals.
 }
 
 // A disk with less room than that is refused before anything is written: it must never be too much.

@@ -23,6 +23,16 @@ void Image::fail(std::string why, Remedy remedy) const {
 
 namespace {
 
+// Errors name the image, and what they say follows `before`.
+template <class F>
+void naming(const Image& image, const std::string& before, F&& action) {
+  try {
+    action();
+  } catch (const InputError& e) {
+    image.fail(before + e.what(), e.remedy());
+  }
+}
+
 // Image::file -> its reader. OpenImageIO asked about a file it does not know tries 30 readers in turn, and some write
 // beyond their memory, even for sound files (2.4: ICO, IFF, DPX): none is asked but the one that fits. @param path of a
 // file on disk that OpenImageIO may open itself; of others it is a name.
@@ -37,24 +47,25 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
   const std::string format(known->name);
   if (!choice.empty() && format != "openexr")
     throw UsageError(image.name, "parts, layers, channels and windows are chosen of EXR files alone");
-  try {
+  naming(image, "", [&] {
     file.read_all();
     image.size = file.size();
+  });
+  // Readers of formats with levels speak for themselves.
+  naming(image, known->levels ? "" : unread, [&] {
     if (known->open) known->open(image, choice);
-  } catch (const InputError& e) {
-    image.fail(e.what(), e.remedy());
-  }
-  if (image.texture || image.reader) return;
-  try {
-    if (path.empty()) file.hold();
-    image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture);
-    check_tiles(image.reader->facts);
+  });
+  if (image.texture) return;
+  naming(image, unread, [&] {
+    if (!image.reader) {
+      if (path.empty()) file.hold();
+      image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture);
+      check_tiles(image.reader->facts);
+    }
     // The coordinates of a texture count from its first texel, whatever way a camera was held.
     if (!for_texture && image.reader->facts.orientation != Orientation::upright)
       image.reader = turned_upright(std::move(*image.reader));
-  } catch (const InputError& e) {
-    image.fail(unread + e.what());
-  }
+  });
 }
 
 void check_file(const Image& image, const std::string& path) {

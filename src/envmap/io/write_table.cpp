@@ -11,7 +11,8 @@
 namespace envmap {
 
 void check_table(const std::string& path) {
-  const FileFormat* format = format_with_extension(extension_of(path));
+  const std::string ext = std::filesystem::path(path).extension().string();
+  const FileFormat* format = ext.empty() ? nullptr : format_with_extension(ext.substr(1));
   if (!format || !format->can(FileFormat::table)) throw UsageError(path, "a table is an .exr, .hdr or .tif");
   const std::filesystem::path parent = std::filesystem::path(path).parent_path();
   std::error_code error;
