@@ -95,8 +95,7 @@ LoadedScene load(const SceneOptions& o) {
   loaded.move_to(frames_of(o).time(frames_of(o).first));
   const Scene& scene = loaded.scene;
   loaded.inputs = scene.files;
-  for (const std::string& what : scene.remarks) warn(fmt::format("{}: {}", o.path, what));
-  for (const std::string& what : scene.unsupported) warn(fmt::format("{}: not drawn: {}", o.path, what));
+  for (const std::string& remark : remarks_on(scene)) warn(fmt::format("{}: {}", o.path, remark));
   if (settings().verbose)
     note(fmt::format("{}: {} triangles in {} meshes, {} materials, {} lights", o.path, triangles(scene),
                      instances(scene).size(), scene.materials.size(), scene.lights.size()));

@@ -1,5 +1,5 @@
 /// @file
-/// A page in bands of rows, so that no image need be in memory whole.
+/// An image in bands of rows, so that no image need be in memory whole.
 #pragma once
 
 #include <functional>

@@ -14,7 +14,7 @@
 namespace envmap {
 
 /// With the DX10 header; face after face, each with all its levels. DDS holds no metadata.
-/// @param cube whether the pages are columns of faces in the API's orientation. @param progress may be empty.
+/// @param cube whether the levels are columns of faces in the API's orientation. @param progress may be empty.
 void write_dds(OutputFile& file, std::span<const Atlas> levels, Texels texels, bool cube, const Progress& progress);
 
 /// The header of a file that begins with "DDS ". @return nothing where its texels are not in texel_formats: those

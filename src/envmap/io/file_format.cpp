@@ -33,8 +33,9 @@ constexpr Depth linear[] = {Depth::half, Depth::single}, floats[] = {Depth::sing
 using Head = std::string_view;
 bool is_pnm(Head h, std::string_view kinds) { return h.size() > 1 && h[0] == 'P' && kinds.find(h[1]) != kinds.npos; }
 
-// What of a texel's channels a texture without alpha holds; blocks have their part of one.
-double texture_bytes(Depth depth) {
+// What of a texel's channels a texture without alpha holds; blocks have their part of one. Zstandard's may be any.
+double texture_bytes(Depth depth, const WriteOptions& o) {
+  if (o.zstd) return 0;
   const TexelFormat& format = format_of(texels_of(depth));
   return double(format.bytes) * std::min(3, format.channels) / (format.channels * format.side * format.side);
 }
@@ -98,7 +99,7 @@ constexpr FileFormat ktx_of_2020{
           write_ktx2(f, levels, {p.texels, p.cube, p.zstd, p.colour}, key_values(p.data, p.pairs), progress);
         },
     .names = [](const Primaries& p) { return khr_colour(p, Curve::linear).has_value(); },
-    .least_bytes = [](Depth depth, const WriteOptions& o) { return o.zstd ? 0 : texture_bytes(depth); },
+    .least_bytes = texture_bytes,
 };
 constexpr FileFormat ktx_of_2010{
     .name = "ktx",
@@ -114,7 +115,7 @@ constexpr FileFormat ktx_of_2010{
         [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p, const Progress& progress) {
           write_ktx1(f, levels, p.texels, p.cube, key_values(p.data, p.pairs), progress);
         },
-    .least_bytes = [](Depth depth, const WriteOptions&) { return texture_bytes(depth); },
+    .least_bytes = texture_bytes,
 };
 constexpr FileFormat directx{
     .name = "dds",
@@ -127,7 +128,7 @@ constexpr FileFormat directx{
     .open = [](Image& i, const ImageChoice&) { i.texture = open_dds(*i.file); },
     .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p,
                 const Progress& progress) { write_dds(f, levels, p.texels, p.cube, progress); },
-    .least_bytes = [](Depth depth, const WriteOptions&) { return texture_bytes(depth); },
+    .least_bytes = texture_bytes,
 };
 constexpr FileFormat babylon{
     .name = "env",

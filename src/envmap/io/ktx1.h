@@ -17,7 +17,7 @@ namespace envmap {
 inline constexpr std::string_view ktx1_mark{"\xabKTX 11\xbb\r\n\x1a\n", 12};
 
 /// All levels, the largest first in the file, with KTXorientation "S=r,T=d" and KTXwriter.
-/// @param cube whether the pages are columns of faces in the API's orientation. @param pairs go into the file besides.
+/// @param cube whether the levels are columns of faces in the API's orientation. @param pairs go into the file besides.
 /// @param progress may be empty.
 void write_ktx1(OutputFile& file, std::span<const Atlas> levels, Texels texels, bool cube, const KeyValues& pairs,
                 const Progress& progress);

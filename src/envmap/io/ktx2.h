@@ -19,7 +19,7 @@ inline constexpr std::string_view ktx2_mark{"\xabKTX 20\xbb\r\n\x1a\n", 12};
 
 struct Ktx2Options {
   Texels texels = Texels::rgba16f;
-  bool cube = false;  ///< The pages are columns of faces in the API's orientation.
+  bool cube = false;  ///< The levels are columns of faces in the API's orientation.
   bool zstd = false;
   KhrColour colour = {1, khr_linear};
 };

@@ -53,8 +53,8 @@ T read_as(const InputFile& file, std::uint64_t offset) {
 }
 
 /// Rows of an image as the file holds them, made in parallel.
-/// @param page one image. @param begin a multiple of a block's side;
-/// it and `end` tell which rows of the page `from` is.
+/// @param atlas one image. @param begin a multiple of a block's side;
+/// it and `end` tell which rows of the image `from` is.
 void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int end, std::span<const Colour> from,
                  std::vector<std::byte>& to);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/offscreen/mirror_painter.h"
 #include "envmap/render/raycast.h"
 
 namespace envmap {
@@ -10,11 +11,9 @@ namespace envmap {
 std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, const std::vector<Mirror>& mirrors,
                                          const Eye& eye, const MirrorOptions& drawing) {
   Mirrors maps(shot.scene, mirrors);
-  maps.update(renderer, shot, {eye.viewer}, drawing, [](const std::string&) {});
   Shot with_maps = shot;
   with_maps.look.pictures = drawing.bounces.value_or(shot.look.pictures);
-  with_maps.mirrors = maps.maps();
-  return draw_picture(renderer, eye.from, with_maps);
+  return draw_through_maps(renderer, maps, with_maps, {eye}, drawing, [](const std::string&) {}).front();
 }
 
 namespace {

@@ -26,10 +26,15 @@ bool LitScene::is_dark(const std::optional<Colour>& ambient) const {
 }
 
 std::vector<std::string> LitScene::remarks(const std::optional<Colour>& ambient) const {
-  std::vector<std::string> all = scene.remarks;
-  for (const std::string& what : scene.unsupported) all.push_back("not drawn: " + what);
+  std::vector<std::string> all = remarks_on(scene);
   if (is_dark(ambient))
     all.push_back("no light in it and none given, so it is black: give an environment or ambient light");
+  return all;
+}
+
+std::vector<std::string> remarks_on(const Scene& scene) {
+  std::vector<std::string> all = scene.remarks;
+  for (const std::string& what : scene.unsupported) all.push_back("not drawn: " + what);
   return all;
 }
 

@@ -30,9 +30,12 @@ struct LitScene {
   /// Whether nothing lights it.
   [[nodiscard]] bool is_dark(const std::optional<Colour>& ambient) const;
 
-  /// What of the file is not drawn, and whether it is black, in sentences.
+  /// remarks_on(), and whether it is black.
   [[nodiscard]] std::vector<std::string> remarks(const std::optional<Colour>& ambient) const;
 };
+
+/// What of the file is missing or not drawn, in sentences.
+std::vector<std::string> remarks_on(const Scene& scene);
 
 /// With its first level, which is copied. @param environment may be null.
 LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, double time,

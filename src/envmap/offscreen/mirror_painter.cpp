@@ -4,18 +4,24 @@
 
 namespace envmap {
 
+std::vector<std::vector<Colour>> draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot,
+                                                   const std::vector<Eye>& eyes, const MirrorOptions& drawing,
+                                                   const std::function<void(const std::string&)>& tell) {
+  std::vector<Viewer> viewers;
+  for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
+  maps.update(renderer, shot, viewers, drawing, tell);
+  shot.mirrors = maps.maps();
+  std::vector<std::vector<Colour>> pictures;
+  for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer, eye.from, shot));
+  return pictures;
+}
+
 std::vector<std::vector<Colour>> MirrorPainter::paint(Shot shot, const std::vector<int>& moved,
                                                       const std::vector<Eye>& eyes, MirrorOptions drawing,
                                                       const std::function<void(const std::string&)>& tell) {
   for (const int mesh : moved) renderer_.update(shot.scene, mesh);
-  std::vector<Viewer> viewers;
-  for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
   drawing.moved = !moved.empty();
-  maps_.update(renderer_, shot, viewers, drawing, tell);
-  shot.mirrors = maps_.maps();
-  std::vector<std::vector<Colour>> pictures;
-  for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer_, eye.from, shot));
-  return pictures;
+  return draw_through_maps(renderer_, maps_, std::move(shot), eyes, drawing, tell);
 }
 
 std::vector<EnvironmentMap> MirrorPainter::maps() const {

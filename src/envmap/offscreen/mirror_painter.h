@@ -13,6 +13,11 @@
 
 namespace envmap {
 
+/// A picture for each eye, after the maps are drawn as far as the eyes need them. @param tell a line for each map.
+std::vector<std::vector<Colour>> draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot,
+                                                   const std::vector<Eye>& eyes, const MirrorOptions& drawing,
+                                                   const std::function<void(const std::string&)>& tell);
+
 /// Makes the OpenGL context that it draws with: it lives in one thread.
 class MirrorPainter {
  public:
@@ -22,8 +27,7 @@ class MirrorPainter {
   [[nodiscard]] const Context& context() const { return context_; }
   [[nodiscard]] Renderer& renderer() { return renderer_; }
 
-  /// A picture for each eye. @param moved meshes whose vertices are others than in the last shot.
-  /// @param tell a line for each map.
+  /// draw_through_maps(). @param moved meshes whose vertices are others than in the last shot.
   [[nodiscard]] std::vector<std::vector<Colour>> paint(Shot shot, const std::vector<int>& moved,
                                                        const std::vector<Eye>& eyes, MirrorOptions drawing,
                                                        const std::function<void(const std::string&)>& tell);

@@ -5,6 +5,7 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/offscreen/check_drawing.h"
 #include "envmap/offscreen/lit_scene.h"
 #include "envmap/offscreen/own_thread.h"
 #include "envmap/render/choose.h"
@@ -18,16 +19,10 @@ namespace {
 
 void check(const RenderOptions& o) {
   check(limits::size, o.size);
-  envmap::check({"samples", 1, 1024}, o.samples);
-  envmap::check({"occlusion", 0, max_distant_lights}, o.occlusion);
-  envmap::check({"near_metres", 1e-9, 1e9}, o.near_metres);
-  envmap::check({"far_metres", 1e-9, 1e12}, o.far_metres);
-  if (o.near_metres >= o.far_metres) throw UsageError("near_metres must be less than far_metres");
+  check_drawing(o, o.method == DrawMethod::raycast);
   if (!can_draw(o.method, o.to.projection))
     throw UsageError(fmt::format("method '{}' cannot draw {} maps: resample or raycast can",
                                  draw_method_names[std::size_t(o.method)], name(o.to.projection)));
-  if (o.method == DrawMethod::raycast && o.context != ContextKind::automatic)
-    throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");
 }
 
 Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose, const std::string& path) {

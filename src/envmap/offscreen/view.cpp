@@ -5,6 +5,7 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/offscreen/check_drawing.h"
 #include "envmap/offscreen/choose_maps.h"
 #include "envmap/offscreen/choose_mirrors.h"
 #include "envmap/offscreen/lit_scene.h"
@@ -24,26 +25,18 @@ void check_map(Projection map) {
 void check(const ViewOptions& o) {
   envmap::check({"width", 1, 16384}, o.width);
   envmap::check({"height", 1, 16384}, o.height);
-  envmap::check({"samples", 1, 1024}, o.samples);
-  envmap::check({"occlusion", 0, max_distant_lights}, o.occlusion);
   envmap::check({"lobe_samples", 0, 65536}, o.lobe_samples);
   envmap::check({"largest_map", 4, 8192}, o.largest_map);
-  envmap::check({"near_metres", 1e-9, 1e9}, o.near_metres);
-  envmap::check({"far_metres", 1e-9, 1e12}, o.far_metres);
   if (o.map_size != 0) envmap::check({"map_size", 4, 8192}, o.map_size);
   if (o.vertical_field_degrees) envmap::check({"vertical_field_degrees", 0.01, 179}, *o.vertical_field_degrees);
   if (o.bounces) envmap::check({"bounces", 1, 64}, *o.bounces);
   if (o.max_error) envmap::check({"max_error", 1e-6, 10}, *o.max_error);
-  if (o.near_metres >= o.far_metres) throw UsageError("near_metres must be less than far_metres");
   check_map(o.maps);
   for (const MirrorWish& wish : o.mirrors) check_map(wish.map.value_or(o.maps));
-  if (o.method != ViewMethod::raycast) {
-    if (o.lobe_samples > 0) throw UsageError("lobe_samples is for the method 'raycast'");
-    return;
-  }
-  if (o.context != ContextKind::automatic)
-    throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");
-  if (o.max_error) throw UsageError("max_error chooses maps, which the method 'raycast' does not draw");
+  const bool by_rays = o.method == ViewMethod::raycast;
+  if (o.lobe_samples > 0 && !by_rays) throw UsageError("lobe_samples is for the method 'raycast'");
+  check_drawing(o, by_rays);
+  if (o.max_error && by_rays) throw UsageError("max_error chooses maps, which the method 'raycast' does not draw");
 }
 
 // One picture, and what it is made of.

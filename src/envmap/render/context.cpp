@@ -60,17 +60,9 @@ struct OsMesaContext : Base {
   std::array<GLubyte, 4> pixel{};  // All drawing goes to framebuffer objects, but there must be one.
 
   OsMesaContext() {
-    constexpr std::array<int, 11> wanted{osmesa::format,
-                                         osmesa::rgba,
-                                         osmesa::depth_bits,
-                                         0,
-                                         osmesa::profile,
-                                         osmesa::core_profile,
-                                         osmesa::major_version,
-                                         4,
-                                         osmesa::minor_version,
-                                         5,
-                                         0};
+    constexpr std::array<int, 11> wanted{osmesa::format,        osmesa::rgba,         osmesa::depth_bits,    0,
+                                         osmesa::profile,       osmesa::core_profile, osmesa::major_version, 4,
+                                         osmesa::minor_version, 5,                    0};
     context = mesa.create(wanted.data(), nullptr);
     if (context == nullptr) throw RendererError("OSMesa gives no OpenGL 4.5 core context");
     if (mesa.make_current(context, pixel.data(), GL_UNSIGNED_BYTE, 1, 1) != GL_TRUE) {
@@ -227,7 +219,7 @@ Context::Context(ContextKind kind) {
 
 bool finds_graphics_card() {
   try {
-    return !Context(ContextKind::egl).on_processor();
+    return !Egl().devices().cards.empty() && !Context(ContextKind::egl).on_processor();
   } catch (const RendererError&) {
     return false;
   }

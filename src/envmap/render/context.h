@@ -10,7 +10,8 @@
 
 namespace envmap {
 
-/// Whether `automatic` would draw on a graphics card. Opens a context and closes it: no other may be current.
+/// Whether `automatic` would draw on a graphics card. Where EGL lists one, it opens a context and closes it: no other
+/// may be current.
 bool finds_graphics_card();
 
 /// Current on the thread that made it, from then on; nothing of GL may be called on another one. GL's functions (gl.h)

@@ -25,6 +25,14 @@ void leave_out_neighbours(std::vector<float>& all) {
   std::ranges::reverse(all);
 }
 
+// Rising.
+std::vector<float> even_steps() {
+  std::vector<float> steps;
+  for (float r = 1; r > 0.99F * least_step; r /= 1.3F) steps.push_back(r);
+  std::ranges::reverse(steps);
+  return steps;
+}
+
 }  // namespace
 
 std::vector<float> glossy_roughnesses(const Scene& scene, int node) {
@@ -36,10 +44,12 @@ std::vector<float> glossy_roughnesses(const Scene& scene, int node) {
       add_roughnesses(scene.materials[std::size_t(material)], all, varies);
   }
   leave_out_neighbours(all);
-  std::vector<float> steps;
-  for (float r = 1; r > 0.99F * least_step; r /= 1.3F) steps.push_back(r);
-  if (all.size() + (varies ? steps.size() : 0) > max_glossy_levels) return leave_out_neighbours(steps), steps;
-  if (varies || all.empty()) all.insert(all.end(), steps.begin(), steps.end()), leave_out_neighbours(all);
+  const std::vector<float> steps = even_steps();
+  if (all.size() + (varies ? steps.size() : 0) > max_glossy_levels) return steps;
+  if (varies || all.empty()) {
+    all.insert(all.end(), steps.begin(), steps.end());
+    leave_out_neighbours(all);
+  }
   return all;
 }
 

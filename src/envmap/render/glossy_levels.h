@@ -13,7 +13,7 @@ namespace envmap {
 inline constexpr int max_glossy_levels = 24, glossy_size = 64;
 
 /// Where no scene is known.
-inline const std::vector<float> even_roughnesses{0.2F, 0.4F, 0.6F, 0.8F, 1};
+inline std::vector<float> even_roughnesses() { return {0.2F, 0.4F, 0.6F, 0.8F, 1}; }
 
 /// Of base and coat where they are not smooth (is_smooth()), rising, above 0. Where textures tell a roughness, or a
 /// scene has more than fit, also a row of steps of 1.3. Never empty.

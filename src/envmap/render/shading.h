@@ -70,7 +70,7 @@ GlossyMix glossy_mix(const std::vector<float>& roughnesses, double roughness);
 /// What lies all round a scene: a map, and what it gives surfaces.
 struct Environment {
   explicit Environment(EnvironmentMap from, int size = glossy_size, const Progress& progress = {},
-                       const std::vector<float>& roughnesses = even_roughnesses)
+                       const std::vector<float>& roughnesses = even_roughnesses())
       : map(std::move(from)), lookup(map), light(environment_light(map, roughnesses, size, 4 * size, progress)) {}
 
   EnvironmentMap map;

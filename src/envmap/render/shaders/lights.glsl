@@ -3,6 +3,7 @@ struct Light {
   vec4 position;   // Of points and spots; w: its kind, an enumerator of PunctualLight::Kind in scene.h: POINT, SPOT, DIRECTIONAL.
   vec4 direction;  // That it shines in; w: its range, 0: no end.
   vec4 intensity;  // w: nothing.
-  vec4 cone;       // Of spots: cosines of the inner and the outer half angle. z: its first image (shadow_view.h); w: how many.
+  // Of spots: cosines of the inner and the outer half angle. z: its first image (shadow_view.h); w: how many.
+  vec4 cone;
 };
 layout(std430, binding = BUFFER_LIGHTS) readonly buffer Lights { Light lights[]; };

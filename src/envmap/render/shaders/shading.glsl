@@ -101,8 +101,8 @@ struct Base {
 
 Base base_of(ShadingPoint s, vec3 v) {
   float part = (s.ior - 1) / (s.ior + 1);
-  return Base(clamp(dot(s.normal, v), 1e-3, 1.0), s.base_colour.rgb, s.base_colour.rgb * (1 - s.metallic), vec3(part * part),
-              s.ior > 1 ? 1 : 0);
+  return Base(clamp(dot(s.normal, v), 1e-3, 1.0), s.base_colour.rgb, s.base_colour.rgb * (1 - s.metallic),
+              vec3(part * part), s.ior > 1 ? 1 : 0);
 }
 
 vec3 lit(Base b, ShadingPoint s, vec3 v, vec3 from) {

@@ -1,0 +1,24 @@
+/// @file
+/// What render() and view() check alike.
+#pragma once
+
+#include "envmap/base/bounds.h"
+#include "envmap/base/error.h"
+#include "envmap/render/distant_lights.h"
+#include "envmap/render/method.h"
+
+namespace envmap {
+
+/// @param options RenderOptions or ViewOptions. @param by_rays whether rays alone draw. @throws UsageError
+template <class Options>
+void check_drawing(const Options& options, bool by_rays) {
+  check({"samples", 1, 1024}, options.samples);
+  check({"occlusion", 0, max_distant_lights}, options.occlusion);
+  check({"near_metres", 1e-9, 1e9}, options.near_metres);
+  check({"far_metres", 1e-9, 1e12}, options.far_metres);
+  if (options.near_metres >= options.far_metres) throw UsageError("near_metres must be less than far_metres");
+  if (by_rays && options.context != ContextKind::automatic)
+    throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");
+}
+
+}  // namespace envmap
