@@ -71,8 +71,8 @@ def recipes(page):
 def prepare_recipes(folder):
     (folder / 'probes').mkdir()
     wrong = ''
-    for command in ('envmap generate sun probe.hdr --size 32 --radius 4 --value 100 --direction 1,2,1', 'envmap convert probe.hdr ball.hdr --to sphere --size 512',
-                    'oiiotool --create 1024x720 3 ball.hdr --paste +256+104 -o frame.hdr && rm ball.hdr',
+    for command in ('envmap generate sun probe.hdr --size 32 --radius 4 --value 100 --direction 1,2,1', 'envmap generate sky sky.hdr --size 256', 'envmap convert sky.hdr ball.hdr --to sphere --size 512',
+                    'oiiotool ball.hdr --create 1024x720 3 --paste +256+104 -o frame.hdr && rm ball.hdr',
                     'for k in a b; do envmap convert probe.hdr probes/$k.hdr --size 16; done'):
         wrong += run(command, folder)
     return wrong

@@ -180,6 +180,41 @@ TEST_F(Formats, AreTurnedUpright) {
   EXPECT_EQ(difference(load(path("a.exr")), load(path("b.exr"))), 0);
 }
 
+// XPosition and YPosition of TIFF say where its texels lie in an image whose size Pixar's tags tell.
+TEST_F(Formats, TiffHasADataWindowAsExrHas) {
+  const Picture whole = latlong_directions(16);
+  Picture part = Picture::filled(12, 10);
+  for (int j = 0; j < 10; ++j) std::copy(whole.at(5, j + 3), whole.at(17, j + 3), part.at(0, j));
+  OIIO::ImageSpec spec(12, 10, 3, OIIO::TypeDesc::FLOAT);
+  spec.x = 5, spec.y = 3, spec.full_width = 32, spec.full_height = 16;
+  for (const int rows : {0, 16}) {  // In lines, or in tiles.
+    spec.tile_width = spec.tile_height = rows, spec.tile_depth = rows > 0 ? 1 : 0;
+    const auto out = OIIO::ImageOutput::create("w.tif");
+    ASSERT_TRUE(out && out->open(path("w.tif"), spec) && out->write_image(OIIO::TypeDesc::FLOAT, part.values.data()) &&
+                out->close());
+    const Result r = envmap({"convert", "w.tif", "out.pfm", "--from", "latlong"});
+    EXPECT_EQ(r.status, 0) << r.err;
+    EXPECT_NE(r.err.find("what is missing is black"), r.err.npos) << r.err;
+    const Picture read = load(path("out.pfm"));
+    ASSERT_EQ(read.width, 32);
+    for (int j = 0; j < 16; ++j)
+      for (int i = 0; i < 32; ++i) {
+        const bool there = i >= 5 && i < 17 && j >= 3 && j < 13;
+        for (int c = 0; c < 3; ++c) EXPECT_EQ(read.at(i, j)[c], there ? whole.at(i, j)[c] : 0) << i << ' ' << j;
+      }
+  }
+  // As a map of its own: a cube of 6 rows by 1.
+  spec.width = spec.full_width = 1, spec.height = 6, spec.full_height = 16, spec.tile_width = spec.tile_height = 0;
+  const Picture faces = Picture::filled(1, 6, 0.5F);
+  const auto out = OIIO::ImageOutput::create("w.tif");
+  ASSERT_TRUE(out && out->open(path("w.tif"), spec) && out->write_image(OIIO::TypeDesc::FLOAT, faces.values.data()) &&
+              out->close());
+  EXPECT_EQ(envmap({"convert", "w.tif", "out.exr", "--crop"}).status, 0);
+  EXPECT_EQ(load(path("out.exr")), faces);
+  save(path("a.hdr"), whole);
+  fails(2, {"convert", "a.hdr", "b.exr", "--crop"}, {"a.hdr", "EXR and TIFF"});
+}
+
 TEST_F(Formats, GoThroughPipes) {
   succeeds({"generate", "directions", "in.exr", "--size", "8"});
   const std::string in = envmap({"info", "in.exr"}).out, facts = in.substr(in.find("projection"));

@@ -58,7 +58,7 @@ TEST(Bc6h, OfEveryModeDecodesAsOpenImageIoDecodesIt) {
   for (const std::uint32_t dxgi : {95U, 96U}) {
     const std::vector<char> file = dds(blocks, dxgi, width, height);
     std::vector<float> theirs(std::size_t{3} * width * height);
-    formats().open("dds", "blocks.dds", file, false).read(0, 0, height, 0, 3, theirs);
+    formats().open("dds", "blocks.dds", file, false, false).read(0, 0, height, 0, 3, theirs);
     Image image;
     open_bytes(image, "blocks.dds", file);
     ASSERT_TRUE(image.texture);

@@ -632,7 +632,7 @@ TEST_F(Io, PngKeepsTexelsAndTextsInAnyLanguage) {
     writer.close();
     const std::vector<std::byte> bytes = file.bytes();
     const ImageReader reader =
-        formats().open("png", "a.png", {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, false);
+        formats().open("png", "a.png", {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, false, false);
     EXPECT_EQ(reader.facts.depth, depth);
     EXPECT_EQ(reader.facts.attributes.at(description), "a=1");
     EXPECT_EQ(reader.facts.attributes.at("Artist"), "Jürgen");

@@ -185,7 +185,7 @@ TEST(Radiance, WhatIsWrittenIsReadByOthers) {
       out.commit();
     }
     const InputFile ours(path);
-    const ImageReader own = open_radiance(ours), other = formats().open("hdr", path, {}, false);
+    const ImageReader own = open_radiance(ours), other = formats().open("hdr", path, {}, false, false);
     std::vector<Colour> a(picture.size()), b(picture.size());
     own.read(0, 0, height, 0, 3, {&a.data()->x, 3 * a.size()});
     other.read(0, 0, height, 0, 3, {&b.data()->x, 3 * b.size()});

@@ -57,7 +57,7 @@ std::string help_of(const Command& command, const Options& options, bool all) {
   for (std::size_t k = 0; k < (all ? groups.size() : std::min(groups.size(), short_groups)); ++k) {
     rows += fmt::format("{}:\n", groups[k]);
     for (const Option& o : options.rows)
-      if (!o.is_argument() && o.group == groups[k]) rows += beside(left_of(o), o.help);
+      if (!o.is_argument() && !o.folded && o.group == groups[k]) rows += beside(left_of(o), o.help);
   }
   const std::string rest = groups.size() > short_groups && !all ? "All options: --help. " : "";
   return fmt::format("{}\n{}{}{}More examples, value ranges and background: man envmap-{}\n", usage, rows,
@@ -70,8 +70,7 @@ std::string overview() {
       "Usage: envmap COMMAND [OPTIONS] ...\n"
       "Commands:\n";
   for (const Command& c : commands()) all += beside(fmt::format("  {}", c.name), text_of(c.name).summary);
-  return all +
-         "Options:\n" + beside("  -h, --help", "Print this help") +
+  return all + "Options:\n" + beside("  -h, --help", "Print this help") +
          beside("  --version", "Print the version, the libraries and the renderer") +
          "'envmap COMMAND -h' shows the main options of a command, 'envmap COMMAND --help' all of them.\n"
          "Manual: man envmap; recipes: man 7 envmap\n";

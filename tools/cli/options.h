@@ -79,6 +79,7 @@ struct Option {
   File file = File::none;
   Several several = Several::words;
   bool required = false;
+  bool folded = false;               ///< Has no line in --help: that of another option names it.
   std::string alone = {};            ///< The value of an option that is given without one.
   std::string environment = {};      ///< An environment variable that holds the value where the option is not given.
   std::string excludes = {};         ///< An option that may not stand beside this one.

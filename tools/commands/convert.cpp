@@ -19,6 +19,7 @@
 #include "shared/engine_options.h"
 #include "shared/grade.h"
 #include "shared/maps.h"
+#include "shared/photo.h"
 #include "shared/shard.h"
 #include "shared/turn.h"
 
@@ -41,6 +42,7 @@ struct Convert {
   WriteOptions write;
   GradeOptions grade;
   Shard shard;
+  PhotoOptions photo;
   std::optional<double> ball_distance, ball_fov;
   // Of pictures:
   std::optional<Direction> look_at;
@@ -50,11 +52,12 @@ struct Convert {
 };
 
 // Options that only maps have, or only pictures.
-constexpr std::array of_maps{"--for",      "--layout",       "--area-error",     "--max-error",   "--ball-distance",
-                             "--ball-fov", "--forward",      "--mirror",         "--add",         "--depth",
-                             "--border",   "--zstd",         "--openexr-envmap", "--compression", "--clamp",
-                             "--shard",    "--output-space", "--encoded",        "--max-memory"};
-constexpr std::array of_pictures{"--look-at", "--fov", "--width"};
+constexpr std::array of_maps{"--for",      "--layout",        "--area-error",     "--max-error",   "--ball-distance",
+                             "--ball-fov", "--forward",       "--mirror",         "--add",         "--depth",
+                             "--border",   "--zstd",          "--openexr-envmap", "--compression", "--clamp",
+                             "--shard",    "--output-space",  "--encoded",        "--max-memory",  "--circle",
+                             "--back",     "--circle-picture"};
+constexpr std::array of_pictures{"--look-at", "--width"};
 
 void refuse_options(const Options& options, bool picture) {
   const std::span<const char* const> others = picture ? std::span<const char* const>(of_maps) : of_pictures;
@@ -161,6 +164,14 @@ bool holds(const Convert& o, const Rounding& rounding, const Level& made, double
   return false;
 }
 
+// A map, or a photo that becomes one.
+Source read_input(const Convert& o, std::optional<Picture>& circle, Report& report) {
+  if (!o.photo.of) return read_map(o.input, o.read);
+  PhotoSource photo = read_photo(o.input, o.photo, o.read, report);
+  circle = std::move(photo.circle);
+  return std::move(photo.source);
+}
+
 // What the options say of the input's projection does not hold for a second map.
 EnvironmentMap read_added(const Convert& o) {
   ReadOptions read = o.read;
@@ -183,6 +194,8 @@ Rows displayed(const Convert& o, const Rows& rows) {
 }
 
 int run(Convert& o, Report& report) {
+  o.photo.field = o.fov;
+  settle(o.photo, o.read);
   if (o.to && !has_forward(*o.to)) o.read.assumed_forward = o.forward;  // The output has no axis to choose.
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
@@ -193,7 +206,8 @@ int run(Convert& o, Report& report) {
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
   if (engine) settle(*o.engine, *engine, o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.output, o.write, *o.to);
-  Source source = read_map(o.input, o.read);
+  std::optional<Picture> circle;
+  Source source = read_input(o, circle, report);
   if (source.levels > 1 && !o.one_level)
     warn(
         fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, and 'envmap mipmap' "
@@ -257,6 +271,7 @@ int run(Convert& o, Report& report) {
   if (max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
   const WriteOptions how = part_or_whole(o.shard, o.write, rows, made_of);
   report.put_written(o.output, write_map(o.output, mirrored({rows}, mirror), how, "convert"));
+  if (circle) write_circle(o.photo, *circle);
   if (engine)
     tell_frame(o.output, *o.engine, *engine);
   else
@@ -308,10 +323,11 @@ Action define_convert(Options& o) {
         "Use the fastest filter with errors in the file below E, or exit with 1");
   add_filter(o, c->convert.filter, "{} (default: auto)");
   o.add("--samples", "N", &c->samples, range_of(limits::samples),
-        "nearest, bilinear, bicubic: N x N samples per texel (default: 1; auto: 1 or 2)");
+        "nearest, bilinear, bicubic: N x N samples a texel (default: 1; auto: 1, 2)");
   o.add("--area-error", "E", &c->convert.area_error, range_of(limits::area_error),
         "Relative error at which 'area' stops (default: 1e-4; with auto 1e-3)");
   add_read_options(o, c->read);
+  add_photo_words(o, c->photo, c->read);
   add_repair(o, c->read);
   o.group = groups::colour;
   o.add("--add", "FILE", &c->added, "Add the light of another map, resampled to the input's texels").file = File::input;
@@ -320,16 +336,17 @@ Action define_convert(Options& o) {
   o["--scale-to"].excludes = "--exposure";
   add_display(o, c->display, Display::clip);
   add_output_space(o, c->write);
-  o.group = "Photo of a mirror ball (--from sphere)";
+  o.group = "Photo of a mirror ball (--from sphere) or by a fisheye lens (--from fisheye)";
+  add_circle(o, c->photo);
   o.add("--ball-distance", "R", &c->ball_distance, {BallCamera::nearest, BallCamera::farthest},
-        "Camera distance from the ball's centre in ball radii (default: infinite)");
-  o.add("--ball-fov", "DEGREES", &c->ball_fov, {1.2e-4, 157},
-        "Angle that the ball subtends at the camera, instead of --ball-distance")
-      .excludes = "--ball-distance";
+        "Camera distance in ball radii, or --ball-fov DEGREES (default: infinite)");
+  Option& field = o.add("--ball-fov", "DEGREES", &c->ball_fov, {1.2e-4, 157},
+                        "Angle that the ball subtends at the camera, instead of --ball-distance");
+  field.excludes = "--ball-distance", field.folded = true;
   o.group = "Camera view (--to perspective, fisheye or cylinder)";
   o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "World direction at the centre of the view (default: 0,0,1)");
   o.add("--fov", "DEGREES", &c->fov, {0.01, 360},
-        "Vertical field of view (default: perspective 60, fisheye 180, cylinder 90)");
+        "Field of view (default: perspective 60, cylinder 90, fisheye in or out 180)");
   o.add("--width", "N", &c->width, range_of(limits::picture_width),
         "Width, with --size as height (default: height 480, width by projection)");
   add_shard(o, "convert", c->shard);
@@ -337,6 +354,7 @@ Action define_convert(Options& o) {
   return [c, &o](Report& report) {
     c->one_level = o.given("--level");
     refuse_options(o, c->lens.has_value());
+    if (c->lens && c->photo.of) throw UsageError("a photo becomes a map first: convert that map to a picture");
     if (c->lens) return run_photograph(*c, report);
     c->convert.samples = c->samples.value_or(1);
     return run(*c, report);

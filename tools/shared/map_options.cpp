@@ -91,7 +91,7 @@ void add_read_options(Options& o, ReadOptions& r) {
   o.add("--layer", "LAYER", &r.choice.layer, "EXR: read LAYER.R, LAYER.G and LAYER.B");
   o.add("--channels", "R,G,B", &r.choice.channels, "EXR: read these channels as R, G and B, or one channel as grey")
       .excludes = "--layer";
-  o.flag("--crop", r.choice.crop, "EXR: read the data window as the whole image");
+  o.flag("--crop", r.choice.crop, "EXR, TIFF: read the data window as the whole image");
   o.flag("--ignore-envmap-attribute", r.ignore_envmap_attribute,
          "Treat samples as texel centres, against the envmap attribute");
   add_max_pixels(o, r);

@@ -12,6 +12,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
+#include "envmap/io/read_photo.h"
 #include "envmap/io/write_plan.h"
 #include "shared/named_files.h"
 
@@ -118,9 +119,10 @@ void commit_depfile() {
 
 PendingDepfile::~PendingDepfile() { depfile() = {}; }
 
-Source read_map(const std::string& path, const ReadOptions& options) {
-  const Stopwatch watch;
-  Source source = read(path, options);
+namespace {
+
+// @param watch started before the file was read.
+void tell_source(const std::string& path, const Source& source, const Stopwatch& watch) {
   if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
   settings().also_read.insert(settings().also_read.end(), source.colour_files.begin(), source.colour_files.end());
   for (const std::string& what : source.notes) warn(fmt::format("{}: {}", path, what));
@@ -131,6 +133,21 @@ Source read_map(const std::string& path, const ReadOptions& options) {
                        level.height(), level.faces() > 1 ? fmt::format(" x {} faces", level.faces()) : "",
                        source.format, name(source.depth), watch.seconds()));
   }
+}
+
+}  // namespace
+
+Source read_map(const std::string& path, const ReadOptions& options) {
+  const Stopwatch watch;
+  Source source = read(path, options);
+  tell_source(path, source, watch);
+  return source;
+}
+
+Source read_picture(const std::string& path, const ReadOptions& options) {
+  const Stopwatch watch;
+  Source source = read_photo(path, options);
+  tell_source(path, source, watch);
   return source;
 }
 

@@ -13,6 +13,8 @@ namespace tools {
 
 /// Reads a map. Says what was repaired, assumed or left out.
 envmap::Source read_map(const std::string& path, const envmap::ReadOptions& options);
+/// The same of an image that is no map: its level holds the pixels.
+envmap::Source read_picture(const std::string& path, const envmap::ReadOptions& options);
 
 /// Makes and writes a map with its levels, and the depfile. Says how many texels were clamped.
 /// @param verb for the progress line.

@@ -55,7 +55,7 @@ constexpr FileFormat openexr{
     .frame = true,
     .levels = true,
     .abilities = FileFormat::compression | FileFormat::envmap_mark | FileFormat::row_range | FileFormat::picture |
-                 FileFormat::table | FileFormat::encoded_values,
+                 FileFormat::table | FileFormat::encoded_values | FileFormat::parts | FileFormat::window,
     .open = [](Image& i, const ImageChoice& choice) { i.reader = open_openexr(*i.file, choice); },
     .create = create_openexr,
     .least_bytes = openexr_bytes,
@@ -195,7 +195,7 @@ constexpr FileFormat table[] = {
     gltf_light,
     other(
         "tiff", "TIFF", tiff, all_of_tiff, [](Head h) { return h.starts_with("II") || h.starts_with("MM"); }, true,
-        FileFormat::table),
+        FileFormat::table | FileFormat::window),
     portable_network,
     other("pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }),
     other(

@@ -35,6 +35,8 @@ struct FileFormat {
     picture = 16,         ///< write_picture().
     table = 32,           ///< write_table().
     encoded_values = 64,  ///< Can say that its values are not linear.
+    parts = 128,          ///< ImageChoice::part, layer and channels.
+    window = 256,         ///< ImageChoice::crop.
   };
 
   std::string_view name;   ///< As OpenImageIO names it, and info does.

@@ -12,10 +12,10 @@ namespace envmap {
 
 struct Formats {
   /// @param format as OpenImageIO names it. @param bytes what is read; if empty the file of that name.
-  /// @param straight_alpha whether colours stay as stored, not multiplied by alpha.
+  /// @param straight_alpha whether colours stay as stored, not multiplied by alpha. @param crop as ImageChoice has it.
   /// @throws InputError without the file's name.
   ImageReader (*open)(const std::string& format, const std::string& path, std::span<const char> bytes,
-                      bool straight_alpha);
+                      bool straight_alpha, bool crop);
   /// For make_writer(), one level: throws OutputError without the file's name.
   ImageWriter (*create)(OutputFile& file, const std::string& extension, const ImagePlan& plan);
 };

@@ -45,8 +45,10 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
   const std::string unread = "not an image that can be read: ";
   if (!known) image.fail(unread + "none of " + readable_formats());
   const std::string format(known->name);
-  if (!choice.empty() && format != "openexr")
-    throw UsageError(image.name, "parts, layers, channels and windows are chosen of EXR files alone");
+  if (choice.of_part() && !known->can(FileFormat::parts))
+    throw UsageError(image.name, "parts, layers and channels are chosen of EXR files alone");
+  if (choice.crop && !known->can(FileFormat::window))
+    throw UsageError(image.name, "only EXR and TIFF files have a data window that could be read alone");
   naming(image, "", [&] {
     file.read_all();
     image.size = file.size();
@@ -59,7 +61,7 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
   naming(image, unread, [&] {
     if (!image.reader) {
       if (path.empty()) file.hold();
-      image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture);
+      image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture, choice.crop);
       check_tiles(image.reader->facts);
     }
     // The coordinates of a texture count from its first texel, whatever way a camera was held.

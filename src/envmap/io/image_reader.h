@@ -63,9 +63,9 @@ struct ImageChoice {
   std::string part = {};      ///< Its name, or its number from 0; else the first.
   std::string layer = {};     ///< The channels LAYER.R, LAYER.G and LAYER.B.
   std::string channels = {};  ///< Three names with commas between them, or one for grey.
-  bool crop = false;     ///< The data window as the whole image, whatever the display window is.
+  bool crop = false;          ///< The data window as the whole image, whatever the display window is.
 
-  [[nodiscard]] bool empty() const { return part.empty() && layer.empty() && channels.empty() && !crop; }
+  [[nodiscard]] bool of_part() const { return !part.empty() || !layer.empty() || !channels.empty(); }
 };
 
 struct ImageReader {

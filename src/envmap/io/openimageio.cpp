@@ -103,7 +103,8 @@ struct Input {
       : memory(const_cast<char*>(bytes.data()), bytes.size()), reader(OIIO::ImageInput::create(format)) {}
 };
 
-ImageReader open(const std::string& format, const std::string& path, std::span<const char> bytes, bool straight_alpha) {
+ImageReader open(const std::string& format, const std::string& path, std::span<const char> bytes, bool straight_alpha,
+                 bool crop) {
   use_our_threads();
   const SilentLibraries silent(true);
   const auto in = std::make_shared<Input>(bytes, format);
@@ -128,7 +129,9 @@ ImageReader open(const std::string& format, const std::string& path, std::span<c
   if (spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x &&
       spec.full_y == spec.y)
     return reader;
-  reader.facts.notes.emplace_back("its data window is not its display window: what is missing is black");
+  reader.facts.notes.push_back(std::string("its data window is not its display window: ") +
+                               (crop ? "the data window is read as the whole image" : "what is missing is black"));
+  if (crop) return reader;
   return in_window(std::move(reader), {std::int64_t{spec.x} - spec.full_x, std::int64_t{spec.y} - spec.full_y,
                                        spec.full_width, spec.full_height});
 }

@@ -15,6 +15,7 @@
 #include "envmap/io/metadata.h"
 #include "envmap/io/path.h"
 #include "envmap/io/read_colours.h"
+#include "envmap/io/read_photo.h"
 #include "envmap/io/settle_flaws.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/atlas.h"
@@ -102,10 +103,8 @@ std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
   return texels * sizeof(Colour) > max_memory / 2 ? max_memory : 0;
 }
 
-// A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
-// can promise anything.
-Level read_pixels(Image& image, int stored, const Channels& channels, const DetectedLayout& base, int number,
-                  std::size_t max_memory, const Progress& progress) {
+// Of a level of the map, `stored` by that number in the file.
+FaceSize face_in(const Image& image, int stored, const DetectedLayout& base, int number) {
   const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
   FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
@@ -117,6 +116,15 @@ Level read_pixels(Image& image, int stored, const Channels& channels, const Dete
   if (facts.width < places.columns * face.width || facts.height < places.rows * face.height)
     image.fail(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, facts.width, facts.height,
                            face.width, face.height));
+  return face;
+}
+
+// A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
+// can promise anything.
+Level read_pixels(Image& image, int stored, const Channels& channels, const DetectedLayout& base, const FaceSize& face,
+                  std::size_t max_memory, const Progress& progress) {
+  const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
+  const Grid places = grid(base.layout);
   // Whole rows of tiles; enough lines that every core decompresses.
   const int unit = facts.tile_width > 0 ? facts.tile_height : 16;
   const int band_rows = (std::max(128, unit) / unit) * unit;
@@ -165,7 +173,8 @@ DetectedLayout detect_layout(const Image& image, const ReadOptions& options, con
 Level read_level(Image& image, const ReadOptions& options, int stored, const DetectedLayout& base, int number,
                  const Progress& progress) {
   if (!image.texture)
-    return read_pixels(image, stored, choose_channels(image, options), base, number, options.max_memory, progress);
+    return read_pixels(image, stored, choose_channels(image, options), base, face_in(image, stored, base, number),
+                       options.max_memory, progress);
   try {
     return read_texture(*image.file, *image.texture, stored, base, number, options.drop_channels);
   } catch (const InputError& e) {
@@ -347,7 +356,30 @@ Source read_named(const std::string& name, const ReadOptions& options, const Run
   return carry_out(run, [&](const Progress& progress) { return settled(name, options, progress, take); });
 }
 
+// An image as it is, in a level that stands for no sphere.
+Source read_photo(Image& image, const ReadOptions& options, const Progress& progress) {
+  if (image.texture) image.fail("is a texture, not a photo");
+  Metadata recorded;
+  Source source = read_head(image, options, recorded);
+  source.provenance = recorded.provenance;
+  source.claimed = claimed_space(image, recorded, options.colour);
+  source.border_samples = false, source.levels = 1;
+  const FaceSize whole{source.image_width, source.image_height};
+  source.map.levels.push_back(read_pixels(image, 0, choose_channels(image, options),
+                                          {Projection::latlong, Layout::single, whole.height}, whole,
+                                          options.max_memory, progress));
+  return source;
+}
+
 }  // namespace
+
+Source read_photo(const std::string& path, const ReadOptions& options, const Run& run) {
+  return read_named(path == "-" ? "standard input" : path, options, run, [&](const Progress& progress) {
+    Image image;
+    open(image, path, options.choice);
+    return read_photo(image, options, progress);
+  });
+}
 
 Source read(const std::string& path, const ReadOptions& options, const Run& run) {
   return read_named(path == "-" ? "standard input" : path, options, run, [&](const Progress& progress) {
