@@ -113,6 +113,17 @@ TEST_F(Batch, JoinsShards) {
   EXPECT_EQ(read("whole.exr"), read("alone.exr"));
 }
 
+TEST_F(Batch, JoinsShardsOfAChain) {
+  std::string jobs;
+  for (int k = 1; k <= 3; ++k)
+    jobs += "prefilter a.hdr p" + std::to_string(k) + ".exr --lobe ggx --levels 3 --size 16 --shard " +
+            std::to_string(k) + "/3\n";
+  write("shards.txt", jobs + "merge p?.exr whole.ktx\n");
+  succeeds({"batch", "shards.txt", "-j", "2"});
+  succeeds({"prefilter", "a.hdr", "alone.ktx", "--lobe", "ggx", "--levels", "3", "--size", "16", "-q"});
+  EXPECT_TRUE(read("whole.ktx") == read("alone.ktx"));
+}
+
 TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   const auto refused = [&](const std::string& text, const std::vector<std::string>& words, int status = 2) {
     write("wrong.txt", text);

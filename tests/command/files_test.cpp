@@ -531,6 +531,17 @@ TEST_F(Memory, ALimitOnMemoryChangesNoByte) {
   succeeds({"mipmap", "sky.exr", "free.exr"});
   succeeds({"mipmap", "sky.exr", "held.exr", "--max-memory", "64M"});
   EXPECT_EQ(read("free.exr"), read("held.exr"));
+  for (const std::string from : {"sky.exr", "cube.exr"}) {
+    if (from == "cube.exr") succeeds({"convert", "sky.exr", from, "--to", "cube", "--size", "700"});
+    for (const std::string lobe : {"ggx", "charlie", "diffuse"}) {
+      std::vector<std::string> job{"prefilter", from, "free.exr", "--lobe", lobe, "--size", "8", "-q"};
+      if (lobe != "diffuse") job.insert(job.end(), {"--roughness", "0.25"});
+      succeeds(job);
+      job[2] = "held.exr", job.insert(job.end(), {"--max-memory", "64M"});
+      succeeds(job);
+      EXPECT_TRUE(read("free.exr") == read("held.exr")) << from << " " << lobe;
+    }
+  }
   fails(2, {"convert", "sky.exr", "none.exr", "--filter", "sat", "--max-memory", "64M"}, {"sat", "--max-memory"});
   fails(2, {"convert", "sky.exr", "none.exr", "--max-memory", "64X"}, {"--max-memory"});
   const Result nowhere = shell("TMPDIR=/nowhere \"$ENVMAP\" convert sky.exr none.exr --to cube --max-memory 64M");

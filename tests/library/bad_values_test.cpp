@@ -234,7 +234,12 @@ std::vector<Call> of_files() {
   add(calls, "write", "border", std::vector{-1, 1025}, [](int v) { (void)write("x.exr", sky(), {.border = v}); });
   for (const RowRange rows : {RowRange{-1, 2}, RowRange{3, 3}, RowRange{4, 2}, RowRange{0, 9}})
     calls.push_back(
-        {"write rows of a map", [=] { (void)write("x.exr", sky(), {.rows = rows}); }, "rows must lie within"});
+        {"write rows of a map", [=] { (void)write("x.exr", sky(), {.rows = {rows}}); }, "rows must lie within"});
+  calls.push_back({"write rows of more levels than there are",
+                   [] {
+                     (void)write("x.exr", sky(), {.rows = {{0, 2}, {0, 1}}});
+                   },
+                   "2 ranges of rows for 1 levels"});
   return calls;
 }
 

@@ -512,8 +512,14 @@ TEST_F(Io, FormatsDoWhatTheirRowsSay) {
       };
       EXPECT_EQ(writes({.compression = "zip"}), format.can(FileFormat::compression));
       EXPECT_EQ(writes({.openexr_envmap = true}), format.can(FileFormat::envmap_mark));
-      EXPECT_EQ(writes({.rows = RowRange{2, 4}}), format.can(FileFormat::row_range));
+      EXPECT_EQ(writes({.rows = {{2, 4}}}), format.can(FileFormat::row_range));
       EXPECT_EQ(writes({.zstd = true}), format.can(FileFormat::zstd));
+      write(file, rows_of(map), {});
+      const auto reads = [&](const ImageChoice& choice) {
+        return taken([&] { static_cast<void>(read(file, {.choice = choice})); });
+      };
+      EXPECT_EQ(reads({.part = "0"}), format.can(FileFormat::parts));
+      EXPECT_EQ(reads({.crop = true}), format.can(FileFormat::window));
       EXPECT_EQ(is_picture(file), format.can(FileFormat::picture));
       if (is_picture(file)) {
         EXPECT_TRUE(taken([&] { write_picture(file, 8, texels); }));

@@ -204,7 +204,7 @@ int run(Convert& o, Report& report) {
     throw UsageError(
         fmt::format("--max-error chooses the filter: remove {}", o.convert.filter ? "--filter" : "--samples"));
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
-  if (engine) settle(*o.engine, *engine, o.output, o.to, o.forward, o.write);
+  if (engine) settle(*o.engine, *engine, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.output, o.write, *o.to);
   std::optional<Picture> circle;
   Source source = read_input(o, circle, report);

@@ -2,11 +2,14 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/engine/baker.h"
+#include "envmap/io/file_format.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/shard.h"
 #include "envmap/operate/levels.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
+#include "shared/shard.h"
 
 namespace tools {
 namespace {
@@ -19,11 +22,20 @@ struct Request {
   WriteOptions write;
 };
 
+// What the name and --format say, or what the parts were asked for. An engine's parts are for its type of file alone.
+std::string format_of(const std::string& output, const WriteOptions& parts, const WriteOptions& said) {
+  const std::string type = said.format.empty() ? extension_of(output) : said.format;
+  if (!parts.format.empty() && !type.empty() && type != parts.format)
+    throw UsageError(output,
+                     fmt::format("the parts are of a .{} file: end the name in .{}", parts.format, parts.format));
+  return said.format.empty() && type.empty() ? parts.format : said.format;
+}
+
 // As the parts were asked for, but for what is said here.
-WriteOptions options_of(const WriteOptions& parts, const WriteOptions& said) {
+WriteOptions options_of(const std::string& output, const WriteOptions& parts, const WriteOptions& said) {
   WriteOptions o = parts;
-  o.format = said.format;
-  o.zstd = said.zstd;
+  o.format = format_of(output, parts, said);
+  if (said.zstd) o.zstd = true;
   if (said.layout) o.layout = said.layout;
   if (said.depth) o.depth = said.depth;
   if (said.clamp) o.clamp = true;
@@ -60,10 +72,13 @@ int run(Request& o) {
   const std::string& output = o.names.back();
   const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
   MergedShards joined = merge_shards(parts, o.read.max_pixels);
-  const WriteOptions how = options_of(joined.write, o.write);
+  const WriteOptions how = options_of(output, joined.write, o.write);
   check_promise(output, joined, how);
   add_levels(joined.map, joined.making, how.border);
-  write_map(output, all_rows_of(joined.map), how, "merge");
+  const auto mirror = MirroredAxis(std::max(0, index_of(joined.making["mirror"], mirrored_axis_names)));
+  if (mirror == MirroredAxis::y || (mirror != MirroredAxis::none && joined.map.projection() != Projection::cube))
+    throw InputError("the parts ask for what engines do not mirror: damaged");
+  write_map(output, mirrored(all_rows_of(joined.map), mirror), how, "merge");
   return 0;
 }
 

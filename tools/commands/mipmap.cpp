@@ -29,11 +29,12 @@ struct Request {
 };
 
 // A part of level 0: the other levels are made when it is joined with the others.
-void make_part(Request& o, const EnvironmentMap& map) {
+void make_part(Request& o, const EnvironmentMap& map, MirroredAxis mirror) {
   if (settings().json) throw UsageError("--json reports of all levels: leave it out with --shard");
   if (o.keep) throw UsageError("--shard makes level 0 alone, and merge the others anew: remove --keep");
   o.write.facts["whole-levels"] = std::to_string(o.levels);
   o.write.facts["whole-weights"] = weight_names[std::size_t(o.weights)];
+  leave_mirror_to_merge(o.write, mirror);
   const Rows rows = rows_of(map);
   write_map(o.output, rows, part_or_whole(o.shard, o.write, rows, digest(map)), "write");
 }
@@ -51,7 +52,8 @@ int run(Request& o, Report& report) {
   o.read.all_levels = o.keep;
   choose_working_space(o.read, o.write);
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
-  if (engine) settle(*o.engine, *engine, o.output, o.write);
+  if (engine) settle(*o.engine, *engine, o.shard.part ? "" : o.output, o.write);
+  const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
   Source source = read_map(o.input, o.read);
   if (engine) source.map = in_frame(std::move(source.map), engine->frame);
   EnvironmentMap& map = source.map;
@@ -59,7 +61,7 @@ int run(Request& o, Report& report) {
   o.write.provenance = source.provenance;
   if (o.keep) o.write.facts = source.facts;
   if (o.shard.part) {
-    make_part(o, map);
+    make_part(o, map, mirror);
     return 0;
   }
   check_output(o.output, o.write, map.projection(), o.levels != 1 && has_next(map.base()));
@@ -69,7 +71,7 @@ int run(Request& o, Report& report) {
     add_levels_with_border(map.levels, o.write.border, o.weights, o.levels);
   else
     add_levels(map.levels, o.weights, o.levels);
-  const std::vector<Rows> rows = mirrored(all_rows_of(map), engine ? engine->mirror : MirroredAxis::none);
+  const std::vector<Rows> rows = mirrored(all_rows_of(map), mirror);
   const Written written = write_map(o.output, rows, o.write, "write");
   if (engine)
     tell_frame(o.output, *o.engine, *engine);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cli/console.h"
@@ -171,17 +172,22 @@ void leave_to_prefilter(Request& o, const FileError& error) {
   }
 }
 
-// Of the one map that is made, what --shard leaves to this run.
-void choose_rows(const Request& o, const std::optional<Rounding>& rounding, std::vector<Prefilter>& wanted) {
+std::vector<int> sizes_of(const std::vector<Prefilter>& levels) {
+  std::vector<int> sizes;
+  for (const Prefilter& p : levels) sizes.push_back(p.size);
+  return sizes;
+}
+
+// Of each level, what --shard leaves to this run.
+void choose_rows(const Request& o, const std::optional<Rounding>& rounding, const WriteOptions& how,
+                 std::vector<Prefilter>& wanted) {
   if (!o.shard.part) return;
-  if (wanted.size() > 1) throw UsageError("--shard: use one command per level of a chain");
   if (!o.table.empty()) throw UsageError("--shard: use a separate command for --brdf-table");
   if (o.max_error && (!rounding || rounding->read_back))
     throw UsageError(
         "--shard: --max-error needs --depth float, because the rounding of other depths depends on the whole map");
-  Prefilter& p = wanted.front();
-  const Grid grid = part_grid(o.write, p.to);
-  p.rows = shown_rows(grid, p.size, band_of(grid.rows * p.size, *o.shard.part));
+  const Grid grid = part_grid(o.write, o.map.to);
+  for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k].rows = shown_rows(grid, wanted[k].size, how.rows[k]);
 }
 
 // What an engine's row settles: the frame and the file, and the roughness of its levels where no others were asked for.
@@ -193,7 +199,7 @@ const EngineMap* settle_engine(Request& o) {
         fmt::format("--for {0}: {1} makes rough and diffuse light itself: use 'envmap bake --for {0}', or "
                     "name a --lobe",
                     o.engine->name, o.engine->title));
-  settle(*o.engine, map, o.output, o.to, o.forward, o.write);
+  settle(*o.engine, map, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
   if (map.diffuse > 0 && !o.size) o.size = map.diffuse;
   if (!map.chain) return &map;
   if (o.scale)
@@ -231,10 +237,14 @@ EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted
         cube.base().height()));
   EnvironmentMap made{.levels = {}, .forward = o.map.forward};
   for (const Prefilter& p : wanted) {
+    if (!p.rows.empty() && std::ranges::find(p.rows, 1) == p.rows.end()) {  // Another part has them all.
+      made.levels.emplace_back(p.to, p.size);
+      continue;
+    }
     try {
       BakedLevel level =
           m.engine && is_mirror(p)
-              ? resample_level(m.source, {p.to, p.forward}, p.size, m.error, settings().verbose)
+              ? resample_level(m.source, {p.to, p.forward}, p.size, m.error, settings().verbose, p.rows)
               : make_level(prepared, p, m.error, settings().verbose, progress_line("prefilter " + words(p)));
       tell(p, level);
       add_level(report, p, level);
@@ -246,6 +256,21 @@ EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted
     }
   }
   return made;
+}
+
+// How to write the map, or this run's part of it. The first part has what the file holds beside texels.
+WriteOptions options_of(const Request& o, const Source& source, const EngineMap* engine,
+                        const std::vector<Prefilter>& levels) {
+  WriteOptions how = o.write;
+  how.facts = record(levels);
+  how.provenance = source.provenance;
+  if (o.scale) how.provenance.white_luminance.reset();
+  if (engine && (!o.shard.part || o.shard.part->index == 1))
+    how.pairs = irradiance_pairs(*engine, source.map, progress_line("spherical harmonics"));
+  if (!o.shard.part) return how;
+  if (o.max_error) how.facts["whole-max-error"] = "yes";
+  if (engine) leave_mirror_to_merge(how, engine->mirror);
+  return part_or_whole(o.shard, how, o.map.to, sizes_of(levels), digest(source.map));
 }
 
 int run(Request& o, Report& report) {
@@ -270,21 +295,16 @@ int run(Request& o, Report& report) {
   const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
   leave_to_prefilter(o, error);
   std::vector<Prefilter> wanted = levels_of(o);
-  choose_rows(o, error.rounding, wanted);
-  check_output(o.output, o.write, o.map.to, wanted.size() > 1);
+  const WriteOptions how = options_of(o, source, engine, wanted);
+  choose_rows(o, error.rounding, how, wanted);
+  check_output(o.output, how, o.map.to, wanted.size() > 1);
 
   report.put("input", o.input);
   report.put("lobe", name_of(o.map.shape));
   report.put("max_error", o.max_error.value_or(o.map.max_error));
   if (engine) add_frame(report, *o.engine, *engine);
   const EnvironmentMap made = make_levels({o, engine, source.map, error}, wanted, report);
-  o.write.facts = record(wanted);
-  o.write.provenance = source.provenance;
-  if (o.scale) o.write.provenance.white_luminance.reset();
-  if (engine) o.write.pairs = irradiance_pairs(*engine, source.map, progress_line("spherical harmonics"));
-  if (o.max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
-  const std::vector<Rows> rows = mirrored(all_rows_of(made), mirror);
-  const WriteOptions how = part_or_whole(o.shard, o.write, rows.front(), o.shard.part ? digest(source.map) : "");
+  const std::vector<Rows> rows = mirrored(all_rows_of(made), o.shard.part ? MirroredAxis::none : mirror);
   report.put_written(o.output, write_map(o.output, rows, how, "write"));
   if (!o.table.empty()) write_brdf_table(o);
   if (engine)
@@ -331,6 +351,7 @@ Action define_prefilter(Options& o) {
   add_repair(o, r->read);
   add_output_space(o, r->write);
   add_shard(o, "prefilter", r->shard);
+  add_max_memory(o, r->read);
   return [r](Report& report) { return run(*r, report); };
 }
 

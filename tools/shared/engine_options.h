@@ -33,7 +33,8 @@ const envmap::EngineMap& environment_of(const envmap::Engine& engine);
 const envmap::EngineMap& prefiltered_of(const envmap::Engine& engine, bool diffuse);
 
 /// Projection, forward axis, file type and depth of the engine's map, where nothing else was asked for. A depth that
-/// was asked for stays. @throws UsageError where another of the options contradicts.
+/// was asked for stays. @param output empty where the file is written by another command: 'envmap merge'.
+/// @throws UsageError where another of the options contradicts.
 void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output,
             std::optional<envmap::Projection>& to, std::optional<envmap::Forward>& forward,
             envmap::WriteOptions& write);

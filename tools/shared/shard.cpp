@@ -35,8 +35,8 @@ std::uint64_t hash_row(std::span<const Colour> row) {
 
 // Options that change no byte of the whole, or are another for each part.
 bool counts(const std::string& option) {
-  static const std::set<std::string> none{"--shard", "--threads", "--quiet",      "--verbose", "--json",
-                                          "--depfile", "--fsync",   "--if-changed", "--force", "--max-memory"};
+  static const std::set<std::string> none{"--shard",   "--threads", "--quiet",      "--verbose", "--json",
+                                          "--depfile", "--fsync",   "--if-changed", "--force",   "--max-memory"};
   return !none.contains(option);
 }
 
@@ -89,11 +89,20 @@ std::string digest(const EnvironmentMap& source) {
   return fmt::format("{:016x}", sum);
 }
 
-WriteOptions part_or_whole(const Shard& shard, const WriteOptions& whole, const Rows& rows, const std::string& source) {
+WriteOptions part_or_whole(const Shard& shard, const WriteOptions& whole, Projection projection,
+                           std::span<const int> sizes, const std::string& source) {
   if (!shard.part) return whole;
   if (out_of_working(whole.colour).apply)
     throw UsageError("--shard: parts hold linear values: choose a linear --output-space");
-  return part_options(whole, rows, *shard.part, job(shard, source));
+  return part_options(whole, projection, sizes, *shard.part, job(shard, source));
+}
+
+WriteOptions part_or_whole(const Shard& shard, const WriteOptions& whole, const Rows& rows, const std::string& source) {
+  return part_or_whole(shard, whole, rows.projection, std::span(&rows.size, 1), source);
+}
+
+void leave_mirror_to_merge(WriteOptions& part, MirroredAxis mirror) {
+  if (mirror != MirroredAxis::none) part.facts["whole-mirror"] = mirrored_axis_names[std::size_t(mirror)];
 }
 
 }  // namespace tools

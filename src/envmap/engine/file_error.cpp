@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "envmap/base/error.h"
-#include "envmap/map/rows.h"
+#include "envmap/map/atlas.h"
 #include "envmap/operate/measure.h"
 
 namespace envmap {
@@ -57,7 +57,7 @@ BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, co
 }
 
 BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size,
-                          const FileError& error, bool measure) {
+                          const FileError& error, bool measure, const std::vector<char>& rows) {
   ConvertOptions how{.to = frame, .size = size};
   if (error.asked) how.max_error = left_to_filter(error);
   const Resampler resampler(source, how);
@@ -69,7 +69,7 @@ BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std:
       throw AccuracyError(fmt::format("the error of the filter area is at least {:.1e}", made.done.error));
   }
   made.done.map.forward = frame.forward;
-  made.done.map.levels.push_back(level_of(resampler.rows()));
+  made.done.map.levels.push_back(level_of(some_rows(resampler.rows(), rows)));
   if (error.rounding && (measure || error.asked)) {
     const Level& level = made.done.map.base();
     made.rounded = rounding_error(*error.rounding, level, 0.001 * mean_radiance(level));

@@ -41,9 +41,10 @@ struct BakedLevel {
 BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, const FileError& error, bool measure,
                       const Progress& progress);
 
-/// The environment itself, resampled as `envmap convert` does. @throws AccuracyError as make_level().
+/// The environment itself, resampled as `envmap convert` does. @param rows which to make, as Prefilter::rows.
+/// @throws AccuracyError as make_level().
 BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size,
-                          const FileError& error, bool measure);
+                          const FileError& error, bool measure, const std::vector<char>& rows = {});
 
 /// "half, which rounds by up to 4.9e-04".
 std::string rounding_words(const Rounding& rounding, double rounded);

@@ -24,6 +24,7 @@
 #include "envmap/io/path.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/srgb.h"
+#include "envmap/io/stack.h"
 #include "envmap/io/texels.h"
 #include "envmap/io/texture.h"
 #include "envmap/io/write_plan.h"
@@ -59,24 +60,21 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
                  .provenance = data.provenance,
                  .compression = options.compression,
                  .icc_profile = is_integer(depth) ? profile_of(options.colour) : std::nullopt,
-                 .rows = options.rows,
                  .latlong_envmap = options.openexr_envmap && !cube,
                  .cube_envmap = options.openexr_envmap && cube};
+  if (!options.rows.empty())
+    for (const auto& [name, text] : options.pairs) plan.attributes[std::string(pair_prefix) + name] = text;
   double done = 0, all = 0;
   for (const Atlas& level : levels) {
     plan.levels.push_back({level.width(), level.height()});
     all += 1.0 * level.width() * level.height();
   }
-  if (options.rows)
-    if (const int height = levels[0].height();
-        options.rows->begin < 0 || options.rows->begin >= options.rows->end || options.rows->end > height)
-      throw UsageError(path, fmt::format("rows must lie within 0 to {}, not {} to {}", height, options.rows->begin,
-                                         options.rows->end));
+  if (options.rows.size() == 1) plan.rows = options.rows.front();
   const ImageWriter writer = make_writer(file, path, ext, plan);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const double part = 1.0 * levels[k].width() * levels[k].height();
     const Progress so_far = part_progress(progress, done / all, part / all);
-    for_each_band(levels[k], options.rows.value_or(RowRange{0, levels[k].height()}), so_far,
+    for_each_band(levels[k], plan.rows.value_or(RowRange{0, levels[k].height()}), so_far,
                   [&](int begin, int end, std::vector<Colour>& band) {
                     if (is_integer(depth) && options.colour.space.empty()) encode_srgb(band);
                     writer.write(int(k), begin, end, band);
@@ -222,7 +220,8 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   };
   const auto write_file = [&](const std::string& name, std::span<const Atlas> atlases, const Progress& part) {
     files.push_back(memory ? std::make_unique<OutputFile>() : std::make_unique<OutputFile>(name, options.commit));
-    if (files.size() == 1 && !options.rows) files.back()->expect(least_bytes(levels, format, done.depth, options));
+    if (files.size() == 1 && options.rows.empty())
+      files.back()->expect(least_bytes(levels, format, done.depth, options));
     try {
       write_into(name, atlases, part);
     } catch (const OutputError&) {
@@ -232,7 +231,13 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   };
   if (levels.size() > 1 && !has_level(path)) {
     if (!format.texture) data.levels = int(levels.size());
-    write_file(path, MipChain(rows, done.layout, !format.texture).atlases(), progress);
+    if (options.rows.empty()) {
+      write_file(path, MipChain(rows, done.layout, !format.texture).atlases(), progress);
+    } else {
+      const Rows stack = stacked(rows, grid(done.layout), options.rows);
+      const Atlas atlas{stack, {1, 1, {}}, 0};
+      write_file(path, std::span(&atlas, 1), progress);
+    }
   } else {
     const int count = done.layout == Layout::files ? faces(base.projection) : 1;
     for (std::size_t level = 0; level < levels.size(); ++level)
@@ -274,6 +279,19 @@ void check_sizes(const std::string& path, std::span<const Rows> levels) {
   }
 }
 
+// A range for each level. Sizes are those of the whole, whose border may be missing here.
+void check_rows(const std::string& path, std::span<const Rows> levels, const WriteOptions& options) {
+  if (options.rows.size() != levels.size())
+    throw UsageError(path, fmt::format("{} ranges of rows for {} levels", options.rows.size(), levels.size()));
+  const Grid places = grid(choose_layout(path, *format_with_extension("exr"), options, levels.front().projection));
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const auto [begin, end] = options.rows[k];
+    const int height = places.rows * levels[k].size;
+    if (begin < 0 || begin > end || end > height || (k == 0 && begin == end))
+      throw UsageError(path, fmt::format("rows must lie within 0 to {}, not {} to {}", height, begin, end));
+  }
+}
+
 }  // namespace
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
@@ -292,9 +310,9 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
     throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
   if (options.border > 0 && !is_octahedral(projection))
     throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
-  if (options.rows && (!format->can(FileFormat::row_range) || layout == Layout::files || levels ||
-                       options.openexr_envmap || options.border > 0))
-    throw UsageError(path, "rows of a map are written to one .exr file, without levels and borders");
+  if (!options.rows.empty() && (!format->can(FileFormat::row_range) || layout == Layout::files || has_level(path) ||
+                                options.openexr_envmap || options.border > 0))
+    throw UsageError(path, "rows of a map are written to one .exr file, without borders");
   check_compression(path, *format, options.compression);
   if (options.zstd && !format->can(FileFormat::zstd)) throw UsageError(path, "Zstandard is for .ktx2 files");
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
@@ -319,7 +337,10 @@ Written write_checked(const std::string& path, std::span<const Rows> levels, con
     check_sizes(path, all_rows_of(textures));
     return write_files(path, all_rows_of(textures), options, progress, memory);
   }
-  check_sizes(path, levels);
+  if (!options.rows.empty())
+    check_rows(path, levels, options);
+  else
+    check_sizes(path, levels);
   if (!options.openexr_envmap) return write_files(path, levels, options, progress, memory);
   if (levels.front().forward != Forward::plus_z)
     throw UsageError(path, "OpenEXR's envmap files have +z at the centre", Remedy::choose_plus_z);

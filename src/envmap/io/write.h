@@ -37,9 +37,9 @@ struct WriteOptions {
   std::map<std::string, std::string> pairs = {};
   CommitOptions commit = {};
   ColourOptions colour = {};  ///< Space of the values in the file; integers are sRGB where nothing is said.
-  /// Make and write these rows of the image alone: one EXR file, the rows its data window,
-  /// the image its display window.
-  std::optional<RowRange> rows = {};
+  /// Make and write these rows of the images alone, a range for each level: one EXR file. Of one level the rows are its
+  /// data window, and the image is its display window. Of several the ranges lie below one another, level 0's first.
+  std::vector<RowRange> rows = {};
   Provenance provenance = {};  ///< Of the map that this one was made of; formats hold what they can.
 };
 

@@ -42,6 +42,18 @@ std::vector<char> shown_rows(const Grid& grid, int size, const RowRange& rows) {
   return shown;
 }
 
+Rows some_rows(Rows rows, const std::vector<char>& wanted) {
+  if (wanted.empty()) return rows;
+  Rows some = rows;
+  some.fill = [rows = std::move(rows), wanted](int face, int row, std::span<Colour> out) {
+    if (wanted[std::size_t(face * rows.size + row)] != 0)
+      rows.fill(face, row, out);
+    else
+      std::ranges::fill(out, Colour(0));
+  };
+  return some;
+}
+
 void scatter(std::span<const Colour> rows, int width, int begin, int end, const Grid& grid, Level& level) {
   const int h = level.height();
   for (int f = 0; f < level.faces(); ++f) {

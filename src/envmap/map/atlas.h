@@ -27,6 +27,9 @@ struct Atlas {
 /// Which rows of the faces the image rows show: `size` for each face, in face order, true or false.
 std::vector<char> shown_rows(const Grid& grid, int size, const RowRange& rows);
 
+/// The rows wanted, `size` flags for each face; the others stay black. Empty: all.
+Rows some_rows(Rows rows, const std::vector<char>& wanted);
+
 /// The other way: image rows [begin, end), `width` texels each, into the faces.
 void scatter(std::span<const Colour> rows, int width, int begin, int end, const Grid& grid, Level& level);
 

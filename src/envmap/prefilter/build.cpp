@@ -1,11 +1,10 @@
-#include "envmap/prefilter/tree.h"
-
 #include <algorithm>
 #include <limits>
 
-#include "envmap/operate/measure.h"
 #include "envmap/base/parallel.h"
+#include "envmap/operate/measure.h"
 #include "envmap/prefilter/cell.h"
+#include "envmap/prefilter/tree.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/target.h"
 
@@ -17,6 +16,7 @@ Colour darkest_of(const Level& source) {
          Colour c(std::numeric_limits<float>::max());
          for (int face = 0; face < source.faces(); ++face)
            for (const Colour& texel : source.row(face, j)) c = glm::min(c, texel);
+         source.trim();
          return c;
        }))
     least = glm::min(least, row);
@@ -226,8 +226,7 @@ void Tree::Blocks::set_quads(int face, int j) {
   std::fill_n(to, halves(width), NodeQuad::none());
   for (int y = 2 * j; y < std::min(height, 2 * j + 2); ++y)
     for (int i = 0; i < width; ++i)
-      if (const Node& one = node(face, i, y); is_lit(one))
-        to[i / 2].set(std::size_t(2 * (y % 2) + i % 2), one);
+      if (const Node& one = node(face, i, y); is_lit(one)) to[i / 2].set(std::size_t(2 * (y % 2) + i % 2), one);
 }
 
 Tree::Tree(const Level& source, double mean, int parts) : source_(source), parts_(parts), mean_(mean), darkest_(0) {
@@ -241,9 +240,9 @@ Tree::Tree(const Level& source, double mean, int parts) : source_(source), parts
     for (int left = 0; left < width; left += at_once) {
       const SolidAngles omega(source,
                               {left, j * side, std::min(width, left + at_once), std::min(height, (j + 1) * side)});
-      for (int face = 0; face < faces; ++face)
-        set_blocks(*this, face, side, omega, lowest.row(face, j) + left / side);
+      for (int face = 0; face < faces; ++face) set_blocks(*this, face, side, omega, lowest.row(face, j) + left / side);
     }
+    source.trim();
   });
   for_each_row(faces, halves(lowest.height), {}, [&](int face, int j) { lowest.set_quads(face, j); });
   blocks_.push_back(std::move(lowest));

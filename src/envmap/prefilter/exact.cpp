@@ -6,8 +6,8 @@
 #include <numeric>
 #include <optional>
 
-#include "envmap/maths/sum.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/sum.h"
 #include "envmap/prefilter/border.h"
 #include "envmap/prefilter/exact_kernels.h"
 #include "envmap/projection/visit.h"
@@ -209,6 +209,7 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
     std::vector<std::array<Sum, 3>> totals(some.size());
     constexpr int band = 64;
     for (int start = 0; start < rows; start += band) {
+      source.trim();
       const auto found = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
         const int face = (start + k) / source.height(), row = (start + k) % source.height();
         return visit_source(source.projection(), [&](auto p) {
@@ -219,9 +220,7 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
       for (const auto& row : found)
         for (std::size_t k = 0; k < some.size(); ++k)
           for (int c = 0; c < 3; ++c) totals[k][std::size_t(c)].add(row[k][c]);
-      if (progress)
-        progress((double(first) + double(some.size()) * (start + band) / rows) /
-                 double(directions.size()));
+      if (progress) progress((double(first) + double(some.size()) * (start + band) / rows) / double(directions.size()));
     }
     for (std::size_t k = 0; k < some.size(); ++k)
       out[first + k] = {totals[k][0].value(), totals[k][1].value(), totals[k][2].value()};

@@ -186,6 +186,7 @@ Harmonics project(const EnvironmentMap& map, int order, const Run& run) {
     const int rows = level.faces() * level.height();
     constexpr int band = 64;  // Rows at once: their sums stay small however high the order.
     for (int start = 0; start < rows; start += band) {
+      level.trim();
       const auto parts = map_rows<std::vector<Flux>>(std::min(band, rows - start), [&](int k) {
         if (latlong) return (*latlong)(start + k);
         return prefiltering::visit_source(level.projection(), [&](auto p) {

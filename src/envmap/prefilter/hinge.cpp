@@ -270,6 +270,7 @@ void sum_all(const HingeSource<Grid>& source, const HingePolynomial& weight, std
   for (std::size_t k = 0; k < directions.size(); ++k) {
     const HingeSum sum = summation.over(directions[k], beside.empty() ? Flux(0) : beside[k] / mean);
     out[k] = {mean * sum.value, mean * sum.bound};
+    source.trim();
   }
 }
 

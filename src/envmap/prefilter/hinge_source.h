@@ -35,6 +35,8 @@ class HingeSource {
   };
 
   [[nodiscard]] int order() const { return order_; }
+  /// Leaves texels to the scratch file: Level::trim().
+  void trim() const { source_.trim(); }
   [[nodiscard]] const Grid& grid() const { return grid_; }
   /// From the finest to those that sums start from. Each has cells of twice the side of the level before.
   [[nodiscard]] std::span<const Cells> levels() const { return levels_; }

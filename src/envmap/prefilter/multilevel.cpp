@@ -148,6 +148,7 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
     if (plan.core) sum = core_sum(source.texels, source.darkest, *plan.core, directions[k]) / source.mean;
     for (const MultilevelPlan::Step& s : plan.steps) sum += gather(source.grids.grid(s.rows), s.kernel, view, room);
     smooth[k] = source.mean * sum + even;
+    source.texels.trim();
   }
   std::vector<HingeSum> hinges(directions.size());
   if (plan.has_hinges()) source.hinges->sums(plan.hinges, directions, plan.hinge_error, smooth, hinges);

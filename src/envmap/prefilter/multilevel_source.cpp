@@ -260,6 +260,7 @@ Planes of_latlong(const Level& source, double unit, const Colour& darkest, int r
           narrow[std::size_t(c)].resize(std::size_t(out.columns));
           across.apply(texels, narrow[std::size_t(c)]);
         }
+        source.trim();
       }
       for (int c = 0; c < 3; ++c) add_row(narrow[std::size_t(c)], term, out.row(to, c));
     }
@@ -350,6 +351,7 @@ Planes face_nodes(const Level& source, int face, const FaceSide& side, double un
     const FaceSide::Point& down = side.points[std::size_t(r)];
     for (std::size_t c = 0; c < 3; ++c)
       add_columns(side, source.row(face, r / many), down.at, unit * down.weight, darkest, c, narrow.row(r, int(c)));
+    source.trim();
   });
   tbb::parallel_for(0, out.rows, [&](int node) {
     for (int r = 0; r < narrow.rows; ++r) {

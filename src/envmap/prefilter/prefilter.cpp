@@ -18,6 +18,7 @@
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/map/atlas.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
@@ -63,7 +64,9 @@ void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& 
     // Its tolerance is not a bound where a side cuts a sun in two: choose_filter.h.
     how.area_error = 0.25 * done.error;
   }
-  done.map = convert(source, how);
+  const Rows rows = Resampler(source, how).rows();
+  done.map.forward = rows.forward;
+  done.map.base() = level_of(some_rows(rows, p.rows));
 }
 
 }  // namespace

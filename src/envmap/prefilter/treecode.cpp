@@ -220,7 +220,7 @@ void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target
     if (!rows.empty() && std::ranges::count(of_tiles(), 0) == h) return;
     double limit = 0.3 * max_error;  // Of the first tile of a row, as good as any.
     for (int x = 0; x < out.width(); x += tile_side)
-      fill_tile(job, face, x, y, std::min(tile_side, out.width() - x), h, limit);
+      fill_tile(job, face, x, y, std::min(tile_side, out.width() - x), h, limit), tree.source().trim();
   });
 }
 
