@@ -134,7 +134,9 @@ def main():
     tell('compare', 'latlong.exr', 'cube.exr', '--golden', '--max-flux', '0', '--max-rms', '0', statuses=(1,))
     tell('info', 'levels.exr', '--levels')
     tell('sh', 'latlong.exr', '--order', '3', '--window', 'hann')
-    run('generate', 'sun', 'sun.exr', '--to', 'latlong', '--size', '16')
+    tell('generate', 'sun', 'sun.exr', '--to', 'latlong', '--size', '16')
+    tell('generate', 'atmosphere', 'day.exr', '--size', '8')
+    tell('generate', 'atmosphere', 'night.exr', '--size', '8', '--elevation', '-90')
     assert tell('convert', 'sun.exr', 'out.exr', '--to', 'cube', '--size', '64', '--max-error', '1e-5', '--depth', 'float',
                 statuses=(0, 1))['error'] is not None
     tell('convert', 'largest.exr', 'out.exr', '--depth', 'half', '--clamp')

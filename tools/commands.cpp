@@ -10,9 +10,9 @@ std::span<const Command> commands() {
       // name, reports, writes
       {"convert", true, true, define_convert},     {"mipmap", true, true, define_mipmap},
       {"prefilter", true, true, define_prefilter}, {"sh", true, true, define_sh},
-      {"render", true, true, define_render},      {"view", false, true, define_view},
+      {"render", true, true, define_render},       {"view", false, true, define_view},
       {"info", true, false, define_info},          {"compare", true, true, define_compare},
-      {"tradeoff", true, false, define_tradeoff},  {"generate", false, true, define_generate},
+      {"tradeoff", true, false, define_tradeoff},  {"generate", true, true, define_generate},
       {"preview", false, true, define_preview},    {"bake", true, true, define_bake},
       {"batch", false, false, define_batch},       {"merge", false, true, define_merge},
       {"manual", false, false, define_manual},     {"completion", false, false, define_completion},

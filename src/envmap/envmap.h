@@ -17,6 +17,7 @@
 #include "envmap/io/write.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/rows.h"
+#include "envmap/operate/atmosphere.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/grade.h"

@@ -28,6 +28,13 @@ Rgb<double> take(py::kwargs& given, const char* name, const Rgb<double>& otherwi
   return rgb(take(given, name, triple(otherwise)));
 }
 
+Direction direction(py::kwargs& k, const Direction& otherwise) {
+  const Triple to = take(k, "direction", triple(otherwise));
+  const Direction d(to[0], to[1], to[2]);
+  if (!(glm::length(d) > 0)) throw UsageError("a direction has a length");
+  return glm::normalize(d);
+}
+
 Sky sky_of(py::kwargs& k) {
   Sky sky{take(k, "zenith", Rgb<double>(1)), take(k, "ground", Rgb<double>(0.2))};
   if (k.contains("horizon")) sky.horizon = take(k, "horizon", Rgb<double>(0));
@@ -45,19 +52,40 @@ Pattern pattern(const std::string& kind, py::kwargs& k) {
   if (kind == "sh")
     return Harmonic{take(k, "degree", 2), take(k, "order", 0), take(k, "base", 1.0), take(k, "amplitude", 0.5)};
   if (kind != "sun")
-    throw UsageError("kind '" + kind + "' is none of constant, gradient, checker, directions, faces, sun, sky, sh");
-  const Triple to = take(k, "direction", Triple{0, 0, 1});
-  const Direction d(to[0], to[1], to[2]);
-  if (!(glm::length(d) > 0)) throw UsageError("a direction has a length");
-  return Sun{glm::normalize(d), take(k, "radius", 0.2666), take(k, "radiance", Rgb<double>(1e5)), sky_of(k)};
+    throw UsageError("kind '" + kind +
+                     "' is none of constant, gradient, checker, directions, faces, sun, sky, sh, atmosphere");
+  const Direction towards = direction(k, Direction(0, 0, 1));
+  return Sun{towards, take(k, "radius", 0.2666), take(k, "radiance", Rgb<double>(1e5)), sky_of(k)};
+}
+
+Atmosphere atmosphere(py::kwargs& k) {
+  Atmosphere a;
+  a.sun = direction(k, a.sun);
+  a.turbidity = take(k, "turbidity", a.turbidity), a.altitude = take(k, "altitude", a.altitude);
+  a.ground = take(k, "ground", a.ground), a.radius_degrees = take(k, "radius", a.radius_degrees);
+  a.disc = take(k, "disc", a.disc);
+  const std::string scattering = take(k, "scattering", std::string("multiple"));
+  if (scattering != "single" && scattering != "multiple") throw UsageError("scattering is 'single' or 'multiple'");
+  a.scattering = scattering == "single" ? Scattering::single : Scattering::multiple;
+  return a;
+}
+
+// What is left of the parameters is of no kind.
+void check_taken(const std::string& kind, const py::kwargs& left) {
+  if (left.size() > 0) throw UsageError(kind + " has no parameter " + py::cast<std::string>(left.begin()->first));
 }
 
 Map generate_map(const std::string& kind, const std::string& to, int size, const std::string& forward,
                  py::kwargs parameters) {
-  const Pattern wanted = pattern(kind, parameters);
-  if (parameters.size() > 0)
-    throw UsageError(kind + " has no parameter " + py::cast<std::string>(parameters.begin()->first));
   const Frame frame(projection_of(to), forward_of(forward));
+  if (kind == "atmosphere") {
+    const Atmosphere air = atmosphere(parameters);
+    check_taken(kind, parameters);
+    const py::gil_scoped_release others;
+    return shared(generate(air, frame, size).map);
+  }
+  const Pattern wanted = pattern(kind, parameters);
+  check_taken(kind, parameters);
   const py::gil_scoped_release others;
   return shared(generate(wanted, frame, size));
 }
@@ -68,7 +96,8 @@ void add_generate(py::module_& m) {
   m.def("generate", &generate_map, "kind"_a, "to"_a = "latlong", "size"_a = 64, "forward"_a = "+z",
         document("generate", "kind, to='latlong', size=64, forward='+z', **parameters",
                  "An environment with a known answer: constant, gradient, checker, directions, faces, sun, sky or sh, "
-                 "with its parameters."));
+                 "with its parameters. 'atmosphere' is a clear day: direction, turbidity, altitude, ground, radius, "
+                 "disc and scattering are as in envmap-generate(1)."));
 }
 
 }  // namespace envmap_python

@@ -173,6 +173,17 @@ def test_faces_are_those_of_a_cube():
     np.testing.assert_array_equal(envmap.generate('faces', 'cube', 4).array, np.broadcast_to(colours[:, None, None], (6, 4, 4, 3)))
 
 
+def test_atmospheres_are_those_of_the_command(tmp_path):
+    made = envmap.generate('atmosphere', size=32, direction=(0, 1, 1), turbidity=4, ground=0.1, scattering='single')
+    command(tmp_path, 'generate', 'atmosphere', 'a.exr', '--size', '32', '--elevation', '45', '--turbidity', '4',
+            '--ground', '0.1,0.1,0.1', '--scattering', 'single', '--depth', 'float')
+    np.testing.assert_allclose(made.array, envmap.read(str(tmp_path / 'a.exr')).array, rtol=1e-6)
+    with pytest.raises(envmap.UsageError, match='turbidity'):
+        envmap.generate('atmosphere', turbidity=11)
+    with pytest.raises(envmap.UsageError, match='no parameter zenith'):
+        envmap.generate('atmosphere', zenith=1)
+
+
 def test_photos_of_a_mirror_ball_are_unwrapped():
     # Every texel holds the direction that a camera 4 radii away sees in it: the law of sines.
     n, distance = 400, 4.0

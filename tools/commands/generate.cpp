@@ -6,6 +6,8 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/maths/portable.h"
+#include "envmap/operate/atmosphere.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
 
@@ -14,8 +16,11 @@ namespace {
 
 using namespace envmap;
 
-constexpr std::string_view kinds[] = {"constant", "gradient", "checker", "directions", "faces", "sun", "sky", "sh"};
-enum class Kind { constant, gradient, checker, directions, faces, sun, sky, sh };
+constexpr std::string_view kinds[] = {"constant", "gradient", "checker", "directions", "faces",
+                                      "sun",      "sky",      "sh",      "atmosphere"};
+enum class Kind { constant, gradient, checker, directions, faces, sun, sky, sh, atmosphere };
+
+constexpr std::string_view scatterings[] = {"single", "multiple"};
 
 struct Request {
   Kind kind{};
@@ -27,8 +32,18 @@ struct Request {
   int squares = 8;
   Sun sun;
   Harmonic harmonic;
+  std::optional<double> elevation, azimuth;
+  Atmosphere atmosphere;
+  bool no_sun = false;
   WriteOptions write;
 };
+
+Direction unit_towards(const Direction& d) {
+  if (d == Direction(0)) throw UsageError("--direction: not 0,0,0");
+  // First by its largest part: squares of 1e-200 are 0, those of 1e200 infinite.
+  const Vec3<double> size = glm::abs(d);
+  return glm::normalize(d / std::max({size.x, size.y, size.z}));
+}
 
 Sky sky_of(const Request& o) {
   Sky sky;
@@ -51,28 +66,65 @@ Pattern pattern(const Request& o) {
     case Kind::faces: return Faces{};
     case Kind::sky: return sky_of(o);
     case Kind::sh: return o.harmonic;
-    case Kind::sun: break;
+    case Kind::sun:
+    case Kind::atmosphere: break;
   }
   Sun sun = o.sun;
   sun.sky = sky_of(o);
-  if (o.towards == Direction(0)) throw UsageError("--direction: not 0,0,0");
-  if (o.towards) {
-    // First by its largest part: squares of 1e-200 are 0, those of 1e200 infinite.
-    const Vec3<double> size = glm::abs(*o.towards);
-    sun.towards = glm::normalize(*o.towards / std::max({size.x, size.y, size.z}));
-  }
+  if (o.towards) sun.towards = unit_towards(*o.towards);
   if (o.value) sun.radiance = Rgb<double>(*o.value);
   return sun;
 }
 
-int run(const Request& o) {
-  const Projection to = o.to.value_or(Projection::latlong);
-  check_output(o.output, o.write, to);
-  if (o.forward && !has_forward(to)) throw UsageError("--forward is for latlong and angular maps");
+Atmosphere atmosphere_of(const Request& o) {
+  Atmosphere a = o.atmosphere;
+  const double up = o.elevation.value_or(30) / 180, round = o.azimuth.value_or(0) / 180;
+  a.sun = {portable::cos_pi(up) * portable::sin_pi(round), portable::sin_pi(up),
+           portable::cos_pi(up) * portable::cos_pi(round)};
+  if (o.towards) a.sun = unit_towards(*o.towards);
+  if (o.ground) a.ground = Rgb<double>(*o.ground);
+  a.radius_degrees = o.sun.radius_degrees;
+  a.disc = !o.no_sun;
+  return a;
+}
+
+// What each kind of map takes of the options that some kinds alone have.
+void check_kind(const Request& o, const Options& options) {
+  const bool air = o.kind == Kind::atmosphere;
+  for (const char* name : {"--elevation", "--azimuth", "--turbidity", "--altitude", "--scattering", "--no-sun"})
+    if (!air && options.given(name)) throw UsageError(fmt::format("{} is for 'envmap generate atmosphere'", name));
+  for (const char* name :
+       {"--value", "--value2", "--squares", "--zenith", "--horizon", "--degree", "--order", "--base", "--amplitude"})
+    if (air && options.given(name)) throw UsageError(fmt::format("{} is not for an atmosphere: leave it out", name));
+}
+
+EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, WriteOptions& write, Report& report) {
+  const Atmosphere a = atmosphere_of(o);
+  Daylight made = generate(a, to, o.size, run);
+  write.provenance.white_luminance = 683.0F;
+  report.put("sun.direction", a.sun);
+  report.put("sun.illuminance", made.sun_normal);
+  report.put("sun.horizontal_illuminance", made.sun_horizontal);
+  report.put("sky.horizontal_illuminance", made.sky_horizontal);
+  report.put("white_luminance", 683.0);
+  note(fmt::format("envmap generate: on the ground {:.4g} lux of the sun and {:.4g} lux of the sky",
+                   made.sun_horizontal, made.sky_horizontal));
+  return std::move(made.map);
+}
+
+int run(const Request& o, const Options& options, Report& report) {
+  const Frame to{o.to.value_or(Projection::latlong), o.forward.value_or(Forward::plus_z)};
+  check_kind(o, options);
+  check_output(o.output, o.write, to.projection);
+  if (o.forward && !has_forward(to.projection)) throw UsageError("--forward is for latlong and angular maps");
+  const Run run{.progress = progress_line("generate")};
+  WriteOptions write = o.write;
   const EnvironmentMap map =
-      generate(pattern(o), {to, o.forward.value_or(Forward::plus_z)}, o.size, {.progress = progress_line("generate")});
-  write_map(o.output, rows_of(map), o.write, "write");
-  tell_lost_axis(o.output, map.frame(), o.write);
+      o.kind == Kind::atmosphere ? daylight(o, to, run, write, report) : generate(pattern(o), to, o.size, run);
+  report.put("kind", kinds[std::size_t(o.kind)]);
+  report.put_written(o.output, write_map(o.output, rows_of(map), write, "write"));
+  report.put_seconds();
+  tell_lost_axis(o.output, map.frame(), write);
   return 0;
 }
 
@@ -87,12 +139,24 @@ Action define_generate(Options& o) {
         "Radiance: constant, top of gradient, even squares, sun (default: 1)");
   o.add("--value2", "R,G,B", Triple{&r->value2, true}, "Radiance: bottom of gradient, odd squares (default: 0.1)");
   o.add("--squares", "N", &r->squares, "checker: squares from pole to pole (default: 8)");
-  o.add("--direction", "X,Y,Z", Triple{&r->towards}, "sun: direction (default: 0,0,1)");
-  o.add("--radius", "DEGREES", &r->sun.radius_degrees, "sun: angular radius in degrees (default: 0.2666)");
+  o.add("--direction", "X,Y,Z", Triple{&r->towards},
+        "sun, atmosphere: direction of the sun (default: 0,0,1; of an atmosphere by --elevation)");
+  o.add("--radius", "DEGREES", &r->sun.radius_degrees, "sun, atmosphere: angular radius in degrees (default: 0.2666)");
   o.add("--zenith", "R,G,B", Triple{&r->zenith, true}, "sun, sky: radiance of the zenith (default: 1)");
   o.add("--horizon", "R,G,B", Triple{&r->horizon, true},
         "sun, sky: radiance of the horizon (default: a third of the zenith's)");
-  o.add("--ground", "R,G,B", Triple{&r->ground, true}, "sun, sky: radiance of the ground (default: 0.2)");
+  o.add("--ground", "R,G,B", Triple{&r->ground, true},
+        "sun, sky: radiance of the ground; atmosphere: its albedo (default: 0.2)");
+  o.add("--elevation", "DEGREES", &r->elevation, {-90, 90}, "atmosphere: height of the sun (default: 30)").excludes =
+      "--direction";
+  o.add("--azimuth", "DEGREES", &r->azimuth, {-360, 360}, "atmosphere: sun's angle from +Z towards +X (default: 0)")
+      .excludes = "--direction";
+  o.add("--turbidity", "T", &r->atmosphere.turbidity, range_of(limits::turbidity),
+        "atmosphere: haze, from 1 (none) to 10 (default: 2.5)");
+  o.add("--altitude", "METRES", &r->atmosphere.altitude, range_of(limits::altitude),
+        "atmosphere: height of the viewer above the ground (default: 0)");
+  o.add("--scattering", one_of(r->atmosphere.scattering, scatterings), "atmosphere: {} (default: multiple)");
+  o.flag("--no-sun", r->no_sun, "atmosphere: leave out the sun's disc");
   o.add("--degree", "L", &r->harmonic.degree, "sh: degree l of the harmonic (default: 2)");
   o.add("--order", "M", &r->harmonic.order, "sh: order m of the harmonic, -L to L (default: 0)");
   o.add("--base", "L", &r->harmonic.base, "sh: radiance to which the harmonic is added (default: 1)");
@@ -103,7 +167,7 @@ Action define_generate(Options& o) {
   add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
   add_write_options(o, r->write, "float, or nearest");
-  return [r](Report&) { return run(*r); };
+  return [r, &o](Report& report) { return run(*r, o, report); };
 }
 
 }  // namespace tools
