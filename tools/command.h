@@ -18,6 +18,7 @@ struct Command {
   std::string_view name;  ///< text/NAME.txt holds its help texts.
   bool reports, writes;   ///< Has --json; has --depfile, --if-changed and --fsync.
   Action (*define)(Options& options);
+  std::string_view alias = {};  ///< Another name; empty: it has none.
 };
 
 Action define_bake(Options& options);

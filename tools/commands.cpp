@@ -14,7 +14,7 @@ std::span<const Command> commands() {
       {"info", true, false, define_info},          {"compare", true, true, define_compare},
       {"tradeoff", true, false, define_tradeoff},  {"generate", true, true, define_generate},
       {"preview", false, true, define_preview},    {"bake", true, true, define_bake},
-      {"batch", false, false, define_batch},       {"merge", false, true, define_merge},
+      {"batch", false, false, define_batch},       {"merge", false, true, define_merge, "join"},
       {"manual", false, false, define_manual},     {"completion", false, false, define_completion},
   };
   return all;

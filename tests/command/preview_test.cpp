@@ -91,6 +91,30 @@ TEST_F(Preview, SingleFacesAndMarks) {
 }
 
 // Round the one bright texel, (64, 16) of 128 x 64; the text is 10 pixels high, so the ring is 7 wide.
+// Files that do not say what they are: a map is shown as it is where its projection is given for it alone.
+TEST_F(Preview, EachMapHasItsProjection) {
+  succeeds({"generate", "directions", "known.exr", "--to", "sphere", "--size", "32"});
+  save(path("ball.exr"), load(path("known.exr")));
+  write_halves();
+  const std::vector<std::string> look{"--height", "64", "--exposure", "0"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), look.begin(), look.end());
+    return preview(words);
+  };
+  const Picture both = with({"ball.exr", "halves.exr", "--from", "sphere,latlong", "--columns", "1"});
+  const Picture ball = with({"ball.exr", "--from", "sphere"}), halves = with({"halves.exr"});
+  // The narrower of the two stands in the middle.
+  const int across = 64, left = (both.width - across) / 2, second = 64 + caption + border;
+  for (int j = border; j < border + 64; ++j) {
+    EXPECT_TRUE(std::equal(both.at(left, j), both.at(left + across, j), ball.at(border, j))) << j;
+    EXPECT_TRUE(
+        std::equal(both.at(border, second + j), both.at(border + 2 * across, second + j), halves.at(border, j)));
+  }
+  fails(2, {"preview", "ball.exr", "halves.exr", "out.png", "--from", "sphere,latlong,cube"},
+        {"3 projections for 2 maps"});
+  fails(2, {"preview", "ball.exr", "halves.exr", "out.png", "--from", "sphere,flat"}, {"--from"});
+}
+
 TEST_F(Preview, MarksTheBrightestDirection) {
   Picture dark = Picture::filled(128, 64, 0.1F);
   std::fill_n(dark.at(64, 16), 3, 9.0F);
@@ -174,7 +198,7 @@ TEST_F(Preview, PicturesOfMapsAreTakenByConvert) {
   EXPECT_EQ(load(path("round.jpg")).width, 125);  // 40 pi.
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--layout", "row"}, {"--layout is for maps"});
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--zstd"}, {"--zstd is for maps"});
-  fails(2, {"convert", "map.exr", "out.exr", "--to", "latlong", "--fov", "40"}, {"--fov is for pictures"});
+  fails(2, {"convert", "map.exr", "out.exr", "--to", "latlong", "--fov", "40"}, {"--fov is for", "fisheye"});
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--fov", "180"}, {"less than 180"});
   fails(2, {"convert", "map.exr", "view.png", "--to", "perspective", "--filter", "area"},
         {"nearest, bilinear and bicubic"});

@@ -393,6 +393,13 @@ TEST_F(Help, CompletesInBash) {
   EXPECT_EQ(completed("envmap convert --to cu", 3), "cube\n");
   EXPECT_EQ(completed("envmap convert --repa", 2), "--repair\n");
   EXPECT_EQ(completed("envmap generate di", 2), "directions\n");
+  EXPECT_EQ(completed("envmap convert --output-space ACESc", 3), "ACEScg\n");
+  std::istringstream spaces(completed("envmap convert --output-space ''", 3));
+  succeeds({"generate", "constant", "one.exr", "--size", "2"});
+  int count = 0;
+  for (std::string space; spaces >> space; ++count)
+    succeeds({"convert", "one.exr", "out.exr", "--output-space", space, "--encoded"});
+  EXPECT_EQ(count, 8);
   EXPECT_EQ(completed("envmap convert --size ''", 3), "\n") << "a number is expected, no option";
 }
 

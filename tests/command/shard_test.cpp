@@ -72,7 +72,7 @@ class Shards : public CommandTest {
     std::vector<std::string> merge;
     for (int k = 1; k <= count; ++k) merge.push_back(part(k));
     std::ranges::shuffle(merge, std::mt19937(unsigned(job.name.size())));
-    merge.insert(merge.begin(), "merge");
+    merge.insert(merge.begin(), count % 2 == 0 ? "join" : "merge");  // Two names of one command.
     merge.push_back(job.output);
     merge.insert(merge.end(), job.of_file.begin(), job.of_file.end());
     succeeds(merge);

@@ -20,7 +20,9 @@ struct Known {
   Options options;
 };
 
-std::string words_of(const Option& o) { return fmt::format("{}", fmt::join(o.words, " ")); }
+std::string words_of(const Option& o) {
+  return o.words.empty() ? fmt::format("{}", fmt::join(o.suggested, " ")) : fmt::format("{}", fmt::join(o.words, " "));
+}
 
 std::deque<Known> all_known() {
   std::deque<Known> all;

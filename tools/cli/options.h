@@ -73,6 +73,7 @@ struct Option {
   Value value;
   Parse parse = {};                     ///< Used instead of `value`.
   std::vector<std::string> words = {};  ///< All words that are allowed; empty if any is.
+  WordList suggested = {};              ///< Of an option that takes any word: what completions offer.
   std::string_view group = {};          ///< The heading in help.
   std::optional<Range> range = {};
   char letter = 0;  ///< q of -q, beside --quiet.

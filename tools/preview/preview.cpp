@@ -27,6 +27,7 @@ using namespace envmap;
 struct Request {
   std::vector<std::string> names;  // Inputs, then the output.
   ReadOptions read;
+  std::vector<Projection> from;  // Of all inputs, or of each.
   std::optional<double> exposure, percentile;
   std::optional<Display> display;
   std::optional<std::string> view;
@@ -148,10 +149,17 @@ void check(Request& o) {
   o.read.all_levels = o.levels;
 }
 
+// How the input of that number is read.
+ReadOptions reading(const Request& o, std::size_t input) {
+  ReadOptions read = o.read;
+  if (!o.from.empty()) read.projection = o.from[o.from.size() == 1 ? 0 : input];
+  return read;
+}
+
 int write_page(const Request& o) {
   const std::string& input = o.names.front();
   check_files({o.html}, {input});
-  const Source source = read_map(input, o.read);
+  const Source source = read_map(input, reading(o, 0));
   const Look look = look_for(source, o);
   const int density = matching_size(source.map.projection(), source.map.base().height(), Projection::cube);
   const std::string page = html_page(source, {.file = std::filesystem::path(input).filename().string(),
@@ -167,6 +175,9 @@ int write_page(const Request& o) {
 
 int run(Request& o) {
   check(o);
+  if (const std::size_t maps = o.html.empty() ? o.names.size() - 1 : 1; o.from.size() > 1 && o.from.size() != maps)
+    throw UsageError(
+        fmt::format("--from: {} projections for {} maps, not one for all or one for each", o.from.size(), maps));
   if (!o.html.empty()) return write_page(o);
   const std::string& output = o.names.back();
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
@@ -174,8 +185,9 @@ int run(Request& o) {
   std::vector<Tile> maps;
   std::vector<Source> sources;  // For the studies below.
   std::optional<Look> look;
-  for (const std::string& input : inputs) {
-    Source source = read_map(input, o.read);
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    const std::string& input = inputs[k];
+    Source source = read_map(input, reading(o, k));
     if (!look) look = look_for(source, o);
     for (Tile& tile : maps_of(source, input, *look, o)) maps.push_back(std::move(tile));
     if (o.balls || o.histogram) sources.push_back(std::move(source));
@@ -212,6 +224,20 @@ void add_tone_curve(Options& o, Request& r) {
       "--display";
 }
 
+// --from has a word for each map, too.
+void add_projections(Options& o, Request& r) {
+  Option& from = o["--from"];
+  from.help = "Projection of all inputs, or P1,P2,... of each (default: metadata, then image shape)";
+  from.parse = [&r](const std::string& words) {
+    for (const std::string& word : split(words, ',')) {
+      const auto projection = projection_named(word);
+      if (!projection) return false;
+      r.from.push_back(*projection);
+    }
+    return true;
+  };
+}
+
 }  // namespace
 
 Action define_preview(Options& o) {
@@ -224,6 +250,7 @@ Action define_preview(Options& o) {
   o.add("--html", "FILE", &r->html, "Write an interactive page of one map instead of a picture").file = File::output;
   o.add("--size", "N", &r->size, {16, 2048}, "Height of the cube faces in the page (default: the map's, at most 256)");
   add_read_options(o, r->read);
+  add_projections(o, *r);
   add_repair(o, r->read);
   return [r](Report&) { return run(*r); };
 }

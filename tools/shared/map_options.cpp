@@ -14,6 +14,10 @@ using namespace envmap;
 
 namespace {
 
+// Those of the built-in config by names without a blank, which shells complete.
+constexpr std::string_view spaces[] = {"ACEScg",    "ACES2065-1", "lin_rec709", "lin_rec2020",
+                                       "lin_p3d65", "display_p3", "sRGB",       "XYZ"};
+
 // Words that have more spellings than help shows.
 template <class T, class Named>
 Option& add_named(Options& o, std::string_view name, std::string_view words, std::optional<T>& value, Named named,
@@ -97,7 +101,8 @@ void add_read_options(Options& o, ReadOptions& r) {
   add_max_pixels(o, r);
   o.group = groups::colour;
   o.add("--input-space", "SPACE", &r.colour.space,
-        "Colour space of the input (default: the file's, else Rec.709 or sRGB)");
+        "Colour space of the input (default: the file's, else Rec.709 or sRGB)")
+      .suggested = spaces;
   o.add(
        "--ocio", "CONFIG",
        [&r](const std::string& file) { return r.colour.config = file == "builtin" ? "" : file, true; },
@@ -148,7 +153,8 @@ void add_border(Options& o, WriteOptions& w, std::string_view size) {
 void add_output_space(Options& o, WriteOptions& w) {
   o.group = groups::colour;
   o.add("--output-space", "SPACE", &w.colour.space,
-        "Colour space of the output (default: Rec.709 for floats, else sRGB)");
+        "Colour space of the output (default: Rec.709 for floats, else sRGB)")
+      .suggested = spaces;
   o.flag("--encoded", w.encoded, "Allow an encoded --output-space, such as 'Display P3', in float files");
 }
 
