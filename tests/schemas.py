@@ -146,8 +146,13 @@ def main():
     tell('prefilter', 'latlong.exr', 'out.ktx', '--for', 'filament', '--size', '16', '--max-error', '0.1')
     for lobe in (['phong', '--exponent', '3'], ['ggx', '--levels', '3', '--method', 'exact'], ['charlie', '--roughness', '0.5'], ['blinn-phong', '--exponent', '3']):
         tell('prefilter', 'latlong.exr', 'out.exr', '--size', '4', '--lobe', *lobe)
-    pathlib.Path('plate.obj').write_text('v -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\n')
+    pathlib.Path('plate.obj').write_text('o plate\nv -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\n')
     tell('render', 'plate.obj', 'drawn.exr', '--size', '8', '--to', 'sphere', '--method', 'distort', '--ambient', '1')
+    tell('view', 'plate.obj', 'seen.png', '--width', '16', '--height', '16', '--ambient', '1', '--method', 'raycast')
+    seen = tell('view', 'plate.obj', '{frame}.png', '--width', '16', '--height', '16', '--ambient', '1', '--mirror', 'plate', '--frames', '0:2')
+    assert (seen['frames'], len(seen['outputs']), len(seen['mirrors'])) == (3, 3, 1), seen
+    mirror = seen['mirrors'][0]
+    assert mirror['drawn'] > 0 and mirror['size'] > 0 and mirror['unchanged'] == 2, mirror
     tell('bake', '--list')
     tell('bake', 'latlong.exr', 'folder', '--for', 'gltf', '--chain-size', '16', '--max-error', '0.1')
     tell('bake', 'latlong.exr', 'other', '--for', 'blender')

@@ -10,7 +10,7 @@ std::span<const Command> commands() {
       // name, reports, writes
       {"convert", true, true, define_convert},     {"mipmap", true, true, define_mipmap},
       {"prefilter", true, true, define_prefilter}, {"sh", true, true, define_sh},
-      {"render", true, true, define_render},       {"view", false, true, define_view},
+      {"render", true, true, define_render},       {"view", true, true, define_view},
       {"info", true, false, define_info},          {"compare", true, true, define_compare},
       {"tradeoff", true, false, define_tradeoff},  {"generate", true, true, define_generate},
       {"preview", false, true, define_preview},    {"bake", true, true, define_bake},

@@ -20,7 +20,7 @@ class Painter {
   std::vector<Colour> paint(const envmap::Viewpoint& from, envmap::Shot shot) {
     for (const int mesh : {pool_.water, pool_.floor}) renderer_.update(pool_.scene, mesh);
     const double pixel = 2 * from.lens->tangents.y / from.size;
-    maps_.update(renderer_, shot, {{.at = from.at, .pixel = pixel}}, {.bounces = 1, .all = true}, [](const std::string&) {});
+    maps_.update(renderer_, shot, {{.at = from.at, .pixel = pixel}}, {.bounces = 1, .all = true});
     shot.mirrors = maps_.maps();
     return draw_picture(renderer_, from, shot);
   }

@@ -70,7 +70,7 @@ void measure_view(benchmark::State& state, Projection to) {
     shot.pose[std::size_t(nodes.front())][3].z += 1e-3;
     shot.mirrors = {};
     mirrors.update(renderer, shot, {{.at = from.at, .pixel = 1.2 / from.size}},
-                   {.size = to == Projection::cube ? 128 : 256, .bounces = 1}, [](const std::string&) {});
+                   {.size = to == Projection::cube ? 128 : 256, .bounces = 1});
     shot.mirrors = mirrors.maps();
     benchmark::DoNotOptimize(draw_picture(renderer, from, shot));
   }

@@ -30,7 +30,8 @@ void add_mirror(Scene& scene, const Direction& at, const Direction& normal, bool
   }
   mesh.indices = {0, 1, 2, 0, 2, 3};
   scene.meshes.push_back(mesh);
-  scene.nodes.push_back({.name = "mirror " + std::to_string(scene.nodes.size()), .local = glm::translate(Matrix(1), at),
+  scene.nodes.push_back({.name = "mirror " + std::to_string(scene.nodes.size()),
+                         .local = glm::translate(Matrix(1), at),
                          .meshes = {int(scene.meshes.size()) - 1}});
 }
 
@@ -54,7 +55,11 @@ Scene facing(bool double_sided = false) {
 
 Viewpoint camera(bool parallel = false, double shift = 0) {
   const Rotation axes = upright_about(glm::normalize(Direction(0.2, 0.1, 1)));
-  return {.size = height, .at = {0.15, 0.1, 0.45}, .axes = axes, .far = 2, .samples = 1,
+  return {.size = height,
+          .at = {0.15, 0.1, 0.45},
+          .axes = axes,
+          .far = 2,
+          .samples = 1,
           .lens = Lens{width, parallel ? Vec2<double>(0.6, 0.45) : Vec2<double>(0.8, 0.6), shift, parallel}};
 }
 
@@ -64,8 +69,7 @@ std::vector<Colour> drawn(const Scene& scene, const Viewpoint& from, int bounces
   Renderer renderer(scene, nullptr, nodes_of(found));
   Mirrors mirrors(scene, found);
   Shot shot{.scene = scene, .pose = pose(scene, 0), .look = {.pictures = bounces}};
-  mirrors.update(renderer, shot, {{.at = from.at, .pixel = 0.013}}, {.size = 32, .bounces = 1},
-                 [](const std::string&) {});
+  mirrors.update(renderer, shot, {{.at = from.at, .pixel = 0.013}}, {.size = 32, .bounces = 1});
   shot.mirrors = mirrors.maps();
   return draw_picture(renderer, from, shot);
 }

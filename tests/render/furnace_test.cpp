@@ -66,7 +66,7 @@ std::vector<int> dark_pixels(const Scene& scene, Projection maps, std::optional<
     const Viewpoint from = looking(glm::mix(Direction(-1, 0, 6), Direction(1.7, 0.5, 4), t), Direction(0));
     Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = ambient ? nullptr : &white()};
     if (ambient) shot.ambient = Colour(1);
-    drawn.update(renderer, shot, {viewer(from)}, {.bounces = bounces}, [](const std::string&) {});
+    drawn.update(renderer, shot, {viewer(from)}, {.bounces = bounces});
     shot.mirrors = drawn.maps();
     Viewpoint bright = from;
     bright.show_ambient = true;

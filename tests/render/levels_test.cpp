@@ -1,10 +1,11 @@
 // Levels of detail of mirrors' maps, made on the card: against those of the library, and in pictures against many rays.
+#include "envmap/operate/levels.h"
+
 #include <gtest/gtest.h>
 
 #include "drawing.h"
 #include "envmap/map/image_view.h"
 #include "envmap/operate/generate.h"
-#include "envmap/operate/levels.h"
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/shading.h"
@@ -100,7 +101,7 @@ TEST_P(Levels, OneSampleShowsTheMean) {
   const std::vector<Colour> truth = rays(100), one = rays(1);
   Renderer renderer(scene, &squares, {0});
   Mirrors mirrors(scene, find_mirrors(scene, GetParam()));
-  mirrors.update(renderer, shot, {{.at = camera(1).at, .pixel = 0.5 / size}}, {.size = 512}, [](const std::string&) {});
+  mirrors.update(renderer, shot, {{.at = camera(1).at, .pixel = 0.5 / size}}, {.size = 512});
   shot.mirrors = mirrors.maps();
   const std::vector<Colour> picture = draw_picture(renderer, camera(1), shot);
   double of_maps = 0, of_rays = 0;

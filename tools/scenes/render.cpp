@@ -8,6 +8,7 @@
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "envmap/render/turn.h"
+#include "scenes/mirror_report.h"
 #include "scenes/scene_options.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
@@ -34,6 +35,7 @@ class Painter {
       : options_(o),
         context_(o.scene.context),
         renderer_(loaded.scene, loaded.environment.get(), nodes_of(mirrors)),
+        found_(mirrors),
         mirrors_(loaded.scene, mirrors) {
     if (settings().verbose) note(context_.renderer());
   }
@@ -44,11 +46,9 @@ class Painter {
     const Viewpoint& from = options_.from;
     if (options_.bounces > 0) {
       const Viewer viewer{.at = from.at, .node = from.without, .pixel = 0.5 * pi / from.size};
-      mirrors_.update(renderer_, shot, {viewer},
-                      {.bounces = options_.bounces, .moved = !moved.empty(), .far = from.far},
-                      [&](const std::string& line) {
-                        if (settings().verbose) note(line);
-                      });
+      tell(mirrors_.update(renderer_, shot, {viewer},
+                           {.bounces = options_.bounces, .moved = !moved.empty(), .far = from.far}),
+           shot.scene, found_);
       shot.mirrors = mirrors_.maps();
     }
     return draw(renderer_, from, shot, method);
@@ -58,6 +58,7 @@ class Painter {
   const Request& options_;
   Context context_;
   Renderer renderer_;
+  std::vector<Mirror> found_;
   Mirrors mirrors_;
 };
 

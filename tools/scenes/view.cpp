@@ -14,6 +14,7 @@
 #include "envmap/offscreen/viewpoints.h"
 #include "envmap/render/raycast.h"
 #include "scenes/mirror_options.h"
+#include "scenes/mirror_report.h"
 #include "scenes/scene_options.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
@@ -61,19 +62,15 @@ std::vector<std::string> eye_files(const std::string& path) {
 // Pictures of a moment, one for each eye.
 using Pictures = std::vector<std::vector<Colour>>;
 
-void tell(const std::string& line) {
-  if (settings().verbose) note(line);
-}
-
 // @param moved meshes whose vertices are others than in the last shot. @param first whether no frame was drawn yet.
-Pictures paint(const Request& o, MirrorPainter& painter, Shot shot, const std::vector<int>& moved,
-               const std::vector<Eye>& eyes, bool first) {
+Painted paint(const Request& o, MirrorPainter& painter, Shot shot, const std::vector<int>& moved,
+              const std::vector<Eye>& eyes, bool first) {
   MirrorOptions drawing = o.drawing;
   if (!drawing.bounces && !first && !o.max_error) drawing.bounces = 1;
   shot.look = o.look;
   shot.look.lookup = o.lookup.value_or(shot.look.lookup);
   shot.look.pictures = o.drawing.bounces.value_or(shot.look.pictures);
-  return painter.paint(std::move(shot), moved, eyes, drawing, tell);
+  return painter.paint(std::move(shot), moved, eyes, drawing);
 }
 
 // A mirror that nobody saw has no file.
@@ -155,7 +152,17 @@ void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirro
   o.lookup = choice.lookup, o.drawing = choice.drawing;
 }
 
-int run(Request& o) {
+void put(Report& report, const Request& o, int frames, const std::vector<std::string>& outputs) {
+  report.put("outputs", outputs);
+  report.put("method", view_method_names[std::size_t(o.method)]);
+  report.put("width", o.width);
+  report.put("height", o.height);
+  report.put("frames", frames);
+  if (o.method == ViewMethod::maps)
+    report.put("lookup", mirror_lookup_names[std::size_t(o.lookup.value_or(o.look.lookup))]);
+}
+
+int run(Request& o, Report& report) {
   check(o);
   const Frames frames = frames_of(o.scene);
   const PictureOptions how{o.format, o.display.value_or(Display::clip), settings().commit};
@@ -182,19 +189,27 @@ int run(Request& o) {
   std::optional<MirrorPainter> painter;
   if (o.method == ViewMethod::maps) {
     painter.emplace(o.scene.context, loaded, mirrors);
-    tell(painter->context().renderer());
+    if (settings().verbose) note(painter->context().renderer());
   }
   if (viewpoints.is_framed()) note(fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
   const Scenery scenery{o, loaded, viewpoints, frames};
   if (o.max_error) choose(o, scenery, mirrors, painter);
+  MirrorTable table(scene, mirrors);
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const std::vector<int> moved = loaded.move_to(frames.time(frame));
     const Shot shot = scenery.shot(frame);
     const std::vector<Eye> eyes = scenery.eyes(frame, shot.pose);
     const Stopwatch watch;
-    Pictures pictures =
-        painter ? paint(o, *painter, shot, moved, eyes, frame == frames.first) : cast(o, nodes, shot, eyes);
+    Pictures pictures;
+    if (painter) {
+      Painted painted = paint(o, *painter, shot, moved, eyes, frame == frames.first);
+      tell(painted.updates, scene, mirrors);
+      table.add(painted.updates);
+      pictures = std::move(painted.pictures);
+    } else {
+      pictures = cast(o, nodes, shot, eyes);
+    }
     seconds += watch.seconds();
     if (!maps.empty()) save(*painter, frames.sequence ? numbered(maps, frame) : maps);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
@@ -207,6 +222,10 @@ int run(Request& o) {
   }
   tell_darkness(loaded, o.scene);
   tell_rate(frames, seconds);
+  put(report, o, frames.count(), outputs);
+  if (o.method == ViewMethod::maps) table.put(report);
+  report.put("drawing_seconds", seconds);
+  report.put_seconds();
   return 0;
 }
 
@@ -263,7 +282,7 @@ Action define_view(Options& o) {
   add_context(o, r->scene);
   add_frames(o, r->scene);
   add_scene_input(o, r->scene);
-  return [r](Report&) { return run(*r); };
+  return [r](Report& report) { return run(*r, report); };
 }
 
 }  // namespace tools

@@ -13,7 +13,7 @@ std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, c
   Mirrors maps(shot.scene, mirrors);
   Shot with_maps = shot;
   with_maps.look.pictures = drawing.bounces.value_or(shot.look.pictures);
-  return draw_through_maps(renderer, maps, with_maps, {eye}, drawing, [](const std::string&) {}).front();
+  return draw_through_maps(renderer, maps, with_maps, {eye}, drawing).pictures.front();
 }
 
 namespace {

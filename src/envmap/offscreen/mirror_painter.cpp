@@ -4,24 +4,21 @@
 
 namespace envmap {
 
-std::vector<std::vector<Colour>> draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot,
-                                                   const std::vector<Eye>& eyes, const MirrorOptions& drawing,
-                                                   const std::function<void(const std::string&)>& tell) {
+Painted draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot, const std::vector<Eye>& eyes,
+                          const MirrorOptions& drawing) {
   std::vector<Viewer> viewers;
   for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
-  maps.update(renderer, shot, viewers, drawing, tell);
+  Painted painted{.pictures = {}, .updates = maps.update(renderer, shot, viewers, drawing)};
   shot.mirrors = maps.maps();
-  std::vector<std::vector<Colour>> pictures;
-  for (const Eye& eye : eyes) pictures.push_back(draw_picture(renderer, eye.from, shot));
-  return pictures;
+  for (const Eye& eye : eyes) painted.pictures.push_back(draw_picture(renderer, eye.from, shot));
+  return painted;
 }
 
-std::vector<std::vector<Colour>> MirrorPainter::paint(Shot shot, const std::vector<int>& moved,
-                                                      const std::vector<Eye>& eyes, MirrorOptions drawing,
-                                                      const std::function<void(const std::string&)>& tell) {
+Painted MirrorPainter::paint(Shot shot, const std::vector<int>& moved, const std::vector<Eye>& eyes,
+                             MirrorOptions drawing) {
   for (const int mesh : moved) renderer_.update(shot.scene, mesh);
   drawing.moved = !moved.empty();
-  return draw_through_maps(renderer_, maps_, std::move(shot), eyes, drawing, tell);
+  return draw_through_maps(renderer_, maps_, std::move(shot), eyes, drawing);
 }
 
 std::vector<EnvironmentMap> MirrorPainter::maps() const {

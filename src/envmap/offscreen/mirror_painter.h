@@ -2,8 +2,6 @@
 /// Pictures of a scene whose mirrors and lenses are drawn through dynamic maps, which stay from frame to frame.
 #pragma once
 
-#include <functional>
-#include <string>
 #include <vector>
 
 #include "envmap/offscreen/eyes.h"
@@ -13,10 +11,14 @@
 
 namespace envmap {
 
-/// A picture for each eye, after the maps are drawn as far as the eyes need them. @param tell a line for each map.
-std::vector<std::vector<Colour>> draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot,
-                                                   const std::vector<Eye>& eyes, const MirrorOptions& drawing,
-                                                   const std::function<void(const std::string&)>& tell);
+struct Painted {
+  std::vector<std::vector<Colour>> pictures;  ///< One for each eye.
+  MirrorUpdates updates;
+};
+
+/// Pictures, after the maps are drawn as far as the eyes need them.
+Painted draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot, const std::vector<Eye>& eyes,
+                          const MirrorOptions& drawing);
 
 /// Makes the OpenGL context that it draws with: it lives in one thread.
 class MirrorPainter {
@@ -28,9 +30,8 @@ class MirrorPainter {
   [[nodiscard]] Renderer& renderer() { return renderer_; }
 
   /// draw_through_maps(). @param moved meshes whose vertices are others than in the last shot.
-  [[nodiscard]] std::vector<std::vector<Colour>> paint(Shot shot, const std::vector<int>& moved,
-                                                       const std::vector<Eye>& eyes, MirrorOptions drawing,
-                                                       const std::function<void(const std::string&)>& tell);
+  [[nodiscard]] Painted paint(Shot shot, const std::vector<int>& moved, const std::vector<Eye>& eyes,
+                              MirrorOptions drawing);
 
   /// Each mirror's map, turned to the axes of the world; of a mirror that was not seen a map without levels.
   [[nodiscard]] std::vector<EnvironmentMap> maps() const;

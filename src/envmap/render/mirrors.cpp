@@ -298,15 +298,17 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                                         std::min(glossy_size, plan.size), plan.size));
 }
 
-void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers,
-                     const MirrorOptions& options, const std::function<void(const std::string&)>& tell) {
+MirrorUpdates Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers,
+                              const MirrorOptions& options) {
+  using enum MapUpdate::Outcome;
+  MirrorUpdates updates;
   const std::vector<Wanted> want = wanted(shot, viewers);
   std::vector<Plan> plans(want.size());
   std::vector<unsigned> needed(want.size());
   for (std::size_t k = 0; k < want.size(); ++k) {
     set_flat(k, shot, want[k]);
     if (want[k].caps.empty()) {
-      tell(fmt::format("{}: not seen, not drawn", name_of(k)));
+      updates.maps.push_back({int(k), unseen});
       continue;
     }
     plans[k] = plan(k, shot, want[k], viewers.front(), options);
@@ -317,31 +319,30 @@ void Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Vie
     changing = false;
     for (std::size_t k = 0; k < want.size(); ++k) {
       if (want[k].caps.empty()) continue;
-      Drawn& drawn = drawn_[k];
+      Drawn& last = drawn_[k];
       std::vector<int> versions;
       for (std::size_t other = 0; other < drawn_.size(); ++other)
         versions.push_back(other == k ? 0 : drawn_[other].version);
-      if (!plans[k].anew && (needed[k] & ~drawn.faces) == 0 && versions == drawn.versions &&
+      if (!plans[k].anew && (needed[k] & ~last.faces) == 0 && versions == last.versions &&
           (!options.all || round > 0)) {
-        if (round == 0) tell(fmt::format("{}: its surroundings did not change, not drawn again", name_of(k)));
+        if (round == 0) updates.maps.push_back({int(k), unchanged});
         continue;
       }
       const auto start = std::chrono::steady_clock::now();
       draw(k, renderer, shot, want[k].at, plans[k], needed[k], options);
-      drawn.pose = shot.pose;
-      drawn.at = want[k].at;
-      drawn.lookup = shot.look.lookup;
-      drawn.faces = plans[k].anew ? needed[k] : drawn.faces | needed[k];
-      drawn.versions = versions;
+      last.pose = shot.pose;
+      last.at = want[k].at;
+      last.lookup = shot.look.lookup;
+      last.faces = plans[k].anew ? needed[k] : last.faces | needed[k];
+      last.versions = versions;
       plans[k].anew = false;
       changing = true;
-      tell(fmt::format("{}: {} of {}, {} of {} faces drawn in {:.1f} ms", name_of(k), name(mirrors_[k].to),
-                       plans[k].size, std::popcount(needed[k]), faces(mirrors_[k].to),
-                       1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+      updates.maps.push_back({int(k), drawn, plans[k].size, std::popcount(needed[k]),
+                              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
     }
   }
-  if (changing && !options.bounces && maps_.size() > 1)
-    tell(fmt::format("mirrors go on changing each other after {} rounds", max_rounds));
+  updates.settled = !changing || options.bounces || maps_.size() < 2;
+  return updates;
 }
 
 }  // namespace envmap

@@ -6,7 +6,6 @@
 /// (two paraboloids); Diefenbach 1996 and Nielsen and Christensen 2002 for reflections in reflections, a frame old.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -46,15 +45,34 @@ struct MirrorOptions {
 
 inline constexpr int max_rounds = 32;
 
+/// What became of a mirror's map in a round of an update.
+struct MapUpdate {
+  enum class Outcome {
+    drawn,
+    unchanged,  ///< What it shows did not change since it was drawn.
+    unseen      ///< No pixel looks it up.
+  };
+  int mirror;  ///< Its number.
+  Outcome outcome;
+  int size = 0;   ///< Height of a face.
+  int faces = 0;  ///< That were drawn.
+  double seconds = 0;
+};
+
+struct MirrorUpdates {
+  std::vector<MapUpdate> maps;  ///< In the order in which they were drawn; one that stayed is in the first round alone.
+  bool settled = true;          ///< False: mirrors go on changing each other after max_rounds.
+};
+
 /// The maps as they are from frame to frame. A map begins as the environment.
 class Mirrors {
  public:
   Mirrors(const Scene& scene, std::vector<Mirror> mirrors);
 
   /// Draws what the viewers need.
-  /// @param viewers at least one. @param tell a line for each map: what was drawn or skipped.
-  void update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers, const MirrorOptions& options,
-              const std::function<void(const std::string&)>& tell);
+  /// @param viewers at least one.
+  MirrorUpdates update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers,
+                       const MirrorOptions& options);
 
   [[nodiscard]] const std::vector<MirrorMap>& maps() const { return maps_; }
 
@@ -83,7 +101,6 @@ class Mirrors {
     bool anew = false;  // All of it must be drawn.
   };
 
-  [[nodiscard]] const std::string& name_of(std::size_t k) const { return scene_.nodes[mirrors_[k].node].name; }
   // The normal of a mirror that is flat.
   [[nodiscard]] std::optional<Direction> normal_of(const Mirror& mirror, const Shot& shot) const;
   // For pictures of flat mirrors.
