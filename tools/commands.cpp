@@ -44,7 +44,8 @@ int run(Parsed& parsed) {
   const Settings& s = settings();
   if (s.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(s.threads));
   const PendingDepfile depfile;
-  check_files(parsed.options.named(File::output), parsed.options.named(File::input));
+  const Options& o = parsed.options;
+  check_files(o.named(File::output), o.named(File::input), {o.last("--faces"), o.last("--from-faces")});
   Report report;
   const int status = parsed.action(report);
   commit_depfile();

@@ -23,12 +23,14 @@ std::filesystem::path path_of(const py::object& file) {
 }
 
 Map read_file(const py::object& file, const std::optional<std::string>& projection,
-              const std::optional<std::string>& layout, const std::optional<std::string>& forward, int level,
-              bool all_levels, bool repair, bool drop_channels, const std::string& space, const std::string& working) {
+              const std::optional<std::string>& layout, const std::string& faces,
+              const std::optional<std::string>& forward, int level, bool all_levels, bool repair, bool drop_channels,
+              const std::string& space, const std::string& working) {
   ReadOptions o;
   if (projection) o.projection = projection_of(*projection);
   if (layout) o.layout = layout_of(*layout);
   if (forward) o.forward = forward_of(*forward);
+  o.faces = faces;
   o.level = level, o.all_levels = all_levels, o.drop_channels = drop_channels;
   o.flaws = repair ? FlawPolicy::repair : FlawPolicy::refuse;
   o.colour.space = space, o.colour.working = working;
@@ -53,10 +55,12 @@ WriteOptions write_options(const std::optional<std::string>& depth, const std::o
 }
 
 void write_file(const py::object& file, const GivenMap& given, const std::optional<std::string>& depth,
-                const std::optional<std::string>& layout, const std::string& format, const std::string& compression,
-                bool clamp, bool zstd, const Facts& facts, bool force, const py::object& progress) {
+                const std::optional<std::string>& layout, const std::string& faces, const std::string& format,
+                const std::string& compression, bool clamp, bool zstd, const Facts& facts, bool force,
+                const py::object& progress) {
   WriteOptions o = write_options(depth, layout, format, compression, clamp, zstd, facts);
   o.commit.force = force;
+  o.faces = faces;
   const std::string path = path_of(file).string();
   Reporter(progress).run([&](const Run& r) { return write(path, *given.map, o, r); });
 }
@@ -106,18 +110,19 @@ py::list pack_map(const GivenMap& given, const std::string& format, const std::s
 
 void add_files(py::module_& m) {
   m.def("read", &read_file, "file"_a, py::kw_only(), "projection"_a = py::none(), "layout"_a = py::none(),
-        "forward"_a = py::none(), "level"_a = 0, "all_levels"_a = false, "repair"_a = false, "drop_channels"_a = false,
-        "space"_a = "", "working"_a = "",
-        document("read",
-                 "file, *, projection=None, layout=None, forward=None, level=0, all_levels=False, repair=False, "
-                 "drop_channels=False, space='', working=''",
-                 "Reads a map of a file, or of a file's bytes. {face} in the name reads six files."));
+        "faces"_a = "", "forward"_a = py::none(), "level"_a = 0, "all_levels"_a = false, "repair"_a = false,
+        "drop_channels"_a = false, "space"_a = "", "working"_a = "",
+        document(
+            "read",
+            "file, *, projection=None, layout=None, faces='', forward=None, level=0, all_levels=False, repair=False, "
+            "drop_channels=False, space='', working=''",
+            "Reads a map of a file, or of a file's bytes. {face} in the name reads six files, which faces names."));
   m.def("write", &write_file, "file"_a, "map"_a, py::kw_only(), "depth"_a = py::none(), "layout"_a = py::none(),
-        "format"_a = "", "compression"_a = "", "clamp"_a = false, "zstd"_a = false, "facts"_a = Facts{},
+        "faces"_a = "", "format"_a = "", "compression"_a = "", "clamp"_a = false, "zstd"_a = false, "facts"_a = Facts{},
         "force"_a = false, "progress"_a = py::none(),
         document("write",
-                 "file, map, *, depth=None, layout=None, format='', compression='', clamp=False, zstd=False, facts={}, "
-                 "force=False, progress=None",
+                 "file, map, *, depth=None, layout=None, faces='', format='', compression='', clamp=False, zstd=False, "
+                 "facts={}, force=False, progress=None",
                  "Writes a map with its levels; the file appears whole or not at all. force replaces a file that is "
                  "read-only."));
   m.def("encode", &encode_map, "map"_a, "format"_a, py::kw_only(), "depth"_a = py::none(), "layout"_a = py::none(),

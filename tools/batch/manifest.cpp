@@ -166,12 +166,12 @@ Job job_of(const std::string& where, const Texts& words) {
   Parsed parsed;
   parse(job, parsed);
   const Options& options = parsed.options;
-  const auto add = [](Texts& files, const std::string& name) {
-    std::ranges::copy(files_of(name, 1), std::back_inserter(files));
+  const auto add = [](Texts& files, const std::string& name, const std::string& faces) {
+    std::ranges::copy(files_of(name, 1, faces), std::back_inserter(files));
   };
-  for (const std::string& name : options.named(File::folder)) add(job.outputs, name + "/README.txt");
-  for (const std::string& name : options.named(File::output)) add(job.outputs, name);
-  for (const std::string& name : options.named(File::input)) add(job.inputs, name);
+  for (const std::string& name : options.named(File::folder)) add(job.outputs, name + "/README.txt", "");
+  for (const std::string& name : options.named(File::output)) add(job.outputs, name, options.last("--faces"));
+  for (const std::string& name : options.named(File::input)) add(job.inputs, name, options.last("--from-faces"));
   if (options.given("--depfile")) throw UsageError(where + ": remove --depfile: a batch has its own");
   if (job.outputs.empty() || job.outputs.front().find("{frame") != std::string::npos)
     throw UsageError(where + ": a job of a batch writes files with names of their own, not - and no {frame}");

@@ -152,6 +152,10 @@ bool Options::given(std::string_view name) const {
   const auto found = std::ranges::find(rows, name, &Option::name);
   return found != rows.end() && !found->given.empty();
 }
+std::string Options::last(std::string_view name) const {
+  const auto found = std::ranges::find(rows, name, &Option::name);
+  return found != rows.end() && !found->given.empty() ? found->given.back() : "";
+}
 std::vector<std::string> Options::named(File kind) const {
   std::vector<std::string> all;
   for (const Option& o : rows) {

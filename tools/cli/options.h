@@ -118,6 +118,7 @@ class Options {
 
   [[nodiscard]] Option& operator[](std::string_view name);
   [[nodiscard]] bool given(std::string_view name) const;
+  [[nodiscard]] std::string last(std::string_view name) const;  ///< The value given last, or empty.
   /// The files that are named. @param kind input or output.
   [[nodiscard]] std::vector<std::string> named(File kind) const;
   std::deque<Option> rows;

@@ -6,6 +6,7 @@
 
 #include "cli/embedded.h"
 #include "cli/options.h"
+#include "envmap/io/face_files.h"
 #include "envmap/io/file_format.h"
 #include "envmap/sample/filter.h"
 #include "shared/engine_options.h"
@@ -18,13 +19,19 @@ void list_filters(std::vector<std::string>& paragraphs) {
     paragraphs.push_back(fmt::format("* {}: {}.", f.name, f.summary));
 }
 
-// Rows of a table about engines or formats.
+// Rows of a table about engines, formats or names of faces.
 std::string table_rows(const std::string& mark) {
   std::string rows;
   if (mark == "{engines}")
     for (const envmap::Engine& e : envmap::engines())
       rows += fmt::format("\n| `{}` {} | {} | {} | {} | {} |", e.name, e.title, image_of(e), e.axes, e.mirrored,
                           was_run(e) ? "yes" : "no");
+  if (mark == "{faces}")
+    for (const envmap::FaceConvention& c : envmap::face_conventions()) {
+      std::string files(c.files);
+      std::ranges::replace(files, ',', ' ');
+      rows += fmt::format("\n| `{}` | {} | {} |", c.name, files, c.title);
+    }
   if (mark == "{formats}")
     for (const envmap::FileFormat& f : envmap::file_formats()) {
       std::string extensions = f.extensions.empty() ? "no" : "", depths = f.is_written() ? "" : "no";

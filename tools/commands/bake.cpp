@@ -91,7 +91,7 @@ int run(Request& o, Report& report) {
   const Engine& e = *o.engine;
   std::vector<std::string> outputs;
   for (const std::string& file : files_of(e)) outputs.push_back(o.folder + "/" + file);
-  check_files(outputs, {o.input});
+  check_files(outputs, {o.input}, {{}, o.read.faces});
   if (o.maps.chain_size)
     for (const EngineMap& map : e.maps)
       if (map.chain) level_roughnesses(map, *o.maps.chain_size, {}, "--chain-size");

@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/io/path.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/grade.h"
@@ -188,9 +189,10 @@ int run(Request& o, Report& report) {
   }
   ReadOptions read_a = o.read;
   read_a.all_levels = !o.one_level;
-  Source a = read_map(o.a, read_a);
   ReadOptions read_b = read_a;
   if (o.from_b) read_b.projection = o.from_b;
+  if (has_face(o.a) != has_face(o.b)) (has_face(o.a) ? read_b : read_a).faces.clear();
+  Source a = read_map(o.a, read_a);
   const Source b = read_map(o.b, read_b);
   const std::string unlikeness = unlike(o, a, b);
   const bool resampled = !same_frame(a.map, b.map);

@@ -10,6 +10,7 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/engine/baker.h"
+#include "envmap/io/path.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_plan.h"
 #include "envmap/maths/portable.h"
@@ -52,11 +53,11 @@ struct Convert {
 };
 
 // Options that only maps have, or only pictures.
-constexpr std::array of_maps{"--for",      "--layout",        "--area-error",     "--max-error",   "--ball-distance",
-                             "--ball-fov", "--forward",       "--mirror",         "--add",         "--depth",
-                             "--border",   "--zstd",          "--openexr-envmap", "--compression", "--clamp",
-                             "--shard",    "--output-space",  "--encoded",        "--max-memory",  "--circle",
-                             "--back",     "--circle-picture"};
+constexpr std::array of_maps{"--for",           "--layout",   "--faces",         "--area-error",     "--max-error",
+                             "--ball-distance", "--ball-fov", "--forward",       "--mirror",         "--add",
+                             "--depth",         "--border",   "--zstd",          "--openexr-envmap", "--compression",
+                             "--clamp",         "--shard",    "--output-space",  "--encoded",        "--max-memory",
+                             "--circle",        "--back",     "--circle-picture"};
 constexpr std::array of_pictures{"--look-at", "--width"};
 
 void refuse_options(const Options& options, bool picture) {
@@ -176,6 +177,7 @@ Source read_input(const Convert& o, std::optional<Picture>& circle, Report& repo
 EnvironmentMap read_added(const Convert& o) {
   ReadOptions read = o.read;
   read.projection.reset(), read.layout.reset(), read.forward.reset(), read.border.reset(), read.level = 0;
+  if (!has_face(o.added)) read.faces.clear();
   return std::move(read_map(o.added, read).map);
 }
 
@@ -316,6 +318,7 @@ Action define_convert(Options& o) {
       .excludes = "--for";
   add_forward(o, "--forward AXIS", c->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   add_layout(o, "--layout", c->write.layout, "Cube faces: {} (default: column)");
+  add_faces(o, c->write);
   add_border(o, c->write, "part of --size");
   add_write_options(o, c->write);
   o.group = groups::quality;

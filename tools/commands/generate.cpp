@@ -166,6 +166,7 @@ Action define_generate(Options& o) {
   add_size(o, &r->size, "Height of the image or of one cube face (default: 256)");
   add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_faces(o, r->write);
   add_write_options(o, r->write, "float, or nearest");
   return [r, &o](Report& report) { return run(*r, o, report); };
 }

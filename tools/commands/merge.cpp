@@ -37,6 +37,7 @@ WriteOptions options_of(const std::string& output, const WriteOptions& parts, co
   o.format = format_of(output, parts, said);
   if (said.zstd) o.zstd = true;
   if (said.layout) o.layout = said.layout;
+  o.faces = said.faces;
   if (said.depth) o.depth = said.depth;
   if (said.clamp) o.clamp = true;
   if (said.openexr_envmap) o.openexr_envmap = true;
@@ -89,6 +90,7 @@ Action define_merge(Options& o) {
   o.files(r->names, File::inputs_then_output, "Parts in any order, and last the file to write, or '-' for stdout");
   add_write_options(o, r->write, "that of the parts");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: that of the parts)");
+  add_faces(o, r->write);
   o.group = groups::input_map;
   add_max_pixels(o, r->read);
   return [r](Report&) { return run(*r); };

@@ -336,6 +336,7 @@ Action define_prefilter(Options& o) {
   add_size(o, &r->size, "Height of a face (default: diffuse 64 per cube face; others the engine's or input's)");
   add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_faces(o, r->write);
   add_border(o, r->write, "part of --size");
   o.group = groups::quality;
   o.add("--max-error", "E", &r->max_error, {1e-7, 10},

@@ -108,6 +108,7 @@ Action define_sh(Options& o) {
   add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
   add_size(o, &r->size, "Height of the image or of one cube face (default: 64)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_faces(o, r->write);
   add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
   o.group = groups::output_file;
   add_depth(o, r->write, "float, or nearest");

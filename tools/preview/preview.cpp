@@ -158,7 +158,7 @@ ReadOptions reading(const Request& o, std::size_t input) {
 
 int write_page(const Request& o) {
   const std::string& input = o.names.front();
-  check_files({o.html}, {input});
+  check_files({o.html}, {input}, {{}, o.read.faces});
   const Source source = read_map(input, reading(o, 0));
   const Look look = look_for(source, o);
   const int density = matching_size(source.map.projection(), source.map.base().height(), Projection::cube);
@@ -181,7 +181,7 @@ int run(Request& o) {
   if (!o.html.empty()) return write_page(o);
   const std::string& output = o.names.back();
   const std::vector<std::string> inputs(o.names.begin(), o.names.end() - 1);
-  check_files({output}, inputs);
+  check_files({output}, inputs, {{}, o.read.faces});
   std::vector<Tile> maps;
   std::vector<Source> sources;  // For the studies below.
   std::optional<Look> look;

@@ -108,9 +108,10 @@ int run(Request& o, Report& report) {
   const Frames frames = frames_of(o.scene);
   check_output(frames.path(o.output, frames.first), o.write, o.from.to);
   const std::vector<std::string> outputs = frames.paths(o.output);
-  check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
+  const FaceNames faces{.written = o.write.faces, .read = {}};
+  check_files(outputs, {o.scene.path, o.scene.environment}, faces);  // Before reading takes its time.
   LoadedScene loaded = load(o.scene);
-  check_files(outputs, loaded.inputs);
+  check_files(outputs, loaded.inputs, faces);
   open_depfile();
   const Viewpoint place = viewpoint_of(o.at, loaded.scene, o.scene.path);
   o.from.at = place.at, o.from.without = place.without;
@@ -169,6 +170,7 @@ Action define_render(Options& o) {
   o.add("--near", "METRES", &r->from.near, {1e-9, 1e9}, "Distance of the near plane (default: 0.01)");
   o.add("--far", "METRES", &r->from.far, {1e-9, 1e12}, "Distance of the far plane (default: 1000)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
+  add_faces(o, r->write);
   add_light(o, r->scene);
   add_context(o, r->scene);
   o.add("--method", one_of(r->method, draw_method_names), "{} (default: auto)");

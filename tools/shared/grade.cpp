@@ -21,7 +21,7 @@ void choose_working_space(ReadOptions& read, WriteOptions& write) {
 void add_grade(Options& o, GradeOptions& g) {
   o.group = groups::colour;
   o.add("--scale-to", "lux=E|nits=L", &g.scale_to, "Scale to illuminance E, or to luminance L, in direction --towards");
-  o.add("--towards", "X,Y,Z", Triple{&g.towards}, "Direction for --scale-to (default: 0,1,0, up)");
+  o.add("--towards", "X,Y,Z", Triple{&g.towards}, "Direction for --scale-to (default: 0,1,0, up)").folded = true;
   o.add("--white", "X,Y,Z|KELVIN", &g.white, "White balance on direction X,Y,Z, or on a colour temperature");
   o.add("--gain", "R,G,B", Triple{&g.gain, true}, "Multiply the channels");
   o.add("--saturation", "S", &g.saturation, range_of(limits::saturation),

@@ -51,6 +51,11 @@ Option& add_projection(Options& o, std::string_view flag, std::optional<Projecti
 Option& add_layout(Options& o, std::string_view flag, std::optional<Layout>& value, std::string_view help) {
   return add_named(o, flag, layout_words(), value, layout_named, help);
 }
+void add_faces(Options& o, WriteOptions& w) {
+  std::string names;
+  for (const FaceConvention& c : face_conventions()) names += (names.empty() ? "" : " ") + std::string(c.name);
+  o.add("--faces", "NAMES", &w.faces, fmt::format("Names for {{face}}: {}, or a,b,c,d,e,f", names));
+}
 Option& add_forward(Options& o, std::string_view flag, std::optional<Forward>& value, std::string_view help) {
   return add_named(o, flag, joined(forward_names), value, forward_named, help);
 }
@@ -87,6 +92,7 @@ void add_read_options(Options& o, ReadOptions& r) {
               "Axis at the centre of the input (default: metadata, --forward, then +z)");
   add_layout(o, "--from-layout LAYOUT", r.layout,
              "Layout of the input's cube faces (default: metadata, then image shape)");
+  o.add("--from-faces", "NAMES", &r.faces, "Names for {face} of the input (default: metadata, then px,nx,...)");
   o.add("--from-border", "N", &r.border, range_of(limits::border),
         "Wrapped texels per side of the input (default: metadata, then 0)");
   o.add("--level", "N", &r.level, range_of(limits::level), "Mip level to read, 0 is the finest (default: 0)");
@@ -153,9 +159,9 @@ void add_border(Options& o, WriteOptions& w, std::string_view size) {
 void add_output_space(Options& o, WriteOptions& w) {
   o.group = groups::colour;
   o.add("--output-space", "SPACE", &w.colour.space,
-        "Colour space of the output (default: Rec.709 for floats, else sRGB)")
+        "Colour space; encoded in floats with --encoded (default: Rec.709 or sRGB)")
       .suggested = spaces;
-  o.flag("--encoded", w.encoded, "Allow an encoded --output-space, such as 'Display P3', in float files");
+  o.flag("--encoded", w.encoded, "Allow an encoded --output-space, such as 'Display P3', in float files").folded = true;
 }
 
 int size_inside_border(int size, const WriteOptions& w) {

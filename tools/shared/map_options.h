@@ -17,6 +17,7 @@ std::string projection_words();  ///< All projections, with | between.
 Option& add_projection(Options& o, std::string_view name, std::optional<envmap::Projection>& value,
                        std::string_view help);
 Option& add_layout(Options& o, std::string_view name, std::optional<envmap::Layout>& value, std::string_view help);
+void add_faces(Options& o, envmap::WriteOptions& write);
 Option& add_forward(Options& o, std::string_view name, std::optional<envmap::Forward>& value, std::string_view help);
 Option& add_filter(Options& o, std::optional<envmap::Filter>& value, std::string_view help);  ///< "auto" is no value.
 Option& add_display(Options& o, std::optional<envmap::Display>& value, envmap::Display otherwise);

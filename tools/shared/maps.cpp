@@ -14,7 +14,6 @@
 #include "envmap/io/path.h"
 #include "envmap/io/read_photo.h"
 #include "envmap/io/write_plan.h"
-#include "shared/named_files.h"
 
 namespace tools {
 namespace {
@@ -24,6 +23,7 @@ namespace fs = std::filesystem;
 
 struct Depfile {
   std::vector<std::string> outputs, inputs;
+  FaceNames faces;
   std::unique_ptr<OutputFile> file;
   bool opened = false;
 };
@@ -49,10 +49,10 @@ std::string escaped(const std::string& name) {
 }
 
 // Each once, in the order in which they come.
-std::vector<std::string> inputs_of(const std::vector<std::string>& paths) {
+std::vector<std::string> inputs_of(const std::vector<std::string>& paths, const std::string& faces) {
   std::vector<std::string> all;
   for (const std::string& path : paths)
-    for (const std::string& file : files_of(path, std::max(1, count_level_files(path))))
+    for (const std::string& file : files_of(path, std::max(1, count_level_files(path, face_files(faces))), faces))
       if (std::ranges::find(all, file) == all.end()) all.push_back(file);
   return all;
 }
@@ -68,18 +68,19 @@ std::string identity(const std::string& path) {
 
 }  // namespace
 
-void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
-  depfile() = {outputs, inputs, nullptr, false};
+void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
+                 const FaceNames& faces) {
+  depfile() = {outputs, inputs, faces, nullptr, false};
   if (settings().json && std::ranges::find(outputs, "-") != outputs.end())
     throw UsageError("--json and the output cannot both be standard output: give a file name");
   if (std::ranges::count(inputs, "-") > 1) throw UsageError("-: standard input can be read once, and is named twice");
   std::set<std::string> written, read;
-  for (const std::string& input : inputs_of(inputs)) read.insert(identity(input));
+  for (const std::string& input : inputs_of(inputs, faces.read)) read.insert(identity(input));
   read.erase("");
   std::vector<std::string> files{settings().depfile};
   files.insert(files.end(), outputs.begin(), outputs.end());
   for (const std::string& output : files)
-    for (const std::string& file : files_of(output, 1)) {
+    for (const std::string& file : files_of(output, 1, faces.written)) {
       const std::string id = identity(file);
       if (read.contains(id)) throw UsageError(file, "is both input and output: choose another output name");
       if (!id.empty() && !written.insert(id).second)
@@ -94,12 +95,13 @@ void open_depfile(int levels) {
   depfile().opened = true;
   std::string text, phony;
   for (const std::string& output : depfile().outputs)
-    for (const std::string& file : files_of(output, levels)) text += (text.empty() ? "" : " ") + escaped(file);
+    for (const std::string& file : files_of(output, levels, depfile().faces.written))
+      text += (text.empty() ? "" : " ") + escaped(file);
   if (text.empty()) throw UsageError("--depfile: no file is written that could depend on another");
   text += ":";
   std::vector<std::string> all = depfile().inputs;
   all.insert(all.end(), settings().also_read.begin(), settings().also_read.end());
-  for (const std::string& input : inputs_of(all)) {
+  for (const std::string& input : inputs_of(all, depfile().faces.read)) {
     text += " " + escaped(input);
     phony += escaped(input) + ":\n";
   }

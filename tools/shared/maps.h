@@ -8,6 +8,7 @@
 
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
+#include "shared/named_files.h"
 
 namespace tools {
 
@@ -32,7 +33,8 @@ void write_text(const std::string& path, std::string_view text);
 
 /// @throws UsageError where an output or the depfile is an input or another output, by whatever names, where standard
 /// input is named twice, or where a report and an output would both go to standard output.
-void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
+                 const FaceNames& faces = {});
 
 /// Writes the depfile for the files of the last check_files(), if --depfile asks for one. commit_depfile() shows it.
 /// Call this before outputs are written: without a depfile there is no output. Later calls do nothing. Each input gets

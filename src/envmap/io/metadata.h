@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "envmap/base/export.h"
 #include "envmap/io/image_reader.h"
@@ -15,6 +16,9 @@ namespace ENVMAP_EXPORT envmap {
 
 /// Further facts by name, such as the lobe of a prefiltered map: attributes envmap:NAME. One word each, no spaces.
 using Facts = std::map<std::string, std::string>;
+
+/// Of one face of six files: the convention by which they were written, unless it is that of memory.
+inline constexpr std::string_view faces_fact = "faces";
 
 /// The attributes envmap:projection, envmap:layout, envmap:forward, envmap:levels, envmap:border, envmap:space and
 /// envmap:NAME of other facts. Formats without attributes of one's own carry them as words of the image description

@@ -1,12 +1,12 @@
 #include "envmap/io/orientation.h"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
 #include <memory>
-#include <utility>
 
 namespace envmap {
-namespace {
 
-// Where the file has texel (x, y) of the upright picture.
 std::pair<int, int> place_in_file(Orientation o, int width, int height, int x, int y) {
   switch (o) {
     case Orientation::upright: return {x, y};
@@ -20,6 +20,8 @@ std::pair<int, int> place_in_file(Orientation o, int width, int height, int x, i
   }
   return {x, y};
 }
+
+namespace {
 
 // The channels that were asked for last, as the file has them.
 struct Whole {
@@ -51,12 +53,48 @@ ImageReader turned_upright(ImageReader stored) {
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < facts.width; ++x) {
         const auto [column, row] = place_in_file(orientation, facts.width, facts.height, x, y);
-        const std::size_t at = std::size_t(row) * std::size_t(stored.facts.width) +
-                               std::size_t(column);
+        const std::size_t at = std::size_t(row) * std::size_t(stored.facts.width) + std::size_t(column);
         for (std::size_t c = 0; c < channels; ++c) *to++ = whole->values[at * channels + c];
       }
   };
   return upright;
+}
+
+Rows stored_rows(const Rows& rows, int face, Orientation o) {
+  const int n = rows.size;
+  Rows stored = rows;
+  if (!is_transposed(o)) {
+    const auto [column, row] = place_in_file(o, n, n, 0, 0);
+    stored.fill = [rows, n, mirrored = column > 0, from_below = row > 0](int f, int y, std::span<Colour> out) {
+      rows.fill(f, from_below ? n - 1 - y : y, out);
+      if (mirrored) std::ranges::reverse(out);
+    };
+    return stored;
+  }
+  const auto image = std::make_shared<std::vector<Colour>>(std::size_t(n) * std::size_t(n));
+  tbb::parallel_for(0, n, [&](int y) {
+    std::vector<Colour> line(std::size_t(n), Colour(0));
+    rows.fill(face, y, line);
+    for (int x = 0; x < n; ++x) {
+      const auto [column, row] = place_in_file(o, n, n, x, y);
+      (*image)[std::size_t(row) * std::size_t(n) + std::size_t(column)] = line[std::size_t(x)];
+    }
+  });
+  stored.fill = [image, n](int, int y, std::span<Colour> out) {
+    std::copy_n(image->begin() + std::ptrdiff_t(y) * n, n, out.begin());
+  };
+  return stored;
+}
+
+void copy_upright(const Level& stored, Orientation o, Level& map, int face) {
+  const int n = map.height();
+  tbb::parallel_for(0, n, [&](int y) {
+    const auto to = map.row(face, y);
+    for (int x = 0; x < n; ++x) {
+      const auto [column, row] = place_in_file(o, n, n, x, y);
+      to[std::size_t(x)] = stored.row(0, row)[std::size_t(column)];
+    }
+  });
 }
 
 }  // namespace envmap

@@ -6,6 +6,8 @@
 #include <string>
 #include <system_error>
 
+#include "envmap/base/error.h"
+#include "envmap/io/face_files.h"
 #include "envmap/map/layout.h"
 
 namespace envmap {
@@ -24,11 +26,11 @@ inline Projection projection_of_faces(const std::string& path) {
 }
 inline bool has_level(const std::string& path) { return path.find(level_mark) != std::string::npos; }
 
-/// The name of one face's file: px nx py ny pz nz for faces 0 to 5, front and back for halves.
-inline std::string face_path(std::string path, int face) {
+/// The name of one face's file: as `files` has it for faces 0 to 5, front and back for halves.
+inline std::string face_path(std::string path, int face, const FaceFiles& files) {
   const auto k = std::size_t(face);
   if (has_half(path)) return path.replace(path.find(half_mark), half_mark.size(), half_names[k]);
-  return path.replace(path.find(face_mark), face_mark.size(), cube_face_names[k]);
+  return path.replace(path.find(face_mark), face_mark.size(), files[k].name);
 }
 
 /// The name of one level's file: its number, from 0; the path itself where it has no mark.
@@ -36,12 +38,18 @@ inline std::string level_path(std::string path, int level) {
   return has_level(path) ? path.replace(path.find(level_mark), level_mark.size(), std::to_string(level)) : path;
 }
 
+/// @throws UsageError where faces are named that are not files of their own.
+inline void check_faces(const std::string& path, const std::string& faces) {
+  if (!faces.empty() && path.find(face_mark) == std::string::npos)
+    throw UsageError(path, "is one file, and names of faces are for six: put {face} into the file name");
+}
+
 /// How many files of one level each there are, numbered from 0 without a gap.
-inline int count_level_files(const std::string& path) {
+inline int count_level_files(const std::string& path, const FaceFiles& files) {
   const auto there = [&](int level) {
     const std::string one = level_path(path, level);
     std::error_code unreadable;
-    return std::filesystem::exists(has_face(one) ? face_path(one, 0) : one, unreadable);
+    return std::filesystem::exists(has_face(one) ? face_path(one, 0, files) : one, unreadable);
   };
   int levels = 0;
   while (levels < 32 && there(levels)) ++levels;

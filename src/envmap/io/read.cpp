@@ -13,6 +13,7 @@
 #include "envmap/io/detect_layout.h"
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
+#include "envmap/io/orientation.h"
 #include "envmap/io/path.h"
 #include "envmap/io/read_colours.h"
 #include "envmap/io/read_photo.h"
@@ -240,7 +241,7 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
   source.border = border_of(image, options, recorded, found);
   int most = std::min(source.levels, complete_levels(found));
   while (source.border > 0 && face_size(found, most - 1).height <= 2 * source.border) --most;
-  source.levels = has_level(path) ? std::min(most, count_level_files(path))
+  source.levels = has_level(path) ? std::min(most, count_level_files(path, {}))
                   : image.texture ? most
                                   : count_levels(image, most);
   for (const int k : wanted_levels(image.name, options, source.levels)) {
@@ -264,13 +265,13 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
 }
 
 // One level out of a file for each face, of a map that is `size` high at its base; 0: what the first file says.
-Level read_face_files(const std::string& path, const ReadOptions& options, int number, int size, Source& source,
-                      const Progress& progress) {
+Level read_face_files(const std::string& path, const FaceFiles& files, const ReadOptions& options, int number, int size,
+                      Source& source, const Progress& progress) {
   const Projection projection = projection_of_faces(path);
   std::optional<Level> level;
   for (int face = 0; face < faces(projection); ++face) {
     Image image;
-    open(image, face_path(level_path(path, number), face), options.choice);
+    open(image, face_path(level_path(path, number), face, files), options.choice);
     Metadata recorded;
     const Source head = read_head(image, options, recorded);
     const int w = head.image_width, h = head.image_height;
@@ -297,10 +298,23 @@ Level read_face_files(const std::string& path, const ReadOptions& options, int n
     if (!level) level.emplace(projection, wanted);
     // Any projection of one square face.
     const Level one = read_level(image, options, 0, {Projection::sphere, Layout::single, wanted}, 0, {});
-    for (int j = 0; j < wanted; ++j) std::ranges::copy(one.row(0, j), level->row(face, j).begin());
+    const bool cube = projection == Projection::cube;
+    copy_upright(one, cube ? files[std::size_t(face)].stored : Orientation::upright, *level, face);
     if (progress) progress((face + 1.0) / faces(projection));
   }
   return std::move(*level);
+}
+
+// As was said, or as the first of them says that it was written.
+FaceFiles files_of(const std::string& path, const ReadOptions& options) {
+  const FaceFiles files = face_files(options.faces);
+  if (!options.faces.empty() || has_half(path)) return files;
+  Image first;
+  Metadata recorded;
+  open(first, face_path(level_path(path, 0), 0, files), options.choice);
+  read_head(first, options, recorded);
+  const auto said = recorded.facts.find(std::string(faces_fact));
+  return said == recorded.facts.end() || convention_of(said->second).empty() ? files : face_files(said->second);
 }
 
 Source read_faces(const std::string& path, const ReadOptions& options, const Progress& progress) {
@@ -308,14 +322,16 @@ Source read_faces(const std::string& path, const ReadOptions& options, const Pro
   if (options.projection && *options.projection != projection)
     throw UsageError(fmt::format("{} in a file name is for {} maps, not for a {} map",
                                  has_half(path) ? half_mark : face_mark, name(projection), name(*options.projection)));
+  const FaceFiles files = files_of(path, options);
   Source source{.map = {}, .layout = Layout::files};
   // Level 0 even where another is wanted: it tells how large that one must be.
-  source.map.levels.push_back(read_face_files(path, options, 0, 0, source, progress));
+  source.map.levels.push_back(read_face_files(path, files, options, 0, 0, source, progress));
   const int size = source.map.base().height();
-  source.levels =
-      has_level(path) ? std::min(complete_levels({projection, Layout::files, size}), count_level_files(path)) : 1;
+  source.levels = has_level(path)
+                      ? std::min(complete_levels({projection, Layout::files, size}), count_level_files(path, files))
+                      : 1;
   for (const int k : wanted_levels(path, options, source.levels))
-    if (k > 0) source.map.levels.push_back(read_face_files(path, options, k, size, source, {}));
+    if (k > 0) source.map.levels.push_back(read_face_files(path, files, options, k, size, source, {}));
   if (options.level > 0) source.map.levels.erase(source.map.levels.begin());
   return source;
 }
@@ -351,8 +367,10 @@ Source settled(const std::string& name, const ReadOptions& options, const Progre
 }
 
 template <class F>
-Source read_named(const std::string& name, const ReadOptions& options, const Run& run, const F& take) {
+Source read_named(const std::string& path, const ReadOptions& options, const Run& run, const F& take) {
   check(options);
+  check_faces(path, options.faces);
+  const std::string name = path == "-" ? "standard input" : path;
   return carry_out(run, [&](const Progress& progress) { return settled(name, options, progress, take); });
 }
 
@@ -374,7 +392,7 @@ Source read_photo(Image& image, const ReadOptions& options, const Progress& prog
 }  // namespace
 
 Source read_photo(const std::string& path, const ReadOptions& options, const Run& run) {
-  return read_named(path == "-" ? "standard input" : path, options, run, [&](const Progress& progress) {
+  return read_named(path, options, run, [&](const Progress& progress) {
     Image image;
     open(image, path, options.choice);
     return read_photo(image, options, progress);
@@ -382,7 +400,7 @@ Source read_photo(const std::string& path, const ReadOptions& options, const Run
 }
 
 Source read(const std::string& path, const ReadOptions& options, const Run& run) {
-  return read_named(path == "-" ? "standard input" : path, options, run, [&](const Progress& progress) {
+  return read_named(path, options, run, [&](const Progress& progress) {
     if (has_face(path)) return read_faces(path, options, progress);
     Image image;
     open(image, level_path(path, 0), options.choice);

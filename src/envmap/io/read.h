@@ -13,6 +13,7 @@
 #include "envmap/base/run.h"
 #include "envmap/io/colour.h"
 #include "envmap/io/depth.h"
+#include "envmap/io/face_files.h"
 #include "envmap/io/image_reader.h"
 #include "envmap/io/metadata.h"
 #include "envmap/map/environment_map.h"
@@ -30,7 +31,8 @@ enum class FlawPolicy { refuse, repair, keep };
 struct ReadOptions {
   std::optional<Projection> projection = {};
   std::optional<Layout> layout = {};
-  std::optional<Forward> forward = {};          ///< Overrides the metadata.
+  std::string faces = {};               ///< Names and turns of the six files of a name with `{face}`: see face_files().
+  std::optional<Forward> forward = {};  ///< Overrides the metadata.
   std::optional<Forward> assumed_forward = {};  ///< Where there is no metadata; otherwise +z.
   std::optional<int> border = {};        ///< Texels round an octahedral map, to be left out; overrides the metadata.
   bool ignore_envmap_attribute = false;  ///< Take texels as cell-centred whatever OpenEXR's attribute says.
@@ -62,7 +64,7 @@ struct Source {
   std::vector<std::string> details = {};       ///< What reading did to the values, such as dividing an exposure out.
 };
 
-/// @param path a file, `-` for standard input, or a name with `{face}` for six files (px nx py ny pz nz), `{half}` for
+/// @param path a file, `-` for standard input, or a name with `{face}` for six files, `{half}` for
 /// a paraboloid's (front back) and `{level}` for those of all levels, numbered from 0.
 /// @throws InputError in one line, naming the file; UsageError where the options contradict each other.
 Source read(const std::string& path, const ReadOptions& options = {}, const Run& run = {});

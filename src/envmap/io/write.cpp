@@ -20,6 +20,7 @@
 #include "envmap/io/metadata.h"
 #include "envmap/io/mip_chain.h"
 #include "envmap/io/openexr.h"
+#include "envmap/io/orientation.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "envmap/io/rounding.h"
@@ -204,6 +205,8 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   if (base.projection == Projection::cube && done.layout != Layout::api) data.layout = done.layout;
   if (has_forward(base.projection)) data.forward = base.forward;
   if (options.border > 0) data.border = options.border;
+  if (const auto convention = convention_of(options.faces); !convention.empty())
+    data.facts[std::string(faces_fact)] = convention;
   check_space(path, format, done.depth, options);
   tell_space(data, options.colour, is_integer(done.depth));
 
@@ -240,12 +243,14 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
     }
   } else {
     const int count = done.layout == Layout::files ? faces(base.projection) : 1;
+    const FaceFiles names = face_files(options.faces);
     for (std::size_t level = 0; level < levels.size(); ++level)
       for (int k = 0; k < count; ++k) {
         const std::string one = level_path(path, int(level));
-        const Atlas atlas{rows[level], grid(done.layout), count > 1 ? k : -1};
+        const Rows face = count == 6 ? stored_rows(rows[level], k, names[std::size_t(k)].stored) : rows[level];
+        const Atlas atlas{face, grid(done.layout), count > 1 ? k : -1};
         const Progress part = level > 0 ? Progress() : part_progress(progress, double(k) / count, 1.0 / count);
-        write_file(count > 1 ? face_path(one, k) : one, std::span(&atlas, 1), part);
+        write_file(count > 1 ? face_path(one, k, names) : one, std::span(&atlas, 1), part);
       }
   }
   for (const auto& level : limited) check_fit(path, format, level->total(), options, done);
@@ -305,6 +310,8 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   choose_depth(*format, options);
   if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
   const Layout layout = choose_layout(path, *format, options, projection);
+  check_faces(path, options.faces);
+  face_files(options.faces);
   if (options.openexr_envmap &&
       (!format->can(FileFormat::envmap_mark) || (layout != Layout::column && projection != Projection::latlong)))
     throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");

@@ -14,6 +14,7 @@
 #include "envmap/io/colour.h"
 #include "envmap/io/commit.h"
 #include "envmap/io/depth.h"
+#include "envmap/io/face_files.h"
 #include "envmap/io/metadata.h"
 #include "envmap/map/layout.h"
 #include "envmap/map/rows.h"
@@ -22,6 +23,7 @@ namespace ENVMAP_EXPORT envmap {
 
 struct WriteOptions {
   std::optional<Layout> layout = {};  ///< Of a cube; column if nothing is said.
+  std::string faces = {};             ///< Names and turns of the six files of a name with `{face}`: see face_files().
   std::string format = {};            ///< A file name extension for `-` and names without one; else the name's decides.
   std::optional<Depth> depth = {};    ///< Asked for; refused where the format cannot hold it.
   Depth source_depth = Depth::single;  ///< Taken where nothing is asked, or the nearest the format holds.

@@ -65,10 +65,10 @@ class Difference:
     @property
     def max(self) -> float: ...
 
-def read(file: Path | bytes | bytearray | memoryview, *, projection: Projection | None = None, layout: Layout | None = None, forward: Forward | None = None,
-         level: int = 0, all_levels: bool = False, repair: bool = False, drop_channels: bool = False, space: str = "",
+def read(file: Path | bytes | bytearray | memoryview, *, projection: Projection | None = None, layout: Layout | None = None, faces: str = "",
+         forward: Forward | None = None, level: int = 0, all_levels: bool = False, repair: bool = False, drop_channels: bool = False, space: str = "",
          working: str = "") -> Map: ...
-def write(file: Path, map: Map | ArrayLike, *, depth: Depth | None = None, layout: Layout | None = None, format: str = "",
+def write(file: Path, map: Map | ArrayLike, *, depth: Depth | None = None, layout: Layout | None = None, faces: str = "", format: str = "",
           compression: str = "", clamp: bool = False, zstd: bool = False, facts: Mapping[str, str] = {},
           force: bool = False, progress: Progress = None) -> None: ...
 def encode(map: Map | ArrayLike, format: str, *, depth: Depth | None = None, layout: Layout | None = None, compression: str = "",

@@ -1,0 +1,128 @@
+#include "envmap/io/face_files.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "envmap/base/error.h"
+#include "envmap/map/layout.h"
+
+namespace envmap {
+namespace {
+
+struct TurnWord {
+  std::string_view word;
+  Orientation stored;
+};
+constexpr TurnWord turn_words[] = {
+    {"90", Orientation::left_bottom},         {"180", Orientation::bottom_right},
+    {"270", Orientation::right_top},          {"mirror", Orientation::top_right},
+    {"mirror:90", Orientation::right_bottom}, {"mirror:180", Orientation::bottom_left},
+    {"mirror:270", Orientation::left_top},
+};
+
+// Sources, by row. The axes of a program's world are those of engines.cpp, unless stated.
+// babylon: cubeTexture.ts (extensions _px ... _nz, the faces of WebGL). Its world has our X negated.
+// camera: the pictures of a camera that looks along -Z, is turned right and left, up and down: by definition.
+// gl: OpenGL 4.6, table 8.19; Vulkan and Direct3D have the same faces.
+// quake: id Software's Quake-2, ref_gl/gl_warp.c: suf, skytexorder, st_to_vec and MakeSkyVec. Quake III has the same.
+//   Its world is right-handed with Z up; our +X is its +X, our -Z its +Y, as where Blender reads a glTF file.
+// three: backgroundCube.glsl.js, flipEnvMap * worldDirection.x with flipEnvMap = -1: cubes of six images are looked up
+//   with X negated.
+// unity: the shader Skybox/6 Sided names Left [+X], Right [-X]; SkyBoxGenerator of the Unify wiki renders these
+//   textures by cameras whose Euler angles are (0,90,0), (0,-90,0), up (-90,0,0), down (90,0,0).
+// unreal: docs.unrealengine.com 4.26, "Creating Cubemaps": +X turned 90 degrees counterclockwise, -X 90 clockwise, +Y
+//   180, -Y not; +Z and -Z with the side next to +Y at the top. These are Direct3D's faces in Unreal's world.
+constexpr FaceConvention conventions[] = {
+    {"babylon", "nx,px,py:180,ny:180,pz,nz", "Babylon.js, CubeTexture of six files"},
+    {"camera", "right,left,up,down,back,front", "a camera at -Z that turns right, left, up and down"},
+    {"gl", "px:mirror,nx:mirror,py:mirror:180,ny:mirror:180,pz:mirror,nz:mirror",
+     "OpenGL, Vulkan, Direct3D: seen from outside"},
+    {"quake", "rt,lf,up:90,dn:270,ft,bk", "skies of Quake II and III"},
+    {"three", "nx,px,py:180,ny:180,pz,nz", "three.js, CubeTextureLoader"},
+    {"unity", "right,left,up:180,down:180,front,back", "Unity, shader Skybox/6 Sided"},
+    {"unreal", "px:270,nx:90,pz,nz:180,py:180,ny", "Unreal Engine, faces of a cube before import"},
+};
+
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (std::size_t at = 0, comma = 0; comma != text.npos; at = comma + 1) {
+    comma = text.find(',', at);
+    parts.push_back(text.substr(at, comma == text.npos ? text.npos : comma - at));
+  }
+  return parts;
+}
+
+// @param part NAME or NAME:TURN.
+FaceFile face_file(std::string_view text, std::string_view part) {
+  const auto colon = part.find(':');
+  FaceFile file{std::string(part.substr(0, colon))};
+  if (file.name.empty()) throw UsageError(fmt::format("faces {}: a face has no name", text));
+  if (colon == part.npos) return file;
+  const std::string_view turn = part.substr(colon + 1);
+  const auto* const found = std::ranges::find(turn_words, turn, &TurnWord::word);
+  if (found == std::end(turn_words))
+    throw UsageError(fmt::format("faces {}: '{}' is none of mirror, 90, 180, 270, mirror:90, mirror:180 and mirror:270",
+                                 text, turn));
+  file.stored = found->stored;
+  return file;
+}
+
+FaceFiles listed(std::string_view text, std::string_view list) {
+  const std::vector<std::string_view> parts = split(list);
+  FaceFiles files;
+  if (parts.size() != files.size())
+    throw UsageError(
+        fmt::format("faces {}: {} names, and a cube has six faces: +X,-X,+Y,-Y,+Z,-Z", text, parts.size()));
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    files[k] = face_file(text, parts[k]);
+    if (std::find_if(files.begin(), files.begin() + std::ptrdiff_t(k),
+                     [&](const FaceFile& f) { return f.name == files[k].name; }) != files.begin() + std::ptrdiff_t(k))
+      throw UsageError(fmt::format("faces {}: {} is named twice", text, files[k].name));
+  }
+  return files;
+}
+
+const FaceConvention* find_convention(std::string_view name) {
+  const auto* const found = std::ranges::find(conventions, name, &FaceConvention::name);
+  return found == std::end(conventions) ? nullptr : found;
+}
+
+}  // namespace
+
+std::span<const FaceConvention> face_conventions() { return conventions; }
+
+std::string_view convention_of(std::string_view text) {
+  const FaceConvention* const c = find_convention(text.substr(0, text.find(':')));
+  return c ? c->name : std::string_view();
+}
+
+FaceFiles face_files(std::string_view text) {
+  FaceFiles files;
+  if (text.empty()) {
+    for (std::size_t k = 0; k < files.size(); ++k) files[k].name = cube_face_names[k];
+    return files;
+  }
+  const FaceConvention* const convention = find_convention(convention_of(text));
+  if (!convention && text.find(',') == text.npos) {
+    std::vector<std::string_view> names;
+    for (const FaceConvention& c : conventions) names.push_back(c.name);
+    throw UsageError(
+        fmt::format("faces {}: is none of {}, nor six names with commas between them", text, fmt::join(names, ", ")));
+  }
+  if (!convention) return listed(text, text);
+  files = listed(text, convention->files);
+  if (text == convention->name) return files;
+  const FaceFiles named = listed(text, text.substr(convention->name.size() + 1));
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    if (named[k].stored != Orientation::upright)
+      throw UsageError(fmt::format("faces {}: {} says how pictures lie: remove the turn of {}", text, convention->name,
+                                   named[k].name));
+    files[k].name = named[k].name;
+  }
+  return files;
+}
+
+}  // namespace envmap
