@@ -133,6 +133,10 @@ def test_files_come_back(tmp_path):
         np.testing.assert_array_equal(envmap.read(str(tmp_path / name)).array, a)
     envmap.write(str(tmp_path / 'c_{face}.exr'), envmap.convert(a, 'cube'), depth='half')
     assert envmap.read(str(tmp_path / 'c_{face}.exr')).array.dtype == np.float32
+    cube = envmap.convert(a, 'cube')
+    envmap.write(str(tmp_path / 'q{face}.exr'), cube, faces='quake')
+    assert (tmp_path / 'qrt.exr').exists()
+    assert np.array_equal(envmap.read(str(tmp_path / 'q{face}.exr'), faces='quake').array, cube.array)
 
 
 def test_interrupts_stay_python_s(tmp_path):
