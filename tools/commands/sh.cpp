@@ -68,6 +68,8 @@ int run(Request& o, Report& report) {
     check_output(o.output, o.write, to);
   else if (!settings().depfile.empty())
     throw UsageError("--depfile is for the map of --evaluate");
+  else if (!o.write.faces.empty())
+    throw UsageError("--faces is for the map of --evaluate");
   if (o.window == Window::automatic && o.order > max_deringed_order)
     throw UsageError(fmt::format("--window auto is for --order up to {}", max_deringed_order));
   if (o.output.empty() || !has_forward(to)) o.read.assumed_forward = o.forward;

@@ -25,9 +25,10 @@ constexpr TurnWord turn_words[] = {
 
 // Sources, by row. The axes of a program's world are those of engines.cpp, unless stated.
 // babylon: cubeTexture.ts (extensions _px ... _nz, the faces of WebGL). Its world has our X negated.
-// camera: the pictures of a camera that looks along -Z, is turned right and left, up and down: by definition.
+// camera: the pictures of a camera that looks along -Z, is turned right and left, up and down: by definition. Unreal
+//   Wiki's page TerraGen has these headings and pitches: 0, 90 "looking right", 180, 270, then up 90 and down -90.
 // gl: OpenGL 4.6, table 8.19; Vulkan and Direct3D have the same faces.
-// quake: id Software's Quake-2, ref_gl/gl_warp.c: suf, skytexorder, st_to_vec and MakeSkyVec. Quake III has the same.
+// quake: id Software's Quake-2, ref_gl/gl_warp.c: suf, skytexorder, st_to_vec, MakeSkyVec; Quake-III-Arena, tr_sky.c.
 //   Its world is right-handed with Z up; our +X is its +X, our -Z its +Y, as where Blender reads a glTF file.
 // three: backgroundCube.glsl.js, flipEnvMap * worldDirection.x with flipEnvMap = -1: cubes of six images are looked up
 //   with X negated.
@@ -35,9 +36,10 @@ constexpr TurnWord turn_words[] = {
 //   textures by cameras whose Euler angles are (0,90,0), (0,-90,0), up (-90,0,0), down (90,0,0).
 // unreal: docs.unrealengine.com 4.26, "Creating Cubemaps": +X turned 90 degrees counterclockwise, -X 90 clockwise, +Y
 //   180, -Y not; +Z and -Z with the side next to +Y at the top. These are Direct3D's faces in Unreal's world.
+// Not here: Source. VTFLib's VTFFormat.h has Quake's axes for its rt lf bk ft up dn; how up and dn lie was not found.
 constexpr FaceConvention conventions[] = {
     {"babylon", "nx,px,py:180,ny:180,pz,nz", "Babylon.js, CubeTexture of six files"},
-    {"camera", "right,left,up,down,back,front", "a camera at -Z that turns right, left, up and down"},
+    {"camera", "right,left,up,down,back,front", "a camera that looks along -Z, turned right, left, up and down"},
     {"gl", "px:mirror,nx:mirror,py:mirror:180,ny:mirror:180,pz:mirror,nz:mirror",
      "OpenGL, Vulkan, Direct3D: seen from outside"},
     {"quake", "rt,lf,up:90,dn:270,ft,bk", "skies of Quake II and III"},

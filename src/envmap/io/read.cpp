@@ -314,7 +314,7 @@ FaceFiles files_of(const std::string& path, const ReadOptions& options) {
   open(first, face_path(level_path(path, 0), 0, files), options.choice);
   read_head(first, options, recorded);
   const auto said = recorded.facts.find(std::string(faces_fact));
-  return said == recorded.facts.end() || convention_of(said->second).empty() ? files : face_files(said->second);
+  return said == recorded.facts.end() ? files : face_files(convention_of(said->second));
 }
 
 Source read_faces(const std::string& path, const ReadOptions& options, const Progress& progress) {
