@@ -49,12 +49,15 @@ const Lookup lookups[] = {
        return Place{0.5 - std::atan2(-d[2], d[0]) / (2 * pi), 0.5 - std::atan2(d[1], std::hypot(d[0], d[2])) / pi};
      }},
     {"filament", "sky.ktx", "", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
+    // A cube texture takes the direction itself.
+    {"glsl", "background.ktx2", "envmap.glsl", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
     {"gltf", "light.glb", "", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
     {"godot", "background.exr", "environment.tres",
      [](const Vec& d) {
        const double turn = std::atan2(d[0], -d[2]) / (2 * pi);
        return Place{turn < 0 ? turn + 1 : turn, std::acos(d[1]) / pi};
      }},
+    {"hlsl", "background.dds", "envmap.hlsl", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
     // `Rotate -90 1 0 0` from the light to the world: the light's +Z is +Y, its +Y is -Z.
     {"pbrt", "background.exr", "light.pbrt", [](const Vec& d) { return equal_area(d[0], -d[2], d[1]); }},
     {"playcanvas", "background.hdr", "", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
@@ -198,7 +201,7 @@ TEST_F(Bake, TextsNameTheMapAndAreWellFormed) {
   succeeds({"generate", "constant", "probe.exr", "--size", "8"});
   for (const Lookup& l : lookups) {
     SCOPED_TRACE(l.engine);
-    succeeds({"bake", "probe.exr", l.engine, "--for", l.engine, "--chain-size", "16", "--quality", "draft", "-q"});
+    succeeds({"bake", "probe.exr", l.engine, "--for", l.engine, "--chain-size", "32", "--quality", "draft", "-q"});
     EXPECT_NE(read(l.engine + "/README.txt").find(l.map), std::string::npos);
     if (l.text.empty()) continue;
     const std::string text = read(l.engine + "/" + l.text);

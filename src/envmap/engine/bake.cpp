@@ -6,10 +6,13 @@
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/engine/baker.h"
+#include "envmap/engine/irradiance.h"
 #include "envmap/io/output_folder.h"
 #include "envmap/io/rounding.h"
+#include "envmap/io/write_table.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/grade.h"
+#include "envmap/prefilter/brdf_table.h"
 
 namespace envmap {
 namespace {
@@ -54,13 +57,27 @@ BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folde
   }
 }
 
+// Writes what shaders need beside the maps.
+void write_tables(const Engine& engine, const EnvironmentMap& probe, const OutputFolder& folder,
+                  const CommitOptions& commit) {
+  constexpr int size = 128;
+  try {
+    if (!engine.table.empty()) write_table(folder.file(engine.table), brdf_table(size), size, commit);
+  } catch (const OutputError& e) {
+    throw folder.with_final_path(e, engine.table);
+  }
+  if (!engine.irradiance.empty())
+    folder.write(engine.irradiance, harmonics_pair(IrradianceForm::filament, irradiance_polynomial(probe, {})).second);
+}
+
 }  // namespace
 
 std::vector<std::string> files_of(const Engine& engine) {
   std::vector<std::string> files;
   for (const EngineMap& map : engine.maps) files.emplace_back(map.file);
   files.emplace_back(readme);
-  if (!engine.text.name.empty()) files.emplace_back(engine.text.name);
+  for (const std::string_view file : {engine.text.name, engine.table, engine.irradiance})
+    if (!file.empty()) files.emplace_back(file);
   return files;
 }
 
@@ -80,6 +97,7 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
     for (const EngineMap& map : engine.maps)
       baked.push_back(bake_map(map, baker, out, folder + "/" + std::string(map.file), options,
                                part_progress(progress, share * double(baked.size()), share)));
+    write_tables(engine, probe, out, options.write.commit);
     if (!engine.text.name.empty()) out.write(engine.text.name, engine.text.text);
     out.write(readme, readme_text(engine, baked, options.exposure));
     out.commit();

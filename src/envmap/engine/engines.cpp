@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/engine/shader_text.h"
 #include "envmap/maths/portable.h"
 
 namespace envmap {
@@ -87,6 +88,14 @@ def DomeLight "Probe"
 }
 )";
 
+// What both languages of shaders/envmap.glsl say.
+constexpr std::string_view lookups_turns = "In a left-handed world, negate the axis of the direction that is negated in the models.";
+constexpr std::string_view lookups_light =
+    "the specular map has 6 levels, with roughness 0, 0.106, 0.225, 0.368, 0.553 and 1: 1 - sqrt(1 - k/5) in level k; brdf.exr is "
+    "the split-sum table, with n.v across and roughness down, scale in red and bias in green; irradiance.txt holds the irradiance "
+    "over pi of a surface that faces (x, y, z), as 9 colours for 1, y, z, x, xy, yz, 3z^2 - 1, zx, x^2 - y^2, windowed where it "
+    "would be negative";
+
 // Sources, by row:
 // babylon: shadersStore pbrIBLFunctions (getLodFromAlphaG) and vReflectionMicrosurfaceInfos, CubeTexture's 0.8 for
 //   CreateFromPrefilteredData; its glTF loader's root node: turned half round Y, Z negated.
@@ -129,7 +138,7 @@ double babylon_roughness(int k, int /*n*/, int size) { return k == 0 ? 0 : std::
 // Bevy: lod / (n - 1) = r.
 double even_roughness(int k, int n, int /*size*/) { return double(k) / (n - 1); }
 
-// Filament: lod / (n - 1) = r (2 - r).
+// Filament, and shaders/envmap.glsl: lod / (n - 1) = r (2 - r).
 double filament_roughness(int k, int n, int /*size*/) { return 1 - std::sqrt(1 - double(k) / (n - 1)); }
 
 const Engine table[] = {
@@ -191,6 +200,18 @@ const Engine table[] = {
      "scene.setSkybox(engine.createSkyFromKtx1('FOLDER/sky.ktx'));\n"
      "JavaScript's createIblFromKtx1 leaves the harmonics in light.shfloats: give them to IndirectLight.Builder().irradianceSh(3, ...).\n"
      "light.setIntensity(1 / EXPOSURE) shows radiance 1 as 1, as the sky does: EXPOSURE as of camera.setExposureDirect()."},
+    {"glsl", "GLSL", "3.30 and ES 3.00, run in Mesa: tests/render",
+     {{"background.ktx2", Projection::cube, Depth::half},
+      {"specular.ktx2", Projection::cube, Depth::half, MirroredAxis::none, EngineChain{256, 6, filament_roughness}}}, 0,
+     "+X +Y +Z", "no",
+     lookups_turns,
+     lookups_light,
+     {"envmap.glsl", glsl_lookups()},
+     "Include envmap.glsl in a shader. Load background.ktx2 and specular.ktx2 as cube textures with trilinear filtering and seamless edges, brdf.exr as a 2D texture with linear filtering and clamped edges, and the 27 numbers of irradiance.txt as an array of 9 vec3.\n"
+     "With the normal n and v, the unit vector to the eye:\n"
+     "vec3 light = albedo * envmap_irradiance(irradiance, n) + envmap_specular(specular, brdf, n, v, roughness, f0);\n"
+     "envmap.glsl also finds the texture coordinates of a direction in every projection and cube layout that envmap writes.",
+     "brdf.exr", "irradiance.txt"},
     {"gltf", "glTF EXT_lights_image_based", "its README of commit 01b16a09b944; run in Babylon.js 9.28: tests/engines",
      {{"light.glb", Projection::cube, Depth::rgbd, MirroredAxis::none, EngineChain{256, 5, even_roughness, IrradianceForm::gltf}}}, 0,
      "+X +Y +Z", "no",
@@ -209,6 +230,18 @@ const Engine table[] = {
      "Godot computes it at start",
      {"environment.tres", godot_resource},
      "Copy this folder into the project and load environment.tres as the Environment of a WorldEnvironment node."},
+    {"hlsl", "HLSL", "shader model 4 and newer, compiled by glslang; not run",
+     {{"background.dds", Projection::cube, Depth::half},
+      {"specular.dds", Projection::cube, Depth::half, MirroredAxis::none, EngineChain{256, 6, filament_roughness}}}, 0,
+     "+X +Y +Z", "no",
+     lookups_turns,
+     lookups_light,
+     {"envmap.hlsl", hlsl_lookups()},
+     "Include envmap.hlsl in a shader. Load background.dds and specular.dds as cube textures with trilinear filtering and seamless edges, brdf.exr as a 2D texture with linear filtering and clamped edges, and the 27 numbers of irradiance.txt as an array of 9 float3.\n"
+     "With the normal n and v, the unit vector to the eye:\n"
+     "float3 light = albedo * envmap_irradiance(irradiance, n) + envmap_specular(specular, specular_sampler, brdf, brdf_sampler, n, v, roughness, f0);\n"
+     "envmap.hlsl also finds the texture coordinates of a direction in every projection and cube layout that envmap writes.",
+     "brdf.exr", "irradiance.txt"},
     {"pbrt", "pbrt-v4", "commit 015ab47032f3, read; not run",
      {{background_exr, {Projection::equal_area}}}, 0,
      "+X +Y +Z", "no",

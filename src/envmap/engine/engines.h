@@ -53,6 +53,8 @@ struct Engine {
   std::string_view light;       ///< How diffuse and rough light is made.
   TextFile text;                ///< What loads the map, or nothing.
   std::string_view steps;       ///< What to do with the folder.
+  std::string_view table = {};  ///< A file for the split-sum table of brdf_table.h, or nothing.
+  std::string_view irradiance = {};  ///< A file for the irradiance as nine colours, or nothing.
 };
 
 /// All of them, by name.

@@ -1,0 +1,154 @@
+#ifndef ENVMAP_LOOKUPS
+#define ENVMAP_LOOKUPS
+
+#define ENVMAP_PI 3.14159265
+
+// ---- Texture coordinates of a direction -----------------------------------------------------------------------------
+//
+// Directions have unit length in a right-handed world, +Y up. u runs right and v down, both in [0,1]: v = 0 is the first
+// row of the file, which must be the first row of the texture. Their derivatives jump at seams: sample with an explicit
+// level, or with gradients.
+
+// The direction in an image whose centre is the horizontal axis `forward`: vec3(1.0, 0.0, 0.0) for '--forward +x'.
+vec3 envmap_facing(vec3 d, vec3 forward) {
+  return vec3(d.x * forward.z - d.z * forward.x, d.y, d.x * forward.x + d.z * forward.z);
+}
+
+// Latlong (equirectangular) maps. The default of envmap is forward = vec3(0.0, 0.0, 1.0).
+vec2 envmap_latlong(vec3 d, vec3 forward) {
+  vec3 f = envmap_facing(d, forward);
+  float across = length(f.xz);
+  float longitude = across > 0.0 ? atan(f.x, f.z) : 0.0;
+  return vec2(0.5 - longitude / (2.0 * ENVMAP_PI), 0.5 - atan(f.y, across) / ENVMAP_PI);
+}
+
+// Angular maps (light probes, Debevec 1998).
+vec2 envmap_angular(vec3 d, vec3 forward) {
+  vec3 f = envmap_facing(d, forward);
+  float across = length(f.xy);
+  vec2 at = vec2(f.z > 0.0 ? 0.0 : 1.0, 0.0);
+  if (across > 0.0) at = vec2(-f.x, f.y) * (atan(across, f.z) / (ENVMAP_PI * across));
+  return vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y);
+}
+
+// Sphere maps (the mirror ball of GL_SPHERE_MAP), +Z in the centre.
+vec2 envmap_sphere(vec3 d) {
+  float across = length(d.xy);
+  vec2 at = vec2(1.0, 0.0);
+  if (d.z > 0.0) at = d.xy * inversesqrt(2.0 + 2.0 * d.z);
+  else if (across > 0.0) at = d.xy * (sqrt(0.5 - 0.5 * d.z) / across);
+  return vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y);
+}
+
+// Octahedral maps (Engelhardt and Dachsbacher 2008), +Y in the centre.
+vec2 envmap_octahedral(vec3 d) {
+  vec3 a = abs(d) / (abs(d.x) + abs(d.y) + abs(d.z));
+  vec2 at = d.y < 0.0 ? vec2(1.0 - a.z, 1.0 - a.x) : a.xz;
+  return vec2(0.5 + (d.x < 0.0 ? -0.5 : 0.5) * at.x, 0.5 - (d.z < 0.0 ? -0.5 : 0.5) * at.y);
+}
+
+// Equal-area octahedral maps (Clarberg 2008), +Y in the centre.
+vec2 envmap_equal_area(vec3 d) {
+  float across = length(d.xz);
+  float r = across / sqrt(1.0 + abs(d.y));
+  float b = across > 0.0 ? r * atan(abs(d.z), abs(d.x)) / (0.5 * ENVMAP_PI) : 0.0;
+  vec2 at = d.y < 0.0 ? vec2(1.0 - b, 1.0 - r + b) : vec2(r - b, b);
+  return vec2(0.5 + (d.x < 0.0 ? -0.5 : 0.5) * at.x, 0.5 - (d.z < 0.0 ? -0.5 : 0.5) * at.y);
+}
+
+// Dual-paraboloid maps (Heidrich and Seidel 1998): u, v and the face, 0 in front (+Z), 1 behind.
+vec3 envmap_paraboloid(vec3 d) {
+  vec2 at = d.xy / (1.0 + abs(d.z));
+  return vec3(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y, d.z < 0.0 ? 1.0 : 0.0);
+}
+
+// Cube maps in one 2D image: u, v and the face, 0 to 5 for +X -X +Y -Y +Z -Z, seen from inside. A cube texture of a
+// KTX2, KTX or DDS file takes the direction itself.
+vec3 envmap_cube(vec3 d) {
+  vec3 a = abs(d);
+  float most = max(a.x, max(a.y, a.z));
+  vec3 at = d.z < 0.0 ? vec3(d.x, d.y, 5.0) : vec3(-d.x, d.y, 4.0);
+  if (a.x == most) at = d.x < 0.0 ? vec3(-d.z, d.y, 1.0) : vec3(d.z, d.y, 0.0);
+  else if (a.y == most) at = d.y < 0.0 ? vec3(d.x, -d.z, 3.0) : vec3(d.x, d.z, 2.0);
+  return vec3(0.5 + 0.5 * at.x / most, 0.5 - 0.5 * at.y / most, at.z);
+}
+
+// ---- Faces in one image: from u, v and the face to u and v of the image ---------------------------------------------
+
+// Keeps a bilinear filter inside a face of size x size texels, away from its neighbours in the image.
+vec3 envmap_inset(vec3 place, float size) {
+  float margin = 0.5 / size;
+  return vec3(clamp(place.x, margin, 1.0 - margin), clamp(place.y, margin, 1.0 - margin), place.z);
+}
+
+// The two faces of a dual-paraboloid map, side by side.
+vec2 envmap_pair(vec3 place) { return vec2(0.5 * (place.z + place.x), place.y); }
+
+// The '--layout' of a cube: column, row, 3x2, cross and vcross.
+vec2 envmap_column(vec3 place) { return vec2(place.x, (place.z + place.y) / 6.0); }
+
+vec2 envmap_row(vec3 place) { return vec2((place.z + place.x) / 6.0, place.y); }
+
+vec2 envmap_3x2(vec3 place) {
+  float row = place.z < 2.5 ? 0.0 : 1.0;
+  return vec2((place.z - 3.0 * row + place.x) / 3.0, 0.5 * (row + place.y));
+}
+
+// Columns and rows of both crosses, but for the +Z face of the vertical one.
+vec2 envmap_cross_slot(float face) {
+  if (face > 4.5) return vec2(1.0, 1.0);
+  if (face > 3.5) return vec2(3.0, 1.0);
+  if (face > 1.5) return vec2(1.0, face < 2.5 ? 0.0 : 2.0);
+  return vec2(face < 0.5 ? 2.0 : 0.0, 1.0);
+}
+
+vec2 envmap_cross(vec3 place) {
+  vec2 at = envmap_cross_slot(place.z) + place.xy;
+  return vec2(at.x / 4.0, at.y / 3.0);
+}
+
+// The +Z face hangs below -Y and stands on its head.
+vec2 envmap_vcross(vec3 place) {
+  vec2 at = envmap_cross_slot(place.z) + place.xy;
+  if (place.z > 3.5 && place.z < 4.5) at = vec2(2.0 - place.x, 4.0 - place.y);
+  return vec2(at.x / 3.0, at.y / 4.0);
+}
+
+// ---- Light ----------------------------------------------------------------------------------------------------------
+
+// Levels of the prefiltered cube `specular` of 'envmap bake'. Level k has the perceptual roughness
+// 1 - sqrt(1 - k / (ENVMAP_LEVELS - 1)): 0, 0.106, 0.225, 0.368, 0.553 and 1. alpha = roughness^2.
+#define ENVMAP_LEVELS 6.0
+
+float envmap_level(float roughness) { return (ENVMAP_LEVELS - 1.0) * roughness * (2.0 - roughness); }
+
+// Radiance from the direction d through the GGX lobe of a roughness. `specular` has trilinear filtering.
+vec3 envmap_prefiltered(samplerCube specular, vec3 d, float roughness) {
+  return textureLod(specular, d, envmap_level(roughness)).rgb;
+}
+
+// Scale and bias of the split sum (Karis 2013). `brdf` is the table brdf.exr, with linear filtering and clamped edges.
+// n_v is the cosine of the angle between normal and view. Off by 0.001, and near roughness 1 by 0.005.
+vec2 envmap_scale_bias(sampler2D brdf, float n_v, float roughness) {
+  return textureLod(brdf, vec2(n_v, roughness), 0.0).xy;
+}
+
+// Radiance that a surface reflects towards v, the unit vector to the eye. n is the normal, and f0 the reflectance at
+// normal incidence: 0.04 for most dielectrics, the base colour for metals.
+vec3 envmap_specular(samplerCube specular, sampler2D brdf,
+                     vec3 n, vec3 v, float roughness, vec3 f0) {
+  vec3 radiance = textureLod(specular, reflect(-v, n), envmap_level(roughness)).rgb;
+  vec2 scale_bias = textureLod(brdf, vec2(max(dot(n, v), 0.0), roughness), 0.0).xy;
+  return radiance * (f0 * scale_bias.x + vec3(scale_bias.y, scale_bias.y, scale_bias.y));
+}
+
+// Irradiance over pi of a surface with the normal n, which is the radiance of a white diffuse surface. c holds the nine
+// colours of irradiance.txt, in order.
+vec3 envmap_irradiance(vec3 c[9], vec3 n) {
+  vec3 degree1 = c[1] * n.y + c[2] * n.z + c[3] * n.x;
+  vec3 degree2 = c[4] * (n.x * n.y) + c[5] * (n.y * n.z) + c[6] * (3.0 * n.z * n.z - 1.0) + c[7] * (n.z * n.x) +
+                 c[8] * (n.x * n.x - n.y * n.y);
+  return max(c[0] + degree1 + degree2, vec3(0.0, 0.0, 0.0));
+}
+
+#endif
