@@ -321,8 +321,8 @@ TEST_P(Lookups, LevelsHoldTheLobeOfTheirRoughness) {
   }
 }
 
-// Karis' integral over half vectors by D cos(n,h), with Smith's height-correlated G: steps of (1 - u)^(1/3), which crowd
-// where half vectors graze, and azimuths. Right to 1e-4.
+// Karis' integral over half vectors by D cos(n,h), with Smith's height-correlated G: steps of (1 - u)^(1/3), which lie
+// densely where half vectors graze, and azimuths. Right to 1e-4.
 glm::dvec2 split_sum(double n_v, double roughness) {
   const double a2 = std::pow(roughness, 4), sine = std::sqrt(1 - n_v * n_v);
   const auto lambda = [&](double c) { return 0.5 * (std::sqrt(1 + a2 * (1 - c * c) / (c * c)) - 1); };
