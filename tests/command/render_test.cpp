@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "on_processor.h"
+#include "picture.h"
 #include "run.h"
 
 namespace command_tests {
@@ -51,6 +52,71 @@ TEST_F(Render, MapsLookWhereTheyAreToldTo) {
   fails(2, render({"bright.obj", "a.exr", "--forward", "camera"}), {"no camera"});
   fails(2, render({"bright.obj", "a.exr", "--forward", "Nobody"}), {"Nobody"});
   fails(2, render({"bright.obj", "a.exr", "--epsilon", "0.1"}), {"--epsilon", "distort"});
+}
+
+// Along d a wall of the box [-1,1]^3 is as far away as the nearest of the three planes ahead. Of a cube in a column,
+// and of a latlong map; cross and row hold the same.
+TEST_F(Render, DistancesAreThoseOfTheWalls) {
+  write("box.obj",
+        "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+        "f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 4 3 7 8\nf 1 4 8 5\nf 2 3 7 6\n");
+  const double at[] = {0.1, 0.2, -0.3};
+  const auto wall = [&](const Vec& d) {
+    double nearest = 1e9;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (d[k] != 0) nearest = std::min(nearest, ((d[k] > 0 ? 1 : -1) - at[k]) / d[k]);
+    return nearest * std::hypot(d[0], d[1], d[2]);
+  };
+  constexpr int n = 16;
+  const auto on_face = [](int face, double s, double t) {
+    const Vec all[] = {{1, t, s}, {-1, t, -s}, {s, 1, t}, {s, -1, -t}, {-s, t, 1}, {s, t, -1}};
+    return all[face];
+  };
+  const std::vector<std::string> rays{"raycast"}, drawn{"exact", "--context", on_processor()};
+  for (const auto& method : {rays, drawn}) {
+    const auto distances = [&](std::vector<std::string> words) {
+      words.insert(words.begin(), {"render", "box.obj", "z.exr", "--distance", "-q", "--ambient", "1", "--size",
+                                   std::to_string(n), "--at", "0.1,0.2,-0.3", "--method"});
+      words.insert(words.begin() + 12, method.begin(), method.end());
+      succeeds(words);
+      succeeds({"convert", "z.exr", "d.exr", "--channels", "Z", "--filter", "nearest", "--layout", "column"});
+      return load(path("d.exr"));
+    };
+    const Picture cube = distances({});
+    for (int j = 0; j < 6 * n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Vec d = on_face(j / n, (2 * i + 1.0) / n - 1, 1 - (2 * (j % n) + 1.0) / n);
+        ASSERT_NEAR(cube.at(i, j)[0], wall(d), 2e-5) << method[0] << " " << i << " " << j;
+      }
+    for (const std::string layout : {"row", "vcross", "3x2"})
+      EXPECT_EQ(distances({"--layout", layout}), cube) << layout;
+  }
+  succeeds({"render", "box.obj", "z.exr", "--distance", "-q", "--to", "latlong", "--size", "8", "--at", "0.1,0.2,-0.3",
+            "--ambient", "1"});
+  succeeds({"convert", "z.exr", "d.exr", "--channels", "Z", "--filter", "nearest", "--to", "latlong"});
+  const Picture latlong = load(path("d.exr"));
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 16; ++i) {
+      const double longitude = (0.5 - (i + 0.5) / 16) * 2 * M_PI, latitude = (0.5 - (j + 0.5) / 8) * M_PI;
+      const double c = std::cos(latitude);
+      ASSERT_NEAR(latlong.at(i, j)[0], wall({c * std::sin(longitude), std::sin(latitude), c * std::cos(longitude)}),
+                  2e-5);
+    }
+}
+
+TEST_F(Render, DistancesAreInfiniteWhereNothingIs) {
+  write("floor.obj", "v -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nf 1 2 3 4\n");
+  succeeds({"render", "floor.obj", "z.exr", "--distance", "-q", "--size", "8", "--ambient", "1"});
+  succeeds({"render", "floor.obj", "plain.exr", "--method", "raycast", "-q", "--size", "8", "--ambient", "1"});
+  succeeds({"convert", "z.exr", "rgb.exr", "--drop-channels", "--filter", "nearest", "--layout", "column"});
+  EXPECT_EQ(load(path("rgb.exr")), load(path("plain.exr")));
+  const auto report = nlohmann::json::parse(envmap({"info", "z.exr", "--channels", "Z", "--json"}).out);
+  EXPECT_EQ(report["infinite"], 8 * 8 * 3) << "the upper half of the sides, and the top";
+  fails(3, {"convert", "z.exr", "a.exr"}, {"channels besides R, G and B (Z)", "--drop-channels"});
+  fails(2, {"render", "floor.obj", "z.hdr", "--distance"}, {"one .exr file"});
+  fails(2, {"render", "floor.obj", "{face}.exr", "--distance"}, {"one .exr file"});
+  fails(2, {"render", "floor.obj", "a.exr", "--distance", "--method", "distort"}, {"exact and raycast"});
+  fails(2, {"render", "floor.obj", "a.exr", "--distance", "--to", "octahedral", "--context", "osmesa"}, {"--context"});
 }
 
 // All faces of the tetrahedron have two sides. Those behind the point share an edge, which holds -Z.

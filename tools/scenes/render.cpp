@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/io/write_distances.h"
 #include "envmap/render/choose.h"
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
@@ -25,6 +26,7 @@ struct Request {
   Viewpoint from;
   DrawMethod method = DrawMethod::automatic;
   int bounces = 0, lobe_samples = 0;
+  bool distance = false;  // A channel Z.
   WriteOptions write;
 };
 
@@ -69,6 +71,16 @@ void warn_about_missing(const std::string& path, DrawMethod method, const Drawn&
                    draw_method_names[std::size_t(method)], drawn.missing_solid_angle));
 }
 
+void write_drawn(const std::string& path, const Drawn& drawn, const Request& o) {
+  if (!o.distance) {
+    write_map(path, all_rows_of(drawn.radiance), o.write, "write");
+    return;
+  }
+  WriteOptions how = o.write;
+  how.commit = settings().commit;
+  tell_clamping(path, write_with_distances(path, drawn.radiance, drawn.distances, how));
+}
+
 // From where the map is drawn to a node, or to the scene's first camera; or what is said.
 Direction direction(const Request& o, const Scene& scene, const Pose& pose) {
   if (const auto along = triple_of(o.forward)) return *along;
@@ -90,11 +102,22 @@ void check(const Request& o) {
     throw UsageError(fmt::format("--method {} cannot draw {} maps: {}resample or raycast",
                                  draw_method_names[std::size_t(o.method)], name(o.from.to),
                                  can_draw(DrawMethod::exact, o.from.to) ? "exact, " : ""));
+  const bool measures =
+      o.method == DrawMethod::automatic || o.method == DrawMethod::exact || o.method == DrawMethod::raycast;
+  if (o.distance && !measures) throw UsageError("--distance is for --method exact and raycast");
+}
+
+// The method that --distance takes by itself.
+DrawMethod method_with_distances(const Request& o) {
+  if (o.scene.context == ContextKind::automatic) return DrawMethod::raycast;
+  if (can_draw(DrawMethod::exact, o.from.to)) return DrawMethod::exact;
+  throw UsageError(fmt::format("--distance: OpenGL cannot measure {} maps: remove --context", name(o.from.to)));
 }
 
 // For --method auto. Who says what OpenGL is drawn with wants it drawn with OpenGL. A card takes longer to start than
 // rays take for a map, so only sequences look for one.
 DrawMethod method_for(const Request& o, const Frames& frames, const Scene& scene) {
+  if (o.distance) return method_with_distances(o);
   const bool rays = o.scene.context == ContextKind::automatic;
   const bool card = frames.count() > 1 && o.scene.context != ContextKind::osmesa && finds_graphics_card();
   return cheapest(o.from.to, o.from.size, triangles(scene), rays, card);
@@ -107,6 +130,7 @@ int run(Request& o, Report& report) {
   check(o);
   const Frames frames = frames_of(o.scene);
   check_output(frames.path(o.output, frames.first), o.write, o.from.to);
+  if (o.distance) check_distances(frames.path(o.output, frames.first), o.write, o.from.to);
   const std::vector<std::string> outputs = frames.paths(o.output);
   const FaceNames faces{.written = o.write.faces, .read = {}};
   check_files(outputs, {o.scene.path, o.scene.environment}, faces);  // Before reading takes its time.
@@ -143,7 +167,7 @@ int run(Request& o, Report& report) {
     if (settings().verbose)
       note(fmt::format("{}: {} from {:.4g},{:.4g},{:.4g}, drawn in {:.1f} ms", path,
                        draw_method_names[std::size_t(method)], o.from.at.x, o.from.at.y, o.from.at.z, 1e3 * took));
-    write_map(path, all_rows_of(drawn.radiance), o.write, "write");
+    write_drawn(path, drawn, o);
     warn_about_missing(path, method, drawn);
     report.append("maps[]");
     report.put("maps[].output", path);
@@ -181,6 +205,7 @@ Action define_render(Options& o) {
         "raycast: samples per rough reflection (0: prefiltered levels) (default: 0)");
   o.add("--epsilon", "Z", &r->from.epsilon, {1e-6, 1},
         "distort, tessellate: move vertices with z < -1 + Z to infinity");
+  o.flag("--distance", r->distance, "exact, raycast: write distances to channel Z of the EXR file");
   add_frames(o, r->scene);
   add_write_options(o, r->write, "float, or nearest");
   add_scene_input(o, r->scene);

@@ -31,6 +31,8 @@ struct ImagePlan {
   std::optional<std::string> icc_profile = {};
   std::optional<RowRange> rows = {};  ///< Of an EXR file of one level: these alone, its data window.
   bool latlong_envmap = false, cube_envmap = false;  ///< OpenEXR's `envmap` attribute.
+  /// Of an EXR file of one level: what its channel Z holds in rows [begin, end). Empty: there is none.
+  std::function<void(int begin, int end, std::span<float> out)> distances = {};
 };
 
 struct ImageWriter {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -28,9 +29,11 @@
 #include "envmap/io/stack.h"
 #include "envmap/io/texels.h"
 #include "envmap/io/texture.h"
+#include "envmap/io/write_distances.h"
 #include "envmap/io/write_plan.h"
 #include "envmap/map/atlas.h"
 #include "envmap/map/border.h"
+#include "envmap/map/image_view.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/operate/levels.h"
 
@@ -38,6 +41,8 @@ namespace envmap {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // ---- one file -------------------------------------------------------------------------------------------------------
 
@@ -52,9 +57,18 @@ std::optional<std::string> profile_of(const ColourOptions& colour) {
   return icc_profile(colour.space, *p, curve);
 }
 
+// Image rows of the distances, which all three channels hold.
+void gather_distances(const Atlas& atlas, int begin, int end, std::span<float> out) {
+  std::vector<Colour> rows(out.size());
+  atlas.gather(begin, end, rows);
+  std::ranges::transform(rows, out.begin(), &Colour::x);
+}
+
 // One image, or all levels of one, the largest first: then in tiles, as renderers' texture caches want them.
+// @param distances null, or of the one level.
 void write_image(OutputFile& file, const std::string& path, const std::string& ext, std::span<const Atlas> levels,
-                 Depth depth, const Metadata& data, const WriteOptions& options, const Progress& progress) {
+                 Depth depth, const Metadata& data, const WriteOptions& options, const Rows* distances,
+                 const Progress& progress) {
   const bool cube = data.projection == Projection::cube;
   ImagePlan plan{.depth = depth,
                  .attributes = attributes(data),
@@ -71,6 +85,11 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
     all += 1.0 * level.width() * level.height();
   }
   if (options.rows.size() == 1) plan.rows = options.rows.front();
+  if (distances)
+    plan.distances = [atlas = Atlas{*distances, levels[0].grid, -1, 0, 0, Colour(infinity)}](int begin, int end,
+                                                                                             std::span<float> out) {
+      gather_distances(atlas, begin, end, out);
+    };
   const ImageWriter writer = make_writer(file, path, ext, plan);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const double part = 1.0 * levels[k].width() * levels[k].height();
@@ -183,10 +202,16 @@ std::uint64_t least_bytes(std::span<const Rows> levels, const FileFormat& format
   return format.least_bytes ? std::uint64_t(texels * format.least_bytes(depth, options)) : 0;
 }
 
-// All files of a map, whose samples lie where the files want them. @param memory takes the bytes of the one file, if
-// it is set.
+// Where a map goes beside its files, and what goes with it; null: nowhere, nothing.
+struct Beside {
+  std::vector<std::byte>* memory = nullptr;  // Takes the bytes of the one file instead.
+  const Rows* distances = nullptr;           // For the channel Z of the one EXR file.
+};
+
+// All files of a map, whose samples lie where the files want them.
 Written write_files(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
-                    const Progress& progress, std::vector<std::byte>* memory) {
+                    const Progress& progress, const Beside& beside) {
+  std::vector<std::byte>* const memory = beside.memory;
   const Rows& base = levels.front();
   const std::string ext = extension(path, options);
   const FileFormat& format = *format_with_extension(ext);
@@ -219,7 +244,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
     if (format.write)
       naming(name, [&] { format.write(*files.back(), atlases, plan, part); });
     else
-      write_image(*files.back(), name, ext, atlases, done.depth, data, options, part);
+      write_image(*files.back(), name, ext, atlases, done.depth, data, options, beside.distances, part);
   };
   const auto write_file = [&](const std::string& name, std::span<const Atlas> atlases, const Progress& part) {
     files.push_back(memory ? std::make_unique<OutputFile>() : std::make_unique<OutputFile>(name, options.commit));
@@ -337,29 +362,29 @@ namespace {
 
 // To files, or into memory.
 Written write_checked(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
-                      const Progress& progress, std::vector<std::byte>* memory) {
+                      const Progress& progress, const Beside& beside) {
   if (options.border > 0) {
     EnvironmentMap textures;
     for (const Rows& rows : levels) textures.levels.push_back(with_border(level_of(rows), options.border));
     check_sizes(path, all_rows_of(textures));
-    return write_files(path, all_rows_of(textures), options, progress, memory);
+    return write_files(path, all_rows_of(textures), options, progress, beside);
   }
   if (!options.rows.empty())
     check_rows(path, levels, options);
   else
     check_sizes(path, levels);
-  if (!options.openexr_envmap) return write_files(path, levels, options, progress, memory);
+  if (!options.openexr_envmap) return write_files(path, levels, options, progress, beside);
   if (levels.front().forward != Forward::plus_z)
     throw UsageError(path, "OpenEXR's envmap files have +z at the centre", Remedy::choose_plus_z);
   EnvironmentMap border;
   for (const Rows& rows : levels) border.levels.push_back(level_of(rows));
   if (levels.size() > 1) add_levels(border.levels);
   for (Level& level : border.levels) level = to_border(level);
-  return write_files(path, all_rows_of(border), options, progress, memory);
+  return write_files(path, all_rows_of(border), options, progress, beside);
 }
 
 Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Run& run,
-                  std::vector<std::byte>* memory) {
+                  const Beside& beside) {
   if (levels.empty()) throw UsageError(path, "nothing to write: the map has no levels");
   for (const Rows& rows : levels) check(rows);
   check(limits::border, options.border);
@@ -369,7 +394,7 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
       throw UsageError(path, "levels of one map must have one projection and forward axis");
   check_output(path, options, base.projection, levels.size() > 1);
   return carry_out(run,
-                   [&](const Progress& progress) { return write_checked(path, levels, options, progress, memory); });
+                   [&](const Progress& progress) { return write_checked(path, levels, options, progress, beside); });
 }
 
 }  // namespace
@@ -383,7 +408,7 @@ Written write(const std::string& path, const EnvironmentMap& map, const WriteOpt
 }
 
 Written write(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Run& run) {
-  return write_map(path, levels, options, run, nullptr);
+  return write_map(path, levels, options, run, {});
 }
 
 std::vector<std::byte> encode(const EnvironmentMap& map, const WriteOptions& options, const Run& run) {
@@ -392,8 +417,28 @@ std::vector<std::byte> encode(const EnvironmentMap& map, const WriteOptions& opt
 
 std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& options, const Run& run) {
   std::vector<std::byte> bytes;
-  write_map("", levels, options, run, &bytes);  // Errors name no file.
+  write_map("", levels, options, run, {.memory = &bytes});  // Errors name no file.
   return bytes;
+}
+
+void check_distances(const std::string& path, const WriteOptions& options, Projection projection) {
+  const FileFormat* const format = format_with_extension(extension(path, options));
+  if (!format || !format->can(FileFormat::row_range) ||
+      choose_layout(path, *format, options, projection) == Layout::files || options.openexr_envmap ||
+      options.border > 0)
+    throw UsageError(path, "distances are written to one .exr file, without borders or OpenEXR's envmap attribute");
+}
+
+Written write_with_distances(const std::string& path, const EnvironmentMap& map, std::span<const float> distances,
+                             const WriteOptions& options, const Run& run) {
+  check_distances(path, options, map.projection());
+  const Level& level = map.base();
+  const ImageView<const float> view(distances, level.width(), level.height(), level.faces());
+  Rows rows = rows_of(level, map.forward);
+  rows.fill = [view](int face, int row, std::span<Colour> out) {
+    std::ranges::transform(view.row(face, row), out.begin(), [](float z) { return Colour(z); });
+  };
+  return write_map(path, all_rows_of(map), options, run, {.distances = &rows});
 }
 
 }  // namespace envmap

@@ -20,6 +20,7 @@ namespace envmap {
 namespace {
 
 constexpr const char* channels[] = {"R", "G", "B"};
+constexpr const char* depth_channel = "Z";
 
 // A file being written; `lines` or `tiles` is set.
 struct File {
@@ -28,6 +29,7 @@ struct File {
   std::optional<Imf::OutputFile> lines = {};
   std::optional<Imf::TiledOutputFile> tiles = {};
   std::vector<std::uint16_t> halves = {};
+  std::vector<float> distances = {};
 
   File(OutputFile& out, Imf::PixelType t) : stream(out), type(t) {}
 };
@@ -63,6 +65,7 @@ Imf::Header header_of(const ImagePlan& plan) {
   if (plan.rows) header.dataWindow().min.y = plan.rows->begin, header.dataWindow().max.y = plan.rows->end - 1;
   for (const char* channel : channels)
     header.channels().insert(channel, Imf::Channel(plan.depth == Depth::half ? Imf::HALF : Imf::FLOAT));
+  if (plan.distances) header.channels().insert(depth_channel, Imf::Channel(Imf::FLOAT));
   set_compression(header, plan.compression);
   for (const auto& [name, text] : plan.attributes)
     header.insert(name == description ? "comments" : name == copyright ? "owner" : name, Imf::StringAttribute(text));
@@ -97,7 +100,13 @@ const void* as_stored(File& file, std::span<const Colour> rows) {
 
 void write_rows(File& file, const ImagePlan& plan, int level, int begin, int end, std::span<const Colour> rows) {
   const int width = plan.levels[std::size_t(level)].width;
-  const Imf::FrameBuffer buffer = frame(file.type, as_stored(file, rows), begin, width);
+  Imf::FrameBuffer buffer = frame(file.type, as_stored(file, rows), begin, width);
+  if (plan.distances) {
+    file.distances.resize(rows.size());
+    plan.distances(begin, end, file.distances);
+    float* const origin = file.distances.data() - std::ptrdiff_t(width) * begin;
+    buffer.insert(depth_channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(origin), 4, 4 * std::size_t(width)));
+  }
   if (file.lines) {
     file.lines->setFrameBuffer(buffer);
     file.lines->writePixels(end - begin);
