@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -223,6 +224,9 @@ TEST_P(Lookups, CoordinatesAreThoseOfTheLibrary) {
     }
     EXPECT_LT(worst, 1e-5);
   }
+  for (const Projection p : all_projections)
+    EXPECT_TRUE(std::ranges::any_of(all_coordinates, [p](const Coordinates& c) { return c.frame.projection == p; }))
+        << name(p);
 }
 
 // The same by the formulae of three.js (+X at the centre), of OpenGL's sphere map, and of Clarberg.
@@ -425,6 +429,10 @@ TEST(LookupsText, CompilesAsGlsl330AndEs300) {
     GLint linked = 0;
     glGetProgramiv(program, GL_LINK_STATUS, &linked);
     EXPECT_EQ(linked, GL_TRUE) << head << log.data();
+    const std::string file = folders.path / "strict.frag", validate = "glslangValidator " + file + " >" + file + ".log";
+    std::ofstream(file) << whole;
+    if (std::system("which glslangValidator >/dev/null") != 0) continue;
+    EXPECT_EQ(std::system(validate.c_str()), 0) << contents(file + ".log");
   }
 }
 
