@@ -167,6 +167,7 @@ constexpr FileFormat portable_network{
     .is_head = [](Head h) { return h.starts_with("\x89PNG"); },
     .frame = true,
     .abilities = FileFormat::picture | FileFormat::encoded_values,
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_png(*i.file, i.for_texture); },
     .create = create_png,
 };
 

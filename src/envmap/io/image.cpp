@@ -36,7 +36,7 @@ void naming(const Image& image, const std::string& before, F&& action) {
 // Image::file -> its reader. OpenImageIO asked about a file it does not know tries 30 readers in turn, and some write
 // beyond their memory, even for sound files (2.4: ICO, IFF, DPX): none is asked but the one that fits. @param path of a
 // file on disk that OpenImageIO may open itself; of others it is a name.
-void open_as_its_bytes_say(Image& image, const std::string& path, const ImageChoice& choice, bool for_texture) {
+void open_as_its_bytes_say(Image& image, const std::string& path, const ImageChoice& choice) {
   InputFile& file = *image.file;
   if (file.size() == 0) image.fail(path.empty() ? "is empty: what should have written it may have failed" : "is empty");
   char head[head_size] = {};
@@ -61,11 +61,12 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
   naming(image, unread, [&] {
     if (!image.reader) {
       if (path.empty()) file.hold();
-      image.reader = formats().open(format, path.empty() ? image.name : path, file.bytes(), for_texture, choice.crop);
+      image.reader =
+          formats().open(format, path.empty() ? image.name : path, file.bytes(), image.for_texture, choice.crop);
       check_tiles(image.reader->facts);
     }
     // The coordinates of a texture count from its first texel, whatever way a camera was held.
-    if (!for_texture && image.reader->facts.orientation != Orientation::upright)
+    if (!image.for_texture && image.reader->facts.orientation != Orientation::upright)
       image.reader = turned_upright(std::move(*image.reader));
   });
 }
@@ -84,7 +85,8 @@ void open_bytes(Image& image, std::string name, std::span<const char> bytes, boo
                 const ImageChoice& choice) {
   image.name = std::move(name);
   image.file = std::make_unique<InputFile>(bytes);
-  open_as_its_bytes_say(image, image.name, choice, for_texture);
+  image.for_texture = for_texture;
+  open_as_its_bytes_say(image, image.name, choice);
 }
 
 void open(Image& image, const std::string& path, const ImageChoice& choice) {
@@ -96,7 +98,7 @@ void open(Image& image, const std::string& path, const ImageChoice& choice) {
   } catch (const InputError& e) {
     image.fail(e.what());
   }
-  open_as_its_bytes_say(image, standard ? "" : path, choice, false);
+  open_as_its_bytes_say(image, standard ? "" : path, choice);
 }
 
 }  // namespace envmap

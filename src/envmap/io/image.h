@@ -22,7 +22,8 @@ struct Image {
   std::unique_ptr<InputFile> file;
   std::optional<ImageReader> reader;
   std::optional<TextureFile> texture;
-  bool decode = true;  ///< Values that are sRGB encoded become linear; else they stay as they are.
+  bool for_texture = false;  ///< Texels stay as stored: colours not multiplied by alpha, rows not turned upright.
+  bool decode = true;        ///< Values that are sRGB encoded become linear; else they stay as they are.
 
   /// Throws InputError. Channel names and what a library quotes come from the file: no line breaks and no commands to
   /// the terminal remain.

@@ -1,18 +1,27 @@
 /// @file
-/// PNG by libpng: images as they are written, and bytes of RGBA in memory. Colours of these are not multiplied by
-/// alpha. OpenImageIO, which reads PNG images, would do that.
+/// PNG by libpng: images read and written row by row, and bytes of RGBA in memory. Colours of RGBA stay as stored, not
+/// multiplied by alpha.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "envmap/io/image_reader.h"
 #include "envmap/io/image_writer.h"
+#include "envmap/io/input_file.h"
 
 namespace envmap {
 
 /// For make_writer(): an image of uint8 or uint16. @throws OutputError without the file's name.
 ImageWriter create_png(OutputFile& file, const ImagePlan& plan);
+
+/// Opens a PNG image, whose file must outlive the reader. Interlaced images are held in memory once a row is read.
+/// @param straight_alpha whether colours stay as stored, not multiplied by alpha.
+/// @return nothing for images that OpenImageIO has to read: with EXIF, XMP, cICP, an offset, or alpha and a gamma.
+/// @throws InputError without the file's name.
+std::optional<ImageReader> open_png(const InputFile& file, bool straight_alpha);
 
 struct RgbaImage {
   int width, height;
