@@ -79,6 +79,7 @@ constexpr FileFormat float_map{
     .extensions = pfm,
     .depths = floats,
     .is_head = [](Head h) { return is_pnm(h, "Ff"); },
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_pfm(*i.file); },
     .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan&,
                 const Progress&) { write_pfm(f, levels[0]); },
     .least_bytes = [](Depth, const WriteOptions&) { return 12.0; },

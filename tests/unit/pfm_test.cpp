@@ -1,0 +1,67 @@
+// Portable float maps, read by OpenImageIO, too, which is another reader.
+#include "envmap/io/pfm.h"
+
+#include <gtest/gtest.h>
+
+#include "envmap/base/error.h"
+#include "envmap/io/formats.h"
+
+namespace envmap {
+namespace {
+
+constexpr int width = 5, height = 4;
+
+// @param order in which the four bytes of a float are stored, the lowest being 0.
+std::string pfm_file(const std::string& header, int channels, const std::array<unsigned, 4>& order) {
+  std::string file = header;
+  for (int k = 0; k < width * height * channels; ++k) {
+    const auto bits = std::bit_cast<std::uint32_t>(float(k) / 7 + 0.1F);
+    for (const unsigned byte : order) file += char(bits >> (8 * byte) & 0xFFU);
+  }
+  return file;
+}
+
+std::vector<float> texels(const ImageReader& reader, int begin, int end, int first, int count) {
+  std::vector<float> out(std::size_t(width * (end - begin) * count));
+  reader.read(0, begin, end, first, count, out);
+  return out;
+}
+
+TEST(Pfm, IsReadAsOpenImageIoReadsIt) {
+  for (const int channels : {1, 3})
+    for (const std::string scale : {"-1.0", "1.0", "-2.5", "0.3"}) {
+      SCOPED_TRACE(fmt::format("{} {}", channels, scale));
+      const std::array<unsigned, 4> little{0, 1, 2, 3}, big{3, 2, 1, 0};
+      const std::string bytes = pfm_file(fmt::format("P{}\n5 4\n{}\n", channels == 3 ? 'F' : 'f', scale), channels,
+                                         scale[0] == '-' ? little : big);
+      const InputFile file{std::span<const char>(bytes)};
+      const ImageReader reader = open_pfm(file).value(), judge = formats().open("pnm", "a.pfm", bytes, false, false);
+      EXPECT_EQ(reader.facts.width, judge.facts.width);
+      EXPECT_EQ(reader.facts.height, judge.facts.height);
+      EXPECT_EQ(reader.facts.depth, judge.facts.depth);
+      EXPECT_EQ(reader.facts.encoded, judge.facts.encoded);
+      EXPECT_EQ(reader.facts.names, judge.facts.names);
+      EXPECT_EQ(reader.facts.channels, judge.facts.channels);
+      EXPECT_EQ(texels(reader, 0, height, 0, channels), texels(judge, 0, height, 0, channels));
+      EXPECT_EQ(texels(reader, 1, 3, channels - 1, 1), texels(judge, 1, 3, channels - 1, 1));
+      // The bottom row comes first.
+      EXPECT_FLOAT_EQ(texels(reader, 3, 4, 0, 1)[0], 0.1F * std::abs(std::stof(scale)));
+    }
+}
+
+TEST(Pfm, OddHeadersAreLeftToOpenImageIo) {
+  for (const std::string header : {"PF\n# comment\n5 4\n-1\n", "PF\r\n5 4\r\n-1\r\n", "PF\n5 4\n0\n", "PF\n-5 4\n-1\n",
+                                   "PF\n5 4\nnan\n", "PF\n5 4\n-1", "PF", "PF\n99999999999 4\n-1\n"}) {
+    const InputFile file{std::span<const char>(header)};
+    EXPECT_FALSE(open_pfm(file).has_value()) << header;
+  }
+}
+
+TEST(Pfm, CutFilesAreRefused) {
+  const std::string whole = pfm_file("PF\n5 4\n-1\n", 3, {0, 1, 2, 3});
+  const InputFile file{std::span(whole).first(whole.size() - 1)};
+  EXPECT_THROW(texels(open_pfm(file).value(), 0, height, 0, 3), InputError);
+}
+
+}  // namespace
+}  // namespace envmap
