@@ -107,7 +107,7 @@ envmap_add_map(maps SOURCE sky.exr OUTPUT film.exr OPTIONS --input-space film --
 envmap_add_map(maps SOURCE sky.exr OUTPUT faces/{face}.exr OPTIONS --to cube --size 4)
 envmap_add_map(maps SOURCE sky.exr OUTPUT halves/{half}.exr OPTIONS --to paraboloid --size 4)
 envmap_add_map(maps SOURCE sky.exr OUTPUT levels/{level}.exr COMMAND mipmap)
-envmap_add_maps(maps SOURCES [==[NAME.exr]==] FOR ENGINES OPTIONS --quiet --size 4 --chain-size 16)
+envmap_add_maps(maps SOURCES [==[NAME.exr]==] FOR ENGINES OPTIONS --quiet --size 4 --chain-size 32)
 '''
 SCENE = 'mtllib some.mtl\nv 0 0 -1\nv 1 0 -1\nv 0 1 -1\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n'
 CONFIG = '''ocio_profile_version: 2

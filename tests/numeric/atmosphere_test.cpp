@@ -253,7 +253,8 @@ TEST_P(EachSky, TheSunHasItsFluxAtAnySize) {
 TEST_P(EachSky, AFloorReceivesWhatIsReported) {
   const Daylight d = generate(sun_at(50), GetParam(), 200);
   const double lux = luminance(floor_irradiance(d.map));
-  EXPECT_NEAR(lux / (d.sun_horizontal + d.sky_horizontal), 1, 5e-3);
+  // The sun lies within one texel and counts from its middle: half a texel of 1.8 degrees moves a cosine by 1.3%.
+  EXPECT_NEAR(lux / (d.sun_horizontal + d.sky_horizontal), 1, 0.013);
 }
 
 TEST(Atmosphere, SunlightOutsideTheAirIsThatOfTheSun) {

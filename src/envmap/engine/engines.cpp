@@ -199,7 +199,13 @@ const Engine table[] = {
      "scene.setIndirectLight(light);\n"
      "scene.setSkybox(engine.createSkyFromKtx1('FOLDER/sky.ktx'));\n"
      "JavaScript's createIblFromKtx1 leaves the harmonics in light.shfloats: give them to IndirectLight.Builder().irradianceSh(3, ...).\n"
-     "light.setIntensity(1 / EXPOSURE) shows radiance 1 as 1, as the sky does: EXPOSURE as of camera.setExposureDirect()."},
+     "light.setIntensity(1 / EXPOSURE) shows radiance 1 as 1, as the sky does: EXPOSURE as of camera.setExposureDirect().\n"
+     "C++ (by ktxreader/Ktx1Reader.h, not run; the harmonics first, as createTexture() frees the bundle):\n"
+     "auto* ktx = new image::Ktx1Bundle(bytes, size); filament::math::float3 sh[9]; ktx->getSphericalHarmonics(sh);\n"
+     "auto* map = ktxreader::Ktx1Reader::createTexture(engine, ktx, false);\n"
+     "auto* light = filament::IndirectLight::Builder().reflections(map).irradiance(3, sh).intensity(1 / EXPOSURE).build(*engine);\n"
+     "Android (by KTX1Loader.kt, not run): KTX1Loader.createIndirectLight(engine, buffer).indirectLight, "
+     "KTX1Loader.createSkybox(engine, buffer).skybox."},
     {"glsl", "GLSL", "3.30 and ES 3.00, run in Mesa: tests/render",
      {{"background.ktx2", Projection::cube, Depth::half},
       {"specular.ktx2", Projection::cube, Depth::half, MirroredAxis::none, EngineChain{256, 6, filament_roughness}}}, 0,

@@ -23,11 +23,16 @@ Rgb<double> radiance(const Gradient& p, const Direction& d) { return glm::mix(p.
 
 Rgb<double> radiance(const Directions&, const Direction& d) { return Rgb<double>(0.5 * (d + 1.0)); }
 
-Rgb<double> radiance(const Checker& p, const Direction& d) {
-  const double longitude = portable::atan2(d.x, d.z), latitude = portable::asin(std::clamp(d.y, -1.0, 1.0));
-  const auto square = [&](double angle) { return static_cast<long>(std::floor(angle * p.squares / pi)); };
-  return (square(longitude) + square(latitude)) % 2 == 0 ? p.even : p.odd;
+// Longitude and latitude, in squares.
+Point2 in_squares(const Checker& p, const Direction& d) {
+  return Point2(portable::atan2(d.x, d.z), portable::asin(std::clamp(d.y, -1.0, 1.0))) * double(p.squares) / pi;
 }
+
+Rgb<double> radiance(const Checker& p, const Point2& at) {
+  return std::int64_t(std::floor(at.x) + std::floor(at.y)) % 2 == 0 ? p.even : p.odd;
+}
+
+Rgb<double> radiance(const Checker& p, const Direction& d) { return radiance(p, in_squares(p, d)); }
 
 int main_axis(const Direction& d) {
   const Direction size = glm::abs(d);
@@ -58,19 +63,24 @@ constexpr int samples<Checker> = 8;
 template <>
 constexpr int samples<Faces> = 8;
 
-// How far the nearest edge of a square is, in radians.
-double to_edge(const Checker& p, const Direction& d) {
-  const double longitude = portable::atan2(d.x, d.z), latitude = portable::asin(std::clamp(d.y, -1.0, 1.0)),
-               step = pi / p.squares;
-  const auto off = [&](double angle) { return std::abs(angle - step * std::round(angle / step)); };
-  return std::min(off(latitude), portable::asin(portable::sin(off(longitude)) * portable::cos(latitude)));
+// Around a direction in which no edge lies within an angle, the radiance; else nothing.
+struct Reach {
+  double radians, sine;  // Below a right angle.
+};
+
+std::optional<Rgb<double>> even_radiance(const Checker& p, const Direction& d, const Reach& reach) {
+  const Point2 at = in_squares(p, d), off = pi / p.squares * glm::abs(at - glm::round(at));
+  if (off.y <= reach.radians || portable::sin(off.x) * std::sqrt(1 - std::min(1.0, d.y * d.y)) <= reach.sine)
+    return std::nullopt;
+  return radiance(p, at);
 }
 
-// The same of a face: its edges lie in planes at 45 degrees between two axes.
-double to_edge(const Faces&, const Direction& d) {
+// The edges of faces lie in planes at 45 degrees between two axes.
+std::optional<Rgb<double>> even_radiance(const Faces& p, const Direction& d, const Reach& reach) {
   const int axis = main_axis(d);
   const double other = std::max(std::abs(d[(axis + 1) % 3]), std::abs(d[(axis + 2) % 3]));
-  return portable::asin((std::abs(d[axis]) - other) / std::numbers::sqrt2);
+  if (std::abs(d[axis]) - other <= std::numbers::sqrt2 * reach.sine) return std::nullopt;
+  return radiance(p, d);
 }
 
 // No point of a texel is further from its centre, in radians:
@@ -106,10 +116,11 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
       for (std::size_t k = 0; k < d.size(); ++k) sum[k] = radiance(pattern, to_world * d[k]);
     } else {
       // Away from edges all samples are alike.
-      const double reach = 1.001 * texel_reach(level.projection(), level.height());
+      const double angle = 1.001 * texel_reach(level.projection(), level.height());
+      const Reach reach{angle, angle < 0.5 * pi ? portable::sin(angle) : 2};
       for (std::size_t k = 0; k < d.size(); ++k) {
-        if (const Direction world = to_world * d[k]; to_edge(pattern, world) > reach)
-          sum[k] = radiance(pattern, world);
+        if (const auto even = even_radiance(pattern, to_world * d[k], reach))
+          sum[k] = *even;
         else
           supersample(pattern, level, to_world, face, row, in.first + int(k), std::span(sum).subspan(k, 1));
       }
