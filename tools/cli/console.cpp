@@ -18,6 +18,8 @@ bool is_control(std::string_view character) {
          (first == 0xc2 && static_cast<unsigned char>(character[1]) < 0xa0);
 }
 
+constexpr double log_interval = 10;  // Seconds between lines of progress in a log.
+
 std::string in_words(double seconds) {
   const int whole = int(std::min(seconds, 1e6));
   return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{}:{:02} min", whole / 60, whole % 60);
@@ -78,26 +80,30 @@ void detail(std::string_view line) {
 }
 
 envmap::Progress progress_line(const std::string& what) {
-  if (settings().quiet || !::isatty(STDERR_FILENO)) return {};
+  if (settings().quiet) return {};
   using Clock = std::chrono::steady_clock;
   struct State {
     std::mutex mutex;
     Clock::time_point start = Clock::now();
+    bool on_terminal = ::isatty(STDERR_FILENO) != 0;
     int shown = -1;
+    double next = on_terminal ? 1 : log_interval;  // Seconds after the start.
     ~State() {
-      if (shown >= 0) std::fputs("\r\033[K", stderr);
+      if (on_terminal && shown >= 0) std::fputs("\r\033[K", stderr);
     }
   };
   return [state = std::make_shared<State>(), what](double part) {
     const std::lock_guard lock(state->mutex);
     const int percent = int(100 * part);
     const double seconds = std::chrono::duration<double>(Clock::now() - state->start).count();
-    if (percent <= state->shown || seconds < 1) return;
+    if (percent <= state->shown || seconds < state->next) return;
     state->shown = percent;
+    if (!state->on_terminal) state->next = seconds + log_interval;
     const double rate = part / seconds;
     const std::string left =
         percent > 0 ? fmt::format(", {:.2g}%/s, {} left", 100 * rate, in_words((1 - part) / rate)) : "";
-    std::fputs(fmt::format("\r{} {:3d}%{}\033[K", what, percent, left).c_str(), stderr);
+    const std::string line = fmt::format("{} {:3d}%{}", what, percent, left);
+    std::fputs((state->on_terminal ? "\r" + line + "\033[K" : line + "\n").c_str(), stderr);
   };
 }
 

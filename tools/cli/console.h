@@ -34,7 +34,8 @@ std::string printable(std::string_view text);
 /// The same, escaped for SVG and HTML, as text or between double quotes.
 std::string in_markup(std::string_view text);
 
-/// Shows how much is done and the time left: on standard error, if that is a terminal and the work takes over a second.
+/// Shows how much is done and the time left, on standard error: on a terminal where the work takes over a second, and
+/// else a line every ten seconds.
 envmap::Progress progress_line(const std::string& what);
 
 /// Measures the time since it was made.

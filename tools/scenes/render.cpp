@@ -148,6 +148,7 @@ int run(Request& o, Report& report) {
   double seconds = 0;
   report.put("input", o.scene.path);
   report.put("method", draw_method_names[std::size_t(method)]);
+  const Progress progress = progress_line("render");
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const std::vector<int> moved = loaded.move_to(frames.time(frame));
     const Shot shot = loaded.shot(frames.time(frame), o.scene);
@@ -156,7 +157,8 @@ int run(Request& o, Report& report) {
     const Stopwatch watch;
     Drawn drawn = painter ? painter->paint(shot, moved, method)
                           : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far, o.lobe_samples},
-                                    progress_line("cast"));
+                                    frames.part(progress, frame));
+    if (const Progress of_frame = frames.part(progress, frame)) of_frame(1);
     const double took = watch.seconds();
     seconds += took;
     drawn.radiance.forward = forward;

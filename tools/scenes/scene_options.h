@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/options.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/io/read.h"
 #include "envmap/offscreen/lit_scene.h"
 #include "envmap/render/context.h"
@@ -39,6 +40,10 @@ struct Frames {
   double start = 0, rate = 24;
 
   [[nodiscard]] int count() const { return last - first + 1; }
+  /// The progress of a frame, of that of all.
+  [[nodiscard]] envmap::Progress part(const envmap::Progress& all, int frame) const {
+    return envmap::part_progress(all, double(frame - first) / count(), 1.0 / count());
+  }
   [[nodiscard]] double time(int frame) const { return start + (sequence ? frame / rate : 0); }
   /// Of a frame's file: {frame}, four digits at least, or printf's %d and %04d. @throws UsageError
   [[nodiscard]] std::string path(const std::string& output, int frame) const;

@@ -7,6 +7,7 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
 #include "envmap/io/picture.h"
 #include "envmap/offscreen/choose_maps.h"
 #include "envmap/offscreen/choose_mirrors.h"
@@ -80,12 +81,14 @@ void save(const MirrorPainter& painter, const std::vector<std::string>& paths) {
     if (!maps[k].levels.empty()) write_map(paths[k], all_rows_of(maps[k]), {}, "write");
 }
 
-Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes) {
+Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes,
+              const Progress& progress) {
   Pictures pictures;
+  const double part = 1.0 / double(eyes.size());
   for (const Eye& eye : eyes)
     pictures.push_back(raycast_picture(shot, eye.from,
                                        {mirrors, o.drawing.bounces.value_or(max_rounds), o.drawing.far, o.lobe_samples},
-                                       progress_line("cast")));
+                                       part_progress(progress, part * double(pictures.size()), part)));
   return pictures;
 }
 
@@ -195,6 +198,7 @@ int run(Request& o, Report& report) {
   const Scenery scenery{o, loaded, viewpoints, frames};
   if (o.max_error) choose(o, scenery, mirrors, painter);
   MirrorTable table(scene, mirrors);
+  const Progress progress = progress_line("view");
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const std::vector<int> moved = loaded.move_to(frames.time(frame));
@@ -208,8 +212,9 @@ int run(Request& o, Report& report) {
       table.add(painted.updates);
       pictures = std::move(painted.pictures);
     } else {
-      pictures = cast(o, nodes, shot, eyes);
+      pictures = cast(o, nodes, shot, eyes, frames.part(progress, frame));
     }
+    if (const Progress of_frame = frames.part(progress, frame)) of_frame(1);
     seconds += watch.seconds();
     if (!maps.empty()) save(*painter, frames.sequence ? numbered(maps, frame) : maps);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));

@@ -185,6 +185,29 @@ constexpr FileFormat other(std::string_view name, std::string_view title, std::s
           .abilities = FileFormat::encoded_values | more};
 }
 
+bool is_brand(Head h, std::string_view brands) {
+  return h.find("ftyp") == 4 && h.size() >= 12 && brands.find(h.substr(8, 4)) != brands.npos;
+}
+
+// What OpenImageIO makes of HEIF files has 8 bits and their own curve: it must be one of a screen (ISO/IEC 23091-2,
+// table 3).
+void check_curve(Image& image, const ImageChoice&) {
+  constexpr unsigned pq = 16, hlg = 18;
+  std::string head(std::min<std::uint64_t>(image.file->size(), 1 << 16), '\0');
+  head.resize(image.file->pread(head.data(), head.size(), 0));
+  const std::size_t box = head.find("colrnclx");
+  if (box == head.npos || box + 12 > head.size()) return;
+  const unsigned curve =
+      unsigned(static_cast<unsigned char>(head[box + 10])) << 8U | static_cast<unsigned char>(head[box + 11]);
+  if (curve == pq || curve == hlg)
+    throw InputError(
+        fmt::format("holds {} values, which are not read: make an EXR of it first", curve == pq ? "PQ" : "HLG"));
+}
+
+constexpr FileFormat efficiency(std::string_view title, bool (*is_head)(Head)) {
+  return {.name = "heif", .title = title, .is_head = is_head, .open = check_curve};
+}
+
 // In the order in which people are told of them.
 constexpr FileFormat table[] = {
     openexr,
@@ -209,6 +232,8 @@ constexpr FileFormat table[] = {
           [](Head h) { return h.find("jP  ") == 4 || h.starts_with("\xff\x4f\xff\x51"); }),
     other("gif", "GIF", {}, {}, [](Head h) { return h.starts_with("GIF8"); }),
     other("psd", "PSD", {}, {}, [](Head h) { return h.starts_with("8BPS"); }),
+    efficiency("HEIF", [](Head h) { return is_brand(h, "heic heix heim heis hevc hevx mif1 msf1"); }),
+    efficiency("AVIF", [](Head h) { return is_brand(h, "avif avis"); }),
     other("sgi", "SGI", {}, {}, [](Head h) { return h.starts_with("\x01\xda"); }),
 };
 

@@ -129,8 +129,8 @@ Imf::FrameBuffer frame(const File& file, const ImageFacts& f, int begin, int fir
     if (channel.type == Imf::UINT) throw InputError(fmt::format("channel {} holds whole numbers, not radiance", name));
     if (channel.xSampling != 1 || channel.ySampling != 1)
       throw InputError(fmt::format("channel {} is not sampled in every pixel", name));
-    buffer.insert(name, Imf::Slice(Imf::FLOAT, origin + std::ptrdiff_t(sizeof(float)) * c,
-                                   std::size_t(pixel), std::size_t(line)));
+    buffer.insert(name, Imf::Slice(Imf::FLOAT, origin + std::ptrdiff_t(sizeof(float)) * c, std::size_t(pixel),
+                                   std::size_t(line)));
   }
   return buffer;
 }
@@ -149,6 +149,17 @@ void read_lines(File& file, const Imf::FrameBuffer& buffer, int begin, int end) 
   file.lines->readPixels(top + begin, top + end - 1);
 }
 
+// OpenEXR fills one place for each channel, the last: others of its name get the same.
+void repeat_channels(std::span<const std::string> names, std::span<float> texels) {
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    std::size_t filled = c;
+    for (std::size_t k = c + 1; k < names.size(); ++k)
+      if (names[k] == names[c]) filled = k;
+    if (filled == c) continue;
+    for (std::size_t k = 0; k + names.size() <= texels.size(); k += names.size()) texels[k + c] = texels[k + filled];
+  }
+}
+
 void read_rows(File& file, const ImageFacts& facts, int level, int begin, int end, int first, int count,
                std::span<float> out) {
   const ImageFacts f = *level_facts(file, facts, level);
@@ -161,6 +172,8 @@ void read_rows(File& file, const ImageFacts& facts, int level, int begin, int en
   } catch (const Iex::BaseExc& e) {
     throw InputError(plain(e.what()));
   }
+  const std::span<const std::string> names(f.channels.begin() + first, std::size_t(count));
+  repeat_channels(names, out.first(std::size_t(end - begin) * std::size_t(f.width) * names.size()));
 }
 
 // ---- what to read of it ---------------------------------------------------------------------------------------------
@@ -179,8 +192,7 @@ void choose_part(File& file, const std::string& wanted, ImageFacts& facts) {
   for (int k = 0; k < count; ++k)
     names.push_back(file.parts.header(k).hasName() ? file.parts.header(k).name() : std::to_string(k));
   if (wanted.empty()) {
-    if (count > 1)
-      facts.notes.push_back(fmt::format("of its {} parts ({}) the first is read", count, joined(names)));
+    if (count > 1) facts.notes.push_back(fmt::format("of its {} parts ({}) the first is read", count, joined(names)));
     return;
   }
   for (int k = 0; k < count; ++k)
@@ -297,10 +309,10 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   };
   const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
   if (data == display) return reader;
-  reader.facts.notes.push_back(fmt::format(
-      "its data window ({},{} to {},{}) is not its display window ({},{} to {},{}): {}", data.min.x, data.min.y,
-      data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y,
-      choice.crop ? "the data window is read as the whole image" : "what is missing is black"));
+  reader.facts.notes.push_back(
+      fmt::format("its data window ({},{} to {},{}) is not its display window ({},{} to {},{}): {}", data.min.x,
+                  data.min.y, data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y,
+                  choice.crop ? "the data window is read as the whole image" : "what is missing is black"));
   if (choice.crop) return reader;
   const auto length = [](std::int64_t from, std::int64_t to) {
     return int(std::min<std::int64_t>(1 + to - from, INT_MAX));
