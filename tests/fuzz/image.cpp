@@ -22,6 +22,8 @@ std::string_view mark_of(std::string_view format) {
   if (format == "ktx") return ktx1_mark;
   if (format == "env") return env_mark;
   if (format == "glb") return "glTF";
+  if (format == "png") return "\x89PNG";
+  if (format == "pfm") return "P";
   return format == "ktx2" ? ktx2_mark : "DDS ";
 }
 
@@ -54,8 +56,7 @@ void read_image_levels(const Image& image) {
     for (int begin = 0; begin < facts->height; begin += unit) {
       const int end = std::min(begin + unit, facts->height);
       image.reader->read(k, begin, end, 0, channels,
-                         std::span(rows).first(std::size_t(facts->width) *
-                                               std::size_t((end - begin) * channels)));
+                         std::span(rows).first(std::size_t(facts->width) * std::size_t((end - begin) * channels)));
     }
   }
 }

@@ -96,7 +96,7 @@ Ray at(const Ray& ray, double t) {
 double length(const Ray& ray) {
   const double across = ray.radius * ray.radius * (1 - ray.mu * ray.mu), along = -ray.radius * ray.mu;
   if (ray.to_ground) return std::max(0.0, along - std::sqrt(std::max(0.0, ground_radius * ground_radius - across)));
-  return along + std::sqrt(std::max(0.0, top_radius * top_radius - across));
+  return std::max(0.0, along + std::sqrt(std::max(0.0, top_radius * top_radius - across)));
 }
 
 template <int N>

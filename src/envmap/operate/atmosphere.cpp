@@ -108,7 +108,7 @@ SunTable::SunTable(const Atmosphere& a, const air::Air& air, double edge) : node
   solid_angle_ = 4 * pi * half * half;
   const double reach = 2 * half;
   low_ = std::clamp(a.sun.y - reach, edge, 1.0 - 1e-9);
-  high_ = std::clamp(a.sun.y + reach, low_ + 1e-9, 1.0);
+  high_ = std::max(low_ + 1e-9, std::min(a.sun.y + reach, 1.0));
   for (int i = 0; i < heights; ++i) {
     const air::Spectrum arrives =
         air.sunlight(air::ground_radius + a.altitude, low_ + (high_ - low_) * i / (heights - 1));
