@@ -7,15 +7,7 @@
 namespace command_tests {
 namespace {
 
-class Generate : public CommandTest {
- protected:
-  [[nodiscard]] nlohmann::json report(std::vector<std::string> arguments) const {
-    arguments.emplace_back("--json");
-    const Result r = envmap(arguments);
-    EXPECT_EQ(r.status, 0) << r.err;
-    return r.status == 0 ? nlohmann::json::parse(r.out) : nlohmann::json();
-  }
-};
+class Generate : public CommandTest {};
 
 // info adds up the texels of the file; the report's figures are integrals over the sky.
 TEST_F(Generate, AnAtmosphereSaysTheLuxThatItsFileHas) {

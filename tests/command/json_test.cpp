@@ -14,11 +14,6 @@ namespace {
 
 using nlohmann::json;
 
-json report(const Result& r) {
-  EXPECT_EQ(r.status, 0) << r.err;
-  return json::parse(r.out, nullptr, false);
-}
-
 class Json : public CommandTest {
  protected:
   Json() {
@@ -50,16 +45,16 @@ class Json : public CommandTest {
 
 TEST_F(Json, KeysAreThoseOfTheManPages) {
   succeeds({"mipmap", "a.exr", "levels.exr"});
-  const std::vector<std::vector<std::string>> runs{
-      {"info", "a.exr", "--levels", "--sampling"},
-      {"info", "black.exr"},
-      {"compare", "levels.exr", "levels.exr"},
-      {"compare", "a.exr", "black.exr", "--max-rms", "0"},
-      {"sh", "a.exr", "--window", "auto"},
-      {"convert", "a.exr", "out.exr", "--to", "cube", "--max-error", "1"},
-      {"convert", "a.exr", "out.exr"},
-      {"mipmap", "a.exr", "out.exr"},
-      {"prefilter", "a.exr", "out.exr", "--lobe", "ggx", "--levels", "2", "--size", "4"}};
+  const std::vector<std::vector<std::string>> runs{{"info", "a.exr", "--levels", "--sampling"},
+                                                   {"info", "black.exr"},
+                                                   {"compare", "levels.exr", "levels.exr"},
+                                                   {"compare", "a.exr", "black.exr", "--max-rms", "0"},
+                                                   {"sh", "a.exr", "--window", "auto"},
+                                                   {"convert", "a.exr", "out.exr", "--to", "cube", "--max-error", "1"},
+                                                   {"convert", "a.exr", "out.exr"},
+                                                   {"mipmap", "a.exr", "out.exr"},
+                                                   {"prefilter", "a.exr", "out.exr", "--lobe", "ggx", "--levels", "2",
+                                                    "--size", "4"}};
   std::map<std::string, std::set<std::string>> found;
   for (std::vector<std::string> run : runs) {
     run.emplace_back("--json");

@@ -9,15 +9,7 @@
 namespace command_tests {
 namespace {
 
-class Photos : public CommandTest {
- protected:
-  [[nodiscard]] nlohmann::json report(std::vector<std::string> arguments) const {
-    arguments.emplace_back("--json");
-    const Result r = envmap(arguments);
-    EXPECT_EQ(r.status, 0) << r.err;
-    return r.status == 0 ? nlohmann::json::parse(r.out) : nlohmann::json();
-  }
-};
+class Photos : public CommandTest {};
 
 constexpr double pi = 3.14159265358979323846;
 

@@ -17,11 +17,6 @@ using nlohmann::json;
 
 constexpr double pi = std::numbers::pi;
 
-json report(const Result& r) {
-  EXPECT_EQ(r.status, 0) << r.err;
-  return json::parse(r.out, nullptr, false);
-}
-
 void expect_near(const json& values, const Vec& expected, double tolerance) {
   ASSERT_EQ(values.size(), 3U) << values;
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(values[k].get<double>(), expected.at(k), tolerance) << values;

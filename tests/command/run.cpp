@@ -127,6 +127,16 @@ Result CommandTest::shell(const std::string& line, const Setting& setting) const
   return Background(*this, {"sh", "-c", line}, setting).wait();
 }
 
+nlohmann::json CommandTest::report(const Result& run) {
+  EXPECT_EQ(run.status, 0) << run.err;
+  return nlohmann::json::parse(run.out, nullptr, false);
+}
+
+nlohmann::json CommandTest::report(std::vector<std::string> arguments) const {
+  arguments.emplace_back("--json");
+  return report(envmap(arguments));
+}
+
 void CommandTest::succeeds(const std::vector<std::string>& arguments, const Setting& setting) const {
   SCOPED_TRACE(::testing::PrintToString(arguments));
   const Result r = envmap(arguments, setting);

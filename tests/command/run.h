@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,10 @@ class CommandTest : public ::testing::Test {
 
   /// A line for sh; "$ENVMAP" is the program.
   [[nodiscard]] Result shell(const std::string& line, const Setting& setting = {}) const;
+
+  /// What a run said with --json, or what it says with these arguments and --json. Expects it to end with 0.
+  [[nodiscard]] static nlohmann::json report(const Result& run);
+  [[nodiscard]] nlohmann::json report(std::vector<std::string> arguments) const;
 
   /// Expects the run to end with 0 and to say nothing on standard error.
   void succeeds(const std::vector<std::string>& arguments, const Setting& setting = {}) const;

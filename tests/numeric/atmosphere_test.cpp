@@ -11,6 +11,7 @@
 #include "envmap/operate/air.h"
 #include "envmap/operate/measure.h"
 #include "envmap/sample/lookup.h"
+#include "numeric/floor.h"
 
 namespace envmap {
 namespace {
@@ -113,7 +114,7 @@ TEST(Atmosphere, SingleScatteringIsItsIntegral) {
           for (const double azimuth : {0.0, 50.0, 180.0}) {
             const Direction d = at_angles(up * degree, azimuth * degree);
             const double nu = glm::dot(d, sun), wanted = single_scattering(depths(band, 2.5), eye, d, sun);
-            const air::ShadingResult s = air.scattered({1000 * eye.y, d.y, sun.y, nu});
+            const air::Scattered s = air.scattered({1000 * eye.y, d.y, sun.y, nu});
             const double got = s.molecules[band] * rayleigh(nu) + s.haze[band] * cornette_shanks(nu);
             largest = std::max(largest, wanted);
             most = std::max(most, std::abs(got - wanted));
@@ -204,23 +205,6 @@ TEST(Atmosphere, SkylightIsWhatPhotonsBring) {
 
 // ---- maps -----------------------------------------------------------------------------------------------------------
 
-// Of a horizontal floor, texel by texel.
-Flux floor_irradiance(const EnvironmentMap& map) {
-  const Level& level = map.base();
-  Flux sum(0);
-  std::vector<double> w(std::size_t(level.width()));
-  std::vector<Direction> d(w.size());
-  for (int f = 0; f < level.faces(); ++f)
-    for (int j = 0; j < level.height(); ++j) {
-      solid_angles(level.projection(), level.height(), j, w);
-      const Columns in = columns(level.projection(), level.height(), j);
-      texel_directions(level.projection(), level.height(), f, j, in.first, std::span(d).first(in.count()));
-      for (int i = in.first; i < in.end; ++i)
-        sum += w[i] * std::max(0.0, d[i - in.first].y) * Flux(*level.texel(f, i, j));
-    }
-  return sum;
-}
-
 double luminance(const Flux& c) { return 683 * glm::dot(c, luminance_weights(rec709)); }
 
 Atmosphere sun_at(double elevation, double azimuth = 0) {
@@ -254,7 +238,7 @@ TEST_P(EachSky, TheSunHasItsFluxAtAnySize) {
 
 TEST_P(EachSky, AFloorReceivesWhatIsReported) {
   const Daylight d = generate(sun_at(50), GetParam(), 200);
-  const double lux = luminance(floor_irradiance(d.map));
+  const double lux = luminance(irradiance_of_floor(d.map.base()));
   // The sun lies within one texel and counts from its middle: half a texel of 1.8 degrees moves a cosine by 1.3%.
   EXPECT_NEAR(lux / (d.sun_horizontal + d.sky_horizontal), 1, 0.013);
 }
@@ -334,7 +318,7 @@ TEST(Atmosphere, TexelsAreRadianceAtTheirCentres) {
         Direction d;
         texel_directions(Projection::latlong, 90, 0, j, i, std::span(&d, 1));
         const double nu = glm::dot(d, a.sun);
-        air::ShadingResult s = air.scattered({1000 * earth, d.y, a.sun.y, nu});
+        air::Scattered s = air.scattered({1000 * earth, d.y, a.sun.y, nu});
         for (int b = 0; b < air::bands; ++b)
           s.even[b] += air::sun_irradiance()[b] * (rayleigh(nu) * s.molecules[b] + cornette_shanks(nu) * s.haze[b]);
         const double wanted = luminance(air::to_rgb(s.even));

@@ -182,16 +182,6 @@ bool parse_number(const std::string& text, double& number) {
   return !text.empty() && end == text.c_str() + text.size();
 }
 
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts(1);
-  for (const char c : text)
-    if (c == at)
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  return parts;
-}
-
 std::optional<envmap::Direction> triple_of(const std::string& text, bool one_for_all) {
   std::vector<double> numbers;
   for (const std::string& part : split(text, ','))

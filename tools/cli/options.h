@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "envmap/base/bounds.h"
+#include "envmap/base/split.h"
 #include "envmap/maths/vector.h"
 
 namespace tools {
@@ -128,7 +129,7 @@ bool parse_number(const std::string& text, int& number);
 bool parse_number(const std::string& text, double& number);
 /// Three finite numbers with commas between them, or nothing. @see Triple
 std::optional<envmap::Direction> triple_of(const std::string& text, bool one_for_all = false);
-std::vector<std::string> split(const std::string& text, char at);
+using envmap::split;
 std::string joined(WordList words);
 
 /// The index of a word, or -1.

@@ -101,12 +101,12 @@ void check_kind(const Request& o, const Options& options) {
 EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, WriteOptions& write, Report& report) {
   const Atmosphere a = atmosphere_of(o);
   Daylight made = generate(a, to, o.size, run);
-  write.provenance.white_luminance = 683.0F;
+  write.provenance.white_luminance = float(luminous_efficacy);
   report.put("sun.direction", a.sun);
   report.put("sun.illuminance", made.sun_normal);
   report.put("sun.horizontal_illuminance", made.sun_horizontal);
   report.put("sky.horizontal_illuminance", made.sky_horizontal);
-  report.put("white_luminance", 683.0);
+  report.put("white_luminance", luminous_efficacy);
   note(fmt::format("envmap generate: on the ground {:.4g} lux of the sun and {:.4g} lux of the sky",
                    made.sun_horizontal, made.sky_horizontal));
   return std::move(made.map);

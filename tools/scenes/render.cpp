@@ -154,11 +154,11 @@ int run(Request& o, Report& report) {
     const Shot shot = loaded.shot(frames.time(frame), o.scene);
     if (o.from.without >= 0) o.from.at = centre_of(loaded.scene, shot.pose, o.from.without);
     if (turned) o.from.axes = turned_to(direction(o, loaded.scene, shot.pose));
+    const Progress of_frame = frames.part(progress, frame);
     const Stopwatch watch;
     Drawn drawn = painter ? painter->paint(shot, moved, method)
-                          : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far, o.lobe_samples},
-                                    frames.part(progress, frame));
-    if (const Progress of_frame = frames.part(progress, frame)) of_frame(1);
+                          : raycast(shot, o.from, {nodes_of(mirrors), o.bounces, o.from.far, o.lobe_samples}, of_frame);
+    if (of_frame) of_frame(1);
     const double took = watch.seconds();
     seconds += took;
     drawn.radiance.forward = forward;

@@ -205,6 +205,7 @@ int run(Request& o, Report& report) {
     const Shot shot = scenery.shot(frame);
     const std::vector<Eye> eyes = scenery.eyes(frame, shot.pose);
     const Stopwatch watch;
+    const Progress of_frame = frames.part(progress, frame);
     Pictures pictures;
     if (painter) {
       Painted painted = paint(o, *painter, shot, moved, eyes, frame == frames.first);
@@ -212,9 +213,9 @@ int run(Request& o, Report& report) {
       table.add(painted.updates);
       pictures = std::move(painted.pictures);
     } else {
-      pictures = cast(o, nodes, shot, eyes, frames.part(progress, frame));
+      pictures = cast(o, nodes, shot, eyes, of_frame);
     }
-    if (const Progress of_frame = frames.part(progress, frame)) of_frame(1);
+    if (of_frame) of_frame(1);
     seconds += watch.seconds();
     if (!maps.empty()) save(*painter, frames.sequence ? numbered(maps, frame) : maps);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/split.h"
 #include "envmap/map/layout.h"
 
 namespace envmap {
@@ -48,15 +49,6 @@ constexpr FaceConvention conventions[] = {
     {"unreal", "px:270,nx:90,pz,nz:180,py:180,ny", "Unreal Engine, faces of a cube before import"},
 };
 
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> parts;
-  for (std::size_t at = 0, comma = 0; comma != text.npos; at = comma + 1) {
-    comma = text.find(',', at);
-    parts.push_back(text.substr(at, comma == text.npos ? text.npos : comma - at));
-  }
-  return parts;
-}
-
 // @param part NAME or NAME:TURN.
 FaceFile face_file(std::string_view text, std::string_view part) {
   const auto colon = part.find(':');
@@ -73,7 +65,7 @@ FaceFile face_file(std::string_view text, std::string_view part) {
 }
 
 FaceFiles listed(std::string_view text, std::string_view list) {
-  const std::vector<std::string_view> parts = split(list);
+  const std::vector<std::string> parts = split(list, ',');
   FaceFiles files;
   if (parts.size() != files.size())
     throw UsageError(

@@ -16,6 +16,7 @@
 #include <memory>
 
 #include "envmap/base/error.h"
+#include "envmap/base/split.h"
 #include "envmap/io/check_tiles.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/openexr_stream.h"
@@ -203,16 +204,6 @@ void choose_part(File& file, const std::string& wanted, ImageFacts& facts) {
   throw InputError(fmt::format("has no part '{}': there {} {}", wanted, count == 1 ? "is" : "are", joined(names)));
 }
 
-std::vector<std::string> split(const std::string& list) {
-  std::vector<std::string> names(1);
-  for (const char c : list)
-    if (c == ',')
-      names.emplace_back();
-    else
-      names.back() += c;
-  return names;
-}
-
 // Layers with R, G and B, as channels NAME.R or the like. NAME itself may hold dots.
 std::vector<std::string> layers(const Imf::ChannelList& list) {
   std::vector<std::string> found;
@@ -234,7 +225,7 @@ std::vector<std::string> choose_channels(const Imf::ChannelList& list, const Ima
                                  there.empty() ? "it has no layers" : "its layers are " + joined(there)));
   }
   if (!choice.channels.empty()) {
-    const std::vector<std::string> wanted = split(choice.channels);
+    const std::vector<std::string> wanted = split(choice.channels, ',');
     if (wanted.size() != 3 && wanted.size() != 1)
       throw UsageError("channels are three names with commas between them, or one");
     for (const std::string& name : wanted)

@@ -75,11 +75,6 @@ constexpr int heights = 96, angles = 512;             // Of the columns towards 
 constexpr int later_heights = 32, later_angles = 20;  // Of light scattered twice and more.
 constexpr double thickness = top_radius - ground_radius;
 
-double horizon(double radius) {  // Cosine of the zenith angle at which the ground begins.
-  const double ratio = ground_radius / radius;
-  return -std::sqrt(std::max(0.0, 1 - ratio * ratio));
-}
-
 Column density(double radius) {
   const double height = std::max(0.0, radius - ground_radius);
   return {portable::exp(-height / molecule_height), portable::exp(-height / haze_height),
@@ -177,6 +172,11 @@ double of_height(double radius, int rows) {
 double height_of(int row, int rows) { return ground_radius + thickness * row * row / ((rows - 1.0) * (rows - 1.0)); }
 
 }  // namespace
+
+double horizon(double radius) {
+  const double ratio = ground_radius / radius;
+  return -std::sqrt(std::max(0.0, 1 - ratio * ratio));
+}
 
 double molecule_phase(double nu) { return 3 / (16 * pi) * (1 + nu * nu); }
 
@@ -350,8 +350,8 @@ Spectrum Air::later_orders(const Ray& there, const Column& here) const {
 
 // ---- what is seen ---------------------------------------------------------------------------------------------------
 
-ShadingResult Air::scattered(const Ray& ray) const {
-  ShadingResult seen;
+Scattered Air::scattered(const Ray& ray) const {
+  Scattered seen;
   const double end = length(ray);
   const Column all = walk<24>(ray, end, [&](double step, const Ray& there, const Column& passed) {
     const Column here = density(there.radius);
@@ -383,7 +383,7 @@ Spectrum Air::sky_irradiance(double radius, double mu_sun) const {
     const double x = 0.5 * (1 + rule.node[row]), mu = x * x, weight = rule.weight[row] * x * mu * 2 * pi / turns;
     for (int turn = 0; turn < turns; ++turn) {
       const double nu = mu * mu_sun + std::sqrt(1 - mu * mu) * sine_sun * portable::cos_pi((turn + 0.5) / turns);
-      const ShadingResult s = scattered({radius, mu, mu_sun, std::clamp(nu, -1.0, 1.0)});
+      const Scattered s = scattered({radius, mu, mu_sun, std::clamp(nu, -1.0, 1.0)});
       for (int b = 0; b < bands; ++b)
         sum[b] += weight * (s.even[b] +
                             sun_irradiance()[b] * (molecule_phase(nu) * s.molecules[b] + haze_phase(nu) * s.haze[b]));

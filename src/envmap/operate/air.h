@@ -22,6 +22,8 @@ double haze_phase(double nu);
 
 /// Irradiance of the sun outside the air, in W/m^2 a band.
 const Spectrum& sun_irradiance();
+/// Cosine of the zenith angle at which the ground begins, as seen at a distance from the centre of the Earth.
+double horizon(double radius);
 /// Exponent of the sun's darkening towards its limb, mu^alpha (Hestroffer and Magnan 1998).
 const Spectrum& limb_exponent();
 /// Linear Rec.709 of a spectrum in W/m^2 a band; luminance 1 for 1 W/m^2 at the peak of y.
@@ -39,7 +41,7 @@ struct Ray {
 };
 
 /// Radiance along a ray: E (molecules P_m + haze P_h) + even, with E and P as above.
-struct ShadingResult {
+struct Scattered {
   Spectrum molecules{}, haze{}, even{};
 };
 
@@ -57,7 +59,7 @@ class Air {
 
   /// The part of the sun's light that arrives at a point; 0 in the ground's shadow.
   [[nodiscard]] Spectrum sunlight(double radius, double mu_sun) const;
-  [[nodiscard]] ShadingResult scattered(const Ray& ray) const;
+  [[nodiscard]] Scattered scattered(const Ray& ray) const;
   /// Irradiance of a horizontal surface by the sky above it.
   [[nodiscard]] Spectrum sky_irradiance(double radius, double mu_sun) const;
 

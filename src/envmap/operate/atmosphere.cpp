@@ -15,8 +15,6 @@
 namespace envmap {
 namespace {
 
-constexpr double lumens = 683;  // Per watt of radiance as it is folded here.
-
 // The sky of one viewer and sun, tabulated by the zenith angle and the azimuth from the sun. What is tabulated is
 // smooth: the phase functions, which are not, are applied afterwards.
 class SkyTable {
@@ -38,13 +36,8 @@ class SkyTable {
   std::vector<Node> nodes_;
 };
 
-double horizon_of(const Atmosphere& a) {
-  const double ratio = air::ground_radius / (air::ground_radius + a.altitude);
-  return -std::sqrt(1 - ratio * ratio);
-}
-
 SkyTable::SkyTable(const Atmosphere& a, const air::Air& air)
-    : sun_(a.sun), edge_(horizon_of(a)), nodes_(std::size_t(2) * zeniths * turns) {
+    : sun_(a.sun), edge_(air::horizon(air::ground_radius + a.altitude)), nodes_(std::size_t(2) * zeniths * turns) {
   if (const double across = std::sqrt(a.sun.x * a.sun.x + a.sun.z * a.sun.z); across > 0)
     side_ = {a.sun.x / across, a.sun.z / across};
   for (const bool down : {false, true}) tabulate(air, down, air::ground_radius + a.altitude, a.sun.y);
@@ -56,7 +49,7 @@ void SkyTable::tabulate(const air::Air& air, bool down, double radius, double mu
     const double x = row / (zeniths - 1.0), mu = std::clamp(edge_ + x * x * (down ? -1 - edge_ : 1 - edge_), -1.0, 1.0);
     for (int k = 0; k < turns; ++k) {
       const double nu = mu * mu_sun + std::sqrt(1 - mu * mu) * sine_sun * (2.0 * k / (turns - 1) - 1);
-      air::ShadingResult s = air.scattered({radius, mu, mu_sun, std::clamp(nu, -1.0, 1.0), down});
+      air::Scattered s = air.scattered({radius, mu, mu_sun, std::clamp(nu, -1.0, 1.0), down});
       for (int b = 0; b < air::bands; ++b) {
         s.molecules[b] *= air::sun_irradiance()[b];
         s.haze[b] *= air::sun_irradiance()[b];
@@ -197,14 +190,14 @@ Daylight generate(const Atmosphere& wanted, const Frame& to, int size, const Run
   a.sun = glm::normalize(a.sun);
   Daylight made{.map = blank_map(to, size)};
   carry_out(run, [&](const Progress& progress) {
-    const double edge = horizon_of(a), radius = air::ground_radius + a.altitude;
+    const double radius = air::ground_radius + a.altitude, edge = air::horizon(radius);
     const double reach =
         portable::acos(air::ground_radius / radius) + portable::acos(air::ground_radius / air::top_radius) + 0.01;
     const air::Air air({a.turbidity, a.ground, a.scattering == Scattering::multiple, portable::acos(a.sun.y), reach});
     fill_sky(SkyTable(a, air), made.map, progress);
     const SunTable disc(a, air, edge);
     if (a.disc) visit(made.map.projection(), [&](auto p) { add_disc<decltype(p)>(a, disc, edge, made.map); });
-    const Flux weights = lumens * luminance_weights(rec709);
+    const Flux weights = luminous_efficacy * luminance_weights(rec709);
     over_disc(a, disc, edge, 1 << 14, [&](const Direction& d, const Flux& flux) {
       made.sun_normal += glm::dot(weights, flux) * glm::dot(d, a.sun);
       made.sun_horizontal += glm::dot(weights, flux) * std::max(0.0, d.y);

@@ -34,7 +34,11 @@ inline constexpr Bounds albedo{"ground", 0, 1};
 inline constexpr Bounds sun_radius{"radius", 0.001, 10};  ///< In degrees.
 }  // namespace limits
 
-/// Radiance in W/(m^2 sr), weighted by CIE 1931 and given in linear RGB of Rec.709: its luminance times 683 is cd/m^2.
+/// Lumens of a watt that is weighted by CIE 1931.
+inline constexpr double luminous_efficacy = 683;
+
+/// Radiance in W/(m^2 sr), weighted by CIE 1931 and given in linear RGB of Rec.709: its luminance times
+/// luminous_efficacy is cd/m^2.
 struct Daylight {
   EnvironmentMap map;
   /// Illuminance in lux at the viewer: of a surface that faces the sun, and of a horizontal one. The sun's parts count
