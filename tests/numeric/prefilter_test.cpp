@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include "envmap/operate/convert.h"
@@ -415,6 +416,26 @@ TEST(Prefilter, ANarrowLobeOnAnEdgeSeesHalfOfEitherSide) {
   const Direction d = glm::normalize(Direction(1, 0.1, 1));  // Between +X, 0, and +Z, 4.
   for (const Lobe& lobe : {Lobe(Phong{1e4}), Lobe(Phong{1e8}), Lobe(Ggx(0.01))})
     EXPECT_NEAR(exact_prefilter(map.base(), lobe, std::span(&d, 1))[0].x, 2, 1e-3);
+}
+
+// A lobe of exponent 1e8 is a Gaussian 1e-4 wide. Beside the corner of a lone texel, between two sides at right angles,
+// it comes to two error integrals, however far out the direction is and however large the texel.
+TEST(Prefilter, BesideACornerAVeryNarrowLobeHasItsGaussianTail) {
+  constexpr double exponent = 1e8, width = 1e-4;
+  const auto beyond = [](double deviations) { return 0.5 * std::erfc(deviations / std::numbers::sqrt2); };
+  for (const int size : {4, 64, 256})
+    for (const double out : {-2.0, 0.3, 3.0, 6.0})
+      for (const double in : {-4.0, 0.0, 2.5}) {
+        EnvironmentMap map;
+        map.levels.emplace_back(Projection::cube, size);
+        *map.base().texel(0, size / 2, size / 2) = Colour(1e9F);  // On +X: z from 0 to 2 / size, y below 0.
+        const double z = 2.0 / size, length = std::sqrt(1 + z * z);
+        const Direction side(-z / length, 0, 1 / length), corner(1 / length, 0, z / length);
+        const Direction r = glm::normalize(corner + width * out * side - Direction(0, width * in, 0));
+        const double truth = 1e9 * beyond(out) * beyond(-in);
+        EXPECT_NEAR(exact_prefilter(map.base(), Phong{exponent}, std::span(&r, 1))[0].x, truth, 3e-5 * truth)
+            << size << " " << out << " " << in;
+      }
 }
 
 // Where one half of the sphere is white and the other 0.1: the lobe's sum over rings,

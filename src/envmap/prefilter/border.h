@@ -123,15 +123,34 @@ struct Integral {
   double value = 0, error = 0;
 };
 
+/// Whether a direction is outside a rectangle, and not by rounding.
+template <class P>
+bool is_outside(const Direction& r, int face, const Rect& rect) {
+  constexpr double rounding = 1e-12;
+  const auto beyond = [](double x, double low, double high, double margin) {
+    return x < low - margin || x > high + margin;
+  };
+  if constexpr (std::is_same_v<P, Latlong>) {
+    const Location<double> at = P::locate(r);
+    const double margin = rounding / std::max(rounding, portable::sin_pi(at.v));
+    const bool at_seam = at.u < margin || at.u > 1 - margin;
+    return beyond(at.v, rect.v0, rect.v1, rounding) || (!at_seam && beyond(at.u, rect.u0, rect.u1, margin));
+  } else {
+    if (glm::dot(r, P::axes[std::size_t(face)].forward) <= 0) return true;
+    const Location<double> at = P::continued(face, r);
+    return beyond(at.u, rect.u0, rect.u1, rounding) || beyond(at.v, rect.v0, rect.v1, rounding);
+  }
+}
+
 /// One direction's integral round a border.
 template <class P, class L>
 class RoundBorder {
  public:
-  /// @param nearest x of the nearest point, from below.
-  RoundBorder(const L& lobe, const Direction& r, int face, double nearest)
-      : lobe_(lobe), r_(r), face_(face), near_(nearest <= 0 || lobe.missing(nearest) > 0.5) {}
+  RoundBorder(const L& lobe, const Direction& r, int face, const Rect& rect)
+      : lobe_(lobe), r_(r), face_(face), near_(!is_outside<P>(r, face, rect)) {}
 
-  /// @param solid_angle of the rectangle. @param reach of it from its middle. @param enough what a part may be off.
+  /// @param solid_angle of the rectangle. @param reach of it from its middle. @param nearest x of the nearest point,
+  /// from below. @param enough what a part may be off.
   [[nodiscard]] Integral operator()(const Border<P>& border, double solid_angle, double reach, double nearest,
                                     double enough = 0) const {
     thread_local std::vector<Part> parts;
@@ -157,7 +176,8 @@ class RoundBorder {
     bool halved = false;
   };
 
-  // The integrand: S d(azimuth) = S / sin^2 x det(r, l, dl); S - 1 of rectangles far away, for which that is 0.
+  // The integrand: S d(azimuth) = S / sin^2 x det(r, l, dl). Outside a rectangle the azimuths of its border add up to
+  // 0, so that S - 1 does as well, and keeps its digits in the tail of a lobe.
   [[nodiscard]] double at(const BorderPoint& p) const {
     const double x = versine(r_, p.l);
     if (x < 1e-300) return 0;
@@ -179,8 +199,10 @@ class RoundBorder {
     const auto above = [&](const Direction& l) { return glm::dot(r_, l) > 0; };
     const bool first = above(edge.along[0]);
     if (std::ranges::all_of(edge.along, [&](const Direction& l) { return above(l) == first; })) {
-      const double length = side.to - side.from;
-      if (first || near_)
+      const double length = side.to - side.from, nearest = first ? nearest_place(side) : side.from;
+      if (first && (is_steep(side, nearest, side.from) || is_steep(side, nearest, side.to)))
+        add_graded(side, nearest, parts);
+      else if (first || near_)
         parts.push_back({side, gauss(edge.rules[0], length), gauss(edge.rules[1], 0.5 * length),
                          gauss(edge.rules[2], 0.5 * length), true});
       return;
@@ -198,6 +220,41 @@ class RoundBorder {
       rest.from = w;
     }
     parts.push_back({rest, gauss(rest, rest.from, rest.to)});
+  }
+  // Parts that grow with their distance from the nearest place, so that points see a lobe much narrower than a side.
+  void add_graded(const Side& side, double nearest, std::vector<Part>& parts) const {
+    for (const bool forwards : {false, true}) {
+      double far = forwards ? side.to : side.from;
+      const auto add = [&](double from, double to) {
+        const Side part{side.along_u, side.fixed, forwards ? from : to, forwards ? to : from};
+        parts.push_back({part, gauss(part, part.from, part.to)});
+      };
+      for (int k = 0; k < 48 && is_steep(side, nearest, far); ++k) {
+        const double middle = 0.5 * (nearest + far);
+        add(middle, far);
+        far = middle;
+      }
+      if (far != nearest) add(nearest, far);
+    }
+  }
+  [[nodiscard]] double versine_at(const Side& side, double w) const {
+    return versine(r_, side.template direction<P>(face_, w));
+  }
+  // Whether the lobe falls by more than a few e from one place of a side to another.
+  [[nodiscard]] bool is_steep(const Side& side, double near, double far) const {
+    const double x = versine_at(side, near), beyond = versine_at(side, far);
+    return std::max(lobe_.rate(x), lobe_.rate(beyond)) * std::abs(beyond - x) > 3;
+  }
+  // The vertex of parabolas, each over less of the side.
+  [[nodiscard]] double nearest_place(const Side& side) const {
+    const double low = std::min(side.from, side.to), high = std::max(side.from, side.to);
+    double at = 0.5 * (low + high), h = 0.5 * (high - low);
+    for (int k = 0; k < 3; ++k, h /= 32) {
+      const double before = versine_at(side, at - h), here = versine_at(side, at), after = versine_at(side, at + h);
+      const double bend = before - 2 * here + after;
+      if (bend > 0) at = std::clamp(at + 0.5 * h * (before - after) / bend, low, high);
+    }
+    return at;
   }
   // Where a side crosses the horizon: the rule of false position, the weight of an end that stays halved (Illinois
   // method: Dowell and Jarratt 1971).

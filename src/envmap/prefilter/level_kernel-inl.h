@@ -1,4 +1,6 @@
 // Kernels of multilevel sums for lanes: what a LevelKernel is, over x = 1 - cos. Included once a target.
+#include <numbers>
+
 #include "envmap/prefilter/lobe_lanes-inl.h"
 
 #if defined(ENVMAP_PREFILTER_LEVEL_KERNEL_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -16,6 +18,7 @@ constexpr std::size_t virtual_lanes = 8;
 using D = hn::CappedTag<float, virtual_lanes>;
 using V = hn::Vec<D>;
 constexpr std::size_t lanes = hn::MaxLanes(D()), parts = virtual_lanes / lanes;
+constexpr float narrow_end = 5e-3F;
 
 // The sum of the virtual lanes, in one order on every processor.
 HWY_INLINE double sum_of(const V (&total)[parts]) {
@@ -23,6 +26,18 @@ HWY_INLINE double sum_of(const V (&total)[parts]) {
   for (std::size_t part = 0; part < parts; ++part) hn::StoreU(total[part], D(), s + part * lanes);
   const auto pair = [&](std::size_t k) { return double(s[k]) + double(s[k + 4]); };
   return (pair(0) + pair(2)) + (pair(1) + pair(3));
+}
+
+// 2 sin(angle)^2 of column - at, half a column's width of longitude each.
+HWY_INLINE void versines(double at, int columns, int low, int high, float* out) {
+  const D d;
+  const int whole = int(std::floor(at));
+  const V step = hn::Set(d, float(pi / columns)), offset = hn::Set(d, float(at - whole));
+  for (int k = low; k < high; k += int(lanes)) {
+    const V t = hn::Mul(step, hn::Sub(hn::Iota(d, float(k - whole)), offset)), tt = hn::Mul(t, t);
+    const V s = hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800));
+    hn::StoreU(hn::Add(hn::Mul(s, s), hn::Mul(s, s)), d, out + (k - low));
+  }
 }
 
 template <bool quartic>
@@ -67,13 +82,20 @@ struct OfGgx {
   }
 };
 
+// log2(1 - x) of x up to narrow_end: what the series leaves out changes no lobe by 1e-6 before it is cut off.
+HWY_INLINE V log2_near_one(V x) {
+  constexpr double unit = -std::numbers::log2e;
+  return hn::Mul(x, series(D(), x, unit, unit / 2, unit / 3));
+}
+
 template <bool cosine>
 struct OfPower {
   const LevelKernel& k;
   HWY_INLINE V operator()(V x) const {
     const D d;
-    const V t = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x));
-    V value = exp2_small(d, hn::Mul(hn::Set(d, k.power), log2_one_minus(d, hn::Mul(hn::Set(d, k.part), x))));
+    const V t = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x)), y = hn::Mul(hn::Set(d, k.part), x);
+    const V log = k.part * k.end <= narrow_end ? log2_near_one(hn::Min(y, hn::Set(d, 1))) : log2_one_minus(d, y);
+    V value = exp2_small(d, hn::Mul(hn::Set(d, k.power), log));
     if (cosine) value = hn::Sub(hn::Mul(value, t), hinges(k, t));
     return hn::IfThenElseZero(hn::Lt(x, hn::Set(d, k.end)), value);
   }

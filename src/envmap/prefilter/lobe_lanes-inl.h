@@ -27,14 +27,19 @@ HWY_INLINE hn::Vec<D> set(D d, double c) {
   return hn::Set(d, static_cast<hn::TFromD<D>>(c));
 }
 
-/// c0 + c1 z + c2 z^2 + ... by Horner's scheme.
-template <class D, class V>
-HWY_INLINE V series(D d, V /*z*/, double c) {
-  return set(d, c);
-}
+/// c0 + c1 z + c2 z^2 + ...: even and odd powers apart, so that a step waits for half as many before it.
 template <class D, class V, class... C>
-HWY_INLINE V series(D d, V z, double c, C... higher) {
-  return hn::Add(set(d, c), hn::Mul(z, series(d, z, higher...)));
+HWY_INLINE V series(D d, V z, C... all) {
+  constexpr std::size_t count = sizeof...(C), last = count - 1;
+  static_assert(count >= 2);
+  const double c[] = {double(all)...};
+  const V zz = hn::Mul(z, z);
+  V high = set(d, c[last]), next = set(d, c[last - 1]);
+  for (std::size_t k = last - 1; k-- > 0;) {
+    V& same = (last - k) % 2 == 0 ? high : next;
+    same = hn::Add(set(d, c[k]), hn::Mul(zz, same));
+  }
+  return last % 2 == 0 ? hn::Add(high, hn::Mul(z, next)) : hn::Add(next, hn::Mul(z, high));
 }
 
 /// What a lane type's logarithms and powers need.

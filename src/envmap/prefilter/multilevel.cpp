@@ -21,10 +21,11 @@ struct Splitting {
   bool quartic;    // q = 4, else 3.
   double kappa;  // Error of one light at any angle: kappa x the lobe there + bend x what 0.001 x the mean makes of it.
   double bend;
-  double per_sigma;  // Steps in the width of a Phong lobe.
+  double per_sigma;                 // Steps in the width of a Phong lobe.
+  double uneven_ggx, uneven_power;  // Of LevelKernel.
 };
-constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 3.6};
-constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 4.0};
+constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 3.6, 0.36, 4.2};
+constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 4.0, 0.16, 3};
 
 // 0.001 x the mean of three channels, over the flux of a light in one.
 constexpr double floor_density = 1e-3 / (12 * pi);
@@ -56,7 +57,7 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int m
                width = std::min(1.0, std::sqrt(2 * a));
   const double first = scale / (whole * whole), second = 2 * first / whole, third = 1.5 * second / whole;
   int rows = rows_for(width / s.steps);
-  LevelKernel k{.quartic = s.quartic, .a = float(a), .scale = scale};
+  LevelKernel k{.quartic = s.quartic, .uneven = float(s.uneven_ggx), .a = float(a), .scale = scale};
   if (rows > max_rows) {
     rows = max_rows;
     const double outer = s.radius * pi / rows;
@@ -80,6 +81,7 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int m
 // A single level: (1 - part x)^power, times t of Blinn's lobe.
 std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s,
                                             int max_rows, MultilevelPlan plan) {
+  k.uneven = float(s.uneven_power);
   const int rows = std::max(least, rows_for(width / s.per_sigma));
   max_rows = std::min(2 * max_rows, 2048);  // A power is cut off many widths away, and so sees more texels.
   // Cut where what is left is small beside 0.001 x the mean.
@@ -145,7 +147,7 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
   for (std::size_t k = 0; k < directions.size(); ++k) {
     const GridView view(directions[k]);
     Flux sum(0);
-    if (plan.core) sum = core_sum(source.texels, source.darkest, *plan.core, directions[k]) / source.mean;
+    if (plan.core) sum = core_sum(source.texels, source.darkest, source.mean, *plan.core, directions[k]);
     for (const MultilevelPlan::Step& s : plan.steps) sum += gather(source.grids.grid(s.rows), s.kernel, view, room);
     smooth[k] = source.mean * sum + even;
     source.texels.trim();

@@ -39,18 +39,6 @@ void DotProducts(std::span<const float> in, std::size_t step, std::span<const fl
   }
 }
 
-// 2 sin(angle)^2 of column - at, half a column's width of longitude each.
-void Versines(double at, int columns, int low, int high, float* out) {
-  const D d;
-  const int whole = int(std::floor(at));
-  const V step = hn::Set(d, float(pi / columns)), offset = hn::Set(d, float(at - whole));
-  for (int k = low; k < high; k += int(lanes)) {
-    const V t = hn::Mul(step, hn::Sub(hn::Iota(d, float(k - whole)), offset)), tt = hn::Mul(t, t);
-    const V s = hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800));
-    hn::StoreU(hn::Add(hn::Mul(s, s), hn::Mul(s, s)), d, out + (k - low));
-  }
-}
-
 template <class K>
 Flux GatherRows(const SourceGrid& grid, const K& kernel, const GatherRoom& room) {
   const D d;
@@ -60,7 +48,8 @@ Flux GatherRows(const SourceGrid& grid, const K& kernel, const GatherRoom& room)
   for (const GatherRoom::Row& r : room.rows) {
     const float* light = &grid.light[grid.first[std::size_t(r.row)]];
     const std::size_t stride = grid.stride(r.row), mask = std::size_t(grid.columns[std::size_t(r.row)]) - 1;
-    const float* versines = &room.versines[r.angles];
+    const GatherRoom::Angles& angles = room.kinds[std::size_t(r.kind)];
+    const float* versines = &room.versines[angles.first + std::size_t(r.start - angles.low)];
     const V c = hn::Set(d, r.c), g = hn::Set(d, r.g);
     V sum[3][parts];
     for (auto& channel : sum)
@@ -94,9 +83,8 @@ Flux GatherGgx(const SourceGrid& grid, const LevelKernel& k, const GatherRoom& r
 }
 
 Flux Gather(const SourceGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
-  for (GatherRoom::Angles& a : room.kinds) {
-    Versines(view.longitude * a.columns / (2 * pi) - 0.5, a.columns, a.low, a.high, &room.versines[a.first]);
-  }
+  for (const GatherRoom::Angles& a : room.kinds)
+    versines(view.longitude * a.columns / (2 * pi) - 0.5, a.columns, a.low, a.high, &room.versines[a.first]);
   if (k.kind == LevelKernel::Kind::ggx)
     return k.quartic ? GatherGgx<true>(grid, k, room) : GatherGgx<false>(grid, k, room);
   if (k.cosine) return GatherRows(grid, OfPower<true>{k}, room);
@@ -134,55 +122,62 @@ double half_width(double versine, int columns) {
 
 namespace {
 
-// Which columns of a row the kernel reaches, in blocks of eight.
-GatherRoom::Row window(const SourceGrid& grid, int row, const LevelKernel& kernel, const GridView& view) {
+// Which columns of a row the kernel reaches, in blocks of eight. @return whether there are any.
+bool set_window(const SourceGrid& grid, int row, double end, const GridView& view, GatherRoom::Row& out) {
   const auto r = std::size_t(row);
   const double d = grid.half_sine[r] * view.half_cosine - grid.half_cosine[r] * view.half_sine, c = 2 * d * d;
-  const double g = double(grid.sine[r]) * view.sine, versine = (double(kernel.end) - c) / std::max(1e-30, g);
-  if (versine <= 0) return {row, 0, 0, 0, 0, 0};
+  const double g = double(grid.sine[r]) * view.sine;
+  if (c >= end) return false;
+  const double versine = (end - c) / std::max(1e-30, g);
   const int columns = grid.columns[r];
   const double at = view.longitude * columns / (2 * pi) - 0.5,
                w = versine >= 2 ? columns : half_width(versine, columns);
-  int start, blocks;
+  out.row = row, out.c = float(c), out.g = float(g);
   if (2 * w >= columns - 10) {
-    start = int(std::floor(at)) - columns / 2;
-    start -= start & 7, blocks = columns / 8;
+    out.start = int(std::floor(at)) - columns / 2;
+    out.start -= out.start & 7, out.blocks = columns / 8;
   } else {
-    start = int(std::ceil(at - w));
-    blocks = (int(std::floor(at + w)) + 1 - start + 7) / 8;
+    out.start = int(std::ceil(at - w));
+    out.blocks = (int(std::floor(at + w)) + 1 - out.start + 7) / 8;
   }
-  return {row, start, blocks, 0, float(c), float(g)};
+  return out.blocks > 0;
+}
+
+// Widens the span of longitudes of rows with as many columns. @return which that is.
+int set_kind(int columns, const GatherRoom::Row& row, std::vector<GatherRoom::Angles>& kinds) {
+  const int end = row.start + 8 * row.blocks;
+  for (std::size_t k = kinds.size(); k-- > 0;) {
+    GatherRoom::Angles& a = kinds[k];
+    if (a.columns != columns) continue;
+    a.low = std::min(a.low, row.start), a.high = std::max(a.high, end);
+    return int(k);
+  }
+  kinds.push_back({columns, row.start, end, 0});
+  return int(kinds.size()) - 1;
 }
 
 }  // namespace
 
 Flux gather(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room) {
-  const double reach = kernel.end >= 1 ? 0.5 * pi : 2 * portable::asin(std::sqrt(0.5 * double(kernel.end)));
-  const double per_row = grid.rows / pi;
+  const double end = double(kernel.end), reach = end >= 1 ? 0.5 * pi : 2 * portable::asin(std::sqrt(0.5 * end)),
+               per_row = grid.rows / pi;
   const int low = std::max(0, int(std::floor((view.angle - reach) * per_row)));
   const int high = std::min(grid.rows - 1, int(std::floor((view.angle + reach) * per_row)));
-  room.rows.clear(), room.kinds.clear();
+  room.rows.resize(std::size_t(high - low + 1)), room.kinds.clear();
+  std::size_t count = 0;
   for (int r = low; r <= high; ++r) {
-    const GatherRoom::Row row = window(grid, r, kernel, view);
-    if (row.blocks == 0) continue;
-    room.rows.push_back(row);
-    const int columns = grid.columns[std::size_t(r)], end = row.start + 8 * row.blocks;
-    const auto kind = std::ranges::find(room.kinds, columns, &GatherRoom::Angles::columns);
-    if (kind == room.kinds.end())
-      room.kinds.push_back({columns, row.start, end, 0});
-    else
-      kind->low = std::min(kind->low, row.start), kind->high = std::max(kind->high, end);
+    GatherRoom::Row& row = room.rows[count];
+    if (!set_window(grid, r, end, view, row)) continue;
+    row.kind = set_kind(grid.columns[std::size_t(r)], row, room.kinds);
+    ++count;
   }
+  room.rows.resize(count);
   std::size_t size = 0;
   for (GatherRoom::Angles& a : room.kinds) {
     a.high += (8 - (a.high - a.low) % 8) % 8;
     a.first = size, size += std::size_t(a.high - a.low);
   }
   if (room.versines.size() < size) room.versines.resize(size);
-  for (GatherRoom::Row& row : room.rows) {
-    const auto kind = std::ranges::find(room.kinds, grid.columns[std::size_t(row.row)], &GatherRoom::Angles::columns);
-    row.angles = kind->first + std::size_t(row.start - kind->low);
-  }
   return kernel.scale * HWY_DYNAMIC_DISPATCH(Gather)(grid, kernel, view, room);
 }
 

@@ -21,7 +21,10 @@ struct LevelKernel {
     float inverse = 0, root = 0;  ///< 1 / x_j, and (c x_j)^(1/q).
   };
   Softened inner, outer;
-  bool quartic = false;           ///< q = 4, else 3.
+  bool quartic = false;  ///< q = 4, else 3.
+  /// What 16 points do for, at most. ggx: (size / distance from the pole)^2 of a piece; power: the power of e that it
+  /// falls by.
+  float uneven = 0;
   float end = 1;                  ///< x from which it is 0.
   float a = 0;                    ///< ggx: (1 - x) / (a + x)^2.
   float power = 0, part = 1;      ///< power: (1 - part x)^power,
@@ -44,16 +47,15 @@ double half_width(double versine, int columns);
 /// Room for gather(), of one thread.
 struct GatherRoom {
   struct Row {
-    int row, start, blocks;
-    std::size_t angles;
-    float c, g;
+    int row, start, blocks, kind;
+    float c, g;  // x = c + g x versine.
   };
   struct Angles {
     int columns, low, high;
     std::size_t first;
   };
   std::vector<Row> rows;
-  std::vector<Angles> kinds;
+  std::vector<Angles> kinds;  // Rows of as many columns.
   std::vector<float> versines;
 };
 
