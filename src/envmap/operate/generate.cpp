@@ -90,39 +90,68 @@ double texel_reach(Projection p, int size) {
   return std::min(pi, half_diagonal * visit(p, [](auto q) { return decltype(q)::stretch; }));
 }
 
+// What directions next to each other have in common where no edge is near any of them.
+// @param reach how far from it each stands for.
+template <class P>
+std::optional<Rgb<double>> even_radiance(const P& pattern, std::span<const Direction> some, double reach) {
+  const Direction& middle = some[some.size() / 2];
+  double chord = 0;  // Squared.
+  for (const Direction& d : some) chord = std::max(chord, glm::dot(d - middle, d - middle));
+  const double angle = reach + 1.02 * std::sqrt(chord);  // That of a chord of half a radius is 1.011 times as large.
+  if (chord > 0.25 || angle > 1.5) return std::nullopt;
+  return even_radiance(pattern, middle, {angle, portable::sin(angle)});
+}
+
+// Radiance of directions next to each other, together where they have it in common. @param each what is done with the
+// index of another.
+template <class P, class Each>
+void fill(const P& pattern, std::span<const Direction> d, double reach, std::span<Rgb<double>> out, Each&& each,
+          std::size_t first = 0) {
+  if (const auto even = even_radiance(pattern, d, reach)) return void(std::ranges::fill(out, *even));
+  if (d.size() == 1) return each(first);
+  const std::size_t half = d.size() / 2;
+  fill(pattern, d.first(half), reach, out.first(half), each, first);
+  fill(pattern, d.subspan(half), reach, out.subspan(half), each, first + half);
+}
+
 // The mean over the texels of an n times finer map, n x n to each of these;
 // those outside the disc are sampled at the rim.
 template <class P>
-void supersample(const P& pattern, const Level& level, const Rotation& to_world, int face, int row, int first,
-                 std::span<Rgb<double>> sum) {
+Rgb<double> supersample(const P& pattern, const Level& level, const Rotation& to_world, int face, int row, int column) {
   constexpr int n = samples<P>;
-  std::vector<Direction> fine(sum.size() * n);
+  std::array<Direction, n> fine;
+  std::array<Rgb<double>, n> found;
+  Rgb<double> sum(0);
   for (int j = 0; j < n; ++j) {
-    texel_directions(level.projection(), level.height() * n, face, row * n + j, first * n, fine);
-    for (std::size_t k = 0; k < fine.size(); ++k) sum[k / n] += radiance(pattern, to_world * fine[k]) / double(n * n);
+    texel_directions(level.projection(), level.height() * n, face, row * n + j, column * n, fine);
+    rotate(to_world, fine);
+    fill(pattern, fine, 0, found, [&](std::size_t k) { found[k] = radiance(pattern, fine[k]); });
+    for (const Rgb<double>& c : found) sum += c / double(n * n);
   }
+  return sum;
 }
 
 template <class P>
 void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
+  constexpr std::size_t together = 32;
   Level& level = map.base();
   const Rotation to_world = image_to_world(map.forward);
+  const double reach = 1.001 * texel_reach(level.projection(), level.height());
   for_each_row(level.faces(), level.height(), progress, [&](int face, int row) {
     const Columns in = columns(level.projection(), level.height(), row);
     std::vector<Rgb<double>> sum(in.count());
     std::vector<Direction> d(sum.size());
     texel_directions(level.projection(), level.height(), face, row, in.first, d);
+    rotate(to_world, d);
     if constexpr (samples<P> == 1) {
-      for (std::size_t k = 0; k < d.size(); ++k) sum[k] = radiance(pattern, to_world * d[k]);
+      for (std::size_t k = 0; k < d.size(); ++k) sum[k] = radiance(pattern, d[k]);
     } else {
-      // Away from edges all samples are alike.
-      const double angle = 1.001 * texel_reach(level.projection(), level.height());
-      const Reach reach{angle, angle < 0.5 * pi ? portable::sin(angle) : 2};
-      for (std::size_t k = 0; k < d.size(); ++k) {
-        if (const auto even = even_radiance(pattern, to_world * d[k], reach))
-          sum[k] = *even;
-        else
-          supersample(pattern, level, to_world, face, row, in.first + int(k), std::span(sum).subspan(k, 1));
+      const auto each = [&](std::size_t k) {
+        sum[k] = supersample(pattern, level, to_world, face, row, in.first + int(k));
+      };
+      for (std::size_t k = 0; k < d.size(); k += together) {
+        const std::size_t count = std::min(together, d.size() - k);
+        fill(pattern, std::span(d).subspan(k, count), reach, std::span(sum).subspan(k, count), each, k);
       }
     }
     std::ranges::transform(sum, in.of(level.row(face, row)).begin(), [](const Rgb<double>& c) { return Colour(c); });
