@@ -240,10 +240,9 @@ class RoundBorder {
   [[nodiscard]] double versine_at(const Side& side, double w) const {
     return versine(r_, side.template direction<P>(face_, w));
   }
-  // Whether the lobe falls by more than a few e from one place of a side to another.
+  // Whether what is beyond a place is but a small part of what is beyond a nearer one.
   [[nodiscard]] bool is_steep(const Side& side, double near, double far) const {
-    const double x = versine_at(side, near), beyond = versine_at(side, far);
-    return std::max(lobe_.rate(x), lobe_.rate(beyond)) * std::abs(beyond - x) > 3;
+    return lobe_.missing(versine_at(side, far)) < 0.05 * lobe_.missing(versine_at(side, near));
   }
   // The vertex of parabolas, each over less of the side.
   [[nodiscard]] double nearest_place(const Side& side) const {

@@ -142,10 +142,9 @@ class RowPoints {
   std::vector<double> weights_;
 };
 
-// The least x where `is` holds, of those from where it does.
+// The least x from which `is` holds, between two.
 template <class F>
-double least_where(double from, F&& is) {
-  double low = from, high = 1;
+double least_where(double low, double high, F&& is) {
   for (int step = 0; step < 60; ++step) {
     const double middle = 0.5 * (low + high);
     (is(middle) ? high : low) = middle;
@@ -157,8 +156,10 @@ double least_where(double from, F&& is) {
 // where a lobe is below 1e-15 it adds less than 2e-14 of that.
 template <class L>
 Closeness closeness(const L& lobe) {
-  return {.faint = least_where(lobe.peak(), [&](double x) { return lobe.value(x) < 1e-15; }),
-          .end = least_where(0, [&](double x) { return lobe.missing(x) < nothing; }),
+  const auto is_faint = [&](double x) { return lobe.value(x) < 1e-15; };
+  return {.start = is_faint(0) ? least_where(0, lobe.peak(), [&](double x) { return !is_faint(x); }) : 0,
+          .faint = least_where(lobe.peak(), 1, is_faint),
+          .end = least_where(0, 1, [&](double x) { return lobe.missing(x) < nothing; }),
           .most_uneven = most_uneven(lobe)};
 }
 
@@ -188,8 +189,8 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
     }
     std::optional<Border<P>> border;
     for (const std::uint32_t k : together ? left : every) {
-      const double d = std::max(0.0, glm::length(directions[k] - p.centre) - p.reach);
-      if (0.5 * d * d >= close.end) continue;
+      const double d = glm::length(directions[k] - p.centre), near = std::max(0.0, d - p.reach), far = d + p.reach;
+      if (0.5 * near * near >= close.end || 0.5 * far * far <= close.start) continue;
       const double part = texel_over<P>(lobe, directions[k], face, rect, p, simple, border);
       for (std::size_t c = 0; c < 3; ++c) sums.flux[c][k] += part * radiance[int(c)];
     }

@@ -66,7 +66,7 @@ void add_lanes(const L& lobe, const Closeness& close, const ExactTexel& t, Exact
     const V distance = hn::Sqrt(square_of(sums, k, t.centre));
     const V near = hn::Max(hn::Zero(d), hn::Sub(distance, reach)), far = hn::Add(distance, reach);
     const V low = hn::Mul(half, hn::Mul(near, near)), high = hn::Mul(half, hn::Mul(far, far));
-    const auto seen = hn::Lt(low, hn::Set(d, close.end));
+    const auto seen = hn::And(hn::Lt(low, hn::Set(d, close.end)), hn::Gt(high, hn::Set(d, close.start)));
     if (hn::AllFalse(d, seen)) continue;
     // How much of its value the lobe loses over the texel, at most.
     const V fall = hn::Mul(hn::Max(rate(lobe, low), rate(lobe, high)), hn::Mul(hn::Min(one, far), reach));

@@ -36,6 +36,7 @@ struct ExactTexel {
 
 /// How closely a lobe has to be looked at.
 struct Closeness {
+  double start;        ///< x up to which it is next to nothing: 0 but for sheen.
   double faint;        ///< x beyond which four points always do: so little is left of the lobe.
   double end;          ///< x beyond which it is nothing.
   double most_uneven;  ///< How much of its value it may lose over a texel of sixteen points.
