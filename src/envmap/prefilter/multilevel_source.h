@@ -17,9 +17,6 @@
 
 namespace envmap::prefiltering {
 
-/// Nodes of an interpolation along one axis.
-inline constexpr int nodes_across = 12;
-
 /// Light at the nodes of a latlong grid. Rows near poles have fewer columns,
 /// a power of two and no farther apart than rows.
 struct SourceGrid {
