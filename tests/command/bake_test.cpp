@@ -104,7 +104,13 @@ TEST_F(Bake, ListsWhatIsTestedHere) {
   ASSERT_EQ(r.status, 0) << r.err;
   std::vector<std::string> listed, tested;
   const auto report = nlohmann::json::parse(r.out);
-  for (const auto& engine : report["engines"]) listed.push_back(engine["name"]);
+  for (const auto& engine : report["engines"]) {
+    listed.push_back(engine["name"]);
+    // Words of src/envmap/engine/text.
+    EXPECT_NE(engine["light"], "") << engine["name"];
+    const std::string details = envmap({"bake", "--list", listed.back()}).out;
+    EXPECT_LT(details.find("Use:\n") + 20, details.size()) << engine["name"];
+  }
   for (const Lookup& l : lookups) tested.push_back(l.engine);
   EXPECT_EQ(listed, tested);
 }

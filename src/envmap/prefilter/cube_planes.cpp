@@ -1,5 +1,5 @@
-// The light of a cube on its finest grid. Each face is laid on a grid of equal angles first, column by column and row by
-// row. The nodes are points then.
+// The light of a cube on its finest grid. Each face is laid on a grid of equal angles first, column by column and row
+// by row. The nodes are points then.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
