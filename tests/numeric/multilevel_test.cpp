@@ -169,15 +169,18 @@ TEST(Multilevel, BlackStaysBlackAndWhiteStaysWhite) {
   }
 }
 
-TEST(Multilevel, AutoTakesItForEveryLobeThatItServes) {
+TEST(Multilevel, AutoTakesItForNarrowLobes) {
   const EnvironmentMap map = made(16, [](int i, int j, int) { return float((i + j) % 3); });
   const auto method = [&](Shape shape, double parameter, double error) {
     return PrefilterSource(map).make({.shape = shape, .parameter = parameter, .size = 2, .max_error = error}).method;
   };
   EXPECT_EQ(method(Shape::ggx, 0.01, 1e-3), Method::multilevel);
+  EXPECT_EQ(method(Shape::ggx, 0.2, 1e-3), Method::multilevel);
   EXPECT_EQ(method(Shape::ggx, 0.8, 1e-4), Method::multilevel);
-  EXPECT_EQ(method(Shape::phong, 5, 1e-1), Method::multilevel);
+  EXPECT_EQ(method(Shape::phong, 200, 1e-3), Method::multilevel);
   EXPECT_EQ(method(Shape::phong, 2, 1e-3), Method::prefix_sums);
+  EXPECT_EQ(method(Shape::ggx, 0.6, 1e-3), Method::hierarchical);
+  EXPECT_EQ(method(Shape::phong, 5, 1e-3), Method::hierarchical);
   EXPECT_EQ(method(Shape::ggx, 0.8, 9e-5), Method::hierarchical);
   EXPECT_EQ(method(Shape::charlie, 0.5, 1e-3), Method::hierarchical);
 }

@@ -71,19 +71,34 @@ struct FaceSide {
   }
 };
 
-// A row of points of a face, on the columns of its grid.
-void add_columns(const FaceSide& side, std::span<const Colour> texels, double down, double unit, const Colour& darkest,
-                 std::size_t channel, std::span<float> out) {
-  const std::size_t many = std::size_t(side.points_a_texel());
-  for (std::size_t k = 0; k < side.points.size(); ++k) {
+// The light of a row of points of a face.
+std::array<std::vector<float>, 3> light_of_row(const FaceSide& side, std::span<const Colour> texels, double down,
+                                               double unit, const Colour& darkest) {
+  const std::size_t count = side.points.size(), many = std::size_t(side.points_a_texel());
+  std::array<std::vector<float>, 3> light;
+  for (std::vector<float>& channel : light) channel.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
     const FaceSide::Point& p = side.points[k];
-    const double light = double(texels[k / many][int(channel)] - darkest[int(channel)]);
-    if (light == 0) continue;
-    const double square = 1 + p.at * p.at + down * down;
-    const float part = float(light * unit * p.weight / (square * std::sqrt(square)));
-    float* to = &out[std::size_t(p.first)];
-    for (std::size_t i = 0; i < p.basis.size(); ++i) to[i] += part * p.basis[i];
+    const double square = 1 + p.at * p.at + down * down, weight = unit * p.weight / (square * std::sqrt(square));
+    const Colour texel = texels[k / many] - darkest;
+    for (std::size_t c = 0; c < 3; ++c) light[c][k] = float(double(texel[int(c)]) * weight);
   }
+  return light;
+}
+
+// A row of points on the columns of its grid. Points next to each other mostly share their nodes.
+void add_columns(const FaceSide& side, std::span<const float> light, std::span<float> out) {
+  std::array<float, nodes_across> sum{};
+  int first = side.points.front().first;
+  const auto put = [&] {
+    for (std::size_t i = 0; i < sum.size(); ++i) out[std::size_t(first) + i] += sum[i];
+  };
+  for (std::size_t k = 0; k < light.size(); ++k) {
+    const FaceSide::Point& p = side.points[k];
+    if (p.first != first) put(), sum = {}, first = p.first;
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += light[k] * p.basis[i];
+  }
+  put();
 }
 
 // All nodes of a face.
@@ -92,8 +107,8 @@ LightPlanes face_nodes(const Level& source, int face, const FaceSide& side, doub
   LightPlanes narrow(int(side.points.size()), side.nodes), out(side.nodes, side.nodes);
   tbb::parallel_for(0, narrow.rows, [&](int r) {
     const FaceSide::Point& down = side.points[std::size_t(r)];
-    for (std::size_t c = 0; c < 3; ++c)
-      add_columns(side, source.row(face, r / many), down.at, unit * down.weight, darkest, c, narrow.row(r, int(c)));
+    const auto light = light_of_row(side, source.row(face, r / many), down.at, unit * down.weight, darkest);
+    for (std::size_t c = 0; c < 3; ++c) add_columns(side, light[c], narrow.row(r, int(c)));
     source.trim();
   });
   tbb::parallel_for(0, out.rows, [&](int node) {
@@ -136,11 +151,11 @@ void add_point(const LightPoint& p, int low, int high, LightPlanes& out) {
     first %= out.columns;
     for (int c = 0; c < 3; ++c) {
       const float weight = float(down[std::size_t(j)]) * p.light[c];
-      float* to = out.row(r, c).data();
-      if (first + nodes_across <= out.columns)
-        for (int i = 0; i < nodes_across; ++i) to[first + i] += weight * across[std::size_t(i)];
-      else
-        for (int i = 0; i < nodes_across; ++i) to[(first + i) % out.columns] += weight * across[std::size_t(i)];
+      const std::span<float> to = out.row(r, c);
+      const std::size_t before = std::min(across.size(), to.size() - std::size_t(first));
+      add_scaled(std::span(across).first(before), weight, to.subspan(std::size_t(first), before));
+      if (before < across.size())
+        add_scaled(std::span(across).subspan(before), weight, to.first(across.size() - before));
     }
   }
 }

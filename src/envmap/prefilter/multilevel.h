@@ -33,13 +33,8 @@ struct MultilevelPlan {
 
   [[nodiscard]] int finest() const;  ///< Rows of the finest grid.
   [[nodiscard]] bool has_hinges() const { return hinges.factors[0] > 0; }
-  /// Whether the treecode is slower (measured). The light of a cube is laid on grids point by point: that pays for
-  /// narrow lobes of many texels. @param texels of the whole result.
-  [[nodiscard]] bool is_quick(const Level& from, std::size_t texels) const {
-    if (from.projection() != Projection::cube || steps.empty()) return true;
-    const auto rows = std::size_t(steps.front().rows);
-    return (core || rows >= 512) && 40 * texels >= rows * rows;
-  }
+  /// Whether the treecode is slower (measured). @param texels of the whole result. @param max_error as of the plan.
+  [[nodiscard]] bool is_quick(const Level& from, std::size_t texels, double max_error) const;
 };
 
 /// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, Phong lobes of exponent below

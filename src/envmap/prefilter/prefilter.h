@@ -97,7 +97,7 @@ class PrefilterSource {
   [[nodiscard]] const EnvironmentMap& source() const;
 
   /// Makes one map. Every texel has a figure of what it may be off. `automatic` takes prefix sums for lobes that are a
-  /// power 1, 2 or 3 of the cosine, multilevel sums for every other lobe that they serve (multilevel.h), and a treecode
+  /// power 1, 2 or 3 of the cosine, multilevel sums for narrow lobes (MultilevelPlan::is_quick()), and a treecode
   /// (`hierarchical`) for the rest. Texels whose figure is over the error wanted are summed exactly.
   /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Run& run = {}) const;
