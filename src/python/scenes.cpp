@@ -109,7 +109,7 @@ Picture view_scene(const std::filesystem::path& file, const Place& camera, const
                    const std::optional<double>& fov, int width, int height, int samples, const py::object& around_it,
                    const std::optional<Triple>& ambient, const std::string& method, const std::string& maps,
                    const py::dict& mirrors, const std::optional<double>& max_error, const std::optional<int>& bounces,
-                   double time, const std::string& context, const py::object& progress) {
+                   double time, const std::string& reflection, const std::string& context, const py::object& progress) {
   ViewOptions o{.camera = place_of(camera),
                 .vertical_field_degrees = fov,
                 .width = width,
@@ -117,6 +117,7 @@ Picture view_scene(const std::filesystem::path& file, const Place& camera, const
                 .samples = samples,
                 .time_seconds = time,
                 .method = named<ViewMethod>("method", method, view_method_names),
+                .reflection = named<Reflection>("reflection", reflection, reflection_names),
                 .mirrors = wishes_of(mirrors),
                 .maps = projection_of(maps),
                 .bounces = bounces,
@@ -143,15 +144,17 @@ void add_scenes(py::module_& m) {
       "view", &view_scene, "scene"_a, py::kw_only(), "camera"_a = Place(), "look_at"_a = py::none(),
       "fov"_a = py::none(), "width"_a = 640, "height"_a = 480, "samples"_a = 4, "environment"_a = py::none(),
       "ambient"_a = py::none(), "method"_a = "maps", "maps"_a = "paraboloid", "mirrors"_a = py::dict(),
-      "max_error"_a = py::none(), "bounces"_a = py::none(), "time"_a = 0.0, "context"_a = "auto",
-      "progress"_a = py::none(),
+      "max_error"_a = py::none(), "bounces"_a = py::none(), "time"_a = 0.0, "reflection"_a = "split-sum",
+      "context"_a = "auto", "progress"_a = py::none(),
       document("view",
                "scene, *, camera=None, look_at=None, fov=None, width=640, height=480, samples=4, environment=None, "
                "ambient=None, method='maps', maps='paraboloid', mirrors={}, max_error=None, bounces=None, time=0.0, "
-               "context='auto', progress=None",
+               "reflection='split-sum', context='auto', progress=None",
                "A picture of a scene (a file: glTF, OBJ), with mirrors and lenses drawn through maps of their own.\n\n"
                "camera is a name or a point (x, y, z), fov the vertical field of view in degrees. mirrors has "
-               "{node: 'sphere', 'paraboloid', 'cube' or 'off'} for nodes whose material does not say so."));
+               "{node: 'sphere', 'paraboloid', 'cube' or 'off'} for nodes whose material does not say so. "
+               "reflection='sampled' is "
+               "accurate on rough surfaces at grazing angles."));
   m.def("render", &render_map, "scene"_a, "to"_a = "cube", py::kw_only(), "at"_a = Place(), "size"_a = 256,
         "samples"_a = 1, "environment"_a = py::none(), "ambient"_a = py::none(), "forward"_a = Place(), "near"_a = 0.01,
         "far"_a = 1000.0, "time"_a = 0.0, "method"_a = "auto", "shadows"_a = true, "occlusion"_a = 64,

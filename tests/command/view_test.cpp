@@ -1,9 +1,9 @@
 // envmap view as its users run it.
+#include <cmath>
+
 #include "on_processor.h"
 #include "picture.h"
 #include "run.h"
-
-#include <cmath>
 
 namespace command_tests {
 namespace {
@@ -23,13 +23,13 @@ class View : public CommandTest {
       "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[-1,-1,0],"max":[1,1,0]},
                    {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],
       "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
-      "buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" + quad + R"("}]})");
+      "buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
+                            quad + R"("}]})");
   }
   static const std::string quad;
 };
 // (-1,-1,0) (1,-1,0) (1,1,0) (-1,1,0), and 0 1 2 0 2 3.
-const std::string View::quad =
-    "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAABAAIAAAACAAMA";
+const std::string View::quad = "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAABAAIAAAACAAMA";
 
 TEST_F(View, AMirrorShowsWhatIsBehindTheCamera) {
   for (const std::string maps : {"sphere", "paraboloid", "cube"}) {
@@ -61,6 +61,31 @@ TEST_F(View, RoughReflectionsOfTheEnvironmentCanBeIntegrated) {
   EXPECT_NEAR(integral / finer, 1, 0.03);
   EXPECT_GT(std::abs(levels / finer - 1), 0.05);
   fails(2, {"view", "rough.gltf", "a.exr", "--lobe-samples", "64"}, {"--lobe-samples", "--method raycast"});
+}
+
+// A metal of roughness .5, seen at 75 degrees from its normal, under a sun in the mirrored direction.
+TEST_F(View, RoughReflectionsCanBeSampledAtGrazingAngles) {
+  std::string scene = read("scene.gltf");
+  const std::string smooth = "\"roughnessFactor\":0";
+  write("rough.gltf", scene.replace(scene.find(smooth), smooth.size(), smooth + ".5"));
+  succeeds({"generate", "sun", "sun.exr", "--size", "128", "--radius", "2.5", "--value", "100", "--direction",
+            "-0.966,0,0.259"});
+  const auto middle = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"view", "rough.gltf", "a.exr", "--environment", "sun.exr", "--camera", "2.898,0,0.776",
+                                 "--look-at", "0,0,0", "--fov", "2", "--width", "9", "--height", "9"});
+    succeeds(words);
+    return load(path("a.exr")).at(4, 4)[0];
+  };
+  const float integral = middle({"--method", "raycast", "--lobe-samples", "4096"});
+  EXPECT_NEAR(middle({"--reflection", "sampled"}) / integral, 1, 0.1);
+  EXPECT_NEAR(middle({"--reflection", "sampled", "--method", "raycast"}) / integral, 1, 0.1);
+  EXPECT_LT(middle({}) / integral, 0.7);
+  fails(2, {"view", "rough.gltf", "a.exr", "--method", "raycast", "--reflection", "sampled", "--lobe-samples", "64"},
+        {"--lobe-samples", "--reflection"});
+  for (const std::string to : {"split-sum", "sampled"})
+    succeeds({"view", "scene.gltf", to + ".png", "--environment", "sun.exr", "--reflection", to, "--width", "48",
+              "--height", "48"});
+  EXPECT_EQ(read("split-sum.png"), read("sampled.png"));  // Mirrors have no lobe.
 }
 
 // The lamp of 2 x 2 m at z = 6 is seen in the mirror as if it hung at -6, 9 m from the camera.

@@ -281,6 +281,7 @@ def test_view_is_what_the_command_draws(tmp_path, scene):
               ['--method', 'raycast', '--camera', '1,2,3', '--fov', '50', '--mirror', 'flag', '--bounces', '2']),
              ({'mirrors': {'flag': 'cube'}, 'look_at': (0, 0, 0)}, ['--mirror', 'flag:cube', '--look-at', '0,0,0']),
              ({'mirrors': {'flag': 'off'}, 'samples': 1}, ['--mirror', 'flag:off', '--samples', '1']),
+             ({'reflection': 'sampled'}, ['--reflection', 'sampled']),
              ({'mirrors': {'flag': None}, 'max_error': 1e-5}, ['--mirror', 'flag', '--max-error', '1e-5'])]
     (tmp_path / 'maps').mkdir()
     for options, words in cases:

@@ -9,6 +9,7 @@
 #include "envmap/render/choose.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
+#include "envmap/render/sampled_reflection.h"
 #include "envmap/render/shading.h"
 #include "envmap/render/sheen.h"
 #include "envmap/scene/tangents.h"
@@ -141,13 +142,25 @@ const Environment& sunny() {
   }));
   return sky;
 }
+// What is rough is sampled.
+const Environment& sampled() {
+  static const Environment sky = [] {
+    Environment made(sunny().map.clone());
+    made.light.sampled = sampled_levels(made.map);
+    return made;
+  }();
+  return sky;
+}
 struct Named {
   const char* name;
   const Environment& (*sky)();
   // GL filters textures with weights of 8 bits, which shows in the roughness that a sun is blurred by.
   double tolerance;
 };
-const Named skies[] = {{"White", white, 5e-4}, {"Half", half, 4e-3}, {"Sunny", sunny, 0.014}};
+const Named skies[] = {{"White", white, 5e-4},
+                       {"Half", half, 4e-3},
+                       {"Sunny", sunny, 0.014},
+                       {"Sampled", sampled, 0.03}};
 
 Shot shot_of(const Scene& scene, const Environment& sky) {
   return {.scene = scene, .pose = pose(scene, 0), .environment = &sky};

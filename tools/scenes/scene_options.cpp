@@ -101,7 +101,8 @@ LoadedScene load(const SceneOptions& o) {
                      instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  loaded.light_by(read_map(o.environment, o.read).map, o.occlusion, progress_line("light of the environment"));
+  loaded.light_by(read_map(o.environment, o.read).map, o.occlusion, o.reflection,
+                  progress_line("light of the environment"));
   return loaded;
 }
 

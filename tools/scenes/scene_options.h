@@ -22,6 +22,7 @@ struct SceneOptions {
   envmap::ContextKind context = envmap::ContextKind::automatic;
   bool no_shadows = false;
   int occlusion = 64;
+  envmap::Reflection reflection = envmap::Reflection::split_sum;
   double time = 0, rate = 24;
   envmap::ReadOptions read;
 };

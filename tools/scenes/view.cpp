@@ -104,6 +104,8 @@ void check(const Request& o) {
         "--method raycast draws no maps: remove --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all "
         "and NODE:MAP");
   if (o.lobe_samples > 0 && o.method != ViewMethod::raycast) throw UsageError("--lobe-samples is for --method raycast");
+  if (o.lobe_samples > 0 && o.scene.reflection != Reflection::split_sum)
+    throw UsageError("--lobe-samples integrates what --reflection samples: remove one of them");
   if (o.max_error && (of_maps || o.method == ViewMethod::raycast || o.drawing.bounces))
     throw UsageError(
         "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, "
@@ -275,6 +277,8 @@ Action define_view(Options& o) {
       .several = Several::repeated;
   o.add("--bounces", "N", &r->drawing.bounces, {1, 64},
         "Reflections between mirrors per frame (default: first all, then 1)");
+  o.add("--reflection", one_of(r->scene.reflection, reflection_names),
+        "Reflections of the environment on rough surfaces: {} (default: split-sum)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
         "raycast: samples per rough reflection (0: prefiltered levels) (default: 0)");
   o.add("--lookup", one_of(r->lookup, mirror_lookup_names), "How maps are looked up: {} (default: distance)");

@@ -1,12 +1,15 @@
 #include "envmap/offscreen/lit_scene.h"
 
+#include "envmap/render/sampled_reflection.h"
 #include "envmap/scene/deform.h"
 #include "envmap/scene/read/read_scene.h"
 
 namespace envmap {
 
-void LitScene::light_by(EnvironmentMap map, int lights, const Progress& progress) {
-  environment = std::make_unique<const Environment>(std::move(map), glossy_size, progress, glossy_roughnesses(scene));
+void LitScene::light_by(EnvironmentMap map, int lights, Reflection reflection, const Progress& progress) {
+  auto made = std::make_unique<Environment>(std::move(map), glossy_size, progress, glossy_roughnesses(scene));
+  if (reflection == Reflection::sampled) made->light.sampled = sampled_levels(made->map);
+  environment = std::move(made);
   if (lights > 0) distant = distant_lights(environment->map, lights);
 }
 
@@ -38,14 +41,14 @@ std::vector<std::string> remarks_on(const Scene& scene) {
   return all;
 }
 
-LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, double time,
-                        const Progress& progress) {
+LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, Reflection reflection,
+                        double time, const Progress& progress) {
   LitScene lit{.scene = read_scene(path)};
   lit.move_to(time);
   if (environment == nullptr) return lit;
   EnvironmentMap base{.levels = {}, .forward = environment->forward};
   base.levels.push_back(environment->base().clone());
-  lit.light_by(std::move(base), lights, progress);
+  lit.light_by(std::move(base), lights, reflection, progress);
   return lit;
 }
 

@@ -20,7 +20,7 @@ struct LitScene {
   std::vector<DistantLight> distant = {};               ///< Of it.
 
   /// @param lights that stand for the environment where shadows are found; 0: it shines through everything.
-  void light_by(EnvironmentMap map, int lights, const Progress& progress);
+  void light_by(EnvironmentMap map, int lights, Reflection reflection, const Progress& progress);
 
   /// Puts skins and morph targets where they are then. @return meshes that changed.
   std::vector<int> move_to(double time);
@@ -38,7 +38,7 @@ struct LitScene {
 std::vector<std::string> remarks_on(const Scene& scene);
 
 /// With its first level, which is copied. @param environment may be null.
-LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, double time,
-                        const Progress& progress);
+LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, Reflection reflection,
+                        double time, const Progress& progress);
 
 }  // namespace envmap

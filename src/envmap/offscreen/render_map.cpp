@@ -64,8 +64,8 @@ Drawn draw_by_opengl(const Shot& shot, const Viewpoint& from, DrawMethod method,
 RenderedMap render(const std::string& path, const RenderOptions& o, const EnvironmentMap* environment, const Run& run) {
   check(o);
   return carry_out(run, [&](const Progress& progress) {
-    const LitScene lit =
-        read_lit_scene(path, environment, o.occlusion, o.time_seconds, part_progress(progress, 0, 0.5));
+    const LitScene lit = read_lit_scene(path, environment, o.occlusion, Reflection::split_sum, o.time_seconds,
+                                        part_progress(progress, 0, 0.5));
     const Shot shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
     const Viewpoint from = viewpoint(o, lit.scene, shot.pose, path);
     const DrawMethod method =

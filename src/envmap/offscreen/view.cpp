@@ -35,6 +35,8 @@ void check(const ViewOptions& o) {
   for (const MirrorWish& wish : o.mirrors) check_map(wish.map.value_or(o.maps));
   const bool by_rays = o.method == ViewMethod::raycast;
   if (o.lobe_samples > 0 && !by_rays) throw UsageError("lobe_samples is for the method 'raycast'");
+  if (o.lobe_samples > 0 && o.reflection != Reflection::split_sum)
+    throw UsageError("lobe_samples and reflection 'sampled' exclude each other");
   check_drawing(o, by_rays);
   if (o.max_error && by_rays) throw UsageError("max_error chooses maps, which the method 'raycast' does not draw");
 }
@@ -83,7 +85,7 @@ ViewedScene view(const std::string& path, const ViewOptions& o, const Environmen
   check(o);
   return carry_out(run, [&](const Progress& progress) {
     const LitScene lit =
-        read_lit_scene(path, environment, o.occlusion, o.time_seconds, part_progress(progress, 0, 0.5));
+        read_lit_scene(path, environment, o.occlusion, o.reflection, o.time_seconds, part_progress(progress, 0, 0.5));
     const std::vector<Mirror> mirrors = choose_mirrors(lit.scene, o.mirrors, o.maps);
     const Shot shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
     const Viewpoints viewpoints({o.camera, o.look_at, o.vertical_field_degrees}, double(o.width) / o.height, lit.scene,

@@ -38,7 +38,8 @@ struct ViewOptions {
   bool shadows = true;
   int occlusion = 64;  ///< Lights that stand for the environment where its shadows are found, 0 to 256.
   ViewMethod method = ViewMethod::maps;
-  int lobe_samples = 0;                      ///< raycast: samples of a rough reflection; 0: prefiltered levels.
+  Reflection reflection = Reflection::split_sum;  ///< Of the environment, where lobe_samples is 0.
+  int lobe_samples = 0;  ///< raycast: samples of the integral of a rough reflection, in place of `reflection`.
   std::vector<MirrorWish> mirrors = {};      ///< Beside what materials make one.
   Projection maps = Projection::paraboloid;  ///< sphere, paraboloid or cube.
   int map_size = 0;                          ///< Height of a map's face, 4 to 8192; 0: what the picture needs.

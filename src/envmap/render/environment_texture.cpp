@@ -20,6 +20,20 @@ std::vector<Colour> as_gl_turns(const PaddedLevel& cube, int face) {
   return all;
 }
 
+// @param levels each half as high as the one before.
+gl::Texture upload_cube(const std::vector<PaddedLevel>& levels) {
+  gl::Texture cube = gl::make_texture(GL_TEXTURE_CUBE_MAP);
+  const int size = levels[0].height();
+  glTextureStorage2D(cube, GLsizei(levels.size()), GL_RGB32F, size, size);
+  for (int level = 0; level < int(levels.size()); ++level)
+    for (int face = 0; face < 6; ++face)
+      glTextureSubImage3D(cube, level, 0, 0, face, size >> level, size >> level, 1, GL_RGB, GL_FLOAT,
+                          as_gl_turns(levels[std::size_t(level)], face).data());
+  gl::interpolate(cube);
+  glTextureParameteri(cube, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  return cube;
+}
+
 // Square, of floats.
 gl::Texture upload_table(int size, GLenum stored, GLenum given, const void* values) {
   gl::Texture table = gl::make_texture(GL_TEXTURE_2D);
@@ -50,6 +64,7 @@ LightTexture upload(const EnvironmentLight& light) {
   gl::interpolate(out.glossy);
   glTextureParameteri(out.glossy, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+  if (!light.sampled.empty()) out.sampled = upload_cube(light.sampled);
   gl::check("upload of the environment's light");
   return out;
 }

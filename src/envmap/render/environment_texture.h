@@ -18,9 +18,10 @@ struct EnvironmentTexture {
 
 /// What an environment gives surfaces (shading.h), as shading.glsl reads it.
 struct LightTexture {
-  gl::Texture glossy;  ///< A cube array, faces turned as GL has them.
+  gl::Texture glossy;                    ///< A cube array, faces turned as GL has them.
   std::vector<float> roughnesses, mips;  ///< Of its layers: each is in the mip level of its size.
   std::array<Colour, 9> irradiance{};
+  gl::Texture sampled = {};  ///< A cube with all levels, faces turned as GL has them; 0 where the light has none.
 };
 LightTexture upload(const EnvironmentLight& light);
 

@@ -27,6 +27,11 @@ inline constexpr std::string_view context_names[] = {"auto", "osmesa", "egl"};
 enum class MirrorLookup { direction, distance, vertex };
 inline constexpr std::string_view mirror_lookup_names[] = {"direction", "distance", "vertex"};
 
+/// How rough surfaces reflect the environment. split_sum: one lookup of a level that is prefiltered for a view from
+/// straight above. sampled: samples of the lobe as it is seen (sampled_reflection.h).
+enum class Reflection { split_sum, sampled };
+inline constexpr std::string_view reflection_names[] = {"split-sum", "sampled"};
+
 /// Whether a map can be drawn so, which says of a projection that is new whether it waits for shaders. resample and
 /// raycast draw any.
 bool can_draw(DrawMethod method, Projection to);

@@ -4,6 +4,7 @@
 
 #include "envmap/map/environment_map.h"
 #include "envmap/render/image.h"
+#include "envmap/render/sampled_reflection.h"
 #include "envmap/render/shaders.h"
 #include "envmap/render/shading.h"
 #include "envmap/render/sheen.h"
@@ -47,6 +48,10 @@ gl::Definitions constants() {
           {"UNIT_SHADOWS", number(unit_shadows)},
           {"UNIT_DISTANT_SHADOWS", number(unit_distant_shadows)},
           {"UNIT_BEHIND", number(unit_behind)},
+          {"UNIT_SAMPLED", number(unit_sampled)},
+          {"REFLECTION_SAMPLES", number(reflection_samples)},
+          {"REFLECTION_TEXEL", fmt::format("{}", reflection_texel)},
+          {"LEAST_LOBE_ROUGHNESS", fmt::format("{}", least_lobe_roughness)},
           {"MOST_DISTANT_LIGHTS", number(max_distant_lights)},
           {"BLOCK_DISTANT_FACES", number(block_distant_faces)},
           {"BLOCK_DISTANT_LIGHTS", number(block_distant_lights)},
@@ -146,6 +151,7 @@ gl::Program shading_program(const Shading& s) {
   definitions["TEXTURES"] = std::to_string(s.textures);
   definitions["COATED"] = number(s.coated);
   definitions["SHEEN"] = number(s.sheen);
+  definitions["SAMPLED"] = number(s.sampled);
   definitions["BY_VERTEX"] = number(s.mirror && s.lookup == MirrorLookup::vertex);
   definitions["HAS_FOOTPRINT"] = number(s.mirror && s.lookup != MirrorLookup::vertex);
   definitions["BY_DISTANCE"] = number(s.mirror && s.lookup == MirrorLookup::distance);
@@ -159,8 +165,9 @@ gl::Program shading_program(const Shading& s) {
   else
     add({s.by_picture ? "reflect_picture.glsl" : "reflect_environment.glsl"});
   if (s.sheen) add({"sheen.glsl"});
-  add({"lights.glsl", "shadow_view.glsl", "shadow_views.glsl", "shadow.glsl", "occlusion.glsl", "shading.glsl",
-       "shade.frag.glsl"});
+  add({"lights.glsl", "shadow_view.glsl", "shadow_views.glsl", "shadow.glsl", "occlusion.glsl"});
+  if (s.sampled) add({"sampled.glsl"});
+  add({"shading.glsl", "shade.frag.glsl"});
   return lighting(files, definitions, s.environment);
 }
 

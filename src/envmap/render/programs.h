@@ -36,6 +36,7 @@ enum Unit : GLuint {
   unit_shadows,
   unit_distant_shadows,
   unit_behind,
+  unit_sampled,
   buffer_lights = 4,
   buffer_shadow_views,
   buffer_missing,
@@ -69,6 +70,7 @@ struct Shading {
   Projection environment;
   int textures = 0;  ///< A bit each: Group::textures.
   bool coated = false, sheen = false;
+  bool sampled = false;  ///< Reflection::sampled.
   /// Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
   std::optional<Projection> mirror;
   MirrorLookup lookup = MirrorLookup::direction;

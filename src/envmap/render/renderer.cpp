@@ -104,7 +104,8 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   Shading wanted{.environment = environment_.projection,
                  .textures = textures,
                  .coated = group.coated,
-                 .sheen = group.sheen};
+                 .sheen = group.sheen,
+                 .sampled = light_of(group, shot).sampled != 0};
   if (reflection_of(group, shot) != nullptr) {
     wanted.by_picture = true;
   } else if (const MirrorMap* mirror = map_of(group, shot)) {
@@ -116,14 +117,20 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
   return program;
 }
 
+// The environment's, or that of a rough mirror's own map.
+const LightTexture& Renderer::light_of(const Group& group, const Shot& shot) const {
+  const MirrorMap* mirror = reflection_of(group, shot) == nullptr ? map_of(group, shot) : nullptr;
+  return mirror != nullptr && mirror->glossy ? *mirror->glossy : light_;
+}
+
 // What shines on a group from all round: the environment and ambient light, or the group's own map as far as that goes.
 void Renderer::set_light(const gl::Program& program, const Group& group, const Viewpoint& from,
                          const Shot& shot) const {
   const MapTexture* picture = reflection_of(group, shot);
   const MirrorMap* mirror = picture == nullptr ? map_of(group, shot) : nullptr;
   const bool image = shows_image(group, shot);
-  const bool own = mirror != nullptr && mirror->glossy;
-  const LightTexture& light = own ? *mirror->glossy : light_;
+  const LightTexture& light = light_of(group, shot);
+  const bool own = &light != &light_;
   const Colour none(0);
   // Of punctual lights a mirror without roughness shows glints that are smaller than texels,
   // and not where the image is.
@@ -141,6 +148,7 @@ void Renderer::set_light(const gl::Program& program, const Group& group, const V
                       light.mips.data());
   gl::set(program, "glossy_count", int(light.roughnesses.size()));
   glBindTextureUnit(unit_glossy, light.glossy);
+  glBindTextureUnit(unit_sampled, light.sampled);
   if (picture != nullptr) glBindTextureUnit(unit_mirror, picture->texture);
   if (mirror == nullptr) return;
   gl::set(program, "to_mirror", glm::transpose(mirror->axes));

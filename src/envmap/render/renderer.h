@@ -88,6 +88,7 @@ class Renderer {
     bool counts;   // What is left out is added up.
   };
   void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, const Pass& pass);
+  const LightTexture& light_of(const Group& group, const Shot& shot) const;
   void set_light(const gl::Program& program, const Group& group, const Viewpoint& from, const Shot& shot) const;
   void bind_map(const MapTexture& to, int face, int sample) const;
   void bind_sample() const;

@@ -10,6 +10,7 @@
 #include "envmap/render/embree_scene.h"
 #include "envmap/render/lobe_integral.h"
 #include "envmap/render/microfacet.h"
+#include "envmap/render/sampled_reflection.h"
 #include "envmap/render/sheen.h"
 #include "envmap/sample/point.h"
 
@@ -181,8 +182,16 @@ Flux lit(const Sheen& f, const ShadingPoint& s, const Direction& v, const Direct
 // The part of the light that the coat and the fibres leave to the base.
 double left_to_base(const Coat& c, const Sheen& f) { return (1 - c.part) * (1 - f.most * f.albedo); }
 
-// Below it a surface is a mirror, and has no lobe to integrate.
-constexpr float least_lobe_roughness = 0.03F;
+// Whether the light of the environment is found over the lobe, not in a prefiltered level.
+bool has_lobe(const Lighting& l, float roughness) {
+  if (l.environment == nullptr || roughness < least_lobe_roughness) return false;
+  return l.integral != nullptr || !l.environment->light.sampled.empty();
+}
+
+Flux sampled_radiance(const Lighting& l, const Direction& n, const Direction& v, float roughness, const Flux& f0,
+                      double f90) {
+  return Flux(l.ambient) + sampled_mean(l.environment->light.sampled, n, v, alpha_of(roughness), f0, f90);
+}
 
 // What fibres of colour 1 reflect.
 Flux cloth(const ShadingPoint& s, const Direction& v, const Lighting& l, double albedo, const Flux& reached,
@@ -289,18 +298,18 @@ ShadingResult scatter(const ShadingPoint& s, const Direction& v, const Lighting&
 }
 
 Flux reflected_light(const ShadingPoint& s, const Direction& v, const Lighting& l, const ShadingResult& out) {
-  if (l.integral == nullptr || l.environment == nullptr || s.roughness < least_lobe_roughness)
-    return out.reflected * glossy_radiance(l, out.mirrored, s.roughness);
+  if (!has_lobe(l, s.roughness)) return out.reflected * glossy_radiance(l, out.mirrored, s.roughness);
   const Base base = base_of(s, v);
   const double metallic = s.metallic, part = left_to_base(coat_of(s, v), sheen_of(s, v)) * s.reached;
   const Flux f0 = glm::mix(base.plain, base.colour, metallic);
   const double f90 = glm::mix(base.edge, 1.0, metallic);
+  if (l.integral == nullptr) return out.reflected * sampled_radiance(l, s.normal, v, s.roughness, f0, f90);
   return out.reflected * Flux(l.ambient) + part * l.integral->ggx(s.normal, v, alpha_of(s.roughness), f0, f90);
 }
 
 Flux coat_light(const ShadingPoint& s, const Direction& v, const Lighting& l, const ShadingResult& out) {
-  if (l.integral == nullptr || l.environment == nullptr || s.coat_roughness < least_lobe_roughness)
-    return out.coat * glossy_radiance(l, out.coat_mirrored, s.coat_roughness);
+  if (!has_lobe(l, s.coat_roughness)) return out.coat * glossy_radiance(l, out.coat_mirrored, s.coat_roughness);
+  if (l.integral == nullptr) return out.coat * sampled_radiance(l, s.coat_normal, v, s.coat_roughness, Flux(1), 1);
   const double part = coat_of(s, v).part * s.reached;
   return out.coat * Flux(l.ambient) + part * l.integral->ggx(s.coat_normal, v, alpha_of(s.coat_roughness), Flux(1), 1);
 }

@@ -53,6 +53,8 @@ struct EnvironmentLight {
   /// double or its fourfold. Roughness 0 is the environment itself.
   std::vector<PaddedLevel> glossy;
   std::vector<float> roughnesses;
+  /// sampled_levels(): what surfaces reflect is sampled, all but rough glass. Empty: `glossy` stands for it.
+  std::vector<PaddedLevel> sampled = {};
 };
 
 /// @param roughnesses of glossy_levels.h. @param size of cubes for wide lobes. @param largest of all.

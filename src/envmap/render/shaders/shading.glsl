@@ -150,6 +150,14 @@ float lit(Coat c, ShadingPoint s, vec3 v, vec3 from) {
 }
 #endif
 
+// What a layer of the surface reflects once, over once().
+vec3 reflected_radiance(vec3 v, vec3 n, float roughness, vec3 f0, float f90) {
+#if SAMPLED
+  if (roughness >= LEAST_LOBE_ROUGHNESS) return ambient + sampled_mean(v, n, alpha_of(roughness), f0, f90);
+#endif
+  return glossy_radiance(v, n, 0, roughness);
+}
+
 vec3 shade(ShadingPoint s, vec3 v) {
   vec3 n = s.normal;
   Base b = base_of(s, v);
@@ -161,7 +169,7 @@ vec3 shade(ShadingPoint s, vec3 v) {
   vec3 sum = rest * b.dielectric * (1 - s.transmission) * even +
              mix(later(b.plain, b.edge, table), later(b.colour, 1, table), s.metallic) * even +
              s.reached * mix(once(b.plain, b.edge, table), once(b.colour, 1, table), s.metallic) *
-                 glossy_radiance(v, n, 0, blur * s.roughness);
+                 reflected_radiance(v, n, blur * s.roughness, mix(b.plain, b.colour, s.metallic), mix(b.edge, 1, s.metallic));
   if (s.transmission > 0)
     sum += rest * b.dielectric * s.transmission * glossy_radiance(v, n, s.bend, blur * s.roughness);
 #if SHEEN
@@ -173,7 +181,8 @@ vec3 shade(ShadingPoint s, vec3 v) {
   Coat c = coat_of(s, v);
   float coat_blur = s.coat_roughness < SMOOTH_GLASS ? blur : 1;
   sum = (1 - c.part) * sum + c.part * (1 - c.once) * even +
-        c.part * c.once * s.reached * glossy_radiance(v, s.coat_normal, 0, coat_blur * s.coat_roughness);
+        c.part * c.once * s.reached *
+            reflected_radiance(v, s.coat_normal, coat_blur * s.coat_roughness, vec3(1), 1);
 #endif
 
   for (int k = 0; k < light_count; ++k) {
