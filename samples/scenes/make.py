@@ -6,6 +6,7 @@ room-21-two-sided         the room of 21 vertices with doubleSided materials
 wire-cube                 the edges of a cube
 ball                      a mirror ball ("ball") on a table
 balls                     mirror, glass, metals and plastics on tiles, for a sunny sky
+metals                    four balls of white metal: roughness 0.1, 0.3, 0.5, 0.8
 facing                    a candle between two mirrors that face each other
 cellar                    a furnished cellar with two mirrors ("mirror ball", "mirror ring"), glass, lamps and cameras;
                           the lamp swings, the ring turns and the ball rises (6 s)
@@ -226,6 +227,16 @@ def balls():
     return scene
 
 
+def metals():
+    """Four balls of white metal in a row; no light of its own."""
+    scene, round_ball = Scene(), ball(1, 96)
+    for k, roughness in enumerate((0.1, 0.3, 0.5, 0.8)):
+        metal = scene.material(f"metal {roughness}", (1, 1, 1), metallic=1.0, roughness=roughness)
+        scene.node(f"ball {roughness}", scene.mesh(round_ball, metal), translation=[2.1 * (k - 1.5), 0, 0])
+    scene.camera("front", (0, 0, 12), (0, 0, 0), math.radians(10.5))
+    return scene
+
+
 def facing():
     """Two mirrors of 2 x 2 m, 2 m apart along X, in a lit room of 6 x 5 x 6 m."""
     scene = Scene()
@@ -258,7 +269,7 @@ def main():
     os.makedirs(folder, exist_ok=True)
     for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)),
                         ("room-21-two-sided", room(21, True)), ("wire-cube", wire_cube()), ("ball", ball_on_a_table()),
-                        ("balls", balls()), ("facing", facing()), ("cellar", cellar())):
+                        ("balls", balls()), ("metals", metals()), ("facing", facing()), ("cellar", cellar())):
         scene.save(os.path.join(folder, name + ".glb"))
 
 

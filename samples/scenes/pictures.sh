@@ -3,6 +3,7 @@
 #   cellar.jpg    two views of the cellar through dynamic maps
 #   lookup.jpg    a mirror ball on a table, its map looked up by vertex, by direction and by distance, and the truth by rays
 #   facing.jpg    two mirrors that face each other: 1, 2 and 4 rounds of pictures in pictures and maps, and by rays
+#   metals.jpg    metals of roughness 0.1, 0.3, 0.5 and 0.8 under a low sun: by split sum, sampled, and the integral (minutes)
 #   vertices.jpg  a sphere map of a room whose walls have 2, 4, 21 and 21 vertices an edge, the last with two-sided materials,
 #                 drawn by distort, tessellate and exact
 #   balls.jpg     mirror, glass, metals and plastics under a sunny sky, or in a probe of yours, by rays (minutes)
@@ -61,6 +62,18 @@ for rounds in 1 2 4; do
 done
 face facing-rays --method raycast
 side_by_side 4x1 facing.jpg 88 "$work/facing-1.png" "$work/facing-2.png" "$work/facing-4.png" "$work/facing-rays.png"
+
+"$envmap" generate sun "$work/low.exr" --size 512 --radius 2.5 --value 120 --direction=-0.9,0.5,-0.75 --zenith 0.25,0.4,0.7 \
+  --ground 0.12 -q
+shine() {
+  name=$1
+  shift
+  "$envmap" view "$work/metals.glb" "$work/$name.png" --environment "$work/low.exr" --occlusion 0 --width 560 --height 146 -q "$@"
+}
+shine split-sum
+shine sampled --reflection sampled
+shine integral --method raycast --lobe-samples 256
+side_by_side 1x3 metals.jpg 88 "$work/split-sum.png" "$work/sampled.png" "$work/integral.png"
 
 set --
 for method in distort tessellate exact; do

@@ -169,7 +169,7 @@ vec3 shade(ShadingPoint s, vec3 v) {
   vec3 sum = rest * b.dielectric * (1 - s.transmission) * even +
              mix(later(b.plain, b.edge, table), later(b.colour, 1, table), s.metallic) * even +
              s.reached * mix(once(b.plain, b.edge, table), once(b.colour, 1, table), s.metallic) *
-                 reflected_radiance(v, n, blur * s.roughness, mix(b.plain, b.colour, s.metallic), mix(b.edge, 1, s.metallic));
+                 reflected_radiance(v, n, blur * s.roughness, mix(b.plain, b.colour, s.metallic), mix(b.edge, 1.0, s.metallic));
   if (s.transmission > 0)
     sum += rest * b.dielectric * s.transmission * glossy_radiance(v, n, s.bend, blur * s.roughness);
 #if SHEEN
