@@ -41,10 +41,16 @@ Flux at_level(const std::vector<PaddedLevel>& levels, const Direction& from, dou
 }
 
 // Of the unit disc by Vogel's spiral (1979), whose points lie more evenly than Hammersley's.
-Point2 disc_point(int k) {
-  constexpr double golden_angle = 2.3999632297286533;
-  const double radius = std::sqrt((k + 0.5) / reflection_samples), turn = golden_angle * k;
-  return {radius * std::cos(turn), radius * std::sin(turn)};
+const std::vector<Point2>& disc_points() {
+  static const std::vector<Point2> points = [] {
+    constexpr double golden_angle = 2.3999632297286533;
+    std::vector<Point2> all;
+    for (int k = 0; k < reflection_samples; ++k)
+      all.push_back(std::sqrt((k + 0.5) / reflection_samples) *
+                    Point2(std::cos(golden_angle * k), std::sin(golden_angle * k)));
+    return all;
+  }();
+  return points;
 }
 
 }  // namespace
@@ -72,8 +78,7 @@ Flux sampled_mean(const std::vector<PaddedLevel>& levels, const Direction& n, co
   const Direction t = length > 1e-4 ? aside / length : upright_about(n)[0], b = glm::cross(n, t);
   const Direction stretched = glm::normalize(Direction(alpha * local.x, 0, local.z));
   Flux sum(0), weights(0);
-  for (int k = 0; k < reflection_samples; ++k) {
-    const Point2 at = disc_point(k);
+  for (const Point2& at : disc_points()) {
     const double x = at.x, y = glm::mix(std::sqrt(1 - x * x), at.y, 0.5 * (1 + stretched.z));
     const double z = std::sqrt(std::max(0.0, 1 - x * x - y * y));
     const Direction m(z * stretched.x - y * stretched.z, x, z * stretched.z + y * stretched.x);
