@@ -152,7 +152,8 @@ struct Making {
     }
     if (any || wanted.method == Method::multilevel)
       if (const auto plan = multilevel_plan(lobe, wanted.max_error, finest_rows(source));
-          plan && serves_multilevel(source) && (!any || plan->is_quick(source, texels_of(out).size(), wanted.max_error))) {
+          plan && serves_multilevel(source) &&
+          (!any || plan->is_quick(source, texels_of(out).size(), wanted.max_error))) {
         make_multilevel(*plan, out, figures);
         done.method = Method::multilevel;
         finish(all, figures, out, done);
