@@ -11,6 +11,7 @@
 #include "envmap/io/dds.h"
 #include "envmap/io/gltf_light.h"
 #include "envmap/io/image.h"
+#include "envmap/io/jpeg.h"
 #include "envmap/io/ktx1.h"
 #include "envmap/io/ktx2.h"
 #include "envmap/io/pfm.h"
@@ -172,6 +173,17 @@ constexpr FileFormat portable_network{
     .create = create_png,
 };
 
+constexpr FileFormat photographs{
+    .name = "jpeg",
+    .title = "JPEG",
+    .extensions = jpeg,
+    .depths = bytes,
+    .is_head = [](Head h) { return h.starts_with("\xff\xd8"); },
+    .frame = true,
+    .abilities = FileFormat::picture | FileFormat::encoded_values,
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_jpeg(*i.file); },
+};
+
 // One that OpenImageIO reads and writes.
 constexpr FileFormat other(std::string_view name, std::string_view title, std::span<const Extension> extensions,
                            std::span<const Depth> depths, bool (*is_head)(Head), bool frame = false,
@@ -223,8 +235,7 @@ constexpr FileFormat table[] = {
         FileFormat::table | FileFormat::window),
     portable_network,
     other("pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }),
-    other(
-        "jpeg", "JPEG", jpeg, bytes, [](Head h) { return h.starts_with("\xff\xd8"); }, true, FileFormat::picture),
+    photographs,
     other("targa", "TGA", targa, bytes, nullptr, true),
     other("bmp", "BMP", bmp, bytes, [](Head h) { return h.starts_with("BM"); }),
     other("webp", "WebP", webp, bytes, [](Head h) { return h.starts_with("RIFF") && h.find("WEBP") == 8; }),
