@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 // Those that go through files take the formats' corpora, too.
 std::vector<std::string> folders(const std::string& target) {
-  if (target == "read") return {"read", "hdr", "exr", "ktx2", "ktx", "dds", "env", "glb", "png", "jpg", "pfm"};
+  if (target == "read") return {"read", "hdr", "exr", "ktx2", "ktx", "dds", "env", "glb", "png", "jpg", "tif", "pfm"};
   if (target == "scene") return {"scene", "obj", "mtl", "gltf"};
   return {target};
 }
@@ -88,9 +88,9 @@ TEST_P(Corpus, IsReadOrRefusedInOneLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, Corpus,
-                         testing::Values("hdr", "exr", "ktx2", "ktx", "dds", "env", "glb", "png", "jpg", "pfm", "bc6h",
-                                         "obj", "mtl", "gltf", "words", "colours", "part", "manifest", "read", "scene",
-                                         "command", "library"),
+                         testing::Values("hdr", "exr", "ktx2", "ktx", "dds", "env", "glb", "png", "jpg", "tif", "pfm",
+                                         "bc6h", "obj", "mtl", "gltf", "words", "colours", "part", "manifest", "read",
+                                         "scene", "command", "library"),
                          [](const auto& target) { return std::string(target.param); });
 
 // Readers that are ours alone: others' libraries are fuzzed by hand.
@@ -114,8 +114,8 @@ TEST_P(DamagedCorpus, IsReadOrRefusedInOneLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, DamagedCorpus,
-                         testing::Values("hdr", "ktx2", "ktx", "dds", "env", "glb", "png", "jpg", "pfm", "bc6h", "obj",
-                                         "mtl", "gltf", "words", "library"),
+                         testing::Values("hdr", "ktx2", "ktx", "dds", "env", "glb", "png", "jpg", "tif", "pfm", "bc6h",
+                                         "obj", "mtl", "gltf", "words", "library"),
                          [](const auto& target) { return std::string(target.param); });
 
 }  // namespace

@@ -24,6 +24,7 @@ std::string_view mark_of(std::string_view format) {
   if (format == "glb") return "glTF";
   if (format == "png") return "\x89PNG";
   if (format == "jpg") return "\xff\xd8";
+  if (format == "tif") return "II";
   if (format == "pfm") return "P";
   return format == "ktx2" ? ktx2_mark : "DDS ";
 }

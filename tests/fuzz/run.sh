@@ -4,7 +4,7 @@
 #   [ENVMAP=PROGRAM] sh tests/fuzz/run.sh [SECONDS [TARGET...]]
 #
 # SECONDS for each target (default: 60, of all targets). FUZZ_OPTIONS go to libFuzzer. Targets (targets.h):
-#   hdr exr ktx2 ktx dds env glb png jpg pfm   a reader of images each, in memory     bc6h      blocks, decoded and encoded again
+#   hdr exr ktx2 ktx dds env glb png jpg tif pfm   a reader of images each, in memory     bc6h      blocks, decoded and encoded again
 #   obj mtl gltf                   a reader of scenes each, in memory     words     what metadata and shapes say
 #   read scene                     files and pipes of any format          colours   OpenColorIO configs and names of spaces
 #   command                        commands of the program, whole         part, manifest   what merge and batch read
@@ -18,7 +18,7 @@ set -eu
 
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
-[ $# -gt 0 ] || set -- hdr exr ktx2 ktx dds env glb png jpg pfm bc6h obj mtl gltf words colours part manifest read scene command
+[ $# -gt 0 ] || set -- hdr exr ktx2 ktx dds env glb png jpg tif pfm bc6h obj mtl gltf words colours part manifest read scene command
 cd "$(dirname "$0")/../.."
 kept=$PWD/tests/fuzz/corpus
 cmake --preset fuzz
@@ -67,7 +67,7 @@ for kind in 'exr --tile 4 4' 'exr -d half --compression dwaa' 'exr -d half --com
 done
 
 # A format's own target takes the seeds of its kind.
-for format in hdr exr ktx2 ktx dds jpg; do
+for format in hdr exr ktx2 ktx dds jpg tif; do
   [ ! -d corpus/$format ] || cp corpus/read/*"$format"-*0 corpus/$format
 done
 

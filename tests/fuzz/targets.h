@@ -12,7 +12,7 @@
 
 using Bytes = std::span<const std::byte>;
 
-/// Behind the mark of one format, in memory: hdr, exr, ktx2, ktx, dds, env, glb (its light), png, jpg, pfm.
+/// Behind the mark of one format, in memory: hdr, exr, ktx2, ktx, dds, env, glb (its light), png, jpg, tif, pfm.
 void fuzz_image(std::string_view format, Bytes bytes);
 /// Blocks of BC6H as they are, and what the encoder makes of their texels.
 void fuzz_bc6h(Bytes bytes);

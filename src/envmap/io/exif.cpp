@@ -1,5 +1,7 @@
 #include "envmap/io/exif.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <string>
 
@@ -48,6 +50,14 @@ void read_exif(Bytes exif, ImageFacts& facts) {
     const unsigned way = n.get(at + 8, type == type_byte ? 1 : type == type_short ? 2 : type == type_long ? 4 : 0);
     if (way >= 1 && way <= 8) facts.orientation = static_cast<Orientation>(way);
   }
+}
+
+bool tells_facts(std::string_view xmp) {
+  std::string lower(xmp);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  constexpr const char* names[] = {"orientation", "imagedescription", "dc:description", "rights", "copyright",
+                                   "envmap:",     "textureformat",    "acesimage",      "oiio:",  "hdrgm:"};
+  return std::ranges::any_of(names, [&](const char* name) { return lower.find(name) != lower.npos; });
 }
 
 }  // namespace envmap

@@ -17,6 +17,7 @@
 #include "envmap/io/pfm.h"
 #include "envmap/io/png.h"
 #include "envmap/io/radiance.h"
+#include "envmap/io/tiff.h"
 #include "envmap/io/write_plan.h"
 
 namespace envmap {
@@ -173,6 +174,16 @@ constexpr FileFormat portable_network{
     .create = create_png,
 };
 
+constexpr FileFormat tagged_images{
+    .name = "tiff",
+    .title = "TIFF",
+    .extensions = tiff,
+    .depths = all_of_tiff,
+    .is_head = [](Head h) { return h.starts_with("II") || h.starts_with("MM"); },
+    .frame = true,
+    .abilities = FileFormat::table | FileFormat::window | FileFormat::encoded_values,
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_tiff(*i.file); },
+};
 constexpr FileFormat photographs{
     .name = "jpeg",
     .title = "JPEG",
@@ -186,15 +197,14 @@ constexpr FileFormat photographs{
 
 // One that OpenImageIO reads and writes.
 constexpr FileFormat other(std::string_view name, std::string_view title, std::span<const Extension> extensions,
-                           std::span<const Depth> depths, bool (*is_head)(Head), bool frame = false,
-                           unsigned more = 0) {
+                           std::span<const Depth> depths, bool (*is_head)(Head), bool frame = false) {
   return {.name = name,
           .title = title,
           .extensions = extensions,
           .depths = depths,
           .is_head = is_head,
           .frame = frame,
-          .abilities = FileFormat::encoded_values | more};
+          .abilities = FileFormat::encoded_values};
 }
 
 bool is_brand(Head h, std::string_view brands) {
@@ -230,9 +240,7 @@ constexpr FileFormat table[] = {
     directx,
     babylon,
     gltf_light,
-    other(
-        "tiff", "TIFF", tiff, all_of_tiff, [](Head h) { return h.starts_with("II") || h.starts_with("MM"); }, true,
-        FileFormat::table | FileFormat::window),
+    tagged_images,
     portable_network,
     other("pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }),
     photographs,

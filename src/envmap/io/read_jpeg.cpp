@@ -7,10 +7,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <csetjmp>
 #include <memory>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -135,15 +133,6 @@ Header read_header(JpegFile& file) {
   return h;
 }
 
-// Whether XMP names something that the facts of an image have. OpenImageIO reads it: by its names, whatever
-// namespaces they are of.
-bool tells(std::string xmp) {
-  std::ranges::transform(xmp, xmp.begin(), [](unsigned char c) { return std::tolower(c); });
-  constexpr const char* names[] = {"orientation", "imagedescription", "dc:description", "rights", "copyright",
-                                   "envmap:",     "textureformat",    "acesimage",      "oiio:",  "hdrgm:"};
-  return std::ranges::any_of(names, [&](const char* name) { return xmp.find(name) != xmp.npos; });
-}
-
 // Adds what a marker tells. The first text of a name counts. @return false where OpenImageIO has to read it.
 bool read_marker(int kind, std::string_view text, ImageFacts& facts) {
   const auto has_new = [&](const char* name, const char* record) {
@@ -153,7 +142,7 @@ bool read_marker(int kind, std::string_view text, ImageFacts& facts) {
     const auto* bytes = reinterpret_cast<const unsigned char*>(text.data());
     read_exif(std::span(bytes, text.size()).subspan(exif_mark.size()), facts);
   }
-  if (kind == exif_and_xmp && text.starts_with(xmp_mark)) return !tells(std::string(text));
+  if (kind == exif_and_xmp && text.starts_with(xmp_mark)) return !tells_facts(text);
   if (kind == profiles_and_gains) return text != gain_map_mark;
   // IPTC's records 2:120 and 2:116 (IIM 4.2, section 6).
   if (kind == photoshop) return !has_new(description, "\x1c\x02\x78") && !has_new(copyright, "\x1c\x02\x74");

@@ -1,0 +1,211 @@
+// Reads TIFF row by row through libtiff (TIFFReadScanline(3TIFF)).
+#include <tiffio.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "envmap/base/error.h"
+#include "envmap/io/exif.h"
+#include "envmap/io/half.h"
+#include "envmap/io/tiff.h"
+
+namespace envmap {
+namespace {
+
+// Files as libtiff opens them. Its functions return errors and leave a message.
+class TiffFile {
+ public:
+  explicit TiffFile(const InputFile& file) : file_(file) {
+    const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
+                                                                                   TIFFOpenOptionsFree);
+    if (!options) throw std::bad_alloc();
+    constexpr tmsize_t largest_block = 1 << 28;  // Tags and rows are smaller.
+    TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), largest_block);
+    TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_message, this);
+    TIFFOpenOptionsSetWarningHandlerExtR(
+        options.get(), [](TIFF*, void*, const char*, const char*, va_list) { return 1; }, nullptr);
+    const auto none = [](thandle_t, void*, tmsize_t) -> tmsize_t { return 0; };
+    tiff_ = TIFFClientOpenExt(
+        "TIFF", "rm", this, get, none, seek, [](thandle_t) { return 0; }, size, nullptr, nullptr, options.get());
+    if (!tiff_) fail();
+  }
+  ~TiffFile() { TIFFClose(tiff_); }
+  TiffFile(const TiffFile&) = delete;
+  TiffFile& operator=(const TiffFile&) = delete;
+
+  [[nodiscard]] TIFF* tiff() const { return tiff_; }
+  [[noreturn]] void fail() const { throw InputError(cut_ ? "it ends too early" : message_.data()); }
+
+ private:
+  static TiffFile& of(thandle_t self) { return *static_cast<TiffFile*>(self); }
+  static int keep_message(TIFF*, void* self, const char*, const char* format, va_list arguments) {
+    auto& message = of(self).message_;
+    if (!message[0]) std::vsnprintf(message.data(), message.size(), format, arguments);
+    return 1;
+  }
+  static tmsize_t get(thandle_t self, void* bytes, tmsize_t size) {
+    TiffFile& f = of(self);
+    const std::size_t done = f.file_.pread(bytes, std::size_t(size), f.next_);
+    f.next_ += done;
+    f.cut_ |= done < std::size_t(size);
+    return tmsize_t(done);
+  }
+  static toff_t seek(thandle_t self, toff_t offset, int whence) {
+    TiffFile& f = of(self);
+    return f.next_ = offset + (whence == SEEK_CUR ? f.next_ : whence == SEEK_END ? f.file_.size() : 0);
+  }
+  static toff_t size(thandle_t self) { return of(self).file_.size(); }
+
+  const InputFile& file_;
+  TIFF* tiff_ = nullptr;
+  std::uint64_t next_ = 0;
+  bool cut_ = false;  // Bytes were asked for that are not there.
+  std::array<char, 200> message_ = {};
+};
+
+// A tag's number, or its default.
+template <class Number>
+Number number(TIFF* tiff, unsigned tag) {
+  Number value = 0;
+  TIFFGetFieldDefaulted(tiff, tag, &value);
+  return value;
+}
+
+bool has(TIFF* tiff, unsigned tag) {
+  std::array<std::uint64_t, 8> any = {};  // Its value, or a count and a pointer.
+  return TIFFGetField(tiff, tag, &any[0], &any[1], &any[2]) == 1;
+}
+
+// What of an image is read here.
+struct Header {
+  std::uint32_t width, height;
+  int samples, bits, format, photometric, compression;
+
+  explicit Header(TIFF* t)
+      : width(number<std::uint32_t>(t, TIFFTAG_IMAGEWIDTH)),
+        height(number<std::uint32_t>(t, TIFFTAG_IMAGELENGTH)),
+        samples(number<std::uint16_t>(t, TIFFTAG_SAMPLESPERPIXEL)),
+        bits(number<std::uint16_t>(t, TIFFTAG_BITSPERSAMPLE)),
+        format(number<std::uint16_t>(t, TIFFTAG_SAMPLEFORMAT)),
+        photometric(number<std::uint16_t>(t, TIFFTAG_PHOTOMETRIC)),
+        compression(number<std::uint16_t>(t, TIFFTAG_COMPRESSION)) {}
+
+  [[nodiscard]] bool is_floating() const { return format == SAMPLEFORMAT_IEEEFP; }
+  [[nodiscard]] Depth depth() const {
+    if (is_floating()) return bits == 16 ? Depth::half : Depth::single;
+    return bits == 16 ? Depth::uint16 : Depth::uint8;
+  }
+  [[nodiscard]] std::size_t row_bytes() const { return std::size_t(width) * std::size_t(samples * bits / 8); }
+};
+
+bool has_usual_samples(TIFF* tiff, const Header& h) {
+  std::uint16_t extra = 0;
+  const std::uint16_t* kinds = nullptr;
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &extra, &kinds);
+  const bool grey = h.photometric == PHOTOMETRIC_MINISBLACK && h.samples == 1 && extra == 0;
+  const bool rgb = h.photometric == PHOTOMETRIC_RGB && h.samples == 3 && extra == 0;
+  const bool rgba =
+      h.photometric == PHOTOMETRIC_RGB && h.samples == 4 && extra == 1 && kinds[0] == EXTRASAMPLE_ASSOCALPHA;
+  const bool integers = h.format == SAMPLEFORMAT_UINT && (h.bits == 8 || h.bits == 16);
+  return (grey || rgb || rgba) && (integers || (h.is_floating() && (h.bits == 16 || h.bits == 32)));
+}
+
+bool is_for_openimageio(TIFF* tiff, const Header& h) {
+  constexpr double large = 1 << 24;  // Bytes.
+  constexpr int lossless[] = {COMPRESSION_LZW, COMPRESSION_DEFLATE, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_PACKBITS};
+  if (!has_usual_samples(tiff, h) || TIFFIsTiled(tiff) || TIFFScanlineSize64(tiff) != h.row_bytes()) return true;
+  if (number<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG) != PLANARCONFIG_CONTIG && h.samples > 1) return true;
+  if (h.compression != COMPRESSION_NONE &&
+      (std::ranges::find(lossless, h.compression) == std::end(lossless) || double(h.row_bytes()) * h.height > large))
+    return true;
+  for (const unsigned tag : {TIFFTAG_XPOSITION, TIFFTAG_YPOSITION, TIFFTAG_IMAGEDEPTH, TIFFTAG_PIXAR_IMAGEFULLWIDTH,
+                             TIFFTAG_PIXAR_TEXTUREFORMAT, TIFFTAG_RICHTIFFIPTC})
+    if (has(tiff, tag)) return true;
+  std::uint32_t size = 0;
+  const char* xmp = nullptr;
+  return TIFFGetField(tiff, TIFFTAG_XMLPACKET, &size, &xmp) == 1 && tells_facts({xmp, size});
+}
+
+void add_text(TIFF* tiff, unsigned tag, const char* name, Attributes& attributes) {
+  const char* text = nullptr;
+  if (TIFFGetField(tiff, tag, &text) == 1) attributes.emplace(name, text);
+}
+
+ImageFacts facts_of(TIFF* tiff, const Header& h) {
+  constexpr const char* names[] = {"R", "G", "B", "A"};
+  ImageFacts f{.width = int(std::min(h.width, std::uint32_t{INT32_MAX})),
+               .height = int(std::min(h.height, std::uint32_t{INT32_MAX})),
+               .encoded = !h.is_floating(),
+               .names = false,
+               .depth = h.depth()};
+  f.channels.assign(names, names + std::min(h.samples, 4));
+  if (h.samples == 1) f.channels = {"Y"};
+  add_text(tiff, TIFFTAG_IMAGEDESCRIPTION, description, f.attributes);
+  add_text(tiff, TIFFTAG_COPYRIGHT, copyright, f.attributes);
+  const int way = number<std::uint16_t>(tiff, TIFFTAG_ORIENTATION);
+  if (way >= 1 && way <= 8) f.orientation = static_cast<Orientation>(way);
+  return f;
+}
+
+// OpenImageIO takes words out of a description that it writes itself.
+bool has_words_of_openimageio(const ImageFacts& facts) {
+  const auto found = facts.attributes.find(description);
+  if (found == facts.attributes.end()) return false;
+  return found->second.find("oiio:") != std::string::npos || found->second.find("SHA-1=") != std::string::npos;
+}
+
+// Samples of a row as floats.
+void set_floats(const std::vector<unsigned char>& row, Depth depth, std::span<float> samples) {
+  std::vector<std::uint16_t> words(depth == Depth::half || depth == Depth::uint16 ? samples.size() : 0);
+  if (!words.empty()) std::memcpy(words.data(), row.data(), row.size());
+  if (depth == Depth::single) std::memcpy(samples.data(), row.data(), row.size());
+  if (depth == Depth::half) from_half(words, samples);
+  constexpr float of_16 = 1.0F / 65535, of_8 = 1.0F / 255;
+  if (depth == Depth::uint16) std::ranges::transform(words, samples.begin(), [](auto v) { return float(v) * of_16; });
+  if (depth == Depth::uint8) std::ranges::transform(row, samples.begin(), [](auto v) { return float(v) * of_8; });
+}
+
+struct Reader {
+  TiffFile file;
+  Header header{file.tiff()};
+  int next = 0;  // Row that libtiff reads.
+
+  explicit Reader(const InputFile& f) : file(f) {}
+
+  // Codecs pass over no rows: those of a strip are read from its beginning on, which libtiff itself goes back to.
+  void read(int begin, int end, int first, int count, float* to) {
+    const auto strip = std::int64_t{number<std::uint32_t>(file.tiff(), TIFFTAG_ROWSPERSTRIP)};
+    const auto start = int(begin - begin % std::max<std::int64_t>(1, strip));
+    std::vector<unsigned char> row(header.row_bytes());
+    std::vector<float> samples(std::size_t(header.width) * std::size_t(header.samples));
+    for (int y = next < start || next > begin ? start : next; y < end; next = ++y) {
+      if (TIFFReadScanline(file.tiff(), row.data(), std::uint32_t(y), 0) != 1) file.fail();
+      if (y < begin) continue;
+      set_floats(row, header.depth(), samples);
+      for (std::size_t k = std::size_t(first); k < samples.size(); k += std::size_t(header.samples))
+        to = std::copy_n(samples.data() + k, count, to);
+    }
+  }
+};
+
+}  // namespace
+
+std::optional<ImageReader> open_tiff(const InputFile& file) {
+  const auto reader = std::make_shared<Reader>(file);
+  const ImageFacts facts = facts_of(reader->file.tiff(), reader->header);
+  if (is_for_openimageio(reader->file.tiff(), reader->header) || has_words_of_openimageio(facts)) return std::nullopt;
+  return ImageReader{.format = "tiff",
+                     .facts = facts,
+                     .level = [facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; },
+                     .read = [reader](int, int begin, int end, int first, int count,
+                                      std::span<float> out) { reader->read(begin, end, first, count, out.data()); }};
+}
+
+}  // namespace envmap
