@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
@@ -31,14 +32,13 @@ class Disc {
     const double x = place.x - 0.5, y = place.y - 0.5, left = std::floor(x), top = std::floor(y);
     const std::array<double, 4> wx = catmull_rom(x - left), wy = catmull_rom(y - top);
     Flux sum(0);
-    Colour least, most;
+    Colour least(std::numeric_limits<float>::max()), most(-least);
     for (int b = 0; b < 4; ++b)
       for (int a = 0; a < 4; ++a) {
         const Colour c = pixel(int(left) + a - 1, int(top) + b - 1);
         sum += wx[std::size_t(a)] * wy[std::size_t(b)] * Flux(c);
         if (a < 1 || a > 2 || b < 1 || b > 2) continue;
-        least = a == 1 && b == 1 ? c : glm::min(least, c);
-        most = a == 1 && b == 1 ? c : glm::max(most, c);
+        least = glm::min(least, c), most = glm::max(most, c);
       }
     return glm::clamp(Colour(sum), least, most);
   }
