@@ -2,6 +2,7 @@
 #include "envmap/io/tiff.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <tiffio.h>
 
 #include <cstring>
@@ -26,7 +27,7 @@ struct Kind {
 // Files are written by name: libtiff has no memory to write to. @param more sets further tags.
 template <class More>
 std::string tiff_file(const Kind& kind, int width, int height, const More& more) {
-  const std::string path = testing::TempDir() + "envmap-tiff-test.tif";
+  const std::string path = testing::TempDir() + fmt::format("envmap-tiff-test-{}.tif", getpid());
   TIFF* const t = TIFFOpen(path.c_str(), kind.mode);
   TIFFSetField(t, TIFFTAG_IMAGEWIDTH, width);
   TIFFSetField(t, TIFFTAG_IMAGELENGTH, height);
