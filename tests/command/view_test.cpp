@@ -232,6 +232,49 @@ TEST_F(View, MapsAreSavedAndMirrorsAreLeftOut) {
   fails(2, with({"--save-maps", "nowhere"}), {"nowhere", "not a folder"});
 }
 
+// In the box [-1,1]^3, along d, the wall is as far from the ball as the nearest of the three planes ahead. The other
+// projections are turned towards the camera: their distances are interpolated, but for the edges of the box.
+TEST_F(View, SavedMapsHaveTheDistancesOfTheWalls) {
+  write("box.obj",
+        "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+        "g walls\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 4 3 7 8\nf 1 4 8 5\nf 2 3 7 6\n"
+        "v .15 .2 -.3\nv .05 .2 -.3\nv .1 .25 -.3\nv .1 .15 -.3\nv .1 .2 -.25\nv .1 .2 -.35\n"
+        "g ball\nf 9 11 13\nf 11 10 13\nf 10 12 13\nf 12 9 13\nf 11 9 14\nf 10 11 14\nf 12 10 14\nf 9 12 14\n");
+  std::filesystem::create_directory(path("maps"));
+  const std::vector<std::string> line{"view",      "box.obj",      "a.exr",        "-q",          "--ambient",
+                                      "1",         "--context",    on_processor(), "--camera",    "0.8,0.7,0.9",
+                                      "--look-at", "0.1,0.2,-0.3", "--width",      "16",          "--height",
+                                      "12",        "--mirror",     "ball",         "--save-maps", "maps"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), line.begin(), line.end());
+    return words;
+  };
+  const auto distances = [&](const std::string& maps, int size) {
+    succeeds(with({"--distance", "--all", "--size", std::to_string(size), "--maps", maps}));
+    succeeds({"convert", "maps/ball.exr", "d.exr", "--channels", "Z", "--filter", "nearest", "--to", "cube", "--layout",
+              "column", "--size", "16"});
+    return load(path("d.exr"));
+  };
+  const auto worst = [&](const Picture& cube) {
+    double off = 0;
+    for (int j = 0; j < 6 * 16; ++j)
+      for (int i = 0; i < 16; ++i) {
+        const double s = (2 * i + 1.0) / 16 - 1, t = 1 - (2 * (j % 16) + 1.0) / 16;
+        const Vec all[] = {{1, t, s}, {-1, t, -s}, {s, 1, t}, {s, -1, -t}, {-s, t, 1}, {s, t, -1}};
+        const Vec &d = all[j / 16], at{0.1, 0.2, -0.3};
+        double nearest = 1e9;
+        for (std::size_t k = 0; k < 3; ++k) nearest = std::min(nearest, ((d[k] > 0 ? 1 : -1) - at[k]) / d[k]);
+        off = std::max(off, std::abs(cube.at(i, j)[0] / (nearest * std::hypot(d[0], d[1], d[2])) - 1));
+      }
+    return off;
+  };
+  EXPECT_LT(worst(distances("cube", 16)), 2e-5);
+  EXPECT_LT(worst(distances("paraboloid", 128)), 0.03);
+  EXPECT_LT(worst(distances("sphere", 256)), 0.03);
+  EXPECT_NE(envmap({"info", "maps/ball.exr", "--drop-channels"}).out.find("0.1,0.2,-0.3"), std::string::npos);
+  fails(2, {"view", "box.obj", "a.exr", "--distance"}, {"--distance", "--save-maps"});
+}
+
 // Of 4 by 4 m the mirror takes 2 by 2, and the lamp of that size hangs straight before it.
 TEST_F(View, AnOrthographicCameraSeesMetres) {
   std::string text = read("scene.gltf");

@@ -71,14 +71,11 @@ void warn_about_missing(const std::string& path, DrawMethod method, const Drawn&
                    draw_method_names[std::size_t(method)], drawn.missing_solid_angle));
 }
 
-void write_drawn(const std::string& path, const Drawn& drawn, const Request& o) {
-  if (!o.distance) {
+void write_drawn(const std::string& path, const Drawn& drawn, const Direction& at, const Request& o) {
+  if (o.distance)
+    write_distances(path, drawn.radiance, drawn.distances, at, o.write);
+  else
     write_map(path, all_rows_of(drawn.radiance), o.write, "write");
-    return;
-  }
-  WriteOptions how = o.write;
-  how.commit = settings().commit;
-  tell_clamping(path, write_with_distances(path, drawn.radiance, drawn.distances, how));
 }
 
 // From where the map is drawn to a node, or to the scene's first camera; or what is said.
@@ -169,7 +166,7 @@ int run(Request& o, Report& report) {
     if (settings().verbose)
       note(fmt::format("{}: {} from {:.4g},{:.4g},{:.4g}, drawn in {:.1f} ms", path,
                        draw_method_names[std::size_t(method)], o.from.at.x, o.from.at.y, o.from.at.z, 1e3 * took));
-    write_drawn(path, drawn, o);
+    write_drawn(path, drawn, o.from.at, o);
     warn_about_missing(path, method, drawn);
     report.append("maps[]");
     report.put("maps[].output", path);

@@ -40,6 +40,7 @@ struct Request {
   MirrorLook look;
   MirrorOptions drawing;
   std::optional<double> max_error;
+  bool distance = false;  // A channel Z in saved maps.
 };
 
 // Red of the left eye, green and blue of the right: for red and cyan glasses.
@@ -75,10 +76,16 @@ Painted paint(const Request& o, MirrorPainter& painter, Shot shot, const std::ve
 }
 
 // A mirror that nobody saw has no file.
-void save(const MirrorPainter& painter, const std::vector<std::string>& paths) {
-  const std::vector<EnvironmentMap> maps = painter.maps();
-  for (std::size_t k = 0; k < maps.size(); ++k)
-    if (!maps[k].levels.empty()) write_map(paths[k], all_rows_of(maps[k]), {}, "write");
+void save(const MirrorPainter& painter, const std::vector<std::string>& paths, bool distance) {
+  const std::vector<PaintedMap> maps = painter.maps();
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    const EnvironmentMap& radiance = maps[k].radiance;
+    if (radiance.levels.empty()) continue;
+    if (distance)
+      write_distances(paths[k], radiance, maps[k].distances, maps[k].at, {});
+    else
+      write_map(paths[k], all_rows_of(radiance), {}, "write");
+  }
 }
 
 Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes,
@@ -111,6 +118,7 @@ void check(const Request& o) {
         "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, "
         "--show-maps, --save-maps, "
         "--all and NODE:MAP");
+  if (o.distance && o.saved.empty()) throw UsageError("--distance is for --save-maps");
   if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
 }
 
@@ -219,7 +227,7 @@ int run(Request& o, Report& report) {
     }
     if (of_frame) of_frame(1);
     seconds += watch.seconds();
-    if (!maps.empty()) save(*painter, frames.sequence ? numbered(maps, frame) : maps);
+    if (!maps.empty()) save(*painter, frames.sequence ? numbered(maps, frame) : maps, o.distance);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
     const std::vector<std::string> files = eye_files(frames.path(o.output, frame));
     if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
@@ -289,6 +297,7 @@ Action define_view(Options& o) {
   o.flag("--all", r->drawing.all, "Draw every part of every map, needed or not");
   o.flag("--show-maps", r->look.tinted, "Tint reflections by the face of the map that they come from");
   o.add("--save-maps", "FOLDER", &r->saved, "Write the map of each mirror into this folder as NODE.exr");
+  o.flag("--distance", r->distance, "--save-maps: write distances to channel Z of the EXR files");
   add_context(o, r->scene);
   add_frames(o, r->scene);
   add_scene_input(o, r->scene);

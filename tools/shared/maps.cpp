@@ -13,6 +13,7 @@
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "envmap/io/read_photo.h"
+#include "envmap/io/write_distances.h"
 #include "envmap/io/write_plan.h"
 
 namespace tools {
@@ -181,6 +182,14 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
                        levels.size() > 1 ? fmt::format(", {} levels", levels.size()) : "", name(written.depth),
                        watch.seconds()));
   return written;
+}
+
+void write_distances(const std::string& path, const EnvironmentMap& map, std::span<const float> distances,
+                     const Direction& at, const WriteOptions& options) {
+  WriteOptions how = options;
+  how.commit = settings().commit;
+  how.facts["at"] = fmt::format("{:.7g},{:.7g},{:.7g}", at.x, at.y, at.z);
+  tell_clamping(path, write_with_distances(path, map, distances, how));
 }
 
 void tell_lost_axis(const std::string& path, const Frame& frame, const WriteOptions& options) {

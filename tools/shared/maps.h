@@ -21,6 +21,9 @@ envmap::Source read_picture(const std::string& path, const envmap::ReadOptions& 
 /// @param verb for the progress line.
 envmap::Written write_map(const std::string& path, std::span<const envmap::Rows> levels,
                           const envmap::WriteOptions& options, const std::string& verb);
+/// Writes a map of one level with distances in a channel Z, and its centre as the fact `at`.
+void write_distances(const std::string& path, const envmap::EnvironmentMap& map, std::span<const float> distances,
+                     const envmap::Direction& at, const envmap::WriteOptions& options);
 /// Warns of what --clamp took, if anything.
 void tell_clamping(const std::string& path, const envmap::Written& written);
 /// Says that the file does not hold the axis at its centre, where that is not +z.

@@ -16,6 +16,15 @@ struct Painted {
   MirrorUpdates updates;
 };
 
+/// A mirror's map in the axes of the world; of a mirror that was not seen a map without levels.
+struct PaintedMap {
+  EnvironmentMap radiance;
+  /// One a texel, in metres from `at`, in the order of faces, rows and columns. Infinite where nothing was hit, and in
+  /// faces that were not needed.
+  std::vector<float> distances = {};
+  Direction at{0};  ///< Where it was drawn from.
+};
+
 /// Pictures, after the maps are drawn as far as the eyes need them.
 Painted draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot, const std::vector<Eye>& eyes,
                           const MirrorOptions& drawing);
@@ -33,8 +42,8 @@ class MirrorPainter {
   [[nodiscard]] Painted paint(Shot shot, const std::vector<int>& moved, const std::vector<Eye>& eyes,
                               MirrorOptions drawing);
 
-  /// Each mirror's map, turned to the axes of the world; of a mirror that was not seen a map without levels.
-  [[nodiscard]] std::vector<EnvironmentMap> maps() const;
+  /// Of each mirror.
+  [[nodiscard]] std::vector<PaintedMap> maps() const;
 
  private:
   Context context_;

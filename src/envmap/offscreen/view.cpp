@@ -73,9 +73,9 @@ bool paint(Sitting& s, ViewedScene& viewed) {
   }
   s.shot.look.pictures = drawing.bounces.value_or(s.shot.look.pictures);
   viewed.radiance = std::move(painter.paint(s.shot, {}, {s.eye}, drawing).pictures.front());
-  std::vector<EnvironmentMap> maps = painter.maps();
+  std::vector<PaintedMap> maps = painter.maps();
   for (std::size_t k = 0; k < maps.size(); ++k)
-    viewed.mirrors.push_back({s.lit.scene.nodes[std::size_t(s.mirrors[k].node)].name, std::move(maps[k])});
+    viewed.mirrors.push_back({s.lit.scene.nodes[std::size_t(s.mirrors[k].node)].name, std::move(maps[k].radiance)});
   return true;
 }
 
