@@ -292,6 +292,88 @@ TEST_P(Lookups, FacesLieInImagesAsTheLibraryPutsThem) {
   EXPECT_EQ(inside[2], glm::vec4(0.875, 0.875, 0, 0));
 }
 
+// Where a ray from p meets the wall of a box: in the nearest of the planes ahead.
+glm::dvec3 met_in_box(const glm::dvec3& p, const glm::dvec3& r, const glm::dvec3& low, const glm::dvec3& high) {
+  double nearest = 1e30;
+  for (int k = 0; k < 3; ++k)
+    if (r[k] != 0) nearest = std::min(nearest, ((r[k] > 0 ? high[k] : low[k]) - p[k]) / r[k]);
+  return p + nearest * r;
+}
+
+const glm::dvec3 box_low(-2, -1, -3), box_high(2, 1.2, 1);
+const std::array<glm::dvec3, 4> places_in_box{glm::dvec3(0), {0.3, -0.2, 0.4}, {-1.5, 0.9, -2}, {1.9, 1.1, 0.9}};
+
+std::vector<glm::vec4> constants(const glm::dvec3& p) {
+  std::vector<glm::vec4> all(9);
+  all[0] = glm::vec4(p, 0), all[1] = glm::vec4(box_low, 0), all[2] = glm::vec4(box_high, 0);
+  return all;
+}
+
+TEST_P(Lookups, ABoxHasItsWallsWhereTheyAre) {
+  std::vector<glm::vec4> rays = random_directions(500);
+  for (int k = 0; k < 3; ++k)
+    for (const float along : {-1.F, 1.F}) rays.emplace_back(0), rays.back()[k] = along;
+  for (const glm::dvec3& p : places_in_box) {
+    const auto found = evaluate("envmap_box(c[0], d, c[1], c[2]), 0.0", rays, constants(p));
+    for (std::size_t k = 0; k < rays.size(); ++k)
+      EXPECT_LT(glm::distance(glm::dvec3(found[k]),
+                              glm::normalize(met_in_box(p, glm::dvec3(rays[k]), box_low, box_high))),
+                1e-5)
+          << k;
+  }
+}
+
+// A cube of floats, in the order of GL's faces.
+template <class Value>
+gl::Texture cube_of(int size, const Value& value) {
+  gl::Texture texture = gl::make_texture(GL_TEXTURE_CUBE_MAP);
+  glTextureStorage2D(texture, 1, GL_R32F, size, size);
+  for (int face = 0; face < 6; ++face) {
+    std::vector<float> texels;
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) {
+        const double s = (2 * i + 1.0) / size - 1, t = (2 * j + 1.0) / size - 1;
+        const glm::dvec3 all[] = {{1, -t, -s}, {-1, -t, s}, {s, 1, t}, {s, -1, -t}, {s, -t, 1}, {-s, -t, -1}};
+        texels.push_back(float(value(glm::normalize(all[face]))));
+      }
+    glTextureSubImage3D(texture, 0, 0, 0, face, size, size, 1, GL_RED, GL_FLOAT, texels.data());
+  }
+  gl::interpolate(texture);
+  glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+  return texture;
+}
+
+TEST_P(Lookups, DistancesSayWhereRaysMeetTheWalls) {
+  const gl::Texture room = cube_of(256, [](const glm::dvec3& d) {
+    return 1 / glm::length(met_in_box(glm::dvec3(0), d, box_low, box_high));
+  });
+  glBindTextureUnit(0, room);
+  const std::vector<glm::vec4> rays = random_directions(4000);
+  for (const glm::dvec3& p : places_in_box) {
+    const auto found = evaluate("envmap_parallax(SPECULAR, c[0], d), 0.0", rays, constants(p));
+    std::vector<double> off;
+    for (std::size_t k = 0; k < rays.size(); ++k)
+      off.push_back(
+          glm::distance(glm::dvec3(found[k]), glm::normalize(met_in_box(p, glm::dvec3(rays[k]), box_low, box_high))));
+    std::ranges::sort(off);
+    EXPECT_LT(off[off.size() * 99 / 100], 0.12 * pi / 180) << p.x;
+    EXPECT_LT(off.back(), pi / 180) << p.x;
+  }
+}
+
+// 1 / distance is 0 where nothing is: above a floor 1 below the centre, rays go on to infinity or meet the floor.
+TEST_P(Lookups, RaysThatMeetNothingKeepTheirDirection) {
+  const gl::Texture floor = cube_of(256, [](const glm::dvec3& d) { return std::max(0.0, -d.y); });
+  glBindTextureUnit(0, floor);
+  const glm::dvec3 p(0.2, 0.5, -0.3);
+  const std::vector<glm::vec4> rays = random_directions(2000);
+  const auto found = evaluate("envmap_parallax(SPECULAR, c[0], d), 0.0", rays, constants(p));
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    const glm::dvec3 r(rays[k]), met = r.y < 0 ? glm::normalize(p - (1 + p.y) / r.y * r) : r;
+    EXPECT_LT(glm::distance(glm::dvec3(found[k]), met), 5e-3) << r.x << " " << r.y << " " << r.z;
+  }
+}
+
 // Of L = (d + 1) / 2 the lobe about d leaves (a d + 1) / 2, where a is the mean of cos over the lobe: D at half the
 // angle, times the cosine.
 double mean_cosine(double roughness) {
