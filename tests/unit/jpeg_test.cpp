@@ -1,6 +1,7 @@
 // JPEG images of all kinds, written by libjpeg's encoder. OpenImageIO is the other reader.
 #include "envmap/io/jpeg.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 // The second needs the first.

@@ -1,6 +1,7 @@
 // TIFF images of all kinds, written by libtiff. OpenImageIO is the other reader.
 #include "envmap/io/tiff.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 #include <tiffio.h>
