@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <tiffio.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
