@@ -139,20 +139,20 @@ std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, in
 
 bool MultilevelPlan::is_quick(const Level& from, std::size_t texels, double max_error) const {
   if (steps.empty()) return true;
-  const auto rows = std::size_t(steps.front().rows);
-  // The light of a cube is laid on grids point by point. That pays for narrow lobes of many texels, and sooner without
-  // sums at the horizon.
-  if (from.projection() == Projection::cube) {
-    if (rows >= 1024) return 250 * texels >= rows * rows;
-    return !has_hinges() && rows >= 256 && 35 * texels >= rows * rows;
-  }
-  constexpr std::size_t most = 1 << 24;  // Texels that a tree of nodes is made of: it takes 30 bytes for each.
-  if (core || index_of(from, {from.faces(), 0, 0}) > most) return true;
   // A broad lobe sees most of its grids, where a tree takes a few large nodes.
   double nodes = 0;
   for (const Step& step : steps) nodes += 2 / pi * double(step.rows) * step.rows * double(step.kernel.end);
-  const double root = portable::cbrt(1e3 * max_error), few = (steps.size() > 1 ? 5000 : 2500) * (double(rows) / 128);
-  return nodes * root * root < few;
+  const auto rows = std::size_t(steps.front().rows);
+  const double root = portable::cbrt(1e3 * max_error), seen = nodes * root * root,
+               few = (steps.size() > 1 ? 5000 : 2500) * (double(rows) / 128);
+  // The light of a cube is laid on grids point by point. That pays for narrow lobes of many texels, and sooner without
+  // sums at the horizon.
+  if (from.projection() == Projection::cube) {
+    if (core || rows >= 1024) return 250 * texels >= rows * rows;
+    return !has_hinges() && rows >= 256 && 35 * texels >= rows * rows && 2 * seen < few;
+  }
+  constexpr std::size_t most = 1 << 24;  // Texels that a tree of nodes is made of: it takes 30 bytes for each.
+  return core || index_of(from, {from.faces(), 0, 0}) > most || seen < few;
 }
 
 void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, std::span<const Direction> directions,
