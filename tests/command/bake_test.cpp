@@ -11,7 +11,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::bake_test {
 namespace {
 
 const double pi = std::acos(-1.0);
@@ -310,4 +310,4 @@ TEST_F(Bake, TheSameBytesAndADepfile) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::bake_test

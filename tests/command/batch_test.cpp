@@ -6,7 +6,7 @@
 
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::batch_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ TEST_F(Batch, WritesAScriptForSlurmThatWaitsForWhatIsRead) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::batch_test

@@ -7,7 +7,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::colour_test {
 namespace {
 
 constexpr float ap1[8] = {0.713F, 0.293F, 0.165F, 0.83F, 0.128F, 0.044F, 0.32168F, 0.33767F};
@@ -224,4 +224,4 @@ TEST_F(Colours, LightIsScaledToPhotometricUnits) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::colour_test

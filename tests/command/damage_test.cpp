@@ -6,7 +6,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::damage_test {
 namespace {
 
 using OIIO::TypeDesc;
@@ -206,4 +206,4 @@ TEST_F(CommandTest, NumbersOfJsonThatAreNoOffsetsAreRefused) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::damage_test

@@ -5,7 +5,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::depfile_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -114,4 +114,4 @@ TEST_F(Depfile, NamesTheTableOfThePrefilter) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::depfile_test

@@ -6,7 +6,7 @@
 
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::engine_option_test {
 namespace {
 
 class EngineOption : public CommandTest {
@@ -206,4 +206,4 @@ TEST_F(EngineOption, SunsBeyondHalfAreRefusedWithWaysOutThatAreThere) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::engine_option_test

@@ -6,7 +6,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::errors_test {
 namespace {
 
 constexpr int usage = 2, bad_input = 3, not_written = 4;
@@ -463,4 +463,4 @@ TEST_F(Output, OfAnInterruptedRunLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::errors_test

@@ -7,7 +7,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::faces_test {
 namespace {
 
 constexpr int size = 5;
@@ -262,4 +262,4 @@ TEST_F(Faces, AreRefusedInOneLine) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::faces_test

@@ -14,7 +14,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -598,4 +598,4 @@ TEST_F(Memory, CompressionIsChosen) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::files_test

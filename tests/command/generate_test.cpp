@@ -4,7 +4,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::generate_test {
 namespace {
 
 class Generate : public CommandTest {};
@@ -51,4 +51,4 @@ TEST_F(Generate, RefusesOptionsOfOtherKinds) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::generate_test

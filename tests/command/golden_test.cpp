@@ -20,7 +20,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::golden_test {
 namespace {
 
 class Golden : public CommandTest {
@@ -78,4 +78,4 @@ TEST_F(Golden, ARoomIsDrawnAsItWasCast) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::golden_test

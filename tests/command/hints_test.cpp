@@ -7,7 +7,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::hints_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -293,4 +293,4 @@ TEST_F(Hints, OfScenes) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::hints_test

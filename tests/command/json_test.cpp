@@ -9,7 +9,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::json_test {
 namespace {
 
 using nlohmann::json;
@@ -106,4 +106,4 @@ TEST_F(Json, TellsWhatWasMade) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::json_test

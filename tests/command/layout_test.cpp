@@ -5,7 +5,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::layout_test {
 namespace {
 
 constexpr int size = 4;
@@ -163,4 +163,4 @@ TEST_F(Layouts, OfOpenExrsOwnToolAreRead) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::layout_test

@@ -8,7 +8,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::levels_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -241,4 +241,4 @@ TEST_F(Border, IsForLatlongAndCubesInAColumn) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::levels_test

@@ -5,7 +5,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::octahedral_test {
 namespace {
 
 class OctahedralMaps : public CommandTest {};
@@ -111,4 +111,4 @@ TEST_F(OctahedralMaps, WhatCannotDrawThemSaysSo) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::octahedral_test

@@ -6,7 +6,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::photo_test {
 namespace {
 
 class Photos : public CommandTest {};
@@ -227,4 +227,4 @@ TEST_F(Photos, ThePictureAndTheBackAreInTheDepfile) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::photo_test

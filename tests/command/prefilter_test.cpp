@@ -4,7 +4,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::prefilter_test {
 namespace {
 
 constexpr int no = 1, usage = 2, bad_input = 3, not_written = 4;
@@ -222,4 +222,4 @@ TEST_F(Prefilter, SeriesComeBackAsMaps) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::prefilter_test

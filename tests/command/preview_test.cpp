@@ -7,7 +7,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::preview_test {
 namespace {
 
 constexpr double byte = 1.0 / 255;
@@ -206,4 +206,4 @@ TEST_F(Preview, PicturesOfMapsAreTakenByConvert) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::preview_test

@@ -4,7 +4,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::provenance_test {
 namespace {
 
 constexpr float rec2020[8] = {0.708F, 0.292F, 0.17F, 0.797F, 0.131F, 0.046F, 0.3127F, 0.329F};
@@ -79,4 +79,4 @@ TEST_F(Provenance, GoesWhereAFormatHasAPlaceForIt) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::provenance_test

@@ -6,7 +6,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::render_test {
 namespace {
 
 class Render : public CommandTest {
@@ -211,4 +211,4 @@ TEST_F(Render, WhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::render_test

@@ -10,7 +10,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::report_test {
 namespace {
 
 using nlohmann::json;
@@ -435,4 +435,4 @@ zpty -r -m shell text '*<*>*'
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::report_test

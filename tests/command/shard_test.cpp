@@ -9,7 +9,7 @@
 
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::shard_test {
 namespace {
 
 struct Job {
@@ -283,4 +283,4 @@ TEST_F(Shards, ThatCannotBeAreRefusedBeforeAnyWork) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::shard_test

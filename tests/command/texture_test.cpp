@@ -8,7 +8,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::texture_test {
 namespace {
 
 // OpenGL 4.6, table 8.19: of a direction with major axis m, s = (sc / |m| + 1) / 2 and t = (tc / |m| + 1) / 2 with
@@ -424,4 +424,4 @@ TEST_F(Texture, SaysWhatItCannotBe) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::texture_test

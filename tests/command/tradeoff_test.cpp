@@ -11,7 +11,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::tradeoff_test {
 namespace {
 
 using nlohmann::json;
@@ -265,4 +265,4 @@ TEST_F(Tradeoff, PlotsAndRefuses) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::tradeoff_test

@@ -5,7 +5,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests {
+namespace command_tests::view_test {
 namespace {
 
 class View : public CommandTest {
@@ -361,4 +361,4 @@ TEST_F(View, WhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace command_tests
+}  // namespace command_tests::view_test

@@ -16,7 +16,7 @@
 #include "envmap/prefilter/prefilter.h"
 #include "suns.h"
 
-namespace envmap {
+namespace envmap::radiance_test {
 namespace {
 
 EnvironmentMap constant(Projection p, int size, float value) {
@@ -152,4 +152,4 @@ TEST(Lobes, OfExponent1e8IsAMirror) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::radiance_test

@@ -12,6 +12,7 @@
 #include "render/drawing.h"
 #include "render/rooms.h"
 
+namespace scenes_test {
 namespace {
 
 using namespace envmap;
@@ -95,3 +96,4 @@ TEST(SceneSuns, OfTheLargestFloat) {
 }
 
 }  // namespace
+}  // namespace scenes_test

@@ -11,7 +11,7 @@
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
 
-namespace envmap {
+namespace envmap::shapes_test {
 namespace {
 
 constexpr double half_ulp = 0x1p-24;
@@ -137,4 +137,4 @@ TEST(Turns, TinyOnesChangeNothing) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::shapes_test

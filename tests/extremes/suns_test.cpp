@@ -11,7 +11,7 @@
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
 
-namespace envmap {
+namespace envmap::suns_test {
 namespace {
 
 using extremes::for_each_sun;
@@ -166,4 +166,4 @@ TEST(Suns, SmallSunsKeepTheirFlux) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::suns_test

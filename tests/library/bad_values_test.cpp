@@ -10,6 +10,7 @@
 
 #include "envmap/envmap.h"
 
+namespace bad_values_test {
 namespace {
 
 using namespace envmap;
@@ -344,3 +345,4 @@ TEST(Types, MapsAreMovedAndNotCopied) {
 }
 
 }  // namespace
+}  // namespace bad_values_test

@@ -7,6 +7,7 @@
 
 #include "envmap/envmap.h"
 
+namespace lookup_test {
 namespace {
 
 using namespace envmap;
@@ -56,3 +57,4 @@ TEST(Lookup, RefusesWhatIsNoMap) {
 }
 
 }  // namespace
+}  // namespace lookup_test

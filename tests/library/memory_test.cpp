@@ -10,6 +10,7 @@
 
 #include "envmap/envmap.h"
 
+namespace memory_test {
 namespace {
 
 using namespace envmap;
@@ -80,3 +81,4 @@ TEST(Memory, ReadingTakesTheOptionsOfFiles) {
 }
 
 }  // namespace
+}  // namespace memory_test

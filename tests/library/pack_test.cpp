@@ -9,6 +9,7 @@
 
 #include "envmap/envmap.h"
 
+namespace pack_test {
 namespace {
 
 using namespace envmap;
@@ -162,3 +163,4 @@ TEST(Pack, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
+}  // namespace pack_test

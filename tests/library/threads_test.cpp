@@ -14,6 +14,7 @@
 
 #include "envmap/envmap.h"
 
+namespace threads_test {
 namespace {
 
 using namespace envmap;
@@ -178,3 +179,4 @@ TEST(Run, KeepsToItsThreads) {
 }
 
 }  // namespace
+}  // namespace threads_test

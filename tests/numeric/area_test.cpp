@@ -12,7 +12,7 @@
 #include "envmap/sample/adaptive.h"
 #include "formulae.h"
 
-namespace envmap {
+namespace envmap::area_test {
 namespace {
 
 // Values at the texels of a latlong map, and bilinear interpolation written with wrapped indices: no apron.
@@ -176,4 +176,4 @@ TEST_P(EachArea, KeepsTheFluxOfASunInOneTexel) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::area_test

@@ -13,7 +13,7 @@
 #include "envmap/sample/lookup.h"
 #include "numeric/floor.h"
 
-namespace envmap {
+namespace envmap::atmosphere_test {
 namespace {
 
 // ---- the air, written down a second time, in kilometres -------------------------------------------------------------
@@ -362,4 +362,4 @@ TEST(Atmosphere, HasTheSameBytesByAnyThreads) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::atmosphere_test

@@ -12,7 +12,7 @@
 #include "envmap/projection/visit.h"
 #include "formulae.h"
 
-namespace envmap {
+namespace envmap::ball_camera_test {
 namespace {
 
 using formulae::Real;
@@ -146,4 +146,4 @@ TEST(BallCamera, IsOfSphereMapsAndOfDistancesOutsideOfTheBall) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::ball_camera_test

@@ -11,7 +11,7 @@
 #include "envmap/maths/vector.h"
 #include "every_target.h"
 
-namespace envmap {
+namespace envmap::brdf_table_test {
 namespace {
 
 ScaleBias one(double cosine, double roughness) { return brdf(std::span(&cosine, 1), roughness)[0]; }
@@ -167,4 +167,4 @@ TEST(BrdfTable, ThreadsAndInstructionSetsChangeNoBit) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::brdf_table_test

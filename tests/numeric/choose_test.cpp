@@ -7,7 +7,7 @@
 
 #include "envmap/operate/measure.h"
 
-namespace envmap {
+namespace envmap::choose_test {
 namespace {
 
 // Soft noise, and a sun in a few texels.
@@ -46,4 +46,4 @@ TEST(Choose, CheaperFiltersServeLargerErrors) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::choose_test

@@ -14,7 +14,7 @@
 #include "envmap/sample/lookup.h"
 #include "formulae.h"
 
-namespace envmap {
+namespace envmap::convert_test {
 namespace {
 
 // A map of directions made from the plain formulae alone; where the formulae say nothing (outside the disc) it is
@@ -317,4 +317,4 @@ TEST(Convert, GainIsAPlainFactor) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::convert_test

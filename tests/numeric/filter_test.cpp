@@ -16,7 +16,7 @@
 #include "envmap/sample/summed_area.h"
 #include "formulae.h"
 
-namespace envmap {
+namespace envmap::filter_test {
 namespace {
 
 // But for area, which convert_test.cpp and area_test.cpp are about.
@@ -190,4 +190,4 @@ TEST(SummedArea, BoxesOfWholeTexelsAreTheirMeans) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::filter_test

@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-namespace envmap {
+namespace envmap::find_circle_test {
 namespace {
 
 using Shade = std::function<double(double x, double y)>;
@@ -127,4 +127,4 @@ TEST(FindCircle, IsNotSureWhereThereIsNone) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::find_circle_test

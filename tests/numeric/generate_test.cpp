@@ -10,7 +10,7 @@
 #include "formulae.h"
 #include "numeric/floor.h"
 
-namespace envmap {
+namespace envmap::generate_test {
 namespace {
 
 class EachGenerated : public testing::TestWithParam<Projection> {};
@@ -143,4 +143,4 @@ TEST(Generate, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::generate_test

@@ -8,7 +8,7 @@
 #include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 
-namespace envmap {
+namespace envmap::grade_test {
 namespace {
 
 EnvironmentMap constant(const Frame& frame, int size, const Colour& colour) {
@@ -98,4 +98,4 @@ TEST(WhiteBalance, MakesGrey) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::grade_test

@@ -10,7 +10,7 @@
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/window.h"
 
-namespace envmap {
+namespace envmap::harmonics_test {
 namespace {
 
 TEST(Harmonics, AreTheBasisThatGenerateDraws) {
@@ -184,4 +184,4 @@ TEST(Harmonics, IsTheDiffuseMapOfASoftEnvironment) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::harmonics_test

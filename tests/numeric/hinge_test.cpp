@@ -12,6 +12,7 @@
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/source.h"
 
+namespace hinge_test {
 namespace {
 
 using namespace envmap;
@@ -187,3 +188,4 @@ TEST(Hinge, OtherLobesAreRefused) {
 }
 
 }  // namespace
+}  // namespace hinge_test

@@ -11,7 +11,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/projection/visit.h"
 
-namespace envmap {
+namespace envmap::levels_test {
 namespace {
 
 class EachLevels : public testing::TestWithParam<Projection> {};
@@ -163,4 +163,4 @@ TEST(Levels, OfAParaboloidGoOnBeyondItsDisc) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::levels_test

@@ -11,7 +11,7 @@
 #include "envmap/operate/sampling.h"
 #include "envmap/projection/visit.h"
 
-namespace envmap {
+namespace envmap::measure_test {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
@@ -178,4 +178,4 @@ TEST(Sampling, KnownDensities) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::measure_test

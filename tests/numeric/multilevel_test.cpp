@@ -12,6 +12,7 @@
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/source.h"
 
+namespace multilevel_test {
 namespace {
 
 using namespace envmap;
@@ -193,3 +194,4 @@ TEST(Multilevel, LobesThatHaveNoBound) {
 }
 
 }  // namespace
+}  // namespace multilevel_test

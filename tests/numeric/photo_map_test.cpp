@@ -12,7 +12,7 @@
 #include "envmap/operate/convert.h"
 #include "formulae.h"
 
-namespace envmap {
+namespace envmap::photo_map_test {
 namespace {
 
 using formulae::Real;
@@ -205,4 +205,4 @@ TEST(PhotoMap, RefusesWhatIsNotInThePicture) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::photo_map_test

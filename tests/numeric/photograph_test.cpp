@@ -8,7 +8,7 @@
 #include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 
-namespace envmap {
+namespace envmap::photograph_test {
 namespace {
 
 EnvironmentMap directions_map(Projection p, int size) { return generate(Directions{}, {p}, size); }
@@ -99,4 +99,4 @@ TEST(Photograph, RefusesWhatNoLensShows) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::photograph_test

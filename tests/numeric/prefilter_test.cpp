@@ -21,6 +21,7 @@ namespace envmap {
 
 using prefiltering::exact_prefilter;
 
+namespace prefilter_test {
 namespace {
 
 // ---- the definitions once more --------------------------------------------------------------------------------------
@@ -729,3 +730,5 @@ TEST(Prefilter, ThreadsAndInstructionSetsChangeNoBit) {
 
 }  // namespace
 }  // namespace envmap
+
+}  // namespace prefilter_test

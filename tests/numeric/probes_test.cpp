@@ -9,7 +9,7 @@
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 
-namespace envmap {
+namespace envmap::probes_test {
 namespace {
 
 TEST(Probes, FluxThroughEveryProjection) {
@@ -45,4 +45,4 @@ TEST(Probes, FluxOfEveryLevel) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::probes_test

@@ -10,6 +10,7 @@
 #include "envmap/render/renderer.h"
 #include "small_scenes.h"
 
+namespace blend_test {
 namespace {
 
 using namespace envmap;
@@ -150,3 +151,4 @@ TEST(Blended, CardsCastShadowsWhereTheyCoverHalf) {
 }
 
 }  // namespace
+}  // namespace blend_test

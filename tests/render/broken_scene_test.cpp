@@ -6,7 +6,7 @@
 
 #include "render/gltf_file.h"
 
-namespace scenes {
+namespace scenes::broken_scene_test {
 namespace {
 
 using namespace envmap;
@@ -260,4 +260,4 @@ TEST_F(SceneTest, NamesStayInTheFolder) {
 }
 
 }  // namespace
-}  // namespace scenes
+}  // namespace scenes::broken_scene_test

@@ -12,6 +12,7 @@
 #include "envmap/operate/generate.h"
 #include "envmap/render/gl.h"
 
+namespace cube_files_test {
 namespace {
 
 using namespace envmap;
@@ -84,3 +85,4 @@ TEST(CubeFiles, ShowDirectionsToOpenGL) {
 }
 
 }  // namespace
+}  // namespace cube_files_test

@@ -7,6 +7,7 @@
 #include "gltf_file.h"
 #include "rooms.h"
 
+namespace deform_test {
 namespace {
 
 using namespace envmap;
@@ -196,3 +197,4 @@ TEST_F(DeformTest, BrokenSkinsAreRefused) {
 }
 
 }  // namespace
+}  // namespace deform_test

@@ -11,6 +11,7 @@
 #include "gltf_file.h"
 #include "rooms.h"
 
+namespace distort_test {
 namespace {
 
 using namespace envmap;
@@ -209,4 +210,4 @@ TEST(DistortMissing, IsTheSolidAngleRoundTheSingularity) {
 }
 
 }  // namespace
-
+}  // namespace distort_test

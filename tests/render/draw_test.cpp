@@ -10,6 +10,7 @@
 #include "envmap/render/shading.h"
 #include "rooms.h"
 
+namespace draw_test {
 namespace {
 
 using namespace envmap;
@@ -205,3 +206,4 @@ TEST(DrawMethods, ManyTrianglesAreCast) {
 }
 
 }  // namespace
+}  // namespace draw_test

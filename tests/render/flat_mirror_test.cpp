@@ -8,6 +8,7 @@
 #include "envmap/render/raycast.h"
 #include "rooms.h"
 
+namespace flat_mirror_test {
 namespace {
 
 using namespace envmap;
@@ -113,3 +114,4 @@ TEST(FlatMirrors, AreDrawnAsDeepAsIsAsked) {
 }
 
 }  // namespace
+}  // namespace flat_mirror_test

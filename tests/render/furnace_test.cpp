@@ -7,6 +7,7 @@
 #include "envmap/render/shading.h"
 #include "rooms.h"
 
+namespace furnace_test {
 namespace {
 
 using namespace envmap;
@@ -99,3 +100,4 @@ TEST_P(Furnace, ACameraMovesPastMirrorsGlassAndPlaster) {
 }
 
 }  // namespace
+}  // namespace furnace_test

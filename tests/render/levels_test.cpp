@@ -11,6 +11,7 @@
 #include "envmap/render/shading.h"
 #include "rooms.h"
 
+namespace levels_test {
 namespace {
 
 using namespace envmap;
@@ -119,3 +120,4 @@ TEST_P(Levels, OneSampleShowsTheMean) {
 }
 
 }  // namespace
+}  // namespace levels_test

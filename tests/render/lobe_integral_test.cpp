@@ -11,6 +11,7 @@
 #include "envmap/render/shading.h"
 #include "envmap/render/sheen.h"
 
+namespace lobe_integral_test {
 namespace {
 
 using namespace envmap;
@@ -164,3 +165,4 @@ TEST(LobeIntegral, PicturesOfRoughMetalAreRight) {
 }
 
 }  // namespace
+}  // namespace lobe_integral_test

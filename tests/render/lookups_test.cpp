@@ -21,6 +21,7 @@
 #include "envmap/operate/generate.h"
 #include "envmap/render/gl.h"
 
+namespace lookups_test {
 namespace {
 
 using namespace envmap;
@@ -538,3 +539,4 @@ TEST(LookupsText, BothFoldersHoldTheSameTexels) {
 }
 
 }  // namespace
+}  // namespace lookups_test

@@ -15,6 +15,7 @@
 #include "envmap/scene/tangents.h"
 #include "rooms.h"
 
+namespace materials_test {
 namespace {
 
 using namespace envmap;
@@ -422,3 +423,4 @@ TEST(ClosedForms, WhatShinesInTheDarkShowsItsEmission) {
 }
 
 }  // namespace
+}  // namespace materials_test

@@ -8,7 +8,7 @@
 #include "envmap/projection/visit.h"
 #include "rooms.h"
 
-namespace envmap {
+namespace envmap::needed_test {
 namespace {
 
 using Vector4 = glm::vec<4, double, glm::highp>;
@@ -133,4 +133,4 @@ TEST(Needed, AFaceIsReachedWhereACapTouchesIt) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::needed_test

@@ -9,6 +9,7 @@
 #include "envmap/scene/tangents.h"
 #include "small_scenes.h"
 
+namespace normal_map_test {
 namespace {
 
 using namespace envmap;
@@ -115,3 +116,4 @@ TEST_P(NormalMap, TiltsTheNormal) {
 }
 
 }  // namespace
+}  // namespace normal_map_test

@@ -6,7 +6,7 @@
 #include "envmap/scene/read/triangulate.h"
 #include "render/gltf_file.h"
 
-namespace scenes {
+namespace scenes::obj_test {
 namespace {
 
 using namespace envmap;
@@ -204,4 +204,4 @@ TEST(Triangulate, WhatIsNoPolygonEnds) {
 }
 
 }  // namespace
-}  // namespace scenes
+}  // namespace scenes::obj_test

@@ -10,6 +10,7 @@
 #include "envmap/render/renderer.h"
 #include "small_scenes.h"
 
+namespace occlusion_test {
 namespace {
 
 using namespace envmap;
@@ -179,3 +180,4 @@ TEST(Occlusion, IsDrawnAsRaysFindIt) {
 }
 
 }  // namespace
+}  // namespace occlusion_test

@@ -6,6 +6,7 @@
 #include "envmap/render/renderer.h"
 #include "small_scenes.h"
 
+namespace orthographic_test {
 namespace {
 
 using namespace envmap;
@@ -53,3 +54,4 @@ TEST(Orthographic, ThingsAreDrawnAsRaysSeeThem) {
 }
 
 }  // namespace
+}  // namespace orthographic_test

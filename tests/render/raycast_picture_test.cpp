@@ -8,6 +8,7 @@
 #include "envmap/render/shading.h"
 #include "rooms.h"
 
+namespace raycast_picture_test {
 namespace {
 
 using namespace envmap;
@@ -197,3 +198,4 @@ TEST(RayPictures, FacingMirrorsShowSoManyReflections) {
 }
 
 }  // namespace
+}  // namespace raycast_picture_test

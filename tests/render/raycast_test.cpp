@@ -15,6 +15,7 @@
 #include "envmap/render/texture_sample.h"
 #include "envmap/scene/mesh.h"
 
+namespace raycast_test {
 namespace {
 
 using namespace envmap;
@@ -279,3 +280,4 @@ TEST(Raycast, ExtremeTriangles) {
 }
 
 }  // namespace
+}  // namespace raycast_test

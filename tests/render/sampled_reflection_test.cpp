@@ -9,6 +9,7 @@
 #include "envmap/operate/generate.h"
 #include "envmap/render/shading.h"
 
+namespace sampled_reflection_test {
 namespace {
 
 using namespace envmap;
@@ -159,3 +160,4 @@ TEST(SampledReflection, AGrazingViewShowsASunBesideItsMirroredDirection) {
 }
 
 }  // namespace
+}  // namespace sampled_reflection_test

@@ -10,7 +10,7 @@
 #include "envmap/scene/read/read_scene.h"
 #include "render/gltf_file.h"
 
-namespace scenes {
+namespace scenes::scene_test {
 namespace {
 
 using namespace envmap;
@@ -404,4 +404,4 @@ TEST_F(SceneTest, TheSampleScenesAreRead) {
 }
 
 }  // namespace
-}  // namespace scenes
+}  // namespace scenes::scene_test

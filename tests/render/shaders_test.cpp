@@ -12,6 +12,7 @@
 #include "envmap/render/image.h"
 #include "envmap/render/programs.h"
 
+namespace shaders_test {
 namespace {
 
 using namespace envmap;
@@ -145,3 +146,4 @@ TEST(Programs, MethodsSayWhatTheyCannotDraw) {
 }
 
 }  // namespace
+}  // namespace shaders_test

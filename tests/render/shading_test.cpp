@@ -9,6 +9,7 @@
 #include "envmap/render/sheen.h"
 #include "envmap/sample/lookup.h"
 
+namespace shading_test {
 namespace {
 
 using namespace envmap;
@@ -196,3 +197,4 @@ TEST(Shading, RoughMetalBlursAsGgxDoes) {
 }
 
 }  // namespace
+}  // namespace shading_test

@@ -8,6 +8,7 @@
 #include "envmap/render/renderer.h"
 #include "small_scenes.h"
 
+namespace shadow_test {
 namespace {
 
 using namespace envmap;
@@ -182,3 +183,4 @@ TEST(Shadows, OfWhatIsLeftOutStay) {
 }
 
 }  // namespace
+}  // namespace shadow_test

@@ -8,6 +8,7 @@
 #include "envmap/render/shading.h"
 #include "rooms.h"
 
+namespace view_test {
 namespace {
 
 using namespace envmap;
@@ -384,3 +385,4 @@ TEST(Views, RoughMetalBlursItsMap) {
 }
 
 }  // namespace
+}  // namespace view_test

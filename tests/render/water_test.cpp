@@ -9,6 +9,7 @@
 #include "envmap/render/raycast.h"
 #include "painter.h"
 
+namespace water_test {
 namespace {
 
 using namespace envmap;
@@ -202,3 +203,4 @@ TEST(Water, MapsShowWhatRaysDo) {
 }
 
 }  // namespace
+}  // namespace water_test

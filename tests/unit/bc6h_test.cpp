@@ -21,7 +21,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/projection/cube.h"
 
-namespace envmap {
+namespace envmap::bc6h_test {
 namespace {
 
 using Bytes16 = std::array<std::byte, bc6h::block_bytes>;
@@ -200,4 +200,4 @@ TEST(Bc6h, StepsAcrossTheEdgesOfACubeAreKeptBetterThanOthers) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::bc6h_test

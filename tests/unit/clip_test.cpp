@@ -10,7 +10,7 @@
 
 #include "envmap/prefilter/exact.h"
 
-namespace envmap::prefiltering {
+namespace envmap::prefiltering::clip_test {
 namespace {
 
 class EachExponent : public testing::TestWithParam<double> {};
@@ -61,4 +61,4 @@ TEST_P(EachExponent, NoClippedTexelIsFartherOffThanItsBound) {
 }
 
 }  // namespace
-}  // namespace envmap::prefiltering
+}  // namespace envmap::prefiltering::clip_test

@@ -10,7 +10,7 @@
 
 #include "envmap/base/error.h"
 
-namespace envmap {
+namespace envmap::colour_test {
 namespace {
 
 namespace ocio = OCIO_NAMESPACE;
@@ -185,4 +185,4 @@ TEST_F(OtherConfig, IsBridgedByANameOrByAWord) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::colour_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace envmap {
+namespace envmap::coverage_test {
 namespace {
 
 using Points = std::vector<Point2>;
@@ -120,4 +120,4 @@ TEST(Coverage, NoWeightIsNegative) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::coverage_test

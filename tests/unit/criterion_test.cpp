@@ -12,7 +12,7 @@
 #include "envmap/prefilter/treecode.h"
 #include "every_target.h"
 
-namespace envmap::prefiltering {
+namespace envmap::prefiltering::criterion_test {
 namespace {
 
 class Draw {
@@ -276,4 +276,4 @@ TEST(Together, CellsOfOneLightAlongTheHorizonAreOffByLessThanCounts) {
 }
 
 }  // namespace
-}  // namespace envmap::prefiltering
+}  // namespace envmap::prefiltering::criterion_test

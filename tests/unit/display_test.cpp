@@ -5,6 +5,7 @@
 
 #include <array>
 
+namespace display_test {
 namespace {
 
 using namespace envmap;
@@ -52,3 +53,4 @@ TEST(Display, NeutralRisesWithoutAStep) {
 }
 
 }  // namespace
+}  // namespace display_test

@@ -32,7 +32,7 @@
 #include "envmap/operate/generate.h"
 #include "envmap/projection/visit.h"
 
-namespace envmap {
+namespace envmap::io_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -661,4 +661,4 @@ TEST(Srgb, CurveOfTheStandard) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::io_test

@@ -10,7 +10,7 @@
 #include "every_target.h"
 #include "formulae.h"
 
-namespace envmap {
+namespace envmap::kernels_test {
 namespace {
 
 using formulae::Real;
@@ -306,4 +306,4 @@ TEST_P(EachKernel, SameBitsOnEveryTarget) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::kernels_test

@@ -10,7 +10,7 @@
 #include "envmap/projection/visit.h"
 #include "envmap/sample/padded_level.h"
 
-namespace envmap {
+namespace envmap::map_test {
 namespace {
 
 class EachApron : public testing::TestWithParam<Projection> {};
@@ -237,4 +237,4 @@ TEST(Storage, AScratchFileHoldsWhatMemoryHolds) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::map_test

@@ -6,7 +6,7 @@
 #include "envmap/maths/sum.h"
 #include "envmap/maths/vector.h"
 
-namespace envmap {
+namespace envmap::maths_test {
 namespace {
 
 TEST(Sum, KeepsSmallTermsBesideLargeOnes) {
@@ -69,4 +69,4 @@ TEST(AngleBetween, KeepsTinyAngles) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::maths_test

@@ -10,7 +10,7 @@
 
 #include "every_target.h"
 
-namespace envmap::prefiltering {
+namespace envmap::prefiltering::node_test {
 namespace {
 
 // Point-like nodes of any colour round a direction, some black, one of them a sun.
@@ -111,4 +111,4 @@ TEST(Node, WithoutLightsThereIsNone) {
 }
 
 }  // namespace
-}  // namespace envmap::prefiltering
+}  // namespace envmap::prefiltering::node_test

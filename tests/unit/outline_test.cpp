@@ -10,7 +10,7 @@
 
 #include "envmap/sample/coverage.h"
 
-namespace envmap {
+namespace envmap::outline_test {
 namespace {
 
 // A square turned by an angle, whose sides bulge as arcs of circles of a curvature each.
@@ -94,4 +94,4 @@ TEST(Outline, StraightSidesStayAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::outline_test

@@ -5,8 +5,9 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
+#include "unit/texels_read.h"
 
-namespace envmap {
+namespace envmap::pfm_test {
 namespace {
 
 constexpr int width = 5, height = 4;
@@ -21,12 +22,6 @@ std::string pfm_file(const std::string& header, int channels, const std::array<u
   return file;
 }
 
-std::vector<float> texels(const ImageReader& reader, int begin, int end, int first, int count) {
-  std::vector<float> out(std::size_t(width * (end - begin) * count));
-  reader.read(0, begin, end, first, count, out);
-  return out;
-}
-
 TEST(Pfm, IsReadAsOpenImageIoReadsIt) {
   for (const int channels : {1, 3})
     for (const std::string scale : {"-1.0", "1.0", "-2.5", "0.3"}) {
@@ -36,12 +31,7 @@ TEST(Pfm, IsReadAsOpenImageIoReadsIt) {
                                          scale[0] == '-' ? little : big);
       const InputFile file{std::span<const char>(bytes)};
       const ImageReader reader = open_pfm(file).value(), judge = formats().open("pnm", "a.pfm", bytes, false, false);
-      EXPECT_EQ(reader.facts.width, judge.facts.width);
-      EXPECT_EQ(reader.facts.height, judge.facts.height);
-      EXPECT_EQ(reader.facts.depth, judge.facts.depth);
-      EXPECT_EQ(reader.facts.encoded, judge.facts.encoded);
-      EXPECT_EQ(reader.facts.names, judge.facts.names);
-      EXPECT_EQ(reader.facts.channels, judge.facts.channels);
+      expect_same_facts(reader.facts, judge.facts);
       EXPECT_EQ(texels(reader, 0, height, 0, channels), texels(judge, 0, height, 0, channels));
       EXPECT_EQ(texels(reader, 1, 3, channels - 1, 1), texels(judge, 1, 3, channels - 1, 1));
       // The bottom row comes first.
@@ -64,4 +54,4 @@ TEST(Pfm, CutFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::pfm_test

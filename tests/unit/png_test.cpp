@@ -6,8 +6,9 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
+#include "unit/texels_read.h"
 
-namespace envmap {
+namespace envmap::png_test {
 namespace {
 
 struct Kind {
@@ -61,16 +62,6 @@ std::string png_file(const Kind& kind, int width = 37, int height = 21) {
   return png_file(kind, width, height, [](png_structp, png_infop) {});
 }
 
-std::vector<float> texels(const ImageReader& reader, int begin, int end, int first, int count) {
-  std::vector<float> out(std::size_t(reader.facts.width) * std::size_t(end - begin) * std::size_t(count));
-  reader.read(0, begin, end, first, count, out);
-  return out;
-}
-
-std::vector<float> texels(const ImageReader& reader) {
-  return texels(reader, 0, reader.facts.height, 0, int(reader.facts.channels.size()));
-}
-
 std::vector<Kind> all_kinds() {
   std::vector<Kind> kinds;
   for (const bool interlaced : {false, true}) {
@@ -89,15 +80,6 @@ std::vector<Kind> all_kinds() {
 }
 
 ImageReader read_by_openimageio(const std::string& file) { return formats().open("png", "a.png", file, true, false); }
-
-void expect_same_facts(const ImageFacts& is, const ImageFacts& wanted) {
-  EXPECT_EQ(is.width, wanted.width);
-  EXPECT_EQ(is.height, wanted.height);
-  EXPECT_EQ(is.depth, wanted.depth);
-  EXPECT_EQ(is.encoded, wanted.encoded);
-  EXPECT_EQ(is.names, wanted.names);
-  EXPECT_EQ(is.channels, wanted.channels);
-}
 
 TEST(Png, AllKindsAreReadAsOpenImageIoReadsThem) {
   for (const Kind& kind : all_kinds()) {
@@ -198,4 +180,4 @@ TEST(Png, ChangedImagesAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::png_test

@@ -7,7 +7,7 @@
 
 #include "envmap/maths/portable.h"
 
-namespace envmap {
+namespace envmap::portable_test {
 namespace {
 
 using Real = long double;
@@ -106,4 +106,4 @@ TEST(Portable, PowersAndRootsKeepTheirBounds) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::portable_test

@@ -7,7 +7,7 @@
 
 #include "formulae.h"
 
-namespace envmap {
+namespace envmap::projection_test {
 namespace {
 
 class EachProjection : public testing::TestWithParam<Projection> {};
@@ -220,4 +220,4 @@ TEST(Projection, NamesAreUnderstood) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::projection_test

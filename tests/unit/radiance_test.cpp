@@ -15,6 +15,7 @@
 #include "envmap/io/formats.h"
 #include "envmap/io/orientation.h"
 
+namespace radiance_test {
 namespace {
 
 using namespace envmap;
@@ -199,3 +200,4 @@ TEST(Radiance, WhatIsWrittenIsReadByOthers) {
 }
 
 }  // namespace
+}  // namespace radiance_test

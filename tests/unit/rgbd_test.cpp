@@ -8,7 +8,7 @@
 
 #include "envmap/io/png.h"
 
-namespace envmap {
+namespace envmap::rgbd_test {
 namespace {
 
 using Bytes = std::array<std::byte, 4>;
@@ -73,4 +73,4 @@ TEST(Rgbd, PngKeepsBytesUnderAnyAlpha) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::rgbd_test

@@ -10,7 +10,7 @@
 #include "envmap/sample/padded_level.h"
 #include "every_target.h"
 
-namespace envmap {
+namespace envmap::sample_test {
 namespace {
 
 class EachSampled : public testing::TestWithParam<Projection> {};
@@ -88,4 +88,4 @@ TEST(Sample, LastTexelOfALevel) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::sample_test

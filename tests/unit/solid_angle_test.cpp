@@ -5,7 +5,7 @@
 #include "envmap/projection/visit.h"
 #include "formulae.h"
 
-namespace envmap {
+namespace envmap::solid_angle_test {
 namespace {
 
 double total(Projection p, int size) {
@@ -118,4 +118,4 @@ TEST(SolidAngle, OfTinyTexelsKeepsItsDigits) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::solid_angle_test

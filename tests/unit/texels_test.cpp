@@ -12,7 +12,7 @@
 
 #include "envmap/io/half.h"
 
-namespace envmap {
+namespace envmap::texels_test {
 namespace {
 
 std::uint32_t word(const Colour& c) {
@@ -101,4 +101,4 @@ TEST(Texels, AlphaIsOneAndSeen) {
 }
 
 }  // namespace
-}  // namespace envmap
+}  // namespace envmap::texels_test
