@@ -196,7 +196,7 @@ void run(const Scene& scene, int largest, int rounds) {
   for (const Case& c : all)
     fmt::print("{},{},{},{},{:.6f},{:.6f},{:.4f},{}\n", count, name(c.from.to),
                draw_method_names[std::size_t(c.method)], c.from.size, c.draw, c.whole, c.wrong,
-               int(c.method == cheapest(c.from.to, c.from.size, count, true, !by_processor_time)));
+               int(c.method == cheapest(c.from.to, c.from.size, {.triangles = count}, true, !by_processor_time)));
   std::fflush(stdout);
 }
 

@@ -9,6 +9,7 @@
 #include "envmap/render/renderer.h"
 #include "envmap/render/shading.h"
 #include "rooms.h"
+#include "small_scenes.h"
 
 namespace draw_test {
 namespace {
@@ -196,13 +197,31 @@ TEST(DrawMethods, EnvironmentIsTheBackground) {
 }
 
 TEST(DrawMethods, ManyTrianglesAreCast) {
-  EXPECT_EQ(cheapest(Projection::sphere, 512, 12), DrawMethod::exact);
-  EXPECT_EQ(cheapest(Projection::sphere, 512, 5'000'000), DrawMethod::raycast);
+  EXPECT_EQ(cheapest(Projection::sphere, 512, {.triangles = 12}), DrawMethod::exact);
+  EXPECT_EQ(cheapest(Projection::sphere, 512, {.triangles = 5'000'000}), DrawMethod::raycast);
   // A card draws triangles faster than the processor builds their tree.
-  EXPECT_EQ(cheapest(Projection::sphere, 512, 1'000'000, true, true), DrawMethod::exact);
-  EXPECT_EQ(cheapest(Projection::cube, 512, 1'000'000, true, true), DrawMethod::resample);
-  EXPECT_EQ(cheapest(Projection::octahedral, 64, 1'000'000, true, true), DrawMethod::resample);
-  EXPECT_EQ(cheapest(Projection::octahedral, 1024, 1'000'000, true, true), DrawMethod::raycast);
+  EXPECT_EQ(cheapest(Projection::sphere, 512, {.triangles = 1'000'000}, true, true), DrawMethod::exact);
+  EXPECT_EQ(cheapest(Projection::cube, 512, {.triangles = 1'000'000}, true, true), DrawMethod::resample);
+  EXPECT_EQ(cheapest(Projection::octahedral, 64, {.triangles = 1'000'000}, true, true), DrawMethod::resample);
+  EXPECT_EQ(cheapest(Projection::octahedral, 1024, {.triangles = 1'000'000}, true, true), DrawMethod::raycast);
+}
+
+TEST(DrawMethods, ShadowMapsOfTheProcessorCostMoreThanRaysOfASmallMap) {
+  Scene scene = small_scenes::still_life();
+  small_scenes::add(scene, {.kind = PunctualLight::Kind::point, .intensity = Colour(9)}, {-0.8, 2, 0.7}, {0, -1, 0});
+  Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  const DrawLoad lamp = draw_load(shot);
+  EXPECT_EQ(lamp.lights, 1);
+  EXPECT_EQ(lamp.shadow_texels, 6 * 1024 * 1024);
+  EXPECT_EQ(cheapest(Projection::cube, 64, lamp), DrawMethod::raycast);
+  EXPECT_EQ(cheapest(Projection::cube, 512, lamp, true, true), DrawMethod::resample) << "on a card";
+  EXPECT_EQ(cheapest(Projection::cube, 2048, lamp), DrawMethod::resample);
+  const std::vector<DistantLight> sky(64);
+  shot.distant = sky;
+  EXPECT_EQ(draw_load(shot).lights, 65);
+  EXPECT_EQ(draw_load(shot).shadow_texels, (6 * 1024 + 64 * 512 / 2) * 1024);
+  shot.shadows = false;
+  EXPECT_EQ(draw_load(shot).lights, 64);
 }
 
 }  // namespace

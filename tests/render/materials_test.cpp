@@ -198,6 +198,12 @@ class Materials : public ::testing::TestWithParam<Named> {};
 INSTANTIATE_TEST_SUITE_P(Under, Materials, ::testing::ValuesIn(skies),
                          [](const auto& p) { return std::string(p.param.name); });
 
+// A card interpolates textures with 8 bits of fraction.
+double of_textures(const Material& m) {
+  const bool textured = std::max({m.base_colour_texture, m.emissive_texture, m.coat_texture, m.sheen_texture}) >= 0;
+  return textured && !drawing::context().on_processor() ? 0.02 : 0;
+}
+
 // In every pixel; of those whose rays graze an outline a few see something else.
 void expect_as_rays(const Scene& scene, const Environment& sky, double tolerance) {
   const Viewpoint from = camera();
@@ -211,7 +217,7 @@ void expect_as_rays(const Scene& scene, const Environment& sky, double tolerance
     else
       worst = std::max(worst, difference(rooms::colour_at(map, k), rooms::colour_at(truth, k)));
   });
-  EXPECT_LE(others, 4);
+  EXPECT_LE(others, drawing::context().on_processor() ? 4 : 6);
   EXPECT_GT(on_ball, 1000);
   EXPECT_LT(worst, tolerance);
 }
@@ -219,7 +225,7 @@ void expect_as_rays(const Scene& scene, const Environment& sky, double tolerance
 TEST_P(Materials, AreDrawnAsRaysSeeThem) {
   for (const Lit& lit : materials) {
     SCOPED_TRACE(lit.name);
-    expect_as_rays(scene_of(lit.material), GetParam().sky(), GetParam().tolerance);
+    expect_as_rays(scene_of(lit.material), GetParam().sky(), GetParam().tolerance + of_textures(lit.material));
   }
 }
 

@@ -135,7 +135,7 @@ TEST(Programs, AnUndefinedNameInAConditionIsAnError) {
 // A method that cannot draw a projection is neither chosen nor tried.
 TEST(Programs, MethodsSayWhatTheyCannotDraw) {
   for (const Projection p : all_projections) {
-    EXPECT_TRUE(can_draw(cheapest(p, 256, 1000), p));
+    EXPECT_TRUE(can_draw(cheapest(p, 256, {.triangles = 1000}), p));
     EXPECT_TRUE(can_draw(DrawMethod::resample, p) && can_draw(DrawMethod::raycast, p));
   }
   EXPECT_FALSE(can_draw(DrawMethod::distort, Projection::latlong));

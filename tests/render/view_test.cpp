@@ -156,7 +156,8 @@ TEST_P(View, TheSkyIsLookedUpByDirection) {
     shot.mirrors = mirrors.maps();
     pictures.push_back(draw_picture(renderer, camera(), shot));
   }
-  EXPECT_LT(furthest(pictures[0], pictures[1]), 1e-5);
+  // Sines and roots of a card have fewer digits.
+  EXPECT_LT(furthest(pictures[0], pictures[1]), context().on_processor() ? 1e-5 : 1e-4);
 }
 
 // Against rays: balls near each other and the walls, a box beside one, which rays pass behind.

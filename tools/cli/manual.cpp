@@ -93,15 +93,15 @@ std::string table_lines(const std::string& text) {
   for (const auto& row : rows)
     for (std::size_t k = 0; k < widths.size(); ++k) widths[k] = std::max(widths[k], row.at(k).size());
   constexpr std::size_t wide = 34;
-  std::string titles, columns, lines;
-  for (const std::size_t width : widths) titles += "lB ", columns += width > wide ? "lx " : "l ";
+  std::string titles, formats, lines;
+  for (const std::size_t width : widths) titles += "lB ", formats += width > wide ? "lx " : "l ";
   for (std::size_t r = 0; r < rows.size(); ++r)
     for (std::size_t k = 0; k < widths.size(); ++k) {
       const std::string cell = marked(rows[r][k]);
       lines += (widths[k] > wide ? "T{\n" + cell + "\nT}" : cell) + (k + 1 < widths.size() ? "\t" : "\n");
     }
-  titles.pop_back(), columns.pop_back();
-  return fmt::format(".PP\n.TS\n{}\n{}.\n{}.TE\n", titles, columns, lines);
+  titles.pop_back(), formats.pop_back();
+  return fmt::format(".PP\n.TS\n{}\n{}.\n{}.TE\n", titles, formats, lines);
 }
 
 // A paragraph of a file in text/. @param heading SH or SS.

@@ -29,13 +29,13 @@ void write(Picture& onto, int x, int y, const std::string& text, int height) {
   std::call_once(told, [] { warn(fmt::format("no font, so the picture has no words: {}", install_font)); });
 }
 
-int height_of(const TileRow& row) {
+int row_height(const TileRow& row) {
   int most = 0;
   for (const Tile& tile : row) most = std::max(most, tile.picture.size.height);
   return most + caption_room;
 }
 
-int width_of(const TileRow& row) {
+int row_width(const TileRow& row) {
   int sum = sheet_border;
   for (const Tile& tile : row) sum += tile.picture.size.width + sheet_border;
   return sum;
@@ -60,7 +60,7 @@ std::vector<TileRow> in_columns(std::vector<Tile> tiles, int columns) {
 Picture sheet_of(std::span<const TileRow> rows) {
   Size size{0, sheet_border};
   for (const TileRow& row : rows)
-    size = {std::max(size.width, width_of(row)), size.height + height_of(row) + sheet_border};
+    size = {std::max(size.width, row_width(row)), size.height + row_height(row) + sheet_border};
   Picture sheet(size, ground);
   int y = sheet_border;
   for (const TileRow& row : rows) {
@@ -72,7 +72,7 @@ Picture sheet_of(std::span<const TileRow> rows) {
       paste(sheet, caption, x, y + tile.picture.size.height);
       x += tile.picture.size.width + sheet_border;
     }
-    y += height_of(row) + sheet_border;
+    y += row_height(row) + sheet_border;
   }
   return sheet;
 }

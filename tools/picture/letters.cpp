@@ -14,7 +14,7 @@ namespace {
 
 using namespace envmap;
 
-constexpr Colour ink(0.8F);
+constexpr Colour light_grey(0.8F);
 
 // One for each thread: FreeType's are not shared.
 class Font {
@@ -62,7 +62,7 @@ void blend(Picture& onto, int left, int top, const FT_Bitmap& cover) {
     for (int i = 0; i < int(cover.width); ++i)
       if (onto.holds(left + i, top + j)) {
         Colour& pixel = onto.at(left + i, top + j);
-        pixel = glm::mix(pixel, ink, float(cover.buffer[j * cover.pitch + i]) / 255);
+        pixel = glm::mix(pixel, light_grey, float(cover.buffer[j * cover.pitch + i]) / 255);
       }
 }
 

@@ -112,12 +112,14 @@ DrawMethod method_with_distances(const Request& o) {
 }
 
 // For --method auto. Who says what OpenGL is drawn with wants it drawn with OpenGL. A card takes longer to start than
-// rays take for a map, so only sequences look for one.
-DrawMethod method_for(const Request& o, const Frames& frames, const Scene& scene) {
+// rays take for a map, so only sequences look for one. Where nothing moves, shadow maps are drawn once.
+DrawMethod method_for(const Request& o, const Frames& frames, const LoadedScene& loaded) {
   if (o.distance) return method_with_distances(o);
   const bool rays = o.scene.context == ContextKind::automatic;
   const bool card = frames.count() > 1 && o.scene.context != ContextKind::osmesa && finds_graphics_card();
-  return cheapest(o.from.to, o.from.size, triangles(scene), rays, card);
+  DrawLoad load = draw_load(loaded.shot(frames.time(frames.first), o.scene));
+  if (loaded.scene.animations.empty()) load.shadow_texels /= std::size_t(frames.count());
+  return cheapest(o.from.to, o.from.size, load, rays, card);
 }
 
 int run(Request& o, Report& report) {
@@ -137,7 +139,7 @@ int run(Request& o, Report& report) {
   const Viewpoint place = viewpoint_of(o.at, loaded.scene, o.scene.path);
   o.from.at = place.at, o.from.without = place.without;
   const bool turned = !o.forward.empty() && !forward_named(o.forward);
-  const DrawMethod method = o.method == DrawMethod::automatic ? method_for(o, frames, loaded.scene) : o.method;
+  const DrawMethod method = o.method == DrawMethod::automatic ? method_for(o, frames, loaded) : o.method;
   const std::vector<Mirror> mirrors =
       o.bounces > 0 ? find_mirrors(loaded.scene, Projection::paraboloid) : std::vector<Mirror>{};
   std::optional<Painter> painter;

@@ -68,10 +68,9 @@ RenderedMap render(const std::string& path, const RenderOptions& o, const Enviro
                                         part_progress(progress, 0, 0.5));
     const Shot shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
     const Viewpoint from = viewpoint(o, lit.scene, shot.pose, path);
-    const DrawMethod method =
-        o.method == DrawMethod::automatic
-            ? cheapest(o.to.projection, o.size, triangles(lit.scene), o.context == ContextKind::automatic)
-            : o.method;
+    const DrawMethod method = o.method == DrawMethod::automatic ? cheapest(o.to.projection, o.size, draw_load(shot),
+                                                                           o.context == ContextKind::automatic)
+                                                                : o.method;
     Drawn drawn = method == DrawMethod::raycast ? raycast(shot, from, {}, part_progress(progress, 0.5, 0.5))
                                                 : draw_by_opengl(shot, from, method, o.context);
     drawn.radiance.forward = o.towards ? Forward::plus_z : o.to.forward;

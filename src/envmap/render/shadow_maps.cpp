@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 #include "envmap/base/error.h"
@@ -18,9 +17,6 @@ struct GpuShadowView {
   glm::vec4 lens;                 // Half the width; 1 for parallel rays; the depth that nothing may lie before.
 };
 
-// 256 MiB for all of them.
-constexpr std::size_t max_texels = std::size_t{1} << 24;
-constexpr std::size_t largest = 2048;
 // Nothing nearer to a light than this part of the scene casts a shadow of it: depth buffers of floats do not mind.
 constexpr double nearest = 1e-6;
 
@@ -35,11 +31,10 @@ const gl::Program& ShadowMaps::program(bool holes) {
 void ShadowMaps::make(std::size_t faces) {
   GLint layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
-  if (faces > std::min(std::size_t(layers), max_texels / 4096))
+  if (faces > std::min(std::size_t(layers), max_shadow_texels / 4096))
     throw UsageError(fmt::format("shadow maps of {} faces: this renderer takes {}", faces, layers),
                      Remedy::leave_out_shadows);
-  const auto affordable = std::size_t(std::sqrt(double(max_texels / faces)));
-  size_ = int(std::min(largest, std::bit_floor(affordable)));
+  size_ = shadow_map_size(faces);
   maps_ = gl::make_texture(GL_TEXTURE_2D_ARRAY);
   glTextureStorage3D(maps_, 1, GL_RGBA32F, size_, size_, static_cast<GLsizei>(faces));
   glTextureParameteri(maps_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);

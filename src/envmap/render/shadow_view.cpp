@@ -1,5 +1,7 @@
 #include "envmap/render/shadow_view.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "envmap/projection/cube.h"
@@ -19,6 +21,11 @@ Rotation looking_along(const Direction& ahead) {
 int shadow_view_count(const PlacedLight& light) {
   const bool wide = light.kind == PunctualLight::Kind::spot && light.outer < std::cos(0.25 * pi);
   return light.kind == PunctualLight::Kind::point || wide ? 6 : 1;
+}
+
+int shadow_map_size(std::size_t count) {
+  constexpr std::size_t largest = 2048;
+  return int(std::min(largest, std::bit_floor(std::size_t(std::sqrt(double(max_shadow_texels / count))))));
 }
 
 ShadowView parallel_image(const Direction& along, const Ball& scene) {

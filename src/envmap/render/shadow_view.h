@@ -23,6 +23,17 @@ struct ShadowView {
 /// axis, else 6, in the order of a cube's faces.
 int shadow_view_count(const PlacedLight& light);
 
+/// Of all images together: 256 MiB.
+inline constexpr std::size_t max_shadow_texels = std::size_t{1} << 24;
+
+/// Texels a side of so many images: 2048, or as many as 256 MiB have room for.
+int shadow_map_size(std::size_t count);
+
+inline std::size_t shadow_map_texels(std::size_t count) {
+  const auto size = std::size_t(count > 0 ? shadow_map_size(count) : 0);
+  return count * size * size;
+}
+
 /// The image of parallel rays along a direction through all of a ball.
 ShadowView parallel_image(const Direction& along, const Ball& scene);
 
