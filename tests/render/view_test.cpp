@@ -3,6 +3,7 @@
 
 #include "drawing.h"
 #include "envmap/operate/generate.h"
+#include "envmap/operate/measure.h"
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/shading.h"
@@ -158,6 +159,27 @@ TEST_P(View, TheSkyIsLookedUpByDirection) {
   }
   // Sines and roots of a card have fewer digits.
   EXPECT_LT(furthest(pictures[0], pictures[1]), context().on_processor() ? 1e-5 : 1e-4);
+}
+
+// A sun of one texel of the sky, no larger than those of the map, wherever it stands: of the light of all directions the
+// map has as much as the sky. Towards the rim of a sphere map texels are long. By one sample a texel the light was up to
+// ten times too low and twice too high.
+TEST_P(View, SmallSunsKeepTheirLight) {
+  context();
+  Scene scene = hall({{0, 0, 0}});
+  for (Node& node : scene.nodes)
+    if (node.name.starts_with("wall")) node.meshes.clear();
+  for (const auto& [i, j] : {std::pair(40, 60), {97, 63}, {130, 100}, {200, 80}, {251, 20}}) {
+    EnvironmentMap map = generate(Directions{}, Projection::latlong, 128);
+    *map.base().texel(0, i, j) = Colour(1e5F);
+    const Environment sky(std::move(map), 8);
+    Renderer renderer(scene, &sky, {6});
+    Mirrors mirrors(scene, find_mirrors(scene, GetParam()));
+    const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &sky};
+    mirrors.update(renderer, shot, {viewer(camera())}, {.size = 64, .all = true});
+    const double light = totals(read_back(*mirrors.maps()[0].texture).base()).flux.x;
+    EXPECT_NEAR(light / totals(sky.map.base()).flux.x, 1, GetParam() == Projection::sphere ? 0.15 : 0.05) << i << ' ' << j;
+  }
 }
 
 // Against rays: balls near each other and the walls, a box beside one, which rays pass behind.

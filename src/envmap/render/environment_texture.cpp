@@ -81,7 +81,8 @@ EnvironmentTexture upload(const EnvironmentMap& map) {
                : std::move(convert(map, {.to = Projection::cube, .size = std::min(dense, largest - aprons)}).base()));
   const Forward forward = as_it_is ? map.forward : Forward::plus_z;
   EnvironmentTexture out{gl::make_texture(GL_TEXTURE_2D_ARRAY), level.projection(),
-                         glm::transpose(image_to_world(forward))};
+                         glm::transpose(image_to_world(forward)),
+                         pi / matching_size(level.projection(), level.height(), Projection::latlong)};
   const int width = level.width() + aprons, height = level.height() + aprons;
   glTextureStorage3D(out.texture, 1, GL_RGB32F, width, height, level.faces());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);

@@ -14,6 +14,7 @@ struct EnvironmentTexture {
   gl::Texture texture;  ///< A layer a face, each with its apron.
   Projection projection = Projection::cube;
   Rotation to_map{1};  ///< From the world.
+  double texel = 1;    ///< Radians from one to the next.
 };
 
 /// What an environment gives surfaces (shading.h), as shading.glsl reads it.

@@ -270,7 +270,8 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                  .without = mirror.node,
                  .which = needed,
                  .cull = !options.all,
-                 .show_ambient = true};
+                 .show_ambient = true,
+                 .mean_background = true};
   Shot with_maps = shot;
   with_maps.mirrors = maps_;
   with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup,

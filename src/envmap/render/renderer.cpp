@@ -209,6 +209,7 @@ void Renderer::light(const gl::Program& program, const Viewpoint& from, int sten
 
 void Renderer::shade_background(const Viewpoint& from, const Shot& shot) {
   gl::set(background_, "behind", from.show_ambient ? shot.ambient : Colour(0));
+  gl::set(background_, "environment_texel", from.mean_background ? float(environment_.texel) : 1e9F);
   light(background_, from, 0);
 }
 
