@@ -42,12 +42,11 @@ struct Bulging {
 std::vector<double> weights(const std::vector<Point2>& polygon) {
   Coverage coverage;
   coverage.cover(polygon);
-  const std::vector<double> densities(std::size_t(coverage.columns() * coverage.rows()), 1.0);
+  const std::vector<double> densities(400, 1.0);
   const double* weight = coverage.weights(densities).data();
   std::vector<double> out(100, 0);
-  for (int j = 0; j < coverage.rows(); ++j)
-    for (int i = 0; i < coverage.columns(); ++i)
-      out[std::size_t(10 * (coverage.top() + j) + coverage.left() + i)] += *weight++;
+  for (const Coverage::Run& run : coverage.runs())
+    for (int i = run.first; i < run.first + run.count; ++i) out[std::size_t(10 * run.row + i)] += *weight++;
   return out;
 }
 

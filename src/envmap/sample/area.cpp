@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -24,12 +25,21 @@ constexpr std::size_t rim_pieces = 64;    // Of a texel that a disc's rim cuts, 
 // A side that bends by half the tolerance puts that much of a sun into the wrong one of two texels; what else there
 // is goes wrong by a tenth of it.
 constexpr double bend_for_error = 0.5;
+// Where means are estimated: what sides may be off by, over the texel's thickness, and times the tolerance that a sun
+// may be wrong by.
+constexpr double most_bend = 1.0 / 16, most_over = 16;
+constexpr Colour unknown(std::numeric_limits<float>::quiet_NaN());
+
+// Of a texel's mean: its sides are within the tolerance; they are not, but it is there; there is none.
+enum class Outcome { done, estimated, bent, unsuitable };
 
 struct Task {
   const PaddedLevel& source;
   Target target;
   double tolerance;
-  int division;  // Of the source's texels, along a side.
+  int division;    // Of the source's texels, along a side.
+  double floor;    // Radiance below which errors are absolute.
+  bool estimates;  // Takes means that hardly change with shorter pieces, too.
 
   void find(Sides& sides, int face, int row, int first, std::size_t texels, std::size_t pieces, bool inside) const {
     sides.face = face, sides.row = row, sides.first = first, sides.texels = texels, sides.pieces = pieces;
@@ -39,6 +49,22 @@ struct Task {
   // What sides are off by, over what they may be.
   [[nodiscard]] double relative(const Outline::Shape& shape, double off) const {
     return off / (tolerance * std::min<double>(division, shape.thickness));
+  }
+  // Whether sides are within the tolerance; else, of estimates, whether they may be tried.
+  [[nodiscard]] Outcome judge(double off) const {
+    return off <= 1 ? Outcome::done : estimates && off * tolerance < most_bend ? Outcome::estimated : Outcome::bent;
+  }
+  // Whether a mean hardly differs from that of pieces twice as long: what is left is less than the difference.
+  [[nodiscard]] bool settled(const Colour& before, const Colour& now) const {
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(now[c] - before[c]) <= tolerance * std::max<double>(now[c], floor))) return false;
+    return true;
+  }
+  // Whether a texel as bright as `high` could matter if it lay where sides are off.
+  [[nodiscard]] bool may_cut_sun(double off, const Colour& high, const Colour& mean) const {
+    for (int c = 0; c < 3; ++c)
+      if (off * high[c] > most_over * std::max<double>(mean[c], floor)) return true;
+    return false;
   }
 };
 
@@ -60,8 +86,6 @@ void cut(const std::vector<Corner>& corners, const Direction& side, std::vector<
   }
 }
 
-enum class Outcome { done, bent, unsuitable };
-
 // What one thread works with; kept, so that nothing is allocated for a texel.
 struct Workspace {
   Sides sides;
@@ -77,25 +101,29 @@ struct Workspace {
 struct Mean {
   Rgb<double> light{0};
   double weight = 0;
+  Colour high{0};  // The brightest below.
+  double off = 0;  // What the sides are off by, over what they may be.
 };
 
 void integrate(const PaddedLevel& source, int facet, std::span<const Point2> polygon, Workspace& ws, Mean& mean) {
   Coverage& c = ws.coverage;
   c.cover(polygon);
   ws.centres.clear();
-  for (int j = c.top(); j < c.top() + c.rows(); ++j)
-    for (int i = c.left(); i < c.left() + c.columns(); ++i)
-      ws.centres.emplace_back((i + 0.5) / source.width(), (j + 0.5) / source.height());
+  for (const Coverage::Run& run : c.runs())
+    for (int i = run.first; i < run.first + run.count; ++i)
+      ws.centres.emplace_back((i + 0.5) / source.width(), (run.row + 0.5) / source.height());
   ws.densities.resize(ws.centres.size());
   facet_densities(source.projection(), facet, ws.centres, ws.densities);
   const int face = facet % source.faces();
   const double* weight = c.weights(ws.densities).data();
   const int w = source.width();
-  const bool over_seam = source.projection() == Projection::latlong && (c.left() < 0 || c.left() + c.columns() > w);
-  for (int j = c.top(); j < c.top() + c.rows(); ++j) {
-    const Colour* texels = source.texel(face, 0, j);
-    for (int i = c.left(); i < c.left() + c.columns(); ++i, ++weight) {
-      mean.light += *weight * Rgb<double>(texels[over_seam ? (i % w + w) % w : i]);
+  for (const Coverage::Run& run : c.runs()) {
+    const Colour* texels = source.texel(face, 0, run.row);
+    const bool over_seam = source.projection() == Projection::latlong && (run.first < 0 || run.first + run.count > w);
+    for (int i = run.first; i < run.first + run.count; ++i, ++weight) {
+      const Colour& texel = texels[over_seam ? (i % w + w) % w : i];
+      mean.light += *weight * Rgb<double>(texel);
+      mean.high = glm::max(mean.high, texel);
       mean.weight += *weight;
     }
   }
@@ -142,31 +170,38 @@ Outcome integrate_by_facets(const Task& task, std::size_t texel, Workspace& ws, 
     shape = {std::max(shape.bend, s.bend), std::max(shape.error, s.error), std::max(shape.thickness, s.thickness)};
     part.move_out();
   }
-  if (task.relative(shape, shape.error) > 1) return Outcome::bent;
+  mean.off = task.relative(shape, shape.error);
+  const Outcome outcome = task.judge(mean.off);
+  if (outcome == Outcome::bent) return outcome;
   for (const Outline& part : std::span(ws.parts).first(P::facets))
     if (part.points.size() >= 4) integrate(task.source, part.facet, part.points, ws, mean);
-  return Outcome::done;
+  return outcome;
 }
 
 Outcome texel_mean(const Task& task, std::size_t texel, Workspace& ws, Colour& out) {
   Mean mean;
+  Outcome outcome;
   if (ws.outline.follow(task.source, task.target, ws.sides, texel)) {
     const Outline::Shape shape = ws.outline.shape();
-    if (task.relative(shape, shape.error) > 1) return Outcome::bent;
+    mean.off = task.relative(shape, shape.error);
+    outcome = task.judge(mean.off);
+    if (outcome == Outcome::bent) return outcome;
     ws.outline.move_out();
     integrate(task.source, ws.outline.facet, ws.outline.points, ws, mean);
   } else {
-    const Outcome outcome = visit(task.source.projection(), [&](auto q) {
+    outcome = visit(task.source.projection(), [&](auto q) {
       if constexpr (Faceted<decltype(q)>)
         return integrate_by_facets<decltype(q)>(task, texel, ws, mean);
       else
         return Outcome::unsuitable;
     });
-    if (outcome != Outcome::done) return outcome;
+    if (outcome >= Outcome::bent) return outcome;
   }
   if (!(mean.weight > 0)) return Outcome::unsuitable;
   out = Colour(mean.light / mean.weight);
-  return Outcome::done;
+  if (task.estimates && task.may_cut_sun(mean.off, mean.high, out))
+    return outcome == Outcome::done ? Outcome::estimated : Outcome::bent;
+  return outcome;
 }
 
 // Whether the rim of a disc cuts the texel.
@@ -202,25 +237,32 @@ std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Wo
   return is_octahedral(task.target.to) ? whole + whole % 2 : whole;
 }
 
-// Texels of one block; those that need more pieces one by one, with four times as many each time.
+// Texels of one block; those that need more pieces one by one, with four times as many each time, or twice as many
+// where the means themselves tell when to end.
 void sample_block(const Task& task, const Sampler& otherwise, int face, int row, int first, std::span<Colour> out) {
   static thread_local Workspace ws;
   const auto column = [&](std::size_t k) { return first + int(k); };
-  std::size_t pieces = pieces_for(task, face, row, first, ws);
+  const std::size_t times = task.estimates ? 2 : 4;
+  std::size_t pieces = std::min<std::size_t>(pieces_for(task, face, row, first, ws), task.estimates ? 2 : max_pieces);
   task.find(ws.sides, face, row, first, out.size(), pieces, false);
   ws.open.clear();
-  for (std::size_t k = 0; k < out.size(); ++k)
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k] = unknown;
     if (on_rim(task.target, row, column(k)) || texel_mean(task, k, ws, out[k]) != Outcome::done) ws.open.push_back(k);
-  for (pieces = std::max<std::size_t>(8, 4 * pieces); !ws.open.empty(); pieces *= 4) {
+  }
+  for (pieces = std::max(2 * times, times * pieces); !ws.open.empty(); pieces *= times) {
     std::swap(ws.open, ws.again);
     ws.open.clear();
     for (const std::size_t k : ws.again) {
       const bool rim = on_rim(task.target, row, column(k));
-      task.find(ws.sides, face, row, column(k), 1, rim ? std::max(pieces, rim_pieces) : pieces, rim);
+      const std::size_t n = !rim ? pieces : task.estimates ? rim_pieces / 4 * pieces : std::max(pieces, rim_pieces);
+      const Colour before = out[k];
+      task.find(ws.sides, face, row, column(k), 1, n, rim);
       const Outcome outcome = texel_mean(task, 0, ws, out[k]);
-      if (outcome == Outcome::bent && 4 * pieces <= max_pieces)
+      if (outcome == Outcome::done || (outcome == Outcome::estimated && task.settled(before, out[k]))) continue;
+      if (outcome != Outcome::unsuitable && times * n <= max_pieces)
         ws.open.push_back(k);
-      else if (outcome != Outcome::done)
+      else
         otherwise(face, row, column(k), out.subspan(k, 1));
     }
   }
@@ -255,13 +297,13 @@ PaddedLevel divided(const PaddedLevel& source, int times) {
 
 }  // namespace
 
-Sampler area_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
+Sampler area_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor, bool estimates) {
   const Sampler otherwise = adaptive_sampler(source, target, tolerance, floor);
   const int times = division_for(source, tolerance);
   // A camera near the ball spreads solid angles over its photo otherwise than the projection.
   if (times == 0 || target.ball) return otherwise;
   const auto finer = times > 1 ? std::make_shared<const PaddedLevel>(divided(source, times)) : nullptr;
-  const Task task{finer ? *finer : source, target, bend_for_error * tolerance, times};
+  const Task task{finer ? *finer : source, target, bend_for_error * tolerance, times, floor, estimates};
   return [finer, task, otherwise](int face, int row, int first, std::span<Colour> out) {
     while (!out.empty()) {
       const auto count = std::min(out.size(), std::size_t(block - first % block));

@@ -22,6 +22,8 @@ namespace envmap {
 /// @param source must outlive the sampler.
 /// @param tolerance how far an outline may bend, in source texels, or over its own thickness where that is less. Texels
 /// are right to that, relative to the larger of their value and `floor`, but where a sun is cut in two.
-Sampler area_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor);
+/// @param estimates also takes means that change by less than half the tolerance when sides get twice the pieces.
+Sampler area_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor,
+                     bool estimates = false);
 
 }  // namespace envmap

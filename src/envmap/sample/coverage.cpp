@@ -9,17 +9,36 @@ void Coverage::cover(std::span<const Point2> points) {
   Point2 low = points[0], high = points[0];
   double area = 0;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const Point2&a = points[k], &b = points[k + 1 < points.size() ? k + 1 : 0];
+    const Point2 &a = points[k], &b = points[k + 1 < points.size() ? k + 1 : 0];
     low = glm::min(low, a), high = glm::max(high, a);
     area += (b.y - a.y) * (a.x + b.x - 2 * points[0].x);
   }
   sign_ = area > 0 ? -1 : 1;  // A side that goes down takes from what lies to its right.
-  left_ = int(std::floor(low.x)), top_ = int(std::floor(low.y));
-  across_ = int(std::floor(high.x)) - left_ + 1, down_ = int(std::floor(high.y)) - top_ + 1;
-  cells_.assign(std::size_t(across_) * std::size_t(down_), {});
-  const Point2 origin(left_, top_);
+  left_ = int(std::floor(low.x));
+  const int top = int(std::floor(low.y));
+  clear(int(std::floor(high.x)) - left_ + 1, int(std::floor(high.y)) - top + 1);
+  const Point2 origin(left_, top);
   for (std::size_t k = 0; k < points.size(); ++k)
     add_side(points[k] - origin, points[k + 1 < points.size() ? k + 1 : 0] - origin);
+  find_runs(top);
+}
+
+void Coverage::clear(int across, int down) {
+  for (std::size_t j = 0; j < reach_.size(); ++j)
+    for (int i = reach_[j].first; i <= reach_[j].last; ++i) cells_[j * std::size_t(across_) + std::size_t(i)] = {};
+  across_ = across, down_ = down;
+  reach_.assign(std::size_t(down), {across, -1});
+  cells_.resize(std::max(cells_.size(), std::size_t(across) * std::size_t(down)));
+}
+
+// A row of texels lies between two of cells.
+void Coverage::find_runs(int top) {
+  runs_.clear();
+  for (int j = 0; j <= down_; ++j) {
+    const Reach above = j > 0 ? reach_[j - 1] : Reach{across_, -1}, below = j < down_ ? reach_[j] : Reach{across_, -1};
+    const int first = std::min(above.first, below.first), last = std::max(above.last, below.last);
+    runs_.push_back({top + j, left_ + first, last < first ? 0 : last - first + 2});
+  }
 }
 
 // From row to row, always downwards.
@@ -43,12 +62,16 @@ void Coverage::add_side(const Point2& a, const Point2& b) {
 // From column to column, always to the right; y may go either way, and counts by how far.
 void Coverage::add_in_row(int row, const Point2& a, const Point2& b) {
   const double slope = b.x > a.x ? (b.y - a.y) / (b.x - a.x) : 0;
+  row = std::min(row, down_ - 1);
+  Reach& reach = reach_[row];
+  reach.first = std::min({reach.first, int(a.x), across_ - 1});
   Point2 from = a;
   for (int column = int(a.x);; ++column) {
     const bool last = !(column + 1 < b.x);
     const Point2 to = last ? b : Point2(column + 1, a.y + (column + 1 - a.x) * slope);
-    add_piece(cells_[std::min(row, down_ - 1) * across_ + std::min(column, across_ - 1)],
-              {from.x - column, from.y - row}, {to.x - column, to.y - row});
+    add_piece(cells_[row * across_ + std::min(column, across_ - 1)], {from.x - column, from.y - row},
+              {to.x - column, to.y - row});
+    reach.last = std::max(reach.last, std::min(column, across_ - 1));
     if (last) return;
     from = to;
   }
@@ -73,24 +96,29 @@ void Coverage::add_piece(Cell& cell, const Point2& a, const Point2& b) {
 }
 
 std::span<const double> Coverage::weights(std::span<const double> densities) {
-  const auto wide = std::size_t(columns());
-  weights_.assign(wide * std::size_t(rows()), 0);
+  weights_.assign(densities.size(), 0);
   // Rounding must not make a weight negative: there may be a sun of 1e9 beside it.
   const auto add = [&](std::size_t k, double weight) { weights_[k] += std::max(0.0, weight); };
-  const Cell* cell = cells_.data();
-  for (std::size_t row = 0; row < std::size_t(down_); ++row) {
+  std::size_t start = 0;  // Of the run above the cells.
+  for (std::size_t j = 0; j < std::size_t(down_); ++j) {
+    const Run &above = runs_[j], &under = runs_[j + 1];
+    const std::size_t next = start + std::size_t(above.count);
     double one = 0, y = 0, yy = 0;  // What the sides to the left of the cell give it.
-    for (std::size_t k = row * wide; k < row * wide + std::size_t(across_); ++k, ++cell) {
+    for (int i = reach_[j].first; i <= reach_[j].last; ++i) {
+      const std::size_t k = start + std::size_t(left_ + i - above.first);
+      const std::size_t l = next + std::size_t(left_ + i - under.first);
+      const Cell* cell = &cells_[j * std::size_t(across_) + std::size_t(i)];
       const Cell m{cell->one + one,  cell->x + one / 2, cell->xx + one / 3, cell->y + y,
                    cell->xy + y / 2, cell->xxy + y / 3, cell->yy + yy,      cell->xyy + yy / 2};
       one += cell->beyond, y += cell->beyond_y, yy += cell->beyond_yy;
-      const double a = densities[k], b = densities[k + 1], c = densities[k + wide], d = densities[k + wide + 1];
+      const double a = densities[k], b = densities[k + 1], c = densities[l], d = densities[l + 1];
       const double gx = 0.5 * (b - a + d - c), gy = 0.5 * (c - a + d - b), g = 0.25 * (a + b + c + d) - 0.5 * (gx + gy);
       add(k, g * (m.one - m.x - m.y + m.xy) + gx * (m.x - m.xx - m.xy + m.xxy) + gy * (m.y - m.xy - m.yy + m.xyy));
       add(k + 1, g * (m.x - m.xy) + gx * (m.xx - m.xxy) + gy * (m.xy - m.xyy));
-      add(k + wide, g * (m.y - m.xy) + gx * (m.xy - m.xxy) + gy * (m.yy - m.xyy));
-      add(k + wide + 1, g * m.xy + gx * m.xxy + gy * m.xyy);
+      add(l, g * (m.y - m.xy) + gx * (m.xy - m.xxy) + gy * (m.yy - m.xyy));
+      add(l + 1, g * m.xy + gx * m.xxy + gy * m.xyy);
     }
+    start = next;
   }
   return weights_;
 }

@@ -21,13 +21,14 @@ class Coverage {
   /// with texel centres at whole numbers below 2^30.
   void cover(std::span<const Point2> points);
 
-  /// What was covered: texels [left, left + columns) x [top, top + rows).
-  [[nodiscard]] int left() const { return left_; }
-  [[nodiscard]] int top() const { return top_; }
-  [[nodiscard]] int columns() const { return across_ + 1; }
-  [[nodiscard]] int rows() const { return down_ + 1; }
+  /// Texels of a row, from the first that a side may count for to the last.
+  struct Run {
+    int row, first, count;
+  };
+  /// What was covered, row by row.
+  [[nodiscard]] std::span<const Run> runs() const { return runs_; }
 
-  /// Weights of these texels, row by row, none of them negative. Their sum is the integral of the density.
+  /// Weights of these texels, one run after another, none of them negative. Their sum is the integral of the density.
   /// @param densities at the texels' centres, taken as linear over each cell.
   std::span<const double> weights(std::span<const double> densities);
 
@@ -38,13 +39,23 @@ class Coverage {
     double beyond = 0, beyond_y = 0, beyond_yy = 0;
   };
 
+  // Cells of a row that sides pass through.
+  struct Reach {
+    int first, last;
+  };
+
+  void clear(int across, int down);
+  void find_runs(int top);
   void add_side(const Point2& a, const Point2& b);
   void add_in_row(int row, const Point2& a, const Point2& b);
   void add_piece(Cell& cell, const Point2& a, const Point2& b);
 
-  int left_ = 0, top_ = 0, across_ = 0, down_ = 0;  // Of cells.
-  double sign_ = 1;                                 // -1 where the polygon goes round the other way.
-  std::vector<Cell> cells_;
+  int left_ = 0;               // In texels.
+  int across_ = 0, down_ = 0;  // Of cells.
+  double sign_ = 1;            // -1 where the polygon goes round the other way.
+  std::vector<Cell> cells_;    // Zero where no side passes through: a long polygon touches few of those round it.
+  std::vector<Reach> reach_;
+  std::vector<Run> runs_;
   std::vector<double> weights_;
 };
 
