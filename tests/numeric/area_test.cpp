@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <random>
 
-#include "envmap/sample/padded_level.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/sample/adaptive.h"
+#include "envmap/sample/padded_level.h"
+#include "envmap/sample/quad.h"
 #include "formulae.h"
 
 namespace envmap::area_test {
@@ -71,8 +72,7 @@ TEST_P(EachArea, AgreesWithBruteForce) {
     const EnvironmentMap result = convert(source, {.to = p, .size = size, .filter = Filter::area});
     std::mt19937 random(5);
     for (int k = 0; k < 10; ++k) {
-      const int face = int(random() % unsigned(faces(p))),
-                j = int(random() % unsigned(size));
+      const int face = int(random() % unsigned(faces(p))), j = int(random() % unsigned(size));
       const Columns in = columns(p, size, j);
       const int i = in.first + int(random() % unsigned(in.end - in.first));
       std::vector<double> weights(std::size_t(size * aspect(p)));
@@ -172,6 +172,77 @@ TEST_P(EachArea, KeepsTheFluxOfASunInOneTexel) {
       EXPECT_NEAR(mean_radiance(result.base()) / mean_radiance(other.base()), 1, j == 31 ? 2e-2 : 1e-3)
           << i << "," << j << " at " << size;
     }
+  }
+}
+
+// What convert() takes by itself, against brute force. Half the resolution of the source: footprints of 2 x 2 texels.
+TEST_P(EachArea, TheDefaultAgreesWithBruteForce) {
+  const Projection p = GetParam();
+  EnvironmentMap source = noise(256);
+  const int size = matching_size(Projection::latlong, 128, p);
+  const EnvironmentMap result = convert(source, {.to = p, .size = size});
+  std::mt19937 random(9);
+  for (int k = 0; k < 30; ++k) {
+    const int face = int(random() % unsigned(faces(p))), j = int(random() % unsigned(size));
+    const Columns in = columns(p, size, j);
+    const int i = in.first + int(random() % unsigned(in.end - in.first));
+    const double far = std::hypot(std::abs(i + 0.5 - size / 2.0) + 0.5, std::abs(j + 0.5 - size / 2.0) + 0.5);
+    if (on_disc(p) && far >= size / 2.0) continue;
+    const double truth = brute_force({source.base()}, p, size, face, i, j, 200);
+    EXPECT_NEAR(result.base().texel(face, i, j)->x / truth, 1, 1e-3) << "face " << face << " " << i << "," << j;
+  }
+}
+
+Colour smooth(double u, double v, std::mt19937&) {
+  return Colour(1 + 0.5 * std::sin(20 * u) * std::cos(15 * v), 1 + u * v, 1 + 0.3 * std::sin(9 * v));
+}
+Colour noisy(double, double, std::mt19937& random) { return Colour(1e-3F + float(random() % 1000) / 1000); }
+Colour checker(double u, double v, std::mt19937&) { return Colour(float((int(512 * u) + int(256 * v)) % 2)); }
+Colour suns(double, double, std::mt19937& random) { return Colour(random() % 200 == 0 ? 1e5F : 0.1F); }
+
+// Texels that quadrilaterals are enough for are right to the tolerance in every map: it is a bound. Those are told by
+// being other than what polygons give.
+TEST_P(EachArea, QuadrilateralsKeepTheirBound) {
+  for (const auto map : {smooth, noisy, checker, suns}) {
+    std::mt19937 random(21);
+    Level level(Projection::latlong, 256);
+    for (int j = 0; j < 256; ++j)
+      for (int i = 0; i < 512; ++i) *level.texel(0, i, j) = map((i + 0.5) / 512, (j + 0.5) / 256, random);
+    const PaddedLevel padded(std::move(level));
+    const Target target{GetParam(), matching_size(Projection::latlong, 110, GetParam()), rotation(20, 30, 40)};
+    const double tolerance = map == smooth ? 1e-3 : 2e-2;
+    const Sampler quads = quad_sampler(padded, target, tolerance, 1e-3);
+    const Sampler polygons = area_sampler(padded, target, tolerance, 1e-3, true);
+    const Sampler truth = area_sampler(padded, target, 1e-6, 1e-3);
+    int taken = 0;
+    for (int k = 0; k < 1500; ++k) {
+      const int face = int(random() % unsigned(faces(target.to))), j = int(random() % unsigned(target.size));
+      const Columns in = columns(target.to, target.size, j);
+      const int i = in.first + int(random() % unsigned(in.end - in.first));
+      Colour a, b, c;
+      quads(face, j, i, {&a, 1}), polygons(face, j, i, {&b, 1});
+      if (a == b) continue;
+      truth(face, j, i, {&c, 1});
+      for (int n = 0; n < 3; ++n)
+        EXPECT_LE(std::abs(a[n] - c[n]), tolerance * std::max(c[n], 1e-3F)) << "face " << face << " " << i << "," << j;
+      ++taken;
+    }
+    EXPECT_GT(taken, map == smooth ? 900 : 20);
+  }
+}
+
+// Rows are filled in parts of any length.
+TEST_P(EachArea, QuadrilateralsAreTheSameOneByOne) {
+  EnvironmentMap source = noise(256);
+  const PaddedLevel padded(source.base());
+  const Target target{GetParam(), matching_size(Projection::latlong, 100, GetParam()), rotation(20, 30, 40)};
+  const Sampler quads = quad_sampler(padded, target, 1e-2, 1e-3);
+  for (const int row : {3, target.size / 2, target.size - 8}) {
+    const Columns in = columns(target.to, target.size, row);
+    std::vector<Colour> whole(in.count()), single(in.count());
+    quads(0, row, in.first, whole);
+    for (std::size_t k = 0; k < single.size(); ++k) quads(0, row, in.first + int(k), {&single[k], 1});
+    EXPECT_EQ(whole, single) << row;
   }
 }
 

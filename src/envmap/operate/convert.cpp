@@ -156,7 +156,7 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
     choice = choose_filter(levels, target, *options.max_error, filter.floor);
     filter = choice->filter;
   }
-  sampler = make_sampler(levels, target, filter);
+  sampler = options.filter ? make_sampler(levels, target, filter) : make_fast_sampler(levels, target, filter);
 }
 
 void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {

@@ -7,6 +7,7 @@
 #include "envmap/sample/point.h"
 #include "envmap/sample/probes.h"
 #include "envmap/sample/pyramid.h"
+#include "envmap/sample/quad.h"
 #include "envmap/sample/sampler.h"
 #include "envmap/sample/summed_area.h"
 
@@ -144,6 +145,12 @@ std::span<const FilterInfo> filters() { return all_filters; }
 
 Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options) {
   return makers[std::size_t(options.filter)](levels, target, options);
+}
+
+Sampler make_fast_sampler(const Levels& levels, const Target& target, const FilterOptions& o) {
+  return o.filter == Filter::area && quads_suit(levels.front(), target)
+             ? quad_sampler(levels.front(), target, o.area_error, o.floor)
+             : make_sampler(levels, target, o);
 }
 
 }  // namespace envmap

@@ -1,0 +1,313 @@
+// quad_sampler(), compiled once for every instruction set and chosen at run time.
+#include "envmap/sample/quad.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "envmap/sample/area.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "envmap/sample/quad.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace envmap {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<double, 8>;
+using V = hn::Vec<Lanes>;
+constexpr std::size_t lanes_at_most = hn::MaxLanes(Lanes());
+
+constexpr std::size_t block = 64;       // Texels of a row that are worked on at once; bits of the answer.
+constexpr int longest = 24;             // Side of a window, and
+constexpr int most_taps = 128;          // texels in it.
+constexpr double most_bend = 1.0 / 32;  // Beyond, sides no longer are what their middles show.
+
+struct Place {
+  V x, y;
+};
+HWY_INLINE Place minus(const Place& a, const Place& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y)}; }
+HWY_INLINE Place plus(const Place& a, const Place& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y)}; }
+HWY_INLINE Place times(V s, const Place& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y)}; }
+HWY_INLINE Place middle(const Place& a, const Place& b) {
+  const V half = hn::Set(Lanes(), 0.5);
+  return {hn::Mul(half, hn::Add(a.x, b.x)), hn::Mul(half, hn::Add(a.y, b.y))};
+}
+HWY_INLINE V cross(const Place& a, const Place& b) { return hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x)); }
+
+// Of texels of a row, in source texels with centres at whole numbers: the corners above (row 0) and below (2), from one
+// to the left of the first to one beyond the last, and the middles of upright sides (1).
+struct Grid {
+  static constexpr std::size_t size = block + 3 + lanes_at_most;
+  HWY_ALIGN double x[3][size], y[3][size], face[3][size], density[3][size];
+
+  Grid(const PaddedLevel& source, const Target& target, int face_of_target, int row, int first, std::size_t texels) {
+    std::array<Point2, size> points;
+    std::array<Direction, size> directions;
+    std::array<Location<double>, size> at;
+    std::array<double, size> densities;
+    const double h = target.size, w = h * aspect(target.to);
+    for (int r = 0; r < 3; ++r) {
+      for (std::size_t k = 0; k < texels + 3; ++k) points[k] = {(first - 1.0 + double(k)) / w, (row + 0.5 * r) / h};
+      const std::size_t n = texels + 3;
+      envmap::directions(target.to, face_of_target, std::span(points).first(n), std::span(directions).first(n));
+      rotate(target.to_source, std::span(directions).first(n));
+      locate(source.projection(), std::span(directions).first(n), std::span(at).first(n));
+      for (std::size_t k = 0; k < n; ++k) {
+        points[k] = {at[k].u, at[k].v};
+        x[r][k] = at[k].u * source.width() - 0.5, y[r][k] = at[k].v * source.height() - 0.5, face[r][k] = at[k].face;
+      }
+      if (r != 1) envmap::densities(source.projection(), std::span(points).first(n), std::span(densities).first(n));
+      std::copy_n(densities.begin(), n, density[r]);
+      for (std::size_t k = n; k < size; ++k) x[r][k] = y[r][k] = face[r][k] = density[r][k] = 0;
+    }
+  }
+
+  [[nodiscard]] Place at(int r, std::size_t k) const {
+    return {hn::LoadU(Lanes(), &x[r][k]), hn::LoadU(Lanes(), &y[r][k])};
+  }
+};
+
+// As many quadrilaterals as there are lanes. Those that are not plain have no area, and windows of one texel.
+struct Quads {
+  HWY_ALIGN double left[lanes_at_most], top[lanes_at_most], columns[lanes_at_most], rows[lanes_at_most];
+  HWY_ALIGN double off[lanes_at_most];  // Share of the area that may be wrong; 1 where it is not plain.
+  Place corners[4];                     // In order, from the left and the top of the window.
+  V density[4], along_x;                // At the corners; how it grows with x. Both up to a factor.
+};
+
+// The middle of a level side off its chord's, by the corners to both sides: a second difference is the same along them.
+HWY_INLINE Place off_level(const Grid& grid, int r, std::size_t k) {
+  const Place inner = middle(grid.at(r, k + 1), grid.at(r, k + 2)), outer = middle(grid.at(r, k), grid.at(r, k + 3));
+  return times(hn::Set(Lanes(), 0.125), minus(inner, outer));
+}
+
+// Moves a quadrilateral along `way` so that two opposite sides, parabolas whose middles lie off their chords, have as
+// much to one side of them as to the other. Returns the area in between: a parabola of height 1 differs from its mean
+// by 0.2566 in the mean, and from its chord by 2/3.
+V settle(const Place (&off)[2], const Place (&chord)[2], const Place& way, Place (&corners)[4]) {
+  const Lanes d;
+  const Place bend = middle(off[0], off[1]), unlike = minus(off[0], bend);
+  const V share = hn::Div(cross(bend, middle(chord[0], chord[1])), cross(way, middle(chord[0], chord[1])));
+  for (Place& c : corners) c = plus(c, times(hn::Mul(hn::Set(d, 2.0 / 3), share), way));
+  const V like = hn::Add(hn::Abs(cross(bend, chord[0])), hn::Abs(cross(bend, chord[1])));
+  const V rest = hn::Add(hn::Abs(cross(unlike, chord[0])), hn::Abs(cross(unlike, chord[1])));
+  return hn::Add(hn::Mul(hn::Set(d, 0.2566), like), hn::Mul(hn::Set(d, 2.0 / 3), rest));
+}
+
+// Finds the window, and leaves out what is not plain: over an edge or too large, or not convex.
+void place(const PaddedLevel& source, const Grid& grid, std::size_t k, const Place (&c)[4], V twice, V off, Quads& q) {
+  const Lanes d;
+  const V one = hn::Set(d, 1), two = hn::Set(d, 2), apron = hn::Set(d, Level::apron);
+  const V left = hn::Floor(hn::Min(hn::Min(c[0].x, c[1].x), hn::Min(c[2].x, c[3].x)));
+  const V top = hn::Floor(hn::Min(hn::Min(c[0].y, c[1].y), hn::Min(c[2].y, c[3].y)));
+  const V right = hn::Add(hn::Floor(hn::Max(hn::Max(c[0].x, c[1].x), hn::Max(c[2].x, c[3].x))), two);
+  const V bottom = hn::Add(hn::Floor(hn::Max(hn::Max(c[0].y, c[1].y), hn::Max(c[2].y, c[3].y))), two);
+  const V columns = hn::Sub(right, left), rows = hn::Sub(bottom, top);
+  auto plain = hn::And(hn::Le(off, hn::Set(d, most_bend)), hn::Le(hn::Mul(columns, rows), hn::Set(d, most_taps)));
+  plain = hn::And(plain, hn::Le(hn::Max(columns, rows), hn::Set(d, longest)));
+  plain = hn::And(plain, hn::Le(hn::Neg(apron), hn::Min(left, top)));
+  plain = hn::And(plain, hn::Le(right, hn::Add(hn::Set(d, source.width()), apron)));
+  plain = hn::And(plain, hn::Le(bottom, hn::Add(hn::Set(d, source.height()), apron)));
+  for (int s = 0; s < 4; ++s) {
+    const V face = hn::LoadU(d, &grid.face[s / 2 * 2][k + 1 + std::size_t(s % 2)]);
+    const V turn = cross(minus(c[(s + 1) % 4], c[s]), minus(c[(s + 2) % 4], c[s]));
+    plain = hn::And(plain, hn::And(hn::Eq(face, hn::LoadU(d, &grid.face[0][k + 1])),
+                                   hn::Gt(hn::Mul(twice, turn), hn::Zero(d))));
+  }
+  hn::Store(left, d, q.left), hn::Store(top, d, q.top);
+  hn::Store(hn::IfThenElse(plain, columns, one), d, q.columns), hn::Store(hn::IfThenElse(plain, rows, one), d, q.rows);
+  // Densities are linear but for an eighth of their second derivative.
+  const V arc = hn::Mul(hn::Max(columns, rows), hn::Set(d, 1.5 / source.height()));
+  hn::Store(hn::IfThenElse(plain, hn::Add(off, hn::Mul(arc, arc)), one), d, q.off);
+  for (int s = 0; s < 4; ++s)
+    q.corners[s] = {hn::IfThenElseZero(plain, hn::Sub(c[s].x, left)), hn::IfThenElseZero(plain, hn::Sub(c[s].y, top))};
+}
+
+void form(const PaddedLevel& source, const Grid& grid, std::size_t k, Quads& q) {
+  const Lanes d;
+  const Place unmoved[4] = {grid.at(0, k + 1), grid.at(0, k + 2), grid.at(2, k + 2), grid.at(2, k + 1)};
+  Place c[4] = {unmoved[0], unmoved[1], unmoved[2], unmoved[3]};
+  const Place e = minus(c[2], c[0]), f = minus(c[3], c[1]), heart = middle(middle(c[0], c[2]), middle(c[1], c[3]));
+  const V twice = cross(e, f);  // The area.
+  const Place level[2] = {minus(c[1], c[0]), minus(c[2], c[3])}, upright[2] = {minus(c[3], c[0]), minus(c[2], c[1])};
+  const Place off_upright[2] = {minus(grid.at(1, k + 1), middle(c[0], c[3])),
+                                minus(grid.at(1, k + 2), middle(c[1], c[2]))};
+  V off = settle({off_level(grid, 0, k), off_level(grid, 2, k)}, level, middle(upright[0], upright[1]), c);
+  off = hn::Add(off, settle(off_upright, upright, middle(level[0], level[1]), c));
+  place(source, grid, k, c, twice, hn::Div(hn::Add(off, off), hn::Abs(twice)), q);
+
+  // The plane through the densities' mean that grows as they do along the diagonals.
+  const V density[4] = {hn::LoadU(d, &grid.density[0][k + 1]), hn::LoadU(d, &grid.density[0][k + 2]),
+                        hn::LoadU(d, &grid.density[2][k + 2]), hn::LoadU(d, &grid.density[2][k + 1])};
+  const V de = hn::Sub(density[2], density[0]), df = hn::Sub(density[3], density[1]);
+  const V gx = hn::Div(hn::Sub(hn::Mul(de, f.y), hn::Mul(df, e.y)), twice);
+  const V gy = hn::Div(hn::Sub(hn::Mul(e.x, df), hn::Mul(f.x, de)), twice);
+  const V sum = hn::Add(hn::Add(density[0], density[1]), hn::Add(density[2], density[3]));
+  const V scale = hn::CopySign(hn::Div(hn::Set(d, 4), sum), twice);  // Whichever way the corners go round.
+  const auto plain = hn::Lt(hn::Load(d, q.off), hn::Set(d, 1));
+  q.along_x = hn::IfThenElseZero(plain, hn::Mul(gx, scale));
+  for (int s = 0; s < 4; ++s) {
+    const Place from = minus(c[s], heart);
+    const V grown = hn::Mul(scale, hn::Add(hn::Mul(gx, from.x), hn::Mul(gy, from.y)));
+    q.density[s] = hn::IfThenElseZero(plain, hn::Add(hn::CopySign(hn::Set(d, 1), twice), grown));
+  }
+}
+
+// Weights of the texels of windows.
+struct Weights {
+  int columns, rows;  // Of the largest.
+  HWY_ALIGN float of[(longest + 2) * (longest + 2)][lanes_at_most];
+  HWY_ALIGN double wedges[(longest + 2) * (longest + 2)][lanes_at_most];
+
+  // By Green's theorem the integral of max(x - i, 0) max(y - j, 0) x density over an area is that of
+  // max(x - i, 0)^2 / 2 max(y - j, 0) (density - slope max(x - i, 0) / 3) over its sides, by dy; and a texel's hat is a
+  // second difference of such wedges. Two Gauss points are exact for a cubic, which this is but for the slope.
+  void add_side(const Quads& q, int s) {
+    const Lanes d;
+    const V zero = hn::Zero(d), one = hn::Set(d, 1), tiny = hn::Set(d, 1e-30), half = hn::Set(d, 0.5);
+    const int next = (s + 1) % 4;
+    const Place a = q.corners[s], side = minus(q.corners[next], a);
+    const V dx = hn::IfThenElse(hn::Eq(side.x, zero), tiny, side.x),
+            dy = hn::IfThenElse(hn::Eq(side.y, zero), tiny, side.y);
+    const V per_x = hn::Div(one, dx), per_y = hn::Div(one, dy);
+    const auto rightwards = hn::Gt(dx, zero), downwards = hn::Gt(dy, zero);
+    const V grows = hn::Sub(q.density[next], q.density[s]), third = hn::Mul(hn::Set(d, 1.0 / 3), q.along_x);
+    HWY_ALIGN double from_x[longest + 2][lanes_at_most], to_x[longest + 2][lanes_at_most];
+    const auto clamped = [&](V x) HWY_ATTR { return hn::Min(hn::Max(x, zero), one); };
+    for (int i = 0; i < columns; ++i) {
+      const V at = clamped(hn::Mul(hn::Sub(hn::Set(d, i - 1.0), a.x), per_x));
+      hn::Store(hn::IfThenElse(rightwards, at, zero), d, from_x[i]);
+      hn::Store(hn::IfThenElse(rightwards, one, at), d, to_x[i]);
+    }
+    for (int j = 0; j < rows; ++j) {
+      const V at = clamped(hn::Mul(hn::Sub(hn::Set(d, j - 1.0), a.y), per_y));
+      const V from_y = hn::IfThenElse(downwards, at, zero), to_y = hn::IfThenElse(downwards, one, at);
+      const V ay = hn::Sub(a.y, hn::Set(d, j - 1.0));
+      double(*out)[lanes_at_most] = wedges + j * (columns + 2);
+      for (int i = 0; i < columns; ++i) {
+        const V from = hn::Max(hn::Load(d, from_x[i]), from_y), to = hn::Min(hn::Load(d, to_x[i]), to_y);
+        const V length = hn::Max(hn::Sub(to, from), zero), mid = hn::Mul(half, hn::Add(from, to));
+        const V step = hn::Mul(length, hn::Set(d, 0.28867513459481287));
+        const V ax = hn::Sub(a.x, hn::Set(d, i - 1.0));
+        const auto value = [&](V t) HWY_ATTR {
+          const V x = hn::Add(ax, hn::Mul(side.x, t)), y = hn::Add(ay, hn::Mul(side.y, t));
+          const V density = hn::Sub(hn::Add(q.density[s], hn::Mul(grows, t)), hn::Mul(third, x));
+          return hn::Mul(hn::Mul(hn::Mul(x, x), y), density);
+        };
+        const V sum = hn::Add(value(hn::Sub(mid, step)), value(hn::Add(mid, step)));
+        hn::Store(hn::Add(hn::Load(d, out[i]), hn::Mul(hn::Mul(length, side.y), sum)), d, out[i]);
+      }
+    }
+  }
+
+  void find(const Quads& q) {
+    const Lanes d;
+    columns = rows = 1;
+    for (std::size_t k = 0; k < hn::Lanes(d); ++k)
+      columns = std::max(columns, int(q.columns[k])), rows = std::max(rows, int(q.rows[k]));
+    const int wide = columns + 2;
+    for (int k = 0; k < wide * (rows + 2); ++k) hn::Store(hn::Zero(d), d, wedges[k]);
+    for (int s = 0; s < 4; ++s) add_side(q, s);
+    const auto difference = [&](int k, int step) HWY_ATTR {
+      const V twice = hn::Mul(hn::Set(d, 2), hn::Load(d, wedges[k + step]));
+      return hn::Add(hn::Sub(hn::Load(d, wedges[k]), twice), hn::Load(d, wedges[k + 2 * step]));
+    };
+    const hn::Rebind<float, Lanes> df;
+    for (int k = 0; k < wide * rows; ++k)
+      if (k % wide < columns) hn::Store(difference(k, 1), d, wedges[k]);
+    for (int k = 0; k < wide * rows; ++k)
+      if (k % wide < columns) hn::Store(hn::DemoteTo(df, hn::Max(hn::Zero(d), difference(k, wide))), df, of[k]);
+  }
+};
+
+// Whether the mean is within the tolerance.
+bool mean(const PaddedLevel& source, int face, const Quads& q, const Weights& weights, std::size_t lane,
+          double tolerance, double floor, Colour& out) {
+  const int left = int(q.left[lane]), top = int(q.top[lane]), columns = int(q.columns[lane]), rows = int(q.rows[lane]);
+  const hn::CappedTag<float, 4> d;  // The fourth channel is the next texel's, or a spare one.
+  HWY_ALIGN float sums[4], lows[4], highs[4];
+  float whole = 0;
+  for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
+    auto sum = hn::Zero(d), low = hn::LoadU(d, &source.texel(face, left, top)->x + c), high = low;
+    whole = 0;
+    for (int j = 0; j < rows; ++j) {
+      const float* radiance = &source.texel(face, left, top + j)->x + c;
+      const float(*weight)[lanes_at_most] = weights.of + j * (weights.columns + 2);
+      for (int i = 0; i < columns; ++i, radiance += 3) {
+        const auto light = hn::LoadU(d, radiance);
+        sum = hn::Add(sum, hn::Mul(hn::Set(d, weight[i][lane]), light));
+        low = hn::Min(low, light), high = hn::Max(high, light);
+        whole += weight[i][lane];
+      }
+    }
+    hn::Store(sum, d, sums + c), hn::Store(low, d, lows + c), hn::Store(high, d, highs + c);
+  }
+  out = Colour(sums[0], sums[1], sums[2]) / whole;
+  for (int c = 0; c < 3; ++c)
+    if (!(q.off[lane] * (highs[c] - lows[c]) <= tolerance * std::max<double>(out[c], floor))) return false;
+  return true;
+}
+
+// At most `block` texels of a row. Returns a bit for each of those that were not within the tolerance.
+std::uint64_t SampleQuads(const PaddedLevel& source, const Target& target, double tolerance, double floor, int face,
+                          int row, int first, std::span<Colour> out) {
+  const Grid grid(source, target, face, row, first, out.size());
+  static thread_local Weights weights;
+  Quads q;
+  std::uint64_t open = 0;
+  // Whether the rim of a disc cuts the texel. Some maps are filled beyond it.
+  const auto cut = [&, disc = on_disc(target.to), half = 0.5 * target.size](int column) {
+    const double x0 = column - half, x1 = x0 + 1, y0 = row - half, y1 = y0 + 1, rim = half * half;
+    const double x = std::clamp(0.0, x0, x1), y = std::clamp(0.0, y0, y1), u = std::max(-x0, x1), v = std::max(-y0, y1);
+    return disc && x * x + y * y < rim && u * u + v * v > rim;
+  };
+  for (std::size_t k = 0; k < out.size(); k += hn::Lanes(Lanes())) {
+    form(source, grid, k, q);
+    weights.find(q);
+    for (std::size_t lane = 0; lane < std::min(hn::Lanes(Lanes()), out.size() - k); ++lane)
+      if (!(q.off[lane] < 1) || cut(first + int(k + lane)) ||
+          !mean(source, int(grid.face[0][k + lane + 1]), q, weights, lane, tolerance, floor, out[k + lane]))
+        open |= std::uint64_t(1) << (k + lane);
+  }
+  return open;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace envmap
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace envmap {
+
+HWY_EXPORT(SampleQuads);
+
+bool quads_suit(const PaddedLevel& source, const Target& target) {
+  return !target.ball && !on_disc(source.projection()) && !is_octahedral(source.projection());
+}
+
+Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
+  const Sampler otherwise = area_sampler(source, target, tolerance, floor, true);
+  return [=, &source](int face, int row, int first, std::span<Colour> out) {
+    constexpr std::size_t block = HWY_NAMESPACE::block;
+    for (std::size_t start = 0; start < out.size(); start += block) {
+      const std::span texels = out.subspan(start, std::min(block, out.size() - start));
+      const int at = first + int(start);
+      std::uint64_t open = HWY_DYNAMIC_DISPATCH(SampleQuads)(source, target, tolerance, floor, face, row, at, texels);
+      while (open != 0) {
+        const int begin = std::countr_zero(open), count = std::countr_one(open >> begin);
+        otherwise(face, row, at + begin, texels.subspan(std::size_t(begin), std::size_t(count)));
+        open = begin + count < 64 ? open >> (begin + count) << (begin + count) : 0;
+      }
+    }
+  };
+}
+
+}  // namespace envmap
+#endif  // HWY_ONCE

@@ -1,0 +1,24 @@
+/// @file
+/// The area filter where straight sides are enough.
+#pragma once
+
+#include "envmap/sample/padded_level.h"
+#include "envmap/sample/sampler.h"
+#include "envmap/sample/target.h"
+
+namespace envmap {
+
+/// Whether quad_sampler() takes a conversion: from maps without rims and creases, seen from infinitely far away.
+bool quads_suit(const PaddedLevel& source, const Target& target);
+
+/// The solid-angle mean of the bilinear reconstruction over the quadrilateral between a texel's corners, several texels
+/// at a time. The quadrilateral is moved so that the curved sides lose as much as they gain, and the density of solid
+/// angle is linear over it.
+///
+/// The area that is left between the quadrilateral and the curved sides, times the range of the texels below, bounds
+/// the error. Where it is over the tolerance, and at edges, seams, poles and rims, area_sampler() estimates the mean.
+/// @param source must outlive the sampler.
+/// @param tolerance relative to the larger of the texel and `floor`.
+Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor);
+
+}  // namespace envmap
