@@ -26,6 +26,7 @@
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/hinge_map.h"
 #include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/sheen_sum.h"
 #include "envmap/prefilter/source.h"
 #include "envmap/prefilter/treecode.h"
 
@@ -81,7 +82,8 @@ struct PrefilterSource::Prepared {
   mutable std::optional<Tree> tree;
   mutable std::optional<Hinges> hinges;      // Of the order and error wanted last.
   mutable std::map<int, SourceGrids> grids;  // By the rows of the finest: no result depends on earlier ones.
-  mutable std::mutex in_use;                 // By the one make() that runs.
+  mutable std::optional<SheenBlocks> blocks;
+  mutable std::mutex in_use;  // By the one make() that runs.
 
   Prepared(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
       : taken(std::move(given)),
@@ -105,6 +107,10 @@ struct PrefilterSource::Prepared {
   [[nodiscard]] const SourceGrids& levels(int finest, const Colour& darkest) const {
     return grids.try_emplace(finest, source.base(), light.mean, darkest, finest).first->second;
   }
+  [[nodiscard]] const SheenBlocks& sheen() const {
+    if (!blocks) blocks.emplace(small_texels(), light.mean);
+    return *blocks;
+  }
 };
 
 namespace {
@@ -118,6 +124,7 @@ struct Making {
   const std::function<const Tree&()> tree;
   const std::function<const Hinges&(int order)> hinges;
   const std::function<const SourceGrids&(int finest, const Colour& darkest)> grids;
+  const std::function<const SheenBlocks&()> sheen;
   const Prefilter& wanted;
   const Lobe lobe;
   const Target target;
@@ -159,6 +166,15 @@ struct Making {
         finish(all, figures, out, done);
         return;
       }
+    if (const auto plan = sheen_plan(lobe, wanted.max_error); plan && (any || wanted.method == Method::multilevel)) {
+      if (light.mean > 0)
+        sheen_map(*plan, sheen(), light.mean, target, wanted.rows, out, figures, progress);
+      else
+        std::ranges::fill(figures, 0.F);
+      done.method = Method::multilevel;
+      finish(all, figures, out, done);
+      return;
+    }
     done.method = Method::hierarchical;
     treecode_prefilter(tree(), lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
     finish(all, figures, out, done);
@@ -225,10 +241,11 @@ Lobe lobe_of(const Prefilter& p) {
   const Lobe lobe = lobe_by_shape(p);
   if (p.method == Method::prefix_sums && !is_mirror(p) && !hinge_polynomial(lobe))
     throw UsageError("prefix sums make diffuse maps, phong of exponent 1, 2 or 3 and ggx of roughness 1");
-  if (p.method == Method::multilevel && !is_mirror(p) && !hinge_polynomial(lobe) && !multilevel_plan(lobe, p.max_error))
+  if (p.method == Method::multilevel && !is_mirror(p) && !hinge_polynomial(lobe) &&
+      !multilevel_plan(lobe, p.max_error) && !sheen_plan(lobe, p.max_error))
     throw UsageError(
-        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, blinn-phong from 2, and ggx, for "
-        "errors from 1e-4");
+        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, blinn-phong from 2, ggx, and charlie "
+        "up to roughness 0.35, for errors from 1e-4");
   return lobe;
 }
 
@@ -265,6 +282,7 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
              [&]() -> const Tree& { return p.nodes(); },
              [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
              [&](int finest, const Colour& darkest) -> const SourceGrids& { return p.levels(finest, darkest); },
+             [&]() -> const SheenBlocks& { return p.sheen(); },
              wanted,
              lobe_of(wanted),
              {wanted.to, wanted.size, turn},
