@@ -101,6 +101,7 @@ TEST_F(Shards, OfPrefilterJoinToTheBytesOfTheWhole) {
   check(
       {"a core", {"prefilter", "sun.exr", "--lobe", "ggx", "--roughness", "0.04", "--size", "11", "--to", "latlong"}});
   check({"hierarchical", {"prefilter", "sun.exr", "--lobe", "charlie", "--roughness", "0.4", "--size", "11"}});
+  check({"sheen", {"prefilter", "sun.exr", "--lobe", "charlie", "--roughness", "0.2", "--size", "11"}});
   check({"diffuse", {"prefilter", "sun.exr", "--size", "9", "--to", "paraboloid"}});
   check({"exact", {"prefilter", "sun.exr", "--method", "exact", "--size", "3"}});
   check({"close",

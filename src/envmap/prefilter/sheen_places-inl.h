@@ -312,8 +312,9 @@ struct OnCubeCells {
     [[nodiscard]] HWY_INLINE Place place_at(double across, double down, std::size_t lane) const {
       const D d;
       const double y = 1 - (row + down) * 2 / place.size, x = 2.0 * (block + 0.5 * place.side) / place.size - 1;
-      const double from = (first + double(lane) + across - 0.5 * place.side) * 2 / place.size;
-      const V off = hn::Add(hn::Set(d, float(from)), hn::Mul(hn::Set(d, float(2.0 / place.size)), hn::Iota(d, 0)));
+      const double from = (first + across - 0.5 * place.side) * 2 / place.size;
+      const V off =
+          hn::Add(hn::Set(d, float(from)), hn::Mul(hn::Set(d, float(2.0 / place.size)), hn::Iota(d, float(lane))));
       return {hn::Add(hn::Set(d, float(x)), off), hn::Set(d, float(y)),
               hn::Add(hn::Set(d, float(n.x * x + n.y * y + n.z)), hn::Mul(hn::Set(d, float(n.x)), off))};
     }

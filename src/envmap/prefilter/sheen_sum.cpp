@@ -133,19 +133,14 @@ class Summation {
     Weights w{zero, zero, hn::Lt(zero, zero)};
     const Cell<V> all = texels.texel(lane);
     const V wide = hn::Add(extent(all), set(d, texels.bend()));
-    if (hn::AllTrue(d, hn::Or(hn::Le(all.centre, hn::Neg(wide)), hn::Ge(hn::Sub(all.centre, wide), set(d, plan_.end)))))
-      return w;
-    const auto whole = hn::Ge(all.centre, wide);
-    const V scale = hn::Set(d, float(plan_.scale));
-    if (texels.is_polar() || (plan_.cells > 1 && hn::AllTrue(d, whole))) {
-      if (!hn::AllFalse(d, whole)) w.sum = hn::IfThenElseZero(whole, by_points(texels, lane));
-      if (hn::AllTrue(d, whole)) {
-        w.sum = hn::Mul(w.sum, scale);
-        return w;
-      }
-    }
-    const auto left = texels.is_polar() ? hn::Not(whole) : hn::Eq(zero, zero);
-    for (int r = 0; r < texels.down(); ++r)
+    // What is done of a lane does not depend on the others, or results would depend on how many a vector has.
+    const auto seen = hn::And(hn::Gt(all.centre, hn::Neg(wide)), hn::Lt(hn::Sub(all.centre, wide), set(d, plan_.end)));
+    if (hn::AllFalse(d, seen)) return w;
+    const auto whole = hn::And(seen, hn::Ge(all.centre, wide));
+    const bool takes_points = texels.is_polar() || plan_.cells > 1;
+    const auto left = takes_points ? hn::AndNot(whole, seen) : seen;
+    if (takes_points && !hn::AllFalse(d, whole)) w.sum = hn::IfThenElseZero(whole, by_points(texels, lane));
+    for (int r = 0; r < texels.down() && !hn::AllFalse(d, left); ++r)
       for (int q = 0; q < texels.across(); ++q) {
         const Cell<V> cell = plan_.cells == 1 ? all : texels.cell(r, q, lane);
         const V bend = set(d, texels.bend(r)), reach = hn::Add(extent(cell), bend);
@@ -170,6 +165,7 @@ class Summation {
         w.off = hn::Add(w.off, hn::IfThenElseZero(is_cut, hn::Mul(cell.area, off)));
         w.doubtful = hn::Or(w.doubtful, is_cut);
       }
+    const V scale = hn::Set(d, float(plan_.scale));
     w.sum = hn::Mul(w.sum, scale), w.off = hn::Mul(w.off, scale);
     return w;
   }
