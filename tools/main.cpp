@@ -64,6 +64,8 @@ std::vector<Step> steps(envmap::Remedy remedy) {
       return {{"--output-space", "choose a linear --output-space"}, {"--encoded", "use --encoded"}};
     case Remedy::choose_layer: return {{"--layer", "choose one with --layer"}};
     case Remedy::leave_out_shadows: return {{"--no-shadows", "use --no-shadows"}};
+    case Remedy::find_circle: return {{"--circle", "use --circle find if it is a photo of a ball"}};
+    case Remedy::choose_faces: return {{"--from-faces", "name their convention with --from-faces"}};
     case Remedy::make_levels: return {{"--keep", "remove --keep"}};
     case Remedy::force: return {{"", "make it writable"}, {"--force", "use --force to replace it"}};
     case Remedy::none: break;

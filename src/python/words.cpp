@@ -40,6 +40,8 @@ const char* advice(Remedy remedy) {
     case Remedy::choose_linear:
     case Remedy::choose_layer:
     case Remedy::leave_out_shadows:
+    case Remedy::find_circle:
+    case Remedy::choose_faces:
     case Remedy::none: break;
   }
   return "";
@@ -69,6 +71,8 @@ constexpr const char* remedy_names[] = {"none",
                                         "choose_layer",
                                         "leave_out_shadows",
                                         "force",
+                                        "find_circle",
+                                        "choose_faces",
                                         "make_levels"};
 static_assert(std::size(remedy_names) == std::size_t(Remedy::make_levels) + 1);
 

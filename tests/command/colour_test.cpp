@@ -207,6 +207,19 @@ TEST_F(Colours, LightIsScaledToPhotometricUnits) {
   succeeds({"convert", "in.exr", "nits.exr", "--scale-to", "nits=50", "--towards", "1,0,0", "-q"});
   EXPECT_NEAR(info("nits.exr")["illuminance"]["lux"].get<double>(), 3.14159265 * 50, 0.02);
   EXPECT_EQ(info("nits.exr")["white_luminance"], 1);
+  succeeds({"convert", "nits.exr", "dark.exr", "--exposure", "-3", "-q"});  // Of the same light.
+  EXPECT_EQ(info("dark.exr")["white_luminance"], 8);
+  for (const std::string file : {"dark.ktx2", "dark.ktx", "dark.tif"}) {
+    succeeds({"convert", "dark.exr", file, "--to", "cube", "-q"});
+    EXPECT_EQ(info(file)["white_luminance"], 8) << file;
+    EXPECT_NEAR(info(file)["illuminance"]["lux"].get<double>(), 3.14159265 * 50, 0.1) << file;
+  }
+  EXPECT_NE(envmap({"convert", "dark.exr", "dark.hdr"}).err.find("radiance 1 is 8 cd/m^2"), std::string::npos);
+  succeeds({"convert", "nits.exr", "sum.exr", "--add", "dark.exr"});
+  EXPECT_NEAR(info("sum.exr")["illuminance"]["lux"].get<double>(), 2 * 3.14159265 * 50, 0.1);
+  EXPECT_NE(envmap({"convert", "nits.exr", "sum.exr", "--add", "in.exr"}).err.find("in.exr does not state its unit"),
+            std::string::npos);
+  EXPECT_NE(envmap({"compare", "nits.exr", "dark.exr"}).err.find("8 in dark.exr"), std::string::npos);
   succeeds({"convert", "in.exr", "white.exr", "--white", "0,0,1"});
   expect_mean("white.exr", y, y, y);
   succeeds({"convert", "in.exr", "grey.exr", "--saturation", "0"});

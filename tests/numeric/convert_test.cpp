@@ -213,6 +213,19 @@ TEST(Forward, AMapReadWithOneAxisAndWrittenWithItIsUnchanged) {
       EXPECT_LT(glm::length(Direction(*same.base().texel(0, i, j)) - Direction(*map.base().texel(0, i, j))), 1e-6);
 }
 
+TEST(Convert, AMapOfTheSameFrameAndSizeIsACopy) {
+  for (const Projection p : all_projections) {
+    EnvironmentMap map = generate(Constant{}, p, 16);
+    int number = 0;
+    for_texels(map.base(),
+               [&](int face, int i, int j, const auto&) { *map.base().texel(face, i, j) = Colour(++number); });
+    const EnvironmentMap same = convert(map, {.to = p});
+    for_texels(map.base(), [&](int face, int i, int j, const auto&) {
+      EXPECT_EQ(*same.base().texel(face, i, j), *map.base().texel(face, i, j)) << name(p) << i << ' ' << j;
+    });
+  }
+}
+
 TEST(Convert, ASunOfABillionDoesNotDrownItsNeighbours) {
   EnvironmentMap source = generate(Constant{}, Projection::latlong, 32);
   *source.base().texel(0, 20, 10) = Colour(1e9F);

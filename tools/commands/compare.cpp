@@ -195,6 +195,10 @@ int run(Request& o, Report& report) {
   Source a = read_map(o.a, read_a);
   const Source b = read_map(o.b, read_b);
   const std::string unlikeness = unlike(o, a, b);
+  const std::optional<float>&unit = a.provenance.white_luminance, &others = b.provenance.white_luminance;
+  if (unit && others && std::abs(*unit / *others - 1) > 1e-5F)
+    note(fmt::format("envmap compare: 1 is {:.6g} cd/m^2 in {} and {:.6g} in {}: the numbers are compared", *unit, o.a,
+                     *others, o.b));
   const bool resampled = !same_frame(a.map, b.map);
   // Apart from the first, or a filter might read them as its own.
   std::vector<Level> further(std::move_iterator(a.map.levels.begin() + 1), std::move_iterator(a.map.levels.end()));

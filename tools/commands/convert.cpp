@@ -174,11 +174,20 @@ Source read_input(const Convert& o, std::optional<Picture>& circle, Report& repo
 }
 
 // What the options say of the input's projection does not hold for a second map.
-EnvironmentMap read_added(const Convert& o) {
+Source read_added(const Convert& o) {
   ReadOptions read = o.read;
   read.projection.reset(), read.layout.reset(), read.forward.reset(), read.border.reset(), read.level = 0;
   if (!has_face(o.added)) read.faces.clear();
-  return std::move(read_map(o.added, read).map);
+  return read_map(o.added, read);
+}
+
+// In the unit of the input, where both files state theirs.
+void add(Source& source, const Source& other, const Convert& o) {
+  const std::optional<float>&unit = source.provenance.white_luminance, &others = other.provenance.white_luminance;
+  if (unit.has_value() != others.has_value())
+    warn(fmt::format("{} does not state its unit, and {} does: their numbers are added as they are",
+                     unit ? o.added : o.input, unit ? o.input : o.added));
+  add_light(source.map, other.map, unit && others ? double(*others) / *unit : 1);
 }
 
 // What a screen shows of radiance, for files of integers.
@@ -215,7 +224,7 @@ int run(Convert& o, Report& report) {
         fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, and 'envmap mipmap' "
                     "to add levels",
                     o.input, source.levels, o.read.level));
-  if (!o.added.empty()) add_light(source.map, read_added(o));
+  if (!o.added.empty()) add(source, read_added(o), o);
   o.convert.ball = ball_camera(o, source.map);
   grade(source, o.grade, o.read.colour);
   if (engine) warn_about_clamping(*o.engine, source.map.base(), 1, "convert");
@@ -277,7 +286,7 @@ int run(Convert& o, Report& report) {
   if (engine)
     tell_frame(o.output, *o.engine, *engine);
   else
-    tell_lost_axis(o.output, {to, rows.forward}, o.write);
+    tell_lost_facts(o.output, {to, rows.forward}, o.write);
   report.put_seconds();
   return 0;
 }

@@ -124,7 +124,7 @@ int run(const Request& o, const Options& options, Report& report) {
   report.put("kind", kinds[std::size_t(o.kind)]);
   report.put_written(o.output, write_map(o.output, rows_of(map), write, "write"));
   report.put_seconds();
-  tell_lost_axis(o.output, map.frame(), write);
+  tell_lost_facts(o.output, map.frame(), write);
   return 0;
 }
 

@@ -76,7 +76,7 @@ int run(Request& o, Report& report) {
   if (engine)
     tell_frame(o.output, *o.engine, *engine);
   else
-    tell_lost_axis(o.output, map.frame(), o.write);
+    tell_lost_facts(o.output, map.frame(), o.write);
   if (!settings().json) return 0;
   report.put("input", o.input);
   if (engine) add_frame(report, *o.engine, *engine);

@@ -310,7 +310,7 @@ int run(Request& o, Report& report) {
   if (engine)
     tell_frame(o.output, *o.engine, *engine);
   else
-    tell_lost_axis(o.output, made.frame(), o.write);
+    tell_lost_facts(o.output, made.frame(), o.write);
   report.put_seconds();
   return 0;
 }

@@ -192,10 +192,13 @@ void write_distances(const std::string& path, const EnvironmentMap& map, std::sp
   tell_clamping(path, write_with_distances(path, map, distances, how));
 }
 
-void tell_lost_axis(const std::string& path, const Frame& frame, const WriteOptions& options) {
+void tell_lost_facts(const std::string& path, const Frame& frame, const WriteOptions& options) {
   const std::string type = extension(path, options);
   const FileFormat* const format = format_with_extension(type);
-  if (frame.forward == Forward::plus_z || !format || format->frame) return;
+  if (!format || format->frame) return;
+  if (const auto& white = options.provenance.white_luminance)
+    note(fmt::format("{}: .{} files do not store the unit: radiance 1 is {:.6g} cd/m^2", path, type, *white));
+  if (frame.forward == Forward::plus_z) return;
   note(fmt::format("{}: .{} files do not store the axis at the centre: read it with --from-forward {}", path, type,
                    forward_names[std::size_t(frame.forward)]));
 }

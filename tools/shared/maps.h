@@ -26,8 +26,8 @@ void write_distances(const std::string& path, const envmap::EnvironmentMap& map,
                      const envmap::Direction& at, const envmap::WriteOptions& options);
 /// Warns of what --clamp took, if anything.
 void tell_clamping(const std::string& path, const envmap::Written& written);
-/// Says that the file does not hold the axis at its centre, where that is not +z.
-void tell_lost_axis(const std::string& path, const envmap::Frame& frame, const envmap::WriteOptions& options);
+/// Says that the file does not hold the axis at its centre, where that is not +z, or the unit of radiance.
+void tell_lost_facts(const std::string& path, const envmap::Frame& frame, const envmap::WriteOptions& options);
 envmap::Written write_map(const std::string& path, const envmap::Rows& rows, const envmap::WriteOptions& options,
                           const std::string& verb);
 

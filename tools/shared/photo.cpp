@@ -59,8 +59,8 @@ Circle find(const std::string& path, const PhotoOptions& photo, const Level& pix
   const auto found = find_circle(pixels);
   if (!found) throw InputError(path, "no circle found: use --circle X,Y,R, in pixels from the upper left corner");
   const FoundCircle& f = *found;
-  const std::string what = fmt::format("{} (an edge follows {:.0f}% of it, within {:.2f} pixels)", words(f.circle),
-                                       100 * f.support, f.spread);
+  const std::string what = fmt::format("{} (an edge follows {:.0f}% of it and scatters by {:.2f} pixels)",
+                                       words(f.circle), 100 * f.support, f.spread);
   if (!f.sure()) {
     if (!photo.picture.empty()) write_circle(photo, with_circle(pixels, f.circle));
     throw InputError(path, f.rival ? fmt::format("there are two circles: use --circle {} or --circle {}",
@@ -132,7 +132,7 @@ void add_circle(Options& o, PhotoOptions& photo) {
   o.add("--circle", "X,Y,R|find", &photo.circle, "Ball or fisheye in the photo, in pixels (--circle-picture draws it)");
   Option& picture = o.add("--circle-picture", "FILE", &photo.picture, "Draw the circle over the photo");
   picture.file = File::output, picture.folded = true;
-  o.add("--back", "FILE", &photo.back, "Photo of the other half, in the opposite direction").file = File::input;
+  o.add("--back", "FILE", &photo.back, "Photo of the other half, opposite (not for balls)").file = File::input;
 }
 
 void settle(PhotoOptions& photo, const ReadOptions& read) {

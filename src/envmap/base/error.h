@@ -43,6 +43,8 @@ enum class Remedy {
   choose_layer,           ///< ReadOptions::choice.layer.
   leave_out_shadows,      ///< Shot::shadows = false, or fewer lights.
   force,                  ///< CommitOptions::force, or a file that may be written.
+  find_circle,            ///< A photo of a ball: photo_map.h, find_circle.h.
+  choose_faces,           ///< ReadOptions::faces.
   make_levels,            ///< Levels made by add_levels() instead of those of the source.
 };
 

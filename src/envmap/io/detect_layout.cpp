@@ -80,7 +80,8 @@ DetectedLayout detect_layout(int width, int height, const Metadata& said, const 
   const Grid g = grid(*layout);
   if (!fits(width, height, *p, *layout)) {
     const std::string what = *p == Projection::cube ? fmt::format("{} cube", name(*layout)) : std::string(name(*p));
-    throw InputError(fmt::format("not a {} {} image {}", shape(g, *p), what, found));
+    throw InputError(fmt::format("not a {} {} image {}", shape(g, *p), what, found),
+                     *p == Projection::sphere ? Remedy::find_circle : Remedy::none);
   }
   return {*p, *layout, height / g.rows};
 }

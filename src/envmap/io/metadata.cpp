@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <sstream>
 
 namespace envmap {
@@ -52,6 +53,13 @@ std::optional<int> number(const std::string& text) {
   return error == std::errc() && end == text.data() + text.size() && n > 0 ? std::optional(n) : std::nullopt;
 }
 
+std::optional<float> luminance(const std::string& text) {
+  float n = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && n > 0 && std::isfinite(n) ? std::optional(n) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Forward> forward_named(std::string_view wanted) {
@@ -75,7 +83,9 @@ Metadata metadata(const ImageFacts& image) {
     return {.projection = Projection::latlong, .forward = Forward::plus_z, .provenance = provenance(image)};
   }
   Metadata data = metadata(all_facts(image.attributes));
+  const std::optional<float> white = data.provenance.white_luminance;
   data.provenance = provenance(image);
+  if (!data.provenance.white_luminance) data.provenance.white_luminance = white;
   return data;
 }
 
@@ -92,6 +102,7 @@ Metadata metadata(Facts facts) {
   Metadata data{projection_named(take("projection")), layout_named(take("layout")), forward_named(take("forward")),
                 number(take("levels")), number(take("border"))};
   data.space = take("space");
+  data.provenance.white_luminance = luminance(take("white"));
   data.facts = std::move(facts);
   return data;
 }
@@ -104,6 +115,7 @@ Facts facts(const Metadata& data) {
   if (data.levels) all["levels"] = std::to_string(*data.levels);
   if (data.border) all["border"] = std::to_string(*data.border);
   if (!data.space.empty()) all["space"] = data.space;
+  if (const auto& white = data.provenance.white_luminance) all["white"] = fmt::format("{}", *white);
   return all;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <vector>
 
@@ -264,6 +265,12 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
   return source;
 }
 
+void open_face(Image& image, const std::string& path, const ReadOptions& options) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path, "no such file", Remedy::choose_faces);
+  open(image, path, options.choice);
+}
+
 // One level out of a file for each face, of a map that is `size` high at its base; 0: what the first file says.
 Level read_face_files(const std::string& path, const FaceFiles& files, const ReadOptions& options, int number, int size,
                       Source& source, const Progress& progress) {
@@ -271,7 +278,7 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
   std::optional<Level> level;
   for (int face = 0; face < faces(projection); ++face) {
     Image image;
-    open(image, face_path(level_path(path, number), face, files), options.choice);
+    open_face(image, face_path(level_path(path, number), face, files), options);
     Metadata recorded;
     const Source head = read_head(image, options, recorded);
     const int w = head.image_width, h = head.image_height;
@@ -311,7 +318,7 @@ FaceFiles files_of(const std::string& path, const ReadOptions& options) {
   if (!options.faces.empty() || has_half(path)) return files;
   Image first;
   Metadata recorded;
-  open(first, face_path(level_path(path, 0), 0, files), options.choice);
+  open_face(first, face_path(level_path(path, 0), 0, files), options);
   read_head(first, options, recorded);
   const auto said = recorded.facts.find(std::string(faces_fact));
   return said == recorded.facts.end() ? files : face_files(convention_of(said->second));

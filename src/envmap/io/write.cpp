@@ -344,7 +344,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
     throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
   if (!options.rows.empty() && (!format->can(FileFormat::row_range) || layout == Layout::files || has_level(path) ||
                                 options.openexr_envmap || options.border > 0))
-    throw UsageError(path, "rows of a map are written to one .exr file, without borders");
+    throw UsageError(path, "a part of a map is one .exr file, without borders: merge writes other formats");
   check_compression(path, *format, options.compression);
   if (options.zstd && !format->can(FileFormat::zstd)) throw UsageError(path, "Zstandard is for .ktx2 files");
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))

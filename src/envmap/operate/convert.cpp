@@ -91,10 +91,10 @@ FilterOptions make_filter(const Target& target, const Level& source, const Conve
   FilterOptions f{.filter = o.filter.value_or(Filter::bilinear),
                   .samples = o.samples,
                   .area_error = o.area_error.value_or(1e-4)};
-  if (o.filter) return f;
+  if (o.filter || is_source(target, source) || permutes_texels(target, source)) return f;
   const double covers = covered(target, source);
   if (covers > 1.25) f.filter = Filter::area, f.area_error = o.area_error.value_or(1e-3);
-  if (covers > 0.5 && !permutes_texels(target, source)) f.samples = std::max(f.samples, 2);
+  if (covers > 0.5) f.samples = std::max(f.samples, 2);
   return f;
 }
 

@@ -91,9 +91,9 @@ void apply(const Grade& grade, Level& level) {
   });
 }
 
-void add_light(EnvironmentMap& map, const EnvironmentMap& other) {
+void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain) {
   require_finite(map);
-  const Rows more = Resampler(other, {.to = map.frame(), .size = map.base().height()}).rows();
+  const Rows more = Resampler(other, {.to = map.frame(), .size = map.base().height(), .gain = gain}).rows();
   Level& level = map.base();
   if (more.width() != level.width()) throw UsageError("the map to add to must have the proportions of its projection");
   for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
