@@ -128,6 +128,8 @@ def check_cmake(generator):
     folder = work / f'CMake {generator}' / 'größe 1'  # OpenColorIO takes a $ in a path for a variable.
     probes(folder, 'sky.exr', 'texture.exr', ODD + '.exr')
     engines = [e['name'] for e in json.loads(run(envmap, 'bake', '--list', '--json'))['engines']]
+    if generator != 'Ninja':  # The rules of all engines are the same there.
+        engines = engines[:3]
     (folder / 'CMakeLists.txt').write_text(PROJECT.replace('NAME', ODD).replace('ENGINES', ' '.join(engines)))
     (folder / 'scene.obj').write_text(SCENE)
     (folder / 'some.mtl').write_text('newmtl m\nmap_Kd texture.exr\n')

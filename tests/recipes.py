@@ -78,9 +78,11 @@ def prepare_recipes(folder):
     return wrong
 
 
-def check_page(page):
+def check_page(page, files):
+    """@param files of the reader, which each page has anew."""
     def check(folder):
-        wrong = prepare(folder)
+        shutil.copytree(files, folder, dirs_exist_ok=True)
+        wrong = ''
         every = commands(page)
         return wrong + ''.join(run(command, folder, wanted) for command, wanted in every), len(every)
     return check
@@ -96,11 +98,19 @@ def check_recipes(folder):
 
 
 def main():
+    with tempfile.TemporaryDirectory() as name:
+        files = pathlib.Path(name)
+        unprepared = prepare(files)
+        return check_all(files) if not unprepared else print(unprepared) or 1
+
+
+def check_all(files):
     failed = 0
-    checks = [('recipes of envmap(7)', check_recipes, 7), ('commands of README.md', check_page(source / 'README.md'), 25)]
+    checks = [('recipes of envmap(7)', check_recipes, 7),
+              ('commands of README.md', check_page(source / 'README.md', files), 25)]
     for page in sorted((source / 'docs').rglob('*.md')):
         if commands(page):
-            checks.append((f'commands of {page.relative_to(source)}', check_page(page), 1))
+            checks.append((f'commands of {page.relative_to(source)}', check_page(page, files), 1))
     for what, check, least in checks:
         with tempfile.TemporaryDirectory() as name:
             wrong, count = check(pathlib.Path(name))

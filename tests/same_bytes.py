@@ -55,7 +55,7 @@ COMMANDS = [
     *(f'prefilter small.exr ggx-{r}.exr --lobe ggx --roughness {r} --method multilevel --size 6 -q' for r in (0.01, 0.12, 0.5)),
     *(f'prefilter cube.exr ggx-cube-{r}.exr --lobe ggx --roughness {r} --size 6 -q' for r in (0.03, 0.5)),
     'prefilter sun.exr charlie.exr --lobe charlie --roughness .5 --size 6 -q',
-    *(f'prefilter {p}.exr charlie-{p}-{r}.exr --lobe charlie --roughness {r} --size 6 -q' for p in ('sun', 'cube') for r in (0.04, 0.1, 0.3)),
+    *(f'prefilter {p}.exr charlie-{p}.exr --lobe charlie --roughness .1 --size 3 -q' for p in ('sun', 'cube')),
     'prefilter small.exr phong-multilevel.exr --lobe phong --exponent 40.5 --method multilevel --size 6 -q',
     'prefilter angular.exr ggx.exr --lobe ggx --levels 3 --size 8 -q',
     'prefilter --brdf-table table.exr --size 6', 'prefilter --lobe charlie --brdf-table sheen.exr --table-size 6',

@@ -20,7 +20,7 @@ namespace {
 
 using namespace envmap;
 
-struct Request {
+struct BakeRequest {
   std::string input, folder;
   std::string list;  // An engine or "all".
   const Engine* engine = nullptr;
@@ -52,7 +52,7 @@ int list(const std::string& which, Report& report) {
 }
 
 // What the file of an engine needs to hold an error.
-AccuracyError with_remedy(const AccuracyError& e, const Request& o) {
+AccuracyError with_remedy(const AccuracyError& e, const BakeRequest& o) {
   WriteOptions how = o.maps.write;
   std::string depth;
   for (const EngineMap& map : o.engine->maps) {
@@ -63,7 +63,7 @@ AccuracyError with_remedy(const AccuracyError& e, const Request& o) {
   return AccuracyError(fmt::format("{}: raise --max-error{}", e.what(), depth.empty() ? "" : " or use " + depth));
 }
 
-std::vector<BakedFile> bake_folder(const Request& o, EnvironmentMap probe) {
+std::vector<BakedFile> bake_folder(const BakeRequest& o, EnvironmentMap probe) {
   try {
     return bake(std::move(probe), *o.engine, o.folder, o.maps, {.progress = progress_line("bake")});
   } catch (const AccuracyError& e) {
@@ -71,7 +71,7 @@ std::vector<BakedFile> bake_folder(const Request& o, EnvironmentMap probe) {
   }
 }
 
-void tell(const Request& o, const std::vector<BakedFile>& baked, Report& report) {
+void tell(const BakeRequest& o, const std::vector<BakedFile>& baked, Report& report) {
   for (const BakedFile& map : baked) {
     const std::string path = o.folder + "/" + map.name;
     tell_clamping(path, map.written);
@@ -83,7 +83,7 @@ void tell(const Request& o, const std::vector<BakedFile>& baked, Report& report)
   }
 }
 
-int run(Request& o, Report& report) {
+int run(BakeRequest& o, Report& report) {
   if (!o.list.empty()) return list(o.list, report);
   if (o.input.empty() || o.folder.empty()) throw UsageError("needs PROBE and FOLDER, or --list");
   if (o.folder == "-") throw UsageError("FOLDER: '-' is standard output: give the name of a folder");
@@ -114,7 +114,7 @@ int run(Request& o, Report& report) {
 }  // namespace
 
 Action define_bake(Options& o) {
-  const auto r = std::make_shared<Request>();
+  const auto r = std::make_shared<BakeRequest>();
   o.reads("PROBE", r->input, "File to read, or '-' for stdin ({face} in the name reads six files)");
   o.writes("FOLDER", r->folder, "Folder to write").file = File::folder;
   o.group = "Engine";

@@ -16,7 +16,7 @@ namespace {
 
 using namespace envmap;
 
-struct Request {
+struct InfoRequest {
   std::vector<std::string> inputs;
   ReadOptions read;
   bool sampling = false, levels = false;
@@ -56,7 +56,7 @@ void print_levels(const EnvironmentMap& map) {
   }
 }
 
-void tell(const Request& o, const std::string& input, Report& report) {
+void tell(const InfoRequest& o, const std::string& input, Report& report) {
   const Source source = read_map(input, o.read);
   const MapFacts facts = facts_of(source, input, o.read.colour.space, o.towards);
   std::vector<SamplingRow> table;
@@ -77,7 +77,7 @@ void tell(const Request& o, const std::string& input, Report& report) {
                       r.solid_angle, r.relative, r.anisotropy));
 }
 
-int run(Request& o, Report& report) {
+int run(InfoRequest& o, Report& report) {
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
   if (settings().json && o.inputs.size() > 1) throw UsageError("--json is for one map");
   o.read.all_levels = o.levels;
@@ -91,7 +91,7 @@ int run(Request& o, Report& report) {
 }  // namespace
 
 Action define_info(Options& o) {
-  const auto r = std::make_shared<Request>();
+  const auto r = std::make_shared<InfoRequest>();
   o.files(r->inputs, File::input, "Maps to read, or '-' for stdin ({face} in the name reads six files)");
   o.group = "Facts";
   o.flag("--levels", r->levels, "Print the size and the flux of every mip level");

@@ -16,7 +16,7 @@ namespace {
 
 using namespace envmap;
 
-struct Request {
+struct MergeRequest {
   std::vector<std::string> names;
   ReadOptions read;  // Its limit of pixels.
   WriteOptions write;
@@ -68,7 +68,7 @@ void add_levels(EnvironmentMap& map, Facts& making, int border) {
     envmap::add_levels(map.levels, w, wanted);
 }
 
-int run(Request& o) {
+int run(MergeRequest& o) {
   if (o.names.size() < 2) throw UsageError("needs the parts, and last the file to write");
   const std::string& output = o.names.back();
   const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
@@ -86,7 +86,7 @@ int run(Request& o) {
 }  // namespace
 
 Action define_merge(Options& o) {
-  const auto r = std::make_shared<Request>();
+  const auto r = std::make_shared<MergeRequest>();
   o.files(r->names, File::inputs_then_output, "Parts in any order, and last the file to write, or '-' for stdout");
   add_write_options(o, r->write, "that of the parts");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: that of the parts)");

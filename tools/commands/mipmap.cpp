@@ -17,7 +17,7 @@ namespace {
 
 using namespace envmap;
 
-struct Request {
+struct MipmapRequest {
   std::string input, output;
   const Engine* engine = nullptr;
   ReadOptions read;
@@ -29,7 +29,7 @@ struct Request {
 };
 
 // A part of level 0: the other levels are made when it is joined with the others.
-void make_part(Request& o, const EnvironmentMap& map, MirroredAxis mirror) {
+void make_part(MipmapRequest& o, const EnvironmentMap& map, MirroredAxis mirror) {
   if (settings().json) throw UsageError("--json reports of all levels: leave it out with --shard");
   if (o.keep) throw UsageError("--shard makes level 0 alone, and merge the others anew: remove --keep");
   o.write.facts["whole-levels"] = std::to_string(o.levels);
@@ -46,7 +46,7 @@ EnvironmentMap in_frame(EnvironmentMap map, const Frame& frame) {
   return convert(map, {.to = frame}, {.progress = progress_line("convert")});
 }
 
-int run(Request& o, Report& report) {
+int run(MipmapRequest& o, Report& report) {
   if (o.keep && o.engine) throw UsageError("--for makes levels anew: remove --keep");
   if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: remove --level");
   o.read.all_levels = o.keep;
@@ -95,7 +95,7 @@ int run(Request& o, Report& report) {
 }  // namespace
 
 Action define_mipmap(Options& o) {
-  const auto r = std::make_shared<Request>();
+  const auto r = std::make_shared<MipmapRequest>();
   o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face}: six files, {level}: one per level)").required =
       true;
   o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} and {level} as for INPUT)").required = true;

@@ -15,7 +15,7 @@ using namespace envmap;
 enum class Window { none, hann, automatic };
 constexpr std::string_view window_names[] = {"none", "hann", "auto"};
 
-struct Request {
+struct ShRequest {
   std::string input, output;
   ReadOptions read;
   WriteOptions write;
@@ -27,7 +27,7 @@ struct Request {
   std::optional<Forward> forward;
 };
 
-std::string text(const Harmonics& h, const Request& o) {
+std::string text(const Harmonics& h, const ShRequest& o) {
   std::string lines;
   if (o.window == Window::automatic)
     lines +=
@@ -46,7 +46,7 @@ std::string text(const Harmonics& h, const Request& o) {
   return lines;
 }
 
-void add(Report& report, const Harmonics& h, const Request& o) {
+void add(Report& report, const Harmonics& h, const ShRequest& o) {
   report.put("file", o.input);
   report.put("quantity", o.irradiance ? "irradiance" : "radiance");
   report.put("basis",
@@ -62,7 +62,7 @@ void add(Report& report, const Harmonics& h, const Request& o) {
   for (const Flux& c : h.coefficients) report.append("coefficients[]", Direction(c));
 }
 
-int run(Request& o, Report& report) {
+int run(ShRequest& o, Report& report) {
   const Projection to = o.to.value_or(Projection::cube);
   if (!o.output.empty())
     check_output(o.output, o.write, to);
@@ -97,7 +97,7 @@ int run(Request& o, Report& report) {
 }  // namespace
 
 Action define_sh(Options& o) {
-  const auto r = std::make_shared<Request>();
+  const auto r = std::make_shared<ShRequest>();
   o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face} in the name reads six files)").required = true;
   o.group = "Coefficients";
   o.add("--order", "N", &r->order, range_of(limits::order), "Largest degree l (default: 2)");

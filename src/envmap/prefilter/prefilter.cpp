@@ -80,10 +80,10 @@ struct PrefilterSource::Prepared {
   const std::optional<Level> fine;
   // Made when they are wanted first.
   mutable std::optional<Tree> tree;
-  mutable std::optional<Hinges> hinges;      // Of the order and error wanted last.
-  mutable std::map<int, SourceGrids> grids;  // By the rows of the finest: no result depends on earlier ones.
-  mutable std::optional<SheenBlocks> blocks;
-  mutable std::mutex in_use;  // By the one make() that runs.
+  mutable std::optional<Hinges> hinges;       // Of the order and error wanted last.
+  mutable std::map<int, SourceGrids> grids;   // By the rows of the finest: no result depends on earlier ones.
+  mutable std::map<int, SheenBlocks> blocks;  // By rows of texels.
+  mutable std::mutex in_use;                  // By the one make() that runs.
 
   Prepared(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
       : taken(std::move(given)),
@@ -107,9 +107,10 @@ struct PrefilterSource::Prepared {
   [[nodiscard]] const SourceGrids& levels(int finest, const Colour& darkest) const {
     return grids.try_emplace(finest, source.base(), light.mean, darkest, finest).first->second;
   }
-  [[nodiscard]] const SheenBlocks& sheen() const {
-    if (!blocks) blocks.emplace(small_texels(), light.mean);
-    return *blocks;
+  [[nodiscard]] const SheenBlocks& sheen(double texel) const {
+    const std::optional<Level> finer = refined(source.base(), texel);
+    const Level& texels = finer ? *finer : source.base();
+    return blocks.try_emplace(texels.height(), texels, light.mean, darkest_of(source.base())).first->second;
   }
 };
 
@@ -124,7 +125,7 @@ struct Making {
   const std::function<const Tree&()> tree;
   const std::function<const Hinges&(int order)> hinges;
   const std::function<const SourceGrids&(int finest, const Colour& darkest)> grids;
-  const std::function<const SheenBlocks&()> sheen;
+  const std::function<const SheenBlocks&(double texel)> sheen;
   const Prefilter& wanted;
   const Lobe lobe;
   const Target target;
@@ -168,7 +169,7 @@ struct Making {
       }
     if (const auto plan = sheen_plan(lobe, wanted.max_error); plan && (any || wanted.method == Method::multilevel)) {
       if (light.mean > 0)
-        sheen_map(*plan, sheen(), light.mean, target, wanted.rows, out, figures, progress);
+        sheen_map(*plan, sheen(plan->texel()), light.mean, target, wanted.rows, out, figures, progress);
       else
         std::ranges::fill(figures, 0.F);
       done.method = Method::multilevel;
@@ -282,7 +283,7 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
              [&]() -> const Tree& { return p.nodes(); },
              [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
              [&](int finest, const Colour& darkest) -> const SourceGrids& { return p.levels(finest, darkest); },
-             [&]() -> const SheenBlocks& { return p.sheen(); },
+             [&](double texel) -> const SheenBlocks& { return p.sheen(texel); },
              wanted,
              lobe_of(wanted),
              {wanted.to, wanted.size, turn},

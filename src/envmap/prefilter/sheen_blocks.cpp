@@ -49,15 +49,18 @@ Direction place(bool latlong, double x, double y, int width, int height) {
 
 }  // namespace
 
-SheenBlocks::SheenBlocks(const Level& source, double unit)
-    : latlong_(source.projection() == Projection::latlong), width_(source.width()), height_(source.height()) {
+SheenBlocks::SheenBlocks(const Level& source, double unit, const Colour& darkest)
+    : latlong_(source.projection() == Projection::latlong),
+      width_(source.width()),
+      height_(source.height()),
+      even_(Flux(darkest) / unit) {
   int side = unit_side;
   while (std::size_t(faces()) * std::size_t(width_) / std::size_t(side) * std::size_t(height_) / std::size_t(side) >
          most_blocks)
     side *= 2;
   add_layer(side);
   while (layers_.back().side * texel() < 0.5 * widest) add_layer(2 * layers_.back().side);
-  take_texels(source, unit);
+  take_texels(source, unit, darkest);
   for_each_row(faces(), layers_.front().down, {}, [&](int face, int row) { sum_texels(face, row); });
   for (std::size_t k = 1; k < layers_.size(); ++k)
     for_each_row(faces(), layers_[k].down, {},
@@ -101,7 +104,7 @@ SheenBlocks::Shape SheenBlocks::shape_of(const Layer& layer, int row, int column
   return shape;
 }
 
-void SheenBlocks::take_texels(const Level& source, double unit) {
+void SheenBlocks::take_texels(const Level& source, double unit, const Colour& darkest) {
   const Layer& first = layers_.front();
   const auto side = std::size_t(first.side);
   texels_.resize(first.light.size() * side * side * 3);
@@ -111,7 +114,7 @@ void SheenBlocks::take_texels(const Level& source, double unit) {
       const std::size_t block = first.index(face, j / first.side, int(i / side));
       for (std::size_t c = 0; c < 3; ++c)
         texels_[((block * side + std::size_t(j) % side) * 3 + c) * side + i % side] =
-            float(double(row[i][int(c)]) / unit);
+            float(double(row[i][int(c)] - darkest[int(c)]) / unit);
     }
     source.trim();
   });

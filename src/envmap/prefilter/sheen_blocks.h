@@ -43,10 +43,12 @@ class SheenBlocks {
   };
 
   /// @param source a cube or latlong map. @param unit that radiance is counted in, above 0.
-  SheenBlocks(const Level& source, double unit);
+  /// @param darkest no texel is darker: light is counted from there, so that white stays white.
+  SheenBlocks(const Level& source, double unit, const Colour& darkest = Colour(0));
 
   [[nodiscard]] bool is_latlong() const { return latlong_; }
   [[nodiscard]] int faces() const { return latlong_ ? 1 : 6; }
+  [[nodiscard]] const Flux& even() const { return even_; }  ///< What every direction gets beside the blocks' light.
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   /// The longest side of a texel, as an angle.
@@ -74,12 +76,13 @@ class SheenBlocks {
  private:
   void add_layer(int side);
   [[nodiscard]] Shape shape_of(const Layer& layer, int row, int column) const;
-  void take_texels(const Level& source, double unit);
+  void take_texels(const Level& source, double unit, const Colour& darkest);
   void sum_texels(int face, int row);
   void sum_blocks(const Layer& from, Layer& to, int face, int row) const;
 
   bool latlong_;
   int width_, height_;
+  Flux even_;
   std::vector<Layer> layers_;
   std::vector<float> texels_;
 };

@@ -39,7 +39,7 @@ class Summation {
       for (int row = 0; row < layer.down; ++row)
         for (int column = 0; column < layer.across; ++column) add_block(top, in_face, face, row, column);
     }
-    SheenSum sum{total_.flux(), 0};
+    SheenSum sum{blocks_.even() + total_.flux(), 0};
     if (off_of(sum.value) > plan_.cut) refine(sum.value);
     sum.off = off_of(sum.value);
     return sum;

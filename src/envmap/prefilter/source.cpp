@@ -1,5 +1,7 @@
 #include "envmap/prefilter/source.h"
 
+#include <cmath>
+
 #include "envmap/base/parallel.h"
 #include "envmap/operate/convert.h"
 
@@ -10,9 +12,9 @@ std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map) {
   return convert(map, {.to = {Projection::cube}, .filter = Filter::area});
 }
 
-std::optional<Level> refined(const Level& level) {
-  const int rows = level.projection() == Projection::latlong ? 128 : 64;  // Texels of 1.4 degrees.
-  const int parts = (rows + level.height() - 1) / level.height();
+std::optional<Level> refined(const Level& level, double texel) {
+  const double rows = level.projection() == Projection::latlong ? pi / texel : 0.5 * pi / texel;
+  const int parts = std::max(1, int(std::ceil(rows / level.height())));
   if (parts == 1) return std::nullopt;
   Level out(level.projection(), parts * level.height(), parts * level.width());
   for_each_row(out.faces(), out.height(), {}, [&](int face, int row) {

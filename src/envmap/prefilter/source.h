@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "envmap/map/environment_map.h"
+#include "envmap/maths/vector.h"
 
 namespace envmap::prefiltering {
 
@@ -12,9 +13,9 @@ namespace envmap::prefiltering {
 /// filter at its own density, matching_size(). Nothing for a cube and a latlong map, which are sources themselves.
 std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map);
 
-/// The same radiance in texels of 1.5 degrees or less: those of a coarser cube or latlong map cut into equal parts. A
-/// treecode is no quicker than the sum over few large texels, which a lobe is seldom smooth over.
+/// The same radiance in texels of 1.4 degrees, or of another angle, or less: those of a coarser cube or latlong map cut
+/// into equal parts. A treecode is no quicker than the sum over few large texels, which a lobe is seldom smooth over.
 /// Nothing where they are small already.
-std::optional<Level> refined(const Level& level);
+std::optional<Level> refined(const Level& level, double texel = pi / 128);
 
 }  // namespace envmap::prefiltering
