@@ -67,7 +67,7 @@ TEST_F(Provenance, StaysTrue) {
 }
 
 TEST_F(Provenance, GoesWhereAFormatHasAPlaceForIt) {
-  succeeds({"convert", "in.exr", "map.hdr"});
+  succeeds({"convert", "in.exr", "map.hdr", "-q"});  // Which has no place for the unit.
   EXPECT_NE(read("map.hdr").find("PRIMARIES=0.64 0.33"), std::string::npos);
   succeeds({"convert", "map.hdr", "again.exr"});
   expect_colours(spec("again.exr"));

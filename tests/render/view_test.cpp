@@ -161,7 +161,7 @@ TEST_P(View, TheSkyIsLookedUpByDirection) {
   EXPECT_LT(furthest(pictures[0], pictures[1]), context().on_processor() ? 1e-5 : 1e-4);
 }
 
-// A sun of one texel of the sky, no larger than those of the map, wherever it stands: of the light of all directions
+// A sun of one texel of the sky, smaller than those of the map, wherever it stands: of the light of all directions
 // the map has as much as the sky. Towards the rim of a sphere map texels are long. By one sample a texel the light was
 // up to ten times too low and twice too high.
 TEST_P(View, SmallSunsKeepTheirLight) {
@@ -169,16 +169,16 @@ TEST_P(View, SmallSunsKeepTheirLight) {
   Scene scene = hall({{0, 0, 0}});
   for (Node& node : scene.nodes)
     if (node.name.starts_with("wall")) node.meshes.clear();
-  for (const auto& [i, j] : {std::pair(40, 60), {97, 63}, {130, 100}, {200, 80}, {251, 20}}) {
-    EnvironmentMap map = generate(Directions{}, Projection::latlong, 128);
-    *map.base().texel(0, i, j) = Colour(1e5F);
+  for (const auto& [i, j] : {std::pair(80, 121), {194, 126}, {261, 200}, {400, 160}, {503, 41}}) {
+    EnvironmentMap map = generate(Directions{}, Projection::latlong, 256);
+    *map.base().texel(0, i, j) = Colour(1e6F);
     const Environment sky(std::move(map), 8);
     Renderer renderer(scene, &sky, {6});
     Mirrors mirrors(scene, find_mirrors(scene, GetParam()));
     const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &sky};
     mirrors.update(renderer, shot, {viewer(camera())}, {.size = 64, .all = true});
     const double light = totals(read_back(*mirrors.maps()[0].texture).base()).flux.x;
-    const double off = GetParam() == Projection::sphere ? 0.15 : 0.05;
+    const double off = GetParam() == Projection::sphere ? 0.25 : 0.05;
     EXPECT_NEAR(light / totals(sky.map.base()).flux.x, 1, off) << i << ' ' << j;
   }
 }

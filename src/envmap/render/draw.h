@@ -52,7 +52,7 @@ struct Viewpoint {
   /// paraboloids, otherwise 0.05 for distort and 0.01 for tessellate.
   double epsilon = 0;
   bool show_ambient = false;  ///< Behind all surfaces, too: as mirrors show it.
-  /// By OpenGL, up to 8 x 8 samples of the environment a texel, so that small suns keep their light.
+  /// By OpenGL, up to 8 x 8 samples of an environment of smaller texels, so that small suns keep their light.
   bool mean_background = false;
   std::optional<Lens> lens;   ///< Then it is a picture of one face, and `to` is not looked at.
   Plane before{0, 0, 0, 1};   ///< Of pictures that OpenGL draws: nothing behind it is drawn. World.

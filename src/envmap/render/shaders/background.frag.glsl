@@ -17,10 +17,11 @@ vec3 change(ivec2 at, ivec2 step, vec3 ray) {
   return last != vec3(0) ? ray - last : vec3(0);
 }
 
+// One sample where texels of the map are the smaller ones: their mean would only blur.
 vec3 mean_over(ivec2 at, vec3 ray) {
   vec3 across = change(at, ivec2(1, 0), ray), down = change(at, ivec2(0, 1), ray);
-  float wanted = samples_a_texel * max(length(across), length(down)) / environment_texel;
-  int n = clamp(int(ceil(wanted)), 1, most_samples);
+  float ratio = max(length(across), length(down)) / environment_texel;
+  int n = ratio <= 1 ? 1 : clamp(int(ceil(samples_a_texel * ratio)), 1, most_samples);
   vec3 sum = vec3(0);
   for (int k = 0; k < n * n; ++k) {
     vec2 aside = (vec2(k % n, k / n) + 0.5) / n - 0.5;
