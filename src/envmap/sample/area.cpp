@@ -255,7 +255,7 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
     ws.open.clear();
     for (const std::size_t k : ws.again) {
       const bool rim = on_rim(task.target, row, column(k));
-      const std::size_t n = !rim ? pieces : task.estimates ? rim_pieces / 4 * pieces : std::max(pieces, rim_pieces);
+      const std::size_t n = !rim ? pieces : task.estimates ? rim_pieces / 16 * pieces : std::max(pieces, rim_pieces);
       const Colour before = out[k];
       task.find(ws.sides, face, row, column(k), 1, n, rim);
       const Outcome outcome = texel_mean(task, 0, ws, out[k]);

@@ -11,17 +11,33 @@
 namespace envmap {
 namespace {
 
-// Beyond the rim, seen from the middle: onto the rim. On a level side whose neighbouring point lies inside: where the
-// side itself meets the rim, or else the piece would cut a corner off.
-Point2 moved_onto_rim(const Point2& p, double piece) {
-  const Point2 c = p - 0.5;
-  const double radius = glm::length(c);
-  if (radius <= 0.5) return p;
-  const double x = std::copysign(std::sqrt(std::max(0.0, 0.25 - c.y * c.y)), c.x);
-  if (std::abs(c.y) < 0.5 && std::abs(c.x - x) < piece) return {0.5 + x, p.y};
-  const double y = std::copysign(std::sqrt(std::max(0.0, 0.25 - c.x * c.x)), c.y);
-  if (std::abs(c.x) < 0.5 && std::abs(c.y - y) < piece) return {p.x, 0.5 + y};
-  return 0.5 + 0.5 / radius * c;
+constexpr double inside_share = 0.75;  // Of the pieces of a side that the rim cuts.
+
+Point2 moved_onto_rim(const Point2& p) {
+  const double radius = glm::length(p - 0.5);
+  return radius <= 0.5 ? p : 0.5 + 0.5 / radius * (p - 0.5);
+}
+
+// At what part of the way from a point inside the disc to one outside the rim is.
+double way_to_rim(const Point2& inside, const Point2& outside) {
+  const Point2 a = inside - 0.5, way = outside - inside;
+  const double rest = 0.25 - glm::dot(a, a), along = glm::dot(a, way);
+  return rest / (along + std::sqrt(along * along + glm::dot(way, way) * rest));
+}
+
+// A point on a side of a texel that the rim cuts, s of its pieces from a corner. Near the rim of a sphere map the angle
+// to -Z grows with the root of the distance from it; pieces are about as long in the source.
+Point2 on_cut_side(const Point2& a, const Point2& b, double s, bool on_sphere) {
+  const double from = 0.5 - glm::length(a - 0.5), to = 0.5 - glm::length(b - 0.5);
+  if (from <= 0 && to > 0) return on_cut_side(b, a, 1 - s, on_sphere);
+  if (from > 0 && to <= 0) {
+    const double rim = way_to_rim(a, b), part = s / inside_share;
+    if (part < 1) return glm::mix(a, b, rim * (on_sphere ? part * (2 - part) : part));
+    return moved_onto_rim(glm::mix(a, b, glm::mix(rim, 1.0, (s - inside_share) / (1 - inside_share))));
+  }
+  const double root = glm::mix(std::sqrt(std::max(from, 0.0)), std::sqrt(std::max(to, 0.0)), s), way = to - from;
+  const bool is_steep = on_sphere && from > 0 && std::abs(way) > 1e-6 * from;
+  return moved_onto_rim(glm::mix(a, b, is_steep ? (root * root - from) / way : s));
 }
 
 // Whether a direction of the source lies in a texel of the result.
@@ -39,6 +55,11 @@ bool shows(const Target& target, const Sides& sides, std::size_t texel, const Di
 bool Sides::is_corner(std::size_t point, std::size_t n) const {
   constexpr double rounding = 1e-12;
   if (n % pieces == 0) return true;
+  if (clipped) {  // on_cut_side() meets the rim a quarter from the end.
+    const std::size_t quarters = 4 * (n % pieces);
+    return (quarters == pieces || quarters == 3 * pieces) &&
+           std::abs(glm::length(points[point] - 0.5) - 0.5) < rounding;
+  }
   if (!folded) return false;
   const Point2 in = glm::abs(2.0 * points[point] - 1.0);
   return std::min({in.x, in.y, std::abs(in.x + in.y - 1)}) < rounding;
@@ -46,13 +67,18 @@ bool Sides::is_corner(std::size_t point, std::size_t n) const {
 
 void Sides::find(const Target& target, Projection source, bool inside) {
   const double h = target.size, w = h * aspect(target.to), n = double(pieces);
-  folded = is_octahedral(target.to);
+  folded = is_octahedral(target.to), clipped = inside;
+  const auto at = [&](double k, double r) { return Point2((first * n + k) / n / w, (row * n + r) / n / h); };
+  const auto on_side = [&](std::size_t k, std::size_t r) {
+    const bool level = r % pieces == 0, on_sphere = target.to == Projection::sphere;
+    const double x = double(k), y = double(r);
+    return level ? on_cut_side(at(0, y), at(n, y), x / n, on_sphere)
+                 : on_cut_side(at(x, 0), at(x, n), y / n, on_sphere);
+  };
   points.clear();
   for (std::size_t r = 0; r <= pieces; ++r)
-    for (std::size_t k = 0; k <= pieces * texels; k += r == 0 || r == pieces ? 1 : pieces) {
-      const Point2 p((first * n + double(k)) / n / w, (row * n + double(r)) / n / h);
-      points.push_back(inside ? moved_onto_rim(p, 1 / (n * h)) : p);
-    }
+    for (std::size_t k = 0; k <= pieces * texels; k += r == 0 || r == pieces ? 1 : pieces)
+      points.push_back(inside ? on_side(k, r) : at(double(k), double(r)));
   directions.resize(points.size());
   places.resize(points.size());
   envmap::directions(target.to, face, points, directions);
@@ -76,7 +102,7 @@ Outline::Shape Outline::shape() const {
   double area = 0, bend = 0, error = 0;
   double side = 0, longest = 0, most = 0;  // From the last corner on: how long, the longest piece, the largest bend.
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
-    const Point2&a = points[k], &b = points[k + 1];
+    const Point2 &a = points[k], &b = points[k + 1];
     const double narrow = narrowing(b.y), piece = lengths[k + 1];
     area += narrow * (b.y - a.y) * (a.x + b.x - 2 * points[0].x);
     low = glm::min(low, a), high = glm::max(high, a);

@@ -15,17 +15,18 @@ namespace envmap {
 struct Sides {
   int face = 0, row = 0, first = 0;  ///< The texels' place in the result.
   std::size_t pieces = 0, texels = 0;
-  bool folded = false;  ///< The result is an octahedral map.
+  bool folded = false;   ///< The result is an octahedral map.
+  bool clipped = false;  ///< The rim of a disc cuts the texel.
   std::vector<Point2> points;
   std::vector<Direction> directions;     ///< In the frame of the source.
   std::vector<Location<double>> places;  ///< In the source.
 
   /// For texels [first, first + texels) of a row: fills the rest.
-  /// @param inside points beyond a disc's rim move onto it.
+  /// @param inside of one texel that a disc's rim cuts, the sides of what is inside; `pieces` is a multiple of 4.
   void find(const Target& target, Projection source, bool inside);
 
-  /// Whether the outline may turn at a point, the `n`th round its texel: at a texel's corner, or on a crease of the
-  /// result, which meets sides in texels' corners or (where the size is odd) in their middles.
+  /// Whether the outline may turn at a point, the `n`th round its texel: at a texel's corner, on a disc's rim, or on a
+  /// crease of the result, which meets sides in texels' corners or (where the size is odd) in their middles.
   [[nodiscard]] bool is_corner(std::size_t point, std::size_t n) const;
 
   /// Calls f with the indices of the points round a texel, from its upper left corner and back to it.
@@ -49,7 +50,7 @@ struct Outline {
   std::vector<char> corners;   ///< Where the outline may turn.
   /// Of the piece that ends at a point; rows of a latlong map count as narrow as on the sphere.
   std::vector<double> lengths;
-  int latlong_rows = 0;        ///< Of a source that is a latlong map.
+  int latlong_rows = 0;  ///< Of a source that is a latlong map.
 
   /// Begins anew. @param rows of a source that is a latlong map, else 0.
   void begin(int on_facet, int rows) {

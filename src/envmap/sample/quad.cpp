@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "envmap/sample/area.h"
@@ -28,6 +29,8 @@ constexpr std::size_t block = 64;       // Texels of a row that are worked on at
 constexpr int longest = 24;             // Side of a window, and
 constexpr int most_taps = 128;          // texels in it.
 constexpr double most_bend = 1.0 / 32;  // Beyond, sides no longer are what their middles show.
+constexpr double most_over = 8;         // Times the tolerance: the bound of a mean that is told to be right by another.
+constexpr Colour unknown(std::numeric_limits<float>::quiet_NaN());
 
 struct Place {
   V x, y;
@@ -41,8 +44,11 @@ HWY_INLINE Place middle(const Place& a, const Place& b) {
 }
 HWY_INLINE V cross(const Place& a, const Place& b) { return hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x)); }
 
+// After how many columns a source begins again. 0: it does not.
+double period_of(const PaddedLevel& source) { return source.projection() == Projection::latlong ? source.width() : 0; }
+
 // Of texels of a row, in source texels with centres at whole numbers: the corners above (row 0) and below (2), from one
-// to the left of the first to one beyond the last, and the middles of upright sides (1).
+// to the left of the first to one beyond the last, and the middles of upright sides (1). Columns go on over a seam.
 struct Grid {
   static constexpr std::size_t size = block + 3 + lanes_at_most;
   HWY_ALIGN double x[3][size], y[3][size], face[3][size], density[3][size];
@@ -52,7 +58,7 @@ struct Grid {
     std::array<Direction, size> directions;
     std::array<Location<double>, size> at;
     std::array<double, size> densities;
-    const double h = target.size, w = h * aspect(target.to);
+    const double h = target.size, w = h * aspect(target.to), period = period_of(source);
     for (int r = 0; r < 3; ++r) {
       for (std::size_t k = 0; k < texels + 3; ++k) points[k] = {(first - 1.0 + double(k)) / w, (row + 0.5 * r) / h};
       const std::size_t n = texels + 3;
@@ -62,6 +68,8 @@ struct Grid {
       for (std::size_t k = 0; k < n; ++k) {
         points[k] = {at[k].u, at[k].v};
         x[r][k] = at[k].u * source.width() - 0.5, y[r][k] = at[k].v * source.height() - 0.5, face[r][k] = at[k].face;
+        const double step = x[r][k] - (k > 0 ? x[r][k - 1] : x[0][0]);
+        if (std::abs(step) > 0.5 * period && period > 0) x[r][k] -= period * std::round(step / period);
       }
       if (r != 1) envmap::densities(source.projection(), std::span(points).first(n), std::span(densities).first(n));
       std::copy_n(densities.begin(), n, density[r]);
@@ -78,8 +86,9 @@ struct Grid {
 struct Quads {
   HWY_ALIGN double left[lanes_at_most], top[lanes_at_most], columns[lanes_at_most], rows[lanes_at_most];
   HWY_ALIGN double off[lanes_at_most];  // Share of the area that may be wrong; 1 where it is not plain.
-  Place corners[4];                     // In order, from the left and the top of the window.
-  V density[4], along_x;                // At the corners; how it grows with x. Both up to a factor.
+  HWY_ALIGN double mean_density[lanes_at_most];
+  Place corners[4];       // In order, from the left and the top of the window.
+  V density[4], along_x;  // At the corners; how it grows with x. Both up to a factor.
 };
 
 // The middle of a level side off its chord's, by the corners to both sides: a second difference is the same along them.
@@ -105,15 +114,19 @@ V settle(const Place (&off)[2], const Place (&chord)[2], const Place& way, Place
 void place(const PaddedLevel& source, const Grid& grid, std::size_t k, const Place (&c)[4], V twice, V off, Quads& q) {
   const Lanes d;
   const V one = hn::Set(d, 1), two = hn::Set(d, 2), apron = hn::Set(d, Level::apron);
-  const V left = hn::Floor(hn::Min(hn::Min(c[0].x, c[1].x), hn::Min(c[2].x, c[3].x)));
+  const V unwrapped = hn::Floor(hn::Min(hn::Min(c[0].x, c[1].x), hn::Min(c[2].x, c[3].x)));
   const V top = hn::Floor(hn::Min(hn::Min(c[0].y, c[1].y), hn::Min(c[2].y, c[3].y)));
-  const V right = hn::Add(hn::Floor(hn::Max(hn::Max(c[0].x, c[1].x), hn::Max(c[2].x, c[3].x))), two);
+  const V period = hn::Set(d, period_of(source)), wide = hn::Set(d, source.width());
+  const V left = hn::NegMulAdd(period, hn::Floor(hn::Div(hn::Add(unwrapped, apron), wide)), unwrapped);
+  const V columns =
+      hn::Sub(hn::Add(hn::Floor(hn::Max(hn::Max(c[0].x, c[1].x), hn::Max(c[2].x, c[3].x))), two), unwrapped);
+  const V right = hn::Add(left, columns);
   const V bottom = hn::Add(hn::Floor(hn::Max(hn::Max(c[0].y, c[1].y), hn::Max(c[2].y, c[3].y))), two);
-  const V columns = hn::Sub(right, left), rows = hn::Sub(bottom, top);
+  const V rows = hn::Sub(bottom, top);
   auto plain = hn::And(hn::Le(off, hn::Set(d, most_bend)), hn::Le(hn::Mul(columns, rows), hn::Set(d, most_taps)));
   plain = hn::And(plain, hn::Le(hn::Max(columns, rows), hn::Set(d, longest)));
   plain = hn::And(plain, hn::Le(hn::Neg(apron), hn::Min(left, top)));
-  plain = hn::And(plain, hn::Le(right, hn::Add(hn::Set(d, source.width()), apron)));
+  plain = hn::And(plain, hn::Le(right, hn::Add(wide, apron)));
   plain = hn::And(plain, hn::Le(bottom, hn::Add(hn::Set(d, source.height()), apron)));
   for (int s = 0; s < 4; ++s) {
     const V face = hn::LoadU(d, &grid.face[s / 2 * 2][k + 1 + std::size_t(s % 2)]);
@@ -127,7 +140,8 @@ void place(const PaddedLevel& source, const Grid& grid, std::size_t k, const Pla
   const V arc = hn::Mul(hn::Max(columns, rows), hn::Set(d, 1.5 / source.height()));
   hn::Store(hn::IfThenElse(plain, hn::Add(off, hn::Mul(arc, arc)), one), d, q.off);
   for (int s = 0; s < 4; ++s)
-    q.corners[s] = {hn::IfThenElseZero(plain, hn::Sub(c[s].x, left)), hn::IfThenElseZero(plain, hn::Sub(c[s].y, top))};
+    q.corners[s] = {hn::IfThenElseZero(plain, hn::Sub(c[s].x, unwrapped)),
+                    hn::IfThenElseZero(plain, hn::Sub(c[s].y, top))};
 }
 
 void form(const PaddedLevel& source, const Grid& grid, std::size_t k, Quads& q) {
@@ -150,6 +164,7 @@ void form(const PaddedLevel& source, const Grid& grid, std::size_t k, Quads& q) 
   const V gx = hn::Div(hn::Sub(hn::Mul(de, f.y), hn::Mul(df, e.y)), twice);
   const V gy = hn::Div(hn::Sub(hn::Mul(e.x, df), hn::Mul(f.x, de)), twice);
   const V sum = hn::Add(hn::Add(density[0], density[1]), hn::Add(density[2], density[3]));
+  hn::Store(hn::Mul(hn::Set(d, 0.25), sum), d, q.mean_density);
   const V scale = hn::CopySign(hn::Div(hn::Set(d, 4), sum), twice);  // Whichever way the corners go round.
   const auto plain = hn::Lt(hn::Load(d, q.off), hn::Set(d, 1));
   q.along_x = hn::IfThenElseZero(plain, hn::Mul(gx, scale));
@@ -227,54 +242,81 @@ struct Weights {
   }
 };
 
-// Whether the mean is within the tolerance.
-bool mean(const PaddedLevel& source, int face, const Quads& q, const Weights& weights, std::size_t lane,
-          double tolerance, double floor, Colour& out) {
+// Of one texel, summed over its quadrilaterals.
+struct Sum {
+  Rgb<double> light{0}, off{0};  // And by how much it may be wrong.
+  double solid_angle = 0;        // Up to a factor.
+  bool is_known = true;          // Not if a quadrilateral is not plain.
+
+  // Whether the bound is within the tolerance.
+  [[nodiscard]] bool is_within(double tolerance, double floor, const Colour& mean) const {
+    for (int c = 0; c < 3; ++c)
+      if (!(off[c] <= solid_angle * tolerance * std::max<double>(mean[c], floor))) return false;
+    return true;
+  }
+  // Whether the mean hardly differs from that of half the division, which is off by several times as much.
+  [[nodiscard]] bool is_settled(double tolerance, double floor, const Colour& before, const Colour& mean) const {
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(mean[c] - before[c]) <= 0.25 * tolerance * std::max<double>(mean[c], floor))) return false;
+    return is_within(most_over * tolerance, floor, mean);
+  }
+};
+
+void add(const PaddedLevel& source, int face, const Quads& q, const Weights& weights, std::size_t lane, Sum& sum) {
+  if (!(q.off[lane] < 1)) return void(sum.is_known = false);
   const int left = int(q.left[lane]), top = int(q.top[lane]), columns = int(q.columns[lane]), rows = int(q.rows[lane]);
   const hn::CappedTag<float, 4> d;  // The fourth channel is the next texel's, or a spare one.
-  HWY_ALIGN float sums[4], lows[4], highs[4];
+  HWY_ALIGN float lights[4], lows[4], highs[4];
   float whole = 0;
   for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
-    auto sum = hn::Zero(d), low = hn::LoadU(d, &source.texel(face, left, top)->x + c), high = low;
+    auto light = hn::Zero(d), low = hn::LoadU(d, &source.texel(face, left, top)->x + c), high = low;
     whole = 0;
     for (int j = 0; j < rows; ++j) {
       const float* radiance = &source.texel(face, left, top + j)->x + c;
       const float(*weight)[lanes_at_most] = weights.of + j * (weights.columns + 2);
       for (int i = 0; i < columns; ++i, radiance += 3) {
-        const auto light = hn::LoadU(d, radiance);
-        sum = hn::Add(sum, hn::Mul(hn::Set(d, weight[i][lane]), light));
-        low = hn::Min(low, light), high = hn::Max(high, light);
+        const auto texel = hn::LoadU(d, radiance);
+        light = hn::Add(light, hn::Mul(hn::Set(d, weight[i][lane]), texel));
+        low = hn::Min(low, texel), high = hn::Max(high, texel);
         whole += weight[i][lane];
       }
     }
-    hn::Store(sum, d, sums + c), hn::Store(low, d, lows + c), hn::Store(high, d, highs + c);
+    hn::Store(light, d, lights + c), hn::Store(low, d, lows + c), hn::Store(high, d, highs + c);
   }
-  out = Colour(sums[0], sums[1], sums[2]) / whole;
-  for (int c = 0; c < 3; ++c)
-    if (!(q.off[lane] * (highs[c] - lows[c]) <= tolerance * std::max<double>(out[c], floor))) return false;
-  return true;
+  const double scale = q.mean_density[lane];
+  for (int c = 0; c < 3; ++c) {
+    sum.light[c] += scale * lights[c];
+    sum.off[c] += scale * whole * q.off[lane] * (highs[c] - lows[c]);
+  }
+  sum.solid_angle += scale * whole;
 }
 
-// At most `block` texels of a row. Returns a bit for each of those that were not within the tolerance.
-std::uint64_t SampleQuads(const PaddedLevel& source, const Target& target, double tolerance, double floor, int face,
-                          int row, int first, std::span<Colour> out) {
-  const Grid grid(source, target, face, row, first, out.size());
+// At most `block` / `division` texels of a row, each by `division` x `division` quadrilaterals. Returns a bit for each
+// of those that were not within the tolerance.
+std::uint64_t SampleQuads(const PaddedLevel& source, const Target& target, int division, double tolerance, double floor,
+                          int face, int row, int first, std::span<Colour> out) {
   static thread_local Weights weights;
+  Target parts = target;
+  parts.size *= division;
+  const std::size_t count = out.size() * std::size_t(division);
+  std::array<Sum, block> sums{};
   Quads q;
+  for (int part = 0; part < division; ++part) {
+    const Grid grid(source, parts, face, row * division + part, first * division, count);
+    for (std::size_t k = 0; k < count; k += hn::Lanes(Lanes())) {
+      form(source, grid, k, q);
+      weights.find(q);
+      for (std::size_t lane = 0; lane < std::min(hn::Lanes(Lanes()), count - k); ++lane)
+        add(source, int(grid.face[0][k + lane + 1]), q, weights, lane, sums[(k + lane) / std::size_t(division)]);
+    }
+  }
   std::uint64_t open = 0;
-  // Whether the rim of a disc cuts the texel. Some maps are filled beyond it.
-  const auto cut = [&, disc = on_disc(target.to), half = 0.5 * target.size](int column) {
-    const double x0 = column - half, x1 = x0 + 1, y0 = row - half, y1 = y0 + 1, rim = half * half;
-    const double x = std::clamp(0.0, x0, x1), y = std::clamp(0.0, y0, y1), u = std::max(-x0, x1), v = std::max(-y0, y1);
-    return disc && x * x + y * y < rim && u * u + v * v > rim;
-  };
-  for (std::size_t k = 0; k < out.size(); k += hn::Lanes(Lanes())) {
-    form(source, grid, k, q);
-    weights.find(q);
-    for (std::size_t lane = 0; lane < std::min(hn::Lanes(Lanes()), out.size() - k); ++lane)
-      if (!(q.off[lane] < 1) || cut(first + int(k + lane)) ||
-          !mean(source, int(grid.face[0][k + lane + 1]), q, weights, lane, tolerance, floor, out[k + lane]))
-        open |= std::uint64_t(1) << (k + lane);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const Colour before = out[k];
+    out[k] = sums[k].is_known ? Colour(sums[k].light / sums[k].solid_angle) : unknown;
+    if (!sums[k].is_within(tolerance, floor, out[k]) &&
+        !(division > 1 && sums[k].is_settled(tolerance, floor, before, out[k])))
+      open |= std::uint64_t(1) << k;
   }
   return open;
 }
@@ -292,19 +334,51 @@ bool quads_suit(const PaddedLevel& source, const Target& target) {
   return !target.ball && !on_disc(source.projection()) && !is_octahedral(source.projection());
 }
 
+namespace {
+
+constexpr int most_division = 8;
+
+// Whether the rim of a disc cuts the texel. Some maps are filled beyond it.
+bool is_cut(const Target& target, int row, int column) {
+  if (!on_disc(target.to)) return false;
+  const double half = 0.5 * target.size, x0 = column - half, x1 = x0 + 1, y0 = row - half, y1 = y0 + 1;
+  const double x = std::clamp(0.0, x0, x1), y = std::clamp(0.0, y0, y1), u = std::max(-x0, x1), v = std::max(-y0, y1);
+  return x * x + y * y < half * half && u * u + v * v > half * half;
+}
+
+struct Task {
+  const PaddedLevel& source;
+  Target target;
+  double tolerance, floor;
+  Sampler otherwise;
+
+  void sample(int division, int face, int row, int first, std::span<Colour> out) const {
+    if (division > most_division) return otherwise(face, row, first, out);
+    const std::size_t block = HWY_NAMESPACE::block / std::size_t(division);
+    for (std::size_t start = 0; start < out.size(); start += block)
+      sample_block(division, face, row, first + int(start), out.subspan(start, std::min(block, out.size() - start)));
+  }
+
+  void sample_block(int division, int face, int row, int first, std::span<Colour> out) const {
+    std::uint64_t open =
+        HWY_DYNAMIC_DISPATCH(SampleQuads)(source, target, division, tolerance, floor, face, row, first, out);
+    while (open != 0) {
+      const int begin = std::countr_zero(open), count = std::countr_one(open >> begin);
+      sample(2 * division, face, row, first + begin, out.subspan(std::size_t(begin), std::size_t(count)));
+      open = begin + count < 64 ? open >> (begin + count) << (begin + count) : 0;
+    }
+  }
+};
+
+}  // namespace
+
 Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
-  const Sampler otherwise = area_sampler(source, target, tolerance, floor, true);
-  return [=, &source](int face, int row, int first, std::span<Colour> out) {
-    constexpr std::size_t block = HWY_NAMESPACE::block;
-    for (std::size_t start = 0; start < out.size(); start += block) {
-      const std::span texels = out.subspan(start, std::min(block, out.size() - start));
-      const int at = first + int(start);
-      std::uint64_t open = HWY_DYNAMIC_DISPATCH(SampleQuads)(source, target, tolerance, floor, face, row, at, texels);
-      while (open != 0) {
-        const int begin = std::countr_zero(open), count = std::countr_one(open >> begin);
-        otherwise(face, row, at + begin, texels.subspan(std::size_t(begin), std::size_t(count)));
-        open = begin + count < 64 ? open >> (begin + count) << (begin + count) : 0;
-      }
+  const Task task{source, target, tolerance, floor, area_sampler(source, target, tolerance, floor, true)};
+  return [task](int face, int row, int first, std::span<Colour> out) {
+    for (std::size_t end, k = 0; k < out.size(); k = end) {
+      const bool cut = is_cut(task.target, row, first + int(k));
+      for (end = k + 1; end < out.size() && is_cut(task.target, row, first + int(end)) == cut;) ++end;
+      task.sample(cut ? most_division + 1 : 1, face, row, first + int(k), out.subspan(k, end - k));
     }
   };
 }
