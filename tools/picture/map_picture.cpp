@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "envmap/base/parallel.h"
@@ -40,17 +41,19 @@ std::vector<Cover> covers(int from, int to) {
 }
 
 // The mean over each pixel. Enlarged pictures show their texels as squares.
-Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size wanted) {
-  show(radiance);
+// @param rows fills a span with the pixels of whole rows, from one on.
+template <class Rows>
+Picture shown_at(const Rows& rows, Size size, const Show& show, Size wanted) {
   Picture out(wanted, Colour(0));
   const std::vector<Cover> across = covers(size.width, wanted.width), down = covers(size.height, wanted.height);
   for_each_row(1, wanted.height, {}, [&](int, int j) {
-    const Cover& rows = down[std::size_t(j)];
+    const Cover& below = down[std::size_t(j)];
+    std::vector<Colour> radiance(below.parts.size() * std::size_t(size.width));
+    rows(below.first, std::span(radiance));
+    show(radiance);
     std::vector<Colour> wide(std::size_t(size.width), Colour(0));
-    for (std::size_t r = 0; r < rows.parts.size(); ++r) {
-      const Colour* row = &radiance[(std::size_t(rows.first) + r) * std::size_t(size.width)];
-      for (std::size_t i = 0; i < wide.size(); ++i) wide[i] += rows.parts[r] * row[i];
-    }
+    for (std::size_t r = 0; r < below.parts.size(); ++r)
+      for (std::size_t i = 0; i < wide.size(); ++i) wide[i] += below.parts[r] * radiance[r * wide.size() + i];
     for (int i = 0; i < wanted.width; ++i) {
       const Cover& columns = across[std::size_t(i)];
       for (std::size_t c = 0; c < columns.parts.size(); ++c)
@@ -63,11 +66,12 @@ Picture shown_at(std::vector<Colour> radiance, Size size, const Show& show, Size
 Picture page_picture(const Level& level, std::optional<int> face, const Show& show, int height) {
   const Rows rows = rows_of(level, Forward::plus_z);
   const Atlas atlas{rows, grid(layout_of(level.projection())), face.value_or(-1)};
-  std::vector<Colour> full(std::size_t(atlas.width()) * std::size_t(atlas.height()));
-  atlas.gather(0, atlas.height(), full);
   const Size size{atlas.width(), atlas.height()};
-  const double width = double(height) * size.width / size.height;
-  return shown_at(std::move(full), size, show, {std::max(1, int(std::lround(width))), height});
+  const int width = std::max(1, int(std::lround(double(height) * size.width / size.height)));
+  const auto gather = [&](int begin, std::span<Colour> out) {
+    atlas.gather(begin, begin + int(std::ssize(out)) / size.width, out);
+  };
+  return shown_at(gather, size, show, {width, height});
 }
 
 constexpr std::pair<Direction, const char*> axes[] = {{{1, 0, 0}, "+X"},  {{-1, 0, 0}, "-X"}, {{0, 1, 0}, "+Y"},
@@ -90,7 +94,10 @@ Picture ball(const Rotation& to_world, int size, const Show& show, const Radianc
       pixels[std::size_t(j) * std::size_t(fine) + std::size_t(i)] = radiance(to_world * normal, to_world * mirrored);
     }
   });
-  return shown_at(std::move(pixels), {fine, fine}, show, {size, size});
+  const auto copy = [&](int begin, std::span<Colour> out) {
+    std::copy_n(pixels.begin() + std::ptrdiff_t(begin) * fine, out.size(), out.begin());
+  };
+  return shown_at(copy, {fine, fine}, show, {size, size});
 }
 
 // Sizes at which texels are finer than the lobe changes; errors of 1% are not seen.
