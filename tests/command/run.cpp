@@ -64,13 +64,13 @@ Background::Background(const CommandTest& test, const std::vector<std::string>& 
   std::vector<char*> words;
   for (const std::string& a : arguments) words.push_back(const_cast<char*>(a.c_str()));
   words.push_back(nullptr);
-  ::setenv("ENVMAP", ENVMAP_PROGRAM, 1);
-  ::setenv("TMPDIR", test.temporary_.c_str(), 1);
   std::fflush(nullptr);
 
   process_ = ::fork();
   if (process_ < 0) throw std::runtime_error("cannot fork");
   if (process_ > 0) return;
+  ::setenv("ENVMAP", ENVMAP_PROGRAM, 1);
+  ::setenv("TMPDIR", test.temporary_.c_str(), 1);
   ::dup2(::fileno(in_.get()), STDIN_FILENO);
   ::dup2(::fileno(out_.get()), STDOUT_FILENO);
   ::dup2(::fileno(err_.get()), STDERR_FILENO);
