@@ -38,7 +38,11 @@ struct Step {
   const char *option, *words;
 };
 
-std::vector<Step> steps(envmap::Remedy remedy) {
+bool has(const Options& options, std::string_view name) {
+  return std::ranges::find(options.rows, name, &Option::name) != options.rows.end();
+}
+
+std::vector<Step> steps(envmap::Remedy remedy, const Options& options) {
   using envmap::Remedy;
   constexpr Step deepen{"--depth", "choose --depth float"}, dim{"--exposure", "lower --exposure"},
       brighten{"--exposure", "raise --exposure"}, clamp{"--clamp", "use --clamp"};
@@ -67,20 +71,19 @@ std::vector<Step> steps(envmap::Remedy remedy) {
     case Remedy::find_circle: return {{"--circle", "use --circle find if it is a photo of a ball"}};
     case Remedy::choose_faces: return {{"--from-faces", "name their convention with --from-faces"}};
     case Remedy::make_levels: return {{"--keep", "remove --keep"}};
+    case Remedy::make_cube:
+      return {{"", has(options, "--to") ? "use --to cube" : "use 'envmap convert --to cube' first"}};
+    case Remedy::make_all_levels: return {{"", has(options, "--levels") ? "raise --levels" : "use 'envmap mipmap'"}};
     case Remedy::force: return {{"", "make it writable"}, {"--force", "use --force to replace it"}};
     case Remedy::none: break;
   }
   return {};
 }
 
-bool has(const Options& options, std::string_view name) {
-  return std::ranges::find(options.rows, name, &Option::name) != options.rows.end();
-}
-
 // Names only options that the command has.
 std::string advice(envmap::Remedy remedy, const Options& options) {
   std::vector<std::string> words;
-  for (const Step& step : steps(remedy))
+  for (const Step& step : steps(remedy, options))
     if (*step.option == 0 || has(options, step.option)) words.emplace_back(step.words);
   if (words.empty()) return "";
   const std::string last = words.back();

@@ -35,6 +35,8 @@ const char* advice(Remedy remedy) {
     case Remedy::clamp_or_light_up: return ": say clamp=True";
     case Remedy::force: return ": force=True replaces it";
     case Remedy::make_levels: return ": mipmap() makes levels anew";
+    case Remedy::make_cube: return ": convert(to='cube') makes one";
+    case Remedy::make_all_levels: return ": mipmap() makes them";
     case Remedy::limit_memory:
     case Remedy::choose_space:
     case Remedy::choose_linear:
@@ -73,8 +75,10 @@ constexpr const char* remedy_names[] = {"none",
                                         "force",
                                         "find_circle",
                                         "choose_faces",
-                                        "make_levels"};
-static_assert(std::size(remedy_names) == std::size_t(Remedy::make_levels) + 1);
+                                        "make_levels",
+                                        "make_cube",
+                                        "make_all_levels"};
+static_assert(std::size(remedy_names) == std::size_t(Remedy::make_all_levels) + 1);
 
 // The number of the system's error that a message ends in, or None.
 py::object errno_of(const std::string& message) {

@@ -44,6 +44,13 @@ TEST_F(Usage, NamesTheArgumentThatIsMissing) {
   fails(usage, {"convert", "in.exr", "out.exr", "third.exr"}, {"third.exr"});
 }
 
+TEST_F(Usage, NamesTheArgumentThatIsEmptyOrAFolder) {
+  fails(usage, {"convert", "", "out.exr"}, {"INPUT", "empty"});
+  fails(usage, {"convert", "in.exr", ""}, {"OUTPUT", "empty"});
+  fails(usage, {"info", "in.exr", ""}, {"FILES", "empty"});
+  fails(not_written, {"convert", "in.exr", "."}, {".: is a folder: give a file name"});
+}
+
 TEST_F(Usage, PhotosOfABallAreSphereMaps) {
   fails(usage, {"convert", "in.exr", "out.exr", "--ball-distance", "3"},
         {"--ball-distance", "--from sphere", "in.exr is a latlong map"});

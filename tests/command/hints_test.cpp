@@ -180,6 +180,16 @@ TEST_F(Hints, OfReading) {
          {split("convert cube.ktx2 out.exr")}});
 }
 
+TEST_F(Hints, OfMapsThatAreNoCubes) {
+  leads({split("convert grey.exr out_{face}.exr"),
+         2,
+         ": use --to cube",
+         {split("convert grey.exr out_{face}.exr --to cube")}});
+  const Result r = envmap(split("mipmap grey.exr out.env"));
+  EXPECT_EQ(r.status, 2);
+  EXPECT_TRUE(r.err.ends_with(": use 'envmap convert --to cube' first\n")) << r.err;
+}
+
 TEST_F(Hints, OfWriting) {
   leads({split("convert grey.exr out.exr --to latlong --layout row"),
          2,

@@ -131,7 +131,11 @@ TEST_F(Texture, OfBabylonHasItsHeaderAndAllLevels) {
   // Back: RGBD's rounding, at the least values of 0.02.
   succeeds({"convert", "map.env", "back.exr", "--level", "0", "--filter", "nearest"});
   succeeds({"compare", "back.exr", "in.exr", "--max-error", "0.03"});
-  fails(4, {"convert", "in.exr", "one.env"}, {"one.env", "full mip chain"});
+  fails(4, {"convert", "in.exr", "one.env"}, {"one.env", "5 here, not 1: use 'envmap mipmap'"});
+  fails(4, {"mipmap", "in.exr", "few.env", "--levels", "3"}, {"few.env", "5 here, not 3: raise --levels"});
+  succeeds({"generate", "constant", "twelve.exr", "--to", "cube", "--size", "12"});
+  fails(4, {"mipmap", "twelve.exr", "twelve.env"}, {"power of two", "such as 8, not 12"});
+  succeeds({"mipmap", "map.env", "again.env"});
   fails(2, {"convert", "in.exr", "one.env", "--to", "latlong"}, {".env"});
   fails(4, {"mipmap", "in.exr", "light.glb"}, {"light.glb", "irradiance"});
   succeeds({"generate", "constant", "bright.exr", "--to", "cube", "--size", "2", "--value", "300"});
@@ -140,7 +144,9 @@ TEST_F(Texture, OfBabylonHasItsHeaderAndAllLevels) {
   std::string webp = file;
   webp.replace(webp.find("image/png"), 9, "image/xyz");
   write("webp.env", webp);
-  fails(3, {"info", "webp.env"}, {"image/xyz"});
+  fails(3, {"info", "webp.env"}, {"image/xyz", "image/png"});
+  write("cut.env", file.substr(0, 600));
+  fails(3, {"info", "cut.env"}, {"truncated or damaged"});
   write("scene.glb", std::string("glTF\2\0\0\0\x18\0\0\0\4\0\0\0JSON{}  ", 24));
   fails(3, {"info", "scene.glb"}, {"EXT_lights_image_based"});
 }

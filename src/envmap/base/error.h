@@ -46,6 +46,8 @@ enum class Remedy {
   find_circle,            ///< A photo of a ball: photo_map.h, find_circle.h.
   choose_faces,           ///< ReadOptions::faces.
   make_levels,            ///< Levels made by add_levels() instead of those of the source.
+  make_cube,              ///< A cube, which convert() makes.
+  make_all_levels,        ///< All levels down to one texel, which add_levels() makes.
 };
 
 class Error : public std::runtime_error {

@@ -45,10 +45,13 @@ std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uin
 
 void write_env(OutputFile& file, std::span<const Atlas> levels, const KeyValues& pairs, const Progress& progress) {
   const auto size = unsigned(levels[0].width());
-  if (!std::has_single_bit(size) || levels.size() != std::size_t(std::bit_width(size)))
-    throw OutputError(
-        fmt::format(".env files need a full mip chain and a power-of-two face size, not {} level(s) of {}x{}",
-                    levels.size(), size, size));
+  if (!std::has_single_bit(size))
+    throw OutputError(fmt::format(".env files need a power of two as the height of a face, such as {}, not {}",
+                                  std::bit_floor(size), size));
+  if (const int all = std::bit_width(size); levels.size() != std::size_t(all))
+    throw OutputError(fmt::format(".env files hold all levels down to one texel, which are {} here, not {}", all,
+                                  levels.size()),
+                      Remedy::make_all_levels);
   const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);
   Json images = Json::array();
   std::size_t position = 0;
@@ -75,12 +78,13 @@ TextureFile open_env(const InputFile& file) {
   try {
     const Json header = Json::parse(text);
     const std::uint64_t version = whole_number(header.at("version"));
-    if (version < 1 || version > 2) throw InputError(fmt::format(".env of version {}: 1 and 2 are read", version));
+    if (version < 1 || version > 2)
+      throw InputError(fmt::format("is an .env file of version {}: only versions 1 and 2 can be read", version));
     if (const std::string type = header.value("imageType", "image/png"); type != "image/png")
-      throw InputError(fmt::format(".env with faces as {}: image/png is read", type));
+      throw InputError(fmt::format("its faces are {} images: only image/png can be read", type));
     return rgbd_texture(file, "env", parts_of(header, env_mark.size() + text.size() + 1, file.size()));
   } catch (const Json::exception&) {
-    throw InputError("damaged: its header is not what .env files have");
+    throw InputError("damaged: its header is not that of an .env file");
   }
 }
 

@@ -325,6 +325,8 @@ void check_rows(const std::string& path, std::span<const Rows> levels, const Wri
 }  // namespace
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
+  std::error_code error;
+  if (path != "-" && fs::is_directory(path, error)) throw OutputError(path, "is a folder: give a file name");
   const std::string ext = extension(path, options);
   const FileFormat* format = format_with_extension(ext);
   if (!format) {
@@ -353,9 +355,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   if (path == "-") return;
   const fs::path parent = fs::path(path).parent_path();
   const std::string folder = parent.empty() ? "." : parent.string();
-  std::error_code error;
   if (!fs::is_directory(folder, error)) throw OutputError(path, "no such folder: " + folder);
-  if (fs::is_directory(path, error)) throw OutputError(path, "is a folder: give a file name");
 }
 
 namespace {

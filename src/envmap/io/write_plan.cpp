@@ -39,12 +39,14 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
 Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p) {
   if (p != Projection::cube) {
     if (format.cubes_alone)
-      throw UsageError(path, fmt::format("{} files hold cube maps; this is a {} map", format.title, name(p)));
+      throw UsageError(path, fmt::format("{} files hold cube maps; this is a {} map", format.title, name(p)),
+                       Remedy::make_cube);
     if (options.layout)
       throw UsageError(fmt::format("a layout is for cube maps; this is a {} map", name(p)), Remedy::leave_out_layout);
     if (has_face(path) && p != projection_of_faces(path))
-      throw UsageError(fmt::format("{} in a file name is for {} maps", has_half(path) ? half_mark : face_mark,
-                                   name(projection_of_faces(path))));
+      throw UsageError(fmt::format("{} in a file name is for {} maps; this is a {} map",
+                                   has_half(path) ? half_mark : face_mark, name(projection_of_faces(path)), name(p)),
+                       has_half(path) ? Remedy::none : Remedy::make_cube);
     return has_half(path) ? Layout::files : default_layout(p);
   }
   if (has_half(path))
