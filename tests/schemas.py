@@ -68,9 +68,10 @@ def check(schemas, tried, command, *arguments, statuses=(0,)):
 
 
 def refuses_damage(schema, report):
+    required = schema.schema.get('required') or schema.schema['anyOf'][0]['required']
     damaged = [dict(report, surprise=1), dict(report, version=2)]
     for key, value in report.items():
-        if key in schema.schema['required']:
+        if key in required:
             damaged.append({k: v for k, v in report.items() if k != key})
         damaged.append(dict(report, **{key: [value] if key != 'metadata' else 1}))
         if isinstance(value, dict) and key not in ('metadata', 'not_finite'):
@@ -147,6 +148,7 @@ def main():
     for lobe in (['phong', '--exponent', '3'], ['ggx', '--levels', '3', '--method', 'exact'], ['charlie', '--roughness', '0.5'], ['blinn-phong', '--exponent', '3']):
         tell('prefilter', 'latlong.exr', 'out.exr', '--size', '4', '--lobe', *lobe)
     pathlib.Path('plate.obj').write_text('o plate\nv -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\n')
+    tell('info', 'plate.obj')
     tell('render', 'plate.obj', 'drawn.exr', '--size', '8', '--to', 'sphere', '--method', 'distort', '--ambient', '1')
     tell('view', 'plate.obj', 'seen.png', '--width', '16', '--height', '16', '--ambient', '1', '--method', 'raycast')
     seen = tell('view', 'plate.obj', '{frame}.png', '--width', '16', '--height', '16', '--ambient', '1', '--mirror', 'plate', '--frames', '0:2')

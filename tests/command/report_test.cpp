@@ -55,6 +55,33 @@ TEST_F(Info, SaysWhatTheFileIs) {
   EXPECT_EQ(j["forward"], "-x");
 }
 
+TEST_F(Info, OfSeveralFilesIsAnArray) {
+  succeeds({"generate", "constant", "a.exr", "--size", "4", "--value", "1"});
+  succeeds({"generate", "constant", "b.exr", "--size", "4", "--value", "2"});
+  const json both = report(envmap({"info", "a.exr", "b.exr", "--json"}));
+  EXPECT_EQ(both, (json{report({"info", "a.exr"}), report({"info", "b.exr"})}));
+  fails(3, {"info", "a.exr", "missing.exr", "--json"}, {"missing.exr"});
+}
+
+TEST_F(Info, OfScenesListsNodesLightsAndCameras) {
+  std::string triangles;
+  for (int k = 0; k < 10; ++k) triangles += "o part" + std::to_string(k) + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n";
+  write("parts.obj", triangles);
+  const json scene = report({"info", "parts.obj"})["scene"];
+  EXPECT_EQ(scene["triangles"], 10);
+  EXPECT_EQ(scene["nodes"].size(), 10U);
+  EXPECT_EQ(scene["nodes"][9]["name"], "part9");
+  expect_near(scene["nodes"][9]["centre"], {0.5, 0.5, 0}, 0);
+  EXPECT_EQ(scene["lights"], json::array());
+  const std::string text = envmap({"info", "parts.obj"}).out;
+  EXPECT_NE(text.find("'part3', 1 triangle, centre 0.5,0.5,0\n"), std::string::npos) << text;
+  const std::string some = "its nodes are part0, part1, part2, part3, part4, part5, part6, part7 and 2 more";
+  fails(2, {"render", "parts.obj", "a.exr", "--at", "nosuch"}, {"parts.obj", some});
+  fails(2, {"view", "parts.obj", "a.png", "--mirror", "nosuch"}, {some});
+  fails(2, {"info", "parts.obj", "--levels"}, {"is a scene", "--levels"});
+  fails(3, {"info", "missing.obj"}, {"missing.obj"});
+}
+
 TEST_F(Info, FindsTheBrightestDirectionInTheWorld) {
   // One bright texel left of the centre of a map that looks along -Z: there lies -X.
   Picture p = Picture::filled(16, 8, 0.5);

@@ -167,6 +167,10 @@ std::string schema_of(std::string_view command) {
                       {"title", fmt::format("envmap {} --json", command)}};
   schema.update(object());
   for (const Key& key : text_of(command).keys) add(schema, key);
+  if (schema["properties"].contains("scene")) {  // Instead of all that is said of a map.
+    schema["anyOf"] = {{{"required", schema["required"]}}, {{"required", {"version", "file", "scene"}}}};
+    schema.erase("required");
+  }
   return schema.dump(2) + "\n";
 }
 

@@ -1,12 +1,16 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/io/file_format.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/sampling.h"
+#include "envmap/scene/read/read_scene.h"
+#include "scenes/scene_facts.h"
 #include "shared/facts.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
@@ -56,8 +60,42 @@ void print_levels(const EnvironmentMap& map) {
   }
 }
 
+bool may_be_scene(const std::string& path) {
+  const std::string type = extension_of(path);
+  return type == "obj" || type == "gltf" || type == "glb";
+}
+
+// A .glb file without the light of a map is a scene. What is neither has the message of that type of file.
+std::variant<Source, Scene> read_map_or_scene(const InfoRequest& o, const std::string& input) {
+  if (!may_be_scene(input)) return read_map(input, o.read);
+  if (extension_of(input) != "glb") return read_scene(input, o.read.max_pixels);
+  try {
+    return read_map(input, o.read);
+  } catch (const InputError& no_map) {
+    try {
+      return read_scene(input, o.read.max_pixels);
+    } catch (const InputError&) {
+      throw no_map;
+    }
+  }
+}
+
+void print_lines(const FactLines& lines) {
+  for (const auto& [what, value] : lines) print(fmt::format("{:14} {}\n", what, value));
+}
+
+void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Report& report) {
+  if (o.levels || o.sampling || o.towards)
+    throw UsageError(input, "is a scene: --levels, --sampling and --towards are for maps");
+  if (!settings().json) return print_lines(lines_of(scene, input));
+  report.put("file", input);
+  add(report, scene);
+}
+
 void tell(const InfoRequest& o, const std::string& input, Report& report) {
-  const Source source = read_map(input, o.read);
+  const auto found = read_map_or_scene(o, input);
+  if (const Scene* const scene = std::get_if<Scene>(&found)) return tell(o, *scene, input, report);
+  const Source& source = std::get<Source>(found);
   const MapFacts facts = facts_of(source, input, o.read.colour.space, o.towards);
   std::vector<SamplingRow> table;
   if (o.sampling) table = sampling_table(source.map.projection(), source.map.base().height());
@@ -67,7 +105,7 @@ void tell(const InfoRequest& o, const std::string& input, Report& report) {
     add_sampling(report, table);
     return;
   }
-  for (const auto& [what, value] : lines_of(facts)) print(fmt::format("{:15}{}\n", what, value));
+  print_lines(lines_of(facts));
   if (o.levels) print_levels(source.map);
   if (o.sampling)
     print(fmt::format("\n{:>14} {:>10} {:>14} {:>10} {:>11}\n", "texel", "degrees", "solid angle/sr", "/ mean",
@@ -77,10 +115,22 @@ void tell(const InfoRequest& o, const std::string& input, Report& report) {
                       r.solid_angle, r.relative, r.anisotropy));
 }
 
+// JSON of several files.
+int tell_array(const InfoRequest& o) {
+  std::string array;
+  for (const std::string& input : o.inputs) {
+    Report report;
+    tell(o, input, report);
+    array += (array.empty() ? "[\n" : ",\n") + report.text();
+  }
+  print(array + "]\n");
+  return 0;
+}
+
 int run(InfoRequest& o, Report& report) {
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
-  if (settings().json && o.inputs.size() > 1) throw UsageError("--json is for one map");
   o.read.all_levels = o.levels;
+  if (settings().json && o.inputs.size() > 1) return tell_array(o);
   for (const std::string& input : o.inputs) {
     if (&input != &o.inputs.front()) print("\n");
     tell(o, input, report);
@@ -92,7 +142,7 @@ int run(InfoRequest& o, Report& report) {
 
 Action define_info(Options& o) {
   const auto r = std::make_shared<InfoRequest>();
-  o.files(r->inputs, File::input, "Maps to read, or '-' for stdin ({face} in the name reads six files)");
+  o.files(r->inputs, File::input, "Maps or scenes to read, or '-' for stdin ({face} in the name: six files)");
   o.group = "Facts";
   o.flag("--levels", r->levels, "Print the size and the flux of every mip level");
   o.flag("--sampling", r->sampling, "Print solid angle and anisotropy of texels, from the centre to the rim");

@@ -20,9 +20,9 @@ MirrorWish mirror_wish(const Scene& scene, const std::string& text) {
       if (to && std::ranges::find(map_names, name(*to)) != std::end(map_names)) return {node, to};
     }
   }
-  throw UsageError(
-      fmt::format("--mirror: '{}' must be a node of the scene, or NODE:sphere, NODE:paraboloid, NODE:cube or NODE:off",
-                  text));
+  throw UsageError(fmt::format(
+      "--mirror: '{}' must be a node of the scene, or NODE:sphere, NODE:paraboloid, NODE:cube or NODE:off: {}", text,
+      list_nodes(scene)));
 }
 
 std::vector<std::string> map_files(const std::string& folder, const Scene& scene, const std::vector<int>& nodes) {

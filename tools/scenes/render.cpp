@@ -83,8 +83,8 @@ Direction direction(const Request& o, const Scene& scene, const Pose& pose) {
   if (const auto along = triple_of(o.forward)) return *along;
   if (const auto there = direction_to(scene, pose, o.from.at, o.forward)) return *there;
   if (o.forward == "camera") throw UsageError(fmt::format("--forward: {} has no camera", o.scene.path));
-  throw UsageError(
-      fmt::format("--forward: '{}' must be +z, -z, +x, -x, X,Y,Z, a node of {} or 'camera'", o.forward, o.scene.path));
+  throw UsageError(fmt::format("--forward: '{}' must be +z, -z, +x, -x, X,Y,Z, a node of {} or 'camera': {}", o.forward,
+                               o.scene.path, list_nodes(scene)));
 }
 
 void check(const Request& o) {

@@ -114,7 +114,8 @@ Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::str
   } else if (const auto place = triple_of(at)) {
     from.at = *place;
   } else {
-    throw UsageError(fmt::format("--at: '{}' is neither a node of {} nor a point X,Y,Z", at, path));
+    throw UsageError(
+        fmt::format("--at: '{}' is neither a node of {} nor a point X,Y,Z: {}", at, path, list_nodes(scene)));
   }
   return from;
 }

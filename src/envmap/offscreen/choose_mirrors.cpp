@@ -12,7 +12,7 @@ namespace {
 // A node of the scene that has something to show.
 int mirror_node(const Scene& scene, const MirrorWish& wish) {
   const auto node = find_node(scene, wish.node);
-  if (!node) throw UsageError(fmt::format("mirror '{}' is no node of the scene", wish.node));
+  if (!node) throw UsageError(fmt::format("mirror '{}' is no node of the scene: {}", wish.node, list_nodes(scene)));
   const auto all = instances(scene);
   if (std::ranges::none_of(all, [&](const Instance& i) { return lies_under(scene, i.node, *node); }))
     throw UsageError(fmt::format("mirror '{}' has no triangles", wish.node));

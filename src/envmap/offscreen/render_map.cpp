@@ -35,7 +35,7 @@ Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose
   if (const auto* const place = std::get_if<Direction>(&o.at)) from.at = *place;
   if (const auto* const name = std::get_if<std::string>(&o.at)) {
     const auto node = find_node(scene, *name);
-    if (!node) throw UsageError(fmt::format("at: '{}' is no node of {}", *name, path));
+    if (!node) throw UsageError(fmt::format("at: '{}' is no node of {}: {}", *name, path, list_nodes(scene)));
     from.without = *node;
     from.at = centre_of(scene, pose, *node);
   }
@@ -43,7 +43,8 @@ Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose
   if (const auto* const along = std::get_if<Direction>(&*o.towards)) from.axes = turned_to(*along);
   if (const auto* const name = std::get_if<std::string>(&*o.towards)) {
     const auto there = direction_to(scene, pose, from.at, *name);
-    if (!there) throw UsageError(fmt::format("towards: '{}' is no node of {} and no camera", *name, path));
+    if (!there)
+      throw UsageError(fmt::format("towards: '{}' is no node of {} and no camera: {}", *name, path, list_nodes(scene)));
     from.axes = turned_to(*there);
   }
   return from;

@@ -41,6 +41,18 @@ std::optional<int> find_node(const Scene& scene, const std::string& name) {
   return int(found - scene.nodes.begin());
 }
 
+std::string list_nodes(const Scene& scene) {
+  constexpr std::size_t most = 8;
+  std::vector<std::string> names;
+  for (const Node& node : scene.nodes)
+    if (!node.name.empty() && std::ranges::find(names, node.name) == names.end()) names.push_back(node.name);
+  if (names.empty()) return "its nodes have no names";
+  std::string list;
+  for (std::size_t k = 0; k < std::min(most, names.size()); ++k) list += (k == 0 ? "" : ", ") + names[k];
+  if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
+  return "its nodes are " + list;
+}
+
 bool has_light(const Scene& scene) {
   const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
   return !scene.lights.empty() || std::ranges::any_of(scene.materials, glows);

@@ -152,6 +152,9 @@ Pose pose(const Scene& scene, double time);
 /// The first node of that name, if there is one.
 std::optional<int> find_node(const Scene& scene, const std::string& name);
 
+/// The names of nodes, for messages: eight at most, and how many more there are.
+std::string list_nodes(const Scene& scene);
+
 /// Whether the scene has light of its own: lights, or materials that glow.
 bool has_light(const Scene& scene);
 

@@ -1,0 +1,18 @@
+// What `info` prints of a scene.
+#pragma once
+
+#include <string>
+
+#include "cli/report.h"
+#include "envmap/scene/scene.h"
+#include "shared/facts.h"
+
+namespace tools {
+
+/// The key `scene` of `info --json`.
+void add(Report& report, const envmap::Scene& scene);
+
+/// The same as text.
+FactLines lines_of(const envmap::Scene& scene, const std::string& file);
+
+}  // namespace tools
