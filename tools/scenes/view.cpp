@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <ranges>
 #include <set>
 
@@ -76,12 +77,15 @@ Painted paint(const Request& o, MirrorPainter& painter, Shot shot, const std::ve
 }
 
 // A mirror that nobody saw has no file.
-void save(const MirrorPainter& painter, const std::vector<std::string>& paths, bool distance) {
+void save(const MirrorPainter& painter, const Request& o, const std::vector<std::string>& paths) {
   const std::vector<PaintedMap> maps = painter.maps();
+  std::error_code error;
+  std::filesystem::create_directories(o.saved, error);
+  if (error) throw OutputError(o.saved, error.message());
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const EnvironmentMap& radiance = maps[k].radiance;
     if (radiance.levels.empty()) continue;
-    if (distance)
+    if (o.distance)
       write_distances(paths[k], radiance, maps[k].distances, maps[k].at, {});
     else
       write_map(paths[k], all_rows_of(radiance), {}, "write");
@@ -227,7 +231,7 @@ int run(Request& o, Report& report) {
     }
     if (of_frame) of_frame(1);
     seconds += watch.seconds();
-    if (!maps.empty()) save(*painter, frames.sequence ? numbered(maps, frame) : maps, o.distance);
+    if (!maps.empty()) save(*painter, o, frames.sequence ? numbered(maps, frame) : maps);
     if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
     const std::vector<std::string> files = eye_files(frames.path(o.output, frame));
     if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
@@ -296,7 +300,8 @@ Action define_view(Options& o) {
   o.add("--far", "METRES", &r->drawing.far, {1e-9, 1e12}, "Distance of the far plane of maps (default: 1000)");
   o.flag("--all", r->drawing.all, "Draw every part of every map, needed or not");
   o.flag("--show-maps", r->look.tinted, "Tint reflections by the face of the map that they come from");
-  o.add("--save-maps", "FOLDER", &r->saved, "Write the map of each mirror into this folder as NODE.exr");
+  o.add("--save-maps", "FOLDER", &r->saved,
+        "Write the map of each mirror into this folder (made if missing) as NODE.exr");
   o.flag("--distance", r->distance, "--save-maps: write distances to channel Z of the EXR files");
   add_context(o, r->scene);
   add_frames(o, r->scene);
