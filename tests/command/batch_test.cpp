@@ -132,6 +132,7 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   refused("convert a.hdr a.exr\nconvert a.hdr b.exr --tow cube\n", {"line 2", "--tow", "--to"});
   refused("convert a.hdr x.exr\nmipmap a.hdr x.exr\n", {"line 2", "x.exr", "line 1"});
   refused("convert *.hdr x.exr --to cube\n", {"line 1", "unexpected argument"});
+  refused("convert a.hdr b.exr c.exr\n", {"wrong.txt: line 1: unexpected argument 'c.exr'"});
   refused("convert *.jpg {stem}.exr\n", {"line 1", "*.jpg"});
   refused("convert a.hdr {stem}.exr\n", {"line 1", "{stem}"});
   refused("info a.hdr\n", {"line 1", "info"});
@@ -141,7 +142,7 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   refused("[1]", {"wrong.txt", "job 1"}, 3);
   refused("[[\"convert\", null]]", {"wrong.txt", "job 1"}, 3);
   refused("convert c.exr b.exr\nconvert a.hdr d.exr\nconvert b.exr c.exr\nconvert c.exr e.exr\n",
-          {"line 1", "line 3", "circle"});
+          {"wrong.txt", "line 1", "line 3", "circle"});
   refused("convert c.exr b.exr\nconvert b.exr c.exr\n", {"(line 1, line 2, line 1)"});
   refused("[\"convert a.hdr a.exr\"", {"wrong.txt", "JSON"}, 3);
   refused(std::string("convert a.hdr a.exr\0.hdr\n", 25), {"line 1", "NUL"});

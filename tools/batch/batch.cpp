@@ -126,7 +126,6 @@ std::vector<Job> jobs_of(const Request& o) {
 int run(const Request& o) {
   if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
   const std::vector<Job> jobs = jobs_of(o);
-  check_order(jobs);
   const std::string name = !o.engine.empty() ? o.engine : fs::path(o.names.front()).stem().string();
   const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
   if (!o.slurm.empty() || !o.make.empty()) {

@@ -14,6 +14,7 @@
 #include <set>
 #include <sstream>
 
+#include "batch/schedule.h"
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
 #include "shared/named_files.h"
@@ -215,10 +216,15 @@ std::string text_of(const std::string& path) {
 std::vector<Job> read_manifest(const std::string& path) {
   const std::string text = text_of(path);
   const auto first = text.find_first_not_of(" \t\r\n");
-  std::vector<Job> jobs =
-      jobs_of(first != text.npos && text[first] == '[' ? lines_of_json(path, text) : lines_of_text(text));
-  if (jobs.empty()) throw InputError(path, "holds no commands");
-  return jobs;
+  try {
+    std::vector<Job> jobs =
+        jobs_of(first != text.npos && text[first] == '[' ? lines_of_json(path, text) : lines_of_text(text));
+    if (jobs.empty()) throw InputError(path, "holds no commands");
+    check_order(jobs);
+    return jobs;
+  } catch (const UsageError& e) {
+    throw UsageError(path, e.what(), e.remedy());
+  }
 }
 
 std::vector<Job> bake_jobs(const std::vector<std::string>& probes, const std::string& engine,

@@ -69,8 +69,9 @@ void add_levels(EnvironmentMap& map, Facts& making, int border) {
 }
 
 int run(MergeRequest& o) {
-  if (o.names.size() < 2) throw UsageError("needs the parts, and last the file to write");
+  if (o.names.size() < 2) throw UsageError("needs the parts, and after them the file to write");
   const std::string& output = o.names.back();
+  if (output != "-" && is_part(output)) throw UsageError(output, "is a part: name the file to write after the parts");
   const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
   MergedShards joined = merge_shards(parts, o.read.max_pixels);
   const WriteOptions how = options_of(output, joined.write, o.write);

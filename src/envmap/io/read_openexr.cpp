@@ -300,13 +300,17 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   };
   const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
   if (data == display) return reader;
-  reader.facts.notes.push_back(
-      fmt::format("its data window ({},{} to {},{}) is not its display window ({},{} to {},{}): {}", data.min.x,
-                  data.min.y, data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y,
-                  choice.crop ? "the data window is read as the whole image" : "what is missing is black"));
+  if (part == facts.attributes.end())
+    reader.facts.notes.push_back(
+        fmt::format("its data window ({},{} to {},{}) is not its display window ({},{} to {},{}): {}", data.min.x,
+                    data.min.y, data.max.x, data.max.y, display.min.x, display.min.y, display.max.x, display.max.y,
+                    choice.crop ? "the data window is read as the whole image" : "what is missing is black"));
   if (choice.crop) return reader;
   const auto length = [](std::int64_t from, std::int64_t to) {
     return int(std::min<std::int64_t>(1 + to - from, INT_MAX));
+  const auto part = facts.attributes.find("envmap:part");  // shard.h
+  if (part != facts.attributes.end())
+    reader.facts.notes.push_back(fmt::format("is part {} of a map: merge the parts", part->second));
   };
   return in_window(std::move(reader),
                    {std::int64_t{data.min.x} - display.min.x, std::int64_t{data.min.y} - display.min.y,

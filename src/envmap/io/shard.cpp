@@ -286,6 +286,14 @@ WriteOptions part_options(const WriteOptions& options, Projection projection, st
   return o;
 }
 
+bool is_part(const std::string& path) {
+  try {
+    return read_head(path).number.count > 0;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 MergedShards merge_shards(std::span<const std::string> paths, std::uint64_t max_pixels) {
   std::vector<Head> parts;
   for (const std::string& path : paths) parts.push_back(read_head(path));

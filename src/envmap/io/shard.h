@@ -32,6 +32,9 @@ Grid part_grid(const WriteOptions& whole, Projection projection);
 WriteOptions part_options(const WriteOptions& whole, Projection projection, std::span<const int> sizes,
                           const PartNumber& part, const std::string& job);
 
+/// Whether a file is one part of a map.
+bool is_part(const std::string& path);
+
 struct MergedShards {
   EnvironmentMap map;  ///< Of all levels that the parts hold.
   WriteOptions write;  ///< As it was asked for when the parts were made.
