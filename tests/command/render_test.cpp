@@ -88,6 +88,11 @@ TEST_F(Render, DistancesAreThoseOfTheWalls) {
         const Vec d = on_face(j / n, (2 * i + 1.0) / n - 1, 1 - (2 * (j % n) + 1.0) / n);
         ASSERT_NEAR(cube.at(i, j)[0], wall(d), 2e-5) << method[0] << " " << i << " " << j;
       }
+    succeeds({"convert", "z.exr", "near.ktx2", "--channels", "1/Z", "--depth", "half"});
+    succeeds({"convert", "near.ktx2", "near.exr", "--layout", "column", "--filter", "nearest", "--depth", "float"});
+    const Picture nearness = load(path("near.exr"));
+    for (int k = 0; k < 6 * n * n; ++k)
+      ASSERT_NEAR(nearness.at(k % n, k / n)[0] * cube.at(k % n, k / n)[0], 1, 1e-3) << method[0] << " " << k;
     for (const std::string layout : {"row", "vcross", "3x2"})
       EXPECT_EQ(distances({"--layout", layout}), cube) << layout;
   }
@@ -112,6 +117,10 @@ TEST_F(Render, DistancesAreInfiniteWhereNothingIs) {
   EXPECT_EQ(load(path("rgb.exr")), load(path("plain.exr")));
   const auto report = nlohmann::json::parse(envmap({"info", "z.exr", "--channels", "Z", "--json"}).out);
   EXPECT_EQ(report["infinite"], 8 * 8 * 3) << "the upper half of the sides, and the top";
+  const auto nearness = nlohmann::json::parse(envmap({"info", "z.exr", "--channels", "1/Z", "--json"}).out);
+  EXPECT_EQ(nearness["infinite"], 0);
+  EXPECT_EQ(nearness["minimum"][0], 0);
+  fails(3, {"info", "z.exr", "--channels", "1/X"}, {"no channel 'X'"});
   fails(3, {"convert", "z.exr", "a.exr"}, {"channels besides R, G and B (Z)", "--drop-channels"});
   fails(2, {"render", "floor.obj", "z.hdr", "--distance"}, {"one .exr file"});
   fails(2, {"render", "floor.obj", "{face}.exr", "--distance"}, {"one .exr file"});

@@ -17,9 +17,12 @@
 #include "drawing.h"
 #include "envmap/engine/bake.h"
 #include "envmap/io/read.h"
+#include "envmap/io/write_distances.h"
 #include "envmap/map/layout.h"
 #include "envmap/operate/generate.h"
 #include "envmap/render/gl.h"
+#include "envmap/render/raycast.h"
+#include "envmap/scene/read/read_scene.h"
 
 namespace lookups_test {
 namespace {
@@ -161,7 +164,10 @@ class Lookups : public ::testing::TestWithParam<std::string> {
   // A cube of half floats, as it stands in the KTX2 file: the level index begins at byte 80, base first.
   [[nodiscard]] static gl::Texture cube(const char* name) {
     static const Folders folders(256, {"glsl"});
-    const std::string file = contents(folders.path / "glsl" / name);
+    return cube_in(folders.path / "glsl" / name);
+  }
+  [[nodiscard]] static gl::Texture cube_in(const fs::path& path) {
+    const std::string file = contents(path);
     const int size = value_at<int>(file, 20), levels = value_at<int>(file, 40);
     gl::Texture texture = gl::make_texture(GL_TEXTURE_CUBE_MAP);
     glTextureStorage2D(texture, levels, GL_RGBA16F, size, size);
@@ -344,21 +350,48 @@ gl::Texture cube_of(int size, const Value& value) {
   return texture;
 }
 
+// How far envmap_parallax() is off in the box, of each ray from p, the least first.
+template <class Evaluate>
+std::vector<double> parallax_errors(const glm::dvec3& p, const Evaluate& evaluate) {
+  const std::vector<glm::vec4> rays = random_directions(4000);
+  const auto found = evaluate("envmap_parallax(SPECULAR, c[0], d), 0.0", rays, constants(p));
+  std::vector<double> off;
+  for (std::size_t k = 0; k < rays.size(); ++k)
+    off.push_back(
+        glm::distance(glm::dvec3(found[k]), glm::normalize(met_in_box(p, glm::dvec3(rays[k]), box_low, box_high))));
+  std::ranges::sort(off);
+  return off;
+}
+
 TEST_P(Lookups, DistancesSayWhereRaysMeetTheWalls) {
   const gl::Texture room = cube_of(256, [](const glm::dvec3& d) {
     return 1 / glm::length(met_in_box(glm::dvec3(0), d, box_low, box_high));
   });
   glBindTextureUnit(0, room);
-  const std::vector<glm::vec4> rays = random_directions(4000);
   for (const glm::dvec3& p : places_in_box) {
-    const auto found = evaluate("envmap_parallax(SPECULAR, c[0], d), 0.0", rays, constants(p));
-    std::vector<double> off;
-    for (std::size_t k = 0; k < rays.size(); ++k)
-      off.push_back(
-          glm::distance(glm::dvec3(found[k]), glm::normalize(met_in_box(p, glm::dvec3(rays[k]), box_low, box_high))));
-    std::ranges::sort(off);
+    const std::vector<double> off = parallax_errors(p, evaluate);
     EXPECT_LT(off[off.size() * 99 / 100], 0.12 * pi / 180) << p.x;
     EXPECT_LT(off.back(), pi / 180) << p.x;
+  }
+}
+
+// What `render --distance` and `convert --channels 1/Z --depth half` write.
+TEST_P(Lookups, RenderedDistancesSayWhereRaysMeetTheWalls) {
+  const fs::path scene_file = folder() / "box.obj", distances = folder() / "box.exr", nearness = folder() / "near.ktx2";
+  std::ofstream obj(scene_file);
+  for (int k = 0; k < 8; ++k)
+    obj << fmt::format("v {} {} {}\n", k & 1 ? box_high.x : box_low.x, k & 2 ? box_high.y : box_low.y,
+                       k & 4 ? box_high.z : box_low.z);
+  obj << "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n" << std::flush;
+  const Scene scene = read_scene(scene_file.string());
+  const Drawn drawn = raycast({.scene = scene, .pose = pose(scene, 0)}, {.to = Projection::cube, .size = 256});
+  write_with_distances(distances.string(), drawn.radiance, drawn.distances);
+  write(nearness.string(), read(distances.string(), {.choice = {.channels = "1/Z"}}).map, {.depth = Depth::half});
+  const gl::Texture room = cube_in(nearness);
+  glBindTextureUnit(0, room);
+  for (const glm::dvec3& p : places_in_box) {
+    const std::vector<double> off = parallax_errors(p, evaluate);
+    EXPECT_LT(off[off.size() * 99 / 100], 0.3 * pi / 180) << p.x;
   }
 }
 

@@ -62,7 +62,7 @@ struct ImageFacts {
 struct ImageChoice {
   std::string part = {};      ///< Its name, or its number from 0; else the first.
   std::string layer = {};     ///< The channels LAYER.R, LAYER.G and LAYER.B.
-  std::string channels = {};  ///< Three names with commas between them, or one for grey.
+  std::string channels = {};  ///< Three names with commas between them, or one for grey. 1/NAME: reciprocal.
   bool crop = false;          ///< The data window as the whole image, whatever the display window is.
 
   [[nodiscard]] bool of_part() const { return !part.empty() || !layer.empty() || !channels.empty(); }

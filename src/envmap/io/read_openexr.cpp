@@ -30,7 +30,8 @@ struct File {
   ExrInput stream;
   ExrParts parts;
   int part = 0;
-  ExrInput again;  // For the reader of luminance and chroma.
+  std::vector<bool> inverted = {};  // Of the chosen channels: asked for as 1/NAME.
+  ExrInput again;                   // For the reader of luminance and chroma.
   std::optional<Imf::InputPart> lines = {};
   std::optional<Imf::TiledInputPart> tiles = {};
   std::optional<Imf::RgbaInputFile> luminance = {};
@@ -174,7 +175,10 @@ void read_rows(File& file, const ImageFacts& facts, int level, int begin, int en
     throw InputError(plain(e.what()));
   }
   const std::span<const std::string> names(f.channels.begin() + first, std::size_t(count));
-  repeat_channels(names, out.first(std::size_t(end - begin) * std::size_t(f.width) * names.size()));
+  const std::span<float> texels = out.first(std::size_t(end - begin) * std::size_t(f.width) * names.size());
+  repeat_channels(names, texels);
+  for (std::size_t c = 0; c < file.inverted.size(); ++c)
+    for (std::size_t k = c; file.inverted[c] && k < texels.size(); k += names.size()) texels[k] = 1 / texels[k];
 }
 
 // ---- what to read of it ---------------------------------------------------------------------------------------------
@@ -216,7 +220,8 @@ std::vector<std::string> layers(const Imf::ChannelList& list) {
 }
 
 // The channels that are R, G and B, or grey; none: the names say it.
-std::vector<std::string> choose_channels(const Imf::ChannelList& list, const ImageChoice& choice, ImageFacts& facts) {
+std::vector<std::string> choose_channels(File& file, const ImageChoice& choice, ImageFacts& facts) {
+  const Imf::ChannelList& list = file.header().channels();
   const auto of = [](const std::string& layer) { return std::vector{layer + ".R", layer + ".G", layer + ".B"}; };
   const std::vector<std::string> there = layers(list);
   if (!choice.layer.empty()) {
@@ -225,12 +230,15 @@ std::vector<std::string> choose_channels(const Imf::ChannelList& list, const Ima
                                  there.empty() ? "it has no layers" : "its layers are " + joined(there)));
   }
   if (!choice.channels.empty()) {
-    const std::vector<std::string> wanted = split(choice.channels, ',');
+    std::vector<std::string> wanted = split(choice.channels, ',');
     if (wanted.size() != 3 && wanted.size() != 1)
       throw UsageError("channels are three names with commas between them, or one");
-    for (const std::string& name : wanted)
+    for (std::string& name : wanted) {
+      file.inverted.push_back(name.starts_with("1/") && !list.findChannel(name));
+      if (file.inverted.back()) name.erase(0, 2);
       if (!list.findChannel(name))
         throw InputError(fmt::format("has no channel '{}': its channels are {}", name, joined(channel_names(list))));
+    }
     return wanted;
   }
   const auto has = [&](const char* upper, const char* lower) {
@@ -278,7 +286,7 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   ImageFacts facts;
   choose_part(*file, choice.part, facts);
   const Imf::Header& header = file->header();
-  const std::vector<std::string> wanted = choose_channels(header.channels(), choice, facts);
+  const std::vector<std::string> wanted = choose_channels(*file, choice, facts);
   std::vector<std::string> notes = std::move(facts.notes);
   facts = facts_of(header, wanted);
   facts.notes = std::move(notes);
@@ -299,6 +307,9 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
       read_rows(*file, facts, level, begin, end, first, count, out);
   };
   const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
+  const auto part = facts.attributes.find("envmap:part");  // shard.h
+  if (part != facts.attributes.end())
+    reader.facts.notes.push_back(fmt::format("is part {} of a map: merge the parts", part->second));
   if (data == display) return reader;
   if (part == facts.attributes.end())
     reader.facts.notes.push_back(
@@ -308,9 +319,6 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   if (choice.crop) return reader;
   const auto length = [](std::int64_t from, std::int64_t to) {
     return int(std::min<std::int64_t>(1 + to - from, INT_MAX));
-  const auto part = facts.attributes.find("envmap:part");  // shard.h
-  if (part != facts.attributes.end())
-    reader.facts.notes.push_back(fmt::format("is part {} of a map: merge the parts", part->second));
   };
   return in_window(std::move(reader),
                    {std::int64_t{data.min.x} - display.min.x, std::int64_t{data.min.y} - display.min.y,
