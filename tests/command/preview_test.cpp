@@ -205,5 +205,24 @@ TEST_F(Preview, PicturesOfMapsAreTakenByConvert) {
   fails(2, {"convert", "map.exr", "view.ktx2", "--to", "perspective"}, {"view.ktx2", ".png, .jpg, .exr or .hdr"});
 }
 
+TEST_F(Preview, ClippedLightIsTold) {
+  succeeds({"generate", "constant", "four.exr", "--size", "8", "--value", "4"});
+  EXPECT_EQ(envmap({"convert", "four.exr", "map.png", "--display", "clip"}).err,
+            "map.png: clamped 128 texels, 75% of the flux lost\n");
+  succeeds({"convert", "four.exr", "map.png", "--display", "neutral"});
+  const std::vector<std::string> view{"convert", "four.exr", "view.png", "--to", "perspective",
+                                      "--size",  "8",        "--width",  "8"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), view.begin(), view.end());
+    return words;
+  };
+  const Result clipped = envmap(view);
+  EXPECT_EQ(clipped.status, 0);
+  EXPECT_NE(clipped.err.find("clipped 64 pixels at 1, 75% of the light lost: use --display neutral"), std::string::npos)
+      << clipped.err;
+  succeeds(with({"-q"}));
+  succeeds(with({"--display", "neutral"}));
+}
+
 }  // namespace
 }  // namespace command_tests::preview_test

@@ -190,12 +190,14 @@ void add(Source& source, const Source& other, const Convert& o) {
   add_light(source.map, other.map, unit && others ? double(*others) / *unit : 1);
 }
 
-// What a screen shows of radiance, for files of integers.
-Rows displayed(const Convert& o, const Rows& rows) {
+// What a screen shows of radiance, for files of integers. Of `clip` the loss is told as that of --clamp.
+Rows displayed(Convert& o, const Rows& rows) {
   const FileFormat* const format = format_with_extension(extension(o.output, o.write));
   if (!format || !is_integer(choose_depth(*format, o.write)))
     throw UsageError(o.output,
                      "holds radiance as it is: remove --display, or use --depth uint8 where the format has it");
+  if (o.display == Display::clip) o.write.clamp = true;
+  if (o.display == Display::clip) return rows;
   Rows shown = rows;
   shown.fill = [rows, display = *o.display](int face, int row, std::span<Colour> out) {
     rows.fill(face, row, out);

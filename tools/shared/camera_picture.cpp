@@ -30,6 +30,20 @@ PhotographOptions settled(const PhotographJob& job) {
   return o;
 }
 
+void tell_clipping(const std::string& path, std::span<const Colour> picture) {
+  std::int64_t pixels = 0;
+  double all = 0, lost = 0;
+  for (const Colour& c : picture) {
+    const Colour excess = glm::max(c - Colour(1), Colour(0));
+    pixels += excess != Colour(0);
+    lost += excess.x + excess.y + excess.z;
+    all += c.x + c.y + c.z;
+  }
+  if (pixels > 0)
+    note(fmt::format("{}: clipped {} pixels at 1, {:.3g}% of the light lost: use --display neutral to compress it",
+                     path, pixels, 100 * lost / all));
+}
+
 }  // namespace
 
 int take_photograph(const PhotographJob& job, Report& report) {
@@ -43,7 +57,9 @@ int take_photograph(const PhotographJob& job, Report& report) {
   if (job.turn) options.rotation = rotation_of(*job.turn, source.map);
   options.samples = samples_of(options, source.map.base());
   open_depfile(1);
-  write_picture(job.output, options.width, photograph(std::move(source.map), options), how);
+  const std::vector<Colour> picture = photograph(std::move(source.map), options);
+  if (how.display == Display::clip && !is_linear_picture(job.output, how)) tell_clipping(job.output, picture);
+  write_picture(job.output, options.width, picture, how);
   report.put("input", job.input);
   report.put("filter", name(options.filter));
   report.put("samples", options.samples);
