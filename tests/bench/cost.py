@@ -16,14 +16,14 @@ SIZES = (512, 2048, 4096)  # Heights.
 # name: words after `envmap`, with IN and OUT.
 JOBS = {
     'info': 'info IN',
-    'convert to a cube of a quarter': 'convert IN OUT.exr --to cube --size QUARTER --depth half',
-    'convert to a cube of 64': 'convert IN OUT.exr --to cube --size 64',
+    'convert, cube of 1/4': 'convert IN OUT.exr --to cube --size QUARTER --depth half',
+    'convert, cube of 64': 'convert IN OUT.exr --to cube --size 64',
     'mipmap to KTX2': 'mipmap IN OUT.ktx2 --depth half',
     'sh, degree 2': 'sh IN',
     'preview': 'preview IN OUT.png',
     'bake for three.js': 'bake IN OUT --for three',
     'prefilter, diffuse 64': 'prefilter IN OUT.exr',
-    'prefilter, 6 GGX levels of 256': 'prefilter IN OUT.exr --lobe ggx --size 256 --levels 6',
+    'prefilter, 6 GGX of 256': 'prefilter IN OUT.exr --lobe ggx --size 256 --levels 6',
     'bake for Filament': 'bake IN OUT --for filament',
 }
 

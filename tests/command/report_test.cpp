@@ -401,6 +401,17 @@ TEST_F(Help, HasPagesThatMandocAccepts) {
   EXPECT_EQ(r.status, 0) << r.out << r.err;
 }
 
+// A table that is too wide, or a line that cannot be broken.
+TEST_F(Help, HasPagesThatFit80Columns) {
+  if (shell("command -v groff tbl").status != 0) GTEST_SKIP() << "groff is not installed";
+  succeeds({"manual", "."});
+  const std::string folder = ENVMAP_MAN_DIR;
+  EXPECT_EQ(shell("for p in *.1 *.7 " + folder + "/*.3 " + folder +
+                  "/*.7; do groff -t -man -Tutf8 -rLL=78n $p >out || echo $p; done")
+                .err,
+            "");
+}
+
 TEST_F(Help, CompletesInBash) {
   const Result script = envmap({"completion"});
   EXPECT_EQ(script.status, 0);

@@ -98,7 +98,7 @@ std::string table_lines(const std::string& text) {
   for (std::size_t r = 0; r < rows.size(); ++r)
     for (std::size_t k = 0; k < widths.size(); ++k) {
       const std::string cell = marked(rows[r][k]);
-      lines += (widths[k] > wide ? "T{\n" + cell + "\nT}" : cell) + (k + 1 < widths.size() ? "\t" : "\n");
+      lines += (widths[k] > wide ? "T{\n.na\n" + cell + "\nT}" : cell) + (k + 1 < widths.size() ? "\t" : "\n");
     }
   titles.pop_back(), formats.pop_back();
   return fmt::format(".PP\n.TS\n{}\n{}.\n{}.TE\n", titles, formats, lines);
