@@ -138,6 +138,15 @@ class Faces : public CommandTest {
   }
 };
 
+TEST_F(Faces, OfTwoConventionsAreRefused) {
+  succeeds({"convert", "map.exr", "a_{face}.exr", "--faces", "gl"});
+  succeeds({"convert", "map.exr", "b_{face}.exr"});
+  std::filesystem::copy_file(path("b_py.exr"), path("a_py.exr"), std::filesystem::copy_options::overwrite_existing);
+  fails(3, {"convert", "a_{face}.exr", "back.exr"},
+        {"a_py.exr", "upright", "the first face as gl has it", "--from-faces"});
+  EXPECT_EQ(envmap({"info", "a_{face}.exr", "--from-faces", "gl"}).status, 0);
+}
+
 TEST_F(Faces, AreWrittenAsEachProgramShowsThem) {
   for (const auto& [name, files] : conventions()) {
     succeeds({"generate", "directions", name + "_{face}.exr", "--to", "cube", "--size", std::to_string(size), "--faces",

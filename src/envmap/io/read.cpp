@@ -271,11 +271,22 @@ void open_face(Image& image, const std::string& path, const ReadOptions& options
   open(image, path, options.choice);
 }
 
+// The convention that a face file says it was written in, or nothing.
+std::string_view recorded_convention(const Metadata& recorded) {
+  const auto said = recorded.facts.find(std::string(faces_fact));
+  return said == recorded.facts.end() ? std::string_view() : convention_of(said->second);
+}
+
+std::string lies(std::string_view convention) {
+  return convention.empty() ? "upright as seen from inside" : fmt::format("as {} has it", convention);
+}
+
 // One level out of a file for each face, of a map that is `size` high at its base; 0: what the first file says.
 Level read_face_files(const std::string& path, const FaceFiles& files, const ReadOptions& options, int number, int size,
                       Source& source, const Progress& progress) {
   const Projection projection = projection_of_faces(path);
   std::optional<Level> level;
+  std::string_view convention;  // Of the first file.
   for (int face = 0; face < faces(projection); ++face) {
     Image image;
     open_face(image, face_path(level_path(path, number), face, files), options);
@@ -297,6 +308,10 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
         c.name != source.claimed.name ||
         (c.name.empty() && c.primaries && !same(*c.primaries, *source.claimed.primaries)))
       image.fail(fmt::format("its colours are {}, but the first face is {}", words(c), words(source.claimed)));
+    if (face == 0) convention = recorded_convention(recorded);
+    if (const std::string_view other = recorded_convention(recorded); options.faces.empty() && other != convention)
+      image.fail(fmt::format("its picture lies {}, but that of the first face {}", lies(other), lies(convention)),
+                 Remedy::choose_faces);
     const int wanted = std::max(1, size >> number);
     if (h != wanted)
       image.fail(number == 0 ? fmt::format("{}x{}, but the first face is {}x{}", w, h, wanted, wanted)
@@ -320,8 +335,7 @@ FaceFiles files_of(const std::string& path, const ReadOptions& options) {
   Metadata recorded;
   open_face(first, face_path(level_path(path, 0), 0, files), options);
   read_head(first, options, recorded);
-  const auto said = recorded.facts.find(std::string(faces_fact));
-  return said == recorded.facts.end() ? files : face_files(convention_of(said->second));
+  return face_files(recorded_convention(recorded));
 }
 
 Source read_faces(const std::string& path, const ReadOptions& options, const Progress& progress) {
