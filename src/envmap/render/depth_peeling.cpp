@@ -19,8 +19,8 @@ void Renderer::blend(const Viewpoint& from, const Shot& shot, DrawMethod method,
     glBindFramebuffer(GL_FRAMEBUFFER, layers_->lit[turn]);
     begin_shading();
     glEnable(GL_BLEND);
-    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_CONSTANT_ALPHA, GL_ONE);
+    glBlendColor(0, 0, 0, shot.look.images ? least_nearness : 0);
     for (std::size_t k = 0; k < gpu_.groups().size(); ++k) shade_group(from, shot, k, true);
     behind = &layers_->depth[turn];
   }

@@ -17,7 +17,7 @@ gl::Texture level_of(const MapTexture& map, int level) {
 
 }  // namespace
 
-void Renderer::make_levels(const MapTexture& map, unsigned which) {
+void Renderer::make_levels(const MapTexture& map, unsigned which, bool surfaces) {
   gl::Program& program = levels_[map.projection];
   if (program == 0) program = level_program(map.projection);
   gpu_.bind();  // Nothing is drawn without an array of vertices.
@@ -35,6 +35,7 @@ void Renderer::make_levels(const MapTexture& map, unsigned which) {
       if ((which >> face & 1U) == 0) continue;
       glNamedFramebufferTextureLayer(to, GL_COLOR_ATTACHMENT0, map.texture, level, map.layer(face));
       gl::set(program, "layer", map.layer(face));
+      gl::set(program, "surfaces", surfaces && level == 1 ? 1 : 0);
       glDrawArrays(GL_TRIANGLES, 0, 3);
     }
   }

@@ -276,15 +276,16 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
   with_maps.mirrors = maps_;
   with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup,
                     .images = true};
-  if (map.texture && map.texture->size == plan.size && map.axes == plan.axes) {
+  const bool by_distance = with_maps.look.lookup == MirrorLookup::distance;
+  if (map.texture && map.texture->size == plan.size && map.axes == plan.axes && drawn_[k].lookup == shot.look.lookup) {
     renderer.draw(from, with_maps, options.method, *map.texture);
-    renderer.make_levels(*map.texture, needed);
+    renderer.make_levels(*map.texture, needed, by_distance);
   } else {
     MapTexture other(mirror.to, plan.size, level_count(plan.size));
     renderer.draw(from, with_maps, options.method, other);
     from.which = ~needed;
     renderer.draw_background(from, with_maps, other);
-    renderer.make_levels(other, all_faces(mirror.to));
+    renderer.make_levels(other, all_faces(mirror.to), by_distance);
     map.texture = std::move(other);
     map.axes = plan.axes;
   }

@@ -160,7 +160,7 @@ gl::Program shading_program(const Shading& s) {
   add({"ray.glsl", "triangle.glsl", "turned.glsl", "environment.glsl"});
   if (s.mirror)
     add({"tint.glsl", fmt::format("mirror_{}.glsl", identifier(*s.mirror)),
-         fmt::format("texel_{}.glsl", identifier(*s.mirror)), "meet_map.glsl", "footprint.glsl",
+         fmt::format("texel_{}.glsl", identifier(*s.mirror)), "surfaces.glsl", "meet_map.glsl", "footprint.glsl",
          "reflect_mirror.glsl"});
   else
     add({s.by_picture ? "reflect_picture.glsl" : "reflect_environment.glsl"});

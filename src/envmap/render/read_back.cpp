@@ -59,7 +59,8 @@ EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances) {
                              [](const glm::vec4& t) { return Colour(t); });
       if (distances == nullptr) return;
       const ImageView<float> to(*distances, level.width(), level.height(), level.faces());
-      std::ranges::transform(image.row(0, row), to.row(face, row).begin(), [](const glm::vec4& t) { return 1 / t.w; });
+      std::ranges::transform(image.row(0, row), to.row(face, row).begin(),
+                             [](const glm::vec4& t) { return t.w < 100 * least_nearness ? nowhere : 1 / t.w; });
     });
   }
   gl::check("reading a map back");

@@ -154,11 +154,14 @@ void Renderer::set_light(const gl::Program& program, const Group& group, const V
   gl::set(program, "to_mirror", glm::transpose(mirror->axes));
   gl::set(program, "from_middle", Colour(from.at - mirror->at));
   gl::set(program, "images", image ? 1 : 0);
+  gl::set(program, "behind", shot.ambient);
+  gl::set(program, "environment_texel", float(environment_.texel));
   gl::set(program, "tinted", shot.look.tinted ? 1 : 0);
   glBindTextureUnit(unit_mirror, mirror->texture->texture);
 }
 
 const gl::Texture& Renderer::rays(const Viewpoint& from, int face, int sample) {
+  sample_below_ = float(sample_offset(sample, from.samples).y);
   if (from.lens) return sample_rays_ = make_rays(*from.lens, from.size, sample_offset(sample, from.samples));
   if (from.samples > 1) return sample_rays_ = make_rays(from.to, from.size, face, sample_offset(sample, from.samples));
   gl::Texture& known = rays_[{from.to, from.size, face}];
@@ -202,6 +205,7 @@ void Renderer::light(const gl::Program& program, const Viewpoint& from, int sten
   gl::set(program, "to_environment", environment_.to_map);
   gl::set(program, "weight", layers_ ? 1.0F : float(1.0 / from.samples));
   gl::set(program, "spread", float(1 / std::sqrt(from.samples)));
+  gl::set(program, "below_centre", sample_below_);
   glUseProgram(program);
   glStencilFunc(GL_EQUAL, stencil, 0xff);
   glDrawArrays(GL_TRIANGLES, 0, 3);

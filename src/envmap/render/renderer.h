@@ -18,6 +18,9 @@
 
 namespace envmap {
 
+/// Of blended surfaces before the environment in maps of mirrors, whose texels of the environment have 0.
+inline constexpr float least_nearness = 1e-12F;
+
 /// A drawn map that stays where it was drawn, a layer a face: what mirrors look up.
 struct MapTexture {
   /// @param levels of detail, each half as wide as the one before; of make_levels().
@@ -66,7 +69,9 @@ class Renderer {
   void draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to);
 
   /// From the level that was drawn, in the faces of `which`. @param map cube, sphere or paraboloid.
-  void make_levels(const MapTexture& map, unsigned which);
+  /// @param surfaces alone, without the environment, and how much they cover in place of the distance: what lookup by
+  /// distance wants.
+  void make_levels(const MapTexture& map, unsigned which, bool surfaces = false);
 
   /// Takes over a mesh of the scene whose vertices are others now, as many and joined as before. Maps of mirrors stay
   /// as they are until they are drawn again: MirrorOptions::all.
@@ -114,6 +119,7 @@ class Renderer {
   std::map<std::tuple<DrawMethod, Projection, bool, bool>, gl::Program> visibility_;
   std::map<std::tuple<Projection, int, int>, gl::Texture> rays_;  // Of texels' centres, by projection, size and face.
   gl::Texture sample_rays_;
+  float sample_below_ = 0;  // Of the last rays(): from the centre of a texel, in texels.
   std::map<Shading, gl::Program> shading_;
   gl::Program background_, adding_;
   std::map<Projection, gl::Program> levels_;

@@ -3,6 +3,7 @@
 layout(location = 0) out vec4 colour;
 layout(binding = UNIT_MIRROR) uniform sampler2DArray finer;
 uniform int layer;
+uniform bool surfaces;  // Only: coverage takes the place of nearness, and the environment's texels are empty.
 
 void main() {
   ivec2 size = textureSize(finer, 0).xy;
@@ -13,7 +14,9 @@ void main() {
     for (int i = int(low.x); i < min(high.x, size.x); ++i) {
       vec2 part = min(high, vec2(i, j) + 1) - max(low, vec2(i, j));
       float weight = part.x * part.y * solid_angle(2 * (vec2(i, j) + 0.5) / size - 1, 2.0 / size.x);
-      sum += weight * texelFetch(finer, ivec3(i, j, layer), 0);
+      vec4 texel = texelFetch(finer, ivec3(i, j, layer), 0);
+      if (surfaces) texel = texel.a > 0 ? vec4(texel.rgb, 1) : vec4(0);
+      sum += weight * texel;
       weights += weight;
     }
   colour = weights > 0 ? sum / weights : vec4(0);

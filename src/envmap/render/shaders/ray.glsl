@@ -1,6 +1,8 @@
 // The rays through the texels, in the frame of the map: from the viewpoint, 0 where a texel is no part of it; or, where w
 // is 1, parallel ones along -Z, from (x, y, 0).
 layout(binding = UNIT_RAYS) uniform sampler2D rays;
+uniform float spread;        // Distance of samples, in texels: the root of 1 / their number.
+uniform float below_centre;  // Of the texel, in texels: the sample here.
 
 struct Ray {
   vec3 from, along;

@@ -2,6 +2,7 @@
 // the ray meets it (meet_map.glsl).
 uniform mat3 to_mirror;    // From the world.
 uniform vec3 from_middle;  // Of the map to the viewpoint.
+uniform vec3 behind;        // Light of infinity beside the environment's.
 uniform int images;        // 1: a flat mirror, seen by another mirror's map (MirrorLook::images).
 
 float beyond = 0;  // How far behind the surface the image of what it reflects is.
@@ -23,16 +24,25 @@ vec3 from_map(vec3 position) { return to_mirror * (from_middle + position); }
 // @param normal that turned the ray there.
 vec3 reflected(vec3 from, vec3 normal, float bend) {
 #if BY_VERTEX
-  return reflects_only ? mirror_at_place(place_by_vertex, 0) : mirror_at(to_mirror * from, 0);
+  if (reflects_only) return tint(face_of(place_by_vertex)) * mirror_at_place(place_by_vertex, 0).rgb;
+  vec3 d = to_mirror * from;
+  return tint(face_of(place_of(d))) * mirror_at(d, 0).rgb;
 #else
-  vec3 d[3];
+  vec3 d[3], next[2];
   vec3 p = from_map(here.position), r = to_mirror * from;
   float far_off = max(length(p), 1e-20), part = BY_DISTANCE != 0 ? met(p, far_off * r) : 1;
   if (images != 0 && bend == 0) beyond = far_off * part / max(1 - part, 1e-9);
   d[0] = normalize(mix(p, far_off * r, part));
-  for (int k = 0; k < 2; ++k)
-    d[k + 1] = normalize(mix(from_map(beside[k].position),
-                             far_off * to_mirror * turned(beside[k].ray, normalize(normal + beside[k].normal), bend), part));
-  return mirror_over(d[0], d[1] - d[0], d[2] - d[0]);
+  for (int k = 0; k < 2; ++k) {
+    next[k] = turned(beside[k].ray, normalize(normal + beside[k].normal), bend);
+    d[k + 1] = normalize(mix(from_map(beside[k].position), far_off * to_mirror * next[k], part));
+  }
+  vec4 shown = mirror_over(d[0], d[1] - d[0], d[2] - d[0]);
+  if (shown.a < 0.9999) {
+    // Samples lie in columns of even width (sample_offset()): each stands for its column, and together they are the pixel.
+    vec3 across = spread * (next[0] - from), down = (next[1] - from) / spread;
+    shown.rgb += (1 - shown.a) * (behind + environment_over(from - below_centre * down, across, down));
+  }
+  return tint(face_of(place_of(d[0]))) * shown.rgb;
 #endif
 }

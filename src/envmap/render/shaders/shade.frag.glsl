@@ -8,7 +8,6 @@ layout(binding = UNIT_SURFACES) uniform usampler2D surfaces;
 uniform mat3 to_world;  // From the map.
 uniform float weight;
 uniform int blended;
-uniform float spread;   // Distance of samples, in texels.
 
 // How texture coordinates change from this ray to that of a neighbour. A neighbour that misses the plane is far off.
 vec2 change(Triangle t, Ray ray, ivec2 at, ivec2 step, vec2 here) {
