@@ -141,24 +141,152 @@ TEST_P(View, ABallShowsWhatItsRaysMeet) {
   EXPECT_LT(wrong_on_ball(GetParam(), MirrorLookup::distance, {-0.5, -0.78, -0.6}), 0.06) << "close to the floor";
 }
 
+// A hall without walls, under a sky.
+struct Outdoors {
+  Outdoors(EnvironmentMap map, Projection p, Scene s = open_hall()) : scene(std::move(s)), to(p) {
+    context();
+    sky.emplace(std::move(map), 8);
+    renderer.emplace(scene, &*sky, nodes_of(find_mirrors(scene, to)));
+  }
+
+  static Scene open_hall() {
+    Scene scene = hall({ball_at});
+    for (Node& node : scene.nodes)
+      if (node.name.starts_with("wall")) node.meshes.clear();
+    return scene;
+  }
+
+  [[nodiscard]] std::vector<Colour> picture(const MirrorLook& look = {}, int samples = 1,
+                                            const MirrorOptions& options = {}) {
+    Mirrors mirrors(scene, find_mirrors(scene, to));
+    Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &*sky, .look = look};
+    mirrors.update(*renderer, shot, {viewer(camera())}, options);
+    shot.mirrors = mirrors.maps();
+    Viewpoint from = camera();
+    from.samples = samples;
+    return draw_picture(*renderer, from, shot);
+  }
+
+  static constexpr Direction ball_at{0.1, -0.2, -0.3};
+  Scene scene;
+  Projection to;
+  std::optional<Environment> sky;
+  std::optional<Renderer> renderer;
+};
+
+// f(pixel, middle of the ray's way on from the ball, for 16 x 16 rays) of the pixels well inside the ball.
+template <class F>
+void for_each_pixel_of_ball(F f) {
+  const Viewpoint from = camera();
+  const Direction off = from.at - Outdoors::ball_at;
+  constexpr int parts = 16;
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      std::vector<Direction> mirrored;
+      for (int k = 0; k < parts * parts; ++k) {
+        const Direction ray =
+            from.lens->ray((i + (k % parts + 0.5) / parts) / size, (j + (k / parts + 0.5) / parts) / size);
+        const double b = glm::dot(ray, off), root = b * b - glm::dot(off, off) + radius * radius;
+        if (root < 0.006) break;
+        mirrored.push_back(glm::reflect(ray, (off + (-b - std::sqrt(root)) * ray) / radius));
+      }
+      if (mirrored.size() == parts * parts) f(std::size_t(j * size + i), mirrored);
+    }
+}
+
 // What is infinitely far is where the ray goes, wherever that starts.
 TEST_P(View, TheSkyIsLookedUpByDirection) {
-  context();
-  static const Environment sky(generate(Directions{}, Projection::cube, 64), 8);
-  Scene scene = hall({{0.1, -0.2, -0.3}});
-  for (Node& node : scene.nodes)
-    if (node.name.starts_with("wall")) node.meshes.clear();
-  Renderer renderer(scene, &sky, {6});
-  std::vector<std::vector<Colour>> pictures;
-  for (const MirrorLookup lookup : {MirrorLookup::direction, MirrorLookup::distance}) {
-    Mirrors mirrors(scene, find_mirrors(scene, GetParam()));
-    Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &sky, .look = {.lookup = lookup}};
-    mirrors.update(renderer, shot, {viewer(camera())}, {});
-    shot.mirrors = mirrors.maps();
-    pictures.push_back(draw_picture(renderer, camera(), shot));
+  Outdoors stage(generate(Directions{}, Projection::cube, 64), GetParam());
+  const std::vector<Colour> picture = stage.picture();
+  for_each_pixel_of_ball([&](std::size_t k, const std::vector<Direction>& mirrored) {
+    Colour sum(0);
+    for (const Direction& d : mirrored) sum += stage.sky->lookup(d);
+    EXPECT_LT(glm::length(picture[k] - sum / float(mirrored.size())), 0.01);
+  });
+}
+
+// A sun of one texel of the sky, the only light: each pixel has its mean, with one sample and with many, however coarse
+// the map is.
+TEST_P(View, ALoneSunIsAsSharpAsTheSky) {
+  for (const auto& [i, j] : {std::pair(75, 24), {100, 31}, {64, 30}}) {
+    EnvironmentMap map = generate(Constant{Direction(0)}, Projection::latlong, 64);
+    *map.base().texel(0, i, j) = Colour(1000);
+    Outdoors stage(std::move(map), GetParam());
+    for (const int samples : {1, 4, 16}) {
+      const std::vector<Colour> picture = stage.picture({}, samples, {.size = 64});
+      double off = 0, square = 0;
+      for_each_pixel_of_ball([&](std::size_t k, const std::vector<Direction>& mirrored) {
+        double sum = 0;
+        for (const Direction& d : mirrored) sum += stage.sky->lookup(d).x;
+        const double truth = sum / double(mirrored.size());
+        off += std::pow(picture[k].x - truth, 2), square += truth * truth;
+      });
+      EXPECT_GT(square, 1);
+      EXPECT_LT(std::sqrt(off / square), 0.07) << i << ' ' << j << ' ' << samples;
+    }
   }
-  // Sines and roots of a card have fewer digits.
-  EXPECT_LT(furthest(pictures[0], pictures[1]), context().on_processor() ? 1e-5 : 1e-4);
+}
+
+// Walls that only shine, with one side open to the sky.
+Scene box_before_the_sky(float wall) {
+  Scene scene = hall({Outdoors::ball_at});
+  for (Material& m : scene.materials)
+    if (m.metallic == 0) m.ior = 1, m.emissive = Colour(wall), m.emissive_texture = -1;
+  for (Node& node : scene.nodes)
+    if (node.name == "wall 0" || node.name == "wall 4") node.meshes.clear();
+  return scene;
+}
+
+TEST_P(View, WhiteBeforeWhiteHasNoEdge) {
+  for (const int map_size : {0, 48, 512}) {
+    Outdoors stage(generate(Constant{Direction(1)}, Projection::cube, 16), GetParam(), box_before_the_sky(1));
+    for (const Colour& c : stage.picture({}, 1, {.size = map_size})) EXPECT_NEAR(c.x, 1, 2e-3) << map_size;
+  }
+}
+
+// As much of the sky as rays see, and nothing darker than the walls or brighter than the sky along its edges.
+TEST_P(View, EdgesBeforeABrightSkyAreInBetween) {
+  Outdoors stage(generate(Constant{Direction(100)}, Projection::cube, 16), GetParam(), box_before_the_sky(1));
+  const std::vector<Colour> picture = stage.picture();
+  const Shot shot{.scene = stage.scene, .pose = pose(stage.scene, 0), .environment = &*stage.sky};
+  Viewpoint from = camera();
+  from.samples = 64;
+  const std::vector<Colour> truth = raycast_picture(shot, from, {.mirrors = {6}});
+  double light = 0, right = 0;
+  for_each_pixel_of_ball([&](std::size_t k, const std::vector<Direction>&) {
+    EXPECT_GT(picture[k].x, 0.99);
+    EXPECT_LT(picture[k].x, 100.2);
+    light += picture[k].x, right += truth[k].x;
+  });
+  EXPECT_NEAR(light / right, 1, 0.02);
+}
+
+TEST_P(View, NoSunShinesIntoAClosedRoom) {
+  Scene closed = hall({Outdoors::ball_at});
+  for (Material& m : closed.materials)
+    if (m.metallic == 0) m.ior = 1;
+  Outdoors outside(generate(Constant{Direction(100)}, Projection::cube, 16), GetParam(), closed);
+  for (const int map_size : {0, 48, 512})
+    for (const Colour& c : outside.picture({}, 4, {.size = map_size})) EXPECT_LT(c.x, 1.01) << map_size;
+}
+
+// Half of the sky's light goes through.
+TEST_P(View, BlendedSurfacesBeforeTheSkyAreSeen) {
+  Scene scene = Outdoors::open_hall();
+  scene.materials.push_back({.base_colour = {0, 0, 0, 0.5F}, .roughness = 1, .ior = 1, .blended = true});
+  scene.meshes.push_back(rooms::ball(24, 3));
+  scene.meshes.back().material = int(scene.materials.size()) - 1;
+  for (std::size_t k = 0; k + 2 < scene.meshes.back().indices.size(); k += 3)
+    std::swap(scene.meshes.back().indices[k], scene.meshes.back().indices[k + 1]);
+  for (glm::vec3& n : scene.meshes.back().normals) n = -n;
+  scene.nodes.push_back({.name = "veil", .meshes = {int(scene.meshes.size()) - 1}});
+  Outdoors veiled(generate(Constant{Direction(1)}, Projection::cube, 16), GetParam(), scene),
+      open(generate(Constant{Direction(1)}, Projection::cube, 16), GetParam());
+  const std::vector<Colour> half = veiled.picture(), whole = open.picture();
+  for_each_pixel_of_ball([&](std::size_t k, const std::vector<Direction>&) {
+    EXPECT_NEAR(whole[k].x, 1, 2e-3);
+    EXPECT_NEAR(half[k].x, 0.5, 0.03);
+  });
 }
 
 // A sun of one texel of the sky, smaller than those of the map, wherever it stands: of the light of all directions

@@ -12,15 +12,22 @@ uniform float environment_texel;  // Radians.
 const float samples_a_texel = 3;
 const float most_samples = 64;
 
-// The mean over what a texel or a pixel shows.
-// @param across, down how it changes from this texel to the next.
+// How many samples across and down a texel or a pixel. @param across, down how the direction changes to the next one.
+ivec2 samples_over(vec3 across, vec3 down) {
+  vec2 n = clamp(ceil(samples_a_texel * vec2(length(across), length(down)) / environment_texel), 1, most_samples);
+  float fewer = min(min(n.x, n.y), sqrt(most_samples)), more = min(max(n.x, n.y), floor(most_samples / fewer));
+  return ivec2(n.x < n.y ? vec2(fewer, more) : vec2(more, fewer));
+}
+
+// Of sample k from the middle, as a part of the whole.
+vec2 sample_aside(int k, ivec2 count) { return (vec2(k % count.x, k / count.x) + 0.5) / count - 0.5; }
+
+// The mean over what a texel or a pixel shows. @param across, down as above.
 vec3 environment_over(vec3 ray, vec3 across, vec3 down) {
-  vec2 n = ceil(samples_a_texel * vec2(length(across), length(down)) / environment_texel);
-  n = clamp(n, 1, most_samples);
-  ivec2 count = ivec2(max(n * min(1, sqrt(most_samples / (n.x * n.y))), 1));
+  ivec2 count = samples_over(across, down);
   vec3 sum = vec3(0);
   for (int k = 0; k < count.x * count.y; ++k) {
-    vec2 aside = (vec2(k % count.x, k / count.x) + 0.5) / count - 0.5;
+    vec2 aside = sample_aside(k, count);
     sum += environment_at(normalize(ray + aside.x * across + aside.y * down));
   }
   return sum / (count.x * count.y);

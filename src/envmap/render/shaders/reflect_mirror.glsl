@@ -40,8 +40,17 @@ vec3 reflected(vec3 from, vec3 normal, float bend) {
   vec4 shown = mirror_over(d[0], d[1] - d[0], d[2] - d[0]);
   if (shown.a < 0.9999) {
     // Samples lie in columns of even width (sample_offset()): each stands for its column, and together they are the pixel.
-    vec3 across = spread * (next[0] - from), down = (next[1] - from) / spread;
-    shown.rgb += (1 - shown.a) * (behind + environment_over(from - below_centre * down, across, down));
+    vec3 across = spread * (next[0] - from), down = (next[1] - from) / spread, ray = from - below_centre * down;
+    vec3 map_across = spread * (d[1] - d[0]), map_down = (d[2] - d[0]) / spread, map_ray = d[0] - below_centre * map_down;
+    ivec2 count = samples_over(across, down);
+    vec4 sum = vec4(0);
+    for (int k = 0; k < count.x * count.y; ++k) {
+      vec2 aside = sample_aside(k, count);
+      // Where surfaces cover a part of the pixel, the light is that of the rest.
+      float open = shown.a <= 0 ? 1 : 1.0001 - mirror_at(normalize(map_ray + aside.x * map_across + aside.y * map_down), 0).a;
+      sum += open * vec4(environment_at(normalize(ray + aside.x * across + aside.y * down)), 1);
+    }
+    shown.rgb += (1 - shown.a) * (behind + sum.rgb / sum.a);
   }
   return tint(face_of(place_of(d[0]))) * shown.rgb;
 #endif
