@@ -19,7 +19,7 @@
 namespace envmap {
 
 /// Of blended surfaces before the environment in maps of mirrors, whose texels of the environment have 0.
-inline constexpr float least_nearness = 1e-12F;
+inline constexpr float least_nearness = 1e-30F;
 
 /// A drawn map that stays where it was drawn, a layer a face: what mirrors look up.
 struct MapTexture {
