@@ -15,7 +15,7 @@ struct Lines {
   double shadow_texel, drawn_shadow, cast_shadow;     // Of a shadow map; of a light in a texel.
 };
 // Of processor time, all threads, on an x86-64 server with AVX2 and OSMesa.
-constexpr Lines on_processor{160, 350, 100, 340, 100, 310, 330, 65, 29, 70};
+constexpr Lines on_processor{160, 220, 100, 340, 100, 310, 450, 65, 29, 70};
 // By the clock, on an NVIDIA H100 and 16 cores of its server.
 constexpr Lines on_card{20, 5, 18, 5.5, 35, 33, 47, 1, 0.07, 7};
 
