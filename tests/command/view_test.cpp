@@ -63,6 +63,32 @@ TEST_F(View, RoughReflectionsOfTheEnvironmentCanBeIntegrated) {
   fails(2, {"view", "rough.gltf", "a.exr", "--lobe-samples", "64"}, {"--lobe-samples", "--method raycast"});
 }
 
+// The limit of a picture counts rough surfaces where the rays that judge it have the integral.
+TEST_F(View, MaxErrorIncludesRoughSurfacesByTheIntegral) {
+  std::string scene = read("scene.gltf");
+  const std::string smooth = "\"roughnessFactor\":0";
+  write("rough.gltf", scene.replace(scene.find(smooth), smooth.size(), smooth + ".5"));
+  succeeds({"generate", "sun", "sun.exr", "--size", "64", "--radius", "2.5", "--value", "100", "--direction",
+            "-0.966,0,0.259"});
+  const auto error = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"view",     "rough.gltf",    "a.exr",     "--environment", "sun.exr",
+                                   "--camera", "2.898,0,0.776", "--look-at", "0,0,0",         "--fov",
+                                   "2",        "--width",       "9",         "--height",      "9"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Result run = envmap(words);
+    EXPECT_EQ(run.status, 0) << run.err;
+    const std::size_t at = run.err.find("off by ");
+    return at == std::string::npos ? 0.0 : std::stod(run.err.substr(at + 7));
+  };
+  EXPECT_GT(error({"--max-error", "0.9", "--lobe-samples", "256"}), 0.3);
+  EXPECT_LT(error({"--max-error", "0.9", "--lobe-samples", "256", "--reflection", "sampled"}), 0.1);
+  // Beyond the limit the picture is that of the rays.
+  EXPECT_GT(error({"--max-error", "0.1", "--lobe-samples", "256"}), 0.3);
+  const std::string drawn = read("a.exr");
+  error({"--method", "raycast", "--lobe-samples", "256"});
+  EXPECT_EQ(drawn, read("a.exr"));
+}
+
 // A metal of roughness .5, seen at 75 degrees from its normal, under a sun in the mirrored direction.
 TEST_F(View, RoughReflectionsCanBeSampledAtGrazingAngles) {
   std::string scene = read("scene.gltf");

@@ -114,8 +114,9 @@ void check(const Request& o) {
     throw UsageError(
         "--method raycast draws no maps: remove --maps, --size, --max-size, --lookup, --show-maps, --save-maps, --all "
         "and NODE:MAP");
-  if (o.lobe_samples > 0 && o.method != ViewMethod::raycast) throw UsageError("--lobe-samples is for --method raycast");
-  if (o.lobe_samples > 0 && o.scene.reflection != Reflection::split_sum)
+  if (o.lobe_samples > 0 && o.method != ViewMethod::raycast && !o.max_error)
+    throw UsageError("--lobe-samples is for --method raycast and for --max-error");
+  if (o.lobe_samples > 0 && !o.max_error && o.scene.reflection != Reflection::split_sum)
     throw UsageError("--lobe-samples integrates what --reflection samples: remove one of them");
   if (o.max_error && (of_maps || o.method == ViewMethod::raycast || o.drawing.bounces))
     throw UsageError(
@@ -148,21 +149,23 @@ struct Scenery {
 // For --max-error: tries maps in the first frame, the middle one and the last.
 void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirrors,
             std::optional<MirrorPainter>& painter) {
-  if (mirrors.empty()) return;
+  if (mirrors.empty() && o.lobe_samples == 0) return;
   const int first = scenery.frames.first, last = scenery.frames.last;
   std::vector<Moment> moments;
   for (const int frame : std::set{first, first + (last - first) / 2, last}) {
     const Shot shot = scenery.shot(frame);
     moments.push_back({shot, scenery.eyes(frame, shot.pose)[0]});
   }
-  const MapChoice choice = choose_maps(painter->renderer(), mirrors, std::move(moments), o.drawing, *o.max_error);
+  const MapChoice choice =
+      choose_maps(painter->renderer(), mirrors, std::move(moments), o.drawing, *o.max_error, o.lobe_samples);
   if (choice.rays) {
-    note(fmt::format("mirrors by rays: maps are off by {:.2g} of the picture (rms), more than {:g}", choice.error,
-                     *o.max_error));
+    note(fmt::format("the picture is drawn by rays: maps are off by {:.2g} of the picture (rms), more than {:g}",
+                     choice.error, *o.max_error));
     o.method = ViewMethod::raycast;
     painter.reset();
     return;
   }
+  if (mirrors.empty()) return note(fmt::format("off by {:.2g} of the picture (rms) against rays", choice.error));
   note(fmt::format("mirrors by --lookup {} --max-size {}{}: off by {:.2g} of the picture (rms) against rays",
                    mirror_lookup_names[std::size_t(choice.lookup)], choice.drawing.largest,
                    choice.drawing.bounces ? fmt::format(" --bounces {}", *choice.drawing.bounces) : "", choice.error));
@@ -292,7 +295,7 @@ Action define_view(Options& o) {
   o.add("--reflection", one_of(r->scene.reflection, reflection_names),
         "Reflections of the environment on rough surfaces: {} (default: split-sum)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
-        "raycast: samples per rough reflection (0: prefiltered levels) (default: 0)");
+        "raycast, --max-error: samples per rough reflection (0: prefiltered levels) (default: 0)");
   o.add("--lookup", one_of(r->lookup, mirror_lookup_names), "How maps are looked up: {} (default: distance)");
   o.add("--max-error", "E", &r->max_error, {1e-6, 10},
         "Use the smallest maps whose picture is within rms E of ray casting");

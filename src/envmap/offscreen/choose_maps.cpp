@@ -31,10 +31,11 @@ double error_of(const std::vector<Colour>& picture, const std::vector<Colour>& t
 }  // namespace
 
 MapChoice choose_maps(Renderer& renderer, const std::vector<Mirror>& mirrors, std::vector<Moment> moments,
-                      const MirrorOptions& drawing, double max_error) {
+                      const MirrorOptions& drawing, double max_error, int lobe_samples) {
   std::vector<std::vector<Colour>> truths;
   for (const Moment& m : moments)
-    truths.push_back(raycast_picture(m.shot, m.eye.from, {.mirrors = nodes_of(mirrors), .far = drawing.far}));
+    truths.push_back(raycast_picture(m.shot, m.eye.from,
+                                     {.mirrors = nodes_of(mirrors), .far = drawing.far, .lobe_samples = lobe_samples}));
   MapChoice best{.rays = true, .drawing = drawing};
   // Whether what `change` makes of the best way so far is good enough; it takes that one's place where it is,
   // or where none is yet.
@@ -54,8 +55,8 @@ MapChoice choose_maps(Renderer& renderer, const std::vector<Mirror>& mirrors, st
     return !way.rays;
   };
   for (const int largest : {64, 128, 256, 512, 1024})
-    if (does([&](MapChoice& way) { way.drawing.largest = largest; })) break;
-  if (best.rays) return best;
+    if (does([&](MapChoice& way) { way.drawing.largest = largest; }) || mirrors.empty()) break;
+  if (best.rays || mirrors.empty()) return best;
   for (const int bounces : {1, 2, 4})
     if (does([&](MapChoice& way) { way.drawing.bounces = bounces; })) break;
   does([](MapChoice& way) { way.lookup = MirrorLookup::direction; });

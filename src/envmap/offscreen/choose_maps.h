@@ -29,7 +29,8 @@ struct MapChoice {
 // the picture by rays. Tries increasing map sizes with distance lookup until one is accurate enough, then tries fewer
 // rounds and direction lookup.
 // @param drawing near, far and method.
+// @param lobe_samples of the picture by rays: 0 leaves the errors of rough reflections out.
 MapChoice choose_maps(Renderer& renderer, const std::vector<Mirror>& mirrors, std::vector<Moment> moments,
-                      const MirrorOptions& drawing, double max_error);
+                      const MirrorOptions& drawing, double max_error, int lobe_samples);
 
 }  // namespace envmap

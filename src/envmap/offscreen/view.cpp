@@ -34,8 +34,9 @@ void check(const ViewOptions& o) {
   check_map(o.maps);
   for (const MirrorWish& wish : o.mirrors) check_map(wish.map.value_or(o.maps));
   const bool by_rays = o.method == ViewMethod::raycast;
-  if (o.lobe_samples > 0 && !by_rays) throw UsageError("lobe_samples is for the method 'raycast'");
-  if (o.lobe_samples > 0 && o.reflection != Reflection::split_sum)
+  if (o.lobe_samples > 0 && !by_rays && !o.max_error)
+    throw UsageError("lobe_samples is for the method 'raycast' and for max_error");
+  if (o.lobe_samples > 0 && by_rays && o.reflection != Reflection::split_sum)
     throw UsageError("lobe_samples and reflection 'sampled' exclude each other");
   check_drawing(o, by_rays);
   if (o.max_error && by_rays) throw UsageError("max_error chooses maps, which the method 'raycast' does not draw");
@@ -65,8 +66,9 @@ bool paint(Sitting& s, ViewedScene& viewed) {
       .size = o.map_size, .largest = o.largest_map, .bounces = o.bounces, .near = o.near_metres, .far = o.far_metres};
   s.shot.look.lookup = o.lookup;
   MirrorPainter painter(o.context, s.lit, s.mirrors);
-  if (o.max_error && !s.mirrors.empty()) {
-    const MapChoice choice = choose_maps(painter.renderer(), s.mirrors, {{s.shot, s.eye}}, drawing, *o.max_error);
+  if (o.max_error && (!s.mirrors.empty() || o.lobe_samples > 0)) {
+    const MapChoice choice =
+        choose_maps(painter.renderer(), s.mirrors, {{s.shot, s.eye}}, drawing, *o.max_error, o.lobe_samples);
     viewed.error = choice.error;
     if (choice.rays) return false;
     s.shot.look.lookup = choice.lookup, drawing = choice.drawing;

@@ -39,7 +39,8 @@ struct ViewOptions {
   int occlusion = 64;  ///< Lights that stand for the environment where its shadows are found, 0 to 256.
   ViewMethod method = ViewMethod::maps;
   Reflection reflection = Reflection::split_sum;  ///< Of the environment, where lobe_samples is 0.
-  int lobe_samples = 0;  ///< raycast: samples of the integral of a rough reflection, in place of `reflection`.
+  /// raycast and the rays of max_error: samples of the integral of a rough reflection, in place of `reflection`.
+  int lobe_samples = 0;
   std::vector<MirrorWish> mirrors = {};      ///< Beside what materials make one.
   Projection maps = Projection::paraboloid;  ///< sphere, paraboloid or cube.
   int map_size = 0;                          ///< Height of a map's face, 4 to 8192; 0: what the picture needs.
