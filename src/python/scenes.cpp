@@ -139,7 +139,7 @@ void add_scenes(py::module_& m) {
       .def_readonly("array", &Picture::array, "Linear radiance, (height, width, 3), rows from the top.")
       .def_readonly("mirrors", &Picture::mirrors, "The map of each mirror that is seen, by its node's name.")
       .def_readonly("method", &Picture::method, "maps or raycast.")
-      .def_readonly("error", &Picture::error, "Of the maps against rays, where max_error was given.");
+      .def_readonly("error", &Picture::error, "Of the picture against rays, where max_error was given.");
   m.def(
       "view", &view_scene, "scene"_a, py::kw_only(), "camera"_a = Place(), "look_at"_a = py::none(),
       "fov"_a = py::none(), "width"_a = 640, "height"_a = 480, "samples"_a = 4, "environment"_a = py::none(),

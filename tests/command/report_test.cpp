@@ -75,7 +75,7 @@ TEST_F(Info, OfScenesListsNodesLightsAndCameras) {
   EXPECT_EQ(scene["lights"], json::array());
   const std::string text = envmap({"info", "parts.obj"}).out;
   EXPECT_NE(text.find("'part3', 1 triangle, centre 0.5,0.5,0\n"), std::string::npos) << text;
-  const std::string some = "its nodes are part0, part1, part2, part3, part4, part5, part6, part7 and 2 more";
+  const std::string some = "the scene's nodes are part0, part1, part2, part3, part4, part5, part6, part7 and 2 more";
   fails(2, {"render", "parts.obj", "a.exr", "--at", "nosuch"}, {"parts.obj", some});
   fails(2, {"view", "parts.obj", "a.png", "--mirror", "nosuch"}, {some});
   fails(2, {"info", "parts.obj", "--levels"}, {"is a scene", "--levels"});

@@ -193,7 +193,8 @@ TEST_F(Shards, ThatAreMissingTwiceThereOrOfAnotherMapAreRefused) {
   fails(3, {"merge", part(3), part(1), "out.exr"}, {"of 3 parts these are missing: 2"});
   fails(3, {"merge", part(1), part(2), part(3), part(2), "out.exr"}, {"part-2.exr", "part 2 of 3", "name each once"});
   fails(2, {"merge", part(1), part(2), part(3)}, {"part-3.exr", "is a part: name the file to write after the parts"});
-  EXPECT_EQ(envmap({"info", part(2)}).err, part(2) + ": is part 2/3 of a map: merge the parts\n");
+  EXPECT_EQ(envmap({"info", part(2)}).err,
+            part(2) + ": is part 2/3 of a map, and the rest of it is black: merge the parts\n");
   fails(3, {"merge", part(1), "sun.exr", "out.exr"}, {"sun.exr", "no part of a map"});
   succeeds({"convert", "sun.exr", "other.exr", "--to", "cube", "--size", "6", "--exposure", "1", "--shard", "2/3"});
   fails(3, {"merge", part(1), "other.exr", part(3), "out.exr"},

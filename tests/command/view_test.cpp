@@ -258,7 +258,7 @@ TEST_F(View, MapsAreSavedAndMirrorsAreLeftOut) {
   succeeds(with({"--save-maps", "new/maps", "--size", "32"}));
   EXPECT_EQ(read("new/maps/mirror.exr"), read("maps/mirror.exr"));
   fails(2, with({"--save-maps", "scene.gltf"}), {"scene.gltf", "not a folder"});
-  fails(2, with({"--mirror", "nosuch"}), {"nosuch", "its nodes are mirror, eye, lamp"});
+  fails(2, with({"--mirror", "nosuch"}), {"nosuch", "the scene's nodes are mirror, eye, lamp"});
 }
 
 // In the box [-1,1]^3, along d, the wall is as far from the ball as the nearest of the three planes ahead. The other

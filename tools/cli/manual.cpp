@@ -177,7 +177,7 @@ std::string json_lines(const Text& text) {
   std::string lines =
       ".SH JSON\n" +
       roff(
-          "--json prints one object. NaN and infinity are written as null and listed under not_finite. "
+          "--json prints an object of these keys. NaN and infinity are written as null and listed under not_finite. "
           "'levels[].flux' is the key flux of each object in the array levels. 'envmap manual --schemas "
           "FOLDER' writes the JSON Schema.") +
       "\n";

@@ -196,8 +196,10 @@ Rows displayed(Convert& o, const Rows& rows) {
   if (!format || !is_integer(choose_depth(*format, o.write)))
     throw UsageError(o.output,
                      "holds radiance as it is: remove --display, or use --depth uint8 where the format has it");
-  if (o.display == Display::clip) o.write.clamp = true;
-  if (o.display == Display::clip) return rows;
+  if (o.display == Display::clip && !out_of_working(o.write.colour).apply) {
+    o.write.clamp = true;
+    return rows;
+  }
   Rows shown = rows;
   shown.fill = [rows, display = *o.display](int face, int row, std::span<Colour> out) {
     rows.fill(face, row, out);

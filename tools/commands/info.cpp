@@ -7,6 +7,7 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/io/file_format.h"
+#include "envmap/offscreen/lit_scene.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/sampling.h"
 #include "envmap/scene/read/read_scene.h"
@@ -85,8 +86,20 @@ void print_lines(const FactLines& lines) {
 }
 
 void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Report& report) {
-  if (o.levels || o.sampling || o.towards)
-    throw UsageError(input, "is a scene: --levels, --sampling and --towards are for maps");
+  const ReadOptions& r = o.read;
+  const std::pair<bool, const char*> for_maps[] = {{o.levels, "--levels"},
+                                                   {o.sampling, "--sampling"},
+                                                   {o.towards.has_value(), "--towards"},
+                                                   {r.level > 0, "--level"},
+                                                   {r.projection.has_value(), "--from"},
+                                                   {r.forward.has_value(), "--from-forward"},
+                                                   {r.layout.has_value(), "--from-layout"},
+                                                   {r.border.has_value(), "--from-border"},
+                                                   {r.choice.of_part() || r.choice.crop || r.drop_channels,
+                                                    "--part, --layer, --channels, --crop, --drop-channels"}};
+  for (const auto& [is_given, option] : for_maps)
+    if (is_given) throw UsageError(input, fmt::format("is a scene: remove {}", option));
+  for (const std::string& remark : remarks_on(scene)) warn(fmt::format("{}: {}", input, remark));
   if (!settings().json) return print_lines(lines_of(scene, input));
   report.put("file", input);
   add(report, scene);

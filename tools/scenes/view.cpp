@@ -159,7 +159,7 @@ void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirro
   const MapChoice choice =
       choose_maps(painter->renderer(), mirrors, std::move(moments), o.drawing, *o.max_error, o.lobe_samples);
   if (choice.rays) {
-    note(fmt::format("the picture is drawn by rays: maps are off by {:.2g} of the picture (rms), more than {:g}",
+    note(fmt::format("the picture is drawn by rays: OpenGL is off by {:.2g} of the picture (rms), more than {:g}",
                      choice.error, *o.max_error));
     o.method = ViewMethod::raycast;
     painter.reset();

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -30,8 +31,8 @@ std::optional<PfmHeader> read_pfm_header(const InputFile& file) {
     const std::size_t begin = at;
     at = std::min(text.find_first_of(" \n", at), text.size());
     const auto [end, error] = std::from_chars(text.data() + begin, text.data() + at, number);
-    if (error == std::errc::result_out_of_range)
-      throw InputError(fmt::format("{} in its header is too large", text.substr(begin, at - begin)));
+    if (std::is_integral_v<std::remove_reference_t<decltype(number)>> && error == std::errc::result_out_of_range)
+      throw InputError(fmt::format("the size {} in its header is out of range", text.substr(begin, at - begin)));
     return error == std::errc() && end == text.data() + at;
   };
   PfmHeader h{.channels = text.starts_with("PF") ? 3 : 1};

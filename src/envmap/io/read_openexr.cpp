@@ -177,8 +177,9 @@ void read_rows(File& file, const ImageFacts& facts, int level, int begin, int en
   const std::span<const std::string> names(f.channels.begin() + first, std::size_t(count));
   const std::span<float> texels = out.first(std::size_t(end - begin) * std::size_t(f.width) * names.size());
   repeat_channels(names, texels);
-  for (std::size_t c = 0; c < file.inverted.size(); ++c)
-    for (std::size_t k = c; file.inverted[c] && k < texels.size(); k += names.size()) texels[k] = 1 / texels[k];
+  for (std::size_t c = 0; c < names.size(); ++c)
+    if (const std::size_t channel = std::size_t(first) + c; channel < file.inverted.size() && file.inverted[channel])
+      for (std::size_t k = c; k < texels.size(); k += names.size()) texels[k] = 1 / texels[k];
 }
 
 // ---- what to read of it ---------------------------------------------------------------------------------------------
@@ -309,7 +310,8 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   const Imath::Box2i data = header.dataWindow(), display = header.displayWindow();
   const auto part = facts.attributes.find("envmap:part");  // shard.h
   if (part != facts.attributes.end())
-    reader.facts.notes.push_back(fmt::format("is part {} of a map: merge the parts", part->second));
+    reader.facts.notes.push_back(
+        fmt::format("is part {} of a map, and the rest of it is black: merge the parts", part->second));
   if (data == display) return reader;
   if (part == facts.attributes.end())
     reader.facts.notes.push_back(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -287,6 +288,8 @@ WriteOptions part_options(const WriteOptions& options, Projection projection, st
 }
 
 bool is_part(const std::string& path) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none)) return false;  // Reading a pipe would take its bytes.
   try {
     return read_head(path).number.count > 0;
   } catch (const InputError&) {

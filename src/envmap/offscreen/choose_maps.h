@@ -22,7 +22,7 @@ struct MapChoice {
   bool rays = false;  // No maps are good enough.
   MirrorLookup lookup = MirrorLookup::distance;
   MirrorOptions drawing;
-  double error = 0;  // Of the maps, the largest of all moments.
+  double error = 0;  // Against rays, the largest of all moments.
 };
 
 // The cheapest maps whose pictures are off by `max_error` at most. The error is the rms of the difference over that of

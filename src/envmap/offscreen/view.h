@@ -63,7 +63,7 @@ struct ViewedScene {
   int width = 0, height = 0;
   std::vector<Colour> radiance;  ///< Rows from the top, from left to right.
   ViewMethod method = ViewMethod::maps;
-  std::optional<double> error = {};   ///< Of the maps, where max_error was given.
+  std::optional<double> error = {};   ///< Against rays, where max_error was given.
   std::vector<ViewedMirror> mirrors;  ///< Of `maps`.
   std::vector<std::string> remarks;   ///< What of the file is not drawn, and whether it is black, in sentences.
 };

@@ -204,14 +204,6 @@ Outcome texel_mean(const Task& task, std::size_t texel, Workspace& ws, Colour& o
   return outcome;
 }
 
-// Whether the rim of a disc cuts the texel.
-bool on_rim(const Target& target, int row, int i) {
-  if (!on_disc(target.to)) return false;
-  const double n = target.size, x0 = i / n - 0.5, y0 = row / n - 0.5, x1 = x0 + 1 / n, y1 = y0 + 1 / n;
-  return portable::hypot(std::clamp(0.0, x0, x1), std::clamp(0.0, y0, y1)) < 0.5 &&
-         portable::hypot(std::max(-x0, x1), std::max(-y0, y1)) > 0.5;
-}
-
 constexpr int block = 32;  // Texels of a row that get as many pieces a side. Blocks begin at multiples of this, or the
                            // result would depend on how a row is taken apart.
 
@@ -248,13 +240,14 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
   ws.open.clear();
   for (std::size_t k = 0; k < out.size(); ++k) {
     out[k] = unknown;
-    if (on_rim(task.target, row, column(k)) || texel_mean(task, k, ws, out[k]) != Outcome::done) ws.open.push_back(k);
+    if (is_cut_by_rim(task.target, row, column(k)) || texel_mean(task, k, ws, out[k]) != Outcome::done)
+      ws.open.push_back(k);
   }
   for (pieces = std::max(2 * times, times * pieces); !ws.open.empty(); pieces *= times) {
     std::swap(ws.open, ws.again);
     ws.open.clear();
     for (const std::size_t k : ws.again) {
-      const bool rim = on_rim(task.target, row, column(k));
+      const bool rim = is_cut_by_rim(task.target, row, column(k));
       const std::size_t n = !rim ? pieces : task.estimates ? rim_pieces / 16 * pieces : std::max(pieces, rim_pieces);
       const Colour before = out[k];
       task.find(ws.sides, face, row, column(k), 1, n, rim);

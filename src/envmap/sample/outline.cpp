@@ -260,4 +260,11 @@ bool Outline::follow(const PaddedLevel& source, const Target& target, const Side
   return whole && !(disc && shows(target, sides, texel, {0, 0, -1}));
 }
 
+bool is_cut_by_rim(const Target& target, int row, int column) {
+  if (!on_disc(target.to)) return false;
+  const double half = 0.5 * target.size, x0 = column - half, x1 = x0 + 1, y0 = row - half, y1 = y0 + 1;
+  const double x = std::clamp(0.0, x0, x1), y = std::clamp(0.0, y0, y1), u = std::max(-x0, x1), v = std::max(-y0, y1);
+  return x * x + y * y < half * half && u * u + v * v > half * half;
+}
+
 }  // namespace envmap

@@ -79,6 +79,9 @@ struct Outline {
   [[nodiscard]] double narrowing(double y) const;
 };
 
+/// Whether the rim of a disc cuts a texel. Some maps are filled beyond it.
+bool is_cut_by_rim(const Target& target, int row, int column);
+
 /// A location in source texels with their centres at whole numbers.
 inline Point2 in_texels(const PaddedLevel& source, const Location<double>& at) {
   return {at.u * source.width() - 0.5, at.v * source.height() - 0.5};

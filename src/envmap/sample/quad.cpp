@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "envmap/sample/area.h"
+#include "envmap/sample/outline.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/sample/quad.cpp"
@@ -29,7 +30,7 @@ constexpr std::size_t block = 64;       // Texels of a row that are worked on at
 constexpr int longest = 24;             // Side of a window, and
 constexpr int most_taps = 128;          // texels in it.
 constexpr double most_bend = 1.0 / 32;  // Beyond, sides no longer are what their middles show.
-constexpr double most_over = 8;         // Times the tolerance: the bound of a mean that is told to be right by another.
+constexpr double most_times = 8;        // Times the tolerance: the bound of a mean that is told to be right by another.
 constexpr Colour unknown(std::numeric_limits<float>::quiet_NaN());
 
 struct Place {
@@ -258,7 +259,7 @@ struct Sum {
   [[nodiscard]] bool is_settled(double tolerance, double floor, const Colour& before, const Colour& mean) const {
     for (int c = 0; c < 3; ++c)
       if (!(std::abs(mean[c] - before[c]) <= 0.25 * tolerance * std::max<double>(mean[c], floor))) return false;
-    return is_within(most_over * tolerance, floor, mean);
+    return is_within(most_times * tolerance, floor, mean);
   }
 };
 
@@ -338,14 +339,6 @@ namespace {
 
 constexpr int most_division = 8;
 
-// Whether the rim of a disc cuts the texel. Some maps are filled beyond it.
-bool is_cut(const Target& target, int row, int column) {
-  if (!on_disc(target.to)) return false;
-  const double half = 0.5 * target.size, x0 = column - half, x1 = x0 + 1, y0 = row - half, y1 = y0 + 1;
-  const double x = std::clamp(0.0, x0, x1), y = std::clamp(0.0, y0, y1), u = std::max(-x0, x1), v = std::max(-y0, y1);
-  return x * x + y * y < half * half && u * u + v * v > half * half;
-}
-
 struct Task {
   const PaddedLevel& source;
   Target target;
@@ -376,8 +369,8 @@ Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tol
   const Task task{source, target, tolerance, floor, area_sampler(source, target, tolerance, floor, true)};
   return [task](int face, int row, int first, std::span<Colour> out) {
     for (std::size_t end, k = 0; k < out.size(); k = end) {
-      const bool cut = is_cut(task.target, row, first + int(k));
-      for (end = k + 1; end < out.size() && is_cut(task.target, row, first + int(end)) == cut;) ++end;
+      const bool cut = is_cut_by_rim(task.target, row, first + int(k));
+      for (end = k + 1; end < out.size() && is_cut_by_rim(task.target, row, first + int(end)) == cut;) ++end;
       task.sample(cut ? most_division + 1 : 1, face, row, first + int(k), out.subspan(k, end - k));
     }
   };

@@ -1,6 +1,8 @@
 #include "envmap/scene/scene.h"
 
 #include <algorithm>
+#include <set>
+#include <string_view>
 #define GLM_ENABLE_EXPERIMENTAL
 #include <glm/gtx/matrix_decompose.hpp>
 
@@ -43,14 +45,14 @@ std::optional<int> find_node(const Scene& scene, const std::string& name) {
 
 std::string list_nodes(const Scene& scene) {
   constexpr std::size_t most = 8;
-  std::vector<std::string> names;
-  for (const Node& node : scene.nodes)
-    if (!node.name.empty() && std::ranges::find(names, node.name) == names.end()) names.push_back(node.name);
-  if (names.empty()) return "its nodes have no names";
+  std::set<std::string_view> names;
   std::string list;
-  for (std::size_t k = 0; k < std::min(most, names.size()); ++k) list += (k == 0 ? "" : ", ") + names[k];
+  for (const Node& node : scene.nodes)
+    if (!node.name.empty() && names.insert(node.name).second && names.size() <= most)
+      list += (list.empty() ? "" : ", ") + node.name;
+  if (list.empty()) return "the scene's nodes have no names";
   if (names.size() > most) list += " and " + std::to_string(names.size() - most) + " more";
-  return "its nodes are " + list;
+  return "the scene's nodes are " + list;
 }
 
 bool has_light(const Scene& scene) {
