@@ -26,6 +26,26 @@ class View : public CommandTest {
       "buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
                             quad + R"("}]})");
   }
+  // The mirror as a rough metal.
+  void write_rough(const std::string& roughness) {
+    std::string scene = read("scene.gltf");
+    const std::string smooth = "\"roughnessFactor\":0";
+    ASSERT_NE(scene.find(smooth), std::string::npos);
+    write("rough.gltf", scene.replace(scene.find(smooth), smooth.size(), "\"roughnessFactor\":" + roughness));
+  }
+  // A metal of roughness .5, seen at 75 degrees from its normal, under a sun in the mirrored direction.
+  void write_grazing_scene(const std::string& sun_size) {
+    write_rough("0.5");
+    succeeds({"generate", "sun", "sun.exr", "--size", sun_size, "--radius", "2.5", "--value", "100", "--direction",
+              "-0.966,0,0.259"});
+  }
+  [[nodiscard]] static std::vector<std::string> grazing_view(const std::vector<std::string>& more) {
+    std::vector<std::string> words{"view",     "rough.gltf",    "a.exr",     "--environment", "sun.exr",
+                                   "--camera", "2.898,0,0.776", "--look-at", "0,0,0",         "--fov",
+                                   "2",        "--width",       "9",         "--height",      "9"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
   static const std::string quad;
 };
 // (-1,-1,0) (1,-1,0) (1,1,0) (-1,1,0), and 0 1 2 0 2 3.
@@ -47,10 +67,7 @@ TEST_F(View, AMirrorShowsWhatIsBehindTheCamera) {
 
 // Levels mix roughness .2 and .4 for .3; a sun shows it. tests/render/lobe_integral_test.cpp has the integral itself.
 TEST_F(View, RoughReflectionsOfTheEnvironmentCanBeIntegrated) {
-  std::string scene = read("scene.gltf");
-  const std::string smooth = "\"roughnessFactor\":0";
-  ASSERT_NE(scene.find(smooth), std::string::npos);
-  write("rough.gltf", scene.replace(scene.find(smooth), smooth.size(), smooth + ".3"));
+  write_rough("0.3");
   succeeds({"generate", "sun", "sun.exr", "--size", "64", "--to", "latlong", "--radius", "2.5", "--value", "100"});
   const auto middle = [&](const std::string& samples) {
     succeeds({"view", "rough.gltf", "a.exr", "--method", "raycast", "--environment", "sun.exr", "--width", "9",
@@ -65,17 +82,9 @@ TEST_F(View, RoughReflectionsOfTheEnvironmentCanBeIntegrated) {
 
 // The limit of a picture counts rough surfaces where the rays that judge it have the integral.
 TEST_F(View, MaxErrorIncludesRoughSurfacesByTheIntegral) {
-  std::string scene = read("scene.gltf");
-  const std::string smooth = "\"roughnessFactor\":0";
-  write("rough.gltf", scene.replace(scene.find(smooth), smooth.size(), smooth + ".5"));
-  succeeds({"generate", "sun", "sun.exr", "--size", "64", "--radius", "2.5", "--value", "100", "--direction",
-            "-0.966,0,0.259"});
+  write_grazing_scene("64");
   const auto error = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> words{"view",     "rough.gltf",    "a.exr",     "--environment", "sun.exr",
-                                   "--camera", "2.898,0,0.776", "--look-at", "0,0,0",         "--fov",
-                                   "2",        "--width",       "9",         "--height",      "9"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Result run = envmap(words);
+    const Result run = envmap(grazing_view(more));
     EXPECT_EQ(run.status, 0) << run.err;
     const std::size_t at = run.err.find("off by ");
     return at == std::string::npos ? 0.0 : std::stod(run.err.substr(at + 7));
@@ -89,17 +98,10 @@ TEST_F(View, MaxErrorIncludesRoughSurfacesByTheIntegral) {
   EXPECT_EQ(drawn, read("a.exr"));
 }
 
-// A metal of roughness .5, seen at 75 degrees from its normal, under a sun in the mirrored direction.
 TEST_F(View, RoughReflectionsCanBeSampledAtGrazingAngles) {
-  std::string scene = read("scene.gltf");
-  const std::string smooth = "\"roughnessFactor\":0";
-  write("rough.gltf", scene.replace(scene.find(smooth), smooth.size(), smooth + ".5"));
-  succeeds({"generate", "sun", "sun.exr", "--size", "128", "--radius", "2.5", "--value", "100", "--direction",
-            "-0.966,0,0.259"});
-  const auto middle = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {"view", "rough.gltf", "a.exr", "--environment", "sun.exr", "--camera", "2.898,0,0.776",
-                                 "--look-at", "0,0,0", "--fov", "2", "--width", "9", "--height", "9"});
-    succeeds(words);
+  write_grazing_scene("128");
+  const auto middle = [&](const std::vector<std::string>& more) {
+    succeeds(grazing_view(more));
     return load(path("a.exr")).at(4, 4)[0];
   };
   const float integral = middle({"--method", "raycast", "--lobe-samples", "4096"});

@@ -45,7 +45,7 @@ EnvironmentMap noise(int height) {
   return map;
 }
 
-// Where a side-to-side line of a texel lies inside the disc: the whole line for other projections.
+// The part of a line from u0 to u1 that lies inside the disc. Other projections have the whole line.
 std::pair<double, double> inside_disc(bool disc, double v, double u0, double u1) {
   if (!disc) return {u0, u1};
   const double half = std::sqrt(std::max(0.0, 0.25 - (v - 0.5) * (v - 0.5)));
@@ -115,7 +115,7 @@ TEST(Area, TheErrorAskedForIsTheErrorFound) {
   }
 }
 
-// Of texels that the rim cuts hardly a corner may be left.
+// The rim may leave hardly a corner of a texel.
 TEST_P(EachArea, IsRightAtTheRim) {
   const Projection p = GetParam();
   if (!on_disc(p)) GTEST_SKIP() << "has no rim";

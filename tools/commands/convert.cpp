@@ -190,7 +190,7 @@ void add(Source& source, const Source& other, const Convert& o) {
   add_light(source.map, other.map, unit && others ? double(*others) / *unit : 1);
 }
 
-// What a screen shows of radiance, for files of integers. Of `clip` the loss is told as that of --clamp.
+// Radiance as a screen shows it, for files of integers. `clip` reports its loss as --clamp does.
 Rows displayed(Convert& o, const Rows& rows) {
   const FileFormat* const format = format_with_extension(extension(o.output, o.write));
   if (!format || !is_integer(choose_depth(*format, o.write)))

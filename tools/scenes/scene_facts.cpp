@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
 #include <vector>
 
 #include "envmap/render/draw.h"
@@ -13,38 +12,13 @@ using namespace envmap;
 
 namespace {
 
-// Of each node with what lies below it.
+// Counts the triangles of each node and of the nodes below it.
 std::vector<std::size_t> triangles_of_nodes(const Scene& scene) {
   std::vector<std::size_t> counts(scene.nodes.size());
   for (const Instance& i : instances(scene))
     for (int node = i.node; node >= 0; node = scene.nodes[std::size_t(node)].parent)
       counts[std::size_t(node)] += scene.meshes[std::size_t(i.mesh)].indices.size() / 3;
   return counts;
-}
-
-struct Box {
-  Direction low = Direction(std::numeric_limits<double>::infinity()), high = -low;
-};
-
-// Of the box of each node and what lies below it; the node's own place where that is nothing.
-std::vector<Direction> centres_of_nodes(const Scene& scene) {
-  const Pose world = pose(scene, 0);
-  std::vector<Box> boxes(scene.nodes.size());
-  for (const Instance& i : instances(scene)) {
-    Box box;
-    for (const glm::vec3& p : scene.meshes[std::size_t(i.mesh)].positions) {
-      const Direction place(world[std::size_t(i.node)] * glm::vec<4, double, glm::highp>(p, 1));
-      box.low = glm::min(box.low, place), box.high = glm::max(box.high, place);
-    }
-    for (int node = i.node; node >= 0; node = scene.nodes[std::size_t(node)].parent) {
-      Box& whole = boxes[std::size_t(node)];
-      whole.low = glm::min(whole.low, box.low), whole.high = glm::max(whole.high, box.high);
-    }
-  }
-  std::vector<Direction> centres;
-  for (std::size_t k = 0; k < boxes.size(); ++k)
-    centres.push_back(boxes[k].low.x > boxes[k].high.x ? Direction(world[k][3]) : 0.5 * (boxes[k].low + boxes[k].high));
-  return centres;
 }
 
 const char* kind_of(const PunctualLight& light) {
@@ -60,7 +34,7 @@ std::string counted(std::size_t count, const char* what, const char* more = "s")
 }  // namespace
 
 void add(Report& report, const Scene& scene) {
-  const std::vector<Direction> centres = centres_of_nodes(scene);
+  const std::vector<Direction> centres = centres_of_nodes(scene, pose(scene, 0));
   const std::vector<std::size_t> counts = triangles_of_nodes(scene);
   const auto name_of = [&](int node) { return scene.nodes[std::size_t(node)].name; };
   report.put("scene.triangles", triangles(scene));
@@ -87,7 +61,7 @@ void add(Report& report, const Scene& scene) {
 }
 
 FactLines lines_of(const Scene& scene, const std::string& file) {
-  const std::vector<Direction> centres = centres_of_nodes(scene);
+  const std::vector<Direction> centres = centres_of_nodes(scene, pose(scene, 0));
   const std::vector<std::size_t> counts = triangles_of_nodes(scene);
   FactLines lines{
       {"file", file},

@@ -12,7 +12,7 @@ namespace tools {
 /// The key `scene` of `info --json`.
 void add(Report& report, const envmap::Scene& scene);
 
-/// The same as text.
+/// The lines of `info` without --json.
 FactLines lines_of(const envmap::Scene& scene, const std::string& file);
 
 }  // namespace tools

@@ -286,7 +286,7 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
                       Source& source, const Progress& progress) {
   const Projection projection = projection_of_faces(path);
   std::optional<Level> level;
-  std::string_view convention;  // Of the first file.
+  std::string_view convention;  // The first file's.
   for (int face = 0; face < faces(projection); ++face) {
     Image image;
     open_face(image, face_path(level_path(path, number), face, files), options);

@@ -30,7 +30,7 @@ struct File {
   ExrInput stream;
   ExrParts parts;
   int part = 0;
-  std::vector<bool> inverted = {};  // Of the chosen channels: asked for as 1/NAME.
+  std::vector<bool> inverted = {};  // For each chosen channel, whether it was asked for as 1/NAME.
   ExrInput again;                   // For the reader of luminance and chroma.
   std::optional<Imf::InputPart> lines = {};
   std::optional<Imf::TiledInputPart> tiles = {};

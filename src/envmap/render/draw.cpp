@@ -1,8 +1,9 @@
 #include "envmap/render/draw.h"
-#include "envmap/projection/visit.h"
 
 #include <cmath>
 #include <limits>
+
+#include "envmap/projection/visit.h"
 
 namespace envmap {
 
@@ -15,8 +16,7 @@ std::vector<Instance> instances(const Scene& scene) {
 
 std::size_t triangles(const Scene& scene) {
   std::size_t count = 0;
-  for (const Instance& i : instances(scene))
-    count += scene.meshes[i.mesh].indices.size() / 3;
+  for (const Instance& i : instances(scene)) count += scene.meshes[i.mesh].indices.size() / 3;
   return count;
 }
 
@@ -49,19 +49,45 @@ void sample_directions(Projection p, int size, int face, int row, const Vec2<dou
   directions(p, face, points, out);
 }
 
-Direction centre_of(const Scene& scene, const Pose& pose, int node) {
-  Direction low(std::numeric_limits<double>::infinity()), high(-low);
-  for (const Instance& instance : instances(scene)) {
-    if (!lies_under(scene, instance.node, node)) continue;
-    const Matrix& world = pose[instance.node];
-    for (const glm::vec3& p : scene.meshes[instance.mesh].positions) {
-      const Direction place(world * glm::vec<4, double, glm::highp>(p, 1));
-      low = glm::min(low, place);
-      high = glm::max(high, place);
-    }
+namespace {
+
+// Nothing is in it while low is above high.
+struct Box {
+  Direction low = Direction(std::numeric_limits<double>::infinity()), high = -low;
+
+  void add(const Box& other) { low = glm::min(low, other.low), high = glm::max(high, other.high); }
+  [[nodiscard]] Direction centre_or(const Direction& otherwise) const {
+    return low.x > high.x ? otherwise : 0.5 * (low + high);
   }
-  if (low.x > high.x) return Direction(pose[node][3]);
-  return 0.5 * (low + high);
+};
+
+Box box_of(const Mesh& mesh, const Matrix& world) {
+  Box box;
+  for (const glm::vec3& p : mesh.positions) {
+    const Direction place(world * glm::vec<4, double, glm::highp>(p, 1));
+    box.add({place, place});
+  }
+  return box;
+}
+
+}  // namespace
+
+Direction centre_of(const Scene& scene, const Pose& pose, int node) {
+  Box box;
+  for (const Instance& i : instances(scene))
+    if (lies_under(scene, i.node, node)) box.add(box_of(scene.meshes[i.mesh], pose[i.node]));
+  return box.centre_or(Direction(pose[node][3]));
+}
+
+std::vector<Direction> centres_of_nodes(const Scene& scene, const Pose& pose) {
+  std::vector<Box> boxes(scene.nodes.size());
+  for (const Instance& i : instances(scene)) {
+    const Box box = box_of(scene.meshes[i.mesh], pose[i.node]);
+    for (int node = i.node; node >= 0; node = scene.nodes[node].parent) boxes[node].add(box);
+  }
+  std::vector<Direction> centres;
+  for (std::size_t k = 0; k < boxes.size(); ++k) centres.push_back(boxes[k].centre_or(Direction(pose[k][3])));
+  return centres;
 }
 
 }  // namespace envmap

@@ -54,8 +54,8 @@ struct Viewpoint {
   bool show_ambient = false;  ///< Behind all surfaces, too: as mirrors show it.
   /// By OpenGL, up to 8 x 8 samples of an environment of smaller texels, so that small suns keep their light.
   bool mean_background = false;
-  std::optional<Lens> lens;   ///< Then it is a picture of one face, and `to` is not looked at.
-  Plane before{0, 0, 0, 1};   ///< Of pictures that OpenGL draws: nothing behind it is drawn. World.
+  std::optional<Lens> lens;  ///< Then it is a picture of one face, and `to` is not looked at.
+  Plane before{0, 0, 0, 1};  ///< Of pictures that OpenGL draws: nothing behind it is drawn. World.
 };
 
 struct DistantLight;
@@ -113,6 +113,9 @@ bool casts_shadow(const Material& material);
 /// Where the map of a node is drawn from: the centre of the box that holds its meshes and those below it; where it has
 /// none, its origin. World.
 Direction centre_of(const Scene& scene, const Pose& pose, int node);
+
+/// centre_of() each node, in the time of one.
+std::vector<Direction> centres_of_nodes(const Scene& scene, const Pose& pose);
 
 /// A drawn map with what is needed to judge it, texel by texel in the order of faces, rows and columns.
 struct Drawn {

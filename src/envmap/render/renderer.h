@@ -18,7 +18,7 @@
 
 namespace envmap {
 
-/// Of blended surfaces before the environment in maps of mirrors, whose texels of the environment have 0.
+/// The 1 / distance of blended surfaces before the environment, in maps of mirrors. The environment itself has 0.
 inline constexpr float least_nearness = 1e-30F;
 
 /// A drawn map that stays where it was drawn, a layer a face: what mirrors look up.
@@ -119,7 +119,7 @@ class Renderer {
   std::map<std::tuple<DrawMethod, Projection, bool, bool>, gl::Program> visibility_;
   std::map<std::tuple<Projection, int, int>, gl::Texture> rays_;  // Of texels' centres, by projection, size and face.
   gl::Texture sample_rays_;
-  float sample_below_ = 0;  // Of the last rays(): from the centre of a texel, in texels.
+  float sample_below_ = 0;  // How far the last rays() lie below the centres of texels, in texels.
   std::map<Shading, gl::Program> shading_;
   gl::Program background_, adding_;
   std::map<Projection, gl::Program> levels_;

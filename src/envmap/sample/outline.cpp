@@ -11,7 +11,7 @@
 namespace envmap {
 namespace {
 
-constexpr double inside_share = 0.75;  // Of the pieces of a side that the rim cuts.
+constexpr double inside_share = 0.75;  // This share of the pieces of a cut side lies inside the disc.
 
 Point2 moved_onto_rim(const Point2& p) {
   const double radius = glm::length(p - 0.5);

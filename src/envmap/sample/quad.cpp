@@ -70,7 +70,7 @@ struct Grid {
         points[k] = {at[k].u, at[k].v};
         x[r][k] = at[k].u * source.width() - 0.5, y[r][k] = at[k].v * source.height() - 0.5, face[r][k] = at[k].face;
         const double step = x[r][k] - (k > 0 ? x[r][k - 1] : x[0][0]);
-        if (std::abs(step) > 0.5 * period && period > 0) x[r][k] -= period * std::round(step / period);
+        if (period > 0 && std::abs(step) > 0.5 * period) x[r][k] -= period * std::round(step / period);
       }
       if (r != 1) envmap::densities(source.projection(), std::span(points).first(n), std::span(densities).first(n));
       std::copy_n(densities.begin(), n, density[r]);
@@ -243,9 +243,9 @@ struct Weights {
   }
 };
 
-// Of one texel, summed over its quadrilaterals.
-struct Sum {
-  Rgb<double> light{0}, off{0};  // And by how much it may be wrong.
+// The light of a texel, summed over its quadrilaterals.
+struct TexelSum {
+  Rgb<double> light{0}, off{0};  // The bound of the error of `light`.
   double solid_angle = 0;        // Up to a factor.
   bool is_known = true;          // Not if a quadrilateral is not plain.
 
@@ -263,7 +263,7 @@ struct Sum {
   }
 };
 
-void add(const PaddedLevel& source, int face, const Quads& q, const Weights& weights, std::size_t lane, Sum& sum) {
+void add(const PaddedLevel& source, int face, const Quads& q, const Weights& weights, std::size_t lane, TexelSum& sum) {
   if (!(q.off[lane] < 1)) return void(sum.is_known = false);
   const int left = int(q.left[lane]), top = int(q.top[lane]), columns = int(q.columns[lane]), rows = int(q.rows[lane]);
   const hn::CappedTag<float, 4> d;  // The fourth channel is the next texel's, or a spare one.
@@ -300,7 +300,7 @@ std::uint64_t SampleQuads(const PaddedLevel& source, const Target& target, int d
   Target parts = target;
   parts.size *= division;
   const std::size_t count = out.size() * std::size_t(division);
-  std::array<Sum, block> sums{};
+  std::array<TexelSum, block> sums{};
   Quads q;
   for (int part = 0; part < division; ++part) {
     const Grid grid(source, parts, face, row * division + part, first * division, count);
@@ -371,7 +371,8 @@ Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tol
     for (std::size_t end, k = 0; k < out.size(); k = end) {
       const bool cut = is_cut_by_rim(task.target, row, first + int(k));
       for (end = k + 1; end < out.size() && is_cut_by_rim(task.target, row, first + int(end)) == cut;) ++end;
-      task.sample(cut ? most_division + 1 : 1, face, row, first + int(k), out.subspan(k, end - k));
+      const std::span texels = out.subspan(k, end - k);
+      cut ? task.otherwise(face, row, first + int(k), texels) : task.sample(1, face, row, first + int(k), texels);
     }
   };
 }

@@ -20,7 +20,7 @@ void main() {
   vec3 radiance = vec3(0);
   if (ray != vec3(0)) {
     vec3 across = change(at, ivec2(1, 0), ray), down = change(at, ivec2(0, 1), ray);
-    // Where texels of the map are the smaller ones their mean would only blur.
+    // A mean would only blur if texels of the map are smaller than those of the environment.
     float part = max(length(across), length(down)) > environment_texel ? 1 : 0;
     radiance = behind + environment_over(to_world * ray, part * to_world * across, part * to_world * down);
   }

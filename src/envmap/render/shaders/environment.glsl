@@ -19,7 +19,7 @@ ivec2 samples_over(vec3 across, vec3 down) {
   return ivec2(n.x < n.y ? vec2(fewer, more) : vec2(more, fewer));
 }
 
-// Of sample k from the middle, as a part of the whole.
+// The distance of sample k from the middle, as a part of the whole.
 vec2 sample_aside(int k, ivec2 count) { return (vec2(k % count.x, k / count.x) + 0.5) / count - 0.5; }
 
 // The mean over what a texel or a pixel shows. @param across, down as above.

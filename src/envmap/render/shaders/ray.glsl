@@ -2,7 +2,7 @@
 // is 1, parallel ones along -Z, from (x, y, 0).
 layout(binding = UNIT_RAYS) uniform sampler2D rays;
 uniform float spread;        // Distance of samples, in texels: the root of 1 / their number.
-uniform float below_centre;  // Of the texel, in texels: the sample here.
+uniform float below_centre;  // How far this sample lies below the centre of its texel, in texels.
 
 struct Ray {
   vec3 from, along;

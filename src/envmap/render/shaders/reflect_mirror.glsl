@@ -46,7 +46,7 @@ vec3 reflected(vec3 from, vec3 normal, float bend) {
     vec4 sum = vec4(0);
     for (int k = 0; k < count.x * count.y; ++k) {
       vec2 aside = sample_aside(k, count);
-      // Where surfaces cover a part of the pixel, the light is that of the rest.
+      // The environment shows only in the part of the pixel that no surface covers.
       float open = shown.a <= 0 ? 1 : 1.0001 - mirror_at(normalize(map_ray + aside.x * map_across + aside.y * map_down), 0).a;
       sum += open * vec4(environment_at(normalize(ray + aside.x * across + aside.y * down)), 1);
     }
