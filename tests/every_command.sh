@@ -29,7 +29,7 @@ maps() {
   for kind in constant gradient checker directions sun sky sh; do
     run generate $kind $kind.exr --to latlong --size 64
   done
-  run generate checker big.exr --to latlong --size 512
+  run generate checker big.exr --to latlong --size 256
   run generate sky sky.hdr --to latlong --size 64
   for projection in $projections; do
     for filter in nearest bilinear bicubic trilinear sat ewa area; do
@@ -93,15 +93,15 @@ light() {
   done
   run bake sky.exr glsl --for glsl --chain-size 32 --max-error 0.1 --clamp
   for task in convert:cube:16 mipmap:2 ggx:0.5:cube:4 depth; do
-    run tradeoff sky.exr --task $task --budget 1
+    run tradeoff sky.exr --task $task --budget 0.2
   done
   for scene in scenes/room-2.glb scenes/cellar.glb; do
     for projection in $projections; do
       run render "$scene" scene.exr --at 0.3,1.1,0.2 --to $projection --size 32 --samples 2 --method raycast
     done
-    run render "$scene" lit.exr --at 0.3,1.1,0.2 --size 16 --method raycast --environment sky.exr
+    run render "$scene" lit.exr --at 0.3,1.1,0.2 --size 8 --method raycast --environment sky.exr
     run render "$scene" far.exr --at 0.3,1.1,0.2 --size 16 --method raycast --ambient 1 --distance
-    run view "$scene" view.png --method raycast --width 48 --height 32 --environment sky.exr
+    run view "$scene" view.png --method raycast --width 16 --height 12 --environment sky.exr
   done
 }
 

@@ -60,17 +60,17 @@ demand(all(re.search(r'envmap::(render|view)\(', line) for line in shown), f'lib
 page = (tree / 'share/man/man3/envmap.3').read_text()
 example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', '\\').replace('\\-', '-')
 (work / 'example.cpp').write_text(example)
-# Those of docs/library.md, each the body of a main().
+# Those of docs/library.md, each the body of a function of one program.
 bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
 demand(len(bodies) == 10, f'docs/library.md has {len(bodies)} examples')
-examples = []
-for number, body in enumerate(bodies):
-    examples.append(work / f'page_{number}.cpp')
-    examples[-1].write_text('#include <envmap/scenes.h>\n' + ''.join(f'#include <{h}>\n' for h in (
-        'algorithm', 'filesystem', 'stop_token', 'thread', 'type_traits', 'vector')) +
-        'using namespace envmap;\nint main() {\n' + body + '}\n')
+includes = ('envmap/scenes.h', 'algorithm', 'filesystem', 'stop_token', 'string', 'thread', 'type_traits', 'vector')
+(work / 'pages.cpp').write_text(
+    ''.join(f'#include <{name}>\n' for name in includes) + 'using namespace envmap;\n' +
+    ''.join(f'static int page_{number}() {{\n{body}return 0;\n}}\n' for number, body in enumerate(bodies)) +
+    'int main(int, char** words) {\nconst int number = std::stoi(words[1]);\n' +
+    ''.join(f'if (number == {number}) return page_{number}();\n' for number in range(len(bodies))) + 'return 2;\n}\n')
 run('cmake', '-S', source / 'tests/consumer', '-B', work / 'build', f'-DCMAKE_PREFIX_PATH={tree}', '-DCMAKE_BUILD_TYPE=',
-    f'-DCMAKE_CXX_COMPILER={compiler}', f'-DEXAMPLE={work / "example.cpp"}', f'-DEXAMPLES={";".join(map(str, examples))}')
+    f'-DCMAKE_CXX_COMPILER={compiler}', f'-DEXAMPLE={work / "example.cpp"}', f'-DPAGES={work / "pages.cpp"}')
 run('cmake', '--build', work / 'build', '--parallel', '2')
 pkg = os.environ | {'PKG_CONFIG_PATH': str(library / 'pkgconfig')}
 demand(run('pkg-config', '--modversion', 'envmap', env=pkg).strip() == '1.0.0', 'envmap.pc has another version')
@@ -90,8 +90,8 @@ old = subprocess.run([compiler, '-std=c++17', '-fsyntax-only', '-x', 'c++', '-',
 demand('envmap needs C++20' in old.stderr, old.stderr)
 (work / 'room.obj').write_text(''.join(f'v {x} {y} {z}\n' for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)) +
                                'f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\n')
-for number in range(len(examples)):
-    run(work / f'build/page_{number}', cwd=work)
+for number in range(len(bodies)):
+    run(work / 'build/pages', number, cwd=work)
 # A project that adds the sources gets the libraries, and neither tests nor samples.
 (work / 'outer').mkdir()
 (work / 'outer/CMakeLists.txt').write_text('cmake_minimum_required(VERSION 3.25)\nproject(outer LANGUAGES CXX)\n'
