@@ -165,6 +165,8 @@ struct Cone {
   double radius;  // radians
 };
 
+Rect texel_rect(int w, int h, int i, int j) { return {double(i) / w, double(j) / h, (i + 1.0) / w, (j + 1.0) / h}; }
+
 // Angle of a texel's centre from the axis, and how far from its centre it reaches.
 struct Extent {
   double away, reach;
@@ -182,44 +184,54 @@ Extent extent(const Cone& cone, int face, const Rect& r) {
   return e;
 }
 
-// How much of each texel the cone covers, in the first channel. Texels that lie inside whole are 1; for those on its
-// edge, points spread evenly over the cone's outer ring (a Fibonacci lattice, equal-area) are dropped into the texels
-// they hit: the light that the sun sends is what arrives, however thin and long the texels are.
+// Texels of a row that may be on the sun's edge, and how many points of its outer ring hit each.
+struct EdgeRow {
+  double inner;  // Radians from the axis: no texel here that is not inside whole comes closer.
+  std::vector<int> columns;
+  std::vector<int> hits;
+};
+
+// Puts the sun into texels that lie inside whole. The others that it may touch are returned, row by row.
 template <class P>
-void add_coverage(const Cone& cone, Level& coverage) {
-  const int w = coverage.width(), h = coverage.height();
-  const auto rect = [&](int i, int j) { return Rect{double(i) / w, double(j) / h, (i + 1.0) / w, (j + 1.0) / h}; };
-  // The ring must reach as far in as any texel that is not inside whole.
+std::vector<EdgeRow> fill_inside(const Sun& sun, const Cone& cone, Level& level) {
+  const int w = level.width(), h = level.height();
   // Most texels are so far from the edge that the cosine of their centre tells.
-  const double reach = h < 8 ? pi : 1.2 * texel_reach(coverage.projection(), h) + 1e-9;
+  const double reach = h < 8 ? pi : 1.2 * texel_reach(level.projection(), h) + 1e-9;
   const double outside = cone.radius + reach < pi ? portable::cos(cone.radius + reach) : -2;
   const double inside = cone.radius > reach ? portable::cos(cone.radius - reach) : 2;
-  std::vector<double> inner(std::size_t(h) * P::faces, cone.radius);
+  std::vector<EdgeRow> edge(std::size_t(h) * P::faces, EdgeRow{cone.radius, {}, {}});
   for_each_row(P::faces, h, {}, [&](int face, int row) {
-    double& least = inner[std::size_t(face) * std::size_t(h) + std::size_t(row)];
-    const Columns in = columns(coverage.projection(), h, row);
+    EdgeRow& touched = edge[std::size_t(face) * std::size_t(h) + std::size_t(row)];
+    const Columns in = columns(level.projection(), h, row);
     std::vector<Direction> centres(in.count());
-    texel_directions(coverage.projection(), h, face, row, in.first, centres);
+    texel_directions(level.projection(), h, face, row, in.first, centres);
     for (int i = in.first; i < in.end; ++i) {
-      const double cosine = glm::dot(centres[i - in.first], cone.axis);
+      const double cosine = glm::dot(centres[std::size_t(i - in.first)], cone.axis);
       if (cosine < outside) continue;
-      if (cosine > inside) {
-        *coverage.texel(face, i, row) = Colour(1);
+      const Extent e = cosine > inside ? Extent{0, 0} : extent<P>(cone, face, texel_rect(w, h, i, row));
+      if (e.away + e.reach <= cone.radius) {
+        *level.texel(face, i, row) = Colour(sun.radiance);
         continue;
       }
-      const Extent e = extent<P>(cone, face, rect(i, row));
-      if (e.away + e.reach <= cone.radius)
-        *coverage.texel(face, i, row) = Colour(1);
-      else if (e.away - e.reach < cone.radius)
-        least = std::min(least, std::max(0.0, e.away - e.reach));
+      touched.columns.push_back(i);
+      touched.inner = std::min(touched.inner, std::max(0.0, e.away - e.reach));
     }
+    touched.hits.resize(touched.columns.size());
   });
-  const double ring = *std::ranges::min_element(inner);
-  const double z0 = portable::cos(ring), z1 = portable::cos(cone.radius),
+  return edge;
+}
+
+// Points spread evenly over the cone's ring beyond an angle (a Fibonacci lattice, equal-area) are dropped into the
+// texels they hit: the light that the sun sends is what arrives, however thin and long the texels are.
+// @return the steradians of a point.
+template <class P>
+double drop_points(const Cone& cone, double inner, int w, int h, std::span<EdgeRow> edge) {
+  const double z0 = portable::cos(inner), z1 = portable::cos(cone.radius),
                steradians =
-                   4 * pi * portable::sin(0.5 * (cone.radius - ring)) * portable::sin(0.5 * (cone.radius + ring));
-  if (steradians <= 0) return;
-  const double texels = steradians * P::faces * w * h / (4 * pi);
+                   4 * pi * portable::sin(0.5 * (cone.radius - inner)) * portable::sin(0.5 * (cone.radius + inner));
+  if (steradians <= 0) return 0;
+  const double texels = steradians * P::faces * w * h / (4 * pi),
+               cap = 2 * portable::pow(portable::sin(0.5 * inner), 2);
   const auto points = std::int64_t(std::clamp(256 * texels, 0x1p20, 0x1p26));
   const Direction e1 =
       glm::normalize(glm::cross(std::abs(cone.axis.x) < 0.7 ? Direction(1, 0, 0) : Direction(0, 1, 0), cone.axis));
@@ -227,34 +239,40 @@ void add_coverage(const Cone& cone, Level& coverage) {
   for (std::int64_t k = 0; k < points; ++k) {
     const double part = (double(k) + 0.5) / double(points), z = z0 + part * (z1 - z0);
     // 1 - z without cancellation, so that a sun of seconds of arc is round.
-    const double sine =
-        std::sqrt(std::max(0.0, (2 * portable::pow(portable::sin(0.5 * ring), 2) + part * (z0 - z1)) * (1 + z)));
+    const double sine = std::sqrt(std::max(0.0, (cap + part * (z0 - z1)) * (1 + z)));
     const double turn = 2 * pi * std::fmod(double(k) * std::numbers::phi, 1.0);
     const auto at = P::locate(z * cone.axis + sine * (portable::cos(turn) * e1 + portable::sin(turn) * e2));
     const int i = std::clamp(int(at.u * w), 0, w - 1), j = std::clamp(int(at.v * h), 0, h - 1);
-    coverage.texel(at.face, i, j)->y += 1;
+    EdgeRow& row = edge[std::size_t(at.face) * std::size_t(h) + std::size_t(j)];
+    const auto found = std::ranges::lower_bound(row.columns, i);
+    if (found != row.columns.end() && *found == i) ++row.hits[std::size_t(found - row.columns.begin())];
   }
+  return steradians / double(points);
+}
+
+template <class P>
+void add_sun(const Sun& sun, const Cone& cone, Level& level) {
+  const int w = level.width(), h = level.height();
+  std::vector<EdgeRow> edge = fill_inside<P>(sun, cone, level);
+  // The ring must reach as far in as any texel that is not inside whole.
+  const double inner = std::ranges::min_element(edge, {}, &EdgeRow::inner)->inner;
+  const double steradians = drop_points<P>(cone, inner, w, h, edge);
   for_each_row(P::faces, h, {}, [&](int face, int row) {
-    for (int i = 0; i < w; ++i)
-      if (Colour& c = *coverage.texel(face, i, row); c.x < 1 && c.y > 0)
-        c.x = float(std::min(1.0, c.y * steradians / double(points) / P::solid_angle(rect(i, row))));
+    const EdgeRow& touched = edge[std::size_t(face) * std::size_t(h) + std::size_t(row)];
+    for (std::size_t k = 0; k < touched.columns.size(); ++k) {
+      const int i = touched.columns[k];
+      const double share =
+          float(std::min(1.0, touched.hits[k] * steradians / P::solid_angle(texel_rect(w, h, i, row))));
+      Colour& c = *level.texel(face, i, row);
+      c = Colour(share * sun.radiance + (1 - share) * Rgb<double>(c));
+    }
   });
 }
 
 void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
   fill(sun.sky, map, progress);
-  Level& level = map.base();
   const Cone cone{glm::transpose(image_to_world(map.forward)) * sun.towards, sun.radius_degrees * pi / 180};
-  Level coverage(level.projection(), level.height());
-  visit(level.projection(), [&](auto p) { add_coverage<decltype(p)>(cone, coverage); });
-  for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
-    const auto shares = coverage.row(face, row);
-    for (std::size_t i = 0; i < shares.size(); ++i)
-      if (const double share = shares[i].x; share > 0) {
-        Colour& c = level.row(face, row)[i];
-        c = Colour(share * sun.radiance + (1 - share) * Rgb<double>(c));
-      }
-  });
+  visit(map.projection(), [&](auto p) { add_sun<decltype(p)>(sun, cone, map.base()); });
 }
 
 // ---- what makes no sense --------------------------------------------------------------------------------------------
