@@ -154,6 +154,10 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
 
 TEST_F(Batch, WritesAScriptForSlurmThatWaitsForWhatIsRead) {
   write("maps.txt", "convert a.hdr a.exr --to cube\nconvert 'b c.hdr' b.exr\nmipmap a.exr a.ktx2\n");
+  for (const std::string scheduler : {"--make", "--slurm"}) {
+    fails(2, {"batch", "maps.txt", scheduler, "./maps.txt"}, {"is both input and output"});
+    fails(2, {"batch", "maps.txt", scheduler, ""}, {"the name is empty"});
+  }
   succeeds({"batch", "maps.txt", "--slurm", "maps.sh", "-q"});
   // sbatch as this test has it: runs every task of an array at once, and says what it was asked for.
   write("sbatch",

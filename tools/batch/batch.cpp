@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "batch/manifest.h"
@@ -20,7 +21,8 @@ namespace fs = std::filesystem;
 
 struct Request {
   std::vector<std::string> names;
-  std::string engine, into = ".", make, slurm;
+  std::string engine, into = ".";
+  std::optional<std::string> make, slurm;
   int at_once = 0;
   bool keep_going = false;
 };
@@ -124,13 +126,17 @@ std::vector<Job> jobs_of(const Request& o) {
 }
 
 int run(const Request& o) {
-  if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
+  if (o.make && o.slurm) throw UsageError("--make and --slurm: one of them");
   const std::vector<Job> jobs = jobs_of(o);
   const std::string name = !o.engine.empty() ? o.engine : fs::path(o.names.front()).stem().string();
   const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
-  if (!o.slurm.empty() || !o.make.empty()) {
-    const std::string& path = o.slurm.empty() ? o.make : o.slurm;
-    write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()));
+  if (o.slurm || o.make) {
+    const std::string& path = o.slurm ? *o.slurm : *o.make;
+    if (path.empty()) throw UsageError("--make and --slurm: the name is empty (is a variable not set?)");
+    for (const std::string& read : o.names)
+      if (std::error_code none; fs::equivalent(path, read, none))
+        throw UsageError(path, "is both input and output: choose another output name");
+    write_text(path, o.slurm ? slurm_script(jobs, this_program()) : makefile(jobs, this_program(), folder));
     note(fmt::format("{}: {} jobs", path, jobs.size()));
     return 0;
   }

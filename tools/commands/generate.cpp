@@ -107,7 +107,7 @@ EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, Write
   report.put("sun.horizontal_illuminance", made.sun_horizontal);
   report.put("sky.horizontal_illuminance", made.sky_horizontal);
   report.put("white_luminance", luminous_efficacy);
-  note(fmt::format("envmap generate: on the ground {:.4g} lux of the sun and {:.4g} lux of the sky",
+  note(fmt::format("envmap generate: at the viewer's height {:.4g} lux of the sun and {:.4g} lux of the sky",
                    made.sun_horizontal, made.sky_horizontal));
   return std::move(made.map);
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <regex>
 
 #include "cli/console.h"
@@ -81,6 +82,9 @@ namespace {
 
 std::optional<Colour> ambient_of(const SceneOptions& o) {
   if (!o.ambient) return {};
+  for (int c = 0; c < 3; ++c)
+    if (const double radiance = (*o.ambient)[c]; !(radiance >= 0 && radiance <= std::numeric_limits<float>::max()))
+      throw UsageError(fmt::format("--ambient: {:g} is not a radiance from 0 to 3.4e38", radiance));
   return Colour(*o.ambient);
 }
 
