@@ -53,6 +53,16 @@ TEST_P(EachGenerated, SunHasItsFluxAtAnySizeAndPlace) {
       }
 }
 
+// Texels outside a disc have no solid angle, so that flux does not tell. The sun covers less than half of any texel here.
+TEST_P(EachGenerated, NoTexelHasMoreOfTheSunThanLiesInIt) {
+  for (const int size : {3, 7, 9}) {
+    const EnvironmentMap map = generate(Sun{.towards = {0, 1, 0}, .radius_degrees = 2}, GetParam(), size);
+    for (int face = 0; face < map.base().faces(); ++face)
+      for (int j = 0; j < size; ++j)
+        for (const Colour& c : map.base().row(face, j)) EXPECT_LT(c.x, 5e4) << size << ", row " << j;
+  }
+}
+
 TEST_P(EachGenerated, BrightestTexelIsWhereTheSunIs) {
   for (const Direction towards : {Direction(0, 0, 1), Direction(-1, 0, 0), glm::normalize(Direction(1, 2, 3)),
                                   glm::normalize(Direction(0.3, -1, -2))}) {

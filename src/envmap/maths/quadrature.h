@@ -16,6 +16,9 @@ struct Rect {
   double u0, v0, u1, v1;
 };
 
+/// Texel (i,j) of a face w texels wide and h high, in its u and v from 0 to 1.
+inline Rect texel_rect(int i, int j, double w, double h) { return {i / w, j / h, (i + 1) / w, (j + 1) / h}; }
+
 namespace quadrature {
 
 template <int N>

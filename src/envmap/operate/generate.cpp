@@ -165,8 +165,6 @@ struct Cone {
   double radius;  // radians
 };
 
-Rect texel_rect(int w, int h, int i, int j) { return {double(i) / w, double(j) / h, (i + 1.0) / w, (j + 1.0) / h}; }
-
 // Angle of a texel's centre from the axis, and how far from its centre it reaches.
 struct Extent {
   double away, reach;
@@ -208,7 +206,7 @@ std::vector<EdgeRow> fill_inside(const Sun& sun, const Cone& cone, Level& level)
     for (int i = in.first; i < in.end; ++i) {
       const double cosine = glm::dot(centres[std::size_t(i - in.first)], cone.axis);
       if (cosine < outside) continue;
-      const Extent e = cosine > inside ? Extent{0, 0} : extent<P>(cone, face, texel_rect(w, h, i, row));
+      const Extent e = cosine > inside ? Extent{0, 0} : extent<P>(cone, face, texel_rect(i, row, w, h));
       if (e.away + e.reach <= cone.radius) {
         *level.texel(face, i, row) = Colour(sun.radiance);
         continue;
@@ -260,9 +258,10 @@ void add_sun(const Sun& sun, const Cone& cone, Level& level) {
   for_each_row(P::faces, h, {}, [&](int face, int row) {
     const EdgeRow& touched = edge[std::size_t(face) * std::size_t(h) + std::size_t(row)];
     for (std::size_t k = 0; k < touched.columns.size(); ++k) {
+      if (touched.hits[k] == 0) continue;  // A texel outside the disc has no solid angle, too.
       const int i = touched.columns[k];
       const double share =
-          float(std::min(1.0, touched.hits[k] * steradians / P::solid_angle(texel_rect(w, h, i, row))));
+          float(std::min(1.0, touched.hits[k] * steradians / P::solid_angle(texel_rect(i, row, w, h))));
       Colour& c = *level.texel(face, i, row);
       c = Colour(share * sun.radiance + (1 - share) * Rgb<double>(c));
     }

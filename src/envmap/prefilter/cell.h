@@ -53,9 +53,6 @@ inline std::array<Rect, 4> quarters(const Rect& r) {
   return {{{r.u0, r.v0, u, v}, {u, r.v0, r.u1, v}, {r.u0, v, u, r.v1}, {u, v, r.u1, r.v1}}};
 }
 
-/// Texel (i,j) of a face w texels wide and h high.
-inline Rect texel_rect(int i, int j, double w, double h) { return {i / w, j / h, (i + 1) / w, (j + 1) / h}; }
-
 /// Puts parts together.
 inline Moments united(std::span<const Moments> parts) {
   Moments whole;

@@ -64,7 +64,7 @@ std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const R
     const Flux radiance(*level.texel(face, i, row));
     if (radiance == Flux(0)) continue;
     // Four Gauss points integrate harmonics of degree l over a texel to (l x side)^4 / 4320.
-    prefiltering::for_points<P>(face, prefiltering::texel_rect(i, row, w, h), 0.4 / (1 + recursion.order),
+    prefiltering::for_points<P>(face, texel_rect(i, row, w, h), 0.4 / (1 + recursion.order),
                                 [&](const Direction& d, double weight) {
                                   const Flux part = weight * radiance;
                                   recursion.each(to_world * d,
