@@ -44,7 +44,7 @@ TEST_F(Render, MapsLookWhereTheyAreToldTo) {
   };
   write("bright.obj", "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nf 1 2 3\nf 1 3 2\n");
   for (const std::string wrong : {"-1", "1e39", "0,-1,0"})
-    fails(2, {"render", "bright.obj", "dark.exr", "--ambient", wrong}, {"--ambient", "is not a radiance"});
+    fails(2, {"render", "bright.obj", "dark.exr", "--ambient", wrong}, {"--ambient must be finite and at least 0"});
   succeeds(render({"bright.obj", "world.exr"}));
   succeeds(render({"bright.obj", "turned.exr", "--forward", "1,0,0"}));
   succeeds({"convert", "world.exr", "expected.exr", "--rotate=-90,0,0", "--to", "cube"});

@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <thread>
 
 #include "batch/manifest.h"
@@ -21,8 +20,7 @@ namespace fs = std::filesystem;
 
 struct Request {
   std::vector<std::string> names;
-  std::string engine, into = ".";
-  std::optional<std::string> make, slurm;
+  std::string engine, into = ".", make, slurm;
   int at_once = 0;
   bool keep_going = false;
 };
@@ -126,17 +124,13 @@ std::vector<Job> jobs_of(const Request& o) {
 }
 
 int run(const Request& o) {
-  if (o.make && o.slurm) throw UsageError("--make and --slurm: one of them");
+  if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
   const std::vector<Job> jobs = jobs_of(o);
   const std::string name = !o.engine.empty() ? o.engine : fs::path(o.names.front()).stem().string();
   const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
-  if (o.slurm || o.make) {
-    const std::string& path = o.slurm ? *o.slurm : *o.make;
-    if (path.empty()) throw UsageError("--make and --slurm: the name is empty (is a variable not set?)");
-    for (const std::string& read : o.names)
-      if (std::error_code none; fs::equivalent(path, read, none))
-        throw UsageError(path, "is both input and output: choose another output name");
-    write_text(path, o.slurm ? slurm_script(jobs, this_program()) : makefile(jobs, this_program(), folder));
+  if (!o.slurm.empty() || !o.make.empty()) {
+    const std::string& path = o.slurm.empty() ? o.make : o.slurm;
+    write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()));
     note(fmt::format("{}: {} jobs", path, jobs.size()));
     return 0;
   }
@@ -158,15 +152,15 @@ int run(const Request& o) {
 
 Action define_batch(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.files(r->names, File::none, "Manifest, or '-' for stdin (with --for probes)");
+  o.files(r->names, File::input, "Manifest, or '-' for stdin (with --for probes)");
   o.group = "Jobs";
   o.add("--for", "ENGINE", &r->engine, "Bake probes for this engine ('envmap bake --list' lists engines)");
   o.add("--into", "FOLDER", &r->into, "Parent folder of the baked folders (default: the current one)");
   o.add("-j,--jobs", "N", &r->at_once, {1, 1024}, "Jobs at once (default: the number of cores)");
   o.flag("-k,--keep-going", r->keep_going, "Continue after a job that failed");
   o.group = "Other schedulers";
-  o.add("--make", "FILE", &r->make, "Write a Makefile, and run nothing");
-  o.add("--slurm", "FILE", &r->slurm, "Write a script for Slurm's sbatch, and run nothing");
+  o.add("--make", "FILE", &r->make, "Write a Makefile, and run nothing").file = File::output;
+  o.add("--slurm", "FILE", &r->slurm, "Write a script for Slurm's sbatch, and run nothing").file = File::output;
   return [r](Report&) { return run(*r); };
 }
 

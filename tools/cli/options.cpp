@@ -96,7 +96,7 @@ bool Option::takes_several() const {
 }
 
 void Option::put(const std::string& text) const {
-  if (is_argument() && file != File::none && text.empty())
+  if (file != File::none && text.empty())
     throw std::invalid_argument("the name is empty (is a variable not set?)");
   if (!parse) std::visit(Putting{*this, text}, value);
   if (parse && !parse(text)) throw std::invalid_argument(not_among(text, *this));

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <regex>
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
+#include "envmap/operate/check_options.h"
 #include "envmap/scene/read/read_scene.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
@@ -82,10 +82,9 @@ namespace {
 
 std::optional<Colour> ambient_of(const SceneOptions& o) {
   if (!o.ambient) return {};
-  for (int c = 0; c < 3; ++c)
-    if (const double radiance = (*o.ambient)[c]; !(radiance >= 0 && radiance <= std::numeric_limits<float>::max()))
-      throw UsageError(fmt::format("--ambient: {:g} is not a radiance from 0 to 3.4e38", radiance));
-  return Colour(*o.ambient);
+  const Colour ambient(*o.ambient);
+  check_not_negative("--ambient", Flux(ambient));
+  return ambient;
 }
 
 }  // namespace
