@@ -53,7 +53,8 @@ TEST_P(EachGenerated, SunHasItsFluxAtAnySizeAndPlace) {
       }
 }
 
-// Texels outside a disc have no solid angle, so that flux does not tell. The sun covers less than half of any texel here.
+// Texels outside a disc have no solid angle, so that flux does not tell. The sun covers less than half of any texel
+// here.
 TEST_P(EachGenerated, NoTexelHasMoreOfTheSunThanLiesInIt) {
   for (const int size : {3, 7, 9}) {
     const EnvironmentMap map = generate(Sun{.towards = {0, 1, 0}, .radius_degrees = 2}, GetParam(), size);
