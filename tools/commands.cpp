@@ -30,6 +30,8 @@ Action define(const Command& command, Options& o, Settings& s) {
     o.flag("--if-changed", s.commit.if_changed, "Keep an output with unchanged content, and its modification time");
     o.flag("--force", s.commit.force, "Replace read-only outputs");
     o.flag("--fsync", s.commit.sync, "Flush outputs to disk before exiting");
+    if (const Option* const output = o.output(); output != nullptr && !output->is_argument())
+      o.need(output->name, {"--depfile", "--if-changed", "--force", "--fsync"});
   }
   o.group = groups::reports;
   if (command.reports) o.flag("--json", s.json, "Print a JSON report on standard output");

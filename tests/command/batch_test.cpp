@@ -30,7 +30,7 @@ class Batch : public CommandTest {
 const std::string lines =
     "# every probe, and what is made of what was made\n"
     "envmap convert *.hdr {stem}.exr --to cube --size 6\n"
-    "mipmap '*.exr' \"chains {name}.ktx2\" --depth half\n"
+    "mipmap *.exr \"chains {name}.ktx2\" --depth half\n"
     "\n"
     "preview *.hdr sheet.png --height 16\n";
 
@@ -104,6 +104,43 @@ TEST_F(Batch, WritesAMakefile) {
   EXPECT_NE(time_of("b c.exr"), b);
 }
 
+TEST_F(Batch, WritesAMakefileOfOddNames) {
+  write("maps.txt",
+        "convert a.hdr 'x=1 $(y) 50%:#.exr' --size 4\nmipmap 'x=1 $(y) 50%:#.exr' 'in a/folder/x=2.ktx2'\n");
+  succeeds({"batch", "maps.txt", "--make", "maps.mk", "-q"});
+  const Result made = shell("make -s -f maps.mk");
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_TRUE(fs::exists(path("in a/folder/x=2.ktx2")));
+  EXPECT_EQ(shell("make -q -f maps.mk").status, 0);
+  for (const std::string name : {"a;b", "a\\b"}) {
+    write("maps.txt", "convert a.hdr '" + name + ".exr'\n");
+    fails(2, {"batch", "maps.txt", "--make", "odd.mk"}, {name, "Make"});
+    succeeds({"batch", "maps.txt"});
+    EXPECT_TRUE(fs::exists(path(name + ".exr")));
+  }
+}
+
+TEST_F(Batch, QuotedCharactersStandForThemselves) {
+  fs::copy(path("a.hdr"), path("q[1]?.hdr"));
+  write("maps.txt", "convert 'q[1]?.hdr' \"[*]\".exr --size 4\nconvert q\\[*.hdr {stem}-small.exr --size 4\n");
+  succeeds({"batch", "maps.txt"});
+  EXPECT_TRUE(fs::exists(path("[*].exr")));
+  EXPECT_TRUE(fs::exists(path("q[1]?-small.exr")));
+  succeeds({"batch", "--for", "blender", "q[1]?.hdr", "--into", "lights"});
+  EXPECT_TRUE(fs::exists(path("lights/q[1]?/world.py")));
+}
+
+TEST_F(Batch, APatternLeavesOutWhatItsLineWrites) {
+  write("maps.txt", "convert *.hdr {stem}-small.hdr --size 4\npreview *.png *.hdr all.png --height 16\n");
+  succeeds({"generate", "sky", "x.png", "--size", "8"});
+  succeeds({"batch", "maps.txt"});
+  const auto names_before = names();
+  EXPECT_EQ(envmap({"batch", "maps.txt"}).err, "envmap batch: nothing to do\n");
+  EXPECT_EQ(names(), names_before);
+  EXPECT_TRUE(fs::exists(path("b c-small.hdr")));
+  EXPECT_FALSE(fs::exists(path("a-small-small.hdr")));
+}
+
 TEST_F(Batch, JoinsShards) {
   write("shards.txt",
         "prefilter a.hdr p1.exr --size 8 --shard 1/3\nmerge p3.exr p1.exr p2.exr whole.exr\n"
@@ -131,6 +168,10 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   };
   refused("convert a.hdr a.exr\nconvert a.hdr b.exr --tow cube\n", {"line 2", "--tow", "--to"});
   refused("convert a.hdr x.exr\nmipmap a.hdr x.exr\n", {"line 2", "x.exr", "line 1"});
+  refused("convert a.hdr x.exr\nmipmap a.hdr ./x.exr\n", {"line 2", "x.exr", "line 1"});
+  refused("convert a.hdr x.exr\nmipmap a.hdr " + path("x.exr") + "\n", {"line 2", "x.exr", "line 1"});
+  refused("sh a.hdr --evaluate x.exr\n", {"line 1", "sh prints what it finds"});
+  refused("convert '*.hdr' {stem}.exr\n", {"line 1", "without quotation marks"});
   refused("convert *.hdr x.exr --to cube\n", {"line 1", "unexpected argument"});
   refused("convert a.hdr b.exr c.exr\n", {"wrong.txt: line 1: unexpected argument 'c.exr'"});
   refused("convert *.jpg {stem}.exr\n", {"line 1", "*.jpg"});

@@ -94,6 +94,32 @@ TEST_F(Usage, SaysTheWordsAnOptionTakes) {
   fails(usage, {"generate", "moon", "out.exr"}, {"moon", "directions"});
 }
 
+TEST_F(Usage, RefusesOptionsThatWouldDoNothing) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"sh in.exr --size 8", "--evaluate"},
+      {"sh in.exr --if-changed", "--evaluate"},
+      {"compare in.exr b.exr --force", "--difference"},
+      {"convert in.exr out.exr --towards 0,0,1", "--scale-to"},
+      {"preview in.exr out.png --size 64", "--html"},
+      {"batch jobs.txt --into folder", "--for"},
+      {"batch jobs.txt --make jobs.mk -j 2", "--make"},
+      {"view s.gltf out.png --orbit 90", "--frames"},
+      {"view s.gltf out.png --distance", "--save-maps"},
+      {"view s.gltf out.png --reflection sampled", "--environment"},
+      {"render s.gltf out.exr --fps 25", "--frames"},
+      {"render s.gltf out.exr --occlusion 8", "--environment"},
+      {"render s.gltf out_{frame}.exr", "{frame} in a name goes with --frames"},
+      {"view s.gltf out_%04d.png", "%04d in a name goes with --frames"},
+      {"view s.gltf out.png --near 5 --far 2", "--near must be less than --far"},
+  };
+  for (const auto& [line, needed] : cases) fails(usage, split(line), {needed});
+}
+
+TEST_F(Usage, RefusesOneValueGivenTwice) {
+  fails(usage, {"convert", "in.exr", "out.exr", "--size", "8", "--size", "16"},
+        {"--size takes one value, and is given 2 times"});
+}
+
 TEST_F(Usage, RefusesRotationsThatAreNoAnglesOrDirections) {
   for (const char* angles : {"1,2", "a,b,c", "1,2,3,4", "1,2,nan", "", "sun", "sun:", ":+z", "sun:+w", "+x:0,0,0",
                              "+x:+y:+z", "sun:sun", "+x:nan,0,1"})
@@ -196,7 +222,12 @@ TEST_F(Input, SaysNamesOutOfFilesWithoutControlCharacters) {
 
 // A name is said as it is, but for what a terminal would obey: ESC, and CSI of ISO 8859 as UTF-8 and as a byte.
 TEST_F(Input, SaysNamesOfFilesWithoutControlCharacters) {
-  const std::string names[] = {"a\x1b[2J.exr", "\xc2\x9b" "2J.exr", "b\x9b" "2J.exr", "e\xcc\x81\x7f.exr"};
+  const std::string names[] = {"a\x1b[2J.exr",
+                               "\xc2\x9b"
+                               "2J.exr",
+                               "b\x9b"
+                               "2J.exr",
+                               "e\xcc\x81\x7f.exr"};
   const char* said[] = {"a?[2J.exr", "?2J.exr", "b?2J.exr", "e\xcc\x81?.exr"};
   for (int k = 0; k < 4; ++k) {
     fails(3, {"info", names[k]}, {said[k]});

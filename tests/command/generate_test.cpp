@@ -36,6 +36,13 @@ TEST_F(Generate, TheSunOfAnAtmosphereIsWhereItWasAskedFor) {
 TEST_F(Generate, RefusesOptionsOfOtherKinds) {
   for (const std::vector<std::string>& words : {std::vector<std::string>{"sky", "--turbidity", "3"},
                                                 {"sun", "--no-sun"},
+                                                {"constant", "--radius", "2"},
+                                                {"sky", "--value", "2"},
+                                                {"sun", "--value2", "2"},
+                                                {"directions", "--value", "2"},
+                                                {"faces", "--degree", "2"},
+                                                {"checker", "--ground", "2"},
+                                                {"atmosphere", "--no-sun", "--radius", "2"},
                                                 {"atmosphere", "--zenith", "1,1,1"},
                                                 {"atmosphere", "--value", "2"},
                                                 {"atmosphere", "--elevation", "3", "--direction", "0,1,0"},
@@ -48,6 +55,17 @@ TEST_F(Generate, RefusesOptionsOfOtherKinds) {
     EXPECT_NE(r.err.find(words[1]), std::string::npos) << r.err;
     EXPECT_FALSE(std::filesystem::exists(path("x.exr")));
   }
+}
+
+TEST_F(Generate, RefusesNegativeRadiance) {
+  fails(2, {"generate", "sun", "x.exr", "--value", "-1"}, {"radiance must be finite and at least 0"});
+  fails(2, {"generate", "sky", "x.exr", "--ground", "0,-1,0"}, {"ground must be finite and at least 0"});
+  fails(2, {"generate", "constant", "x.exr", "--value", "-1"}, {"negative"});
+}
+
+TEST_F(Generate, ANameAfterTwoDashesMayBeginWithOne) {
+  succeeds({"generate", "constant", "--size", "8", "--", "-y.exr"});
+  EXPECT_TRUE(std::filesystem::exists(path("-y.exr")));
 }
 
 }  // namespace

@@ -20,16 +20,6 @@ struct Hint {
   std::vector<Words> hinted;
 };
 
-Words split(const std::string& line) {
-  Words words;
-  for (std::size_t at = 0; at < line.size();) {
-    const std::size_t end = std::min(line.find(' ', at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end + 1;
-  }
-  return words;
-}
-
 Words with(Words words, const std::string& more) {
   for (const std::string& word : split(more)) words.push_back(word);
   return words;

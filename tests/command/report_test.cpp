@@ -230,6 +230,7 @@ TEST_F(Compare, SeesWhereTheTwoAreNotAlike) {
   };
   answer({"b.exr", "chain.exr", "--max-error", "1"}, 1, "b.exr has 1 level, chain.exr has 4");
   answer({"b.exr", "chain.exr", "--max-error", "1", "--level", "0"}, 0, "");
+  answer({"b.exr", "chain.exr"}, 0, "chain.exr has 3 more levels, not compared");
   answer({"chain.exr", "b.exr", "--max-flux", "1e-6"}, 0, "");
   answer({"chain.exr", "b.exr", "--same-levels"}, 1, "chain.exr has 4 levels, b.exr has 1 (--same-levels)");
   answer({"cube.exr", "b.exr", "--same-shape", "-q"}, 1,

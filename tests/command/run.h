@@ -20,6 +20,9 @@ namespace command_tests {
 
 std::string bytes_of(const std::filesystem::path& path);
 
+/// A line cut at its spaces.
+std::vector<std::string> split(const std::string& line);
+
 struct Result {
   int status = -1;  ///< Exit status; -1 where a signal ended the program.
   int signal = 0;   ///< That signal, or 0.

@@ -108,7 +108,9 @@ TEST_F(View, RoughReflectionsCanBeSampledAtGrazingAngles) {
   EXPECT_NEAR(middle({"--reflection", "sampled"}) / integral, 1, 0.1);
   EXPECT_NEAR(middle({"--reflection", "sampled", "--method", "raycast"}) / integral, 1, 0.1);
   EXPECT_LT(middle({}) / integral, 0.7);
-  fails(2, {"view", "rough.gltf", "a.exr", "--method", "raycast", "--reflection", "sampled", "--lobe-samples", "64"},
+  fails(2,
+        {"view", "rough.gltf", "a.exr", "--environment", "sun.exr", "--method", "raycast", "--reflection", "sampled",
+         "--lobe-samples", "64"},
         {"--lobe-samples", "--reflection"});
   for (const std::string to : {"split-sum", "sampled"})
     succeeds({"view", "scene.gltf", to + ".png", "--environment", "sun.exr", "--reflection", to, "--width", "48",
@@ -388,6 +390,8 @@ TEST_F(View, WhatMakesNoSense) {
   fails(2, {"view", "scene.gltf", "a.png", "--frames", "1:2"}, {"{frame}"});
   fails(2, {"view", "scene.gltf", "a.png", "--maps", "latlong"}, {"latlong"});
   fails(2, {"view", "scene.gltf", "a.exr", "--display", "reinhard"}, {"a.exr", "--display"});
+  for (const char* option : {"--save-maps=maps", "--show-maps"})
+    fails(2, {"view", "scene.gltf", "a.png", "--mirror", "mirror:off", option}, {"scene.gltf: has no mirrors"});
   fails(4, {"view", "scene.gltf", "nowhere/a.png", "--width", "8", "--height", "8"}, {"nowhere"});
 }
 

@@ -125,6 +125,8 @@ std::vector<Job> jobs_of(const Request& o) {
 
 int run(const Request& o) {
   if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
+  if ((!o.make.empty() || !o.slurm.empty()) && (o.at_once > 0 || o.keep_going))
+    throw UsageError("--make and --slurm run nothing: give -j and -k to make, and the like to sbatch");
   const std::vector<Job> jobs = jobs_of(o);
   const std::string name = !o.engine.empty() ? o.engine : fs::path(o.names.front()).stem().string();
   const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
@@ -155,7 +157,7 @@ Action define_batch(Options& o) {
   o.files(r->names, File::input, "Manifest, or '-' for stdin (with --for probes)");
   o.group = "Jobs";
   o.add("--for", "ENGINE", &r->engine, "Bake probes for this engine ('envmap bake --list' lists engines)");
-  o.add("--into", "FOLDER", &r->into, "Parent folder of the baked folders (default: the current one)");
+  o.add("--into", "FOLDER", &r->into, "Parent folder of the baked folders (default: the current one)").needs = "--for";
   o.add("-j,--jobs", "N", &r->at_once, {1, 1024}, "Jobs at once (default: the number of cores)");
   o.flag("-k,--keep-going", r->keep_going, "Continue after a job that failed");
   o.group = "Other schedulers";

@@ -26,15 +26,34 @@ using namespace envmap;
 namespace fs = std::filesystem;
 using Texts = std::vector<std::string>;
 
+// A word, and the same for glob(), where a quoted * ? or [ stands for itself.
+struct Word {
+  std::string text, glob;
+  bool is_pattern = false;
+
+  void append(char c, bool quoted) {
+    const bool special = c == '*' || c == '?' || c == '[';
+    text += c;
+    if (c == '\\' || (special && quoted)) glob += '\\';
+    glob += c;
+    is_pattern = is_pattern || (special && !quoted);
+  }
+};
+Word word_of(const std::string& text, bool quoted) {
+  Word word;
+  for (const char c : text) word.append(c, quoted);
+  return word;
+}
+
 struct Line {
   std::string where;
-  Texts words;
+  std::vector<Word> words;
 };
 
 // A line as a shell cuts it: '...' as it stands, "..." and what follows a backslash without its meaning,
 // # begins a comment.
-Texts split(const std::string& line, const std::string& where) {
-  Texts words;
+std::vector<Word> split(const std::string& line, const std::string& where) {
+  std::vector<Word> words;
   bool open = false;
   char quote = 0;
   for (std::size_t k = 0; k < line.size(); ++k) {
@@ -51,9 +70,9 @@ Texts split(const std::string& line, const std::string& where) {
     else if (quote == 0 && (c == '\'' || c == '"'))
       quote = c;
     else if (c == '\\' && quote != '\'' && k + 1 < line.size())
-      words.back() += line[++k];
+      words.back().append(line[++k], true);
     else
-      words.back() += c;
+      words.back().append(c, quote != 0);
   }
   if (quote != 0) throw UsageError(fmt::format("{}: a quotation mark {} is not closed", where, quote));
   return words;
@@ -70,7 +89,7 @@ std::vector<Line> lines_of_json(const std::string& path, const std::string& text
     else if (job.is_array() &&
              std::ranges::all_of(job, [](const auto& word) { return word.is_string() || word.is_number(); }))
       for (const auto& word : job)
-        line.words.push_back(word.is_number() ? word.dump() : word.template get<std::string>());
+        line.words.push_back(word_of(word.is_number() ? word.dump() : word.template get<std::string>(), false));
     else
       throw InputError(path, fmt::format("{} is neither a command line nor an array of words and numbers", line.where));
     lines.push_back(line);
@@ -84,22 +103,32 @@ std::vector<Line> lines_of_text(const std::string& text) {
   int number = 0;
   for (std::string line; std::getline(in, line);) {
     const std::string where = fmt::format("line {}", ++number);
-    if (const Texts words = split(line, where); !words.empty()) lines.push_back({where, words});
+    if (const std::vector<Word> words = split(line, where); !words.empty()) lines.push_back({where, words});
   }
   return lines;
 }
 
-bool is_pattern(const std::string& word) { return word.find_first_of("*?[") != word.npos; }
-bool is_place(const std::string& word) { return word.find("{stem}") != word.npos || word.find("{name}") != word.npos; }
+bool is_place(const Word& word) {
+  return word.text.find("{stem}") != word.text.npos || word.text.find("{name}") != word.text.npos;
+}
 
-Texts matching(const std::string& pattern, const std::set<std::string>& written, const std::string& where) {
+// What is written, and the file it is made of; an empty name where that is more than one.
+using Sources = std::map<std::string, std::string>;
+
+// Files that are there or that earlier lines write, without those that the line itself makes of others.
+Texts matching(const Word& word, const std::set<std::string>& written, const Sources& made, const std::string& where) {
+  const std::string& pattern = word.glob;
   std::set<std::string> found;
   glob_t files = {};
   if (::glob(pattern.c_str(), 0, nullptr, &files) == 0) found.insert(files.gl_pathv, files.gl_pathv + files.gl_pathc);
   ::globfree(&files);
   for (const std::string& file : written)
     if (::fnmatch(pattern.c_str(), file.c_str(), FNM_PATHNAME) == 0) found.insert(file);
-  if (found.empty()) throw UsageError(fmt::format("{}: no file matches {}", where, pattern));
+  std::erase_if(found, [&](const std::string& file) {
+    const auto source = made.find(plain_path(file));
+    return source != made.end() && source->second != file;
+  });
+  if (found.empty()) throw UsageError(fmt::format("{}: no file matches {}", where, word.text));
   return {found.begin(), found.end()};
 }
 
@@ -113,25 +142,31 @@ std::string placed(std::string word, const std::string& file) {
   return word;
 }
 
+struct CommandWords {
+  Texts words;
+  std::string from;  // The file of this job, or nothing where the line has one job.
+};
+
 // The commands that a line stands for.
-std::vector<Texts> expanded(const Line& line, const std::set<std::string>& written) {
-  const auto pattern = std::ranges::find_if(line.words, is_pattern);
+std::vector<CommandWords> expanded(const Line& line, const std::set<std::string>& written, const Sources& made) {
+  const auto pattern = std::ranges::find_if(line.words, &Word::is_pattern);
   const bool each = std::ranges::any_of(line.words, is_place);
   if (pattern == line.words.end() && each)
-    throw UsageError(line.where + ": {stem} and {name} need a word such as *.hdr");
-  Texts all;
+    throw UsageError(line.where + ": {stem} and {name} need a word such as *.hdr, without quotation marks");
+  std::vector<CommandWords> commands;
   if (!each) {
-    for (const std::string& word : line.words)
-      if (is_pattern(word))
-        std::ranges::copy(matching(word, written, line.where), std::back_inserter(all));
+    Texts& all = commands.emplace_back().words;
+    for (const Word& word : line.words)
+      if (word.is_pattern)
+        std::ranges::copy(matching(word, written, made, line.where), std::back_inserter(all));
       else
-        all.push_back(word);
-    return {all};
+        all.push_back(word.text);
+    return commands;
   }
-  std::vector<Texts> commands;
-  for (const std::string& file : matching(*pattern, written, line.where)) {
-    Texts& words = commands.emplace_back();
-    for (const std::string& word : line.words) words.push_back(word == *pattern ? file : placed(word, file));
+  for (const std::string& file : matching(*pattern, written, made, line.where)) {
+    CommandWords& command = commands.emplace_back(CommandWords{{}, file});
+    for (const Word& word : line.words)
+      command.words.push_back(word.text == pattern->text ? file : placed(word.text, file));
   }
   return commands;
 }
@@ -148,17 +183,14 @@ void parse(const Job& job, Parsed& parsed) {
   }
 }
 
-bool is_output(const Option& o) {
-  return o.is_argument() && (o.file == File::output || o.file == File::folder || o.file == File::inputs_then_output);
-}
-
 void check_writes(const std::string& where, const std::string& name) {
   const auto command = std::ranges::find(commands(), name, &Command::name);
   if (command == commands().end()) return;
   Options options;
   define(*command, options);
-  if (std::ranges::none_of(options.rows, is_output))
-    throw UsageError(fmt::format("{}: {} writes no file that a batch could look after", where, name));
+  if (const Option* const output = options.output(); output == nullptr || !output->is_argument())
+    throw UsageError(
+        fmt::format("{}: {} prints what it finds, and a batch is for commands that write files", where, name));
 }
 
 Job job_of(const std::string& where, const Texts& words) {
@@ -168,7 +200,7 @@ Job job_of(const std::string& where, const Texts& words) {
   parse(job, parsed);
   const Options& options = parsed.options;
   const auto add = [](Texts& files, const std::string& name, const std::string& faces) {
-    std::ranges::copy(files_of(name, 1, faces), std::back_inserter(files));
+    for (const std::string& file : files_of(name, 1, faces)) files.push_back(file == "-" ? file : plain_path(file));
   };
   for (const std::string& name : options.named(File::folder)) add(job.outputs, name + "/README.txt", "");
   for (const std::string& name : options.named(File::output)) add(job.outputs, name, options.last("--faces"));
@@ -179,20 +211,38 @@ Job job_of(const std::string& where, const Texts& words) {
   return job;
 }
 
+std::vector<Job> jobs_of(const Line& line, const std::set<std::string>& written) {
+  const auto jobs_beside = [&](const Sources& made) {
+    std::vector<std::pair<Job, std::string>> jobs;
+    for (const auto& [words, from] : expanded(line, written, made)) jobs.emplace_back(job_of(line.where, words), from);
+    return jobs;
+  };
+  auto jobs = jobs_beside({});
+  if (std::ranges::any_of(line.words, &Word::is_pattern)) {
+    Sources made;
+    for (const auto& [job, from] : jobs)
+      for (const std::string& file : job.outputs) made.emplace(file, from);
+    jobs = jobs_beside(made);
+  }
+  std::vector<Job> all;
+  for (auto& [job, from] : jobs) all.push_back(std::move(job));
+  return all;
+}
+
 std::vector<Job> jobs_of(const std::vector<Line>& lines) {
   std::vector<Job> jobs;
-  std::map<std::string, std::string> writer;
+  std::map<std::string, std::string> writer;  // By the absolute path.
   std::set<std::string> written;
   for (Line line : lines) {
-    if (!line.words.empty() && line.words.front() == "envmap") line.words.erase(line.words.begin());
+    if (!line.words.empty() && line.words.front().text == "envmap") line.words.erase(line.words.begin());
     if (line.words.empty()) throw UsageError(line.where + ": holds no command");
-    for (const std::string& word : line.words)
-      if (word.find('\0') != word.npos) throw UsageError(line.where + ": holds a NUL byte, which no argument can");
-    for (const Texts& words : expanded(line, written)) {
-      Job job = job_of(line.where, words);
+    for (const Word& word : line.words)
+      if (word.text.find('\0') != word.text.npos)
+        throw UsageError(line.where + ": holds a NUL byte, which no argument can");
+    for (Job& job : jobs_of(line, written)) {
       for (const std::string& file : job.outputs) {
-        if (!writer.emplace(file, line.where).second)
-          throw UsageError(fmt::format("{}: writes {}, as {} does", line.where, file, writer[file]));
+        const auto [other, is_new] = writer.emplace(plain_path(fs::absolute(file)), line.where);
+        if (!is_new) throw UsageError(fmt::format("{}: writes {}, as {} does", line.where, file, other->second));
         written.insert(file);
       }
       jobs.push_back(std::move(job));
@@ -230,8 +280,12 @@ std::vector<Job> read_manifest(const std::string& path) {
 std::vector<Job> bake_jobs(const std::vector<std::string>& probes, const std::string& engine,
                            const std::string& folder) {
   std::vector<Line> lines;
-  for (const std::string& probe : probes)
-    lines.push_back({probe, {"bake", probe, (fs::path(folder) / fs::path(probe).stem()).string(), "--for", engine}});
+  for (const std::string& probe : probes) {
+    Line& line = lines.emplace_back(Line{probe, {}});
+    for (const std::string& word : {std::string("bake"), probe, (fs::path(folder) / fs::path(probe).stem()).string(),
+                                    std::string("--for"), engine})
+      line.words.push_back(word_of(word, true));
+  }
   return jobs_of(lines);
 }
 

@@ -14,9 +14,10 @@ struct Job {
 };
 
 /// The jobs of a file: JSON, an array of commands, each an array of words or a line; or else a command a line, quoted
-/// as in a shell, with comments from # on. A word with * ? or [ stands for the files that match it or that earlier jobs
-/// write: for each of them there is a job of its own where another word has {stem} (its path without the extension) or
-/// {name} (without the folder, too), else they are words of one job. @param path '-' for standard input.
+/// as in a shell, with comments from # on. A word with an unquoted * ? or [ stands for the files that match
+/// it: those that are there and those that earlier lines write, but none that its own line makes of another. For each
+/// of them there is a job of its own where another word has {stem} (its path without the extension) or {name} (without
+/// the folder, too), else they are words of one job. @param path '-' for standard input.
 /// @throws UsageError where a command is wrong, or two jobs write the same file; InputError where it cannot be read.
 std::vector<Job> read_manifest(const std::string& path);
 

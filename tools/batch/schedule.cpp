@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <set>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -25,8 +26,17 @@ std::string escaped(const std::string& text, std::string_view special, char befo
 }
 
 std::string for_ninja(const std::string& path) { return escaped(path, "$ :", '$'); }
-// A $ is doubled, the rest gets a backslash.
-std::string for_make(const std::string& path) { return escaped(escaped(path, " #:%\\", '\\'), "$", '$'); }
+// Of what is made; of what it is made of a % has no meaning. A $ is doubled, and a variable stands for =, which would
+// begin one. The rest gets a backslash.
+std::string for_make(const std::string& path, std::string_view special) {
+  if (path.find_first_of(";\\") != path.npos)
+    throw envmap::UsageError(path, "Make has no way to write a name with ; or \\: rename it, or use --slurm or Ninja");
+  std::string out = escaped(escaped(path, special, '\\'), "$", '$');
+  for (std::size_t at = 0; (at = out.find('=', at)) != out.npos; at += 9) out.replace(at, 1, "$(equals)");
+  return out;
+}
+std::string target(const std::string& path) { return for_make(path, " #:%"); }
+std::string prerequisite(const std::string& path) { return for_make(path, " #:"); }
 
 template <class F>
 std::string joined(const std::vector<std::string>& words, F&& form) {
@@ -57,9 +67,10 @@ std::vector<std::string> needed(const Job& job, const std::map<std::string, std:
   for (const std::string& file : job.inputs)
     if (std::filesystem::exists(file) || writer.contains(file)) files.push_back(file);
   for (const std::string& word : job.words)
-    if (writer.contains(word) && std::ranges::find(files, word) == files.end() &&
-        std::ranges::find(job.outputs, word) == job.outputs.end())
-      files.push_back(word);
+    if (const std::string file = plain_path(word); writer.contains(file) &&
+                                                   std::ranges::find(files, file) == files.end() &&
+                                                   std::ranges::find(job.outputs, file) == job.outputs.end())
+      files.push_back(file);
   return files;
 }
 
@@ -111,6 +122,8 @@ std::vector<int> stages(std::span<const Job> jobs) {
 
 }  // namespace
 
+std::string plain_path(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
+
 void check_order(std::span<const Job> jobs) { stages(jobs); }
 
 std::string quoted(const std::string& word) {
@@ -146,21 +159,27 @@ std::string ninja_file(std::span<const Job> jobs, const std::string& program, co
 
 std::string makefile(std::span<const Job> jobs, const std::string& program, const std::string& folder) {
   std::string all, rules, depfiles;
+  std::set<std::string> folders{folder};
   const auto writer = writers(jobs);
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Job& job = jobs[k];
-    const std::string depfile = fmt::format("{}/{}.d", folder, k + 1), outputs = joined(job.outputs, for_make);
-    all += " " + outputs;
-    depfiles += " " + for_make(depfile);
-    rules += fmt::format("{} {}: {}\n\t{}\n\n", outputs, job.outputs.size() > 1 ? "&" : "",
-                         joined(needed(job, writer), for_make),
+    const std::string depfile = fmt::format("{}/{}.d", folder, k + 1);
+    all += " " + joined(job.outputs, prerequisite);
+    depfiles += " " + prerequisite(depfile);
+    for (const std::string& file : job.outputs)
+      if (const auto parent = std::filesystem::path(file).parent_path(); !parent.empty())
+        folders.insert(parent.string());
+    rules += fmt::format("{} {}: {}\n\t{}\n\n", joined(job.outputs, target), job.outputs.size() > 1 ? "&" : "",
+                         joined(needed(job, writer), prerequisite),
                          escaped(command(job, program, {"--quiet", "--depfile", depfile}), "$", '$'));
   }
+  std::string made;
+  for (const std::string& one : folders) made += " " + escaped(quoted(one), "$", '$');
   return fmt::format(
       "# Written by 'envmap batch'. Changed inputs make their maps again; after a change of the manifest write it "
       "anew, and make "
-      "-B.\nall:{}\n\n{}$(shell mkdir -p {})\n-include{}\n.PHONY: all\n.DELETE_ON_ERROR:\n",
-      all, rules, escaped(quoted(folder), "$", '$'), depfiles);
+      "-B.\nequals := =\nall:{}\n\n{}$(shell mkdir -p --{})\n-include{}\n.PHONY: all\n.DELETE_ON_ERROR:\n",
+      all, rules, made, depfiles);
 }
 
 std::string slurm_script(std::span<const Job> jobs, const std::string& program) {

@@ -8,6 +8,9 @@
 
 namespace tools {
 
+/// Without ./ and the like, as jobs name their files.
+std::string plain_path(const std::string& path);
+
 /// @throws UsageError where jobs wait for each other in a circle, with the lines at fault.
 void check_order(std::span<const Job> jobs);
 

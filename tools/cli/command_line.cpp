@@ -81,6 +81,10 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
     return fmt::format("unknown option '{}'{}{}", first, closest(first, {"--help", "--version"}), help);
   if (parsed.command == nullptr) return fmt::format("no command '{}'{}{}", first, closest(first, names), help);
   const std::string here = fmt::format(" (see 'envmap {} --help')", first);
+  constexpr std::string_view twice = ": At Most 1 required but received ";
+  if (const std::string what = error.what(); what.find(twice) != what.npos)
+    return fmt::format("{} takes one value, and is given {} times{}", what.substr(0, what.find(twice)),
+                       what.substr(what.find(twice) + twice.size()), here);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr)
     return with_source(error.what(), parsed.options, words) + here;
   const std::vector<std::string> left = app.remaining(true);
@@ -125,6 +129,9 @@ void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& sett
     throw UsageError(explain(e, app, words, parsed));
   }
   for (Option& o : parsed.options.rows) o.given = chosen->get_option(o.name)->results();
+  for (const Option& o : parsed.options.rows)
+    if (!o.needs.empty() && !o.given.empty() && !parsed.options.given(o.needs))
+      throw UsageError(fmt::format("{} is for {}: use both, or neither", o.name, o.needs));
 }
 
 }  // namespace tools

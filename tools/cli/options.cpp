@@ -96,8 +96,7 @@ bool Option::takes_several() const {
 }
 
 void Option::put(const std::string& text) const {
-  if (file != File::none && text.empty())
-    throw std::invalid_argument("the name is empty (is a variable not set?)");
+  if (file != File::none && text.empty()) throw std::invalid_argument("the name is empty (is a variable not set?)");
   if (!parse) std::visit(Putting{*this, text}, value);
   if (parse && !parse(text)) throw std::invalid_argument(not_among(text, *this));
 }
@@ -170,6 +169,17 @@ std::vector<std::string> Options::named(File kind) const {
     all.insert(all.end(), first, last);
   }
   return all;
+}
+
+const Option* Options::output() const {
+  const auto writes = [](const Option& o) { return o.file != File::none && o.file != File::input; };
+  const auto is_argument_that_writes = [&](const Option& o) { return o.is_argument() && writes(o); };
+  auto found = std::ranges::find_if(rows, is_argument_that_writes);
+  if (found == rows.end()) found = std::ranges::find_if(rows, writes);
+  return found == rows.end() ? nullptr : &*found;
+}
+void Options::need(std::string_view option, std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) (*this)[name].needs = option;
 }
 
 bool parse_number(const std::string& text, int& number) {

@@ -85,6 +85,7 @@ struct Option {
   std::string alone = {};            ///< The value of an option that is given without one.
   std::string environment = {};      ///< An environment variable that holds the value where the option is not given.
   std::string excludes = {};         ///< An option that may not stand beside this one.
+  std::string needs = {};            ///< An option without which this one would do nothing.
   std::string all_inputs_with = {};  ///< Of inputs_then_output: an option that names the output in place of the last.
   std::vector<std::string> given = {};  ///< The values from the command line, or from the environment.
 
@@ -122,6 +123,10 @@ class Options {
   [[nodiscard]] std::string last(std::string_view name) const;  ///< The value given last, or empty.
   /// The files that are named. @param kind input or output.
   [[nodiscard]] std::vector<std::string> named(File kind) const;
+  /// The argument that names what is written, or the first option that does, or null.
+  [[nodiscard]] const Option* output() const;
+  /// The rows of these names would do nothing without that option.
+  void need(std::string_view option, std::initializer_list<std::string_view> names);
   std::deque<Option> rows;
 };
 

@@ -182,7 +182,6 @@ double fit_exposure(Level& base, std::vector<Level>& further, const Level& b) {
 
 int run(Request& o, Report& report) {
   if (!o.difference.empty()) check_output(o.difference, {}, Projection::cube);
-  if (o.difference.empty() && !settings().depfile.empty()) throw UsageError("--depfile is for the map of --difference");
   if (o.golden) {
     o.same_shape = o.same_levels = true;
     if (!o.limited()) o.max_error = 0;
@@ -239,6 +238,8 @@ int run(Request& o, Report& report) {
     write_map(o.difference, rows_of(out), {}, "write");
   }
   if (!unlikeness.empty()) warn("envmap compare: " + unlikeness);
+  if (const int left_out = int(b.map.levels.size()) - int(further.size()) - 1; unlikeness.empty() && left_out > 0)
+    warn(fmt::format("envmap compare: {} has {} more level{}, not compared", o.b, left_out, left_out > 1 ? "s" : ""));
   for (const Breach& x : broken)
     warn(fmt::format("envmap compare: {}{} {:.3g} > {:g} ({})", x.level > 0 ? fmt::format("level {}: ", x.level) : "",
                      x.metric, x.value, x.limit, x.option));

@@ -88,14 +88,43 @@ Atmosphere atmosphere_of(const Request& o) {
   return a;
 }
 
-// What each kind of map takes of the options that some kinds alone have.
-void check_kind(const Request& o, const Options& options) {
-  const bool air = o.kind == Kind::atmosphere;
-  for (const char* name : {"--elevation", "--azimuth", "--turbidity", "--altitude", "--scattering", "--no-sun"})
-    if (!air && options.given(name)) throw UsageError(fmt::format("{} is for 'envmap generate atmosphere'", name));
-  for (const char* name :
-       {"--value", "--value2", "--squares", "--zenith", "--horizon", "--degree", "--order", "--base", "--amplitude"})
-    if (air && options.given(name)) throw UsageError(fmt::format("{} is not for an atmosphere: leave it out", name));
+// Each option of the pattern, and the kinds that it changes.
+struct OptionOfKinds {
+  std::string_view option;
+  std::vector<Kind> kinds;
+};
+const OptionOfKinds options_of_kinds[] = {
+    {"--value", {Kind::constant, Kind::gradient, Kind::checker, Kind::sun}},
+    {"--value2", {Kind::gradient, Kind::checker}},
+    {"--squares", {Kind::checker}},
+    {"--direction", {Kind::sun, Kind::atmosphere}},
+    {"--radius", {Kind::sun, Kind::atmosphere}},
+    {"--zenith", {Kind::sun, Kind::sky}},
+    {"--horizon", {Kind::sun, Kind::sky}},
+    {"--ground", {Kind::sun, Kind::sky, Kind::atmosphere}},
+    {"--elevation", {Kind::atmosphere}},
+    {"--azimuth", {Kind::atmosphere}},
+    {"--turbidity", {Kind::atmosphere}},
+    {"--altitude", {Kind::atmosphere}},
+    {"--scattering", {Kind::atmosphere}},
+    {"--no-sun", {Kind::atmosphere}},
+    {"--degree", {Kind::sh}},
+    {"--order", {Kind::sh}},
+    {"--base", {Kind::sh}},
+    {"--amplitude", {Kind::sh}},
+};
+
+void check_kind(Kind kind, const Options& options) {
+  for (const auto& [option, of_kinds] : options_of_kinds) {
+    if (!options.given(option) || std::ranges::find(of_kinds, kind) != of_kinds.end()) continue;
+    std::string words;
+    for (const Kind other : of_kinds)
+      words += (words.empty()              ? ""
+                : other == of_kinds.back() ? " and "
+                                           : ", ") +
+               std::string(kinds[std::size_t(other)]);
+    throw UsageError(fmt::format("{} is for {}: remove it", option, words));
+  }
 }
 
 EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, WriteOptions& write, Report& report) {
@@ -114,7 +143,7 @@ EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, Write
 
 int run(const Request& o, const Options& options, Report& report) {
   const Frame to{o.to.value_or(Projection::latlong), o.forward.value_or(Forward::plus_z)};
-  check_kind(o, options);
+  check_kind(o.kind, options);
   check_output(o.output, o.write, to.projection);
   if (o.forward && !has_forward(to.projection)) throw UsageError("--forward is for latlong and angular maps");
   const Run run{.progress = progress_line("generate")};
@@ -157,6 +186,7 @@ Action define_generate(Options& o) {
         "atmosphere: height of the viewer above the ground (default: 0)");
   o.add("--scattering", one_of(r->atmosphere.scattering, scatterings), "atmosphere: {} (default: multiple)");
   o.flag("--no-sun", r->no_sun, "atmosphere: leave out the sun's disc");
+  o["--no-sun"].excludes = "--radius";
   o.add("--degree", "L", &r->harmonic.degree, "sh: degree l of the harmonic (default: 2)");
   o.add("--order", "M", &r->harmonic.order, "sh: order m of the harmonic, -L to L (default: 0)");
   o.add("--base", "L", &r->harmonic.base, "sh: radiance to which the harmonic is added (default: 1)");

@@ -64,12 +64,7 @@ void add(Report& report, const Harmonics& h, const ShRequest& o) {
 
 int run(ShRequest& o, Report& report) {
   const Projection to = o.to.value_or(Projection::cube);
-  if (!o.output.empty())
-    check_output(o.output, o.write, to);
-  else if (!settings().depfile.empty())
-    throw UsageError("--depfile is for the map of --evaluate");
-  else if (!o.write.faces.empty())
-    throw UsageError("--faces is for the map of --evaluate");
+  if (!o.output.empty()) check_output(o.output, o.write, to);
   if (o.window == Window::automatic && o.order > max_deringed_order)
     throw UsageError(fmt::format("--window auto is for --order up to {}", max_deringed_order));
   if (o.output.empty() || !has_forward(to)) o.read.assumed_forward = o.forward;
@@ -116,6 +111,7 @@ Action define_sh(Options& o) {
   add_depth(o, r->write, "float, or nearest");
   add_format(o, r->write);
   add_clamp(o, r->write);
+  o.need("--evaluate", {"--to", "--size", "--layout", "--faces", "--depth", "--format", "--clamp"});
   add_read_options(o, r->read);
   add_repair(o, r->read);
   return [r](Report& report) { return run(*r, report); };

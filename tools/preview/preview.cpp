@@ -141,7 +141,6 @@ void check(Request& o) {
   if (o.sheet) o.marks = o.balls = o.histogram = o.levels = true;
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
   if (!o.html.empty()) return check_page(o);
-  if (o.size > 0) throw UsageError("--size is for --html");
   if (o.names.size() < 2) throw UsageError("needs at least one map, and last the picture to write");
   if (const std::string extension = std::filesystem::path(o.names.back()).extension().string();
       o.names.back() != "-" && extension != ".png" && extension != ".jpg")
@@ -248,7 +247,8 @@ Action define_preview(Options& o) {
   add_tone_curve(o, *r);
   o.group = "Page";
   o.add("--html", "FILE", &r->html, "Write an interactive page of one map instead of a picture").file = File::output;
-  o.add("--size", "N", &r->size, {16, 2048}, "Height of the cube faces in the page (default: the map's, at most 256)");
+  o.add("--size", "N", &r->size, {16, 2048}, "Height of the cube faces in the page (default: the map's, at most 256)")
+      .needs = "--html";
   add_read_options(o, r->read);
   add_projections(o, *r);
   add_repair(o, r->read);

@@ -27,14 +27,15 @@ void add_light(Options& o, SceneOptions& s) {
         "Uniform radiance from all directions, without occlusion (default: 0)");
   o.flag("--no-shadows", s.no_shadows, "Draw point, spot and directional lights without shadows");
   o.add("--occlusion", "N", &s.occlusion, {0, max_distant_lights},
-        "Lights that approximate the environment's shadows (0: none) (default: 64)");
+        "Lights that approximate the environment's shadows (0: none) (default: 64)")
+      .needs = "--environment";
 }
 
 void add_frames(Options& o, SceneOptions& s) {
   o.group = "Animation";
   o.add("--time", "T", &s.time, {-1e6, 1e6}, "Time of the animation in seconds (default: 0)");
   o.add("--frames", "A:B", &s.frames, "Draw frames A to B, one file each (put {frame} or %04d into OUTPUT)");
-  o.add("--fps", "F", &s.rate, {1e-3, 1e6}, "Frames per second (default: 24)");
+  o.add("--fps", "F", &s.rate, {1e-3, 1e6}, "Frames per second (default: 24)").needs = "--frames";
 }
 
 void add_context(Options& o, SceneOptions& s) {
@@ -54,11 +55,12 @@ void check_no_context(const SceneOptions& o) {
 }
 
 std::string Frames::path(const std::string& output, int frame) const {
-  if (!sequence) return output;
   static const std::regex mark(R"(\{frame\}|%0?(\d?)d)");
   std::smatch found;
-  if (!std::regex_search(output, found, mark))
-    throw UsageError(fmt::format("{}: the name must contain {{frame}} or %04d for --frames", output));
+  const bool marked = std::regex_search(output, found, mark);
+  if (!sequence && marked) throw UsageError(output, fmt::format("{} in a name goes with --frames", found[0].str()));
+  if (!sequence) return output;
+  if (!marked) throw UsageError(fmt::format("{}: the name must contain {{frame}} or %04d for --frames", output));
   const int digits = found[0].str().front() == '{' ? 4 : found[1].length() > 0 ? std::stoi(found[1]) : 1;
   return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
 }

@@ -104,6 +104,7 @@ Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& sho
 }
 
 void check(const Request& o) {
+  if (o.drawing.near >= o.drawing.far) throw UsageError("--near must be less than --far");
   if (o.method == ViewMethod::raycast) check_no_context(o.scene);
   const bool of_maps = o.maps || o.drawing.size > 0 || o.drawing.largest != MirrorOptions{}.largest || o.drawing.all ||
                        o.lookup || o.look.tinted || !o.saved.empty() ||
@@ -123,7 +124,6 @@ void check(const Request& o) {
         "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, "
         "--show-maps, --save-maps, "
         "--all and NODE:MAP");
-  if (o.distance && o.saved.empty()) throw UsageError("--distance is for --save-maps");
   if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
 }
 
@@ -204,6 +204,9 @@ int run(Request& o, Report& report) {
   std::vector<MirrorWish> wishes;
   for (const std::string& text : o.mirrors) wishes.push_back(mirror_wish(scene, text));
   const std::vector<Mirror> mirrors = choose_mirrors(scene, wishes, o.maps.value_or(Projection::paraboloid));
+  if (mirrors.empty() && (!o.saved.empty() || o.look.tinted))
+    throw UsageError(o.scene.path, fmt::format("has no mirrors for {}: choose nodes with --mirror",
+                                               o.saved.empty() ? "--show-maps" : "--save-maps"));
   const std::vector<int> nodes = nodes_of(mirrors);
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
   std::optional<MirrorPainter> painter;
@@ -308,6 +311,9 @@ Action define_view(Options& o) {
   o.flag("--distance", r->distance, "--save-maps: write distances to channel Z of the EXR files");
   add_context(o, r->scene);
   add_frames(o, r->scene);
+  o.need("--environment", {"--reflection"});
+  o.need("--frames", {"--orbit"});
+  o.need("--save-maps", {"--distance"});
   add_scene_input(o, r->scene);
   return [r](Report& report) { return run(*r, report); };
 }

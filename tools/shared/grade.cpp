@@ -22,6 +22,7 @@ void add_grade(Options& o, GradeOptions& g) {
   o.group = groups::colour;
   o.add("--scale-to", "lux=E|nits=L", &g.scale_to, "Scale to illuminance E, or to luminance L, in direction --towards");
   o.add("--towards", "X,Y,Z", Triple{&g.towards}, "Direction for --scale-to (default: 0,1,0, up)").folded = true;
+  o.need("--scale-to", {"--towards"});
   o.add("--white", "X,Y,Z|KELVIN", &g.white, "White balance on direction X,Y,Z, or on a colour temperature");
   o.add("--gain", "R,G,B", Triple{&g.gain, true}, "Multiply the channels");
   o.add("--saturation", "S", &g.saturation, range_of(limits::saturation),
@@ -90,7 +91,6 @@ void check_finite(const Level& level, const char* option) {
 void grade(Source& source, const GradeOptions& o, const ColourOptions& working) {
   if (o.gain && !(o.gain->x >= 0 && o.gain->y >= 0 && o.gain->z >= 0))
     throw UsageError("--gain: factors must not be negative");
-  if (o.towards && o.scale_to.empty()) throw UsageError("--towards is for --scale-to");
   const Primaries primaries = primaries_of(working.config, working.working).value_or(rec709);
   Grade grade{.saturation = o.saturation, .luminance = luminance_weights(primaries)};
   if (!o.white.empty()) grade.gain = white_gain(source.map, o.white, primaries);

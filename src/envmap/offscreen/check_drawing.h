@@ -4,6 +4,7 @@
 
 #include "envmap/base/bounds.h"
 #include "envmap/base/error.h"
+#include "envmap/operate/check_options.h"
 #include "envmap/render/distant_lights.h"
 #include "envmap/render/method.h"
 
@@ -16,6 +17,7 @@ void check_drawing(const Options& options, bool by_rays) {
   check({"occlusion", 0, max_distant_lights}, options.occlusion);
   check({"near_metres", 1e-9, 1e9}, options.near_metres);
   check({"far_metres", 1e-9, 1e12}, options.far_metres);
+  if (options.ambient) check_not_negative("ambient", Flux(*options.ambient));
   if (options.near_metres >= options.far_metres) throw UsageError("near_metres must be less than far_metres");
   if (by_rays && options.context != ContextKind::automatic)
     throw UsageError("a context is for OpenGL, which the method 'raycast' does not use");

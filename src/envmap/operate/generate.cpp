@@ -283,10 +283,16 @@ void check(const Constant&) {}
 void check(const Gradient&) {}
 void check(const Directions&) {}
 void check(const Faces&) {}
-void check(const Sky&) {}
+void check(const Sky& p) {
+  check_not_negative("zenith", Flux(p.zenith));
+  check_not_negative("ground", Flux(p.ground));
+  if (p.horizon) check_not_negative("horizon", Flux(*p.horizon));
+}
 void check(const Checker& p) { require(p.squares >= 1, "the squares of a checker: at least 1"); }
 void check(const Sun& p) {
+  check(p.sky);
   check_direction("towards", p.towards);
+  check_not_negative("radiance", Flux(p.radiance));
   require(p.radius_degrees > 0 && p.radius_degrees <= 180, "the radius of a sun: more than 0 and at most 180 degrees");
 }
 void check(const Harmonic& p) {
