@@ -59,10 +59,10 @@ std::vector<Direction> around(const Direction& light, int count) {
   return all;
 }
 
-// Largest error of sums over what is allowed of them.
+// Each sum against the exact one. @param rows of the finest grid: the fewer, the more texels are in the core.
 void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, std::span<const Direction> some,
-                   const std::string& what) {
-  const auto plan = multilevel_plan(lobe, error, finest_rows(map.base()));
+                   const std::string& what, int rows = 0) {
+  const auto plan = multilevel_plan(lobe, error, rows > 0 ? rows : finest_rows(map.base()));
   ASSERT_TRUE(plan) << what;
   const double mean = mean_radiance(map.base());
   const SourceGrids grids(map.base(), mean, Colour(0), plan->finest());
@@ -108,6 +108,48 @@ TEST(Multilevel, LoneLightsStayWithinTheirBounds) {
         expect_bounds(map, lobe_of({.shape = c.shape, .parameter = c.parameter}), error, around(light[0], directions),
                       fmt::format("{}, {:g}, light {} {} of {}", words(c), error, i, j, size));
       }
+    }
+}
+
+// Texels far from the middle of a core are summed over fewer points.
+TEST(Multilevel, CoresOfManyTexelsStayWithinTheirBounds) {
+  const std::pair<Projection, int> sources[] = {{Projection::latlong, 360}, {Projection::cube, 180}};
+  for (const Case& c : {Case{Shape::ggx, 0.001}, Case{Shape::ggx, 0.02}, Case{Shape::ggx, 0.05},
+                        Case{Shape::phong, 3000}, Case{Shape::phong, 1e5}, Case{Shape::blinn_phong, 5000}})
+    for (const auto& [to, size] : sources)
+      for (const auto& [i, j] : {std::pair{0, 0}, {size - 1, size / 2}, {size / 3, size / 4}})
+        for (const double error : {1e-3, 1e-4}) {
+          const EnvironmentMap map = made(to, size, [&, x = i, y = j](int f, int a, int b, int ch) {
+            return f == 0 && a == x && b == y && ch != 1 ? 1e9F : 0.F;
+          });
+          std::vector<Direction> light(1);
+          texel_directions(to, size, 0, j, i, light);
+          expect_bounds(map, lobe_of({.shape = c.shape, .parameter = c.parameter}), error, around(light[0], directions),
+                        fmt::format("{}, {:g}, light {} {} of {} {}", words(c), error, i, j, name(to), size), 128);
+        }
+}
+
+// The narrowest lobes that grids of 512, 1024 and 2048 rows serve, where their tails come down to the floor.
+TEST(Multilevel, TailsOfPowersStayWithinTheirBounds) {
+  std::mt19937_64 random(7);
+  const auto part = [&] { return double(random() >> 11) * 0x1p-53; };
+  for (const auto& [exponent, error] :
+       {std::pair{1500.0, 1e-3}, {6000.0, 1e-3}, {24000.0, 1e-3}, {980.0, 1e-4}, {3900.0, 1e-4}, {15700.0, 1e-4}})
+    for (const auto& [to, size] : {std::pair{Projection::latlong, 512}, {Projection::cube, 512}}) {
+      const int i = size / 3, j = size / 4;
+      const EnvironmentMap map = made(to, size, [&](int f, int a, int b, int ch) {
+        return f == 0 && a == i && b == j && ch != 1 ? 1e9F : 0.F;
+      });
+      std::vector<Direction> light(1), tail;
+      texel_directions(to, size, 0, j, i, light);
+      const Direction side = unit(glm::cross(light[0], Direction(0.6, 0, 0.8))), other = glm::cross(light[0], side);
+      for (int k = 0; k < 200; ++k) {
+        const double angle = (5 + 1.4 * part()) / std::sqrt(exponent), turn = 2 * pi * part();
+        tail.push_back(
+            unit(std::cos(angle) * light[0] + std::sin(angle) * (std::cos(turn) * side + std::sin(turn) * other)));
+      }
+      expect_bounds(map, lobe_of({.shape = Shape::phong, .parameter = exponent}), error, tail,
+                    fmt::format("phong {:g}, {:g}, {} of {}", exponent, error, name(to), size));
     }
 }
 
@@ -173,7 +215,12 @@ TEST(Multilevel, BlackStaysBlackAndWhiteStaysWhite) {
 TEST(Multilevel, AutoTakesItForNarrowLobes) {
   const EnvironmentMap map = made(16, [](int i, int j, int) { return float((i + j) % 3); });
   const auto method = [&](Shape shape, double parameter, double error) {
-    return PrefilterSource(map).make({.shape = shape, .parameter = parameter, .size = 2, .max_error = error}).method;
+    // One row of 64: the method is that of the whole map.
+    std::vector<char> rows(6 * 64);
+    rows[0] = 1;
+    return PrefilterSource(map)
+        .make({.shape = shape, .parameter = parameter, .size = 64, .rows = rows, .max_error = error})
+        .method;
   };
   EXPECT_EQ(method(Shape::ggx, 0.01, 1e-3), Method::multilevel);
   EXPECT_EQ(method(Shape::ggx, 0.2, 1e-3), Method::multilevel);

@@ -14,6 +14,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/free_space.h"
+#include "envmap/base/large_pages.h"
 
 namespace envmap {
 namespace {
@@ -52,12 +53,18 @@ std::size_t resident() {
   return pages * std::size_t(::sysconf(_SC_PAGE_SIZE));
 }
 
+// calloc() takes the zeros of large blocks from the system, page by page as they are first written.
+Colour* zeros(std::size_t count) {
+  auto* const data = static_cast<Colour*>(std::calloc(count, sizeof(Colour)));
+  if (!data) throw std::bad_alloc();
+  ask_for_large_pages(data, count * sizeof(Colour));
+  return data;
+}
+
 }  // namespace
 
-// calloc() takes the zeros of large blocks from the system, page by page as they are first written.
 Storage::Storage(std::size_t count, std::size_t limit) : count_(count), limit_(limit) {
-  data_ = limit ? map_scratch_file(count * sizeof(Colour)) : static_cast<Colour*>(std::calloc(count, sizeof(Colour)));
-  if (!data_) throw std::bad_alloc();
+  data_ = limit ? map_scratch_file(count * sizeof(Colour)) : zeros(count);
 }
 
 Storage::Storage(const Storage& other) : Storage(other.count_, other.limit_) {

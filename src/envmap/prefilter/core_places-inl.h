@@ -32,26 +32,53 @@ HWY_INLINE float largest(V v) { return hn::GetLane(hn::MaxOfLanes(D(), v)); }
 
 // Longitude across, polar angle down. Points across are known by 1 - cos(longitude).
 struct OnLatlong {
-  double angle;        // The output's polar angle,
-  float sine, cosine;  // and of it.
+  double exact_sine, exact_cosine;  // Of the output's polar angle.
+  float sine, cosine;
 
   explicit OnLatlong(const GridView& view)
-      : angle(view.angle), sine(float(view.sine)), cosine(float(2 * view.half_cosine * view.half_cosine - 1)) {}
+      : exact_sine(view.sine),
+        exact_cosine(2 * view.half_cosine * view.half_cosine - 1),
+        sine(float(exact_sine)),
+        cosine(float(exact_cosine)) {}
+
+  // Of the polar angle that is off by y.
+  HWY_INLINE double sine_at(const SmallAngle& y) const {
+    return std::max(0.0, exact_sine - exact_sine * y.versine + exact_cosine * y.sine);
+  }
+
+  // Two points do not follow the sine of the polar angle near a pole.
+  HWY_INLINE std::size_t first_rule(const Piece& p) const {
+    const double least = std::min(sine_at(SmallAngle(p.y0)), sine_at(SmallAngle(p.y1)));
+    return least < 8 * (p.y1 - p.y0) ? 1 : 0;
+  }
 
   struct Row {
-    double size;                                             // As Seen's.
-    float c[Rule::most], g[Rule::most], weight[Rule::most];  // x = c + g (1 - cos(longitude)).
+    double size;                                                         // As Seen's.
+    alignas(32) float c[Rule::most], g[Rule::most], weight[Rule::most];  // x = c + g (1 - cos(longitude)).
   };
   HWY_INLINE Row row(const Piece& p, const Rule& rule) const {
+    const D d;
     Row row;
-    double widest = 0;
-    for (std::size_t k = 0; k < rule.count; ++k) {
-      const double y = p.y0 + rule.at[k] * (p.y1 - p.y0), half = portable::sin_pi(0.5 * y / pi),
-                   at = std::max(0.0, portable::sin_pi((angle + y) / pi));
-      row.c[k] = float(2 * half * half), row.g[k] = float(at) * sine, row.weight[k] = float(at * rule.weight[k]);
-      widest = std::max(widest, at);
+    const double high = p.y1 - p.y0;
+    alignas(32) float off[Rule::most], down[Rule::most];  // From the output, and from the upper side.
+    for (std::size_t k = 0; k < Rule::most && k < rule.count + virtual_lanes; ++k)
+      off[k] = float(p.y0 + rule.at[k] * high), down[k] = float(rule.at[k] * high);
+    // Sines by the upper side, or those near a pole would be differences of large numbers.
+    const SmallAngle top(p.y0);
+    const V sine_here = hn::Set(d, sine), zero = hn::Zero(d), sine_top = hn::Set(d, float(sine_at(top))),
+            cosine_top = hn::Set(d, float(exact_cosine - exact_cosine * top.versine - exact_sine * top.sine));
+    V widest = zero;
+    for (std::size_t k = 0; k < rule.count; k += lanes) {
+      const V y = hn::Load(d, off + k), yy = hn::Mul(y, y), t = hn::Load(d, down + k), tt = hn::Mul(t, t);
+      const V at = hn::Max(zero, hn::Add(hn::Mul(sine_top, series(d, tt, 1, -1.0 / 2, 1.0 / 24)),
+                                         hn::Mul(cosine_top, hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120)))));
+      hn::Store(hn::Mul(hn::Mul(hn::Set(d, 0.5F), yy), series(d, yy, 1, -1.0 / 12, 1.0 / 360, -1.0 / 20160)), d,
+                row.c + k);
+      hn::Store(hn::Mul(at, sine_here), d, row.g + k);
+      hn::Store(hn::Mul(at, hn::Load(d, rule.weight_lanes + k)), d, row.weight + k);
+      widest = hn::Max(widest, at);
     }
-    row.size = std::max((p.x1 - p.x0) * std::min(1.0, 1.2 * widest), p.y1 - p.y0);
+    row.size = std::max((p.x1 - p.x0) * std::min(1.0, 1.2 * double(largest(widest))), high);
     return row;
   }
   HWY_INLINE V versine(const Row& row, std::size_t k, V x) const {
@@ -105,6 +132,8 @@ struct OnCube {
     out.size = std::max(p.x1 - p.x0, p.y1 - p.y0);
     return out;
   }
+
+  HWY_INLINE std::size_t first_rule(const Piece&) const { return 0; }
 
   struct Row {
     double size;

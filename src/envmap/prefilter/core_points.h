@@ -28,17 +28,47 @@ struct SixteenPoints {
 };
 inline constexpr SixteenPoints points;
 
-/// The rule on equal panels of a texel's side, from 0 to 1.
+/// Points of a texel's side, from 0 to 1: Gauss's on equal panels.
 struct Rule {
   static constexpr std::size_t most = 16;
   std::size_t count;
+  double panel;  ///< A part of the side.
   std::array<double, most> at{}, weight{};
+  alignas(64) float weight_lanes[most] = {};  ///< As `weight`.
 
-  explicit Rule(std::size_t panels) : count(4 * panels) {
+  template <std::size_t N>
+  Rule(const std::array<double, N>& nodes, const std::array<double, N>& weights, std::size_t panels)
+      : count(N * panels), panel(1.0 / double(panels)) {
     for (std::size_t k = 0; k < count; ++k) {
-      at[k] = (double(k / 4) + 0.5 + 0.5 * node[k % 4]) / double(panels);
-      weight[k] = 0.5 * node_weight[k % 4] / double(panels);
+      at[k] = (double(k / N) + 0.5 + 0.5 * nodes[k % N]) * panel;
+      weight[k] = 0.5 * weights[k % N] * panel, weight_lanes[k] = float(weight[k]);
     }
+  }
+};
+
+/// Four points a panel.
+inline Rule four_points(std::size_t panels) { return {node, node_weight, panels}; }
+/// Two or three of a side: for texels far from a pole, or where a lobe is flat.
+inline Rule two_points() {
+  constexpr double x = 0.577350269189625765;
+  return {std::array{-x, x}, std::array{1.0, 1.0}, 1};
+}
+inline Rule three_points() {
+  constexpr double x = 0.774596669241483377, outer = 5.0 / 9, inner = 8.0 / 9;
+  return {std::array{-x, 0.0, x}, std::array{outer, inner, outer}, 1};
+}
+
+/// sin(t) and 1 - cos(t) of small angles, without loss of digits. @param t up to 0.4, to 1e-16.
+struct SmallAngle {
+  double sine, versine;
+  explicit SmallAngle(double t) {
+    const double tt = t * t;
+    // Factors from one term of the series to the next.
+    constexpr double s[] = {1.0 / 6, 1.0 / 20, 1.0 / 42, 1.0 / 72, 1.0 / 110, 1.0 / 156};
+    constexpr double v[] = {1.0 / 12, 1.0 / 30, 1.0 / 56, 1.0 / 90, 1.0 / 132, 1.0 / 182};
+    double a = 1, b = 1;
+    for (std::size_t k = 6; k-- > 0;) a = 1 - s[k] * tt * a, b = 1 - v[k] * tt * b;
+    sine = t * a, versine = 0.5 * tt * b;
   }
 };
 

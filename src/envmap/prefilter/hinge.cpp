@@ -104,6 +104,7 @@ class Summation {
   // @param beside in units of the mean.
   HingeSum over(const Direction& n, const Flux& beside) {
     beside_ = beside;
+    start_ = start();
     for (int face = 0; face < Grid::faces; ++face) seen_[std::size_t(face)] = Grid::seen(face, n);
     settled_ = {}, terms_.clear();
     for (int c = 0; c < 3; ++c) settled_.sum[std::size_t(c)] = weight_.integral() * source_.darkest()[c];
@@ -118,9 +119,20 @@ class Summation {
   }
 
  private:
-  // Rows of base cells: what is wholly above by prefix sums, and terms of what is cut.
+  // The coarsest cells whose gaps in an even map are small enough: along the horizon they have 2 pi x their side of
+  // solid angle, and are off by a sixteenth of their side on average.
+  [[nodiscard]] std::size_t start() const {
+    const double most = error_ * std::max(std::min({beside_.x, beside_.y, beside_.z}), floor_of_mean);
+    for (std::size_t level = source_.levels().size(); --level > source_.base();) {
+      const double side = source_.side(level);
+      if (0.4 * side * side * weight_.slope(1) <= most) return level;
+    }
+    return source_.base();
+  }
+
+  // Rows of cells: what is wholly above by prefix sums, and terms of what is cut.
   void add_face(int face) {
-    const auto& cells = source_.base();
+    const auto& cells = source_.levels()[start_];
     const auto& grid = cells.grid;
     const FaceDirection& n = seen_[std::size_t(face)];
     if (!grid.slopes.empty())
@@ -130,7 +142,7 @@ class Summation {
     for (int row = 0; row < grid.down.count(); ++row) {
       const RowSpan span = grid.span(n, angles_.data(), row);
       spans_.push_back(span);
-      if (span.last > span.first) source_.prefetch(face, row, span.first, span.last);
+      if (span.last > span.first) source_.prefetch(start_, face, row, span.first, span.last);
       const auto add = [&](int from, int to) {
         for (int k = from; k < to; ++k) add_cell(cells, n, face, row, grid.wrapped(k));
       };
@@ -139,7 +151,7 @@ class Summation {
     typename HingeSource<Grid>::Sums sums{};
     for (int row = 0; row < grid.down.count(); ++row)
       if (const RowSpan& span = spans_[std::size_t(row)]; span.last > span.first)
-        source_.add(face, row, span.first, span.last, sums);
+        source_.add(start_, face, row, span.first, span.last, sums);
     bound_cells(n, weight_, batch_, terms_);
     const auto factors = moment_factors(weight_, n);
     const std::size_t moments = hinge_moments[std::size_t(source_.order())] - 1;
@@ -170,7 +182,7 @@ class Summation {
   // Divides the terms that are off by most, level by level, until all together are good enough.
   void refine() {
     double share = 0.5;
-    for (std::size_t level = source_.levels().size(); level-- > 0; share *= 0.6) {
+    for (std::size_t level = start_ + 1; level-- > 0; share *= 0.5) {
       Total now = settled_;
       for (const HingeTerm& t : terms_) now.add(t);
       const Channels most = allowed(now);
@@ -255,6 +267,7 @@ class Summation {
   HingePolynomial weight_;
   double error_;
   Flux beside_{0};
+  std::size_t start_ = 0;  // Level of the cells that sums start from.
   std::array<FaceDirection, Grid::faces> seen_;
   Total settled_;
   HingeBatch batch_;
@@ -274,7 +287,8 @@ void sum_all(const HingeSource<Grid>& source, const HingePolynomial& weight, std
   }
 }
 
-// Rows of cells from pole to pole that sums start from.
+// Rows of cells from pole to pole that sums start from, at least and at most.
+constexpr int fewest_rows = 8;
 int base_rows(double error) { return error < 3e-4 ? 128 : 64; }
 
 }  // namespace
@@ -288,11 +302,11 @@ struct Hinges::Prepared {
 Hinges::Hinges(const Level& source, double mean, int order, double error) {
   const int rows = base_rows(error);
   if (source.projection() == Projection::latlong)
-    prepared_ =
-        std::make_unique<Prepared>(Prepared{HingeSource<LatlongGrid>(source, mean, rows, order), mean, order, rows});
+    prepared_ = std::make_unique<Prepared>(
+        Prepared{HingeSource<LatlongGrid>(source, mean, rows, fewest_rows, order), mean, order, rows});
   else
-    prepared_ =
-        std::make_unique<Prepared>(Prepared{HingeSource<CubeGrid>(source, mean, rows / 2, order), mean, order, rows});
+    prepared_ = std::make_unique<Prepared>(
+        Prepared{HingeSource<CubeGrid>(source, mean, rows / 2, fewest_rows / 2, order), mean, order, rows});
 }
 Hinges::~Hinges() = default;
 Hinges::Hinges(Hinges&&) noexcept = default;

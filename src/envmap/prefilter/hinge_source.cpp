@@ -29,14 +29,14 @@ struct HingeSource<Grid>::Rows {
     std::fill(s.begin() + least, s.end(), std::numeric_limits<double>::max());
     return s;
   }
-  explicit Rows(std::span<const Cells> levels) {
+  Rows(std::span<const Cells> levels, std::size_t base_level) {
     for (const Cells& level : levels) sums.emplace_back(std::size_t(level.grid.across.count()), nothing());
-    base.resize(sums.back().size());
+    base.resize(sums[base_level].size());
   }
 };
 
 template <class Grid>
-HingeSource<Grid>::HingeSource(const Level& source, double mean, int rows, int order)
+HingeSource<Grid>::HingeSource(const Level& source, double mean, int rows, int fewest, int order)
     : source_(source),
       darkest_(darkest_of(source)),
       unit_(1 / mean),
@@ -45,42 +45,76 @@ HingeSource<Grid>::HingeSource(const Level& source, double mean, int rows, int o
   const int height = source.height();
   int side = 1;  // Smaller cells are few where they are needed: they are made of texels then.
   while (side < 4 && height / (4 * side) >= rows) side *= 2;
+  std::size_t before_base = 0;
   for (bool more = true; more; side *= 2) {
     typename Grid::Cells grid = grid_.cells(side);
     const std::size_t count = place(grid.down.count(), grid.across.count(), Grid::faces, 0);
     levels_.push_back({std::move(grid), std::make_unique_for_overwrite<HingeCell[]>(count)});
-    more = height / (2 * side) >= rows;
+    more = height / (2 * side) >= fewest;
+    if (more && height / (2 * side) >= rows) ++before_base;
   }
-  const auto& grid = base().grid;
-  prefix_.resize(place(grid.down.count(), grid.across.count() + 1, Grid::faces, 0) * stride());
-  tbb::parallel_for(0, grid.down.count(), [&](int band) { set_band(band); });
+  prefixes_.resize(levels_.size() - before_base);
+  prefixes_.front().resize(prefix_place(before_base, Grid::faces, 0));
+  tbb::parallel_for(0, levels_.back().grid.down.count(), [&](int band) { set_band(band); });
+  for (std::size_t level = base() + 1; level < levels_.size(); ++level) prefixes_[level - base()] = coarser(level);
 }
 
-// A row of base cells, and all finer ones in it, of all faces.
+template <class Grid>
+std::size_t HingeSource<Grid>::prefix_place(std::size_t level, int face, int row) const {
+  const auto& grid = levels_[level].grid;
+  return place(grid.down.count(), grid.across.count() + 1, face, row) * stride();
+}
+
+// A row of the coarsest cells, and all finer ones in it, of all faces.
 template <class Grid>
 void HingeSource<Grid>::set_band(int band) {
-  const auto& grid = base().grid;
-  const auto& fine = levels_.front().grid;
-  const int steps = grid.across.side / fine.across.side, first = band * steps;
-  std::vector<Rows> rows(Grid::faces, Rows(levels_));
+  const auto &coarsest = levels_.back().grid, &grid = levels_[base()].grid;
+  const int steps = coarsest.across.side / grid.across.side, first = band * steps;
+  std::vector<Rows> rows(Grid::faces, Rows(levels_, base()));
+  for (int row = first; row < std::min(first + steps, grid.down.count()); ++row) set_base_row(row, rows);
+  source_.trim();
+}
+
+template <class Grid>
+void HingeSource<Grid>::set_base_row(int base_row, std::vector<Rows>& rows) {
+  const auto &grid = levels_[base()].grid, &fine = levels_.front().grid;
+  const int steps = grid.across.side / fine.across.side, first = base_row * steps;
   for (int row = first; row < std::min(first + steps, fine.down.count()); ++row) {
     std::vector<typename Grid::Row> texels;  // The same on all faces.
     for (int j = fine.down.first(row); j < fine.down.end(row); ++j) texels.push_back(grid_.row(j, order_));
     for (int face = 0; face < Grid::faces; ++face) add_row(face, row, texels, rows[std::size_t(face)]);
   }
   for (int face = 0; face < Grid::faces; ++face) {
-    double* p = &prefix_[place(grid.down.count(), grid.across.count() + 1, face, band) * stride()];
-    for (const HingeBlock& b : rows[std::size_t(face)].base)
+    double* p = &prefixes_.front()[prefix_place(base(), face, base_row)];
+    for (HingeBlock& b : rows[std::size_t(face)].base) {
       for (std::size_t k = 0; k < stride(); ++k, ++p) p[stride()] = *p + unit_ * b.moments[1 + k / 3][k % 3];
+      b = {};
+    }
   }
-  source_.trim();
+}
+
+// Every other border of the level before, rows in twos.
+template <class Grid>
+auto HingeSource<Grid>::coarser(std::size_t level) const -> Prefixes {
+  const auto &grid = levels_[level].grid, &fine = levels_[level - 1].grid;
+  const Prefixes& from = prefixes_[level - 1 - base()];
+  Prefixes made(prefix_place(level, Grid::faces, 0));
+  for (int face = 0; face < Grid::faces; ++face)
+    for (int row = 0; row < fine.down.count(); ++row)
+      for (int border = 0; border <= grid.across.count(); ++border) {
+        const auto column = std::size_t(std::min(2 * border, fine.across.count()));
+        const double* p = &from[prefix_place(level - 1, face, row) + column * stride()];
+        double* to = &made[prefix_place(level, face, row / 2) + std::size_t(border) * stride()];
+        for (std::size_t k = 0; k < stride(); ++k) to[k] += p[k];
+      }
+  return made;
 }
 
 // A row of the finest cells.
 template <class Grid>
 void HingeSource<Grid>::add_row(int face, int row, std::span<const typename Grid::Row> texels, Rows& rows) {
   const auto& fine = levels_.front().grid;
-  const int steps = base().grid.across.side / fine.across.side;
+  const int steps = levels_[base()].grid.across.side / fine.across.side;
   std::vector<Colour> light;
   for (int i = 0; i < fine.across.count(); ++i) {
     const auto from = std::size_t(fine.across.first(i)), count = std::size_t(fine.across.end(i)) - from;
@@ -125,9 +159,9 @@ void HingeSource<Grid>::close_row(std::size_t level, int face, int row, Rows& ro
 }
 
 template <class Grid>
-void HingeSource<Grid>::add(int face, int row, int first, int last, Sums& sums) const {
-  const int count = base().grid.across.count();
-  const double* start = &prefix_[place(base().grid.down.count(), count + 1, face, row) * stride()];
+void HingeSource<Grid>::add(std::size_t level, int face, int row, int first, int last, Sums& sums) const {
+  const int count = levels_[level].grid.across.count();
+  const double* start = &prefixes_[level - base()][prefix_place(level, face, row)];
   const auto border = [&](int k) { return start + std::size_t(k) * stride(); };
   const auto add = [&](const double* to, const double* from) {
     for (std::size_t k = 0, end = stride(); k < end; ++k) sums[k] += to[k] - from[k];
@@ -139,9 +173,9 @@ void HingeSource<Grid>::add(int face, int row, int first, int last, Sums& sums) 
 }
 
 template <class Grid>
-void HingeSource<Grid>::prefetch(int face, int row, int first, int last) const {
-  const int count = base().grid.across.count();
-  const double* start = &prefix_[place(base().grid.down.count(), count + 1, face, row) * stride()];
+void HingeSource<Grid>::prefetch(std::size_t level, int face, int row, int first, int last) const {
+  const int count = levels_[level].grid.across.count();
+  const double* start = &prefixes_[level - base()][prefix_place(level, face, row)];
   for (const int border : {first, last}) {
     const double* at = start + std::size_t(border < count ? border : border - count) * stride();
     __builtin_prefetch(at), __builtin_prefetch(at + 8);

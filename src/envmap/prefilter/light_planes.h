@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "envmap/base/large_pages.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/prefilter/lagrange.h"
 #include "envmap/prefilter/multilevel_kernels.h"
@@ -14,7 +15,7 @@ namespace envmap::prefiltering {
 /// Every row with all columns; three channels, one after another.
 struct LightPlanes {
   int rows, columns;
-  std::vector<float> light;
+  std::vector<float, LargePages<float>> light;
   LightPlanes(int of_rows, int of_columns)
       : rows(of_rows), columns(of_columns), light(3 * std::size_t(of_rows) * std::size_t(of_columns)) {}
   [[nodiscard]] std::span<float> row(int row, int channel) {

@@ -19,35 +19,36 @@
 namespace envmap::prefiltering {
 namespace {
 
+// A rule for texels that are even enough, and the coordinates across of its points: see the places below.
+struct RuleAcross {
+  Rule rule;
+  double part;             // Of the unevenness that four points of a panel do for.
+  float* x = nullptr;      // Of the first point of each texel.
+  std::size_t stride = 0;  // To those of the next point.
+
+  // That of each texel from k on, about in its middle.
+  [[nodiscard]] const float* middles(std::size_t k) const { return x + rule.count / 2 * stride + k; }
+};
+
+// From the sparsest on.
+using Rules = std::array<RuleAcross, 3>;
+
 // Texels of one row of the source, as an output sees them.
 struct RowOfTexels {
   std::span<const Colour> row;
-  int first, count;    // Column of the first, which may lie beyond the row: rows of latlong maps wrap.
-  Piece texel;         // The first.
-  const Rule& rule;    // For each side of a texel.
-  const float* x;      // Coordinates across of the first point of each texel: see the places below.
-  std::size_t stride;  // To those of the next point.
+  int first, count;  // Column of the first, which may lie beyond the row: rows of latlong maps wrap.
+  Piece texel;       // The first.
+  const Rules& rules;
+  std::size_t from;  // Place of the first texel in the coordinates.
 };
 
 // The light of a source is counted from the darkest, in a unit that keeps its sums within floats.
 struct Light {
   const Level& source;
   const Colour& darkest;
-  double scale;  // 1 / unit.
-};
-
-// Eight texels from k on as planes; 0 after the last.
-struct EightTexels {
-  alignas(64) float light[3][8];
-  EightTexels(const RowOfTexels& texels, int k, const Light& of) {
-    const int columns = int(texels.row.size()), count = std::min(8, texels.count - k);
-    int at = (texels.first + k + 2 * columns) % columns;
-    for (int i = 0; i < 8; ++i) {
-      for (int c = 0; c < 3; ++c)
-        light[c][i] = i < count ? float(double(texels.row[std::size_t(at)][c] - of.darkest[c]) * of.scale) : 0;
-      at = at + 1 < columns ? at + 1 : 0;
-    }
-  }
+  float scale, scale_again;  // Their product is 1 / unit, which may be beyond floats.
+  Light(const Level& of, const Colour& least, double unit)
+      : source(of), darkest(least), scale(float(1 / std::sqrt(unit))), scale_again(scale) {}
 };
 
 }  // namespace
@@ -58,6 +59,35 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
+// Eight texels from k on as planes; 0 after the last.
+struct EightTexels {
+  alignas(32) float light[3][virtual_lanes];
+
+  HWY_INLINE EightTexels(const RowOfTexels& texels, int k, const Light& of) {
+    const int columns = int(texels.row.size()), count = std::min(int(virtual_lanes), texels.count - k);
+    int at = (texels.first + k + 2 * columns) % columns;
+    alignas(32) float some[3 * virtual_lanes];
+    const float* from = &texels.row[std::size_t(at)].x;
+    if (at + int(virtual_lanes) > columns) {
+      for (int i = 0; i < int(virtual_lanes); ++i, at = at + 1 < columns ? at + 1 : 0)
+        for (int c = 0; c < 3; ++c) some[3 * i + c] = texels.row[std::size_t(at)][c];
+      from = some;
+    }
+    const D d;
+    for (std::size_t part = 0; part < parts; ++part) {
+      V channel[3];
+      hn::LoadInterleaved3(d, from + 3 * part * lanes, channel[0], channel[1], channel[2]);
+      const auto is_there = hn::Lt(hn::Iota(d, float(part * lanes)), hn::Set(d, float(count)));
+      for (int c = 0; c < 3; ++c) {
+        const V above = hn::Sub(channel[c], hn::Set(d, of.darkest[c]));
+        hn::Store(hn::IfThenElseZero(is_there,
+                                     hn::Mul(hn::Mul(above, hn::Set(d, of.scale)), hn::Set(d, of.scale_again))),
+                  d, light[c] + part * lanes);
+      }
+    }
+  }
+};
+
 // Whether sixteen points do: pieces small beside their distance from where the kernel has its pole, or is steep.
 template <class K>
 bool is_even(const K& kernel, double size, double nearest) {
@@ -66,18 +96,18 @@ bool is_even(const K& kernel, double size, double nearest) {
   return size * (nearest + size) * double(kernel.k.power * kernel.k.part) <= double(kernel.k.uneven);
 }
 
-// Whether the rule's points do in each of some texels.
-// @param panel of a side. @param x of the middles of the texels.
+// Whether a rule's points do in each of some texels. @param size of a texel. @param x of the middles of the texels.
 template <class K>
-HWY_INLINE auto rule_does(const K& kernel, double size, double panel, V x) {
+HWY_INLINE auto rule_does(const K& kernel, const RuleAcross& r, double size, V x) {
   const D d;
   const V square = hn::Add(x, x);
+  const float uneven = float(r.part) * kernel.k.uneven;
   if (kernel.k.kind == LevelKernel::Kind::ggx)
     return hn::Le(hn::Set(d, float(size * size)),
-                  hn::Mul(hn::Set(d, 0.6F * kernel.k.uneven), hn::Add(square, hn::Set(d, 2 * kernel.k.a))));
-  const float steep = float(panel) * kernel.k.power * kernel.k.part;
+                  hn::Mul(hn::Set(d, uneven), hn::Add(square, hn::Set(d, 2 * kernel.k.a))));
+  const float steep = float(size * r.rule.panel) * kernel.k.power * kernel.k.part;
   return hn::Le(hn::Mul(hn::Set(d, steep * steep), hn::Add(square, hn::Set(d, float(size * size)))),
-                hn::Set(d, kernel.k.uneven * kernel.k.uneven));
+                hn::Set(d, uneven * uneven));
 }
 
 template <class Place, class K>
@@ -103,42 +133,78 @@ double over(const Place& place, const K& kernel, const Piece& p, int depth) {
   return 0.25 * (p.x1 - p.x0) * (p.y1 - p.y0) * sum_of(sum);
 }
 
-// The sum of weight x kernel over the rule's points of some texels. @param x their coordinates across.
+// The sum of weight x kernel over a rule's points of some texels, from place k on.
 template <class Place, class K>
-HWY_INLINE V by_rule(const Place& place, const K& kernel, const typename Place::Row& row, const RowOfTexels& texels,
-                     const float* x) {
+HWY_INLINE V by_rule(const Place& place, const K& kernel, const typename Place::Row& row, const RuleAcross& r,
+                     std::size_t k) {
   const D d;
   V sum = hn::Zero(d);
-  for (std::size_t e = 0; e < texels.rule.count; ++e) {
-    const V across = hn::LoadU(d, x + e * texels.stride);
+  for (std::size_t e = 0; e < r.rule.count; ++e) {
+    const V across = hn::LoadU(d, r.x + e * r.stride + k);
     V column = hn::Zero(d);
-    for (std::size_t g = 0; g < texels.rule.count; ++g)
+    for (std::size_t g = 0; g < r.rule.count; ++g)
       column = hn::Add(column, hn::Mul(place.weight(row, g, across), kernel(place.versine(row, g, across))));
-    sum = hn::Add(sum, hn::Mul(hn::Set(d, float(texels.rule.weight[e])), column));
+    sum = hn::Add(sum, hn::Mul(hn::Set(d, float(r.rule.weight[e])), column));
   }
   return sum;
 }
 
-// By the rule where that does, else by pieces.
+// A row of texels as rules see it, each made when it is wanted.
+template <class Place>
+class RowByRules {
+ public:
+  RowByRules(const Place& place, const RowOfTexels& texels) : place_(place), texels_(texels) {}
+
+  HWY_INLINE const typename Place::Row& of(std::size_t rule) {
+    if (!made_[rule]) rows_[rule] = place_.row(texels_.texel, texels_.rules[rule].rule), made_[rule] = true;
+    return rows_[rule];
+  }
+
+  // The sparsest rule that does for eight texels from k on, or the last.
+  template <class K>
+  HWY_INLINE std::size_t sparsest(const K& kernel, std::size_t k) {
+    std::size_t rule = place_.first_rule(texels_.texel);
+    for (; rule + 1 < texels_.rules.size(); ++rule) {
+      const RuleAcross& r = texels_.rules[rule];
+      const typename Place::Row& row = of(rule);
+      bool does = true;
+      for (std::size_t part = 0; part < parts; ++part) {
+        const V x = place_.versine(row, r.rule.count / 2, hn::LoadU(D(), r.middles(texels_.from + k + part * lanes)));
+        does = does && hn::AllTrue(D(), rule_does(kernel, r, row.size, x));
+      }
+      if (does) break;
+    }
+    return rule;
+  }
+
+ private:
+  const Place& place_;
+  const RowOfTexels& texels_;
+  std::array<typename Place::Row, 3> rows_;
+  std::array<bool, 3> made_{};
+};
+
+// By the sparsest rule that does, else by pieces.
 template <class Place, class K>
 Flux over_row(const Place& place, const K& kernel, const RowOfTexels& texels, const Light& of) {
   const D d;
   const Piece& first = texels.texel;
   const double wide = first.x1 - first.x0, high = first.y1 - first.y0;
-  const typename Place::Row row = place.row(first, texels.rule);
-  const double panel = 4 * row.size / double(texels.rule.count);
+  RowByRules<Place> rows(place, texels);
   V total[3][parts];
   for (auto& channel : total)
     for (V& v : channel) v = hn::Zero(d);
   Flux pieces(0);
   for (int k = 0; k < texels.count; k += int(virtual_lanes)) {
     const EightTexels eight(texels, k, of);
+    const std::size_t chosen = rows.sparsest(kernel, std::size_t(k));
+    const RuleAcross& r = texels.rules[chosen];
+    const typename Place::Row& row = rows.of(chosen);
     for (std::size_t part = 0; part < parts; ++part) {
-      const std::size_t at = std::size_t(k) + part * lanes, middle = texels.rule.count / 2;
-      const float* x = texels.x + at;
-      const V of_middles = place.versine(row, middle, hn::LoadU(d, x + middle * texels.stride));
-      const auto even = rule_does(kernel, row.size, panel, of_middles);
-      const V sum = hn::IfThenElseZero(even, by_rule(place, kernel, row, texels, x));
+      const std::size_t at = std::size_t(k) + part * lanes;
+      const V of_middles = place.versine(row, r.rule.count / 2, hn::LoadU(d, r.middles(texels.from + at)));
+      const auto even = rule_does(kernel, r, row.size, of_middles);
+      const V sum = hn::IfThenElseZero(even, by_rule(place, kernel, row, r, texels.from + at));
       for (std::size_t c = 0; c < 3; ++c)
         total[c][part] = hn::Add(total[c][part], hn::Mul(sum, hn::Load(d, eight.light[c] + part * lanes)));
       if (hn::AllTrue(d, even)) continue;
@@ -163,31 +229,31 @@ Flux OverRow(const Place& place, const LevelKernel& k, const RowOfTexels& texels
   return k.quartic ? with(OfGgx<false, true, true>{k}) : with(OfGgx<false, true, false>{k});
 }
 
-// How many panels of a side do for a lobe, where it is steepest.
-Rule rule_for(const LevelKernel& k, double side) {
-  if (k.kind == LevelKernel::Kind::ggx) return Rule(1);
+// How many panels of four points do for a side, where a lobe is steepest.
+std::size_t panels_for(const LevelKernel& k, double side) {
+  if (k.kind == LevelKernel::Kind::ggx) return 1;
   const double steep = side * double(k.power * k.part) * (std::sqrt(2 * double(k.end)) + side);
   const double panels = steep / double(k.uneven);
-  return Rule(panels <= 1 ? 1 : panels <= 2 ? 2 : 4);
+  return panels <= 1 ? 1 : panels <= 2 ? 2 : 4;
 }
 
-// Coordinates of points of texels, those of a point one after another.
-class PointsAcross {
- public:
-  PointsAcross(const Rule& rule, int texels) : stride_(std::size_t(texels) + 2 * virtual_lanes), x_(room()) {
-    if (x_.size() < rule.count * stride_) x_.resize(rule.count * stride_);
-  }
-  [[nodiscard]] std::size_t stride() const { return stride_; }
-  [[nodiscard]] float* of(std::size_t point) const { return &x_[point * stride_]; }
-
- private:
-  static std::vector<float>& room() {
-    thread_local std::vector<float> kept;
-    return kept;
-  }
-  std::size_t stride_;
-  std::vector<float>& x_;
-};
+// Rules for texels with a side, and room for the coordinates of so many, until this thread asks for others.
+// What each does for by the terms that Gauss's rules leave out, h^4 / 4320 and h^6 / 2016000 of the fourth and sixth
+// derivative: 1e-5 to 5e-5 of a texel.
+Rules rules_for(const LevelKernel& k, double side, int texels) {
+  const bool ggx = k.kind == LevelKernel::Kind::ggx;
+  Rules rules{{{two_points(), ggx ? 0.04 : 0.06},
+               {three_points(), ggx ? 0.25 : 0.4},
+               {four_points(panels_for(k, side)), ggx ? 0.6 : 1}}};
+  thread_local std::vector<float> room;
+  const std::size_t stride = std::size_t(texels) + 2 * virtual_lanes;
+  std::size_t size = 0;
+  for (RuleAcross& r : rules) r.stride = stride, size += r.rule.count * stride;
+  if (room.size() < size) room.resize(size);
+  float* x = room.data();
+  for (RuleAcross& r : rules) r.x = x, x += r.rule.count * stride;
+  return rules;
+}
 
 // Columns of a row of a latlong map.
 struct Window {
@@ -195,16 +261,17 @@ struct Window {
 };
 
 // What is within x = end of a direction. @param at its column.
-std::vector<Window> windows(const Level& source, double end, const GridView& view, double at) {
+std::vector<Window> windows(const Level& source, double end, const GridView& view, const OnLatlong& place, double at) {
   const double reach = 2 * portable::asin(std::sqrt(0.5 * end)), step = pi / source.height();
   const int columns = source.width(), low = std::max(0, int((view.angle - reach) / step)),
             high = std::min(source.height() - 1, int((view.angle + reach) / step));
   std::vector<Window> all;
+  SmallAngle above(low * step - view.angle);
   for (int row = low; row <= high; ++row) {
-    const double sine =
-        std::min(portable::sin_pi(double(row) / source.height()), portable::sin_pi((row + 1.0) / source.height()));
-    const double away = std::max({0.0, row * step - view.angle, view.angle - (row + 1) * step});
-    const double c = 2 * portable::sin_pi(0.5 * away / pi) * portable::sin_pi(0.5 * away / pi);
+    const SmallAngle below((row + 1) * step - view.angle);
+    const double sine = std::min(place.sine_at(above), place.sine_at(below));
+    const double c = above.sine > 0 ? above.versine : below.sine < 0 ? below.versine : 0;
+    above = below;
     const double versine = (end - c) / std::max(1e-30, sine * view.sine);
     if (versine <= 0) continue;
     const double half = versine >= 2 ? columns : half_width(versine, columns);
@@ -220,14 +287,14 @@ Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
   const OnLatlong place(view);
   const int columns = source.width();
   const double at = view.longitude * columns / (2 * pi), wide = 2 * pi / columns, step = pi / source.height();
-  const std::vector<Window> rows = windows(source, double(k.end), view, at);
+  const std::vector<Window> rows = windows(source, double(k.end), view, place, at);
   if (rows.empty()) return Flux(0);
   int low = rows[0].first, high = rows[0].last;
   for (const Window& w : rows) low = std::min(low, w.first), high = std::max(high, w.last);
-  const Rule rule = rule_for(k, step);
-  const PointsAcross across(rule, high - low + 1);
-  for (std::size_t e = 0; e < rule.count; ++e)
-    versines(at - rule.at[e], columns, low, high + int(virtual_lanes), across.of(e));
+  const Rules rules = rules_for(k, step, high - low + 1);
+  for (const RuleAcross& r : rules)
+    for (std::size_t e = 0; e < r.rule.count; ++e)
+      versines(at - r.rule.at[e], columns, low, high + int(virtual_lanes), r.x + e * r.stride);
   Flux sum(0);
   for (const Window& w : rows) {
     const double x = (w.first - at) * wide, y = w.row * step - view.angle;
@@ -236,9 +303,8 @@ Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
                     w.first,
                     w.last - w.first + 1,
                     {x, x + wide, y, y + step},
-                    rule,
-                    across.of(0) + (w.first - low),
-                    across.stride()},
+                    rules,
+                    std::size_t(w.first - low)},
                    light);
   }
   return sum;
@@ -265,7 +331,6 @@ Flux OfCube(const Light& light, const LevelKernel& k, const Direction& n) {
   const double reach = 2 * portable::asin(std::sqrt(0.5 * double(k.end)));
   const int size = source.height();
   const double wide = 2.0 / size;
-  const Rule rule = rule_for(k, wide);
   Flux sum(0);
   for (int face = 0; face < 6; ++face) {
     const Cube::Axes& a = Cube::axes[std::size_t(face)];
@@ -277,19 +342,14 @@ Flux OfCube(const Light& light, const LevelKernel& k, const Direction& n) {
     if (count <= 0) continue;
     const OnCube place{float(s), float(t), float(std::sqrt(1 + s * s + t * t))};
     const double left = across.first * wide - 1 - s;
-    const PointsAcross places(rule, count);
-    for (std::size_t e = 0; e < rule.count; ++e)
-      for (int i = 0; i < count + int(virtual_lanes); ++i) places.of(e)[i] = float(left + (i + rule.at[e]) * wide);
+    const Rules rules = rules_for(k, wide, count);
+    for (const RuleAcross& r : rules)
+      for (std::size_t e = 0; e < r.rule.count; ++e)
+        for (int i = 0; i < count + int(virtual_lanes); ++i)
+          r.x[e * r.stride + std::size_t(i)] = float(left + (i + r.rule.at[e]) * wide);
     for (int row = down.first; row <= down.last; ++row) {
       const double y = row * wide - 1 - t;
-      sum += OverRow(place, k,
-                     {source.row(face, row),
-                      across.first,
-                      count,
-                      {left, left + wide, y, y + wide},
-                      rule,
-                      places.of(0),
-                      places.stride()},
+      sum += OverRow(place, k, {source.row(face, row), across.first, count, {left, left + wide, y, y + wide}, rules, 0},
                      light);
     }
   }
@@ -307,7 +367,7 @@ HWY_EXPORT(OfCube);
 
 Flux core_sum(const Level& source, const Colour& darkest, double unit, const LevelKernel& kernel,
               const Direction& direction) {
-  const Light light{source, darkest, 1 / unit};
+  const Light light(source, darkest, unit);
   if (source.projection() == Projection::cube)
     return kernel.scale * HWY_DYNAMIC_DISPATCH(OfCube)(light, kernel, direction);
   return kernel.scale * HWY_DYNAMIC_DISPATCH(OfLatlong)(light, kernel, GridView(direction));

@@ -24,8 +24,10 @@ struct Splitting {
   double per_sigma;                 // Steps in the width of a Phong lobe.
   double uneven_ggx, uneven_power;  // Of LevelKernel.
 };
-constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 3.6, 0.36, 4.2};
-constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 4.0, 0.16, 3};
+constexpr Splitting coarse{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 4.2, 0.36, 4.2};
+constexpr Splitting fine{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 5.2, 0.16, 3};
+
+constexpr double rounding = 0x1p-23;  // Of a sum, to float and back.
 
 // 0.001 x the mean of three channels, over the flux of a light in one.
 constexpr double floor_density = 1e-3 / (12 * pi);
@@ -133,31 +135,35 @@ std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, in
   if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s, max_rows);
   if (const auto* blinn = std::get_if<BlinnPhong>(&lobe)) plan = plan_of(*blinn, error, s, max_rows);
   if (plan)
-    plan->error = s.kappa, plan->floor_error = s.bend, plan->hinge_error = (error - s.kappa - s.bend) / (1 + 2 * error);
+    plan->error = s.kappa, plan->floor_error = s.bend,
+    plan->hinge_error = (error - s.kappa - s.bend - 2 * rounding) / (1 + 2 * error);
   return plan;
 }
 
 bool MultilevelPlan::is_quick(const Level& from, std::size_t texels, double max_error) const {
-  if (steps.empty()) return true;
+  if (steps.empty() || (core && from.projection() == Projection::latlong)) return true;
   // A broad lobe sees most of its grids, where a tree takes a few large nodes.
   double nodes = 0;
   for (const Step& step : steps) nodes += 2 / pi * double(step.rows) * step.rows * double(step.kernel.end);
-  const auto rows = std::size_t(steps.front().rows);
-  const double root = portable::cbrt(1e3 * max_error), seen = nodes * root * root,
-               few = (steps.size() > 1 ? 5000 : 2500) * (double(rows) / 128);
+  const double rows = steps.front().rows, outputs = double(texels), root = portable::cbrt(1e3 * max_error),
+               opened = (steps.size() > 1 ? 43 : 21) * rows / (root * root);
   // The light of a cube is laid on grids point by point. That pays for narrow lobes of many texels, and sooner without
   // sums at the horizon.
   if (from.projection() == Projection::cube) {
-    if (core || rows >= 1024) return 250 * texels >= rows * rows;
-    return !has_hinges() && rows >= 256 && 35 * texels >= rows * rows && 2 * seen < few;
+    if (core || rows >= 1024) return 250 * outputs >= rows * rows;
+    return !has_hinges() && rows >= 256 && 35 * outputs >= rows * rows && 2 * nodes < opened;
   }
-  constexpr std::size_t most = 1 << 24;  // Texels that a tree of nodes is made of: it takes 30 bytes for each.
-  return core || index_of(from, {from.faces(), 0, 0}) > most || seen < few;
+  const double size = double(index_of(from, {from.faces(), 0, 0}));
+  constexpr double most = 1 << 24;  // Texels that a tree of nodes is made of: it takes 30 bytes for each.
+  // In nanoseconds of two cores: what one output takes, and the source.
+  const bool ggx = steps.front().kernel.kind == LevelKernel::Kind::ggx;
+  const double by_grids = (ggx ? 0.5 : 1.1) * nodes + (has_hinges() ? 1500 : 500), by_tree = opened;
+  const double grids = 12 * size + 240 * rows * rows + (has_hinges() ? 12 * size : 0), tree = 4e7 + 50 * size;
+  return size > most || grids + outputs * by_grids < tree + outputs * by_tree;
 }
 
 void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, std::span<const Direction> directions,
                      std::span<MultilevelSum> out) {
-  constexpr double rounding = 0x1p-24;  // Of a float.
   const Flux even = plan.constant * Flux(source.darkest);
   const double floor = 1e-3 * source.mean;
   std::vector<Flux> smooth(directions.size());
@@ -180,7 +186,7 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
       const double apart = h.bound[c] + plan.floor_error * floor;
       out[k].bound = std::max(out[k].bound, apart / std::max((1 - plan.error) * value[c] - apart, floor));
     }
-    out[k].bound += plan.error + 2 * rounding;
+    out[k].bound += plan.error + rounding;
   }
 }
 

@@ -10,9 +10,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
+#include "envmap/base/large_pages.h"
 #include "envmap/map/environment_map.h"
 
 namespace envmap::prefiltering {
@@ -25,7 +27,7 @@ struct SourceGrid {
   std::vector<std::size_t> first;              ///< Of the row's red; green and blue follow `stride` floats apart.
   std::vector<double> half_sine, half_cosine;  ///< Of half the polar angle.
   std::vector<float> sine;                     ///< Of the polar angle.
-  std::vector<float> light;
+  std::vector<float, LargePages<float>> light;
 
   static constexpr int padding = 8;  ///< Columns that repeat after the last.
   [[nodiscard]] std::size_t stride(int row) const { return std::size_t(columns[std::size_t(row)] + padding); }
@@ -38,7 +40,8 @@ inline bool serves_multilevel(const Level& source) {
 
 /// Rows of the finest grid that is worth its making. What is narrower sees few texels, which are summed sooner.
 inline int finest_rows(const Level& source) {
-  return std::clamp(int(std::bit_ceil(2 * unsigned(source.height()))), 256, 2048);
+  const double high = (source.projection() == Projection::cube ? 2 : 1) * source.height();
+  return std::clamp(int(std::bit_ceil(unsigned(std::sqrt(512 * high)))), 256, 2048);
 }
 
 /// Of the coarsest grid. All numbers of rows are powers of two.
