@@ -35,7 +35,7 @@ Action define(const Command& command, Options& o, Settings& s) {
   }
   o.group = groups::reports;
   if (command.reports) o.flag("--json", s.json, "Print a JSON report on standard output");
-  o.flag("-q,--quiet", s.quiet, "Print errors and warnings only");
+  o.flag("-q,--quiet", s.quiet, "Print no notes and no progress");
   o.flag("-v,--verbose", s.verbose, "Print each step and its time");
   o.flag("-h,--help", s.help, "-h prints the main options, --help all");
   return action;

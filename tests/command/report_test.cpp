@@ -79,6 +79,8 @@ TEST_F(Info, OfScenesListsNodesLightsAndCameras) {
   fails(2, {"render", "parts.obj", "a.exr", "--at", "nosuch"}, {"parts.obj", some});
   fails(2, {"view", "parts.obj", "a.png", "--mirror", "nosuch"}, {some});
   fails(2, {"info", "parts.obj", "--levels"}, {"is a scene", "--levels"});
+  fails(2, {"info", "parts.obj", "--input-space", "srgb"}, {"is a scene", "--input-space"});
+  fails(2, {"info", "parts.obj", "--from-faces", "gl"}, {"is a scene", "--from-faces"});
   fails(3, {"info", "missing.obj"}, {"missing.obj"});
 }
 

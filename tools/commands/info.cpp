@@ -21,7 +21,10 @@ namespace {
 
 using namespace envmap;
 
+constexpr std::string_view facts_group = "Facts";
+
 struct InfoRequest {
+  const Options* options = nullptr;
   std::vector<std::string> inputs;
   ReadOptions read;
   bool sampling = false, levels = false;
@@ -86,19 +89,12 @@ void print_lines(const FactLines& lines) {
 }
 
 void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Report& report) {
-  const ReadOptions& r = o.read;
-  const std::pair<bool, const char*> for_maps[] = {{o.levels, "--levels"},
-                                                   {o.sampling, "--sampling"},
-                                                   {o.towards.has_value(), "--towards"},
-                                                   {r.level > 0, "--level"},
-                                                   {r.projection.has_value(), "--from"},
-                                                   {r.forward.has_value(), "--from-forward"},
-                                                   {r.layout.has_value(), "--from-layout"},
-                                                   {r.border.has_value(), "--from-border"},
-                                                   {r.choice.of_part() || r.choice.crop || r.drop_channels,
-                                                    "--part, --layer, --channels, --crop, --drop-channels"}};
-  for (const auto& [is_given, option] : for_maps)
-    if (is_given) throw UsageError(input, fmt::format("is a scene: remove {}", option));
+  for (const Option& option : o.options->rows) {
+    const bool is_of_maps =
+        option.group == facts_group || option.group == groups::input_map || option.name == "--input-space";
+    if (is_of_maps && option.name != "--max-pixels" && !option.given.empty())
+      throw UsageError(input, fmt::format("is a scene: remove {}", option.name));
+  }
   for (const std::string& remark : remarks_on(scene)) warn(fmt::format("{}: {}", input, remark));
   if (!settings().json) return print_lines(lines_of(scene, input));
   report.put("file", input);
@@ -156,7 +152,8 @@ int run(InfoRequest& o, Report& report) {
 Action define_info(Options& o) {
   const auto r = std::make_shared<InfoRequest>();
   o.files(r->inputs, File::input, "Maps or scenes to read, or '-' for stdin ({face} in the name: six files)");
-  o.group = "Facts";
+  r->options = &o;
+  o.group = facts_group;
   o.flag("--levels", r->levels, "Print the size and the flux of every mip level");
   o.flag("--sampling", r->sampling, "Print solid angle and anisotropy of texels, from the centre to the rim");
   o.add("--towards", "X,Y,Z", Triple{&r->towards}, "Normal of the plane of the illuminance (default: 0,1,0, up)");
