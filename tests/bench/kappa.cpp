@@ -47,7 +47,7 @@ double error_of(const Level& map, const Direction& light, const Lobe& lobe, cons
   const SourceGrids grids(map, mean, Colour(0), plan.finest());
   const std::optional<Level> fine = refined(map);
   const Level& small = fine ? *fine : map;
-  const Hinges hinges(map, mean, 3, error);
+  const Hinges hinges(map, mean, Colour(0), 3, error);
   std::vector<Direction> some(2000);
   for (Direction& d : some) d = random.round(light);
   std::vector<MultilevelSum> sums(some.size());

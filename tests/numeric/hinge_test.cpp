@@ -11,6 +11,7 @@
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/source.h"
+#include "envmap/prefilter/tree.h"
 
 namespace hinge_test {
 namespace {
@@ -60,7 +61,7 @@ void expect_bounds(const Level& level, const std::vector<double>& errors, std::s
     const std::string name = what + ", power " + std::to_string(hinge_polynomial(lobe)->order());
     const std::vector<Flux> truth = exact_prefilter(level, lobe, some);
     for (const double error : errors) {
-      const Hinges hinges(fine ? *fine : level, mean, 3, error);
+      const Hinges hinges(fine ? *fine : level, mean, darkest_of(level), 3, error);
       hinges.sums(*hinge_polynomial(lobe), some, error, {}, found);
       for (std::size_t n = 0; n < some.size(); ++n)
         for (int c = 0; c < 3; ++c) {

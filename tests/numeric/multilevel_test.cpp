@@ -67,7 +67,7 @@ void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, st
   const double mean = mean_radiance(map.base());
   const SourceGrids grids(map.base(), mean, Colour(0), plan->finest());
   const std::optional<Level> fine = refined(map.base());
-  const Hinges hinges(fine ? *fine : map.base(), mean, 3, error);
+  const Hinges hinges(fine ? *fine : map.base(), mean, Colour(0), 3, error);
   const MultilevelSource source{fine ? *fine : map.base(), grids, &hinges, mean, Colour(0)};
   std::vector<MultilevelSum> sums(some.size());
   multilevel_sums(*plan, source, some, sums);

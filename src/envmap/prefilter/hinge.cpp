@@ -299,14 +299,14 @@ struct Hinges::Prepared {
   int order, rows;
 };
 
-Hinges::Hinges(const Level& source, double mean, int order, double error) {
+Hinges::Hinges(const Level& source, double mean, const Colour& darkest, int order, double error) {
   const int rows = base_rows(error);
   if (source.projection() == Projection::latlong)
     prepared_ = std::make_unique<Prepared>(
-        Prepared{HingeSource<LatlongGrid>(source, mean, rows, fewest_rows, order), mean, order, rows});
+        Prepared{HingeSource<LatlongGrid>(source, mean, darkest, rows, fewest_rows, order), mean, order, rows});
   else
     prepared_ = std::make_unique<Prepared>(
-        Prepared{HingeSource<CubeGrid>(source, mean, rows / 2, fewest_rows / 2, order), mean, order, rows});
+        Prepared{HingeSource<CubeGrid>(source, mean, darkest, rows / 2, fewest_rows / 2, order), mean, order, rows});
 }
 Hinges::~Hinges() = default;
 Hinges::Hinges(Hinges&&) noexcept = default;

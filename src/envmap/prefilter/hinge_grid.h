@@ -32,10 +32,10 @@ struct FaceDirection {
 
 /// What the bounds of a cell need of its place on the face. The same for every direction.
 struct CellShape {
-  double near = 1, far = 1;         ///< Largest and least 1 / r.
+  double near = 1, far = 1;  ///< Largest and least 1 / r.
   double solid_angle = 0;
-  std::array<double, 3> mean{};     ///< Mean direction of even light; latlong: level, 0 and height.
-  double centre = 0, half = 0;      ///< Latlong: y of the middle, half the extent.
+  std::array<double, 3> mean{};  ///< Mean direction of even light; latlong: level, 0 and height.
+  double centre = 0, half = 0;   ///< Latlong: y of the middle, half the extent.
   /// Area / (r^4 solid_angle) by the r of the middle, and the largest part by which r^-4 differs.
   double weight1 = 0, uneven1 = 0;
   double weight2 = 0, uneven2 = 0;  ///< The same of r^-5.
@@ -60,7 +60,7 @@ struct PartView {
   double middle, across, down, bend;
   /// Area / r^4 and / r^5 by the r of the middle, and how uneven those are.
   double weight1, uneven1, weight2, uneven2;
-  bool polar;                                 ///< middle, across, down are of t.
+  bool polar;  ///< middle, across, down are of t.
 };
 
 /// A part of a texel divided: in four, but at a pole of a latlong map in one that touches it and two that do not.

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "envmap/prefilter/tree.h"
-
 namespace envmap::prefiltering {
 
 namespace {
@@ -36,12 +34,8 @@ struct HingeSource<Grid>::Rows {
 };
 
 template <class Grid>
-HingeSource<Grid>::HingeSource(const Level& source, double mean, int rows, int fewest, int order)
-    : source_(source),
-      darkest_(darkest_of(source)),
-      unit_(1 / mean),
-      order_(order),
-      grid_(source.width(), source.height()) {
+HingeSource<Grid>::HingeSource(const Level& source, double mean, const Colour& darkest, int rows, int fewest, int order)
+    : source_(source), darkest_(darkest), unit_(1 / mean), order_(order), grid_(source.width(), source.height()) {
   const int height = source.height();
   int side = 1;  // Smaller cells are few where they are needed: they are made of texels then.
   while (side < 4 && height / (4 * side) >= rows) side *= 2;

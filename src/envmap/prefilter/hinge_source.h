@@ -22,9 +22,9 @@ struct alignas(64) HingeCell {
 template <class Grid>
 class HingeSource {
  public:
-  /// @param source a cube or latlong map of 4 rows or more. @param mean of its radiance. @param rows of cells of a face
-  /// that sums start from at most, about. @param fewest the same at least. @param order of moments, 1 to 3.
-  HingeSource(const Level& source, double mean, int rows, int fewest, int order);
+  /// @param source a cube or latlong map of 4 rows or more. @param mean of its radiance. @param darkest left out, see
+  /// darkest(). @param rows of cells of a face that sums start from at most, about. @param fewest the same at least. @param order of moments, 1 to 3.
+  HingeSource(const Level& source, double mean, const Colour& darkest, int rows, int fewest, int order);
 
   struct Cells {
     typename Grid::Cells grid;

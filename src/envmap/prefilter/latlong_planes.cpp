@@ -32,7 +32,10 @@ class Across {
       thread_local std::vector<float> padded;
       const int width = int(texels.size()), size = width + int(weights_.size());
       padded.resize(std::size_t(size));
-      for (int k = 0; k < size; ++k) padded[std::size_t(k)] = texels[std::size_t((k + first_ + 4 * width) % width)];
+      for (int k = 0, at = (first_ % width + width) % width, run = 0; k < size; k += run, at = 0) {
+        run = std::min(size - k, width - at);
+        std::copy_n(&texels[std::size_t(at)], run, &padded[std::size_t(k)]);
+      }
       return dot_products(padded, std::size_t(step_), weights_, out);
     }
     for (std::size_t i = 0; i < out.size(); ++i) {

@@ -79,6 +79,7 @@ struct PrefilterSource::Prepared {
   const Totals light;
   const std::optional<Level> fine;
   // Made when they are wanted first.
+  mutable std::optional<Colour> least;
   mutable std::optional<Tree> tree;
   mutable std::optional<Hinges> hinges;       // Of the order and error wanted last.
   mutable std::map<int, SourceGrids> grids;   // By the rows of the finest: no result depends on earlier ones.
@@ -96,21 +97,25 @@ struct PrefilterSource::Prepared {
 
   // In texels of 1.5 degrees or less.
   [[nodiscard]] const Level& small_texels() const { return fine ? *fine : source.base(); }
+  [[nodiscard]] const Colour& darkest() const {
+    if (!least) least = darkest_of(source.base());
+    return *least;
+  }
   [[nodiscard]] const Tree& nodes() const {
     if (!tree) tree.emplace(small_texels(), light.mean, small_texels().height() / source.base().height());
     return *tree;
   }
   [[nodiscard]] const Hinges& sums(int order, double error) const {
-    if (!hinges || !hinges->fits(order, error)) hinges.emplace(small_texels(), light.mean, order, error);
+    if (!hinges || !hinges->fits(order, error)) hinges.emplace(small_texels(), light.mean, darkest(), order, error);
     return *hinges;
   }
-  [[nodiscard]] const SourceGrids& levels(int finest, const Colour& darkest) const {
-    return grids.try_emplace(finest, source.base(), light.mean, darkest, finest).first->second;
+  [[nodiscard]] const SourceGrids& levels(int finest) const {
+    return grids.try_emplace(finest, source.base(), light.mean, darkest(), finest).first->second;
   }
   [[nodiscard]] const SheenBlocks& sheen(double texel) const {
     const std::optional<Level> finer = refined(source.base(), texel);
     const Level& texels = finer ? *finer : source.base();
-    return blocks.try_emplace(texels.height(), texels, light.mean, darkest_of(source.base())).first->second;
+    return blocks.try_emplace(texels.height(), texels, light.mean, darkest()).first->second;
   }
 };
 
@@ -124,7 +129,8 @@ struct Making {
   const Totals& light;
   const std::function<const Tree&()> tree;
   const std::function<const Hinges&(int order)> hinges;
-  const std::function<const SourceGrids&(int finest, const Colour& darkest)> grids;
+  const std::function<const SourceGrids&(int finest)> grids;
+  const std::function<const Colour&()> darkest;
   const std::function<const SheenBlocks&(double texel)> sheen;
   const Prefilter& wanted;
   const Lobe lobe;
@@ -183,9 +189,8 @@ struct Making {
 
   void make_multilevel(const MultilevelPlan& plan, Level& out, std::span<float> figures) const {
     if (light.mean <= 0) return void(std::ranges::fill(figures, 0.F));
-    const Colour darkest = darkest_of(source);
-    const MultilevelSource from{small_texels, grids(plan.finest(), darkest),
-                                plan.has_hinges() ? &hinges(plan.hinges.order()) : nullptr, light.mean, darkest};
+    const MultilevelSource from{small_texels, grids(plan.finest()),
+                                plan.has_hinges() ? &hinges(plan.hinges.order()) : nullptr, light.mean, darkest()};
     multilevel_map(plan, from, target, wanted.rows, out, figures, progress);
   }
 
@@ -282,7 +287,8 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
              p.light,
              [&]() -> const Tree& { return p.nodes(); },
              [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
-             [&](int finest, const Colour& darkest) -> const SourceGrids& { return p.levels(finest, darkest); },
+             [&](int finest) -> const SourceGrids& { return p.levels(finest); },
+             [&]() -> const Colour& { return p.darkest(); },
              [&](double texel) -> const SheenBlocks& { return p.sheen(texel); },
              wanted,
              lobe_of(wanted),
