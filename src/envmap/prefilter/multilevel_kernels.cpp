@@ -82,7 +82,65 @@ Flux GatherGgx(const SourceGrid& grid, const LevelKernel& k, const GatherRoom& r
   return GatherRows(grid, OfGgx<false, false, quartic>{k}, room);
 }
 
+// Which columns of a row the kernel reaches, in blocks of eight. @return whether there are any.
+HWY_INLINE bool set_window(const SourceGrid& grid, int row, double end, const GridView& view, GatherRoom::Row& out) {
+  const auto r = std::size_t(row);
+  const double d = grid.half_sine[r] * view.half_cosine - grid.half_cosine[r] * view.half_sine, c = 2 * d * d;
+  const double g = double(grid.sine[r]) * view.sine;
+  if (c >= end) return false;
+  const double versine = (end - c) / std::max(1e-30, g);
+  const int columns = grid.columns[r];
+  const double at = view.longitude * columns / (2 * pi) - 0.5,
+               w = versine >= 2 ? columns : half_width(versine, columns);
+  out.row = row, out.c = float(c), out.g = float(g);
+  if (2 * w >= columns - 10) {
+    out.start = int(std::floor(at)) - columns / 2;
+    out.start -= out.start & 7, out.blocks = columns / 8;
+  } else {
+    out.start = int(std::ceil(at - w));
+    out.blocks = (int(std::floor(at + w)) + 1 - out.start + 7) / 8;
+  }
+  return out.blocks > 0;
+}
+
+// Widens the span of longitudes of rows with as many columns. @return which that is.
+HWY_INLINE int set_kind(int columns, const GatherRoom::Row& row, std::vector<GatherRoom::Angles>& kinds) {
+  const int end = row.start + 8 * row.blocks;
+  for (std::size_t k = kinds.size(); k-- > 0;) {
+    GatherRoom::Angles& a = kinds[k];
+    if (a.columns != columns) continue;
+    a.low = std::min(a.low, row.start), a.high = std::max(a.high, end);
+    return int(k);
+  }
+  kinds.push_back({columns, row.start, end, 0});
+  return int(kinds.size()) - 1;
+}
+
+// Finds the rows of the window, and the columns of each.
+void SetRoom(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room) {
+  const double end = double(kernel.end), reach = end >= 1 ? 0.5 * pi : 2 * portable::asin(std::sqrt(0.5 * end)),
+               per_row = grid.rows / pi;
+  const int low = std::max(0, int(std::floor((view.angle - reach) * per_row)));
+  const int high = std::min(grid.rows - 1, int(std::floor((view.angle + reach) * per_row)));
+  room.rows.resize(std::size_t(high - low + 1)), room.kinds.clear();
+  std::size_t count = 0;
+  for (int r = low; r <= high; ++r) {
+    GatherRoom::Row& row = room.rows[count];
+    if (!set_window(grid, r, end, view, row)) continue;
+    row.kind = set_kind(grid.columns[std::size_t(r)], row, room.kinds);
+    ++count;
+  }
+  room.rows.resize(count);
+  std::size_t size = 0;
+  for (GatherRoom::Angles& a : room.kinds) {
+    a.high += (8 - (a.high - a.low) % 8) % 8;
+    a.first = size, size += std::size_t(a.high - a.low);
+  }
+  if (room.versines.size() < size) room.versines.resize(size);
+}
+
 Flux Gather(const SourceGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
+  SetRoom(grid, k, view, room);
   for (const GatherRoom::Angles& a : room.kinds)
     versines(view.longitude * a.columns / (2 * pi) - 0.5, a.columns, a.low, a.high, &room.versines[a.first]);
   if (k.kind == LevelKernel::Kind::ggx)
@@ -115,69 +173,7 @@ GridView::GridView(const Direction& n)
   half_sine = portable::sin_pi(0.5 * angle / pi), half_cosine = portable::cos_pi(0.5 * angle / pi);
 }
 
-double half_width(double versine, int columns) {
-  const double s = std::sqrt(0.5 * versine);
-  return 2 * s * (1 + 0.5708 * s * s) * columns / (2 * pi) + 0.002;  // asin(s) <= s (1 + 0.5708 s^2).
-}
-
-namespace {
-
-// Which columns of a row the kernel reaches, in blocks of eight. @return whether there are any.
-bool set_window(const SourceGrid& grid, int row, double end, const GridView& view, GatherRoom::Row& out) {
-  const auto r = std::size_t(row);
-  const double d = grid.half_sine[r] * view.half_cosine - grid.half_cosine[r] * view.half_sine, c = 2 * d * d;
-  const double g = double(grid.sine[r]) * view.sine;
-  if (c >= end) return false;
-  const double versine = (end - c) / std::max(1e-30, g);
-  const int columns = grid.columns[r];
-  const double at = view.longitude * columns / (2 * pi) - 0.5,
-               w = versine >= 2 ? columns : half_width(versine, columns);
-  out.row = row, out.c = float(c), out.g = float(g);
-  if (2 * w >= columns - 10) {
-    out.start = int(std::floor(at)) - columns / 2;
-    out.start -= out.start & 7, out.blocks = columns / 8;
-  } else {
-    out.start = int(std::ceil(at - w));
-    out.blocks = (int(std::floor(at + w)) + 1 - out.start + 7) / 8;
-  }
-  return out.blocks > 0;
-}
-
-// Widens the span of longitudes of rows with as many columns. @return which that is.
-int set_kind(int columns, const GatherRoom::Row& row, std::vector<GatherRoom::Angles>& kinds) {
-  const int end = row.start + 8 * row.blocks;
-  for (std::size_t k = kinds.size(); k-- > 0;) {
-    GatherRoom::Angles& a = kinds[k];
-    if (a.columns != columns) continue;
-    a.low = std::min(a.low, row.start), a.high = std::max(a.high, end);
-    return int(k);
-  }
-  kinds.push_back({columns, row.start, end, 0});
-  return int(kinds.size()) - 1;
-}
-
-}  // namespace
-
 Flux gather(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room) {
-  const double end = double(kernel.end), reach = end >= 1 ? 0.5 * pi : 2 * portable::asin(std::sqrt(0.5 * end)),
-               per_row = grid.rows / pi;
-  const int low = std::max(0, int(std::floor((view.angle - reach) * per_row)));
-  const int high = std::min(grid.rows - 1, int(std::floor((view.angle + reach) * per_row)));
-  room.rows.resize(std::size_t(high - low + 1)), room.kinds.clear();
-  std::size_t count = 0;
-  for (int r = low; r <= high; ++r) {
-    GatherRoom::Row& row = room.rows[count];
-    if (!set_window(grid, r, end, view, row)) continue;
-    row.kind = set_kind(grid.columns[std::size_t(r)], row, room.kinds);
-    ++count;
-  }
-  room.rows.resize(count);
-  std::size_t size = 0;
-  for (GatherRoom::Angles& a : room.kinds) {
-    a.high += (8 - (a.high - a.low) % 8) % 8;
-    a.first = size, size += std::size_t(a.high - a.low);
-  }
-  if (room.versines.size() < size) room.versines.resize(size);
   return kernel.scale * HWY_DYNAMIC_DISPATCH(Gather)(grid, kernel, view, room);
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -42,7 +43,10 @@ struct GridView {
 
 /// Half the columns of a row within 2 sin(angle / 2)^2 = versine of a direction, with a little more.
 /// @param versine below 2.
-double half_width(double versine, int columns);
+inline double half_width(double versine, int columns) {
+  const double s = std::sqrt(0.5 * versine);
+  return 2 * s * (1 + 0.5708 * s * s) * columns / (2 * pi) + 0.002;  // asin(s) <= s (1 + 0.5708 s^2).
+}
 
 /// Room for gather(), of one thread.
 struct GatherRoom {
