@@ -1,5 +1,7 @@
 #include <tbb/global_control.h>
 
+#include <algorithm>
+
 #include "cli/command_line.h"
 #include "shared/maps.h"
 
@@ -33,6 +35,10 @@ Action define(const Command& command, Options& o, Settings& s) {
     if (const Option* const output = o.output(); output != nullptr && !output->is_argument())
       o.need(output->name, {"--depfile", "--if-changed", "--force", "--fsync"});
   }
+  // Only where there is one does --forward say something of the input, too.
+  if (const auto from = std::ranges::find(o.rows, "--from-forward", &Option::name);
+      from != o.rows.end() && std::ranges::find(o.rows, "--forward", &Option::name) == o.rows.end())
+    from->help.erase(from->help.find(" --forward,"), std::string_view(" --forward,").size());
   o.group = groups::reports;
   if (command.reports) o.flag("--json", s.json, "Print a JSON report on standard output");
   o.flag("-q,--quiet", s.quiet, "Print no notes and no progress");
@@ -47,7 +53,9 @@ int run(Parsed& parsed) {
   if (s.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(s.threads));
   const PendingDepfile depfile;
   const Options& o = parsed.options;
-  check_files(o.named(File::output), o.named(File::input), {o.last("--faces"), o.last("--from-faces")});
+  // Where the last argument is the output, the command looks first whether there is one.
+  if (std::ranges::find(o.rows, File::inputs_then_output, &Option::file) == o.rows.end())
+    check_files(o.named(File::output), o.named(File::input), {o.last("--faces"), o.last("--from-faces")});
   Report report;
   const int status = parsed.action(report);
   commit_depfile();

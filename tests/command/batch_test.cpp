@@ -105,19 +105,35 @@ TEST_F(Batch, WritesAMakefile) {
 }
 
 TEST_F(Batch, WritesAMakefileOfOddNames) {
-  write("maps.txt",
-        "convert a.hdr 'x=1 $(y) 50%:#.exr' --size 4\nmipmap 'x=1 $(y) 50%:#.exr' 'in a/folder/x=2.ktx2'\n");
+  write("maps.txt", "convert a.hdr './x $y #1:.exr' --size 4\nmipmap 'x $y #1:.exr' 'in a/folder//x.ktx2'\n");
   succeeds({"batch", "maps.txt", "--make", "maps.mk", "-q"});
   const Result made = shell("make -s -f maps.mk");
   EXPECT_EQ(made.status, 0) << made.err;
-  EXPECT_TRUE(fs::exists(path("in a/folder/x=2.ktx2")));
+  EXPECT_TRUE(fs::exists(path("in a/folder/x.ktx2")));
   EXPECT_EQ(shell("make -q -f maps.mk").status, 0);
-  for (const std::string name : {"a;b", "a\\b"}) {
-    write("maps.txt", "convert a.hdr '" + name + ".exr'\n");
-    fails(2, {"batch", "maps.txt", "--make", "odd.mk"}, {name, "Make"});
+  touch("a.hdr");
+  EXPECT_EQ(shell("make -q -f maps.mk").status, 1);
+  for (const char character : std::string_view(";=%(*[\\")) {
+    const std::string name = std::string("a") + character + "b.exr";
+    write("maps.txt", "convert a.hdr '" + name + "'\n");
+    fails(2, {"batch", "maps.txt", "--make", "odd.mk"}, {name, "a name with", "Make"});
     succeeds({"batch", "maps.txt"});
-    EXPECT_TRUE(fs::exists(path(name + ".exr")));
+    EXPECT_TRUE(fs::exists(path(name))) << name;
   }
+  write("maps.txt", "convert a.hdr 'a|b.exr'\n");
+  fails(2, {"batch", "maps.txt"}, {"a|b.exr", "a name with |", "Ninja"});
+}
+
+TEST_F(Batch, OneFileHasOneName) {
+  fs::create_directory(path("sub"));
+  fs::create_directory_symlink(path("sub"), path("link"));
+  write("maps.txt",
+        "convert a.hdr ./k2.exr --size 4\nmipmap ./k?.exr {stem}_m.exr\nconvert a.hdr link/z.exr --size 4\n"
+        "convert sub/z.exr " +
+            path("y.exr") + " --size 4\nconvert y.exr w.exr --size 4\n");
+  succeeds({"batch", "maps.txt"});
+  for (const char* file : {"k2_m.exr", "sub/z.exr", "w.exr"}) EXPECT_TRUE(fs::exists(path(file))) << file;
+  EXPECT_EQ(envmap({"batch", "maps.txt"}).err, "envmap batch: nothing to do\n");
 }
 
 TEST_F(Batch, QuotedCharactersStandForThemselves) {
@@ -170,7 +186,8 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   refused("convert a.hdr x.exr\nmipmap a.hdr x.exr\n", {"line 2", "x.exr", "line 1"});
   refused("convert a.hdr x.exr\nmipmap a.hdr ./x.exr\n", {"line 2", "x.exr", "line 1"});
   refused("convert a.hdr x.exr\nmipmap a.hdr " + path("x.exr") + "\n", {"line 2", "x.exr", "line 1"});
-  refused("sh a.hdr --evaluate x.exr\n", {"line 1", "sh prints what it finds"});
+  refused("sh a.hdr --evaluate x.exr\n", {"line 1", "sh is not for a batch"});
+  refused("view a.gltf f%04d.png --frames 0:1\n", {"line 1", "names of their own"});
   refused("convert '*.hdr' {stem}.exr\n", {"line 1", "without quotation marks"});
   refused("convert *.hdr x.exr --to cube\n", {"line 1", "unexpected argument"});
   refused("convert a.hdr b.exr c.exr\n", {"wrong.txt: line 1: unexpected argument 'c.exr'"});

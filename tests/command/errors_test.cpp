@@ -21,6 +21,12 @@ class Usage : public CommandTest {
 TEST_F(Usage, SaysTheWordThatWasProbablyMeant) {
   fails(usage, {"convert", "in.exr", "out.exr", "--sise", "4"}, {"'--sise'", "did you mean '--size'"});
   fails(usage, {"compare", "in.exr", "in.exr", "--max-eror=1"}, {"'--max-eror'", "did you mean '--max-error'"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--lobe", "ggx"}, {"'--lobe' is an option of 'envmap prefilter'"});
+  fails(usage, {"convert", "in.exr", "out.exr", "more.exr"}, {"'more.exr'", "convert takes INPUT OUTPUT"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--size"}, {"--size needs a value"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--size", "8x4"}, {"--size: must be a whole number from 1 to"});
+  fails(usage, {"compare", "in.exr", "in.exr", "--max-rms", "1%"}, {"--max-rms: must be a number of at least 0"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--rotate", "90"}, {"90,0,0", "sun:+z"});
   const Result r = envmap({"convrt", "in.exr", "out.exr"});
   EXPECT_EQ(r.status, usage);
   EXPECT_NE(r.err.find("no command 'convrt'; did you mean 'convert'?"), std::string::npos) << r.err;
@@ -108,8 +114,9 @@ TEST_F(Usage, RefusesOptionsThatWouldDoNothing) {
       {"view s.gltf out.png --reflection sampled", "--environment"},
       {"render s.gltf out.exr --fps 25", "--frames"},
       {"render s.gltf out.exr --occlusion 8", "--environment"},
-      {"render s.gltf out_{frame}.exr", "{frame} in a name goes with --frames"},
-      {"view s.gltf out_%04d.png", "%04d in a name goes with --frames"},
+      {"render s.gltf out_{frame}.exr", "goes with --frames"},
+      {"view s.gltf out_%04d.png", "goes with --frames"},
+      {"prefilter in.exr out.exr --table-size 64", "--brdf-table"},
       {"view s.gltf out.png --near 5 --far 2", "--near must be less than --far"},
   };
   for (const auto& [line, needed] : cases) fails(usage, split(line), {needed});

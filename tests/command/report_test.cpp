@@ -264,6 +264,18 @@ TEST_F(Compare, ResamplesTheFirstToTheSecond) {
   EXPECT_EQ(report(r)["resampled"], true);
 }
 
+TEST_F(Compare, TexelsThatAnAxisOnlyMovesAreTheSame) {
+  succeeds({"convert", "a.exr", "turned.exr", "--forward", "+x"});
+  EXPECT_NE(envmap({"compare", "turned.exr", "a.exr"}).out.find("\nidentical\n"), std::string::npos);
+}
+
+TEST_F(Compare, SaysWhichLimitIsExceededEvenWhereTheDifferenceCannotBeWritten) {
+  const Result r =
+      envmap({"compare", "a.exr", "b.exr", "--max-error", "0.1", "--difference", "d.exr"}, {.largest_file = 64});
+  EXPECT_EQ(r.status, 4) << r.err;
+  EXPECT_NE(r.err.find("(--max-error)"), std::string::npos) << r.err;
+}
+
 TEST_F(Compare, WithABlackReferenceIsJsonThatParses) {
   save(path("black.exr"), Picture::filled(width, height, 0));
   const Result r = envmap({"compare", "a.exr", "black.exr", "--json", "--max-error", "1"});

@@ -119,7 +119,7 @@ int run_ninja(const std::string& file, const Request& o, std::size_t jobs, Ninja
 
 std::vector<Job> jobs_of(const Request& o) {
   if (!o.engine.empty()) return bake_jobs(o.names, o.engine, o.into);
-  if (o.names.size() > 1) throw UsageError(o.names[1], "one manifest, or --for ENGINE and probes");
+  if (o.names.size() > 1) throw UsageError(o.names[1], "give one manifest, or --for ENGINE and probes");
   return read_manifest(o.names.front());
 }
 
@@ -146,8 +146,9 @@ int run(const Request& o) {
   const int status = run_ninja(file, o, jobs.size(), output);
   if (status == 0) return 0;
   if (WIFSIGNALED(status)) throw OutputError("ninja was ended by a signal");
-  throw OutputError(fmt::format("{} of {} jobs failed{}", output.failures(), jobs.size(),
-                                o.keep_going ? "" : "; jobs not yet started were skipped (-k runs them)"));
+  throw OutputError(
+      fmt::format("{} of {} jobs failed{}", output.failures(), jobs.size(),
+                  o.keep_going || jobs.size() == 1 ? "" : "; jobs not yet started were skipped (-k runs them)"));
 }
 
 }  // namespace

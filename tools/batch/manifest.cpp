@@ -17,6 +17,7 @@
 #include "batch/schedule.h"
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
+#include "scenes/scene_options.h"
 #include "shared/named_files.h"
 
 namespace tools {
@@ -69,7 +70,8 @@ std::vector<Word> split(const std::string& line, const std::string& where) {
       quote = 0;
     else if (quote == 0 && (c == '\'' || c == '"'))
       quote = c;
-    else if (c == '\\' && quote != '\'' && k + 1 < line.size())
+    else if (c == '\\' && k + 1 < line.size() &&
+             (quote == 0 || (quote == '"' && std::string_view("$`\"\\").find(line[k + 1]) != std::string_view::npos)))
       words.back().append(line[++k], true);
     else
       words.back().append(c, quote != 0);
@@ -117,13 +119,14 @@ using Sources = std::map<std::string, std::string>;
 
 // Files that are there or that earlier lines write, without those that the line itself makes of others.
 Texts matching(const Word& word, const std::set<std::string>& written, const Sources& made, const std::string& where) {
-  const std::string& pattern = word.glob;
+  const std::string &pattern = word.glob, plain = plain_path(pattern);
   std::set<std::string> found;
   glob_t files = {};
-  if (::glob(pattern.c_str(), 0, nullptr, &files) == 0) found.insert(files.gl_pathv, files.gl_pathv + files.gl_pathc);
+  if (::glob(pattern.c_str(), 0, nullptr, &files) == 0)
+    std::transform(files.gl_pathv, files.gl_pathv + files.gl_pathc, std::inserter(found, found.end()), plain_path);
   ::globfree(&files);
   for (const std::string& file : written)
-    if (::fnmatch(pattern.c_str(), file.c_str(), FNM_PATHNAME) == 0) found.insert(file);
+    if (::fnmatch(plain.c_str(), file.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0) found.insert(file);
   std::erase_if(found, [&](const std::string& file) {
     const auto source = made.find(plain_path(file));
     return source != made.end() && source->second != file;
@@ -166,7 +169,7 @@ std::vector<CommandWords> expanded(const Line& line, const std::set<std::string>
   for (const std::string& file : matching(*pattern, written, made, line.where)) {
     CommandWords& command = commands.emplace_back(CommandWords{{}, file});
     for (const Word& word : line.words)
-      command.words.push_back(word.text == pattern->text ? file : placed(word.text, file));
+      command.words.push_back(word.is_pattern && word.text == pattern->text ? file : placed(word.text, file));
   }
   return commands;
 }
@@ -189,8 +192,8 @@ void check_writes(const std::string& where, const std::string& name) {
   Options options;
   define(*command, options);
   if (const Option* const output = options.output(); output == nullptr || !output->is_argument())
-    throw UsageError(
-        fmt::format("{}: {} prints what it finds, and a batch is for commands that write files", where, name));
+    throw UsageError(fmt::format("{}: {} is not for a batch, which runs commands whose arguments name a file to write",
+                                 where, name));
 }
 
 Job job_of(const std::string& where, const Texts& words) {
@@ -202,11 +205,15 @@ Job job_of(const std::string& where, const Texts& words) {
   const auto add = [](Texts& files, const std::string& name, const std::string& faces) {
     for (const std::string& file : files_of(name, 1, faces)) files.push_back(file == "-" ? file : plain_path(file));
   };
+  // The depfile of the job has the names of its rule then.
+  const Texts named = options.named(File::output);
+  for (std::string& word : job.words)
+    if (word != "-" && std::ranges::find(named, word) != named.end()) word = plain_path(word);
   for (const std::string& name : options.named(File::folder)) add(job.outputs, name + "/README.txt", "");
   for (const std::string& name : options.named(File::output)) add(job.outputs, name, options.last("--faces"));
   for (const std::string& name : options.named(File::input)) add(job.inputs, name, options.last("--from-faces"));
   if (options.given("--depfile")) throw UsageError(where + ": remove --depfile: a batch has its own");
-  if (job.outputs.empty() || job.outputs.front().find("{frame") != std::string::npos)
+  if (job.outputs.empty() || is_numbered(job.outputs.front()))
     throw UsageError(where + ": a job of a batch writes files with names of their own, not - and no {frame}");
   return job;
 }
@@ -231,7 +238,7 @@ std::vector<Job> jobs_of(const Line& line, const std::set<std::string>& written)
 
 std::vector<Job> jobs_of(const std::vector<Line>& lines) {
   std::vector<Job> jobs;
-  std::map<std::string, std::string> writer;  // By the absolute path.
+  std::map<std::string, std::string> writer;
   std::set<std::string> written;
   for (Line line : lines) {
     if (!line.words.empty() && line.words.front().text == "envmap") line.words.erase(line.words.begin());
@@ -241,7 +248,7 @@ std::vector<Job> jobs_of(const std::vector<Line>& lines) {
         throw UsageError(line.where + ": holds a NUL byte, which no argument can");
     for (Job& job : jobs_of(line, written)) {
       for (const std::string& file : job.outputs) {
-        const auto [other, is_new] = writer.emplace(plain_path(fs::absolute(file)), line.where);
+        const auto [other, is_new] = writer.emplace(file, line.where);
         if (!is_new) throw UsageError(fmt::format("{}: writes {}, as {} does", line.where, file, other->second));
         written.insert(file);
       }

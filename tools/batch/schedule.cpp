@@ -25,18 +25,21 @@ std::string escaped(const std::string& text, std::string_view special, char befo
   return out;
 }
 
-std::string for_ninja(const std::string& path) { return escaped(path, "$ :", '$'); }
-// Of what is made; of what it is made of a % has no meaning. A $ is doubled, and a variable stands for =, which would
-// begin one. The rest gets a backslash.
-std::string for_make(const std::string& path, std::string_view special) {
-  if (path.find_first_of(";\\") != path.npos)
-    throw envmap::UsageError(path, "Make has no way to write a name with ; or \\: rename it, or use --slurm or Ninja");
-  std::string out = escaped(escaped(path, special, '\\'), "$", '$');
-  for (std::size_t at = 0; (at = out.find('=', at)) != out.npos; at += 9) out.replace(at, 1, "$(equals)");
-  return out;
+// The characters of a name that an engine's file has no way to write, or that mean another thing there.
+void refuse(const std::string& path, std::string_view characters, const std::string& engine) {
+  if (const std::size_t at = path.find_first_of(characters); at != path.npos)
+    throw envmap::UsageError(path,
+                             fmt::format("a name with {} cannot stand in a file for {}: rename it", path[at], engine));
 }
-std::string target(const std::string& path) { return for_make(path, " #:%"); }
-std::string prerequisite(const std::string& path) { return for_make(path, " #:"); }
+std::string for_ninja(const std::string& path) {
+  refuse(path, "|", "Ninja");
+  return escaped(path, "$ :", '$');
+}
+// A $ is doubled, the rest gets a backslash.
+std::string for_make(const std::string& path) {
+  refuse(path, ";=%|()*?[\\", "Make");
+  return escaped(escaped(path, " #:", '\\'), "$", '$');
+}
 
 template <class F>
 std::string joined(const std::vector<std::string>& words, F&& form) {
@@ -122,7 +125,14 @@ std::vector<int> stages(std::span<const Job> jobs) {
 
 }  // namespace
 
-std::string plain_path(const std::string& path) { return std::filesystem::path(path).lexically_normal().string(); }
+// Links to folders are followed, a link to a file is not: another file may take its place.
+std::string plain_path(const std::string& path) {
+  namespace fs = std::filesystem;
+  const fs::path given = path, here = fs::current_path(), whole = fs::absolute(given);
+  const fs::path known = fs::weakly_canonical(whole.parent_path()) / whole.filename(),
+                 near = known.lexically_proximate(here);
+  return (given.is_absolute() && near.string().starts_with("..") ? known : near).string();
+}
 
 void check_order(std::span<const Job> jobs) { stages(jobs); }
 
@@ -157,29 +167,38 @@ std::string ninja_file(std::span<const Job> jobs, const std::string& program, co
   return text;
 }
 
+namespace {
+
+// Of outputs, as words for sh, each after a space.
+std::string folders_of(std::span<const Job> jobs) {
+  std::set<std::string> folders;
+  for (const Job& job : jobs)
+    for (const std::string& file : job.outputs) folders.insert(std::filesystem::path(file).parent_path().string());
+  folders.erase("");
+  std::string words;
+  for (const std::string& folder : folders) words += " " + quoted(folder);
+  return words;
+}
+
+}  // namespace
+
 std::string makefile(std::span<const Job> jobs, const std::string& program, const std::string& folder) {
   std::string all, rules, depfiles;
-  std::set<std::string> folders{folder};
   const auto writer = writers(jobs);
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Job& job = jobs[k];
     const std::string depfile = fmt::format("{}/{}.d", folder, k + 1);
-    all += " " + joined(job.outputs, prerequisite);
-    depfiles += " " + prerequisite(depfile);
-    for (const std::string& file : job.outputs)
-      if (const auto parent = std::filesystem::path(file).parent_path(); !parent.empty())
-        folders.insert(parent.string());
-    rules += fmt::format("{} {}: {}\n\t{}\n\n", joined(job.outputs, target), job.outputs.size() > 1 ? "&" : "",
-                         joined(needed(job, writer), prerequisite),
+    all += " " + joined(job.outputs, for_make);
+    depfiles += " " + for_make(depfile);
+    rules += fmt::format("{} {}: {}\n\t{}\n\n", joined(job.outputs, for_make), job.outputs.size() > 1 ? "&" : "",
+                         joined(needed(job, writer), for_make),
                          escaped(command(job, program, {"--quiet", "--depfile", depfile}), "$", '$'));
   }
-  std::string made;
-  for (const std::string& one : folders) made += " " + escaped(quoted(one), "$", '$');
   return fmt::format(
       "# Written by 'envmap batch'. Changed inputs make their maps again; after a change of the manifest write it "
       "anew, and make "
-      "-B.\nequals := =\nall:{}\n\n{}$(shell mkdir -p --{})\n-include{}\n.PHONY: all\n.DELETE_ON_ERROR:\n",
-      all, rules, made, depfiles);
+      "-B.\nall:{}\n\n{}$(shell mkdir -p -- {})\n-include{}\n.PHONY: all\n.DELETE_ON_ERROR:\n",
+      all, rules, escaped(quoted(folder) + folders_of(jobs), "$", '$'), depfiles);
 }
 
 std::string slurm_script(std::span<const Job> jobs, const std::string& program) {
@@ -191,7 +210,8 @@ std::string slurm_script(std::span<const Job> jobs, const std::string& program) 
   for (std::size_t n = 0; n < order.size(); ++n)
     cases += fmt::format("  {}) exec {} ;;\n", n + 1, command(jobs[order[n]], program, {"--quiet"}));
   constexpr std::size_t largest_array = 1000;  // Slurm's MaxArraySize is 1001 where nobody raised it.
-  std::string submit = "  before=\n";
+  const std::string folders = folders_of(jobs);
+  std::string submit = (folders.empty() ? "" : "  mkdir -p --" + folders + "\n") + "  before=\n";
   for (std::size_t n = 0; n < order.size();) {
     const int of = stage[order[n]];
     submit += "  these=\n";

@@ -8,7 +8,7 @@
 
 namespace tools {
 
-/// Without ./ and the like, as jobs name their files.
+/// One name for each file, as jobs know it: relative to the current folder where it is near, without ./ and the like.
 std::string plain_path(const std::string& path);
 
 /// @throws UsageError where jobs wait for each other in a circle, with the lines at fault.

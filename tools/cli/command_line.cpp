@@ -53,6 +53,19 @@ void add(CLI::App& app, Option& o) {
   if (!o.excludes.empty()) option->excludes(o.excludes);
 }
 
+// The commands that have an option, in words.
+std::string commands_with(const std::string& option) {
+  std::vector<std::string> names;
+  for (const Command& c : commands()) {
+    Options options;
+    Settings unused;
+    define(c, options, unused);
+    if (std::ranges::find(options.rows, option, &Option::name) != options.rows.end())
+      names.push_back(fmt::format("'envmap {}'", c.name));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 std::string closest(const std::string& word, const std::vector<std::string>& known) {
   const std::vector<std::string> near = envmap::near_words(word, known, 1);
   return near.empty() ? "" : fmt::format("; did you mean '{}'?", near[0]);
@@ -77,11 +90,15 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
   constexpr std::string_view help = " (see 'envmap --help')";
   if (words.empty()) return fmt::format("needs a command: {}{}", fmt::join(names, ", "), help);
   const std::string& first = words.front();
+  if (first == "help") return fmt::format("no command 'help': use 'envmap {} --help'", words.back());
   if (parsed.command == nullptr && first.starts_with("-"))
-    return fmt::format("unknown option '{}'{}{}", first, closest(first, {"--help", "--version"}), help);
+    return fmt::format("unknown option '{}'{}, options follow the command{}", first,
+                       closest(first, {"--help", "--version"}), help);
   if (parsed.command == nullptr) return fmt::format("no command '{}'{}{}", first, closest(first, names), help);
   const std::string here = fmt::format(" (see 'envmap {} --help')", first);
   constexpr std::string_view twice = ": At Most 1 required but received ";
+  if (const std::string what = error.what(); what.find(": 1 required ") != what.npos && what.ends_with(" missing"))
+    return fmt::format("{} needs a value{}", what.substr(0, what.find(':')), here);
   if (const std::string what = error.what(); what.find(twice) != what.npos)
     return fmt::format("{} takes one value, and is given {} times{}", what.substr(0, what.find(twice)),
                        what.substr(what.find(twice) + twice.size()), here);
@@ -91,10 +108,16 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
   for (std::string word : left)
     if (word.size() > 1 && word[0] == '-') {
       word.resize(std::min(word.find('='), word.size()));
+      if (const std::string others = commands_with(word); !others.empty())
+        return fmt::format("'{}' is an option of {}{}", word, others, here);
       return fmt::format("unknown option '{}'{}{}", word, closest(word, options), here);
     }
   if (left.empty()) return error.what() + here;
-  return fmt::format("unexpected argument '{}'{}", left.front(), here);
+  std::vector<std::string> arguments;
+  for (const Option& o : parsed.options.rows)
+    if (o.is_argument()) arguments.push_back(o.name);
+  return fmt::format("unexpected argument '{}': {} takes {}; quote names that have spaces{}", left.front(), first,
+                     arguments.empty() ? "none" : fmt::format("{}", fmt::join(arguments, " ")), here);
 }
 
 }  // namespace

@@ -178,7 +178,7 @@ std::string json_lines(const Text& text) {
       ".SH JSON\n" +
       roff(
           "--json prints an object of these keys. NaN and infinity are written as null and listed under not_finite. "
-          "'levels[].flux' is the key flux of each object in the array levels. 'envmap manual --schemas "
+          "'a[].b' is the key b of each object in the array a. 'envmap manual --schemas "
           "FOLDER' writes the JSON Schema.") +
       "\n";
   for (const Key& key : text.keys) lines += ".TP\n\\fB" + roff(key.path) + "\\fR\n" + roff(key.what) + "\n";

@@ -10,19 +10,26 @@
 namespace tools {
 namespace {
 
-[[noreturn]] void out_of(const std::string& text, const std::string& from, const std::string& to) {
-  throw std::invalid_argument(fmt::format("must be from {} to {}, not {}", from, to, text));
+[[noreturn]] void out_of(const std::string& text, const std::string& kind, const std::string& from,
+                         const std::string& to) {
+  throw std::invalid_argument(fmt::format("must be {}from {} to {}, not {}", kind, from, to, text));
 }
 
 template <class T>
 T number(const Option& o, const std::string& text) {
   T value{};
   const bool is_number = parse_number(text, value);
-  if (is_number && std::isnan(double(value))) throw std::invalid_argument("must be a number, not " + text);
-  if (!is_number && !o.range) throw std::invalid_argument("must be a number, not " + text);
+  const std::string kind = std::is_integral_v<T> ? "a whole number" : "a number";
+  if (!o.range && (!is_number || std::isnan(double(value))))
+    throw std::invalid_argument(fmt::format("must be {}, not {}", kind, text));
   const auto in_words = [](double end) { return fmt::format("{:.7g}", end); };
-  if (o.range && (!is_number || value < o.range->from || value > o.range->to))
-    out_of(text, in_words(o.range->from), in_words(o.range->to));
+  if (o.range && !(is_number && value >= o.range->from && value <= o.range->to)) {
+    const std::string of = is_number && !std::isnan(double(value)) ? "" : kind + " ";
+    if (o.range->to > 1e300)
+      throw std::invalid_argument(fmt::format("must be {}of at least {}, not {}", of.empty() ? "a number " : of,
+                                              in_words(o.range->from), text));
+    out_of(text, of, in_words(o.range->from), in_words(o.range->to));
+  }
   return value;
 }
 
@@ -40,7 +47,7 @@ std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
     throw std::invalid_argument("must be a size such as 500M, not " + text);
   const double bytes = std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, double(power));
   if (bytes < o.range->from || bytes > o.range->to)
-    out_of(fmt::format("{:.0f}", bytes), fmt::format("{:.0f}", o.range->from), fmt::format("{:.0f}", o.range->to));
+    out_of(fmt::format("{:.0f}", bytes), "", fmt::format("{:.0f}", o.range->from), fmt::format("{:.0f}", o.range->to));
   return std::uint64_t(bytes);
 }
 

@@ -202,9 +202,11 @@ int run(Request& o, Report& report) {
   // Apart from the first, or a filter might read them as its own.
   std::vector<Level> further(std::move_iterator(a.map.levels.begin() + 1), std::move_iterator(a.map.levels.end()));
   a.map.levels.erase(a.map.levels.begin() + 1, a.map.levels.end());
-  if (resampled)
-    a.map = convert(a.map, {.to = b.map.frame(), .size = b.map.base().height(), .filter = o.filter},
-                    {.progress = progress_line("resample")});
+  if (resampled) {
+    ConvertOptions how{.to = b.map.frame(), .size = b.map.base().height(), .filter = o.filter};
+    if (keeps_texels(a.map, how)) how.filter = Filter::nearest;
+    a.map = convert(a.map, how, {.progress = progress_line("resample")});
+  }
   std::optional<double> stops;
   if (o.fit_exposure) stops = fit_exposure(a.map.base(), further, b.map.base());
   const std::vector<LevelDifference> levels = compare_levels(further, b.map, !resampled);
@@ -231,18 +233,18 @@ int run(Request& o, Report& report) {
     if (stops) print(fmt::format("exposure of A fitted: {:+.4f} stops\n", *stops));
     if (resampled) warn(fmt::format("{} was resampled to the texels of {}", o.a, o.b));
   }
-  if (!o.difference.empty()) {
-    EnvironmentMap out;
-    out.levels.push_back(std::move(shown));
-    out.forward = b.map.forward;
-    write_map(o.difference, rows_of(out), {}, "write");
-  }
   if (!unlikeness.empty()) warn("envmap compare: " + unlikeness);
   if (const int left_out = int(b.map.levels.size()) - int(further.size()) - 1; unlikeness.empty() && left_out > 0)
     warn(fmt::format("envmap compare: {} has {} more level{}, not compared", o.b, left_out, left_out > 1 ? "s" : ""));
   for (const Breach& x : broken)
     warn(fmt::format("envmap compare: {}{} {:.3g} > {:g} ({})", x.level > 0 ? fmt::format("level {}: ", x.level) : "",
                      x.metric, x.value, x.limit, x.option));
+  if (!o.difference.empty()) {
+    EnvironmentMap out;
+    out.levels.push_back(std::move(shown));
+    out.forward = b.map.forward;
+    write_map(o.difference, rows_of(out), {}, "write");
+  }
   return same ? 0 : 1;
 }
 
@@ -257,15 +259,16 @@ Action define_compare(Options& o) {
   o.reads("A", r->a, "Map to judge, or '-' for stdin").required = true;
   o.reads("B", r->b, "Reference, or '-' for stdin").required = true;
   o.group = "Limits (exit 1 if one is exceeded)";
-  add_limit(o, "--max-rms", r->max_rms, "Largest allowed rms difference");
-  add_limit(o, "--max-error", r->max_error, "Largest allowed difference of a texel (max)");
-  add_limit(o, "--max-flux", r->max_flux, "Largest allowed difference of the flux of a channel");
-  o.flag("--golden", r->golden, "--same-shape and --same-levels, and without a limit --max-error 0");
+  add_limit(o, "--max-rms", r->max_rms, "Limit of rms (0.01: 1%)");
+  add_limit(o, "--max-error", r->max_error, "Limit of max, the relative difference of a texel (0.01: 1%)");
+  add_limit(o, "--max-flux", r->max_flux, "Limit of flux, of each channel (0.01: 1%)");
+  o.flag("--golden", r->golden, "As --same-shape --same-levels; if no limit is given, also as --max-error 0");
   o.flag("--same-shape", r->same_shape, "Require equal projection, size and forward axis");
   o.flag("--same-levels", r->same_levels, "Require equal numbers of mip levels");
   o.flag("--same-depth", r->same_depth, "Require equal depths, such as half");
   o.group = "Comparison";
-  o.add("--difference", "FILE", &r->difference, "Write |A-B| as a map").file = File::output;
+  o.add("--difference", "FILE", &r->difference, "Write |A-B| as a map with the texels of B, whatever the limits say")
+      .file = File::output;
   o.flag("--fit-exposure", r->fit_exposure, "First multiply A by the factor that brings it nearest to B");
   add_filter(o, r->filter, "Filter that resamples A to the texels of B (default: area)");
   add_read_options(o, r->read);

@@ -287,10 +287,8 @@ int run(Convert& o, Report& report) {
   const WriteOptions how = part_or_whole(o.shard, o.write, rows, made_of);
   report.put_written(o.output, write_map(o.output, mirrored({rows}, mirror), how, "convert"));
   if (circle) write_circle(o.photo, *circle);
-  if (engine)
-    tell_frame(o.output, *o.engine, *engine);
-  else
-    tell_lost_facts(o.output, {to, rows.forward}, o.write);
+  if (engine) tell_frame(o.output, *o.engine, *engine);
+  tell_lost_facts(o.output, {to, rows.forward}, o.write);
   report.put_seconds();
   return 0;
 }

@@ -73,6 +73,7 @@ int run(MergeRequest& o) {
   const std::string& output = o.names.back();
   if (output != "-" && is_part(output)) throw UsageError(output, "is a part: name the file to write after the parts");
   const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
+  check_files({output}, parts, {o.write.faces, {}});
   MergedShards joined = merge_shards(parts, o.read.max_pixels);
   const WriteOptions how = options_of(output, joined.write, o.write);
   check_promise(output, joined, how);

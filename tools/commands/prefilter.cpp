@@ -347,7 +347,8 @@ Action define_prefilter(Options& o) {
   o.add("--brdf-table", "FILE", &r->table, "Write the split-sum table of ggx, or the sheen albedo of charlie").file =
       File::output;
   o.add("--table-size", "N", &r->table_size, range_of(limits::table_size),
-        "Width and height of the table (default: 128)");
+        "Width and height of the table (default: 128)")
+      .needs = "--brdf-table";
   add_read_options(o, r->read);
   add_repair(o, r->read);
   add_output_space(o, r->write);

@@ -95,7 +95,7 @@ Action define_sh(Options& o) {
   const auto r = std::make_shared<ShRequest>();
   o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face} in the name reads six files)").required = true;
   o.group = "Coefficients";
-  o.add("--order", "N", &r->order, range_of(limits::order), "Largest degree l (default: 2)");
+  o.add("--order", "N", &r->order, range_of(limits::order), "Largest degree l (default: 2); the polar axis is +Y");
   o.flag("--irradiance", r->irradiance, "Print coefficients of the irradiance instead of the radiance");
   o.add("--window", one_of(r->window, window_names), "Reduce ringing around lights: {} (default: none; bare: hann)")
       .alone = "hann";

@@ -116,7 +116,8 @@ void add_studies(std::vector<TileRow>& rows, const Source& source, const Look& l
   const double white = 1 / look.scale;
   rows.push_back(
       {{histogram(Luminances(source.map.base()), white, {width, o.height / 2}),
-        fmt::format("stops of luminance: grey bars the sphere's share, orange the light's; white: {:.3g}", white)}});
+        fmt::format("stops of luminance. Grey: share of the sphere, orange: of the light, line: white ({:.3g})",
+                    white)}});
 }
 
 int width_of(const std::vector<TileRow>& rows) {

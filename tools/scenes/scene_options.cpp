@@ -54,13 +54,18 @@ void check_no_context(const SceneOptions& o) {
     throw UsageError("--context is for OpenGL, which --method raycast does not use: remove one of them");
 }
 
+bool is_numbered(const std::string& output) {
+  static const std::regex mark(R"((\{frame\}|%0\d?d)[^/]*$)");
+  return std::regex_search(output, mark);
+}
+
 std::string Frames::path(const std::string& output, int frame) const {
+  if (!sequence && is_numbered(output)) throw UsageError(output, "{frame} or %04d in a name goes with --frames");
+  if (!sequence) return output;
   static const std::regex mark(R"(\{frame\}|%0?(\d?)d)");
   std::smatch found;
-  const bool marked = std::regex_search(output, found, mark);
-  if (!sequence && marked) throw UsageError(output, fmt::format("{} in a name goes with --frames", found[0].str()));
-  if (!sequence) return output;
-  if (!marked) throw UsageError(fmt::format("{}: the name must contain {{frame}} or %04d for --frames", output));
+  if (!std::regex_search(output, found, mark))
+    throw UsageError(fmt::format("{}: the name must contain {{frame}} or %04d for --frames", output));
   const int digits = found[0].str().front() == '{' ? 4 : found[1].length() > 0 ? std::stoi(found[1]) : 1;
   return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
 }

@@ -34,6 +34,9 @@ void add_scene_input(Options& o, SceneOptions& scene);
 /// For --method raycast. @throws UsageError where --context is given, which rays have no use for.
 void check_no_context(const SceneOptions& options);
 
+/// Whether a name stands for one file a frame: it holds {frame} or %04d.
+bool is_numbered(const std::string& output);
+
 /// The moments to draw; without --frames one, and one file.
 struct Frames {
   int first = 0, last = 0;

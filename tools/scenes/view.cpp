@@ -205,8 +205,8 @@ int run(Request& o, Report& report) {
   for (const std::string& text : o.mirrors) wishes.push_back(mirror_wish(scene, text));
   const std::vector<Mirror> mirrors = choose_mirrors(scene, wishes, o.maps.value_or(Projection::paraboloid));
   if (mirrors.empty() && (!o.saved.empty() || o.look.tinted))
-    throw UsageError(o.scene.path, fmt::format("has no mirrors for {}: choose nodes with --mirror",
-                                               o.saved.empty() ? "--show-maps" : "--save-maps"));
+    warn(fmt::format("{}: has no mirrors for {}: choose nodes with --mirror", o.scene.path,
+                     o.saved.empty() ? "--show-maps" : "--save-maps"));
   const std::vector<int> nodes = nodes_of(mirrors);
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
   std::optional<MirrorPainter> painter;
@@ -289,7 +289,8 @@ Action define_view(Options& o) {
         return index_of(word, map_names) >= 0;
       },
       "Projection of mirror maps: {} (default: paraboloid)");
-  o.add("--size", "N", &r->drawing.size, {4, 8192}, "Height of a map or cube face (default: as the picture needs)");
+  o.add("--size", "N", &r->drawing.size, {4, 8192},
+        "Height of a mirror's map or cube face (default: as the picture needs)");
   o.add("--max-size", "N", &r->drawing.largest, {4, 8192}, "Upper limit of the automatic size (default: 1024)");
   o.add("--mirror", "NODE[:HOW]", &r->mirrors, "Draw a node as a mirror (HOW: sphere paraboloid cube off), repeatable")
       .several = Several::repeated;

@@ -125,7 +125,8 @@ FactLines lines_of(const MapFacts& f) {
   line("projection",
        fmt::format("{}{}{}", name(s.map.projection()), level.faces() == 6 ? fmt::format(" ({})", name(s.layout)) : "",
                    has_forward(s.map.projection())
-                       ? fmt::format(", {} at the centre", forward_names[std::size_t(s.map.forward)])
+                       ? fmt::format(", {} at the centre{}", forward_names[std::size_t(s.map.forward)],
+                                     s.forward_is_assumed ? " (assumed, not specified in the file)" : "")
                        : ""));
   if (s.border_samples) line("", "OpenEXR envmap attribute: samples on the border, read as cell centres");
   if (s.border > 0) line("border", fmt::format("{} texels on each side, left out", s.border));

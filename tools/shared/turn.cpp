@@ -70,7 +70,8 @@ void add_rotate(Options& o, std::optional<Turn>& turn) {
       "--rotate", "Y,P,R or FROM:TO",
       [&turn](const std::string& text) {
         turn = turn_of(text);
-        return turn.has_value();
+        if (!turn) throw std::invalid_argument("must be Y,P,R as in 90,0,0, or FROM:TO as in sun:+z, not " + text);
+        return true;
       },
       "Yaw, pitch and roll in degrees, or turn FROM to TO, as in sun:+z");
 }

@@ -25,7 +25,7 @@ void check(const BakedLevel& made, const FileError& error) {
 }  // namespace
 
 std::string rounding_words(const Rounding& rounding, double rounded) {
-  return fmt::format("{}, which rounds by up to {:.1e}", name(rounding), rounded);
+  return fmt::format("{} rounds by up to {:.1e}", name(rounding), rounded);
 }
 
 double left_to_prefilter(const FileError& error) {

@@ -259,9 +259,13 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
   }
   if (source.border > 0)
     for (Level& level : source.map.levels) level = without_border(level, source.border);
-  if (has_forward(found.projection))
-    source.map.forward =
-        options.forward.value_or(recorded.forward.value_or(options.assumed_forward.value_or(Forward::plus_z)));
+  if (has_forward(found.projection)) {
+    const auto known = options.forward    ? options.forward
+                       : recorded.forward ? recorded.forward
+                                          : options.assumed_forward;
+    source.map.forward = known.value_or(Forward::plus_z);
+    source.forward_is_assumed = !known;
+  }
   return source;
 }
 

@@ -51,6 +51,7 @@ struct Source {
   Layout layout = Layout::single;
   Depth depth = Depth::single;
   std::string format = {};  ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
+  bool forward_is_assumed = false;  ///< Neither the file nor the caller says what axis is at the centre.
   int image_width = 0, image_height = 0;
   bool border_samples = false;  ///< OpenEXR's `envmap` convention; resampled to cell centres here.
   int border = 0;               ///< Texels round every level of an octahedral map, left out here.

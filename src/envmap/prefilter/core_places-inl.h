@@ -61,8 +61,10 @@ struct OnLatlong {
     Row row;
     const double high = p.y1 - p.y0;
     alignas(32) float off[Rule::most], down[Rule::most];  // From the output, and from the upper side.
-    for (std::size_t k = 0; k < Rule::most && k < rule.count + virtual_lanes; ++k)
-      off[k] = float(p.y0 + rule.at[k] * high), down[k] = float(rule.at[k] * high);
+    for (std::size_t k = 0; k < Rule::most; ++k) {        // The last again in lanes beyond it.
+      const double at = rule.at[std::min(k, rule.count - 1)] * high;
+      off[k] = float(p.y0 + at), down[k] = float(at);
+    }
     // Sines by the upper side, or those near a pole would be differences of large numbers.
     const SmallAngle top(p.y0);
     const V sine_here = hn::Set(d, sine), zero = hn::Zero(d), sine_top = hn::Set(d, float(sine_at(top))),

@@ -40,7 +40,8 @@ struct HingeSum {
 class Hinges {
  public:
   /// @param source a cube or latlong map, which must outlive this. @param mean of its radiance, above 0.
-  /// @param darkest its least radiance of each channel, or less. @param order of polynomials, at most. @param error the sums asked for have, about.
+  /// @param darkest its least radiance of each channel, or less. @param order of polynomials, at most.
+  /// @param error the sums asked for have, about.
   Hinges(const Level& source, double mean, const Colour& darkest, int order, double error);
   ~Hinges();
   Hinges(Hinges&&) noexcept;

@@ -27,9 +27,9 @@ struct HingeSource<Grid>::Rows {
     std::fill(s.begin() + least, s.end(), std::numeric_limits<double>::max());
     return s;
   }
-  Rows(std::span<const Cells> levels, std::size_t base_level) {
+  explicit Rows(std::span<const Cells> levels) {  // Down to those of the base.
     for (const Cells& level : levels) sums.emplace_back(std::size_t(level.grid.across.count()), nothing());
-    base.resize(sums[base_level].size());
+    base.resize(sums.back().size());
   }
 };
 
@@ -49,8 +49,11 @@ HingeSource<Grid>::HingeSource(const Level& source, double mean, const Colour& d
   }
   prefixes_.resize(levels_.size() - before_base);
   prefixes_.front().resize(prefix_place(before_base, Grid::faces, 0));
-  tbb::parallel_for(0, levels_.back().grid.down.count(), [&](int band) { set_band(band); });
-  for (std::size_t level = base() + 1; level < levels_.size(); ++level) prefixes_[level - base()] = coarser(level);
+  tbb::parallel_for(0, levels_[base()].grid.down.count(), [&](int band) { set_band(band); });
+  for (std::size_t level = base() + 1; level < levels_.size(); ++level) {
+    set_coarser_cells(level);
+    prefixes_[level - base()] = coarser(level);
+  }
 }
 
 template <class Grid>
@@ -59,32 +62,44 @@ std::size_t HingeSource<Grid>::prefix_place(std::size_t level, int face, int row
   return place(grid.down.count(), grid.across.count() + 1, face, row) * stride();
 }
 
-// A row of the coarsest cells, and all finer ones in it, of all faces.
+// A row of base cells, and all finer ones in it, of all faces.
 template <class Grid>
 void HingeSource<Grid>::set_band(int band) {
-  const auto &coarsest = levels_.back().grid, &grid = levels_[base()].grid;
-  const int steps = coarsest.across.side / grid.across.side, first = band * steps;
-  std::vector<Rows> rows(Grid::faces, Rows(levels_, base()));
-  for (int row = first; row < std::min(first + steps, grid.down.count()); ++row) set_base_row(row, rows);
-  source_.trim();
-}
-
-template <class Grid>
-void HingeSource<Grid>::set_base_row(int base_row, std::vector<Rows>& rows) {
   const auto &grid = levels_[base()].grid, &fine = levels_.front().grid;
-  const int steps = grid.across.side / fine.across.side, first = base_row * steps;
+  const int steps = grid.across.side / fine.across.side, first = band * steps;
+  std::vector<Rows> rows(Grid::faces, Rows(levels().first(base() + 1)));
   for (int row = first; row < std::min(first + steps, fine.down.count()); ++row) {
     std::vector<typename Grid::Row> texels;  // The same on all faces.
     for (int j = fine.down.first(row); j < fine.down.end(row); ++j) texels.push_back(grid_.row(j, order_));
     for (int face = 0; face < Grid::faces; ++face) add_row(face, row, texels, rows[std::size_t(face)]);
   }
   for (int face = 0; face < Grid::faces; ++face) {
-    double* p = &prefixes_.front()[prefix_place(base(), face, base_row)];
-    for (HingeBlock& b : rows[std::size_t(face)].base) {
+    double* p = &prefixes_.front()[prefix_place(base(), face, band)];
+    for (const HingeBlock& b : rows[std::size_t(face)].base)
       for (std::size_t k = 0; k < stride(); ++k, ++p) p[stride()] = *p + unit_ * b.moments[1 + k / 3][k % 3];
-      b = {};
-    }
   }
+  source_.trim();
+}
+
+// Each of up to four of the level before.
+template <class Grid>
+void HingeSource<Grid>::set_coarser_cells(std::size_t level) {
+  const auto &grid = levels_[level].grid, &fine = levels_[level - 1].grid;
+  for (int face = 0; face < Grid::faces; ++face)
+    for (int row = 0; row < grid.down.count(); ++row)
+      for (int column = 0; column < grid.across.count(); ++column) {
+        Sum sum = Rows::nothing();
+        for (int j = 2 * row; j < std::min(2 * row + 2, fine.down.count()); ++j)
+          for (int i = 2 * column; i < std::min(2 * column + 2, fine.across.count()); ++i) {
+            const float* m = levels_[level - 1].cell(face, j, i).m;
+            for (std::size_t k = 0; k < least; ++k) sum[k] += double(m[k]);
+            for (std::size_t k = least; k < numbers; ++k) sum[k] = std::min(sum[k], double(m[k]));
+          }
+        HingeCell& out =
+            levels_[level].light[place(grid.down.count(), grid.across.count(), face, row) + std::size_t(column)];
+        std::ranges::transform(sum, out.m, [](double x) { return float(x); });
+        out.m[numbers] = 0;
+      }
 }
 
 // Every other border of the level before, rows in twos.
@@ -139,7 +154,7 @@ void HingeSource<Grid>::close_row(std::size_t level, int face, int row, Rows& ro
   const auto& grid = levels_[level].grid;
   HingeCell* out = &levels_[level].light[place(grid.down.count(), grid.across.count(), face, row)];
   std::vector<Sum>& cells = rows.sums[level];
-  const bool last = level + 1 == levels_.size();
+  const bool last = level == base();
   for (std::size_t i = 0; i < cells.size(); ++i) {
     std::ranges::transform(cells[i], out[i].m, [](double x) { return float(x); });
     out[i].m[numbers] = 0;

@@ -22,8 +22,9 @@ struct alignas(64) HingeCell {
 template <class Grid>
 class HingeSource {
  public:
-  /// @param source a cube or latlong map of 4 rows or more. @param mean of its radiance. @param darkest left out, see
-  /// darkest(). @param rows of cells of a face that sums start from at most, about. @param fewest the same at least. @param order of moments, 1 to 3.
+  /// @param source a cube or latlong map of 4 rows or more. @param mean of its radiance.
+  /// @param darkest left out, see darkest(). @param rows of cells of a face that sums start from at most, about.
+  /// @param fewest the same at least. @param order of moments, 1 to 3.
   HingeSource(const Level& source, double mean, const Colour& darkest, int rows, int fewest, int order);
 
   struct Cells {
@@ -68,7 +69,7 @@ class HingeSource {
   using Prefixes = std::vector<double, LargePages<double>>;  // By face, row of cells, border, moment and channel.
   struct Rows;
   void set_band(int band);
-  void set_base_row(int row, std::vector<Rows>& rows);
+  void set_coarser_cells(std::size_t level);
   [[nodiscard]] Prefixes coarser(std::size_t level) const;
   [[nodiscard]] std::size_t prefix_place(std::size_t level, int face, int row) const;
   void add_row(int face, int row, std::span<const typename Grid::Row> texels, Rows& rows);
