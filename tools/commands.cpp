@@ -1,8 +1,10 @@
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <algorithm>
 
 #include "cli/command_line.h"
+#include "envmap/base/error.h"
 #include "shared/maps.h"
 
 namespace tools {
@@ -47,6 +49,18 @@ Action define(const Command& command, Options& o, Settings& s) {
   return action;
 }
 
+namespace {
+
+// Bytes of maps and pictures are nothing to look at.
+void check_terminal(const Options& o) {
+  const Option* const output = o.output();
+  if (output != nullptr && output->is_argument() && !o.given(output->all_inputs_with) && !output->given.empty() &&
+      output->given.back() == "-" && ::isatty(STDOUT_FILENO) != 0)
+    throw envmap::UsageError("-: standard output is a terminal: redirect it, or give a file name");
+}
+
+}  // namespace
+
 int run(Parsed& parsed) {
   std::optional<tbb::global_control> limit;
   const Settings& s = settings();
@@ -56,6 +70,7 @@ int run(Parsed& parsed) {
   // Where the last argument is the output, the command looks first whether there is one.
   if (std::ranges::find(o.rows, File::inputs_then_output, &Option::file) == o.rows.end())
     check_files(o.named(File::output), o.named(File::input), {o.last("--faces"), o.last("--from-faces")});
+  check_terminal(o);
   Report report;
   const int status = parsed.action(report);
   commit_depfile();

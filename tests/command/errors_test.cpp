@@ -137,7 +137,14 @@ TEST_F(Usage, RefusesFileTypesThatNothingWrites) {
   fails(usage, {"convert", "in.exr", "out.xyz"}, {"out.xyz", ".exr"});
   fails(usage, {"convert", "in.exr", "out"}, {"out", "--format"});
   fails(usage, {"generate", "sky", "-", "--format", "xyz"}, {"xyz"});
+  fails(usage, {"generate", "sky", "out.exr", "--format", "hdr"}, {"out.exr", "make the two agree"});
   fails(usage, {"preview", "in.exr", "out.exr"}, {"out.exr", ".png"});
+}
+
+TEST_F(Usage, WritesNoMapToATerminal) {
+  const Result r = shell("script -qec '\"$ENVMAP\" generate sky - --size 8' /dev/null < /dev/null");
+  EXPECT_EQ(r.status, usage);
+  EXPECT_NE(r.out.find("standard output is a terminal"), std::string::npos) << r.out;
 }
 
 TEST_F(Usage, RefusesDepthsThatTheFormatDoesNotHold) {

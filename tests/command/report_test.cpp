@@ -267,6 +267,10 @@ TEST_F(Compare, ResamplesTheFirstToTheSecond) {
 TEST_F(Compare, TexelsThatAnAxisOnlyMovesAreTheSame) {
   succeeds({"convert", "a.exr", "turned.exr", "--forward", "+x"});
   EXPECT_NE(envmap({"compare", "turned.exr", "a.exr"}).out.find("\nidentical\n"), std::string::npos);
+  // A file that cannot hold its axis.
+  succeeds({"convert", "a.exr", "turned.pfm", "--forward", "-x", "-q"});
+  EXPECT_NE(envmap({"compare", "a.exr", "turned.pfm", "--from-forward-b", "-x"}).out.find("\nidentical\n"),
+            std::string::npos);
 }
 
 TEST_F(Compare, SaysWhichLimitIsExceededEvenWhereTheDifferenceCannotBeWritten) {

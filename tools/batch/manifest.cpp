@@ -128,7 +128,7 @@ Texts matching(const Word& word, const std::set<std::string>& written, const Sou
   for (const std::string& file : written)
     if (::fnmatch(plain.c_str(), file.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0) found.insert(file);
   std::erase_if(found, [&](const std::string& file) {
-    const auto source = made.find(plain_path(file));
+    const auto source = made.find(file);
     return source != made.end() && source->second != file;
   });
   if (found.empty()) throw UsageError(fmt::format("{}: no file matches {}", where, word.text));

@@ -141,8 +141,10 @@ void warn_about_clamping(const Engine& engine, const Level& level, double gain, 
         most = std::max(most, value);
       }
   if (texels > 0)
-    warn(fmt::format("envmap {}: {} texels exceed {:g}, up to {:.3g}, and the loader of {} clamps them", command,
-                     texels, engine.largest, most, engine.title));
+    warn(
+        fmt::format("envmap {}: {} texels exceed {:g}, up to {:.3g}, and the loader of {} clamps them: dim the map "
+                    "with --exposure, and make it brighter there",
+                    command, texels, engine.largest, most, engine.title));
 }
 
 }  // namespace tools

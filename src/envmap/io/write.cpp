@@ -334,6 +334,9 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
     if (ext.empty()) throw UsageError(path, "has no file type: end the name in " + known, Remedy::choose_format);
     throw UsageError(path, fmt::format("cannot write .{} files: try {}", ext, known));
   }
+  if (const FileFormat* named = format_with_extension(extension_of(path)); path != "-" && named && named != format)
+    throw UsageError(path, fmt::format("is named as a {} file, and the format asked for is {}: make the two agree",
+                                       named->title, format->title));
   choose_depth(*format, options);
   if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
   const Layout layout = choose_layout(path, *format, options, projection);

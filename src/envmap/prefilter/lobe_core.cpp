@@ -153,7 +153,8 @@ HWY_INLINE V by_rule(const Place& place, const K& kernel, const typename Place::
 template <class Place>
 class RowByRules {
  public:
-  RowByRules(const Place& place, const RowOfTexels& texels) : place_(place), texels_(texels) {}
+  RowByRules(const Place& place, const RowOfTexels& texels)
+      : place_(place), texels_(texels), first_(place.first_rule(texels.texel)) {}
 
   HWY_INLINE const typename Place::Row& of(std::size_t rule) {
     if (!made_[rule]) rows_[rule] = place_.row(texels_.texel, texels_.rules[rule].rule), made_[rule] = true;
@@ -163,7 +164,7 @@ class RowByRules {
   // The sparsest rule that does for eight texels from k on, or the last.
   template <class K>
   HWY_INLINE std::size_t sparsest(const K& kernel, std::size_t k) {
-    std::size_t rule = place_.first_rule(texels_.texel);
+    std::size_t rule = first_;
     for (; rule + 1 < texels_.rules.size(); ++rule) {
       const RuleAcross& r = texels_.rules[rule];
       const typename Place::Row& row = of(rule);
@@ -180,6 +181,7 @@ class RowByRules {
  private:
   const Place& place_;
   const RowOfTexels& texels_;
+  const std::size_t first_;
   std::array<typename Place::Row, 3> rows_;
   std::array<bool, 3> made_{};
 };
