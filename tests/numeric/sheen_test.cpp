@@ -100,6 +100,20 @@ TEST(Sheen, LoneLightsOfLatlongMaps) {
     }
 }
 
+// The cells of a large map are tiny beside its poles, where the horizons of these texels run along them.
+TEST(Sheen, WhiteStaysWhiteWhereHorizonsPassThePolesOfALargeMap) {
+  const EnvironmentMap map = made(Projection::latlong, 2048, [](int, int, int, int) { return 1.F; });
+  const SheenBlocks blocks(map.base(), 1);
+  std::vector<Direction> row(128);
+  texel_directions(Projection::cube, 128, 0, 63, 0, row);
+  for (const double roughness : {0.2, 0.35}) {
+    std::vector<SheenSum> sums(row.size());
+    sheen_sums(fitted(*sheen_plan(Charlie(roughness), 1e-3), blocks), blocks, row, sums);
+    for (std::size_t k = 0; k < sums.size(); ++k)
+      EXPECT_NEAR(sums[k].value[0], 1, 1e-3) << "roughness " << roughness << ", texel " << k;
+  }
+}
+
 TEST(Sheen, LoneLightsOfCubes) {
   for (const int size : cube_sizes)
     for (const auto& [face, i, j] :

@@ -220,7 +220,7 @@ int run(Convert& o, Report& report) {
         fmt::format("--max-error chooses the filter: remove {}", o.convert.filter ? "--filter" : "--samples"));
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
   if (engine) settle(*o.engine, *engine, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
-  if (o.to) check_output(o.output, o.write, *o.to);
+  if (o.to) check_output(o.shard.whole(o.output), o.write, *o.to);
   std::optional<Picture> circle;
   Source source = read_input(o, circle, report);
   if (source.levels > 1 && !o.one_level)
@@ -248,7 +248,7 @@ int run(Convert& o, Report& report) {
   o.write.provenance = source.provenance;
   if (auto& luminance = o.write.provenance.white_luminance)
     luminance = float(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
-  check_output(o.output, o.write, to);
+  check_output(o.shard.whole(o.output), o.write, to);
   const std::optional<double> max_error = o.convert.max_error;
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
   const std::optional<Rounding> rounding = mirrored(rounding_of(o.output, o.write), mirror);

@@ -287,7 +287,7 @@ int run(Request& o, Report& report) {
   const EngineMap* engine = settle_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
-  check_output(o.output, o.write, o.map.to);
+  check_output(o.shard.whole(o.output), o.write, o.map.to);
   const Source source = read_map(o.input, o.read);
   choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;

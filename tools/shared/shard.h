@@ -16,6 +16,9 @@ struct Shard {
   std::optional<envmap::PartNumber> part;
   std::string command;
   const Options* options = nullptr;  ///< What was asked of the command.
+
+  /// The name that the options of the whole must agree with: none for a part, an EXR file whatever the whole is.
+  [[nodiscard]] std::string whole(const std::string& output) const { return part ? "-" : output; }
 };
 
 void add_shard(Options& o, std::string_view command, Shard& shard);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
@@ -187,6 +188,7 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
       out[k].bound = std::max(out[k].bound, apart / std::max((1 - plan.error) * value[c] - apart, floor));
     }
     out[k].bound += plan.error + rounding;
+    if (!std::isfinite(value.x + value.y + value.z)) out[k].bound = std::numeric_limits<double>::infinity();
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "envmap/base/parallel.h"
@@ -41,7 +42,8 @@ class Summation {
     }
     SheenSum sum{blocks_.even() + total_.flux(), 0};
     if (off_of(sum.value) > plan_.cut) refine(sum.value);
-    sum.off = off_of(sum.value);
+    sum.off = std::isfinite(sum.value.x + sum.value.y + sum.value.z) ? off_of(sum.value)
+                                                                     : std::numeric_limits<double>::infinity();
     return sum;
   }
 
