@@ -218,8 +218,9 @@ TEST(Sheen, WideLobesAndSmallErrorsAreLeftToOthers) {
         .make({.shape = Shape::charlie, .parameter = roughness, .size = 2, .max_error = error})
         .method;
   };
-  EXPECT_EQ(method(0.35, 1e-3), Method::multilevel);
-  EXPECT_EQ(method(0.36, 1e-3), Method::hierarchical);
+  EXPECT_EQ(method(0.1, 1e-3), Method::multilevel);
+  EXPECT_EQ(method(0.34, 1e-4), Method::multilevel);
+  EXPECT_EQ(method(0.3, 1e-3), Method::hierarchical);
   EXPECT_NE(method(0.35, 9e-5), Method::multilevel);
   EXPECT_FALSE(sheen_plan(Ggx(0.1), 1e-3));
 }

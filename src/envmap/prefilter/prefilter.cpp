@@ -173,7 +173,8 @@ struct Making {
         finish(all, figures, out, done);
         return;
       }
-    if (const auto plan = sheen_plan(lobe, wanted.max_error); plan && (any || wanted.method == Method::multilevel)) {
+    if (const auto plan = sheen_plan(lobe, wanted.max_error);
+        plan && (any ? plan->is_quick(wanted.max_error) : wanted.method == Method::multilevel)) {
       if (light.mean > 0)
         sheen_map(*plan, sheen(plan->texel()), light.mean, target, wanted.rows, out, figures, progress);
       else

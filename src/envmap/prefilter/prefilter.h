@@ -97,8 +97,8 @@ class PrefilterSource {
   [[nodiscard]] const EnvironmentMap& source() const;
 
   /// Makes one map. Every texel has a figure of what it may be off. `automatic` takes prefix sums for lobes that are a
-  /// power 1, 2 or 3 of the cosine, multilevel sums for narrow lobes (MultilevelPlan::is_quick()) and for sheen up to
-  /// roughness 0.35 (sheen_plan()), and a treecode (`hierarchical`) for the rest. Texels whose figure is over the error
+  /// power 1, 2 or 3 of the cosine, multilevel sums for narrow lobes (MultilevelPlan::is_quick()) and for narrow
+  /// sheen (SheenPlan::is_quick()), and a treecode (`hierarchical`) for the rest. Texels whose figure is over the error
   /// wanted are summed exactly.
   /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Run& run = {}) const;

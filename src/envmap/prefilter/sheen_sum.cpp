@@ -338,6 +338,8 @@ double interpolation_error(const Charlie& lobe, double size) {
 
 }  // namespace
 
+bool SheenPlan::is_quick(double max_error) const { return power >= 9 * portable::cbrt(1e3 * max_error); }
+
 std::optional<SheenPlan> sheen_plan(const Lobe& lobe, double error) {
   const auto* sheen = std::get_if<Charlie>(&lobe);
   if (sheen == nullptr || sheen->power < least_sheen_power || error < 1e-4) return std::nullopt;
