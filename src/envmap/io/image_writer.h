@@ -37,8 +37,7 @@ struct ImagePlan {
 
 struct ImageWriter {
   /// The next rows of a level, in order; of levels in tiles whole rows of them, `tile_size` high. Values are as they
-  /// are to be
-  /// stored: linear for floats, sRGB encoded from 0 to 1 for integers.
+  /// are to be stored: linear for floats, sRGB encoded from 0 to 1 for integers.
   std::function<void(int level, int begin, int end, std::span<const Colour> rows)> write;
   /// Writes what is left; the file is to be committed after that.
   std::function<void()> close;

@@ -23,8 +23,7 @@ void write_ktx1(OutputFile& file, std::span<const Atlas> levels, Texels texels, 
                 const Progress& progress);
 
 /// The header of a file with ktx1_mark. @throws InputError, without the name of the file, where it is damaged or holds
-/// what
-/// is not read: other texel formats, arrays, volumes, big-endian words.
+/// what is not read: other texel formats, arrays, volumes, big-endian words.
 TextureFile open_ktx1(const InputFile& file);
 
 }  // namespace envmap

@@ -30,8 +30,7 @@ void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const Ktx2Optio
                 const Progress& progress);
 
 /// The header of a file with ktx2_mark. @throws InputError, without the name of the file, where it is damaged or holds
-/// what
-/// is not read: other texel formats, arrays, volumes, supercompression other than Zstandard.
+/// what is not read: other texel formats, arrays, volumes, supercompression other than Zstandard.
 TextureFile open_ktx2(const InputFile& file);
 
 }  // namespace envmap

@@ -17,9 +17,8 @@ namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
 // What a lobe with a kink of 1 at the horizon comes to over a node of this mean and deviation s, beyond what two points
-// have of
-// it: as over an even interval of half-width 3^(1/2) s, ((r^2 + 3) / (4 3^(1/2)) - max(1,
-// r) / 2) s with r = |1 - mean| / s.
+// have of it: as over an even interval of half-width 3^(1/2) s, ((r^2 + 3) / (4 3^(1/2)) - max(1, r) / 2) s with
+// r = |1 - mean| / s.
 template <class D, class V>
 HWY_INLINE V rounded_kink(D d, V versine, V deviation, V inverse) {
   const V far = hn::Mul(hn::Abs(hn::Sub(set(d, 1), versine)), inverse), r = hn::Min(far, set(d, 1.7320508075688772));

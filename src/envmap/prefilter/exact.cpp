@@ -27,8 +27,7 @@ double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) 
 }
 
 // How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it. A cosine is a line
-// in
-// the direction of light: as smooth as the map itself.
+// in the direction of light: as smooth as the map itself.
 template <class L>
 double unevenness(const L& lobe, const Direction& r, const Moments& p) {
   const double d = glm::length(r - p.centre), near = std::max(0.0, d - p.reach), far = d + p.reach;

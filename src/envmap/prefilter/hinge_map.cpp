@@ -23,20 +23,12 @@ float set_texel(const HingeSum& sum, double floor, Colour& out) {
 
 }  // namespace
 
-void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target& target, double max_error, double mean,
-               std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_error, double mean, const Making& map) {
   const double error = max_error - 3 * rounding;
-  for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
-    if (!rows.empty() && rows[std::size_t(face * out.height() + row)] == 0) return;
-    const Columns in = columns(target.to, target.size, row);
-    std::vector<Direction> directions(in.count());
-    texel_directions(target.to, target.size, face, row, in.first, directions);
-    rotate(target.to_source, directions);
+  map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
     std::vector<HingeSum> sums(directions.size());
     hinges.sums(weight, directions, error, {}, sums);
-    float* bound = &bounds[index_of(out, {face, in.first, row})];
-    for (std::size_t k = 0; k < sums.size(); ++k)
-      bound[k] = set_texel(sums[k], 1e-3 * mean, *out.texel(face, in.first + int(k), row));
+    for (std::size_t k = 0; k < sums.size(); ++k) bounds[k] = set_texel(sums[k], 1e-3 * mean, texels[k]);
   });
 }
 

@@ -5,19 +5,14 @@
 #include <array>
 #include <span>
 
-#include "envmap/base/progress.h"
-#include "envmap/map/environment_map.h"
 #include "envmap/prefilter/hinge.h"
-#include "envmap/sample/target.h"
+#include "envmap/prefilter/making.h"
 
 namespace envmap::prefiltering {
 
 /// Sets the texels of a map, each with the bound of its error.
-/// @param weight see hinge_polynomial(). @param max_error wanted, relative to a texel or to 0.001 x the
-/// mean.
-/// @param mean of the source's radiance. @param rows of the faces that are wanted, `size` for each face; empty: all.
-/// @param out of the projection and size of the target. @param bounds by face, row and column, relative like max_error.
-void hinge_map(const Hinges& hinges, const HingePolynomial& weight, const Target& target, double max_error, double mean,
-               std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress = {});
+/// @param weight see hinge_polynomial(). @param max_error wanted, relative like the bounds of the map.
+/// @param mean of the source's radiance.
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_error, double mean, const Making& map);
 
 }  // namespace envmap::prefiltering

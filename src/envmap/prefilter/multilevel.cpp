@@ -192,19 +192,13 @@ void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source,
   }
 }
 
-void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target,
-                    std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
-  for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
-    if (!rows.empty() && rows[std::size_t(face * out.height() + row)] == 0) return;
-    const Columns in = columns(target.to, target.size, row);
-    std::vector<Direction> directions(in.count());
-    texel_directions(target.to, target.size, face, row, in.first, directions);
-    rotate(target.to_source, directions);
+void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Making& map) {
+  map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
     std::vector<MultilevelSum> sums(directions.size());
     multilevel_sums(plan, source, directions, sums);
     for (std::size_t k = 0; k < sums.size(); ++k) {
-      *out.texel(face, in.first + int(k), row) = Colour(sums[k].value);
-      bounds[index_of(out, {face, in.first + int(k), row})] = std::nextafter(float(sums[k].bound), 1.F);
+      texels[k] = Colour(sums[k].value);
+      bounds[k] = std::nextafter(float(sums[k].bound), 1.F);
     }
   });
 }

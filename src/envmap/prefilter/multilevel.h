@@ -10,11 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "envmap/base/progress.h"
 #include "envmap/prefilter/hinge.h"
 #include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/making.h"
 #include "envmap/prefilter/multilevel_kernels.h"
-#include "envmap/sample/target.h"
 
 namespace envmap::prefiltering {
 
@@ -60,9 +59,7 @@ struct MultilevelSum {
 void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, std::span<const Direction> directions,
                      std::span<MultilevelSum> out);
 
-/// Makes a map. @param rows of it that are wanted; empty: all. @param bounds set to the bound of each texel,
-/// by index_of().
-void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Target& target,
-                    std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress);
+/// Sets the texels of a map, each with the bound of its error.
+void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Making& map);
 
 }  // namespace envmap::prefiltering

@@ -6,10 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
-#include <iterator>
 #include <limits>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -21,13 +18,10 @@
 #include "envmap/map/atlas.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
-#include "envmap/operate/refuse_flaws.h"
 #include "envmap/prefilter/exact.h"
-#include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/hinge_map.h"
-#include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/prepared_source.h"
 #include "envmap/prefilter/sheen_sum.h"
-#include "envmap/prefilter/source.h"
 #include "envmap/prefilter/treecode.h"
 
 namespace envmap {
@@ -70,152 +64,52 @@ void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& 
   done.map.base() = level_of(some_rows(rows, p.rows));
 }
 
-}  // namespace
-
-struct PrefilterSource::Prepared {
-  const std::optional<EnvironmentMap> taken;  // The map itself, where it was given away.
-  const std::optional<EnvironmentMap> cube;
-  const EnvironmentMap& source;
-  const Totals light;
-  const std::optional<Level> fine;
-  // Made when they are wanted first.
-  mutable std::optional<Colour> least;
-  mutable std::optional<Tree> tree;
-  mutable std::optional<Hinges> hinges;       // Of the order and error wanted last.
-  mutable std::map<int, SourceGrids> grids;   // By the rows of the finest: no result depends on earlier ones.
-  mutable std::map<int, SheenBlocks> blocks;  // By rows of texels.
-  mutable std::mutex in_use;                  // By the one make() that runs.
-
-  Prepared(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
-      : taken(std::move(given)),
-        cube(source_cube(require_finite(taken ? *taken : *lent))),
-        source(cube    ? *cube
-               : taken ? *taken
-                       : *lent),
-        light(totals(source.base())),
-        fine(refined(source.base())) {}
-
-  // In texels of 1.5 degrees or less.
-  [[nodiscard]] const Level& small_texels() const { return fine ? *fine : source.base(); }
-  [[nodiscard]] const Colour& darkest() const {
-    if (!least) least = darkest_of(source.base());
-    return *least;
+// Makes a map by the fast method that is wanted and serves, with the bounds of its texels. What is decided for the map
+// is decided from all of it, whatever rows are wanted. @return the method; exact where no other is to be used.
+Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe, const Making& map) {
+  const bool any = wanted.method == Method::automatic, splits = any || wanted.method == Method::multilevel;
+  const double error = wanted.max_error;
+  if (wanted.method == Method::exact || error < finest) return Method::exact;
+  const bool black = from.light.mean <= 0;
+  if (black) std::ranges::fill(map.bounds, 0.F);
+  if (const auto weight = hinge_polynomial(lobe); weight && (splits || wanted.method == Method::prefix_sums)) {
+    if (!black) hinge_map(from.hinges(weight->order(), error), *weight, error, from.light.mean, map);
+    return Method::prefix_sums;
   }
-  [[nodiscard]] const Tree& nodes() const {
-    if (!tree) tree.emplace(small_texels(), light.mean, small_texels().height() / source.base().height());
-    return *tree;
-  }
-  [[nodiscard]] const Hinges& sums(int order, double error) const {
-    if (!hinges || !hinges->fits(order, error)) hinges.emplace(small_texels(), light.mean, darkest(), order, error);
-    return *hinges;
-  }
-  [[nodiscard]] const SourceGrids& levels(int finest) const {
-    return grids.try_emplace(finest, source.base(), light.mean, darkest(), finest).first->second;
-  }
-  [[nodiscard]] const SheenBlocks& sheen(double texel) const {
-    const std::optional<Level> finer = refined(source.base(), texel);
-    const Level& texels = finer ? *finer : source.base();
-    return blocks.try_emplace(texels.height(), texels, light.mean, darkest()).first->second;
-  }
-};
-
-namespace {
-
-// ---- one map in the making ------------------------------------------------------------------------------------------
-
-struct Making {
-  const Level& source;
-  const Level& small_texels;
-  const Totals& light;
-  const std::function<const Tree&()> tree;
-  const std::function<const Hinges&(int order)> hinges;
-  const std::function<const SourceGrids&(int finest)> grids;
-  const std::function<const Colour&()> darkest;
-  const std::function<const SheenBlocks&(double texel)> sheen;
-  const Prefilter& wanted;
-  const Lobe lobe;
-  const Target target;
-  const Progress& progress;
-
-  [[nodiscard]] bool is_wanted(const Texel& t) const {
-    return wanted.rows.empty() || wanted.rows[std::size_t(t.face * wanted.size + t.j)] != 0;
-  }
-
-  // What is decided for the map is decided from all of it; what is then made are the rows wanted.
-  void make(Prefiltered& done) const {
-    Level& out = done.map.base();
-    std::vector<Texel> all = texels_of(out);
-    std::erase_if(all, [&](const Texel& t) { return !is_wanted(t); });
-    const bool any = wanted.method == Method::automatic;
-    if (wanted.method == Method::exact || wanted.max_error < finest) {
-      exact_texels(source, lobe, target, all, out, progress);
-      done.method = Method::exact, done.exact = std::int64_t(all.size());
-      return;
+  if (splits && serves_multilevel(from.texels()))
+    if (const auto plan = multilevel_plan(lobe, error, finest_rows(from.texels()));
+        plan && (!any || plan->is_quick(from.texels(), texels_of(map.out).size(), error))) {
+      if (!black) multilevel_map(*plan, from.multilevel(*plan, error), map);
+      return Method::multilevel;
     }
-    std::vector<float> figures(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
-    if (const auto weight = hinge_polynomial(lobe);
-        weight && (any || wanted.method == Method::prefix_sums || wanted.method == Method::multilevel)) {
-      if (light.mean > 0)
-        hinge_map(hinges(weight->order()), *weight, target, wanted.max_error, light.mean, wanted.rows, out, figures,
-                  progress);
-      else
-        std::ranges::fill(figures, 0.F);
-      done.method = Method::prefix_sums;
-      finish(all, figures, out, done);
-      return;
+  if (splits)
+    if (const auto plan = sheen_plan(lobe, error); plan && (!any || plan->is_quick(error))) {
+      if (!black) sheen_map(*plan, from.sheen(plan->texel()), from.light.mean, map);
+      return Method::multilevel;
     }
-    if (any || wanted.method == Method::multilevel)
-      if (const auto plan = multilevel_plan(lobe, wanted.max_error, finest_rows(source));
-          plan && serves_multilevel(source) &&
-          (!any || plan->is_quick(source, texels_of(out).size(), wanted.max_error))) {
-        make_multilevel(*plan, out, figures);
-        done.method = Method::multilevel;
-        finish(all, figures, out, done);
-        return;
-      }
-    if (const auto plan = sheen_plan(lobe, wanted.max_error);
-        plan && (any ? plan->is_quick(wanted.max_error) : wanted.method == Method::multilevel)) {
-      if (light.mean > 0)
-        sheen_map(*plan, sheen(plan->texel()), light.mean, target, wanted.rows, out, figures, progress);
-      else
-        std::ranges::fill(figures, 0.F);
-      done.method = Method::multilevel;
-      finish(all, figures, out, done);
-      return;
-    }
-    done.method = Method::hierarchical;
-    treecode_prefilter(tree(), lobe, target, wanted.max_error, wanted.rows, out, figures, progress);
-    finish(all, figures, out, done);
-  }
-
-  void make_multilevel(const MultilevelPlan& plan, Level& out, std::span<float> figures) const {
-    if (light.mean <= 0) return void(std::ranges::fill(figures, 0.F));
-    const MultilevelSource from{small_texels, grids(plan.finest()),
-                                plan.has_hinges() ? &hinges(plan.hinges.order()) : nullptr, light.mean, darkest()};
-    multilevel_map(plan, from, target, wanted.rows, out, figures, progress);
-  }
-
-  // Sums what is not known well enough, and says how well the rest is.
-  void finish(const std::vector<Texel>& all, std::span<const float> figures, Level& out, Prefiltered& done) const {
-    std::vector<Texel> left;
-    for (const Texel& t : all)
-      if (const float figure = figures[index_of(out, t)]; figure > float(wanted.max_error))
-        left.push_back(t);
-      else
-        done.error = std::max<double>(done.error, figure);
-    exact_texels(source, lobe, target, left, out, progress);
-    done.exact = std::int64_t(left.size());
-    if (left.size() == all.size()) done.method = Method::exact;
-  }
-};
-
-}  // namespace
-
-std::string_view method_name(const Prefiltered& done) {
-  return done.resampled ? name(*done.resampled) : method_names[std::size_t(done.method)];
+  if (!black) treecode_prefilter(from.tree(), lobe, error, map);
+  return Method::hierarchical;
 }
 
-namespace {
+// Texels that are not known well enough are summed exactly.
+void make_lobe(PreparedSource& from, const Prefilter& wanted, const Target& target, const Progress& progress,
+               Prefiltered& done) {
+  Level& out = done.map.base();
+  const Lobe lobe = lobe_of(wanted);
+  std::vector<float> bounds(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
+  const Making map{target, wanted.rows, out, bounds, progress};
+  done.method = make_fast(from, wanted, lobe, map);
+  std::vector<Texel> all = texels_of(out), left;
+  std::erase_if(all, [&](const Texel& t) { return !map.wants(t.face, t.j); });
+  for (const Texel& t : all)
+    if (const float bound = bounds[index_of(out, t)]; bound > float(wanted.max_error))
+      left.push_back(t);
+    else
+      done.error = std::max<double>(done.error, bound);
+  exact_texels(from.texels(), lobe, target, left, out, progress);
+  done.exact = std::int64_t(left.size());
+  if (left.size() == all.size()) done.method = Method::exact;
+}
 
 void check(const Prefilter& p) {
   check(limits::size, p.size);
@@ -244,6 +138,10 @@ Lobe lobe_by_shape(const Prefilter& p) {
 
 }  // namespace
 
+std::string_view method_name(const Prefiltered& done) {
+  return done.resampled ? name(*done.resampled) : method_names[std::size_t(done.method)];
+}
+
 Lobe lobe_of(const Prefilter& p) {
   const Lobe lobe = lobe_by_shape(p);
   if (p.method == Method::prefix_sums && !is_mirror(p) && !hinge_polynomial(lobe))
@@ -257,12 +155,12 @@ Lobe lobe_of(const Prefilter& p) {
 }
 
 PrefilterSource::PrefilterSource(const EnvironmentMap& map)
-    : prepared_(std::make_unique<Prepared>(std::nullopt, &map)) {}
+    : prepared_(std::make_unique<PreparedSource>(std::nullopt, &map)) {}
 PrefilterSource::PrefilterSource(EnvironmentMap&& map)
-    : prepared_(std::make_unique<Prepared>(std::move(map), nullptr)) {}
+    : prepared_(std::make_unique<PreparedSource>(std::move(map), nullptr)) {}
 PrefilterSource::~PrefilterSource() = default;
 
-const EnvironmentMap& PrefilterSource::source() const { return prepared_->source; }
+const EnvironmentMap& PrefilterSource::source() const { return prepared_->map; }
 
 Prefiltered PrefilterSource::make(const Prefilter& wanted, const Run& run) const {
   check(wanted);
@@ -279,23 +177,10 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
     make_mirror(from, wanted, done);
   } else {
     const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(done.map.forward);
-    const Prepared& p = *prepared_;
-    const std::lock_guard turn_of_this_thread(p.in_use);
+    const std::lock_guard turn_of_this_thread(prepared_->in_use);
     // While the lock is held this thread takes no task of the caller's, which might want the lock again.
     tbb::this_task_arena::isolate([&] {
-      Making{from.base(),
-             p.small_texels(),
-             p.light,
-             [&]() -> const Tree& { return p.nodes(); },
-             [&](int order) -> const Hinges& { return p.sums(order, wanted.max_error); },
-             [&](int finest) -> const SourceGrids& { return p.levels(finest); },
-             [&]() -> const Colour& { return p.darkest(); },
-             [&](double texel) -> const SheenBlocks& { return p.sheen(texel); },
-             wanted,
-             lobe_of(wanted),
-             {wanted.to, wanted.size, turn},
-             progress}
-          .make(done);
+      make_lobe(*prepared_, wanted, {wanted.to, wanted.size, turn}, progress, done);
     });
   }
   done.seconds = seconds_since(start);

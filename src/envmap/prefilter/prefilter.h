@@ -15,6 +15,10 @@
 #include "envmap/prefilter/lobe.h"
 #include "envmap/sample/filter.h"
 
+namespace envmap::prefiltering {
+class PreparedSource;
+}
+
 namespace ENVMAP_EXPORT envmap {
 
 enum class Shape { diffuse, phong, ggx, blinn_phong, charlie };
@@ -83,9 +87,8 @@ Lobe lobe_of(const Prefilter& wanted);
 class PrefilterSource {
  public:
   /// A map that is neither a cube nor latlong is prefiltered as the cube that convert() makes of it, by the area filter
-  /// at
-  /// its own density: its texels are samples of an image on a disc, which no rim should cut. @param map must outlive
-  /// it.
+  /// at its own density: its texels are samples of an image on a disc, which no rim should cut.
+  /// @param map must outlive it.
   /// @throws InputError where a texel is NaN or infinite.
   explicit PrefilterSource(const EnvironmentMap& map);
   /// Takes the map over.
@@ -110,10 +113,9 @@ class PrefilterSource {
   PrefilteredChain make_chain(const Prefilter& base, std::span<const double> parameters, const Run& run = {}) const;
 
  private:
-  struct Prepared;
   Prefiltered make_now(const Prefilter& wanted, const Progress& progress) const;
 
-  std::unique_ptr<Prepared> prepared_;
+  std::unique_ptr<prefiltering::PreparedSource> prepared_;
 };
 
 }  // namespace envmap

@@ -381,20 +381,14 @@ void sheen_sums(const SheenPlan& plan, const SheenBlocks& blocks, std::span<cons
   HWY_DYNAMIC_DISPATCH(Sums)(plan, blocks, directions, out);
 }
 
-void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const Target& target,
-               std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress) {
+void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const Making& map) {
   const SheenPlan fit = fitted(plan, blocks);
-  for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {
-    if (!rows.empty() && rows[std::size_t(face * out.height() + row)] == 0) return;
-    const Columns in = columns(target.to, target.size, row);
-    std::vector<Direction> directions(in.count());
-    texel_directions(target.to, target.size, face, row, in.first, directions);
-    rotate(target.to_source, directions);
+  map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
     std::vector<SheenSum> sums(directions.size());
     sheen_sums(fit, blocks, directions, sums);
     for (std::size_t k = 0; k < sums.size(); ++k) {
-      *out.texel(face, in.first + int(k), row) = Colour(unit * glm::max(Flux(0), sums[k].value));
-      bounds[index_of(out, {face, in.first + int(k), row})] = std::nextafter(float(fit.error + sums[k].off), 1.F);
+      texels[k] = Colour(unit * glm::max(Flux(0), sums[k].value));
+      bounds[k] = std::nextafter(float(fit.error + sums[k].off), 1.F);
     }
   });
 }

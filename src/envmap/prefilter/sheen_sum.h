@@ -13,10 +13,9 @@
 #include <optional>
 #include <span>
 
-#include "envmap/base/progress.h"
 #include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/making.h"
 #include "envmap/prefilter/sheen_blocks.h"
-#include "envmap/sample/target.h"
 
 namespace envmap::prefiltering {
 
@@ -58,9 +57,7 @@ struct SheenSum {
 void sheen_sums(const SheenPlan& plan, const SheenBlocks& blocks, std::span<const Direction> directions,
                 std::span<SheenSum> out);
 
-/// Makes a map. @param unit of the blocks: the mean of the source. @param rows of it that are wanted; empty: all.
-/// @param bounds set to the bound of each texel, by index_of().
-void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const Target& target,
-               std::span<const char> rows, Level& out, std::span<float> bounds, const Progress& progress);
+/// Sets the texels of a map, each with the bound of its error. @param unit of the blocks: the mean of the source.
+void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const Making& map);
 
 }  // namespace envmap::prefiltering

@@ -122,8 +122,8 @@ double together(const L& /*lobe*/) {
 inline double together(const Phong& l) { return l.exponent < 1.5 ? 0.07 : 0.015; }
 
 /// The rows of a latlong map run round its poles. Light that repeats along them is off the same way in all nodes of a
-/// row, as seen
-/// from near a pole: by up to 0.031 of the sum of all bounds, measured over random patterns (tests/bench/hostile.cpp).
+/// row, as seen from near a pole: by up to 0.031 of the sum of all bounds, measured over random patterns
+/// (tests/bench/hostile.cpp).
 inline constexpr double together_at_pole = 0.035, near_pole = 0.95;  ///< From this height on.
 
 /// A node that the horizon of directions of a tile may cross: where |offset - centre|^2 / 2 is within `reach` of

@@ -17,13 +17,11 @@ constexpr int tile_side = 8;
 struct Job {
   const Tree& tree;
   const Lobe& lobe;
-  const Target& target;
   double max_error;
   double radius;
-  Level& out;
-  std::span<float> figures;
+  const Making& map;
 
-  [[nodiscard]] float& figure(const Texel& t) const { return figures[index_of(out, t)]; }
+  [[nodiscard]] float& figure(const Texel& t) const { return map.bounds[index_of(map.out, t)]; }
 };
 
 // How far from their middle directions may be that share nodes: these are as many as the worst of the directions needs.
@@ -164,11 +162,11 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
   std::array<Texel, Tile::most> texels;
   std::size_t count = 0, unknown = 0;
   for (int j = y; j < y + h; ++j) {
-    const Columns in = columns(job.target.to, job.target.size, j);
+    const Columns in = columns(job.map.target.to, job.map.target.size, j);
     const int first = std::max(x, in.first), end = std::min(x + w, in.end);
     if (first >= end) continue;
     const std::span row = std::span(directions).subspan(count, std::size_t(end - first));
-    texel_directions(job.target.to, job.target.size, face, j, first, row);
+    texel_directions(job.map.target.to, job.map.target.size, face, j, first, row);
     for (int i = first; i < end; ++i) {
       texels[count++] = {face, i, j};
       unknown += job.figure(texels[count - 1]) <= float(job.max_error) ? 0 : 1;
@@ -176,7 +174,7 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
   }
   if (unknown == 0) return;
   const std::span all = std::span(directions).first(count);
-  rotate(job.target.to_source, all);
+  rotate(job.map.target.to_source, all);
   Tile tile;
   set_tile(all, tile);
   std::array<Colour, Tile::most> colours;
@@ -186,7 +184,7 @@ void fill_tile(const Job& job, int face, int x, int y, int w, int h, double& lim
     // The next tile is much the same: what made this one good will do there.
     limit *= std::clamp(0.8 * job.max_error / std::max(*figure, 1e-30), 0.5, 1.5);
     for (std::size_t k = 0; k < count; ++k) {
-      *job.out.texel(texels[k].face, texels[k].i, texels[k].j) = colours[k];
+      *job.map.out.texel(texels[k].face, texels[k].i, texels[k].j) = colours[k];
       job.figure(texels[k]) = float(*figure);
     }
   } else if (count > 1) {
@@ -211,16 +209,17 @@ double error_figure(const Traversal& found, const Tile& tile) {
   return found.figure(*std::ranges::max_element(crossed));
 }
 
-void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error,
-                        std::span<const char> rows, Level& out, std::span<float> figures, const Progress& progress) {
-  const Job job{tree, lobe, target, max_error, tile_radius(lobe), out, figures};
-  for_each_row(out.faces(), (out.height() + tile_side - 1) / tile_side, progress, [&](int face, int row) {
-    const int y = row * tile_side, h = std::min(tile_side, out.height() - y);
-    const auto of_tiles = [&] { return rows.subspan(std::size_t(face * out.height() + y), std::size_t(h)); };
-    if (!rows.empty() && std::ranges::count(of_tiles(), 0) == h) return;
+void treecode_prefilter(const Tree& tree, const Lobe& lobe, double max_error, const Making& map) {
+  const Job job{tree, lobe, max_error, tile_radius(lobe), map};
+  const int width = map.out.width(), height = map.out.height();
+  for_each_row(map.out.faces(), (height + tile_side - 1) / tile_side, map.progress, [&](int face, int row) {
+    const int y = row * tile_side, h = std::min(tile_side, height - y);
+    bool any = false;
+    for (int j = y; j < y + h; ++j) any = any || map.wants(face, j);
+    if (!any) return;
     double limit = 0.3 * max_error;  // Of the first tile of a row, as good as any.
-    for (int x = 0; x < out.width(); x += tile_side)
-      fill_tile(job, face, x, y, std::min(tile_side, out.width() - x), h, limit), tree.source().trim();
+    for (int x = 0; x < width; x += tile_side)
+      fill_tile(job, face, x, y, std::min(tile_side, width - x), h, limit), tree.source().trim();
   });
 }
 

@@ -9,19 +9,17 @@
 ///
 /// What a texel is off: each node's bound is a theorem (traverse.h). Their plain sum is a bound, too, but it comes out
 /// 50 to 100 times too large, since nodes are off either way. So the figure of a tile takes the largest for certain and
-/// the rest
-/// as errors of either sign: that is measured, by tests/bench/hostile.cpp,
-/// over thousands of hostile maps and in every texel.
+/// the rest as errors of either sign: that is measured, by tests/bench/hostile.cpp, over thousands of hostile maps and
+/// in every texel.
 #pragma once
 
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "envmap/base/progress.h"
 #include "envmap/prefilter/evaluate.h"
+#include "envmap/prefilter/making.h"
 #include "envmap/prefilter/tree.h"
-#include "envmap/sample/target.h"
 
 namespace envmap::prefiltering {
 
@@ -31,14 +29,9 @@ namespace envmap::prefiltering {
 /// step that runs along texels is off the same way in all of them.
 double error_figure(const Traversal& found, const Tile& tile);
 
-/// Sets texels whose figure is not below max_error yet: a tile's nodes are opened until its own figure is. Texels that
-/// would take so many nodes that the exact sum is quicker are left as they are. @param out of the projection and size
-/// of the target.
-/// @param rows of the faces that are wanted, `size` for each face; empty: all. Others may be set, too.
-/// @param figures by face, row and column, infinite where a texel is not known: relative to the texel, or to 0.001 x
-/// the mean of the source if larger; set to what they are.
-void treecode_prefilter(const Tree& tree, const Lobe& lobe, const Target& target, double max_error,
-                        std::span<const char> rows, Level& out, std::span<float> figures,
-                        const Progress& progress = {});
+/// Sets texels whose bound is not below max_error yet, each with its figure: a tile's nodes are opened until its own
+/// figure is. Texels that would take so many nodes that the exact sum is quicker are left as they are. Rows that are
+/// not wanted may be set, too.
+void treecode_prefilter(const Tree& tree, const Lobe& lobe, double max_error, const Making& map);
 
 }  // namespace envmap::prefiltering

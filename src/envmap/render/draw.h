@@ -123,8 +123,7 @@ struct Drawn {
   std::vector<float> distances;         ///< From the point, in metres; infinite where nothing was hit.
   std::vector<std::uint32_t> surfaces;  ///< 1 + index into instances(); 0 where nothing was hit.
   /// Solid angle in steradians of the triangles that distort or tessellate left out round the singularity, whether or
-  /// not
-  /// others hide them: what the map lacks at most. 0 for other methods.
+  /// not others hide them: what the map lacks at most. 0 for other methods.
   double missing_solid_angle = 0;
 };
 

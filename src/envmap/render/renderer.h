@@ -132,10 +132,9 @@ Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMeth
 bool is_in_picture(const Viewpoint& from, const Direction& centre, double radius);
 
 /// The picture through from.lens, rows from the top. Flat mirrors (MirrorMap::flat) show what the mirrored eye sees,
-/// and flat mirrors
-/// in those: as deep as MirrorLook::pictures where there are two of them, once or twice where there are more. Beyond
-/// that, and in all others, they look their maps up.
-/// Source: Diefenbach 1996, "Pipeline rendering: interaction and realism through hardware-based multi-pass rendering".
+/// and flat mirrors in those: as deep as MirrorLook::pictures where there are two of them, once or twice where there
+/// are more. Beyond that, and in all others, they look their maps up. Source: Diefenbach 1996, "Pipeline rendering:
+/// interaction and realism through hardware-based multi-pass rendering".
 std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const Shot& shot);
 
 /// What is in the texture, with distances if asked for.

@@ -208,8 +208,7 @@ constexpr int block = 32;  // Texels of a row that get as many pieces a side. Bl
                            // result would depend on how a row is taken apart.
 
 // Pieces a side for the tolerance, by the texels at the ends and in the middle of a block. With one piece there is
-// nothing
-// to see a bend by: it must be far from one.
+// nothing to see a bend by: it must be far from one.
 std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Workspace& ws) {
   const Columns in = columns(task.target.to, task.target.size, row);
   const int begin = any_of_block / block * block, first = std::max(in.first, begin),

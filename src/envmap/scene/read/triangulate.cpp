@@ -54,9 +54,8 @@ struct Ring {
 };
 
 // Ears are cut off until three corners are left. A corner is looked at again where its triangle has become another, or
-// what
-// lay in there was cut: the search then goes on where it stopped,
-// so that all takes time with the square of the corners.
+// what lay in there was cut: the search then goes on where it stopped, so that all takes time with the square of the
+// corners.
 class EarCutter {
  public:
   explicit EarCutter(const std::vector<Point>& points) : ring_(points), blocks_(points.size()), gone_(points.size()) {
