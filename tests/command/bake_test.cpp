@@ -173,6 +173,7 @@ TEST_F(Bake, BevysDiffuseMapIsTheIrradianceMirroredInZ) {
 TEST_F(Bake, StandardOutputHoldsNoFolder) {
   succeeds({"generate", "sky", "probe.exr", "--size", "8"});
   fails(2, {"bake", "probe.exr", "-", "--for", "unity"}, {"standard output", "name of a folder"});
+  fails(4, {"bake", "probe.exr", "no/such", "--for", "unity"}, {"no/such: no such folder: no"});
 }
 
 // Of Filament's nine colours: what they give is the irradiance over pi of the map,

@@ -141,6 +141,17 @@ TEST_F(Usage, RefusesFileTypesThatNothingWrites) {
   fails(usage, {"preview", "in.exr", "out.exr"}, {"out.exr", ".png"});
 }
 
+TEST_F(Usage, RefusesMarksThatAreSpelledWrong) {
+  fails(usage, {"generate", "sky", "out_{fcae}.exr", "--to", "cube"}, {"{fcae}", "{face}"});
+  succeeds({"generate", "sky", "{2024}{A-1}.exr", "--size", "2", "-q"});
+}
+
+TEST_F(Usage, TakesWordsInLettersOfEitherCase) {
+  succeeds({"generate", "sky", "small.exr", "--to", "cube", "--size", "4", "-q"});
+  succeeds({"generate", "Sky", "large.exr", "--to", "CUBE", "--size", "4", "-q"});
+  EXPECT_EQ(read("small.exr"), read("large.exr"));
+}
+
 TEST_F(Usage, WritesNoMapToATerminal) {
   const Result r = shell("script -qec '\"$ENVMAP\" generate sky - --size 8' /dev/null < /dev/null");
   EXPECT_EQ(r.status, usage);

@@ -133,7 +133,7 @@ int run(const Request& o) {
   if (!o.slurm.empty() || !o.make.empty()) {
     const std::string& path = o.slurm.empty() ? o.make : o.slurm;
     write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()));
-    note(fmt::format("{}: {} jobs", path, jobs.size()));
+    note(fmt::format("{}: {} job{}", path, jobs.size(), jobs.size() == 1 ? "" : "s"));
     return 0;
   }
   if (!is_installed("ninja")) throw OutputError("ninja is not installed: install ninja-build, or use --make FILE");
@@ -146,9 +146,10 @@ int run(const Request& o) {
   const int status = run_ninja(file, o, jobs.size(), output);
   if (status == 0) return 0;
   if (WIFSIGNALED(status)) throw OutputError("ninja was ended by a signal");
-  throw OutputError(
-      fmt::format("{} of {} jobs failed{}", output.failures(), jobs.size(),
-                  o.keep_going || jobs.size() == 1 ? "" : "; jobs not yet started were skipped (-k runs them)"));
+  if (jobs.size() == 1) throw OutputError("the job failed");
+  throw OutputError(fmt::format("{} of {} jobs failed; {}", output.failures(), jobs.size(),
+                                o.keep_going ? "jobs that read their outputs were skipped"
+                                             : "jobs not yet started were skipped (-k runs them)"));
 }
 
 }  // namespace

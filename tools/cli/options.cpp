@@ -51,6 +51,15 @@ std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
   return std::uint64_t(bytes);
 }
 
+// Words are taken in letters of either case.
+std::string in_given_letters(const std::string& text, const std::vector<std::string>& words) {
+  const auto small = [](unsigned char c) { return std::tolower(c); };
+  const auto found = std::ranges::find_if(words, [&](const std::string& word) {
+    return std::ranges::equal(word, text, {}, small, small);
+  });
+  return found == words.end() ? text : *found;
+}
+
 std::string not_among(const std::string& text, const Option& o) {
   return o.words.empty() ? fmt::format("must be {}, not {}", o.type, text)
                          : fmt::format("must be one of {}, not '{}'", fmt::join(o.words, ", "), text);
@@ -104,8 +113,9 @@ bool Option::takes_several() const {
 
 void Option::put(const std::string& text) const {
   if (file != File::none && text.empty()) throw std::invalid_argument("the name is empty (is a variable not set?)");
-  if (!parse) std::visit(Putting{*this, text}, value);
-  if (parse && !parse(text)) throw std::invalid_argument(not_among(text, *this));
+  const std::string word = in_given_letters(text, words);
+  if (!parse) std::visit(Putting{*this, word}, value);
+  if (parse && !parse(word)) throw std::invalid_argument(not_among(text, *this));
 }
 
 Option& Options::add(std::string_view name, std::string_view type, const Value& value, std::string_view help) {

@@ -90,8 +90,8 @@ void print_lines(const FactLines& lines) {
 
 void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Report& report) {
   for (const Option& option : o.options->rows) {
-    const bool is_of_maps =
-        option.group == facts_group || option.group == groups::input_map || option.name == "--input-space";
+    const bool is_of_maps = option.group == facts_group || option.group == groups::input_map ||
+                            option.name == "--input-space" || option.name == "--ocio";
     if (is_of_maps && option.name != "--max-pixels" && !option.given.empty())
       throw UsageError(input, fmt::format("is a scene: remove {}", option.name));
   }

@@ -169,7 +169,7 @@ int write_page(const Request& o) {
                                               .size = o.size > 0 ? o.size : std::clamp(density, 16, 256)});
   open_depfile();
   write_text(o.html, page);
-  note(fmt::format("{}: {:.1f} MB", o.html, 1e-6 * double(page.size())));
+  note(fmt::format("{}: {:.1f} MB", o.html == "-" ? "standard output" : o.html, 1e-6 * double(page.size())));
   return 0;
 }
 

@@ -176,11 +176,11 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
   const Written written = write(path, levels, how, {.progress = progress_line(verb)});
   tell_clamping(path, written);
   if (settings().verbose)
-    detail(fmt::format("{}: {} {}x{}{}{}, {}, made and written in {:.2f} s", path, name(rows.projection), rows.width(),
+    detail(fmt::format("{}: {} {}x{}{}{}, {}, {}written in {:.2f} s", path, name(rows.projection), rows.width(),
                        rows.size,
                        rows.projection == Projection::cube ? fmt::format(" x 6 faces ({})", name(written.layout)) : "",
                        levels.size() > 1 ? fmt::format(", {} levels", levels.size()) : "", name(written.depth),
-                       watch.seconds()));
+                       verb == "write" ? "" : "made and ", watch.seconds()));
   return written;
 }
 

@@ -322,11 +322,25 @@ void check_rows(const std::string& path, std::span<const Rows> levels, const Wri
   }
 }
 
+// A mark that is spelled wrong would stay in the name.
+void check_marks(const std::string& path) {
+  const std::string name = fs::path(path).filename().string();
+  for (std::size_t at = name.find('{'); at != name.npos; at = name.find('{', at + 1)) {
+    const std::string mark = name.substr(at, name.find('}', at) - at + 1);
+    const bool is_word =
+        mark.size() > 2 && mark.back() == '}' &&
+        std::ranges::all_of(mark.substr(1, mark.size() - 2), [](unsigned char c) { return c >= 'a' && c <= 'z'; });
+    if (is_word && mark != face_mark && mark != half_mark && mark != level_mark)
+      throw UsageError(path, mark + " stands for nothing here: use {face}, {half} or {level}");
+  }
+}
+
 }  // namespace
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
   std::error_code error;
   if (path != "-" && fs::is_directory(path, error)) throw OutputError(path, "is a folder: give a file name");
+  check_marks(path);
   const std::string ext = extension(path, options);
   const FileFormat* format = format_with_extension(ext);
   if (!format) {
