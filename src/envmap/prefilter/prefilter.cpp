@@ -76,14 +76,15 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
     if (!black) hinge_map(from.hinges(weight->order(), error), *weight, error, from.light.mean, map);
     return Method::prefix_sums;
   }
+  const std::size_t texels = texels_of(map.out).size();
   if (splits && serves_multilevel(from.texels()))
     if (const auto plan = multilevel_plan(lobe, error, finest_rows(from.texels()));
-        plan && (!any || plan->is_quick(from.texels(), texels_of(map.out).size(), error))) {
+        plan && (!any || plan->is_quick(from.texels(), texels, error))) {
       if (!black) multilevel_map(*plan, from.multilevel(*plan, error), map);
       return Method::multilevel;
     }
   if (splits)
-    if (const auto plan = sheen_plan(lobe, error); plan && (!any || plan->is_quick(error))) {
+    if (const auto plan = sheen_plan(lobe, error); plan && (!any || plan->is_quick(from.texels(), texels, error))) {
       if (!black) sheen_map(*plan, from.sheen(plan->texel()), from.light.mean, map);
       return Method::multilevel;
     }

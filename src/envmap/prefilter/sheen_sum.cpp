@@ -338,7 +338,13 @@ double interpolation_error(const Charlie& lobe, double size) {
 
 }  // namespace
 
-bool SheenPlan::is_quick(double max_error) const { return power >= 9 * portable::cbrt(1e3 * max_error); }
+// Blocks take time with the texels along a horizon, a treecode with the cube of the power, mostly for each tile of
+// directions that share its nodes.
+bool SheenPlan::is_quick(const Level& from, std::size_t texels, double max_error) const {
+  const double high = (from.projection() == Projection::cube ? 2 : 1) * from.height(),
+               rows = std::max(high, pi / texel());
+  return power * power * power * (1 + 2e4 / double(texels)) >= 10 * max_error * rows * std::sqrt(rows);
+}
 
 std::optional<SheenPlan> sheen_plan(const Lobe& lobe, double error) {
   const auto* sheen = std::get_if<Charlie>(&lobe);
