@@ -81,7 +81,18 @@ TEST_F(Info, OfScenesListsNodesLightsAndCameras) {
   fails(2, {"info", "parts.obj", "--levels"}, {"is a scene", "--levels"});
   fails(2, {"info", "parts.obj", "--input-space", "srgb"}, {"is a scene", "--input-space"});
   fails(2, {"info", "parts.obj", "--from-faces", "gl"}, {"is a scene", "--from-faces"});
+  fails(2, {"info", "parts.obj", "--ocio", "builtin"}, {"is a scene", "--ocio"});
+  EXPECT_EQ(shell("OCIO=builtin \"$ENVMAP\" info parts.obj").status, 0);
   fails(3, {"info", "missing.obj"}, {"missing.obj"});
+}
+
+TEST_F(Info, ShowsTheOtherFilesWhereOneIsMissing) {
+  succeeds({"generate", "sky", "a.exr", "--size", "4"});
+  succeeds({"generate", "sky", "b.exr", "--size", "4"});
+  const Result r = envmap({"info", "a.exr", "gone.exr", "b.exr"});
+  EXPECT_EQ(r.status, 3);
+  EXPECT_EQ(r.err, "envmap info: gone.exr: no such file\n");
+  EXPECT_EQ(r.out, envmap({"info", "a.exr", "b.exr"}).out);
 }
 
 TEST_F(Info, FindsTheBrightestDirectionInTheWorld) {

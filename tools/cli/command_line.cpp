@@ -60,8 +60,7 @@ std::string commands_with(const std::string& option) {
     Options options;
     Settings unused;
     define(c, options, unused);
-    if (std::ranges::find(options.rows, option, &Option::name) != options.rows.end())
-      names.push_back(fmt::format("'envmap {}'", c.name));
+    if (options.has(option)) names.push_back(fmt::format("'envmap {}'", c.name));
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }
@@ -71,13 +70,15 @@ std::string closest(const std::string& word, const std::vector<std::string>& kno
   return near.empty() ? "" : fmt::format("; did you mean '{}'?", near[0]);
 }
 
+bool is_left_to_environment(const Option& o, const std::vector<std::string>& words) {
+  return !o.environment.empty() &&
+         std::ranges::none_of(words, [&](const std::string& word) { return word.starts_with(o.name); });
+}
+
 // CLI11 names the option where its value comes from the environment.
 std::string with_source(std::string what, const Options& options, const std::vector<std::string>& words) {
-  for (const Option& o : options.rows) {
-    const auto names_it = [&](const std::string& word) { return word.starts_with(o.name); };
-    if (!o.environment.empty() && names_it(what) && std::ranges::none_of(words, names_it))
-      what.replace(0, o.name.size(), o.environment);
-  }
+  for (const Option& o : options.rows)
+    if (what.starts_with(o.name) && is_left_to_environment(o, words)) what.replace(0, o.name.size(), o.environment);
   return what;
 }
 
@@ -151,7 +152,10 @@ void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& sett
   } catch (const CLI::ParseError& e) {
     throw UsageError(explain(e, app, words, parsed));
   }
-  for (Option& o : parsed.options.rows) o.given = chosen->get_option(o.name)->results();
+  for (Option& o : parsed.options.rows) {
+    o.given = chosen->get_option(o.name)->results();
+    o.from_environment = is_left_to_environment(o, words);
+  }
   for (const Option& o : parsed.options.rows)
     if (!o.needs.empty() && !o.given.empty() && !parsed.options.given(o.needs))
       throw UsageError(fmt::format("{} is for {}: use both, or neither", o.name, o.needs));

@@ -127,9 +127,6 @@ struct ExitStatus {
   bool (*applies)(const Options& options);
 };
 
-bool has(const Options& o, std::string_view name) {
-  return std::ranges::find(o.rows, name, &Option::name) != o.rows.end();
-}
 bool reads_files(const Options& o) {
   return std::ranges::any_of(o.rows, [](const Option& row) {
     return row.is_argument() &&
@@ -140,11 +137,11 @@ bool reads_files(const Options& o) {
 constexpr ExitStatus exit_statuses[] = {
     {0, "The command succeeded.", nullptr},
     {1, "A check failed: a limit such as --max-error is not met.",
-     [](const Options& o) { return has(o, "--max-error") && !has(o, "--orbit"); }},
+     [](const Options& o) { return o.has("--max-error") && !o.has("--orbit"); }},
     {2, "The command line is wrong.", nullptr},
     {3, "An input cannot be read, or is damaged.", reads_files},
     {4, "An output cannot be written; of batch: a job failed.", nullptr},
-    {5, "No renderer was found.", [](const Options& o) { return has(o, "--context") || has(o, "--task"); }},
+    {5, "No renderer was found.", [](const Options& o) { return o.has("--context") || o.has("--task"); }},
 };
 
 // @param options of a command, or null: all statuses.

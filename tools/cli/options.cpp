@@ -166,9 +166,14 @@ Option& Options::files(std::vector<std::string>& paths, File kind, std::string_v
 }
 
 Option& Options::operator[](std::string_view name) { return *std::ranges::find(rows, name, &Option::name); }
+bool Options::has(std::string_view name) const { return std::ranges::find(rows, name, &Option::name) != rows.end(); }
 bool Options::given(std::string_view name) const {
   const auto found = std::ranges::find(rows, name, &Option::name);
   return found != rows.end() && !found->given.empty();
+}
+bool Options::on_command_line(std::string_view name) const {
+  const auto found = std::ranges::find(rows, name, &Option::name);
+  return found != rows.end() && !found->given.empty() && !found->from_environment;
 }
 std::string Options::last(std::string_view name) const {
   const auto found = std::ranges::find(rows, name, &Option::name);

@@ -88,6 +88,7 @@ struct Option {
   std::string needs = {};            ///< An option without which this one would do nothing.
   std::string all_inputs_with = {};  ///< Of inputs_then_output: an option that names the output in place of the last.
   std::vector<std::string> given = {};  ///< The values from the command line, or from the environment.
+  bool from_environment = false;        ///< Whether `given` is from there.
 
   [[nodiscard]] bool is_argument() const { return !name.starts_with('-'); }
   [[nodiscard]] bool is_flag() const { return type.empty() && !is_argument(); }
@@ -119,8 +120,10 @@ class Options {
   Option& files(std::vector<std::string>& paths, File kind, std::string_view help);
 
   [[nodiscard]] Option& operator[](std::string_view name);
+  [[nodiscard]] bool has(std::string_view name) const;
   [[nodiscard]] bool given(std::string_view name) const;
-  [[nodiscard]] std::string last(std::string_view name) const;  ///< The value given last, or empty.
+  [[nodiscard]] bool on_command_line(std::string_view name) const;  ///< Not from the environment.
+  [[nodiscard]] std::string last(std::string_view name) const;      ///< The value given last, or empty.
   /// The files that are named. @param kind input or output.
   [[nodiscard]] std::vector<std::string> named(File kind) const;
   /// The argument that names what is written, or the first option that does, or null.

@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include "cli/failure.h"
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/io/file_format.h"
@@ -92,7 +93,7 @@ void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Re
   for (const Option& option : o.options->rows) {
     const bool is_of_maps = option.group == facts_group || option.group == groups::input_map ||
                             option.name == "--input-space" || option.name == "--ocio";
-    if (is_of_maps && option.name != "--max-pixels" && !option.given.empty())
+    if (is_of_maps && option.name != "--max-pixels" && o.options->on_command_line(option.name))
       throw UsageError(input, fmt::format("is a scene: remove {}", option.name));
   }
   for (const std::string& remark : remarks_on(scene)) warn(fmt::format("{}: {}", input, remark));
@@ -101,8 +102,7 @@ void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Re
   add(report, scene);
 }
 
-void tell(const InfoRequest& o, const std::string& input, Report& report) {
-  const auto found = read_map_or_scene(o, input);
+void tell(const InfoRequest& o, const std::string& input, const std::variant<Source, Scene>& found, Report& report) {
   if (const Scene* const scene = std::get_if<Scene>(&found)) return tell(o, *scene, input, report);
   const Source& source = std::get<Source>(found);
   const MapFacts facts = facts_of(source, input, o.read.colour.space, o.towards);
@@ -124,27 +124,44 @@ void tell(const InfoRequest& o, const std::string& input, Report& report) {
                       r.solid_angle, r.relative, r.anisotropy));
 }
 
-// JSON of several files.
+// JSON of several files: of all of them, or none.
 int tell_array(const InfoRequest& o) {
   std::string array;
   for (const std::string& input : o.inputs) {
     Report report;
-    tell(o, input, report);
+    tell(o, input, read_map_or_scene(o, input), report);
     array += (array.empty() ? "[\n" : ",\n") + report.text();
   }
   print(array + "]\n");
-  return 0;
+  return done;
+}
+
+// A file that cannot be read has a line, and the others follow. @return the status of the first such file, or 0.
+int tell_each(const InfoRequest& o, Report& report) {
+  int status = done;
+  bool first = true;
+  for (const std::string& input : o.inputs) {
+    try {
+      const auto found = read_map_or_scene(o, input);
+      if (!first) print("\n");
+      first = false;
+      tell(o, input, found, report);
+    } catch (const Error& e) {
+      const int failed = complain("envmap info", words_of(e, *o.options), status_of(e.code()));
+      if (status == done) status = failed;
+    }
+  }
+  return status;
 }
 
 int run(InfoRequest& o, Report& report) {
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
   o.read.all_levels = o.levels;
   if (settings().json && o.inputs.size() > 1) return tell_array(o);
-  for (const std::string& input : o.inputs) {
-    if (&input != &o.inputs.front()) print("\n");
-    tell(o, input, report);
-  }
-  return 0;
+  if (o.inputs.size() > 1) return tell_each(o, report);
+  const std::string& input = o.inputs.front();
+  tell(o, input, read_map_or_scene(o, input), report);
+  return done;
 }
 
 }  // namespace
