@@ -1,11 +1,14 @@
 #include "envmap/scene/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <string_view>
 #define GLM_ENABLE_EXPERIMENTAL
 #include <glm/gtx/matrix_decompose.hpp>
 
+#include "envmap/base/error.h"
 #include "envmap/scene/keys.h"
 
 namespace envmap {
@@ -40,6 +43,8 @@ Pose pose(const Scene& scene, double time) {
 std::optional<int> find_node(const Scene& scene, const std::string& name) {
   const auto found = std::ranges::find(scene.nodes, name, &Node::name);
   if (found == scene.nodes.end()) return std::nullopt;
+  if (const auto count = std::ranges::count(scene.nodes, name, &Node::name); count > 1)
+    throw UsageError(fmt::format("{} nodes of the scene are named '{}': give each node its own name", count, name));
   return int(found - scene.nodes.begin());
 }
 

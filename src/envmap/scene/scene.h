@@ -149,7 +149,7 @@ using Pose = std::vector<Matrix>;
 /// rotations by great arcs.
 Pose pose(const Scene& scene, double time);
 
-/// The first node of that name, if there is one.
+/// The node of that name, if there is one. @throws UsageError where several have it.
 std::optional<int> find_node(const Scene& scene, const std::string& name);
 
 /// The names of nodes, for messages: eight at most, and how many more there are.
