@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
@@ -59,6 +60,17 @@ void check_terminal(const Options& o) {
     throw envmap::UsageError("-: standard output is a terminal: redirect it, or give a file name");
 }
 
+// Before the work, not after it. Marks in the folder's name are not known yet.
+void check_folders(const std::vector<std::string>& outputs) {
+  for (const std::string& output : outputs) {
+    const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+    std::error_code error;
+    if (!folder.empty() && folder.string().find_first_of("{%") == std::string::npos &&
+        !std::filesystem::is_directory(folder, error))
+      throw envmap::OutputError(output, "no such folder: " + folder.string());
+  }
+}
+
 }  // namespace
 
 int run(Parsed& parsed) {
@@ -70,6 +82,7 @@ int run(Parsed& parsed) {
   // Where the last argument is the output, the command looks first whether there is one.
   if (std::ranges::find(o.rows, File::inputs_then_output, &Option::file) == o.rows.end())
     check_files(o.named(File::output), o.named(File::input), {o.last("--faces"), o.last("--from-faces")});
+  check_folders(o.named(File::output));
   check_terminal(o);
   Report report;
   const int status = parsed.action(report);

@@ -67,12 +67,23 @@ TEST_F(Batch, OfJsonGoesOnAfterFailuresAndNamesEach) {
   EXPECT_EQ(r.status, 4);
   EXPECT_NE(r.err.find("envmap batch: not made: bad $1 #.exr: envmap convert: bad.hdr: "), std::string::npos) << r.err;
   EXPECT_NE(r.err.find("envmap batch: not made: gone.exr: envmap convert: gone.hdr: "), std::string::npos) << r.err;
-  EXPECT_NE(r.err.find("envmap batch: 2 of 3 jobs failed; jobs that read their outputs were skipped\n"),
-            std::string::npos)
-      << r.err;
+  EXPECT_NE(r.err.find("envmap batch: 2 of 3 jobs failed\n"), std::string::npos) << r.err;
   EXPECT_EQ(std::ranges::count(r.err, '\n'), 3) << r.err;
   EXPECT_TRUE(fs::exists(path("odd $1 #.exr")));
   EXPECT_FALSE(fs::exists(path("gone.exr")));
+}
+
+TEST_F(Batch, CountsTheJobsThatItSkips) {
+  write("maps.txt",
+        "convert gone.hdr gone.exr\nconvert gone.exr later.exr\nconvert a.hdr a.exr\nconvert a.exr again.exr\n");
+  EXPECT_NE(envmap({"batch", "maps.txt", "-k"})
+                .err.find("envmap batch: 1 of 4 jobs failed; skipped 1 that needed outputs of failed jobs\n"),
+            std::string::npos);
+  EXPECT_NE(envmap({"batch", "maps.txt"})
+                .err.find("envmap batch: 1 of 4 jobs failed; skipped 1 that had not started (-k continues"),
+            std::string::npos);
+  write("one.txt", "convert gone.hdr gone.exr\n");
+  EXPECT_NE(envmap({"batch", "one.txt"}).err.find("envmap batch: the job failed\n"), std::string::npos);
 }
 
 TEST_F(Batch, OfJsonTakesNumbersAsWords) {
@@ -217,6 +228,7 @@ TEST_F(Batch, WritesAScriptForSlurmThatWaitsForWhatIsRead) {
   for (const std::string scheduler : {"--make", "--slurm"}) {
     fails(2, {"batch", "maps.txt", scheduler, "./maps.txt"}, {"is both input and output"});
     fails(2, {"batch", "maps.txt", scheduler, ""}, {"the name is empty"});
+    fails(2, {"batch", "maps.txt", scheduler, "jobs", "--threads", "2"}, {"--threads", scheduler});
   }
   succeeds({"batch", "maps.txt", "--slurm", "maps.sh", "-q"});
   // sbatch as this test has it: runs every task of an array at once, and says what it was asked for.

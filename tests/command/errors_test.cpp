@@ -447,7 +447,13 @@ TEST_F(Output, WantsAFolderThatIsThere) {
   fails(not_written, {"convert", "in.exr", "missing/out.exr"}, {"missing/out.exr"});
   fails(not_written, {"convert", "in.exr", "in.exr/out.exr"}, {"in.exr/out.exr"});
   fails(not_written, {"generate", "sky", "missing/out.hdr", "--size", "4"}, {"missing/out.hdr"});
-  fails(not_written, {"preview", "in.exr", "missing/out.png"}, {"missing/out.png"});
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"preview", "in.exr"},
+                                                  {"view", "no.gltf"},
+                                                  {"convert", "in.exr", "--to", "cylinder"}}) {
+    std::vector<std::string> words = command;
+    words.insert(words.begin() + 2, "missing/out.png");
+    fails(not_written, words, {"missing/out.png: no such folder: missing"});
+  }
   fails(not_written, {"manual", "missing"}, {"missing"});
   std::filesystem::create_directory(path("folder.exr"));
   fails(not_written, {"convert", "in.exr", "folder.exr"}, {"folder.exr"});

@@ -44,6 +44,8 @@ class NinjaOutput {
   void take(const std::string& line) {
     if (line.starts_with(status_mark)) {
       finish_failure();
+      int finished = 0, all = 0;
+      if (std::sscanf(line.c_str() + 1, "[%d/%d]", &finished, &all) == 2) left_ = all - finished;
       if (show_) std::fputs(("\r" + printable(line.substr(1, columns)) + "\033[K").c_str(), stderr);
       dirty_ = show_;
     } else if (line.starts_with("FAILED: ")) {
@@ -69,6 +71,7 @@ class NinjaOutput {
     clear();
   }
   [[nodiscard]] int failures() const { return failures_; }
+  [[nodiscard]] int skipped() const { return left_; }
 
  private:
   static constexpr std::size_t columns = 78;
@@ -90,7 +93,7 @@ class NinjaOutput {
 
   bool show_, dirty_ = false;
   std::string failed_, said_;
-  int after_ = 0, failures_ = 0;
+  int after_ = 0, failures_ = 0, left_ = 0;
 };
 
 // @return its exit status.
@@ -123,10 +126,13 @@ std::vector<Job> jobs_of(const Request& o) {
   return read_manifest(o.names.front());
 }
 
-int run(const Request& o) {
+int run(const Request& o, const Options& options) {
   if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
   if ((!o.make.empty() || !o.slurm.empty()) && (o.at_once > 0 || o.keep_going))
     throw UsageError("--make and --slurm run nothing: give -j and -k to make, and the like to sbatch");
+  if ((!o.make.empty() || !o.slurm.empty()) && options.on_command_line("--threads"))
+    throw UsageError(o.make.empty() ? "--threads: --slurm runs nothing: give --cpus-per-task to sbatch"
+                                    : "--threads: --make runs nothing: set ENVMAP_THREADS for make");
   const std::vector<Job> jobs = jobs_of(o);
   const std::string name = !o.engine.empty() ? o.engine : fs::path(o.names.front()).stem().string();
   const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
@@ -147,9 +153,12 @@ int run(const Request& o) {
   if (status == 0) return 0;
   if (WIFSIGNALED(status)) throw OutputError("ninja was ended by a signal");
   if (jobs.size() == 1) throw OutputError("the job failed");
-  throw OutputError(fmt::format("{} of {} jobs failed; {}", output.failures(), jobs.size(),
-                                o.keep_going ? "jobs that read their outputs were skipped"
-                                             : "jobs not yet started were skipped (-k runs them)"));
+  std::string skipped;
+  if (output.skipped() > 0)
+    skipped =
+        fmt::format("; skipped {} that {}", output.skipped(),
+                    o.keep_going ? "needed outputs of failed jobs" : "had not started (-k continues after failures)");
+  throw OutputError(fmt::format("{} of {} jobs failed{}", output.failures(), jobs.size(), skipped));
 }
 
 }  // namespace
@@ -165,7 +174,7 @@ Action define_batch(Options& o) {
   o.group = "Other schedulers";
   o.add("--make", "FILE", &r->make, "Write a Makefile, and run nothing").file = File::output;
   o.add("--slurm", "FILE", &r->slurm, "Write a script for Slurm's sbatch, and run nothing").file = File::output;
-  return [r](Report&) { return run(*r); };
+  return [r, &o](Report&) { return run(*r, o); };
 }
 
 }  // namespace tools

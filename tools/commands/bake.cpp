@@ -135,7 +135,7 @@ Action define_bake(Options& o) {
         if (found != qualities.end()) quality = *found;
         return found != qualities.end();
       },
-      "Size and error of rough and diffuse light: {} (normal)");
+      "Accuracy of rough and diffuse light: {} (default: normal)");
   o.add("--max-error", "E", &r->maps.max_error, {1e-6, 10},
         "Largest error of a texel, rounding included (default: by --quality)");
   add_size(o, &r->maps.size, "Height of the environment map or face (default: same texels per degree)");

@@ -107,7 +107,7 @@ Action define_mipmap(Options& o) {
   add_engine(o, r->engine, "Projection, orientation and file format of an engine ('list' lists engines)");
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
   add_faces(o, r->write);
-  add_border(o, r->write, "added to the image size");
+  add_border(o, r->write, "added outside");
   add_write_options(o, r->write);
   add_read_options(o, r->read);
   add_repair(o, r->read);

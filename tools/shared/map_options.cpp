@@ -154,7 +154,7 @@ void add_write_options(Options& o, WriteOptions& w, std::string_view depth) {
 }
 void add_border(Options& o, WriteOptions& w, std::string_view size) {
   o.add("--border", "N", &w.border, range_of(limits::border),
-        fmt::format("Octahedral, equal-area: wrapped texels per side, {} (0)", size));
+        fmt::format("Octahedral, equal-area: wrapped texels per side, {} (default: 0)", size));
 }
 void add_output_space(Options& o, WriteOptions& w) {
   o.group = groups::colour;

@@ -97,6 +97,7 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
       keep_on_signal(temporary_.c_str());
       temporary_.clear();
     }
+    if (descriptor_ < 0 && why == ENOENT && !stream_) throw OutputError(path, "no such folder: " + folder);
     if (descriptor_ < 0)
       throw OutputError(fmt::format("{}: cannot write into {}: {}{}", shown(path), folder, std::strerror(why),
                                     stream_ ? ": set TMPDIR to another folder" : ""));
