@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <numbers>
+#include <stdexcept>
 #include <thread>
 
 #include "picture.h"
@@ -30,7 +31,11 @@ TEST_F(CommandTest, ReadsHeifAndAvifWhereOpenImageIODoes) {
   int read_back = 0;
   for (const std::string file : {"in.heic", "in.avif"}) {
     if (!OIIO::ImageOutput::create(file)) continue;
-    save(path(file), p, OIIO::TypeDesc::UINT8);
+    try {
+      save(path(file), p, OIIO::TypeDesc::UINT8);
+    } catch (const std::runtime_error&) {
+      continue;  // libheif without an encoder.
+    }
     succeeds({"convert", file, "out.exr", "--depth", "float"});
     const Picture out = load(path("out.exr"));
     EXPECT_EQ(out.width, 64);
@@ -45,7 +50,7 @@ TEST_F(CommandTest, ReadsHeifAndAvifWhereOpenImageIODoes) {
     write("pq." + file, bytes);
     fails(3, {"info", "pq." + file}, {"PQ", "EXR"});
   }
-  if (read_back == 0) GTEST_SKIP() << "this OpenImageIO has no HEIF";
+  if (read_back == 0) GTEST_SKIP() << "this OpenImageIO writes no HEIF";
 }
 
 TEST_F(CommandTest, AChannelMayBeReadMoreThanOnce) {

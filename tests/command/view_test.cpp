@@ -398,9 +398,10 @@ TEST_F(View, WhatMakesNoSense) {
   fails(2, {"view", "scene.gltf", "a.png", "--frames", "1:2"}, {"{frame}"});
   fails(2, {"view", "scene.gltf", "a.png", "--maps", "latlong"}, {"latlong"});
   fails(2, {"view", "scene.gltf", "a.exr", "--display", "reinhard"}, {"a.exr", "--display"});
-  for (const char* option : {"--save-maps=maps", "--show-maps", "--maps=cube", "--bounces=2", "--max-error=0.1"})
-    fails(2, {"view", "scene.gltf", "a.png", "--width", "8", "--height", "8", "--mirror", "mirror:off", option},
-          {"scene.gltf: has no mirrors", std::string(option).substr(0, std::string(option).find('='))});
+  for (const char* option : {"--save-maps=maps", "--show-maps"})
+    EXPECT_NE(envmap({"view", "scene.gltf", "a.png", "--width", "8", "--height", "8", "--mirror", "mirror:off", option})
+                  .err.find("scene.gltf: has no mirrors"),
+              std::string::npos);
   fails(4, {"view", "scene.gltf", "nowhere/a.png", "--width", "8", "--height", "8"}, {"nowhere"});
 }
 

@@ -97,11 +97,11 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
                        closest(first, {"--help", "--version"}), help);
   if (parsed.command == nullptr) return fmt::format("no command '{}'{}{}", first, closest(first, names), help);
   const std::string here = fmt::format(" (see 'envmap {} --help')", first);
-  constexpr std::string_view twice = ": At Most 1 required but received ";
+  constexpr std::string_view twice = "ost 1 required but received ";  // "At Most"; from CLI11 2.6 on "At most".
   if (const std::string what = error.what(); what.find(": 1 required ") != what.npos && what.ends_with(" missing"))
     return fmt::format("{} needs a value{}", what.substr(0, what.find(':')), here);
   if (const std::string what = error.what(); what.find(twice) != what.npos)
-    return fmt::format("{} takes one value, and is given {} times{}", what.substr(0, what.find(twice)),
+    return fmt::format("{} takes one value, and is given {} times{}", what.substr(0, what.find(':')),
                        what.substr(what.find(twice) + twice.size()), here);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr)
     return with_source(error.what(), parsed.options, words) + here;

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
-#include <utility>
 
 #include "command.h"
 #include "envmap/base/error.h"
@@ -129,40 +127,6 @@ void check_kind(Kind kind, const Options& options) {
   }
 }
 
-// The library names its fields, not the options.
-void check_values(const Request& o) {
-  const std::pair<const char*, const std::optional<Vec3<double>>&> radiances[] = {{"--value", o.value},
-                                                                                  {"--value2", o.value2},
-                                                                                  {"--zenith", o.zenith},
-                                                                                  {"--horizon", o.horizon},
-                                                                                  {"--ground", o.ground}};
-  const bool is_day = o.kind == Kind::atmosphere;  // Of the five it has --ground alone, an albedo.
-  const double most = is_day ? limits::albedo.most : double(std::numeric_limits<float>::max());
-  for (const auto& [option, value] : radiances)
-    for (int c = 0; value && c < 3; ++c)
-      if (!((*value)[c] >= 0 && (*value)[c] <= most))
-        throw UsageError(fmt::format("{} must be from 0 to {:.3g}, not {:g}", option, most, (*value)[c]));
-  const double radius = o.sun.radius_degrees;
-  if (is_day ? !limits::sun_radius.hold(radius) : !(radius > 0 && radius <= 180))
-    throw UsageError(
-        fmt::format("--radius must be {}, not {:g}",
-                    is_day ? fmt::format("from {:g} to {:g}", limits::sun_radius.least, limits::sun_radius.most)
-                           : "more than 0 and at most 180",
-                    radius));
-  if (std::abs(o.harmonic.order) > o.harmonic.degree)
-    throw UsageError(
-        fmt::format("--order must be from -{0} to {0} for --degree {0}, not {1}", o.harmonic.degree, o.harmonic.order));
-}
-
-EnvironmentMap drawn(const Request& o, const Frame& to, const Run& run) {
-  try {
-    return generate(pattern(o), to, o.size, run);
-  } catch (const UsageError&) {
-    if (o.kind != Kind::sh) throw;
-    throw UsageError("the harmonic is negative or infinite somewhere: lower --amplitude, or raise --base");
-  }
-}
-
 EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, WriteOptions& write, Report& report) {
   const Atmosphere a = atmosphere_of(o);
   Daylight made = generate(a, to, o.size, run);
@@ -180,12 +144,12 @@ EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, Write
 int run(const Request& o, const Options& options, Report& report) {
   const Frame to{o.to.value_or(Projection::latlong), o.forward.value_or(Forward::plus_z)};
   check_kind(o.kind, options);
-  check_values(o);
   check_output(o.output, o.write, to.projection);
   if (o.forward && !has_forward(to.projection)) throw UsageError("--forward is for latlong and angular maps");
   const Run run{.progress = progress_line("generate")};
   WriteOptions write = o.write;
-  const EnvironmentMap map = o.kind == Kind::atmosphere ? daylight(o, to, run, write, report) : drawn(o, to, run);
+  const EnvironmentMap map =
+      o.kind == Kind::atmosphere ? daylight(o, to, run, write, report) : generate(pattern(o), to, o.size, run);
   report.put("kind", kinds[std::size_t(o.kind)]);
   report.put_written(o.output, write_map(o.output, rows_of(map), write, "write"));
   report.put_seconds();
@@ -203,7 +167,7 @@ Action define_generate(Options& o) {
   o.add("--value", "R,G,B", Triple{&r->value, true},
         "Radiance: constant, top of gradient, even squares, sun (default: 1)");
   o.add("--value2", "R,G,B", Triple{&r->value2, true}, "Radiance: bottom of gradient, odd squares (default: 0.1)");
-  o.add("--squares", "N", &r->squares, {1, 65536}, "checker: squares from pole to pole (default: 8)");
+  o.add("--squares", "N", &r->squares, "checker: squares from pole to pole (default: 8)");
   o.add("--direction", "X,Y,Z", Triple{&r->towards},
         "sun, atmosphere: direction of the sun (default: 0,0,1; of an atmosphere by --elevation)");
   o.add("--radius", "DEGREES", &r->sun.radius_degrees, "sun, atmosphere: angular radius in degrees (default: 0.2666)");
@@ -223,7 +187,7 @@ Action define_generate(Options& o) {
   o.add("--scattering", one_of(r->atmosphere.scattering, scatterings), "atmosphere: {} (default: multiple)");
   o.flag("--no-sun", r->no_sun, "atmosphere: leave out the sun's disc");
   o["--no-sun"].excludes = "--radius";
-  o.add("--degree", "L", &r->harmonic.degree, {0, 100}, "sh: degree l of the harmonic (default: 2)");
+  o.add("--degree", "L", &r->harmonic.degree, "sh: degree l of the harmonic (default: 2)");
   o.add("--order", "M", &r->harmonic.order, "sh: order m of the harmonic, -L to L (default: 0)");
   o.add("--base", "L", &r->harmonic.base, "sh: radiance to which the harmonic is added (default: 1)");
   o.add("--amplitude", "A", &r->harmonic.amplitude, "sh: factor of the harmonic (default: 0.5)");

@@ -127,16 +127,6 @@ void check(const Request& o) {
   if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
 }
 
-// A scene without mirrors draws no maps.
-void check_mirrors(const Request& o, const Options& options, const std::vector<Mirror>& mirrors) {
-  if (!mirrors.empty() || o.method == ViewMethod::raycast) return;
-  for (const char* const option : {"--maps", "--size", "--max-size", "--lookup", "--bounces", "--near", "--far",
-                                   "--all", "--show-maps", "--save-maps", "--max-error"})
-    if (options.given(option) && (o.lobe_samples == 0 || !o.max_error))
-      throw UsageError(o.scene.path,
-                       fmt::format("has no mirrors for {0}: choose nodes with --mirror, or remove {0}", option));
-}
-
 // What is drawn of a frame.
 struct Scenery {
   const Request& o;
@@ -192,7 +182,7 @@ void put(Report& report, const Request& o, int frames, const std::vector<std::st
     report.put("lookup", mirror_lookup_names[std::size_t(o.lookup.value_or(o.look.lookup))]);
 }
 
-int run(Request& o, const Options& options, Report& report) {
+int run(Request& o, Report& report) {
   check(o);
   const Frames frames = frames_of(o.scene);
   const PictureOptions how{o.format, o.display.value_or(Display::clip), settings().commit};
@@ -214,7 +204,9 @@ int run(Request& o, const Options& options, Report& report) {
   std::vector<MirrorWish> wishes;
   for (const std::string& text : o.mirrors) wishes.push_back(mirror_wish(scene, text));
   const std::vector<Mirror> mirrors = choose_mirrors(scene, wishes, o.maps.value_or(Projection::paraboloid));
-  check_mirrors(o, options, mirrors);
+  if (mirrors.empty() && (!o.saved.empty() || o.look.tinted))
+    warn(fmt::format("{}: has no mirrors for {}: choose nodes with --mirror", o.scene.path,
+                     o.saved.empty() ? "--show-maps" : "--save-maps"));
   const std::vector<int> nodes = nodes_of(mirrors);
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
   std::optional<MirrorPainter> painter;
@@ -324,7 +316,7 @@ Action define_view(Options& o) {
   o.need("--frames", {"--orbit"});
   o.need("--save-maps", {"--distance"});
   add_scene_input(o, r->scene);
-  return [r, &o](Report& report) { return run(*r, o, report); };
+  return [r](Report& report) { return run(*r, report); };
 }
 
 }  // namespace tools
