@@ -6,6 +6,7 @@
 
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
+#include "envmap/io/output_file.h"
 #include "shared/maps.h"
 
 namespace tools {
@@ -62,13 +63,9 @@ void check_terminal(const Options& o) {
 
 // Before the work, not after it. Marks in the folder's name are not known yet.
 void check_folders(const std::vector<std::string>& outputs) {
-  for (const std::string& output : outputs) {
-    const std::filesystem::path folder = std::filesystem::path(output).parent_path();
-    std::error_code error;
-    if (!folder.empty() && folder.string().find_first_of("{%") == std::string::npos &&
-        !std::filesystem::is_directory(folder, error))
-      throw envmap::OutputError(output, "no such folder: " + folder.string());
-  }
+  for (const std::string& output : outputs)
+    if (std::filesystem::path(output).parent_path().string().find_first_of("{%") == std::string::npos)
+      envmap::require_folder_of(output);
 }
 
 }  // namespace

@@ -34,6 +34,10 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
+OutputError no_folder(const std::string& path, const std::string& folder) {
+  return {path, "no such folder: " + folder};
+}
+
 std::string temporary_folder() {
   const char* const wanted = std::getenv("TMPDIR");
   return wanted && *wanted ? wanted : "/tmp";
@@ -59,6 +63,12 @@ void check_replaceable(const std::string& path, const CommitOptions& how) {
   struct stat there = {};
   if (how.force || ::stat(path.c_str(), &there) != 0 || (there.st_mode & 0222) != 0) return;
   if (S_ISREG(there.st_mode) || S_ISDIR(there.st_mode)) throw OutputError(path, "is read-only", Remedy::force);
+}
+
+void require_folder_of(const std::string& path) {
+  std::error_code error;
+  const fs::path folder = fs::path(path).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error)) throw no_folder(path, folder.string());
 }
 
 int synchronise(const std::string& path) {
@@ -97,7 +107,7 @@ OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path
       keep_on_signal(temporary_.c_str());
       temporary_.clear();
     }
-    if (descriptor_ < 0 && why == ENOENT && !stream_) throw OutputError(path, "no such folder: " + folder);
+    if (descriptor_ < 0 && why == ENOENT && !stream_) throw no_folder(path, folder);
     if (descriptor_ < 0)
       throw OutputError(fmt::format("{}: cannot write into {}: {}{}", shown(path), folder, std::strerror(why),
                                     stream_ ? ": set TMPDIR to another folder" : ""));

@@ -16,6 +16,9 @@ namespace envmap {
 /// @throws OutputError
 void check_replaceable(const std::string& path, const CommitOptions& how);
 
+/// @throws OutputError where the folder is missing that a file or folder of this name is to lie in.
+void require_folder_of(const std::string& path);
+
 /// Flushes a file or folder to disk. @return 0 or errno. Unreadable files and file systems without fsync count as
 /// success.
 int synchronise(const std::string& path);

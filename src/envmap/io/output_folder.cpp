@@ -103,8 +103,7 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string> files,
         throw UsageError(path_, fmt::format("contains {}, which would be lost: choose another folder", name));
   }
   const fs::path full = fs::absolute(path_);
-  if (!fs::is_directory(full.parent_path(), error))
-    throw OutputError(path_, "no such folder: " + fs::path(path_).parent_path().string());
+  require_folder_of(path_);
   const std::string stem = (full.parent_path() / fmt::format(".{}.envmap-", full.filename().string())).string();
   remove_stale(stem);
   make_hidden(stem);

@@ -322,19 +322,6 @@ void check_rows(const std::string& path, std::span<const Rows> levels, const Wri
   }
 }
 
-// A mark that is spelled wrong would stay in the name.
-void check_marks(const std::string& path) {
-  const std::string name = fs::path(path).filename().string();
-  for (std::size_t at = name.find('{'); at != name.npos; at = name.find('{', at + 1)) {
-    const std::string mark = name.substr(at, name.find('}', at) - at + 1);
-    const bool is_word =
-        mark.size() > 2 && mark.back() == '}' &&
-        std::ranges::all_of(mark.substr(1, mark.size() - 2), [](unsigned char c) { return c >= 'a' && c <= 'z'; });
-    if (is_word && mark != face_mark && mark != half_mark && mark != level_mark)
-      throw UsageError(path, mark + " stands for nothing here: use {face}, {half} or {level}");
-  }
-}
-
 }  // namespace
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
@@ -369,10 +356,7 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
     throw UsageError(path, fmt::format("{} one level: put {{level}} into the file name",
                                        layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
-  if (path == "-") return;
-  const fs::path parent = fs::path(path).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
-  if (!fs::is_directory(folder, error)) throw OutputError(path, "no such folder: " + folder);
+  require_folder_of(path);
 }
 
 namespace {

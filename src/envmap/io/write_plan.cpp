@@ -18,6 +18,18 @@ std::string extension(const std::string& path, const WriteOptions& options) {
   return path == "-" ? "exr" : extension_of(path);
 }
 
+void check_marks(const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  for (std::size_t at = name.find('{'); at != name.npos; at = name.find('{', at + 1)) {
+    const std::string mark = name.substr(at, name.find('}', at) - at + 1);
+    const bool is_word =
+        mark.size() > 2 && mark.back() == '}' &&
+        std::ranges::all_of(mark.substr(1, mark.size() - 2), [](unsigned char c) { return c >= 'a' && c <= 'z'; });
+    if (is_word && mark != face_mark && mark != half_mark && mark != level_mark)
+      throw UsageError(path, mark + " stands for nothing here: use {face}, {half} or {level}");
+  }
+}
+
 Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
   const std::span<const Depth> held = format.depths;
   if (options.depth) {

@@ -25,6 +25,9 @@ struct TexturePlan {
 /// The extension that names the format: WriteOptions::format, or that of the file name.
 std::string extension(const std::string& path, const WriteOptions& options);
 
+/// @throws UsageError where the name has a mark that stands for nothing, such as {fcae}: it would stay in the name.
+void check_marks(const std::string& path);
+
 /// The depth that was asked for, or the least that keeps what the source had, or the most that the format has.
 /// @throws UsageError where the format does not hold what was asked for.
 Depth choose_depth(const FileFormat& format, const WriteOptions& options);

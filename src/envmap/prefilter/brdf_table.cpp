@@ -131,8 +131,8 @@ HWY_EXPORT(BrdfRow);
 }  // namespace prefiltering
 
 // With theta the polar angles of view and light, s and d half their sum and difference, psi the azimuth between light
-// and the mirror direction: 1 + v.l = 2 cos^2 s + sin(v) sin(l) (1 - cos psi), cos(n,h)^2 = (cos(v) + cos(l))^2 / (2 (1
-// + v.l)), so
+// and the mirror direction: 1 + v.l = 2 cos^2 s + sin(v) sin(l) (1 - cos psi),
+// cos(n,h)^2 = (cos(v) + cos(l))^2 / (2 (1 + v.l)), so
 //   D(h) = 4 a^2 / pi x ((1 + v.l) / (A - B cos psi))^2,  A - B = 4 cos^2 s cos^2 d (tan^2 d + a^2),
 //   A + B = 4 cos^2 d (sin^2 s + a^2 cos^2 s):
 // a peak about d = 0 of the width a, and about psi = 0 of sqrt((A - B) / (A + B)). Light above the horizon is all that

@@ -34,8 +34,7 @@ struct Making {
       std::vector<Direction> directions(in.count());
       texel_directions(target.to, target.size, face, row, in.first, directions);
       rotate(target.to_source, directions);
-      set(directions, out.row(face, row).subspan(std::size_t(in.first), in.count()),
-          bounds.subspan(index_of(out, {face, in.first, row}), in.count()));
+      set(directions, in.of(out.row(face, row)), in.of(bounds.subspan(index_of(out, {face, 0, row}))));
     });
   }
 };

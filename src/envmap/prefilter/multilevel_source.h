@@ -16,6 +16,7 @@
 
 #include "envmap/base/large_pages.h"
 #include "envmap/map/environment_map.h"
+#include "envmap/prefilter/source.h"
 
 namespace envmap::prefiltering {
 
@@ -40,8 +41,7 @@ inline bool serves_multilevel(const Level& source) {
 
 /// Rows of the finest grid that is worth its making. What is narrower sees few texels, which are summed sooner.
 inline int finest_rows(const Level& source) {
-  const double high = (source.projection() == Projection::cube ? 2 : 1) * source.height();
-  return std::clamp(int(std::bit_ceil(unsigned(std::sqrt(512 * high)))), 256, 2048);
+  return std::clamp(int(std::bit_ceil(unsigned(std::sqrt(512.0 * rows_between_poles(source))))), 256, 2048);
 }
 
 /// Of the coarsest grid. All numbers of rows are powers of two.

@@ -65,8 +65,10 @@ void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& 
 }
 
 // Makes a map by the fast method that is wanted and serves, with the bounds of its texels. What is decided for the map
-// is decided from all of it, whatever rows are wanted. @return the method; exact where no other is to be used.
-Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe, const Making& map) {
+// is decided from all of it, whatever rows are wanted. @param texels of the whole map. @return the method; exact where
+// no other is to be used.
+Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe, std::size_t texels,
+                 const Making& map) {
   const bool any = wanted.method == Method::automatic, splits = any || wanted.method == Method::multilevel;
   const double error = wanted.max_error;
   if (wanted.method == Method::exact || error < finest) return Method::exact;
@@ -76,7 +78,6 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
     if (!black) hinge_map(from.hinges(weight->order(), error), *weight, error, from.light.mean, map);
     return Method::prefix_sums;
   }
-  const std::size_t texels = texels_of(map.out).size();
   if (splits && serves_multilevel(from.texels()))
     if (const auto plan = multilevel_plan(lobe, error, finest_rows(from.texels()));
         plan && (!any || plan->is_quick(from.texels(), texels, error))) {
@@ -99,8 +100,8 @@ void make_lobe(PreparedSource& from, const Prefilter& wanted, const Target& targ
   const Lobe lobe = lobe_of(wanted);
   std::vector<float> bounds(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
   const Making map{target, wanted.rows, out, bounds, progress};
-  done.method = make_fast(from, wanted, lobe, map);
   std::vector<Texel> all = texels_of(out), left;
+  done.method = make_fast(from, wanted, lobe, all.size(), map);
   std::erase_if(all, [&](const Texel& t) { return !map.wants(t.face, t.j); });
   for (const Texel& t : all)
     if (const float bound = bounds[index_of(out, t)]; bound > float(wanted.max_error))

@@ -12,6 +12,7 @@
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/multilevel_kernels.h"
+#include "envmap/prefilter/source.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/sheen_sum.cpp"
@@ -341,8 +342,7 @@ double interpolation_error(const Charlie& lobe, double size) {
 // Blocks take time with the texels along a horizon, a treecode with the cube of the power, mostly for each tile of
 // directions that share its nodes.
 bool SheenPlan::is_quick(const Level& from, std::size_t texels, double max_error) const {
-  const double high = (from.projection() == Projection::cube ? 2 : 1) * from.height(),
-               rows = std::max(high, pi / texel());
+  const double rows = std::max<double>(rows_between_poles(from), pi / texel());
   return power * power * power * (1 + 2e4 / double(texels)) >= 10 * max_error * rows * std::sqrt(rows);
 }
 

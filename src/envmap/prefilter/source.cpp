@@ -13,8 +13,7 @@ std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map) {
 }
 
 std::optional<Level> refined(const Level& level, double texel) {
-  const double rows = level.projection() == Projection::latlong ? pi / texel : 0.5 * pi / texel;
-  const int parts = std::max(1, int(std::ceil(rows / level.height())));
+  const int parts = std::max(1, int(std::ceil(pi / texel / rows_between_poles(level))));
   if (parts == 1) return std::nullopt;
   Level out(level.projection(), parts * level.height(), parts * level.width());
   for_each_row(out.faces(), out.height(), {}, [&](int face, int row) {
