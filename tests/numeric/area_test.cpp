@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <random>
 
 #include "envmap/operate/convert.h"
@@ -245,22 +246,31 @@ TEST_P(EachArea, QuadrilateralsKeepTheirBound) {
     const Target target{GetParam(), matching_size(Projection::latlong, 110, GetParam()), rotation(20, 30, 40)};
     const double tolerance = map == smooth ? 1e-3 : 2e-2;
     const Sampler quads = quad_sampler(padded, target, tolerance, 1e-3);
+    const Sampler bounded = quad_sampler(padded, target, tolerance, 1e-3, false);
     const Sampler polygons = area_sampler(padded, target, tolerance, 1e-3, true);
+    const Sampler outlines = area_sampler(padded, target, tolerance, 1e-3);
     const Sampler truth = area_sampler(padded, target, 1e-6, 1e-3);
-    int taken = 0;
+    int taken = 0, taken_by_bound = 0;
     for (int k = 0; k < 1500; ++k) {
       const int face = int(random() % unsigned(faces(target.to))), j = int(random() % unsigned(target.size));
       const Columns in = columns(target.to, target.size, j);
       const int i = in.first + int(random() % unsigned(in.end - in.first));
-      Colour a, b, c;
-      quads(face, j, i, {&a, 1}), polygons(face, j, i, {&b, 1});
-      if (a == b) continue;
-      truth(face, j, i, {&c, 1});
-      for (int n = 0; n < 3; ++n)
-        EXPECT_LE(std::abs(a[n] - c[n]), tolerance * std::max(c[n], 1e-3F)) << "face " << face << " " << i << "," << j;
-      ++taken;
+      std::optional<Colour> right;
+      const auto compare = [&](const Sampler& by_quads, const Sampler& otherwise, int& count) {
+        Colour a, b;
+        by_quads(face, j, i, {&a, 1}), otherwise(face, j, i, {&b, 1});
+        if (a == b) return;
+        if (!right) truth(face, j, i, {&right.emplace(), 1});
+        const Colour c = *right;
+        for (int n = 0; n < 3; ++n)
+          EXPECT_LE(std::abs(a[n] - c[n]), tolerance * std::max(c[n], 1e-3F))
+              << "face " << face << " " << i << "," << j;
+        ++count;
+      };
+      compare(quads, polygons, taken), compare(bounded, outlines, taken_by_bound);
     }
     EXPECT_GT(taken, map == smooth ? 900 : 20);
+    EXPECT_GT(taken_by_bound, map == smooth ? 900 : 10);
   }
 }
 

@@ -134,9 +134,9 @@ FilterChoice choose_filter(const std::vector<PaddedLevel>& levels, const Target&
 
   FilterChoice choice{.filter = {}, .trials = {}, .texels = std::int64_t(texels.size()), .reached = false};
   const auto attempt = [&](const Candidate& candidate) {
-    choice.filter = {candidate.filter, candidate.samples, std::max(1e-7, 0.25 * max_error), floor};
+    choice.filter = {candidate.filter, candidate.samples, std::max(1e-7, 0.25 * max_error), floor, AreaSides::quads};
     const auto start = std::chrono::steady_clock::now();
-    const Sampler sampler = make_fast_sampler(levels, target, choice.filter);
+    const Sampler sampler = make_sampler(levels, target, choice.filter);
     const std::chrono::duration<double> making = std::chrono::steady_clock::now() - start;
     const auto result = sampled(sampler, texels);
     FilterTrial trial = measured(candidate, result, truth, w, even, share, floor);

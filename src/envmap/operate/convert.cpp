@@ -90,7 +90,8 @@ bool permutes_texels(const Target& target, const Level& source) {
 FilterOptions make_filter(const Target& target, const Level& source, const ConvertOptions& o) {
   FilterOptions f{.filter = o.filter.value_or(Filter::bilinear),
                   .samples = o.samples,
-                  .area_error = o.area_error.value_or(1e-4)};
+                  .area_error = o.area_error.value_or(1e-4),
+                  .sides = o.area_sides.value_or(o.filter ? AreaSides::outlines : AreaSides::quads)};
   if (o.filter || is_source(target, source) || permutes_texels(target, source)) return f;
   const double covers = covered(target, source);
   if (covers > 1.25) f.filter = Filter::area, f.area_error = o.area_error.value_or(1e-3);
@@ -156,7 +157,7 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
     choice = choose_filter(levels, target, *options.max_error, filter.floor);
     filter = choice->filter;
   }
-  sampler = options.filter ? make_sampler(levels, target, filter) : make_fast_sampler(levels, target, filter);
+  sampler = make_sampler(levels, target, filter);
 }
 
 void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {

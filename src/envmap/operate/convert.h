@@ -26,6 +26,8 @@ struct ConvertOptions {
   /// Of the area filter, relative to the texel (or 0.001 x the mean if larger). Absent: 1e-4 if it was asked for, 1e-3
   /// if it was chosen.
   std::optional<double> area_error = {};
+  /// Of the area filter. Absent: `outlines` if it was asked for, `quads` if it was chosen.
+  std::optional<AreaSides> area_sides = {};
   /// Take the cheapest filter that is found to err by no more (FilterChoice); `filter` and `samples` are then ignored.
   std::optional<double> max_error = {};
   Rotation rotation{1};  ///< Turns the environment: radiance from d comes out from rotation x d.

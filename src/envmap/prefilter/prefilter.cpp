@@ -56,8 +56,8 @@ void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& 
   if (!keeps_texels(source, how)) {
     done.error = p.method == Method::exact ? finest : std::clamp(p.max_error, finest, 1e-2);
     done.resampled = how.filter = Filter::area;
-    // Its tolerance is not a bound where a side cuts a sun in two: choose_filter.h.
-    how.area_error = 0.25 * done.error;
+    // The tolerance of an outline is not a bound where a side cuts a sun in two: choose_filter.h.
+    how.area_error = 0.25 * done.error, how.area_sides = AreaSides::bounded_quads;
   }
   const Rows rows = Resampler(source, how).rows();
   done.map.forward = rows.forward;

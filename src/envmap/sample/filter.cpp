@@ -135,7 +135,9 @@ constexpr std::array<Make, all_filters.size()> makers{
     [](const Levels& l, const Target& t, const FilterOptions&) { return summed_area_sampler(l.front(), t); },
     [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, ewa_plan); },
     [](const Levels& l, const Target& t, const FilterOptions& o) {
-      return area_sampler(l.front(), t, o.area_error, o.floor);
+      if (o.sides == AreaSides::outlines || !quads_suit(l.front(), t))
+        return area_sampler(l.front(), t, o.area_error, o.floor);
+      return quad_sampler(l.front(), t, o.area_error, o.floor, o.sides == AreaSides::quads);
     },
 };
 
@@ -145,12 +147,6 @@ std::span<const FilterInfo> filters() { return all_filters; }
 
 Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options) {
   return makers[std::size_t(options.filter)](levels, target, options);
-}
-
-Sampler make_fast_sampler(const Levels& levels, const Target& target, const FilterOptions& o) {
-  return o.filter == Filter::area && quads_suit(levels.front(), target)
-             ? quad_sampler(levels.front(), target, o.area_error, o.floor)
-             : make_sampler(levels, target, o);
 }
 
 }  // namespace envmap

@@ -12,11 +12,19 @@ namespace ENVMAP_EXPORT envmap {
 
 enum class Filter { nearest, bilinear, bicubic, trilinear, sat, ewa, area };
 
+/// What the area filter integrates over, where maps have no rims and creases (quad.h).
+enum class AreaSides {
+  outlines,       ///< The outline of each texel: what one texel loses its neighbour gains.
+  bounded_quads,  ///< A quadrilateral, where the bound of its error is within the area error; else the outline.
+  quads           ///< Also a quadrilateral, or an outline of few points, whose error is estimated.
+};
+
 struct FilterOptions {
   Filter filter = Filter::bilinear;
   int samples = 1;           ///< Along each side of a texel, for nearest, bilinear and bicubic.
   double area_error = 1e-4;  ///< Of the area filter, relative to the texel or to `floor`.
   double floor = 0;          ///< Of the area filter: radiance below which errors are absolute.
+  AreaSides sides = AreaSides::outlines;
 };
 
 /// A row of the table of filters. A new filter is a row of it, a maker beside it in filter.cpp, an enumerator and a

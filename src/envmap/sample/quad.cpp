@@ -295,7 +295,7 @@ void add(const PaddedLevel& source, int face, const Quads& q, const Weights& wei
 // At most `block` / `division` texels of a row, each by `division` x `division` quadrilaterals. Returns a bit for each
 // of those that were not within the tolerance.
 std::uint64_t SampleQuads(const PaddedLevel& source, const Target& target, int division, double tolerance, double floor,
-                          int face, int row, int first, std::span<Colour> out) {
+                          bool estimates, int face, int row, int first, std::span<Colour> out) {
   static thread_local Weights weights;
   Target parts = target;
   parts.size *= division;
@@ -316,7 +316,7 @@ std::uint64_t SampleQuads(const PaddedLevel& source, const Target& target, int d
     const Colour before = out[k];
     out[k] = sums[k].is_known ? Colour(sums[k].light / sums[k].solid_angle) : unknown;
     if (!sums[k].is_within(tolerance, floor, out[k]) &&
-        !(division > 1 && sums[k].is_settled(tolerance, floor, before, out[k])))
+        !(estimates && division > 1 && sums[k].is_settled(tolerance, floor, before, out[k])))
       open |= std::uint64_t(1) << k;
   }
   return open;
@@ -343,6 +343,7 @@ struct Task {
   const PaddedLevel& source;
   Target target;
   double tolerance, floor;
+  bool estimates;
   Sampler otherwise;
 
   void sample(int division, int face, int row, int first, std::span<Colour> out) const {
@@ -354,7 +355,7 @@ struct Task {
 
   void sample_block(int division, int face, int row, int first, std::span<Colour> out) const {
     std::uint64_t open =
-        HWY_DYNAMIC_DISPATCH(SampleQuads)(source, target, division, tolerance, floor, face, row, first, out);
+        HWY_DYNAMIC_DISPATCH(SampleQuads)(source, target, division, tolerance, floor, estimates, face, row, first, out);
     while (open != 0) {
       const int begin = std::countr_zero(open), count = std::countr_one(open >> begin);
       sample(2 * division, face, row, first + begin, out.subspan(std::size_t(begin), std::size_t(count)));
@@ -365,8 +366,9 @@ struct Task {
 
 }  // namespace
 
-Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor) {
-  const Task task{source, target, tolerance, floor, area_sampler(source, target, tolerance, floor, true)};
+Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor, bool estimates) {
+  const Task task{source, target,    tolerance,
+                  floor,  estimates, area_sampler(source, target, tolerance, floor, estimates)};
   return [task](int face, int row, int first, std::span<Colour> out) {
     for (std::size_t end, k = 0; k < out.size(); k = end) {
       const bool cut = is_cut_by_rim(task.target, row, first + int(k));

@@ -18,9 +18,11 @@ bool quads_suit(const PaddedLevel& source, const Target& target);
 /// The area that is left between the quadrilateral and the curved sides, times the range of the texels below, bounds
 /// the error. Where it is over the tolerance, the texel is divided into 2 x 2, 4 x 4 and 8 x 8 quadrilaterals. That
 /// ends when the bound is within the tolerance, or within 8 times the tolerance while the mean changes by less than a
-/// quarter of it. area_sampler() estimates what 8 x 8 do not settle, and texels at edges, poles and rims.
+/// quarter of it. area_sampler() makes what 8 x 8 do not settle, and texels at edges, poles and rims.
 /// @param source must outlive the sampler.
 /// @param tolerance relative to the larger of the texel and `floor`.
-Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor);
+/// @param estimates false: only bounds count, and area_sampler() estimates nothing.
+Sampler quad_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor,
+                     bool estimates = true);
 
 }  // namespace envmap

@@ -21,7 +21,4 @@ using Sampler = std::function<void(int face, int row, int first, std::span<Colou
 /// @param levels the source; must outlive the sampler. Those beyond the first are read where reads_levels().
 Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options);
 
-/// The same, with the area filter by quad_sampler() where that is within the area error.
-Sampler make_fast_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options);
-
 }  // namespace envmap
