@@ -59,6 +59,12 @@ std::vector<Direction> around(const Direction& light, int count) {
   return all;
 }
 
+#ifdef __SANITIZE_ADDRESS__
+constexpr int field_rows = 64;
+#else
+constexpr int field_rows = 128;
+#endif
+
 // Each sum against the exact one. @param rows of the finest grid: the fewer, the more texels are in the core.
 void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, std::span<const Direction> some,
                    const std::string& what, int rows = 0) {
@@ -69,16 +75,19 @@ void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, st
   const std::optional<Level> fine = refined(map.base());
   const Hinges hinges(fine ? *fine : map.base(), mean, Colour(0), 3, error);
   const MultilevelSource source{fine ? *fine : map.base(), grids, &hinges, mean, Colour(0)};
-  std::vector<MultilevelSum> sums(some.size());
-  multilevel_sums(*plan, source, some, sums);
   const std::vector<Flux> truth = exact_prefilter(map.base(), lobe, some);
-  for (std::size_t k = 0; k < some.size(); ++k)
-    for (int c = 0; c < 3; ++c) {
-      const double most = std::max(truth[k][c], 1e-3 * mean);
-      ASSERT_NEAR(sums[k].value[c], truth[k][c], (sums[k].bound + exact_error) * most)
-          << what << ", direction " << k << ", channel " << c;
-      ASSERT_LE(sums[k].bound, error) << what;
-    }
+  // Every step at the directions themselves, and coarse ones at nodes.
+  for (const std::optional<NodeGrid>& field : {std::optional<NodeGrid>(), smooth_field(*plan, source, field_rows)}) {
+    std::vector<MultilevelSum> sums(some.size());
+    multilevel_sums(*plan, source, field ? &*field : nullptr, some, sums);
+    for (std::size_t k = 0; k < some.size(); ++k)
+      for (int c = 0; c < 3; ++c) {
+        const double most = std::max(truth[k][c], 1e-3 * mean);
+        ASSERT_NEAR(sums[k].value[c], truth[k][c], (sums[k].bound + exact_error) * most)
+            << what << ", direction " << k << ", channel " << c << (field ? ", at nodes" : "");
+        ASSERT_LE(sums[k].bound, error) << what;
+      }
+  }
 }
 
 const Case cases[] = {{Shape::ggx, 0.001},      {Shape::ggx, 0.02},         {Shape::ggx, 0.12},
@@ -186,6 +195,46 @@ TEST(Multilevel, EveryKindOfLightStaysWithinItsBounds) {
     for (const auto& [kind, radiance] : kinds)
       expect_bounds(made(size, radiance), lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3, some,
                     words(c) + " " + kind);
+}
+
+// Nodes of a row share their kernels.
+TEST(Multilevel, SumsOfARowAreThoseOfItsNodes) {
+  const EnvironmentMap map = made(48, [](int i, int j, int c) { return float((i * 7 + j * 3 + c) % 11); });
+  const SourceGrids grids(map.base(), mean_radiance(map.base()), Colour(0), 128);
+  for (const auto& [shape, parameter] : {Case{Shape::ggx, 0.2}, Case{Shape::ggx, 0.5}, Case{Shape::phong, 300}}) {
+    const auto plan = multilevel_plan(lobe_of({.shape = shape, .parameter = parameter}), 1e-3, 256);
+    ASSERT_TRUE(plan);
+    GatherRoom room;
+    for (const int rows : {64, 128})
+      for (const MultilevelPlan::Step& step : plan->steps)
+        for (int row = 0; row < rows; row += row < 20 ? 1 : 7) {
+          const NodeGrid& grid = grids.grid(rows);
+          std::vector<Flux> sums(std::size_t(grid.columns[std::size_t(row)]), Flux(1));
+          gather_at_row(grid, step.kernel, row, room, sums);
+          for (std::size_t k = 0; k < sums.size(); ++k) {
+            const Flux one = gather(grid, step.kernel, grid.node(row, int(k)), room);
+            for (int c = 0; c < 3; ++c)
+              ASSERT_NEAR(sums[k][c], 1 + one[c], 2e-6 * (1 + one[c])) << rows << ", row " << row << ", node " << k;
+          }
+        }
+  }
+}
+
+// A field of low harmonics comes back, at poles too.
+TEST(Multilevel, InterpolationFollowsSmoothFields) {
+  NodeGrid grid(64);
+  const auto value = [](const Direction& d) { return Flux(1 + d.x, d.y * d.z, std::exp(2 * d.x - d.z)); };
+  const auto direction = [](const GridView& v) {
+    return Direction(v.sine * std::sin(v.longitude), std::cos(v.angle), -v.sine * std::cos(v.longitude));
+  };
+  for (int row = 0; row < 64; ++row) {
+    for (int k = 0; k < grid.columns[std::size_t(row)]; ++k)
+      for (int c = 0; c < 3; ++c) grid.channel(row, c)[k] = float(value(direction(grid.node(row, k)))[c]);
+    grid.repeat_columns(row);
+  }
+  for (const Direction& d : around(Direction(0, 1, 0), 200))
+    for (const Direction& n : {d, -d})
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(interpolate(grid, GridView(n))[c], value(n)[c], 3e-6);
 }
 
 TEST(Multilevel, MapsStateTheirBound) {

@@ -30,9 +30,9 @@ struct ConvertOptions {
   std::optional<AreaSides> area_sides = {};
   /// Take the cheapest filter that is found to err by no more (FilterChoice); `filter` and `samples` are then ignored.
   std::optional<double> max_error = {};
-  Rotation rotation{1};  ///< Turns the environment: radiance from d comes out from rotation x d.
+  Rotation rotation{1};                      ///< Turns the environment: radiance from d comes out from rotation x d.
   MirroredAxis mirror = MirroredAxis::none;  ///< After `rotation`.
-  double gain = 1;       ///< Factor on radiance.
+  double gain = 1;                           ///< Factor on radiance.
   /// The camera that took the source, a photo of a mirror ball; absent: one infinitely far away. What the camera does
   /// not see gets the colours of the ball's rim. Of sphere maps only.
   std::optional<BallCamera> ball = std::nullopt;

@@ -34,6 +34,14 @@ HWY_INLINE float largest(V v) { return hn::GetLane(hn::MaxOfLanes(D(), v)); }
 struct OnLatlong {
   double exact_sine, exact_cosine;  // Of the output's polar angle.
   float sine, cosine;
+  float sine_top = 0, cosine_top = 0;  // Of a row's upper side.
+  double least_sine = 0;               // Of the row.
+
+  // Where rows meet.
+  struct Side {
+    SmallAngle off;  // From the output.
+    double sine;
+  };
 
   explicit OnLatlong(const GridView& view)
       : exact_sine(view.sine),
@@ -41,16 +49,19 @@ struct OnLatlong {
         sine(float(exact_sine)),
         cosine(float(exact_cosine)) {}
 
-  // Of the polar angle that is off by y.
-  HWY_INLINE double sine_at(const SmallAngle& y) const {
-    return std::max(0.0, exact_sine - exact_sine * y.versine + exact_cosine * y.sine);
+  HWY_INLINE Side side(double y) const {
+    const SmallAngle off(y);
+    return {off, std::max(0.0, exact_sine - exact_sine * off.versine + exact_cosine * off.sine)};
+  }
+  HWY_INLINE OnLatlong of_row(const Side& top, double least) const {
+    OnLatlong row = *this;
+    row.sine_top = float(top.sine), row.least_sine = least;
+    row.cosine_top = float(exact_cosine - exact_cosine * top.off.versine - exact_sine * top.off.sine);
+    return row;
   }
 
   // Two points do not follow the sine of the polar angle near a pole.
-  HWY_INLINE std::size_t first_rule(const Piece& p) const {
-    const double least = std::min(sine_at(SmallAngle(p.y0)), sine_at(SmallAngle(p.y1)));
-    return least < 8 * (p.y1 - p.y0) ? 1 : 0;
-  }
+  HWY_INLINE std::size_t first_rule(const Piece& p) const { return least_sine < 8 * (p.y1 - p.y0) ? 1 : 0; }
 
   struct Row {
     double size;                                                         // As Seen's.
@@ -66,14 +77,13 @@ struct OnLatlong {
       off[k] = float(p.y0 + at), down[k] = float(at);
     }
     // Sines by the upper side, or those near a pole would be differences of large numbers.
-    const SmallAngle top(p.y0);
-    const V sine_here = hn::Set(d, sine), zero = hn::Zero(d), sine_top = hn::Set(d, float(sine_at(top))),
-            cosine_top = hn::Set(d, float(exact_cosine - exact_cosine * top.versine - exact_sine * top.sine));
+    const V sine_here = hn::Set(d, sine), zero = hn::Zero(d), at_top = hn::Set(d, sine_top),
+            falls = hn::Set(d, cosine_top);
     V widest = zero;
     for (std::size_t k = 0; k < rule.count; k += lanes) {
       const V y = hn::Load(d, off + k), yy = hn::Mul(y, y), t = hn::Load(d, down + k), tt = hn::Mul(t, t);
-      const V at = hn::Max(zero, hn::Add(hn::Mul(sine_top, series(d, tt, 1, -1.0 / 2, 1.0 / 24)),
-                                         hn::Mul(cosine_top, hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120)))));
+      const V at = hn::Max(zero, hn::Add(hn::Mul(at_top, series(d, tt, 1, -1.0 / 2, 1.0 / 24)),
+                                         hn::Mul(falls, hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120)))));
       hn::Store(hn::Mul(hn::Mul(hn::Set(d, 0.5F), yy), series(d, yy, 1, -1.0 / 12, 1.0 / 360, -1.0 / 20160)), d,
                 row.c + k);
       hn::Store(hn::Mul(at, sine_here), d, row.g + k);

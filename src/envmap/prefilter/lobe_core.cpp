@@ -9,6 +9,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/lobe_core.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -260,6 +261,8 @@ Rules rules_for(const LevelKernel& k, double side, int texels) {
 // Columns of a row of a latlong map.
 struct Window {
   int row, first, last;
+  OnLatlong::Side top;
+  double least_sine;
 };
 
 // What is within x = end of a direction. @param at its column.
@@ -268,20 +271,27 @@ std::vector<Window> windows(const Level& source, double end, const GridView& vie
   const int columns = source.width(), low = std::max(0, int((view.angle - reach) / step)),
             high = std::min(source.height() - 1, int((view.angle + reach) / step));
   std::vector<Window> all;
-  SmallAngle above(low * step - view.angle);
+  OnLatlong::Side above = place.side(low * step - view.angle);
   for (int row = low; row <= high; ++row) {
-    const SmallAngle below((row + 1) * step - view.angle);
-    const double sine = std::min(place.sine_at(above), place.sine_at(below));
-    const double c = above.sine > 0 ? above.versine : below.sine < 0 ? below.versine : 0;
+    const OnLatlong::Side top = above, below = place.side((row + 1) * step - view.angle);
+    const double sine = std::min(top.sine, below.sine);
+    const double c = top.off.sine > 0 ? top.off.versine : below.off.sine < 0 ? below.off.versine : 0;
     above = below;
     const double versine = (end - c) / std::max(1e-30, sine * view.sine);
     if (versine <= 0) continue;
     const double half = versine >= 2 ? columns : half_width(versine, columns);
     int first = int(std::floor(at - half)), last = int(std::floor(at + half));
     if (last - first + 1 > columns) first = int(std::floor(at)) - columns / 2, last = first + columns - 1;
-    all.push_back({row, first, last});
+    all.push_back({row, first, last, top, sine});
   }
   return all;
+}
+
+// Rows lie far apart in memory.
+HWY_INLINE void prefetch(std::span<const Colour> row, const Window& w) {
+  constexpr int in_cache_line = 5;
+  const int columns = int(row.size());
+  for (int k = w.first; k <= w.last; k += in_cache_line) hwy::Prefetch(&row[std::size_t((k + 2 * columns) % columns)]);
 }
 
 Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
@@ -292,7 +302,10 @@ Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
   const std::vector<Window> rows = windows(source, double(k.end), view, place, at);
   if (rows.empty()) return Flux(0);
   int low = rows[0].first, high = rows[0].last;
-  for (const Window& w : rows) low = std::min(low, w.first), high = std::max(high, w.last);
+  for (const Window& w : rows) {
+    low = std::min(low, w.first), high = std::max(high, w.last);
+    prefetch(source.row(0, w.row), w);
+  }
   const Rules rules = rules_for(k, step, high - low + 1);
   for (const RuleAcross& r : rules)
     for (std::size_t e = 0; e < r.rule.count; ++e)
@@ -300,7 +313,7 @@ Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
   Flux sum(0);
   for (const Window& w : rows) {
     const double x = (w.first - at) * wide, y = w.row * step - view.angle;
-    sum += OverRow(place, k,
+    sum += OverRow(place.of_row(w.top, w.least_sine), k,
                    {source.row(0, w.row),
                     w.first,
                     w.last - w.first + 1,

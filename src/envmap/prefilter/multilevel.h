@@ -14,6 +14,7 @@
 #include "envmap/prefilter/lobe.h"
 #include "envmap/prefilter/making.h"
 #include "envmap/prefilter/multilevel_kernels.h"
+#include "envmap/prefilter/multilevel_source.h"
 
 namespace envmap::prefiltering {
 
@@ -30,7 +31,11 @@ struct MultilevelPlan {
   double error = 0, floor_error = 0;  ///< Of the steps, at most: of a texel, and in addition of 0.001 x the mean.
   double hinge_error = 0;             ///< What the steps leave to the sums of hinges.
 
+  static constexpr double rounding = 0x1p-23;  ///< Of a sum, to float and back.
+
   [[nodiscard]] int finest() const;  ///< Rows of the finest grid.
+  /// Rows of the finest grid that is summed at its own nodes for a result of so many texels (measured). 0: none.
+  [[nodiscard]] int field_rows(double texels) const;
   [[nodiscard]] bool has_hinges() const { return hinges.factors[0] > 0; }
   /// Whether the treecode is slower (measured). @param texels of the whole result. @param max_error as of the plan.
   [[nodiscard]] bool is_quick(const Level& from, std::size_t texels, double max_error) const;
@@ -55,9 +60,13 @@ struct MultilevelSum {
   double bound = 0;  ///< Relative to the value, or to 0.001 x the mean of the source.
 };
 
-/// The integral of radiance x lobe over the sphere in some directions.
-void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, std::span<const Direction> directions,
-                     std::span<MultilevelSum> out);
+/// The steps whose grids have up to so many rows, summed at the nodes of these grids. Each step is as smooth over
+/// outputs as over the source, so sums at coarse nodes are interpolated at finer ones. @param rows 0: nothing.
+std::optional<NodeGrid> smooth_field(const MultilevelPlan& plan, const MultilevelSource& source, int rows);
+
+/// The integral of radiance x lobe over the sphere in some directions. @param field of smooth_field(), or null.
+void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, const NodeGrid* field,
+                     std::span<const Direction> directions, std::span<MultilevelSum> out);
 
 /// Sets the texels of a map, each with the bound of its error.
 void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, const Making& map);

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "envmap/prefilter/lagrange.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/multilevel_kernels.cpp"
@@ -40,13 +43,13 @@ void DotProducts(std::span<const float> in, std::size_t step, std::span<const fl
 }
 
 template <class K>
-Flux GatherRows(const SourceGrid& grid, const K& kernel, const GatherRoom& room) {
+Flux GatherRows(const NodeGrid& grid, const K& kernel, const GatherRoom& room) {
   const D d;
   V total[3][parts];
   for (auto& channel : total)
     for (V& v : channel) v = hn::Zero(d);
   for (const GatherRoom::Row& r : room.rows) {
-    const float* light = &grid.light[grid.first[std::size_t(r.row)]];
+    const float* light = &grid.values[grid.first[std::size_t(r.row)]];
     const std::size_t stride = grid.stride(r.row), mask = std::size_t(grid.columns[std::size_t(r.row)]) - 1;
     const GatherRoom::Angles& angles = room.kinds[std::size_t(r.kind)];
     const float* versines = &room.versines[angles.first + std::size_t(r.start - angles.low)];
@@ -72,18 +75,20 @@ Flux GatherRows(const SourceGrid& grid, const K& kernel, const GatherRoom& room)
   return out;
 }
 
-template <bool quartic>
-Flux GatherGgx(const SourceGrid& grid, const LevelKernel& k, const GatherRoom& room) {
-  if (k.inner.is) {
-    if (k.outer.is) return GatherRows(grid, OfGgx<true, true, quartic>{k}, room);
-    return GatherRows(grid, OfGgx<true, false, quartic>{k}, room);
-  }
-  if (k.outer.is) return GatherRows(grid, OfGgx<false, true, quartic>{k}, room);
-  return GatherRows(grid, OfGgx<false, false, quartic>{k}, room);
+// Calls sum(the kernel for lanes).
+template <bool quartic, class Sum>
+auto with_ggx(const LevelKernel& k, Sum&& sum) {
+  if (k.inner.is) return k.outer.is ? sum(OfGgx<true, true, quartic>{k}) : sum(OfGgx<true, false, quartic>{k});
+  return k.outer.is ? sum(OfGgx<false, true, quartic>{k}) : sum(OfGgx<false, false, quartic>{k});
+}
+template <class Sum>
+auto with_kernel(const LevelKernel& k, Sum&& sum) {
+  if (k.kind == LevelKernel::Kind::ggx) return k.quartic ? with_ggx<true>(k, sum) : with_ggx<false>(k, sum);
+  return k.cosine ? sum(OfPower<true>{k}) : sum(OfPower<false>{k});
 }
 
 // Which columns of a row the kernel reaches, in blocks of eight. @return whether there are any.
-HWY_INLINE bool set_window(const SourceGrid& grid, int row, double end, const GridView& view, GatherRoom::Row& out) {
+HWY_INLINE bool set_window(const NodeGrid& grid, int row, double end, const GridView& view, GatherRoom::Row& out) {
   const auto r = std::size_t(row);
   const double d = grid.half_sine[r] * view.half_cosine - grid.half_cosine[r] * view.half_sine, c = 2 * d * d;
   const double g = double(grid.sine[r]) * view.sine;
@@ -116,12 +121,18 @@ HWY_INLINE int set_kind(int columns, const GatherRoom::Row& row, std::vector<Gat
   return int(kinds.size()) - 1;
 }
 
-// Finds the rows of the window, and the columns of each.
-void SetRoom(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room) {
+// The rows of the window, from the first to the last.
+std::pair<int, int> rows_of(const NodeGrid& grid, const LevelKernel& kernel, const GridView& view) {
   const double end = double(kernel.end), reach = end >= 1 ? 0.5 * pi : 2 * portable::asin(std::sqrt(0.5 * end)),
                per_row = grid.rows / pi;
-  const int low = std::max(0, int(std::floor((view.angle - reach) * per_row)));
-  const int high = std::min(grid.rows - 1, int(std::floor((view.angle + reach) * per_row)));
+  return {std::max(0, int(std::floor((view.angle - reach) * per_row))),
+          std::min(grid.rows - 1, int(std::floor((view.angle + reach) * per_row)))};
+}
+
+// Finds the columns of each row of the window.
+void SetRoom(const NodeGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room) {
+  const double end = double(kernel.end);
+  const auto [low, high] = rows_of(grid, kernel, view);
   room.rows.resize(std::size_t(high - low + 1)), room.kinds.clear();
   std::size_t count = 0;
   for (int r = low; r <= high; ++r) {
@@ -139,14 +150,118 @@ void SetRoom(const SourceGrid& grid, const LevelKernel& kernel, const GridView& 
   if (room.versines.size() < size) room.versines.resize(size);
 }
 
-Flux Gather(const SourceGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
+// Also the longitudes.
+void SetVersines(const NodeGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
   SetRoom(grid, k, view, room);
   for (const GatherRoom::Angles& a : room.kinds)
     versines(view.longitude * a.columns / (2 * pi) - 0.5, a.columns, a.low, a.high, &room.versines[a.first]);
-  if (k.kind == LevelKernel::Kind::ggx)
-    return k.quartic ? GatherGgx<true>(grid, k, room) : GatherGgx<false>(grid, k, room);
-  if (k.cosine) return GatherRows(grid, OfPower<true>{k}, room);
-  return GatherRows(grid, OfPower<false>{k}, room);
+}
+
+Flux Gather(const NodeGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
+  SetVersines(grid, k, view, room);
+  return with_kernel(k, [&](const auto& kernel) { return GatherRows(grid, kernel, room); });
+}
+
+// The kernel in the window, a row after the other.
+template <class K>
+void SetTaps(const K& kernel, GatherRoom& room) {
+  const D d;
+  room.taps.clear();
+  for (const GatherRoom::Row& r : room.rows) {
+    const GatherRoom::Angles& angles = room.kinds[std::size_t(r.kind)];
+    const float* versine = &room.versines[angles.first + std::size_t(r.start - angles.low)];
+    const std::size_t first = room.taps.size(), count = virtual_lanes * std::size_t(r.blocks);
+    room.taps.resize(first + count);
+    const V c = hn::Set(d, r.c), g = hn::Set(d, r.g);
+    for (std::size_t k = 0; k < count; k += lanes)
+      hn::StoreU(kernel(hn::Add(c, hn::Mul(g, hn::LoadU(d, versine + k)))), d, &room.taps[first + k]);
+  }
+}
+
+// The sum in the window, moved by so many of `columns`.
+Flux SumOfTaps(const NodeGrid& grid, const GatherRoom& room, int by, int columns) {
+  const D d;
+  V total[3][parts];
+  for (auto& channel : total)
+    for (V& v : channel) v = hn::Zero(d);
+  const float* tap = room.taps.data();
+  for (const GatherRoom::Row& r : room.rows) {
+    const int here = grid.columns[std::size_t(r.row)];
+    const float* light = &grid.values[grid.first[std::size_t(r.row)]];
+    const std::size_t stride = grid.stride(r.row), mask = std::size_t(here) - 1;
+    V sum[3][parts];
+    for (auto& channel : sum)
+      for (V& v : channel) v = hn::Zero(d);
+    std::size_t at = std::size_t(r.start + (here >= columns ? by * (here / columns) : by / (columns / here)));
+    for (int block = 0; block < r.blocks; ++block, at += virtual_lanes) {
+      const float* p = light + (at & mask);
+      for (std::size_t part = 0; part < parts; ++part, p += lanes, tap += lanes) {
+        const V k = hn::LoadU(d, tap);
+        for (std::size_t channel = 0; channel < 3; ++channel)
+          sum[channel][part] = hn::Add(sum[channel][part], hn::Mul(k, hn::LoadU(d, p + channel * stride)));
+      }
+    }
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      for (std::size_t part = 0; part < parts; ++part)
+        total[channel][part] = hn::Add(total[channel][part], sum[channel][part]);
+  }
+  return {sum_of(total[0]), sum_of(total[1]), sum_of(total[2])};
+}
+
+void GatherAtRow(const NodeGrid& grid, const LevelKernel& k, int row, GatherRoom& room, std::span<Flux> out) {
+  const int columns = grid.columns[std::size_t(row)];
+  // Nodes lie alike among the columns of every row where they are as far apart as columns of the sparsest one.
+  const auto [low, high] = rows_of(grid, k, grid.node(row, 0));
+  const int sparsest = std::min(grid.columns[std::size_t(low)], grid.columns[std::size_t(high)]);
+  const int phases = std::max(1, columns / sparsest);
+  for (int phase = 0; phase < phases; ++phase) {
+    SetVersines(grid, k, grid.node(row, phase), room);
+    with_kernel(k, [&](const auto& kernel) { SetTaps(kernel, room); });
+    for (int n = phase; n < columns; n += phases)
+      out[std::size_t(n)] += k.scale * SumOfTaps(grid, room, n - phase, columns);
+  }
+}
+
+// Weights of the nodes across a row, and 0 up to two vectors.
+struct Across {
+  int columns = 0, first = 0;
+  bool turned = false;
+  alignas(32) float weights[2 * virtual_lanes] = {};
+
+  void set(double longitude, int of_columns, bool is_turned) {
+    columns = of_columns, turned = is_turned;
+    Weights w;
+    first = lagrange((longitude / (2 * pi) + (turned ? 0.5 : 0)) * columns - 0.5, w);
+    first = (first + columns) % columns;
+    for (std::size_t k = 0; k < w.size(); ++k) weights[k] = float(w[k]);
+  }
+};
+
+Flux Interpolate(const NodeGrid& grid, const GridView& view) {
+  const D d;
+  Weights down;
+  const int top = lagrange(view.angle * grid.rows / pi - 0.5, down);
+  V total[3][parts];
+  for (auto& channel : total)
+    for (V& v : channel) v = hn::Zero(d);
+  Across across;
+  for (int i = 0; i < nodes_across; ++i) {
+    int r = top + i;
+    const bool turned = r < 0 || r >= grid.rows;  // Beyond a pole.
+    if (turned) r = r < 0 ? -1 - r : 2 * grid.rows - 1 - r;
+    const int columns = grid.columns[std::size_t(r)];
+    if (columns != across.columns || turned != across.turned) across.set(view.longitude, columns, turned);
+    const float* from = &grid.values[grid.first[std::size_t(r)] + std::size_t(across.first)];
+    const V weight = hn::Set(d, float(down[std::size_t(i)]));
+    for (std::size_t part = 0; part < 2 * parts; ++part) {
+      const V w = hn::Mul(weight, hn::Load(d, across.weights + part * lanes));
+      for (std::size_t c = 0; c < 3; ++c) {
+        V& sum = total[c][part % parts];
+        sum = hn::Add(sum, hn::Mul(w, hn::LoadU(d, from + c * grid.stride(r) + part * lanes)));
+      }
+    }
+  }
+  return {sum_of(total[0]), sum_of(total[1]), sum_of(total[2])};
 }
 
 }  // namespace HWY_NAMESPACE
@@ -158,6 +273,8 @@ namespace envmap::prefiltering {
 HWY_EXPORT(AddScaled);
 HWY_EXPORT(DotProducts);
 HWY_EXPORT(Gather);
+HWY_EXPORT(GatherAtRow);
+HWY_EXPORT(Interpolate);
 
 void dot_products(std::span<const float> in, std::size_t step, std::span<const float> weights, std::span<float> out) {
   HWY_DYNAMIC_DISPATCH(DotProducts)(in, step, weights, out);
@@ -167,15 +284,15 @@ void add_scaled(std::span<const float> in, float weight, std::span<float> out) {
   HWY_DYNAMIC_DISPATCH(AddScaled)(in, weight, out);
 }
 
-GridView::GridView(const Direction& n)
-    : longitude(portable::atan2(n.x, -n.z)), sine(portable::hypot(n.x, n.z)), angle(portable::atan2(sine, n.y)) {
-  if (longitude < 0) longitude += 2 * pi;
-  half_sine = portable::sin_pi(0.5 * angle / pi), half_cosine = portable::cos_pi(0.5 * angle / pi);
-}
-
-Flux gather(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room) {
+Flux gather(const NodeGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room) {
   return kernel.scale * HWY_DYNAMIC_DISPATCH(Gather)(grid, kernel, view, room);
 }
+
+void gather_at_row(const NodeGrid& grid, const LevelKernel& kernel, int row, GatherRoom& room, std::span<Flux> out) {
+  HWY_DYNAMIC_DISPATCH(GatherAtRow)(grid, kernel, row, room, out);
+}
+
+Flux interpolate(const NodeGrid& grid, const GridView& view) { return HWY_DYNAMIC_DISPATCH(Interpolate)(grid, view); }
 
 }  // namespace envmap::prefiltering
 #endif  // HWY_ONCE

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "envmap/maths/vector.h"
-#include "envmap/prefilter/multilevel_source.h"
+#include "envmap/prefilter/node_grid.h"
 
 namespace envmap::prefiltering {
 
@@ -34,13 +34,6 @@ struct LevelKernel {
   double scale = 1;               ///< Of all.
 };
 
-/// An output direction as a grid sees it.
-struct GridView {
-  double longitude, sine, half_sine, half_cosine,
-      angle;  ///< Longitude in [0, 2 pi); polar angle, its sine, and those of half of it.
-  explicit GridView(const Direction& in_grid);
-};
-
 /// Half the columns of a row within 2 sin(angle / 2)^2 = versine of a direction, with a little more.
 /// @param versine below 2.
 inline double half_width(double versine, int columns) {
@@ -61,10 +54,17 @@ struct GatherRoom {
   std::vector<Row> rows;
   std::vector<Angles> kinds;  // Rows of as many columns.
   std::vector<float> versines;
+  std::vector<float> taps;  ///< The kernel at the rows' columns, for gather_at_row().
 };
 
 /// The sum over a grid of light x kernel.
-Flux gather(const SourceGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room);
+Flux gather(const NodeGrid& grid, const LevelKernel& kernel, const GridView& view, GatherRoom& room);
+
+/// The same at each node of a row of the grid itself, added to `out`. Nodes of a row see the same kernel.
+void gather_at_row(const NodeGrid& grid, const LevelKernel& kernel, int row, GatherRoom& room, std::span<Flux> out);
+
+/// The values at nodes, interpolated (lagrange.h).
+Flux interpolate(const NodeGrid& grid, const GridView& view);
 
 /// out[k] = the product of `weights` with `in` from k x step on. @param weights a multiple of 8.
 void dot_products(std::span<const float> in, std::size_t step, std::span<const float> weights, std::span<float> out);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "envmap/maths/portable.h"
 #include "envmap/prefilter/light_planes.h"
 
 namespace envmap::prefiltering {
@@ -73,21 +72,9 @@ LightPlanes coarser(const LightPlanes& fine) {
   return out;
 }
 
-// Rows near poles in fewer columns, at least 64.
-SourceGrid thinned(const LightPlanes& full) {
-  SourceGrid grid;
-  grid.rows = full.rows;
-  std::size_t size = 0;
-  for (int r = 0; r < full.rows; ++r) {
-    const double angle = (r + 0.5) / full.rows, sine = portable::sin_pi(angle);
-    int columns = full.columns;
-    for (double s = 2 * sine; s <= 1 && columns > 64; s *= 2) columns /= 2;
-    grid.columns.push_back(columns), grid.first.push_back(size);
-    grid.sine.push_back(float(sine));
-    grid.half_sine.push_back(portable::sin_pi(0.5 * angle)), grid.half_cosine.push_back(portable::cos_pi(0.5 * angle));
-    size += 3 * grid.stride(r);
-  }
-  grid.light.resize(size);
+// Rows near poles in fewer columns.
+NodeGrid thinned(const LightPlanes& full) {
+  NodeGrid grid(full.rows);
   tbb::parallel_for(0, full.rows, [&](int r) {
     std::vector<float> row, next;
     for (int c = 0; c < 3; ++c) {
@@ -98,10 +85,9 @@ SourceGrid thinned(const LightPlanes& full) {
         halve(row, next);
         std::swap(row, next);
       }
-      float* to = &grid.light[grid.first[std::size_t(r)] + std::size_t(c) * grid.stride(r)];
-      std::ranges::copy(row, to);
-      std::copy_n(row.begin(), SourceGrid::padding, to + row.size());
+      std::ranges::copy(row, grid.channel(r, c));
     }
+    grid.repeat_columns(r);
   });
   return grid;
 }

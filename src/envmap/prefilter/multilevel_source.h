@@ -14,25 +14,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "envmap/base/large_pages.h"
 #include "envmap/map/environment_map.h"
+#include "envmap/prefilter/node_grid.h"
 #include "envmap/prefilter/source.h"
 
 namespace envmap::prefiltering {
-
-/// Light at the nodes of a latlong grid. Rows near poles have fewer columns,
-/// a power of two and no farther apart than rows.
-struct SourceGrid {
-  int rows = 0;
-  std::vector<int> columns;
-  std::vector<std::size_t> first;              ///< Of the row's red; green and blue follow `stride` floats apart.
-  std::vector<double> half_sine, half_cosine;  ///< Of half the polar angle.
-  std::vector<float> sine;                     ///< Of the polar angle.
-  std::vector<float, LargePages<float>> light;
-
-  static constexpr int padding = 8;  ///< Columns that repeat after the last.
-  [[nodiscard]] std::size_t stride(int row) const { return std::size_t(columns[std::size_t(row)] + padding); }
-};
 
 /// Whether grids can be made of a map: not of a coarse level of a latlong map that is no longer twice as wide as high.
 inline bool serves_multilevel(const Level& source) {
@@ -54,12 +40,12 @@ class SourceGrids {
   /// all radiance.
   SourceGrids(const Level& source, double unit, const Colour& darkest, int finest);
 
-  [[nodiscard]] const SourceGrid& grid(int rows) const {
+  [[nodiscard]] const NodeGrid& grid(int rows) const {
     return grids_[std::size_t(std::countr_zero(unsigned(grids_.front().rows)) - std::countr_zero(unsigned(rows)))];
   }
 
  private:
-  std::vector<SourceGrid> grids_;  // From the finest on.
+  std::vector<NodeGrid> grids_;  // From the finest on.
 };
 
 }  // namespace envmap::prefiltering
