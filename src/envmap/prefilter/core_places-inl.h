@@ -67,21 +67,16 @@ struct OnLatlong {
     double size;                                                         // As Seen's.
     alignas(32) float c[Rule::most], g[Rule::most], weight[Rule::most];  // x = c + g (1 - cos(longitude)).
   };
-  HWY_INLINE Row row(const Piece& p, const Rule& rule) const {
+  HWY_INLINE void set(const Piece& p, const Rule& rule, Row& row) const {
     const D d;
-    Row row;
     const double high = p.y1 - p.y0;
-    alignas(32) float off[Rule::most], down[Rule::most];  // From the output, and from the upper side.
-    for (std::size_t k = 0; k < Rule::most; ++k) {        // The last again in lanes beyond it.
-      const double at = rule.at[std::min(k, rule.count - 1)] * high;
-      off[k] = float(p.y0 + at), down[k] = float(at);
-    }
     // Sines by the upper side, or those near a pole would be differences of large numbers.
     const V sine_here = hn::Set(d, sine), zero = hn::Zero(d), at_top = hn::Set(d, sine_top),
-            falls = hn::Set(d, cosine_top);
+            falls = hn::Set(d, cosine_top), top = hn::Set(d, float(p.y0)), side = hn::Set(d, float(high));
     V widest = zero;
     for (std::size_t k = 0; k < rule.count; k += lanes) {
-      const V y = hn::Load(d, off + k), yy = hn::Mul(y, y), t = hn::Load(d, down + k), tt = hn::Mul(t, t);
+      const V t = hn::Mul(side, hn::Load(d, rule.at_lanes + k)), tt = hn::Mul(t, t), y = hn::Add(top, t),
+              yy = hn::Mul(y, y);
       const V at = hn::Max(zero, hn::Add(hn::Mul(at_top, series(d, tt, 1, -1.0 / 2, 1.0 / 24)),
                                          hn::Mul(falls, hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120)))));
       hn::Store(hn::Mul(hn::Mul(hn::Set(d, 0.5F), yy), series(d, yy, 1, -1.0 / 12, 1.0 / 360, -1.0 / 20160)), d,
@@ -91,7 +86,6 @@ struct OnLatlong {
       widest = hn::Max(widest, at);
     }
     row.size = std::max((p.x1 - p.x0) * std::min(1.0, 1.2 * double(largest(widest))), high);
-    return row;
   }
   HWY_INLINE V versine(const Row& row, std::size_t k, V x) const {
     return hn::Add(hn::Set(D(), row.c[k]), hn::Mul(hn::Set(D(), row.g[k]), x));
@@ -151,12 +145,10 @@ struct OnCube {
     double size;
     float down[Rule::most], weight[Rule::most];
   };
-  HWY_INLINE Row row(const Piece& p, const Rule& rule) const {
-    Row row;
+  HWY_INLINE void set(const Piece& p, const Rule& rule, Row& row) const {
     row.size = p.y1 - p.y0;
     for (std::size_t k = 0; k < rule.count; ++k)
       row.down[k] = float(p.y0 + rule.at[k] * row.size), row.weight[k] = float(rule.weight[k]);
-    return row;
   }
   HWY_INLINE V versine(const Row& row, std::size_t k, V x) const { return versine(x, hn::Set(D(), row.down[k])); }
   HWY_INLINE V weight(const Row& row, std::size_t k, V x) const {

@@ -2,6 +2,7 @@
 /// Gauss points of texels, and of pieces of them, that the cores of lobes are summed over.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -34,7 +35,7 @@ struct Rule {
   std::size_t count;
   double panel;  ///< A part of the side.
   std::array<double, most> at{}, weight{};
-  alignas(64) float weight_lanes[most] = {};  ///< As `weight`.
+  alignas(64) float at_lanes[most] = {}, weight_lanes[most] = {};  ///< The same; beyond, the last place and no weight.
 
   template <std::size_t N>
   Rule(const std::array<double, N>& nodes, const std::array<double, N>& weights, std::size_t panels)
@@ -43,6 +44,7 @@ struct Rule {
       at[k] = (double(k / N) + 0.5 + 0.5 * nodes[k % N]) * panel;
       weight[k] = 0.5 * weights[k % N] * panel, weight_lanes[k] = float(weight[k]);
     }
+    for (std::size_t k = 0; k < most; ++k) at_lanes[k] = float(at[std::min(k, count - 1)]);
   }
 };
 

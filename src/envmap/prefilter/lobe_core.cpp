@@ -66,7 +66,8 @@ struct EightTexels {
 
   HWY_INLINE EightTexels(const RowOfTexels& texels, int k, const Light& of) {
     const int columns = int(texels.row.size()), count = std::min(int(virtual_lanes), texels.count - k);
-    int at = (texels.first + k + 2 * columns) % columns;
+    int at = texels.first + k;
+    at += at < 0 ? columns : at >= columns ? -columns : 0;
     alignas(32) float some[3 * virtual_lanes];
     const float* from = &texels.row[std::size_t(at)].x;
     if (at + int(virtual_lanes) > columns) {
@@ -158,7 +159,7 @@ class RowByRules {
       : place_(place), texels_(texels), first_(place.first_rule(texels.texel)) {}
 
   HWY_INLINE const typename Place::Row& of(std::size_t rule) {
-    if (!made_[rule]) rows_[rule] = place_.row(texels_.texel, texels_.rules[rule].rule), made_[rule] = true;
+    if (!made_[rule]) place_.set(texels_.texel, texels_.rules[rule].rule, rows_[rule]), made_[rule] = true;
     return rows_[rule];
   }
 

@@ -21,7 +21,7 @@ struct Splitting {
   double uneven_ggx, uneven_power;  // Of LevelKernel.
 };
 constexpr Splitting at_1e3{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 4.2, 0.36, 4.2};
-constexpr Splitting at_4e4{8.5, 5.7, 0.2, false, 1.6e-4, 1.3e-4, 4.5, 0.3, 3.8};
+constexpr Splitting at_4e4{8.5, 5.7, 0.2, false, 1.7e-4, 1.3e-4, 4.5, 0.3, 3.8};
 constexpr Splitting at_1e4{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 5.2, 0.16, 3};
 
 // 0.001 x the mean of three channels, over the flux of a light in one.

@@ -25,9 +25,11 @@ inline bool serves_multilevel(const Level& source) {
   return source.projection() == Projection::cube || source.width() == 2 * source.height();
 }
 
-/// Rows of the finest grid that is worth its making. What is narrower sees few texels, which are summed sooner.
-inline int finest_rows(const Level& source) {
-  return std::clamp(int(std::bit_ceil(unsigned(std::sqrt(512.0 * rows_between_poles(source))))), 256, 2048);
+/// Rows of the finest grid that is worth its making for so many outputs. What is narrower sees few texels, which are
+/// summed sooner.
+inline int finest_rows(const Level& source, double outputs = 0) {
+  const double product = 512.0 * rows_between_poles(source) * std::max(1.0, outputs / 1e5);
+  return std::clamp(int(std::bit_ceil(unsigned(std::sqrt(product)))), 256, 2048);
 }
 
 /// Of the coarsest grid. All numbers of rows are powers of two.
