@@ -27,6 +27,7 @@ struct MultilevelPlan {
   std::optional<LevelKernel> core;  ///< What the first grid is too coarse for, summed over texels.
   std::vector<Step> steps;
   HingePolynomial hinges;  ///< What is summed at the horizon.
+  double width = 1;        ///< Of the lobe: where it has fallen to about half, in radians.
   double constant = 0;     ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
   double error = 0, floor_error = 0;  ///< Of the steps, at most: of a texel, and in addition of 0.001 x the mean.
   double hinge_error = 0;             ///< What the steps leave to the sums of hinges.

@@ -51,7 +51,7 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int m
   if (lobe.b <= 0) return std::nullopt;
   MultilevelPlan plan;
   const double a = lobe.a / lobe.b, whole = a + 1, scale = lobe.scale / (lobe.b * lobe.b),
-               width = std::min(1.0, std::sqrt(2 * a));
+               width = plan.width = std::min(1.0, std::sqrt(2 * a));
   const double first = scale / (whole * whole), second = 2 * first / whole, third = 1.5 * second / whole;
   int rows = rows_for(width / s.steps);
   LevelKernel k{.quartic = s.quartic, .uneven = float(s.uneven_ggx), .a = float(a), .scale = scale};
@@ -78,7 +78,7 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int m
 // A single level: (1 - part x)^power, times t of Blinn's lobe.
 std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s,
                                             int max_rows, MultilevelPlan plan) {
-  k.uneven = float(s.uneven_power);
+  k.uneven = float(s.uneven_power), plan.width = width;
   const int rows = std::max(least, rows_for(width / s.per_sigma));
   max_rows = std::min(2 * max_rows, 2048);  // A power is cut off many widths away, and so sees more texels.
   // Cut where what is left is small beside 0.001 x the mean.
@@ -157,9 +157,8 @@ bool MultilevelPlan::is_quick(const Level& from, std::size_t texels, double max_
       each += (ggx ? 0.5 : 0.9) * window;
   }
   // A broad lobe sees most of its grids, where a tree takes a few large nodes.
-  const double root = portable::cbrt(1e3 * max_error),
-               by_tree = (steps.size() > 1 ? 26 : 17) * steps.front().rows / (root * root);
-  return once + outputs * each < 22 * size + outputs * by_tree;
+  const double root = portable::cbrt(1e3 * max_error), fine = 4.5 * pi / (width * root * root);
+  return once + outputs * each < 22 * size + 2.2e6 * fine + outputs * (700 + 28 * fine);
 }
 
 }  // namespace envmap::prefiltering
