@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "envmap/prefilter/lagrange.h"
@@ -42,37 +43,73 @@ void DotProducts(std::span<const float> in, std::size_t step, std::span<const fl
   }
 }
 
-template <class K>
-Flux GatherRows(const NodeGrid& grid, const K& kernel, const GatherRoom& room) {
-  const D d;
-  V total[3][parts];
-  for (auto& channel : total)
-    for (V& v : channel) v = hn::Zero(d);
-  for (const GatherRoom::Row& r : room.rows) {
-    const float* light = &grid.values[grid.first[std::size_t(r.row)]];
-    const std::size_t stride = grid.stride(r.row), mask = std::size_t(grid.columns[std::size_t(r.row)]) - 1;
-    const GatherRoom::Angles& angles = room.kinds[std::size_t(r.kind)];
-    const float* versines = &room.versines[angles.first + std::size_t(r.start - angles.low)];
-    const V c = hn::Set(d, r.c), g = hn::Set(d, r.g);
-    V sum[3][parts];
-    for (auto& channel : sum)
-      for (V& v : channel) v = hn::Zero(d);
-    std::size_t at = std::size_t(r.start);
-    for (int block = 0; block < r.blocks; ++block, at += virtual_lanes, versines += virtual_lanes) {
-      const float* p = light + (at & mask);
-      for (std::size_t part = 0; part < parts; ++part, p += lanes) {
-        const V k = kernel(hn::Add(c, hn::Mul(g, hn::LoadU(d, versines + part * lanes))));
-        for (std::size_t channel = 0; channel < 3; ++channel)
-          sum[channel][part] = hn::Add(sum[channel][part], hn::Mul(k, hn::LoadU(d, p + channel * stride)));
-      }
-    }
-    for (std::size_t channel = 0; channel < 3; ++channel)
-      for (std::size_t part = 0; part < parts; ++part)
-        total[channel][part] = hn::Add(total[channel][part], sum[channel][part]);
+// Three channels of virtual lanes.
+struct Sums {
+  V of[3][parts];
+
+  HWY_INLINE Sums() {
+    for (auto& channel : of)
+      for (V& v : channel) v = hn::Zero(D());
   }
-  Flux out;
-  for (std::size_t channel = 0; channel < 3; ++channel) out[int(channel)] = sum_of(total[channel]);
-  return out;
+  // @param values the red ones; green and blue follow `stride` floats apart.
+  HWY_INLINE void add(std::size_t part, V weight, const float* values, std::size_t stride) {
+    for (std::size_t c = 0; c < 3; ++c)
+      of[c][part] = hn::Add(of[c][part], hn::Mul(weight, hn::LoadU(D(), values + c * stride)));
+  }
+  HWY_INLINE void add(const Sums& more) {
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t part = 0; part < parts; ++part) of[c][part] = hn::Add(of[c][part], more.of[c][part]);
+  }
+  [[nodiscard]] HWY_INLINE Flux whole() const { return {sum_of(of[0]), sum_of(of[1]), sum_of(of[2])}; }
+};
+
+// The kernel in a window, column after column.
+template <class K>
+struct OfKernel {
+  const K& kernel;
+  const GatherRoom& room;
+  const float* versine = nullptr;
+  float c = 0, g = 0;
+
+  HWY_INLINE void begin(const GatherRoom::Row& r) {
+    const GatherRoom::Angles& angles = room.kinds[std::size_t(r.kind)];
+    versine = &room.versines[angles.first + std::size_t(r.start - angles.low)], c = r.c, g = r.g;
+  }
+  HWY_INLINE V next() {
+    const D d;
+    const V at = hn::Add(hn::Set(d, c), hn::Mul(hn::Set(d, g), hn::LoadU(d, versine)));
+    versine += lanes;
+    return kernel(at);
+  }
+};
+// The same, found before.
+struct OfTaps {
+  const float* tap;
+  HWY_INLINE void begin(const GatherRoom::Row&) {}
+  HWY_INLINE V next() {
+    const V v = hn::LoadU(D(), tap);
+    tap += lanes;
+    return v;
+  }
+};
+
+// Weights x values in a window. @param moved by how many of so many columns.
+template <class Weights, class Moved>
+Flux SumOfRows(const NodeGrid& grid, const GatherRoom& room, Weights weights, Moved&& moved) {
+  Sums total;
+  for (const GatherRoom::Row& r : room.rows) {
+    const float* values = &grid.values[grid.first[std::size_t(r.row)]];
+    const int columns = grid.columns[std::size_t(r.row)];
+    const std::size_t stride = grid.stride(r.row), mask = std::size_t(columns) - 1;
+    weights.begin(r);
+    Sums sum;
+    std::size_t at = std::size_t(r.start + moved(columns));
+    for (int block = 0; block < r.blocks; ++block, at += virtual_lanes)
+      for (std::size_t part = 0; part < parts; ++part)
+        sum.add(part, weights.next(), values + (at & mask) + part * lanes, stride);
+    total.add(sum);
+  }
+  return total.whole();
 }
 
 // Calls sum(the kernel for lanes).
@@ -159,53 +196,22 @@ void SetVersines(const NodeGrid& grid, const LevelKernel& k, const GridView& vie
 
 Flux Gather(const NodeGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
   SetVersines(grid, k, view, room);
-  return with_kernel(k, [&](const auto& kernel) { return GatherRows(grid, kernel, room); });
+  return with_kernel(k, [&](const auto& kernel) {
+    return SumOfRows(grid, room, OfKernel<std::decay_t<decltype(kernel)>>{kernel, room}, [](int) { return 0; });
+  });
 }
 
 // The kernel in the window, a row after the other.
 template <class K>
 void SetTaps(const K& kernel, GatherRoom& room) {
-  const D d;
   room.taps.clear();
+  OfKernel<K> weights{kernel, room};
   for (const GatherRoom::Row& r : room.rows) {
-    const GatherRoom::Angles& angles = room.kinds[std::size_t(r.kind)];
-    const float* versine = &room.versines[angles.first + std::size_t(r.start - angles.low)];
     const std::size_t first = room.taps.size(), count = virtual_lanes * std::size_t(r.blocks);
     room.taps.resize(first + count);
-    const V c = hn::Set(d, r.c), g = hn::Set(d, r.g);
-    for (std::size_t k = 0; k < count; k += lanes)
-      hn::StoreU(kernel(hn::Add(c, hn::Mul(g, hn::LoadU(d, versine + k)))), d, &room.taps[first + k]);
+    weights.begin(r);
+    for (std::size_t k = 0; k < count; k += lanes) hn::StoreU(weights.next(), D(), &room.taps[first + k]);
   }
-}
-
-// The sum in the window, moved by so many of `columns`.
-Flux SumOfTaps(const NodeGrid& grid, const GatherRoom& room, int by, int columns) {
-  const D d;
-  V total[3][parts];
-  for (auto& channel : total)
-    for (V& v : channel) v = hn::Zero(d);
-  const float* tap = room.taps.data();
-  for (const GatherRoom::Row& r : room.rows) {
-    const int here = grid.columns[std::size_t(r.row)];
-    const float* light = &grid.values[grid.first[std::size_t(r.row)]];
-    const std::size_t stride = grid.stride(r.row), mask = std::size_t(here) - 1;
-    V sum[3][parts];
-    for (auto& channel : sum)
-      for (V& v : channel) v = hn::Zero(d);
-    std::size_t at = std::size_t(r.start + (here >= columns ? by * (here / columns) : by / (columns / here)));
-    for (int block = 0; block < r.blocks; ++block, at += virtual_lanes) {
-      const float* p = light + (at & mask);
-      for (std::size_t part = 0; part < parts; ++part, p += lanes, tap += lanes) {
-        const V k = hn::LoadU(d, tap);
-        for (std::size_t channel = 0; channel < 3; ++channel)
-          sum[channel][part] = hn::Add(sum[channel][part], hn::Mul(k, hn::LoadU(d, p + channel * stride)));
-      }
-    }
-    for (std::size_t channel = 0; channel < 3; ++channel)
-      for (std::size_t part = 0; part < parts; ++part)
-        total[channel][part] = hn::Add(total[channel][part], sum[channel][part]);
-  }
-  return {sum_of(total[0]), sum_of(total[1]), sum_of(total[2])};
 }
 
 void GatherAtRow(const NodeGrid& grid, const LevelKernel& k, int row, GatherRoom& room, std::span<Flux> out) {
@@ -217,8 +223,12 @@ void GatherAtRow(const NodeGrid& grid, const LevelKernel& k, int row, GatherRoom
   for (int phase = 0; phase < phases; ++phase) {
     SetVersines(grid, k, grid.node(row, phase), room);
     with_kernel(k, [&](const auto& kernel) { SetTaps(kernel, room); });
-    for (int n = phase; n < columns; n += phases)
-      out[std::size_t(n)] += k.scale * SumOfTaps(grid, room, n - phase, columns);
+    for (int n = phase; n < columns; n += phases) {
+      const auto moved = [by = n - phase, columns](int here) {
+        return here >= columns ? by * (here / columns) : by / (columns / here);
+      };
+      out[std::size_t(n)] += k.scale * SumOfRows(grid, room, OfTaps{room.taps.data()}, moved);
+    }
   }
 }
 
@@ -241,9 +251,7 @@ Flux Interpolate(const NodeGrid& grid, const GridView& view) {
   const D d;
   Weights down;
   const int top = lagrange(view.angle * grid.rows / pi - 0.5, down);
-  V total[3][parts];
-  for (auto& channel : total)
-    for (V& v : channel) v = hn::Zero(d);
+  Sums total;
   Across across;
   for (int i = 0; i < nodes_across; ++i) {
     int r = top + i;
@@ -253,15 +261,11 @@ Flux Interpolate(const NodeGrid& grid, const GridView& view) {
     if (columns != across.columns || turned != across.turned) across.set(view.longitude, columns, turned);
     const float* from = &grid.values[grid.first[std::size_t(r)] + std::size_t(across.first)];
     const V weight = hn::Set(d, float(down[std::size_t(i)]));
-    for (std::size_t part = 0; part < 2 * parts; ++part) {
-      const V w = hn::Mul(weight, hn::Load(d, across.weights + part * lanes));
-      for (std::size_t c = 0; c < 3; ++c) {
-        V& sum = total[c][part % parts];
-        sum = hn::Add(sum, hn::Mul(w, hn::LoadU(d, from + c * grid.stride(r) + part * lanes)));
-      }
-    }
+    for (std::size_t part = 0; part < 2 * parts; ++part)
+      total.add(part % parts, hn::Mul(weight, hn::Load(d, across.weights + part * lanes)), from + part * lanes,
+                grid.stride(r));
   }
-  return {sum_of(total[0]), sum_of(total[1]), sum_of(total[2])};
+  return total.whole();
 }
 
 }  // namespace HWY_NAMESPACE
