@@ -52,8 +52,7 @@ double error_of(const Level& map, const Direction& light, const Lobe& lobe, cons
   for (Direction& d : some) d = random.round(light);
   std::vector<MultilevelSum> sums(some.size());
   const MultilevelSource source{small, grids, &hinges, mean, Colour(0)};
-  const std::optional<NodeGrid> field = smooth_field(plan, source, 512);
-  multilevel_sums(plan, source, field ? &*field : nullptr, some, sums);
+  multilevel_sums(plan, source, smooth_field(plan, source, 512), some, sums);
   const std::vector<Flux> truth = exact_prefilter(map, lobe, some);
   double worst = 0;
   for (std::size_t k = 0; k < some.size(); ++k)

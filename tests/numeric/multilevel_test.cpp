@@ -79,7 +79,7 @@ void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, st
   // Every step at the directions themselves, and coarse ones at nodes.
   for (const std::optional<NodeGrid>& field : {std::optional<NodeGrid>(), smooth_field(*plan, source, field_rows)}) {
     std::vector<MultilevelSum> sums(some.size());
-    multilevel_sums(*plan, source, field ? &*field : nullptr, some, sums);
+    multilevel_sums(*plan, source, field, some, sums);
     for (std::size_t k = 0; k < some.size(); ++k)
       for (int c = 0; c < 3; ++c) {
         const double most = std::max(truth[k][c], 1e-3 * mean);

@@ -42,6 +42,9 @@ inline int lagrange(double u, Weights& w) {
   return first;
 }
 
+/// A row beyond a pole of a latlong grid is a row of the grid, half a turn away. @return that row; others as they are.
+inline int folded(int row, int rows) { return row < 0 ? -1 - row : row >= rows ? 2 * rows - 1 - row : row; }
+
 /// What a part of the light before adds.
 struct Term {
   int from;
@@ -69,7 +72,7 @@ Terms adjoint(int parts, int nodes, bool wraps, Density&& density) {
       for (int i = 0; i < nodes_across; ++i) {
         int node = first + i;
         const bool outside = node < 0 || node >= nodes;
-        if (outside) node = wraps ? (node + nodes) % nodes : node < 0 ? -1 - node : 2 * nodes - 1 - node;
+        node = wraps ? (node + nodes) % nodes : folded(node, nodes);
         sums[std::size_t(node)][{k / panels, outside && !wraps}] += part * w[std::size_t(i)];
       }
     }

@@ -60,14 +60,16 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
+// A column that may lie beyond the row by less than its length.
+HWY_INLINE int column_of(int k, int columns) { return k < 0 ? k + columns : k >= columns ? k - columns : k; }
+
 // Eight texels from k on as planes; 0 after the last.
 struct EightTexels {
   alignas(32) float light[3][virtual_lanes];
 
   HWY_INLINE EightTexels(const RowOfTexels& texels, int k, const Light& of) {
     const int columns = int(texels.row.size()), count = std::min(int(virtual_lanes), texels.count - k);
-    int at = texels.first + k;
-    at += at < 0 ? columns : at >= columns ? -columns : 0;
+    int at = column_of(texels.first + k, columns);
     alignas(32) float some[3 * virtual_lanes];
     const float* from = &texels.row[std::size_t(at)].x;
     if (at + int(virtual_lanes) > columns) {
@@ -292,7 +294,7 @@ std::vector<Window> windows(const Level& source, double end, const GridView& vie
 HWY_INLINE void prefetch(std::span<const Colour> row, const Window& w) {
   constexpr int in_cache_line = 5;
   const int columns = int(row.size());
-  for (int k = w.first; k <= w.last; k += in_cache_line) hwy::Prefetch(&row[std::size_t((k + 2 * columns) % columns)]);
+  for (int k = w.first; k <= w.last; k += in_cache_line) hwy::Prefetch(&row[std::size_t(column_of(k, columns))]);
 }
 
 Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {

@@ -14,11 +14,9 @@ namespace envmap::prefiltering {
 
 int MultilevelPlan::field_rows(double texels) const {
   int rows = 0;
-  for (const Step& s : steps) {
-    // Nodes see kernels that are at hand, so each takes less than an output does, and less by more in a wide window.
-    const double nodes = nodes_of(s.rows), window = 0.5 * double(s.kernel.end) * nodes;
-    if (nodes < (window > 2000 ? 4.5 : 2) * texels) rows = std::max(rows, s.rows);
-  }
+  // Nodes see kernels that are at hand, so each takes less than an output does, and less by more in a wide window.
+  for (const Step& s : steps)
+    if (s.nodes() < (s.window() > 2000 ? 4.5 : 2) * texels) rows = std::max(rows, s.rows);
   return rows;
 }
 
@@ -43,7 +41,7 @@ std::optional<NodeGrid> smooth_field(const MultilevelPlan& plan, const Multileve
   return field;
 }
 
-void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, const NodeGrid* field,
+void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, const std::optional<NodeGrid>& field,
                      std::span<const Direction> directions, std::span<MultilevelSum> out) {
   const Flux even = plan.constant * Flux(source.darkest);
   const double floor = 1e-3 * source.mean;
@@ -79,7 +77,7 @@ void multilevel_map(const MultilevelPlan& plan, const MultilevelSource& source, 
       smooth_field(plan, source, plan.field_rows(texel_count(map.target.to, map.target.size)));
   map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
     std::vector<MultilevelSum> sums(directions.size());
-    multilevel_sums(plan, source, field ? &*field : nullptr, directions, sums);
+    multilevel_sums(plan, source, field, directions, sums);
     for (std::size_t k = 0; k < sums.size(); ++k) {
       texels[k] = Colour(sums[k].value);
       bounds[k] = std::nextafter(float(sums[k].bound), 1.F);

@@ -23,11 +23,15 @@ struct MultilevelPlan {
   struct Step {
     int rows;  ///< Of the grid.
     LevelKernel kernel;
+
+    [[nodiscard]] double nodes() const { return nodes_of(rows); }
+    /// Nodes that the kernel reaches.
+    [[nodiscard]] double window() const { return 0.5 * double(kernel.end) * nodes(); }
   };
   std::optional<LevelKernel> core;  ///< What the first grid is too coarse for, summed over texels.
   std::vector<Step> steps;
   HingePolynomial hinges;  ///< What is summed at the horizon.
-  double width = 1;        ///< Of the lobe: where it has fallen to about half, in radians.
+  double width = 1;        ///< The angle at which the lobe has fallen to about half, in radians.
   double constant = 0;     ///< Integral of what the steps add up to: less than 1 by the integrals of the hinges.
   double error = 0, floor_error = 0;  ///< Of the steps, at most: of a texel, and in addition of 0.001 x the mean.
   double hinge_error = 0;             ///< What the steps leave to the sums of hinges.
@@ -65,8 +69,8 @@ struct MultilevelSum {
 /// outputs as over the source, so sums at coarse nodes are interpolated at finer ones. @param rows 0: nothing.
 std::optional<NodeGrid> smooth_field(const MultilevelPlan& plan, const MultilevelSource& source, int rows);
 
-/// The integral of radiance x lobe over the sphere in some directions. @param field of smooth_field(), or null.
-void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, const NodeGrid* field,
+/// The integral of radiance x lobe over the sphere in some directions. @param field of smooth_field().
+void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, const std::optional<NodeGrid>& field,
                      std::span<const Direction> directions, std::span<MultilevelSum> out);
 
 /// Sets the texels of a map, each with the bound of its error.

@@ -187,7 +187,7 @@ void SetRoom(const NodeGrid& grid, const LevelKernel& kernel, const GridView& vi
   if (room.versines.size() < size) room.versines.resize(size);
 }
 
-// Also the longitudes.
+// The same, and the versines of the columns.
 void SetVersines(const NodeGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
   SetRoom(grid, k, view, room);
   for (const GatherRoom::Angles& a : room.kinds)
@@ -254,9 +254,8 @@ Flux Interpolate(const NodeGrid& grid, const GridView& view) {
   Sums total;
   Across across;
   for (int i = 0; i < nodes_across; ++i) {
-    int r = top + i;
-    const bool turned = r < 0 || r >= grid.rows;  // Beyond a pole.
-    if (turned) r = r < 0 ? -1 - r : 2 * grid.rows - 1 - r;
+    const int r = folded(top + i, grid.rows);
+    const bool turned = r != top + i;
     const int columns = grid.columns[std::size_t(r)];
     if (columns != across.columns || turned != across.turned) across.set(view.longitude, columns, turned);
     const float* from = &grid.values[grid.first[std::size_t(r)] + std::size_t(across.first)];

@@ -150,11 +150,10 @@ bool MultilevelPlan::is_quick(const Level& from, std::size_t texels, double max_
   const int at_nodes = field_rows(outputs);
   if (at_nodes > 0) each += 150;
   for (const Step& s : steps) {
-    const double nodes = nodes_of(s.rows), window = 0.5 * double(s.kernel.end) * nodes;
     if (s.rows <= at_nodes)
-      once += nodes * (60 + 0.14 * window);
+      once += s.nodes() * (60 + 0.14 * s.window());
     else
-      each += (ggx ? 0.5 : 0.9) * window;
+      each += (ggx ? 0.5 : 0.9) * s.window();
   }
   // A broad lobe sees most of its grids, where a tree takes a few large nodes.
   const double root = portable::cbrt(1e3 * max_error), fine = 4.5 * pi / (width * root * root);

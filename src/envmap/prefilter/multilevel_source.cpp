@@ -62,11 +62,9 @@ LightPlanes coarser(const LightPlanes& fine) {
     for (int i = 0; i < nodes_across; ++i)
       for (int side = 0; side < 2; ++side) {
         const int node = i - half_nodes + side;
-        int r = 2 * (k - node) + side;
-        const bool turned = r < 0 || r >= fine.rows;
-        if (turned) r = r < 0 ? -1 - r : 2 * fine.rows - 1 - r;
+        const int from = 2 * (k - node) + side, r = folded(from, fine.rows);
         const double w = side == 0 ? halving().low[std::size_t(i)] : halving().high[std::size_t(i)];
-        for (int c = 0; c < 3; ++c) add_row(narrow.row(r, c), {r, turned, float(w)}, out.row(k, c));
+        for (int c = 0; c < 3; ++c) add_row(narrow.row(r, c), {r, r != from, float(w)}, out.row(k, c));
       }
   });
   return out;
