@@ -25,7 +25,8 @@ const char* advice(Remedy remedy) {
     case Remedy::leave_out_face: return ": leave out {face}";
     case Remedy::drop_channels: return ": drop_channels=True leaves them behind";
     case Remedy::repair: return ": repair=True replaces them";
-    case Remedy::allow_pixels: return ": say max_pixels=";
+    case Remedy::choose_space: return ": say which by space=";
+    case Remedy::choose_faces: return ": say which by faces=";
     case Remedy::choose_format: return ", or say format=";
     case Remedy::choose_plus_z: return ": forward='+z'";
     case Remedy::clamp_or_deepen:
@@ -38,12 +39,11 @@ const char* advice(Remedy remedy) {
     case Remedy::make_cube: return ": convert(to='cube') makes one";
     case Remedy::make_all_levels: return ": mipmap() makes them";
     case Remedy::limit_memory:
-    case Remedy::choose_space:
+    case Remedy::allow_pixels:
     case Remedy::choose_linear:
     case Remedy::choose_layer:
     case Remedy::leave_out_shadows:
     case Remedy::find_circle:
-    case Remedy::choose_faces:
     case Remedy::none: break;
   }
   return "";

@@ -48,6 +48,22 @@ TEST_F(Colours, OfTheFileAreBelieved) {
   EXPECT_NEAR(nlohmann::json::parse(r.out)["mean"][0].get<double>(), 0.2, 1e-6);
 }
 
+TEST_F(Colours, FacesOfOneMapMustSayTheSame) {
+  constexpr float unknown[8] = {0.7F, 0.3F, 0.2F, 0.7F, 0.15F, 0.05F, 0.31F, 0.33F};
+  succeeds({"generate", "constant", "{face}.exr", "--to", "cube", "--size", "4"});
+  const auto paint = [&](const std::string& name) {
+    OIIO::ImageSpec spec;
+    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), unknown);
+    save(path(name), Picture::filled(4, 4), OIIO::TypeDesc::FLOAT, spec);
+  };
+  paint("nx.exr");
+  fails(3, {"info", "{face}.exr"}, {"nx.exr", "0.7 0.3", "assumed"});
+  for (const std::string face : {"px", "py", "ny", "pz", "nz"}) paint(face + ".exr");
+  succeeds({"info", "{face}.exr"});
+  save(path("nx.exr"), Picture::filled(4, 4), OIIO::TypeDesc::FLOAT, {});
+  fails(3, {"info", "{face}.exr"}, {"nx.exr", "assumed", "0.7 0.3"});
+}
+
 TEST_F(Colours, AreWrittenAsAskedAndSaid) {
   succeeds({"generate", "constant", "in.exr", "--size", "4", "--value", "0.2,0.5,0.7"});
   EXPECT_EQ(info("in.exr")["space"], "Linear Rec.709 (assumed, not specified in the file)");

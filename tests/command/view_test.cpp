@@ -382,6 +382,35 @@ TEST_F(View, MaxErrorTakesTheCheapestMapsThatDoOrRays) {
   }
 }
 
+// The lamp shrinks by a morph target, from a size at which the mirror shows nothing else.
+TEST_F(View, ErrorsAreThoseOfTheMomentsWithTheirVertices) {
+  std::string scene = read("scene.gltf");
+  const auto put = [&](const std::string& before, const std::string& more) {
+    ASSERT_NE(scene.rfind(before), std::string::npos);
+    scene.insert(scene.rfind(before) + before.size(), more);
+  };
+  put(R"("material":1)", R"(,"targets":[{"POSITION":0}])");
+  put(R"("type":"SCALAR"})",
+      R"(,{"bufferView":2,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},
+          {"bufferView":3,"componentType":5126,"count":2,"type":"SCALAR"})");
+  put(R"("byteLength":12})", R"(,{"buffer":1,"byteLength":8},{"buffer":2,"byteLength":8})");
+  const std::string numbers = R"(,{"byteLength":8,"uri":"data:application/octet-stream;base64,)";
+  put(quad + "\"}", numbers + "AAAAAAAAgD8=\"}" + numbers + "AACAPwAAAAA=\"}");  // 0 and 1; 1 and 0.
+  put(R"("scene":0,)", R"("animations":[{"channels":[{"sampler":0,"target":{"node":2,"path":"weights"}}],
+                                         "samplers":[{"input":2,"output":3}]}],)");
+  write("morph.gltf", scene);
+  const auto error = [&](const std::string& option, const std::string& value) {
+    const Result r = envmap(
+        {"view", "morph.gltf", "o{frame}.exr", "--width", "48", "--height", "40", "--max-error", "0.9", option, value});
+    const std::size_t at = r.err.find("off by ");
+    return at == std::string::npos ? -1 : std::stod(r.err.substr(at + 7));
+  };
+  const double first = error("--frames", "0:0"), last = error("--frames", "24:24");
+  EXPECT_GE(first, 0);
+  EXPECT_LT(first, 0.1 * last);
+  EXPECT_EQ(error("--frames", "0:24"), last);
+}
+
 TEST_F(View, RefusesNamesOfTwoNodes) {
   std::string scene = read("scene.gltf");
   scene.replace(scene.find("lamp"), 4, "mirror");

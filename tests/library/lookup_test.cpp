@@ -33,6 +33,12 @@ TEST(Lookup, MixesNeighbouringLevels) {
   }
 }
 
+TEST(Lookup, ADimLevelIsNotLostBesideABrightOne) {
+  EnvironmentMap map = generate(Constant{Rgb<double>(1e9)}, Projection::cube, 16);
+  map.levels.push_back(std::move(generate(Constant{}, Projection::cube, 8).base()));
+  EXPECT_NEAR(EnvironmentLookup(map)({0, 0, 1}, 1 - 0x1p-20).x, 1e9 * 0x1p-20 + 1, 1e-3);
+}
+
 TEST(Lookup, OfManyDirectionsIsThatOfEach) {
   EnvironmentMap map = generate(Directions{}, {Projection::latlong, Forward::plus_x}, 32);
   add_levels(map);

@@ -226,6 +226,22 @@ TEST(Convert, AMapOfTheSameFrameAndSizeIsACopy) {
   }
 }
 
+// A level of 45x22, as 90x45 has one, is not the grid of a map of 22 rows.
+TEST(Convert, ALevelOfOddWidthIsResampled) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::latlong, 22, 45);
+  for (int row = 0; row < 22; ++row)
+    for (const int column : {43, 44}) *map.base().texel(0, column, row) = Colour(1);
+  const EnvironmentMap out = convert(map, {.to = {Projection::latlong}, .filter = Filter::area});
+  ASSERT_EQ(out.base().width(), 44);
+  for (int row = 2; row < 20; ++row) {
+    // Over columns of 1 / 44, lines between 0 and 1 from 42.5 / 45 to 43.5 / 45, and from 44.5 / 45 to 45.5 / 45.
+    EXPECT_NEAR(out.base().texel(0, 43, row)->x, 44 * (44.5 / 45 - 43 / 44.0 + 0.75 * 0.5 / 45), 1e-5) << row;
+    const double rise = 43.5 / 45 - 42 / 44.0;
+    EXPECT_NEAR(out.base().texel(0, 42, row)->x, 44 * (43 / 44.0 - 43.5 / 45 + (1 - 22.5 * rise) * rise), 1e-5) << row;
+  }
+}
+
 TEST(Convert, ASunOfABillionDoesNotDrownItsNeighbours) {
   EnvironmentMap source = generate(Constant{}, Projection::latlong, 32);
   *source.base().texel(0, 20, 10) = Colour(1e9F);

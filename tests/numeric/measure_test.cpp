@@ -38,6 +38,17 @@ TEST(Measure, OneTexel) {
   EXPECT_NEAR(m.brightest, 0.2126 * 5 + 0.7152 + 0.0722 * 0.25, 1e-6);
 }
 
+// Levels halve each side of a latlong map and round it down: 90x45 has one of 45x22.
+TEST(Measure, AllColumnsOfALevelOfOddWidthCount) {
+  EnvironmentMap map;
+  map.levels.emplace_back(Projection::latlong, 22, 45);
+  for (const int row : {10, 11}) *map.base().texel(0, 44, row) = Colour(1);
+  const Measures m = measure(map);
+  EXPECT_EQ(m.brightest_texel.i, 44);
+  EXPECT_EQ(m.brightest_texels, 2);
+  EXPECT_EQ(std::ssize(texels_of(map.base())), 22 * 45);
+}
+
 double degrees_between(const Direction& a, const Direction& b) {
   return 180 / pi * std::acos(std::min(1.0, glm::dot(a, b)));
 }
@@ -153,8 +164,7 @@ TEST(Compare, DarkTexelsAreMeasuredAgainstTheMean) {
 }
 
 TEST(Compare, BlackMapsAgreeAndLightAgainstBlackIsInfinite) {
-  EnvironmentMap black = generate(Constant{Direction(0)}, Projection::cube, 2),
-                 a = grey(Projection::cube, 2);
+  EnvironmentMap black = generate(Constant{Direction(0)}, Projection::cube, 2), a = grey(Projection::cube, 2);
   EXPECT_EQ(compare(black.base(), black.base()).rms, 0);
   EXPECT_EQ(compare(black.base(), black.base()).maximum, 0);
   EXPECT_TRUE(std::isinf(compare(a.base(), black.base()).maximum));

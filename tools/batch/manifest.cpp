@@ -259,7 +259,8 @@ std::vector<Job> jobs_of(const std::vector<Line>& lines) {
 }
 
 std::string text_of(const std::string& path) {
-  if (path != "-" && fs::is_directory(path)) throw InputError(path, "is a folder: give a file name");
+  std::error_code error;
+  if (path != "-" && fs::is_directory(path, error)) throw InputError(path, "is a folder: give a file name");
   std::ifstream file;
   if (path != "-") file.open(path);
   std::ostringstream text;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/words.h"
 
 namespace tools {
 namespace {
@@ -41,18 +42,11 @@ std::string for_make(const std::string& path) {
   return escaped(escaped(path, " #:", '\\'), "$", '$');
 }
 
-template <class F>
-std::string joined(const std::vector<std::string>& words, F&& form) {
-  std::string all;
-  for (const std::string& word : words) all += (all.empty() ? "" : " ") + form(word);
-  return all;
-}
-
 std::string command(const Job& job, const std::string& program, const std::vector<std::string>& more) {
   std::vector<std::string> words{program};
   words.insert(words.end(), job.words.begin(), job.words.end());
   words.insert(words.end(), more.begin(), more.end());
-  return joined(words, quoted);
+  return envmap::joined(words, " ", quoted);
 }
 
 // Which job writes a file.
@@ -68,7 +62,7 @@ std::map<std::string, std::size_t> writers(std::span<const Job> jobs) {
 std::vector<std::string> needed(const Job& job, const std::map<std::string, std::size_t>& writer) {
   std::vector<std::string> files;
   for (const std::string& file : job.inputs)
-    if (std::filesystem::exists(file) || writer.contains(file)) files.push_back(file);
+    if (std::error_code error; std::filesystem::exists(file, error) || writer.contains(file)) files.push_back(file);
   for (const std::string& word : job.words)
     if (const std::string file = plain_path(word); writer.contains(file) &&
                                                    std::ranges::find(files, file) == files.end() &&
@@ -129,7 +123,9 @@ std::vector<int> stages(std::span<const Job> jobs) {
 std::string plain_path(const std::string& path) {
   namespace fs = std::filesystem;
   const fs::path given = path, here = fs::current_path(), whole = fs::absolute(given);
-  const fs::path known = fs::weakly_canonical(whole.parent_path()) / whole.filename(),
+  std::error_code error;
+  const fs::path canonical = fs::weakly_canonical(whole.parent_path(), error),
+                 known = (error ? whole.parent_path().lexically_normal() : canonical) / whole.filename(),
                  near = known.lexically_proximate(here);
   return (given.is_absolute() && near.string().starts_with("..") ? known : near).string();
 }
@@ -159,10 +155,11 @@ std::string ninja_file(std::span<const Job> jobs, const std::string& program, co
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Job& job = jobs[k];
     const std::string depfile = fmt::format("{}/{}.d", folder, k + 1);
-    text += fmt::format("build {}: envmap {}\n  run = {}\n  what = {}\n  dependencies = {}\n",
-                        joined(job.outputs, for_ninja), joined(needed(job, writer), for_ninja),
-                        escaped(command(job, program, {"--quiet", "--if-changed", "--depfile", depfile}), "$", '$'),
-                        escaped(joined(job.words, quoted), "$", '$'), escaped(depfile, "$", '$'));
+    text +=
+        fmt::format("build {}: envmap {}\n  run = {}\n  what = {}\n  dependencies = {}\n",
+                    envmap::joined(job.outputs, " ", for_ninja), envmap::joined(needed(job, writer), " ", for_ninja),
+                    escaped(command(job, program, {"--quiet", "--if-changed", "--depfile", depfile}), "$", '$'),
+                    escaped(envmap::joined(job.words, " ", quoted), "$", '$'), escaped(depfile, "$", '$'));
   }
   return text;
 }
@@ -188,10 +185,10 @@ std::string makefile(std::span<const Job> jobs, const std::string& program, cons
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Job& job = jobs[k];
     const std::string depfile = fmt::format("{}/{}.d", folder, k + 1);
-    all += " " + joined(job.outputs, for_make);
+    all += " " + envmap::joined(job.outputs, " ", for_make);
     depfiles += " " + for_make(depfile);
-    rules += fmt::format("{} {}: {}\n\t{}\n\n", joined(job.outputs, for_make), job.outputs.size() > 1 ? "&" : "",
-                         joined(needed(job, writer), for_make),
+    rules += fmt::format("{} {}: {}\n\t{}\n\n", envmap::joined(job.outputs, " ", for_make),
+                         job.outputs.size() > 1 ? "&" : "", envmap::joined(needed(job, writer), " ", for_make),
                          escaped(command(job, program, {"--quiet", "--depfile", depfile}), "$", '$'));
   }
   return fmt::format(

@@ -91,6 +91,7 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
   constexpr std::string_view help = " (see 'envmap --help')";
   if (words.empty()) return fmt::format("needs a command: {}{}", fmt::join(names, ", "), help);
   const std::string& first = words.front();
+  if (first == "help" && words.size() == 1) return "no command 'help': use 'envmap --help'";
   if (first == "help") return fmt::format("no command 'help': use 'envmap {} --help'", words.back());
   if (parsed.command == nullptr && first.starts_with("-"))
     return fmt::format("unknown option '{}'{}, options follow the command{}", first,

@@ -42,8 +42,8 @@ std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
   if (unit.ends_with('b')) unit.pop_back();
   const bool binary = unit.ends_with('i');
   if (binary) unit.pop_back();
-  const std::size_t power = unit.empty() ? 0 : std::string_view("?kmgtpe").find(unit);
-  if (digits == 0 || unit.size() > 1 || power == std::string_view::npos || (binary && unit.empty()))
+  const std::size_t power = unit.empty() ? 0 : 1 + std::string_view("kmgtpe").find(unit);
+  if (digits == 0 || unit.size() > 1 || (power == 0 && !unit.empty()) || (binary && unit.empty()))
     throw std::invalid_argument("must be a size such as 500M, not " + text);
   const double bytes = std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, double(power));
   if (bytes < o.range->from || bytes > o.range->to)
@@ -206,7 +206,7 @@ void Options::need(std::string_view option, std::initializer_list<std::string_vi
 
 bool parse_number(const std::string& text, int& number) {
   char* end = nullptr;
-  const long long value = std::strtoll(text.c_str(), &end, 0);
+  const long long value = std::strtoll(text.c_str(), &end, 10);
   number = int(value);
   return !text.empty() && end == text.c_str() + text.size() && number == value;
 }
@@ -223,12 +223,6 @@ std::optional<envmap::Direction> triple_of(const std::string& text, bool one_for
   if (one_for_all && numbers.size() == 1) numbers.assign(3, numbers[0]);
   if (numbers.size() != 3) return std::nullopt;
   return envmap::Direction(numbers[0], numbers[1], numbers[2]);
-}
-
-std::string joined(WordList words) {
-  std::string all;
-  for (const std::string_view w : words) all += (all.empty() ? "" : "|") + std::string(w);
-  return all;
 }
 
 int index_of(std::string_view word, WordList words) {

@@ -138,7 +138,6 @@ bool parse_number(const std::string& text, double& number);
 /// Three finite numbers with commas between them, or nothing. @see Triple
 std::optional<envmap::Direction> triple_of(const std::string& text, bool one_for_all = false);
 using envmap::split;
-std::string joined(WordList words);
 
 /// The index of a word, or -1.
 int index_of(std::string_view word, WordList words);

@@ -6,6 +6,7 @@
 
 #include "cli/embedded.h"
 #include "cli/options.h"
+#include "envmap/base/words.h"
 #include "envmap/io/face_files.h"
 #include "envmap/io/file_format.h"
 #include "envmap/sample/filter.h"
@@ -43,13 +44,6 @@ std::string table_rows(const std::string& mark) {
   return rows;
 }
 
-std::string listed(const std::vector<std::string_view>& words) {
-  std::string list;
-  for (const std::string_view w : words)
-    list += (list.empty() ? "" : w == words.back() ? " or " : ", ") + std::string(w);
-  return list;
-}
-
 // {depths}, {formats} and {projections} stand for words of the library's tables.
 std::string with_lists(std::string line) {
   using namespace envmap;
@@ -59,7 +53,7 @@ std::string with_lists(std::string line) {
     std::vector<std::string_view> words;
     for (const auto& row : table)
       if (std::ranges::find(words, std::string_view(name_of(row))) == words.end()) words.emplace_back(name_of(row));
-    line.replace(at, mark.size(), listed(words));
+    line.replace(at, mark.size(), envmap::enumerated(words));
   };
   put("{depths}", depth_names, [](std::string_view name) { return name; });
   put("{formats}", file_formats(), [](const FileFormat& f) { return f.name; });

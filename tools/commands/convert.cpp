@@ -9,6 +9,7 @@
 #include "cli/console.h"
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/base/words.h"
 #include "envmap/engine/baker.h"
 #include "envmap/io/path.h"
 #include "envmap/io/rounding.h"
@@ -296,7 +297,7 @@ int run(Convert& o, Report& report) {
 // --to, which takes projections of maps and lenses of camera views.
 void add_target(Options& o, Convert& c) {
   o.add(
-      "--to PROJECTION", projection_words() + "|" + joined(camera_model_names),
+      "--to PROJECTION", projection_words() + "|" + joined(camera_model_names, "|"),
       [&c](const std::string& word) {
         const int lens = index_of(word, camera_model_names);
         if (lens >= 0) c.lens = CameraModel(lens);

@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/base/words.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/atmosphere.h"
 #include "shared/map_options.h"
@@ -117,13 +118,9 @@ const OptionOfKinds options_of_kinds[] = {
 void check_kind(Kind kind, const Options& options) {
   for (const auto& [option, of_kinds] : options_of_kinds) {
     if (!options.given(option) || std::ranges::find(of_kinds, kind) != of_kinds.end()) continue;
-    std::string words;
-    for (const Kind other : of_kinds)
-      words += (words.empty()              ? ""
-                : other == of_kinds.back() ? " and "
-                                           : ", ") +
-               std::string(kinds[std::size_t(other)]);
-    throw UsageError(fmt::format("{} is for {}: remove it", option, words));
+    std::vector<std::string_view> words;
+    for (const Kind other : of_kinds) words.push_back(kinds[std::size_t(other)]);
+    throw UsageError(fmt::format("{} is for {}: remove it", option, enumerated(words, " and ")));
   }
 }
 

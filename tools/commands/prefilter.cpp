@@ -8,6 +8,7 @@
 #include "cli/console.h"
 #include "command.h"
 #include "envmap/base/error.h"
+#include "envmap/base/words.h"
 #include "envmap/engine/baker.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
@@ -105,8 +106,7 @@ std::string words(const Prefilter& p) {
 Facts record(const std::vector<Prefilter>& levels) {
   const Prefilter& first = levels.front();
   Facts facts{{"lobe", std::string(name_of(first.shape))}};
-  std::string numbers;
-  for (const Prefilter& p : levels) numbers += (numbers.empty() ? "" : ",") + fmt::format("{:g}", p.parameter);
+  const std::string numbers = joined(levels, ",", [](const Prefilter& p) { return fmt::format("{:g}", p.parameter); });
   if (has_exponent(first.shape)) facts["exponent"] = numbers;
   if (has_roughness(first.shape)) facts["roughness"] = numbers;
   if (first.scale) facts["scale"] = fmt::format("{:g}", *first.scale);

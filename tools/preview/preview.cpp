@@ -143,8 +143,7 @@ void check(Request& o) {
   if (o.levels && o.read.level > 0) throw UsageError("--levels shows all of them: remove --level");
   if (!o.html.empty()) return check_page(o);
   if (o.names.size() < 2) throw UsageError("needs at least one map, and last the picture to write");
-  if (const std::string extension = std::filesystem::path(o.names.back()).extension().string();
-      o.names.back() != "-" && extension != ".png" && extension != ".jpg")
+  if (o.names.back() != "-" && (!is_picture(o.names.back()) || is_linear_picture(o.names.back())))
     throw UsageError(o.names.back(), "the picture must be a .png or .jpg");
   o.read.all_levels = o.levels;
 }

@@ -27,7 +27,7 @@ MirrorWish mirror_wish(const Scene& scene, const std::string& text) {
 
 std::vector<std::string> map_files(const std::string& folder, const Scene& scene, const std::vector<int>& nodes) {
   std::vector<std::string> files;
-  if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder))
+  if (std::error_code error; std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
     throw UsageError(folder, "is not a folder");
   for (const int node : nodes) {
     std::string name = scene.nodes[std::size_t(node)].name;

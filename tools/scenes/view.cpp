@@ -9,7 +9,9 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/base/words.h"
 #include "envmap/io/picture.h"
+#include "envmap/maths/portable.h"
 #include "envmap/offscreen/choose_maps.h"
 #include "envmap/offscreen/choose_mirrors.h"
 #include "envmap/offscreen/mirror_painter.h"
@@ -130,7 +132,7 @@ void check(const Request& o) {
 // What is drawn of a frame.
 struct Scenery {
   const Request& o;
-  const LoadedScene& loaded;
+  LoadedScene& loaded;
   const Viewpoints& viewpoints;
   const Frames& frames;
 
@@ -154,7 +156,10 @@ void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirro
   std::vector<Moment> moments;
   for (const int frame : std::set{first, first + (last - first) / 2, last}) {
     const Shot shot = scenery.shot(frame);
-    moments.push_back({shot, scenery.eyes(frame, shot.pose)[0]});
+    moments.push_back({shot, scenery.eyes(frame, shot.pose)[0], [&scenery, &painter, frame] {
+                         for (const int mesh : scenery.loaded.move_to(scenery.frames.time(frame)))
+                           painter->renderer().update(scenery.loaded.scene, mesh);
+                       }});
   }
   const MapChoice choice =
       choose_maps(painter->renderer(), mirrors, std::move(moments), o.drawing, *o.max_error, o.lobe_samples);
@@ -219,6 +224,7 @@ int run(Request& o, Report& report) {
   if (o.max_error) choose(o, scenery, mirrors, painter);
   MirrorTable table(scene, mirrors);
   const Progress progress = progress_line("view");
+  const auto gain = float(portable::exp2(o.exposure));
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const std::vector<int> moved = loaded.move_to(frames.time(frame));
@@ -242,7 +248,7 @@ int run(Request& o, Report& report) {
     const std::vector<std::string> files = eye_files(frames.path(o.output, frame));
     if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
     for (std::size_t k = 0; k < files.size(); ++k) {
-      for (Colour& c : pictures[k]) c *= float(std::exp2(o.exposure));
+      for (Colour& c : pictures[k]) c *= gain;
       write_picture(files[k], o.width, pictures[k], how);
     }
   }
@@ -283,7 +289,7 @@ Action define_view(Options& o) {
   o.group = "Mirrors";
   o.add("--method", one_of(r->method, view_method_names), "How mirrors are drawn: {}, the reference (default: maps)");
   o.add(
-      "--maps PROJECTION", joined(map_names),
+      "--maps PROJECTION", joined(map_names, "|"),
       [&maps = r->maps](const std::string& word) {
         if (index_of(word, map_names) >= 0) maps = projection_named(word);
         return index_of(word, map_names) >= 0;

@@ -9,6 +9,7 @@
 #include "cli/command_line.h"
 #include "cli/console.h"
 #include "envmap/base/error.h"
+#include "envmap/base/words.h"
 #include "envmap/io/file_format.h"
 
 namespace tools {
@@ -24,11 +25,7 @@ namespace {
 
 }  // namespace
 
-std::string engine_names() {
-  std::vector<std::string_view> names;
-  for (const Engine& e : engines()) names.push_back(e.name);
-  return joined(names);
-}
+std::string engine_names() { return joined(engines(), "|", &Engine::name); }
 
 Option& add_engine(Options& o, const Engine*& engine, std::string_view help) {
   return o.add(
@@ -44,11 +41,7 @@ Option& add_engine(Options& o, const Engine*& engine, std::string_view help) {
 
 namespace {
 
-std::string files_of(const Engine& e, std::string_view between) {
-  std::vector<std::string_view> files;
-  for (const EngineMap& map : e.maps) files.push_back(map.file);
-  return fmt::format("{}", fmt::join(files, between));
-}
+std::string files_of(const Engine& e, std::string_view between) { return joined(e.maps, between, &EngineMap::file); }
 
 }  // namespace
 

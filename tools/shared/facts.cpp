@@ -27,11 +27,10 @@ std::int64_t texels_at_most(const Level& level, double most) {
   const auto rows = map_rows<std::int64_t>(level.faces() * level.height(), [&](int k) {
     const int face = k / level.height(), row = k % level.height();
     level.trim();
-    return std::ranges::count_if(columns(level.projection(), level.height(), row).of(level.row(face, row)),
-                                 [&](const Colour& c) {
-                                   const float largest = std::max({c.x, c.y, c.z});
-                                   return std::isfinite(largest) && largest >= float(most);
-                                 });
+    return std::ranges::count_if(level.columns(row).of(level.row(face, row)), [&](const Colour& c) {
+      const float largest = std::max({c.x, c.y, c.z});
+      return std::isfinite(largest) && largest >= float(most);
+    });
   });
   return std::accumulate(rows.begin(), rows.end(), std::int64_t{0});
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "envmap/base/error.h"
+#include "envmap/base/words.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/rounding.h"
 
@@ -31,38 +32,28 @@ Option& add_named(Options& o, std::string_view name, std::string_view words, std
       help);
 }
 
-std::string layout_words() {
-  std::string words;
-  for (const Layout l : cube_layouts) words += (words.empty() ? "" : "|") + std::string(name(l));
-  return words;
-}
-
 }  // namespace
 
 std::string projection_words() {
-  std::string words;
-  for (const Projection p : all_projections) words += (words.empty() ? "" : "|") + std::string(name(p));
-  return words;
+  return joined(all_projections, "|", [](Projection p) { return name(p); });
 }
 
 Option& add_projection(Options& o, std::string_view flag, std::optional<Projection>& value, std::string_view help) {
   return add_named(o, flag, projection_words(), value, projection_named, help);
 }
 Option& add_layout(Options& o, std::string_view flag, std::optional<Layout>& value, std::string_view help) {
-  return add_named(o, flag, layout_words(), value, layout_named, help);
+  return add_named(o, flag, joined(cube_layouts, "|", [](Layout l) { return name(l); }), value, layout_named, help);
 }
 void add_faces(Options& o, WriteOptions& w) {
-  std::string names;
-  for (const FaceConvention& c : face_conventions()) names += (names.empty() ? "" : " ") + std::string(c.name);
+  const std::string names = joined(face_conventions(), " ", &FaceConvention::name);
   o.add("--faces", "NAMES", &w.faces, fmt::format("Names for {{face}}: {}, or a,b,c,d,e,f", names));
 }
 Option& add_forward(Options& o, std::string_view flag, std::optional<Forward>& value, std::string_view help) {
-  return add_named(o, flag, joined(forward_names), value, forward_named, help);
+  return add_named(o, flag, joined(forward_names, "|"), value, forward_named, help);
 }
 
 Option& add_filter(Options& o, std::optional<Filter>& value, std::string_view help) {
-  std::string words = "auto";
-  for (const FilterInfo& f : filters()) words += fmt::format("|{}", f.name);
+  const std::string words = "auto|" + joined(filters(), "|", &FilterInfo::name);
   return o.add(
       "--filter FILTER", words,
       [&value](const std::string& word) {

@@ -21,7 +21,7 @@ inline bool has_room(int descriptor, std::uint64_t bytes) {
   if (::fstatfs(descriptor, &disk) != 0 || disk.f_blocks == 0) return true;
   if (std::find(std::begin(compressing), std::end(compressing), std::uint32_t(disk.f_type)) != std::end(compressing))
     return true;
-  return bytes / std::uint64_t(disk.f_frsize > 0 ? disk.f_frsize : disk.f_bsize) <= disk.f_bfree;
+  return bytes / std::uint64_t(disk.f_frsize > 0 ? disk.f_frsize : disk.f_bsize) <= disk.f_bavail;
 }
 
 }  // namespace envmap

@@ -25,12 +25,13 @@ struct ColourOptions {
 
 /// A space that the caller did not name: one of the built-in config, or by its primaries alone.
 struct ClaimedSpace {
-  std::string name = {};                   ///< Empty where none of the config has these primaries.
+  std::string name = {};  ///< Empty where none of the config has these primaries.
   std::optional<Primaries> primaries = {};
-  std::string by = {};                     ///< What says so, for people: "chromaticities".
+  std::string by = {};  ///< What says so, for people: "chromaticities".
 };
 
-/// "ACEScg (chromaticities)", "primaries 0.64,0.33 ..."; of nothing said "linear Rec.709 (nothing is said)".
+/// "ACEScg (chromaticities)", "primaries 0.64,0.33 ..."; of nothing said "Linear Rec.709 (assumed, not specified in the
+/// file)".
 std::string words(const ClaimedSpace& claimed);
 
 /// Colours in place, from any thread; empty where there is nothing to do.

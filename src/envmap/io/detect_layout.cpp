@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/words.h"
 
 namespace envmap {
 namespace {
@@ -23,7 +24,7 @@ std::string square_projections() {
   std::vector<std::string_view> names;
   for (const Projection p : all_projections)
     if (aspect(p) == 1 && faces(p) == 1) names.emplace_back(name(p));
-  return fmt::format("{} or {}", fmt::join(std::span(names).first(names.size() - 1), ", "), names.back());
+  return enumerated(names);
 }
 
 std::optional<Layout> cube_layout_of_shape(int width, int height) {

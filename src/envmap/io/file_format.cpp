@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "envmap/base/words.h"
 #include "envmap/io/babylon_env.h"
 #include "envmap/io/dds.h"
 #include "envmap/io/gltf_light.h"
@@ -256,14 +257,6 @@ constexpr FileFormat table[] = {
     other("sgi", "SGI", {}, {}, [](Head h) { return h.starts_with("\x01\xda"); }),
 };
 
-// "a, b or c".
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t k = 0; k < words.size(); ++k)
-    text += (k == 0 ? "" : k + 1 < words.size() ? ", " : " or ") + words[k];
-  return text;
-}
-
 }  // namespace
 
 std::span<const FileFormat> file_formats() { return table; }
@@ -290,9 +283,9 @@ std::string extension_of(std::string_view path) {
 }
 
 std::string readable_formats() {
-  std::vector<std::string> titles;
-  for (const FileFormat& f : table) titles.emplace_back(f.title);
-  return listed(titles);
+  std::vector<std::string_view> titles;
+  for (const FileFormat& f : table) titles.push_back(f.title);
+  return enumerated(titles);
 }
 
 std::string writable_extensions(Projection projection, bool levels) {
@@ -301,7 +294,7 @@ std::string writable_extensions(Projection projection, bool levels) {
     const bool fits = f.levels || !levels, whole = !f.cubes_alone || (projection == Projection::cube && levels);
     if (f.is_written() && !f.irradiance && fits && whole) names.push_back(fmt::format(".{}", f.extensions.front()));
   }
-  return listed(names);
+  return enumerated(names);
 }
 
 }  // namespace envmap

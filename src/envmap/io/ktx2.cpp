@@ -86,6 +86,7 @@ class LevelWriter {
  public:
   LevelWriter(OutputFile& file, bool zstd) : file_(file), context_(zstd ? ZSTD_createCCtx() : nullptr, ZSTD_freeCCtx) {
     if (!zstd) return;
+    if (!context_) throw std::bad_alloc();
     const auto workers = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_nbWorkers, int(std::max<std::size_t>(1, workers)));
     packed_.resize(ZSTD_CStreamOutSize());

@@ -38,11 +38,6 @@ OutputError no_folder(const std::string& path, const std::string& folder) {
   return {path, "no such folder: " + folder};
 }
 
-std::string temporary_folder() {
-  const char* const wanted = std::getenv("TMPDIR");
-  return wanted && *wanted ? wanted : "/tmp";
-}
-
 std::string shown(const std::string& path) { return path == "-" ? "standard output" : path; }
 
 // A file that has no name yet, so that nothing is left of it however the program ends. Not every file system has those.
@@ -69,6 +64,11 @@ void require_folder_of(const std::string& path) {
   std::error_code error;
   const fs::path folder = fs::path(path).parent_path();
   if (!folder.empty() && !fs::is_directory(folder, error)) throw no_folder(path, folder.string());
+}
+
+std::string temporary_folder() {
+  const char* const wanted = std::getenv("TMPDIR");
+  return wanted && *wanted ? wanted : "/tmp";
 }
 
 int synchronise(const std::string& path) {

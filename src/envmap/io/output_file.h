@@ -23,6 +23,9 @@ void require_folder_of(const std::string& path);
 /// success.
 int synchronise(const std::string& path);
 
+/// $TMPDIR, or /tmp.
+std::string temporary_folder();
+
 /// Bytes on their way to a file. They go to a file without a name in the same folder (O_TMPFILE), which commit() names;
 /// where the file system has no such files, to a temporary one, which commit() renames. Without commit(), or where a
 /// write failed, nothing is left; nor where the program is interrupted, or killed where files without names are. What

@@ -98,7 +98,9 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string> files,
   if (fs::exists(path_, error)) {
     if (!fs::is_directory(path_, error)) throw UsageError(path_, "is not a folder: choose another name");
     check_replaceable(path_, how_);
-    for (const auto& entry : fs::directory_iterator(path_))
+    const fs::directory_iterator entries(path_, error);
+    if (error) throw OutputError(path_, fmt::format("cannot be read: {}", error.message()));
+    for (const auto& entry : entries)
       if (const std::string name = entry.path().filename(); std::ranges::find(files_, name) == files_.end())
         throw UsageError(path_, fmt::format("contains {}, which would be lost: choose another folder", name));
   }
@@ -149,16 +151,21 @@ bool OutputFolder::is_there_already() const {
 }
 
 void OutputFolder::commit() {
-  if (how_.if_changed && is_there_already()) return;
+  const bool unchanged = how_.if_changed && is_there_already();
+  if (!unchanged) take_name();
+  // Of what was there already, too: another program may have left it in memory.
+  for (const std::string& name : files_)
+    if (how_.sync && unchanged && (errno = synchronise(path_ + "/" + name)) != 0) fail(path_);
+  if (how_.sync && (errno = synchronise(fs::absolute(path_).parent_path().string())) != 0) fail(path_);
+}
+
+void OutputFolder::take_name() {
   struct stat there = {};
   const bool exchange = ::stat(path_.c_str(), &there) == 0;
   if (::renameat2(AT_FDCWD, hidden_.c_str(), AT_FDCWD, path_.c_str(), exchange ? RENAME_EXCHANGE : RENAME_NOREPLACE) !=
       0)
     fail(path_);
   if (!exchange) hidden_.clear();  // Else it now has what was there before, and goes.
-  if (!how_.sync) return;
-  errno = synchronise(fs::absolute(path_).parent_path().string());
-  if (errno != 0) fail(path_);
 }
 
 }  // namespace envmap

@@ -38,6 +38,7 @@ class OutputFolder {
   [[nodiscard]] bool is_there_already() const;
 
   void make_hidden(const std::string& stem);
+  void take_name();
 
   std::string path_, hidden_;
   int lock_ = -1;                             // The hidden folder, open and locked.

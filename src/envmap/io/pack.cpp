@@ -67,9 +67,9 @@ void put(const Atlas& image, const TexelFormat& format, const PackedMap::Part& p
 
 void check_fit(const ClampStatistics& level, const TexelFormat& format, const PackOptions& options, PackedMap& made) {
   if (level.over > 0 && !options.clamp)
-    throw UsageError(fmt::format("{} texels over {:g} do not fit {}", level.over, range_of(format.depth, 0).largest,
-                                 format.name),
-                     Remedy::clamp_or_deepen);
+    throw UsageError(fmt::format("{} texels over {:g} do not fit {}: take rgba32f or rgb32f", level.over,
+                                 range_of(format.depth, 0).largest, format.name),
+                     Remedy::clamp_or_dim);
   if (level.flux > 0) made.flux_lost = std::max(made.flux_lost, level.cut / level.flux);
 }
 

@@ -1,7 +1,5 @@
 #include "envmap/io/picture.h"
 
-#include <algorithm>
-#include <filesystem>
 #include <vector>
 
 #include "envmap/io/file_format.h"
@@ -15,8 +13,7 @@ namespace {
 // Without the dot.
 std::string extension(const std::string& path, const PictureOptions& options) {
   if (!options.format.empty()) return options.format;
-  const std::string of_name = std::filesystem::path(path).extension().string();
-  return path == "-" ? "png" : of_name.substr(std::min<std::size_t>(1, of_name.size()));
+  return path == "-" ? "png" : extension_of(path);
 }
 
 // Of that file; null where it holds no picture.

@@ -11,6 +11,7 @@
 
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
+#include "envmap/base/words.h"
 #include "envmap/io/detect_layout.h"
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
@@ -27,6 +28,12 @@
 namespace envmap {
 namespace {
 
+// Whether two files say the same of their colours.
+bool same(const ClaimedSpace& a, const ClaimedSpace& b) {
+  if (a.name != b.name || a.primaries.has_value() != b.primaries.has_value()) return false;
+  return !a.name.empty() || !a.primaries || same(*a.primaries, *b.primaries);
+}
+
 // First channel of the R, G, B to read, and how many: 3, or 1 for grey.
 struct Channels {
   int first, count;
@@ -34,14 +41,6 @@ struct Channels {
 
 bool is(const std::string& channel, char wanted) {
   return channel.size() == 1 && std::toupper(static_cast<unsigned char>(channel[0])) == wanted;
-}
-
-// Some names, so that a line stays a line.
-std::string listed(std::span<const std::string> names, int without, int count) {
-  std::string list;
-  for (int c = 0; c < int(names.size()) && list.size() < 40; ++c)
-    if (c < without || c >= without + count) list += (list.empty() ? "" : ", ") + names[std::size_t(c)];
-  return list;
 }
 
 Channels choose_channels(const Image& image, const ReadOptions& options) {
@@ -55,10 +54,11 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   if (names.size() == 1 && (is(names[0], 'Z') || is(names[0], 'A')))
     image.fail(fmt::format("holds only {} ({}), no radiance", names[0], is(names[0], 'Z') ? "depth" : "alpha"));
   if (first < 0 && names.size() == 1) first = 0, count = 1;
-  if (first < 0) image.fail(fmt::format("no R, G and B among its {} channels ({})", names.size(), listed(names, 0, 0)));
-  if (int(names.size()) > count && !options.drop_channels)
-    image.fail(fmt::format("has channels besides R, G and B ({})", listed(names, first, count)), Remedy::drop_channels);
-  return {first, count};
+  if (first < 0) image.fail(fmt::format("no R, G and B among its {} channels ({})", names.size(), some_of(names)));
+  if (std::ssize(names) == count || options.drop_channels) return {first, count};
+  std::vector<std::string> others = names;
+  others.erase(others.begin() + first, others.begin() + first + count);
+  image.fail(fmt::format("has channels besides R, G and B ({})", some_of(others)), Remedy::drop_channels);
 }
 
 void check_pixels(const Image& image, const ReadOptions& options, int width, int height, int faces) {
@@ -308,9 +308,7 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
       source.image_width = source.image_height = size;
       source.claimed = claimed_space(image, recorded, options.colour);
     }
-    if (const ClaimedSpace c = claimed_space(image, recorded, options.colour);
-        c.name != source.claimed.name ||
-        (c.name.empty() && c.primaries && !same(*c.primaries, *source.claimed.primaries)))
+    if (const ClaimedSpace c = claimed_space(image, recorded, options.colour); !same(c, source.claimed))
       image.fail(fmt::format("its colours are {}, but the first face is {}", words(c), words(source.claimed)));
     if (face == 0) convention = recorded_convention(recorded);
     if (const std::string_view other = recorded_convention(recorded); options.faces.empty() && other != convention)

@@ -17,6 +17,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/split.h"
+#include "envmap/base/words.h"
 #include "envmap/io/check_tiles.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/openexr_stream.h"
@@ -184,21 +185,13 @@ void read_rows(File& file, const ImageFacts& facts, int level, int begin, int en
 
 // ---- what to read of it ---------------------------------------------------------------------------------------------
 
-std::string joined(std::span<const std::string> names) {
-  constexpr std::size_t most = 60;
-  std::string list;
-  for (const std::string& name : names)
-    if (list.size() < most) list += (list.empty() ? "" : ", ") + name;
-  return list.size() < most ? list : list + " ...";
-}
-
 void choose_part(File& file, const std::string& wanted, ImageFacts& facts) {
   const int count = file.parts.parts();
   std::vector<std::string> names;
   for (int k = 0; k < count; ++k)
     names.push_back(file.parts.header(k).hasName() ? file.parts.header(k).name() : std::to_string(k));
   if (wanted.empty()) {
-    if (count > 1) facts.notes.push_back(fmt::format("of its {} parts ({}) the first is read", count, joined(names)));
+    if (count > 1) facts.notes.push_back(fmt::format("of its {} parts ({}) the first is read", count, some_of(names)));
     return;
   }
   for (int k = 0; k < count; ++k)
@@ -206,7 +199,7 @@ void choose_part(File& file, const std::string& wanted, ImageFacts& facts) {
       file.part = k;
       return;
     }
-  throw InputError(fmt::format("has no part '{}': there {} {}", wanted, count == 1 ? "is" : "are", joined(names)));
+  throw InputError(fmt::format("has no part '{}': there {} {}", wanted, count == 1 ? "is" : "are", some_of(names)));
 }
 
 // Layers with R, G and B, as channels NAME.R or the like. NAME itself may hold dots.
@@ -228,7 +221,7 @@ std::vector<std::string> choose_channels(File& file, const ImageChoice& choice, 
   if (!choice.layer.empty()) {
     if (std::ranges::find(there, choice.layer) != there.end()) return of(choice.layer);
     throw InputError(fmt::format("has no layer '{}' with R, G and B: {}", choice.layer,
-                                 there.empty() ? "it has no layers" : "its layers are " + joined(there)));
+                                 there.empty() ? "it has no layers" : "its layers are " + some_of(there)));
   }
   if (!choice.channels.empty()) {
     std::vector<std::string> wanted = split(choice.channels, ',');
@@ -238,7 +231,7 @@ std::vector<std::string> choose_channels(File& file, const ImageChoice& choice, 
       file.inverted.push_back(name.starts_with("1/") && !list.findChannel(name));
       if (file.inverted.back()) name.erase(0, 2);
       if (!list.findChannel(name))
-        throw InputError(fmt::format("has no channel '{}': its channels are {}", name, joined(channel_names(list))));
+        throw InputError(fmt::format("has no channel '{}': its channels are {}", name, some_of(channel_names(list))));
     }
     return wanted;
   }
@@ -247,7 +240,7 @@ std::vector<std::string> choose_channels(File& file, const ImageChoice& choice, 
   };
   if ((has("R", "r") && has("G", "g") && has("B", "b")) || there.empty()) return {};
   if (there.size() > 1)
-    throw InputError(fmt::format("holds no plain R, G and B but layers ({})", joined(there)), Remedy::choose_layer);
+    throw InputError(fmt::format("holds no plain R, G and B but layers ({})", some_of(there)), Remedy::choose_layer);
   facts.notes.push_back(fmt::format("the layer '{}' is read", there[0]));
   return of(there[0]);
 }

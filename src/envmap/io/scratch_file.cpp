@@ -7,12 +7,11 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/remove_on_signal.h"
+#include "envmap/io/output_file.h"
 
 namespace envmap {
 
-
-ScratchFile::ScratchFile(const std::string& extension)
-    : path_((std::filesystem::temp_directory_path() / ("envmap-XXXXXX." + extension)).string()) {
+ScratchFile::ScratchFile(const std::string& extension) : path_(temporary_folder() + "/envmap-XXXXXX." + extension) {
   const int descriptor = ::mkstemps(path_.data(), int(extension.size() + 1));
   if (descriptor < 0) throw OutputError(path_, "not written; TMPDIR names another folder");
   ::close(descriptor);

@@ -1,9 +1,5 @@
 #include "envmap/io/write_table.h"
 
-#include <fmt/format.h>
-
-#include <filesystem>
-
 #include "envmap/base/error.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/output_file.h"
@@ -12,8 +8,7 @@
 namespace envmap {
 
 void check_table(const std::string& path) {
-  const std::string ext = std::filesystem::path(path).extension().string();
-  const FileFormat* format = ext.empty() ? nullptr : format_with_extension(ext.substr(1));
+  const FileFormat* format = format_with_extension(extension_of(path));
   if (!format || !format->can(FileFormat::table)) throw UsageError(path, "a table is an .exr, .hdr or .tif");
   require_folder_of(path);
 }

@@ -49,8 +49,11 @@ class Level {
   }
 
   [[nodiscard]] std::span<Colour> row(int face, int j) { return {texel(face, 0, j), std::size_t(width_)}; }
-  [[nodiscard]] std::span<const Colour> row(int face, int j) const {
-    return {texel(face, 0, j), std::size_t(width_)};
+  [[nodiscard]] std::span<const Colour> row(int face, int j) const { return {texel(face, 0, j), std::size_t(width_)}; }
+
+  /// Those of a row that hold the map: all, but for rows of a disc.
+  [[nodiscard]] Columns columns(int j) const {
+    return on_disc(projection_) ? envmap::columns(projection_, height_, j) : Columns{0, width_};
   }
 
   /// The limit that the texels were made with, and what holds to it: to be called while many of them are gone through.
@@ -68,8 +71,7 @@ class Level {
   [[nodiscard]] const Colour* stored(int face, int i, int j) const { return pixels_.data() + index(face, i, j); }
 
   [[nodiscard]] std::size_t index(int face, int i, int j) const {
-    return std::size_t((std::ptrdiff_t(face) * (height_ + 2 * apron) + j + apron) * stride() +
-                                    i + apron);
+    return std::size_t((std::ptrdiff_t(face) * (height_ + 2 * apron) + j + apron) * stride() + i + apron);
   }
 
   Projection projection_;

@@ -33,9 +33,11 @@ double error_of(const std::vector<Colour>& picture, const std::vector<Colour>& t
 MapChoice choose_maps(Renderer& renderer, const std::vector<Mirror>& mirrors, std::vector<Moment> moments,
                       const MirrorOptions& drawing, double max_error, int lobe_samples) {
   std::vector<std::vector<Colour>> truths;
-  for (const Moment& m : moments)
+  for (const Moment& m : moments) {
+    m.arrive();
     truths.push_back(raycast_picture(m.shot, m.eye.from,
                                      {.mirrors = nodes_of(mirrors), .far = drawing.far, .lobe_samples = lobe_samples}));
+  }
   MapChoice best{.rays = true, .drawing = drawing};
   // Whether what `change` makes of the best way so far is good enough; it takes that one's place where it is,
   // or where none is yet.
@@ -44,6 +46,7 @@ MapChoice choose_maps(Renderer& renderer, const std::vector<Mirror>& mirrors, st
     way.error = 0;
     change(way);
     for (std::size_t k = 0; k < moments.size(); ++k) {
+      moments[k].arrive();
       moments[k].shot.look.lookup = way.lookup;
       way.error =
           std::max(way.error,

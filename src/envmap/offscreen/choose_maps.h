@@ -1,6 +1,7 @@
 // How mirrors are best drawn through maps where a picture may be so far off.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "envmap/offscreen/eyes.h"
@@ -16,6 +17,7 @@ std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, c
 struct Moment {
   Shot shot;
   Eye eye;
+  std::function<void()> arrive = [] {};  // Moves the vertices of the scene and of the renderer there.
 };
 
 struct MapChoice {

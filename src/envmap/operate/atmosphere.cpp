@@ -173,7 +173,7 @@ void fill_sky(const SkyTable& sky, EnvironmentMap& map, const Progress& progress
   Level& level = map.base();
   const Rotation to_world = image_to_world(map.forward);
   for_each_row(level.faces(), level.height(), progress, [&](int face, int row) {
-    const Columns in = columns(level.projection(), level.height(), row);
+    const Columns in = level.columns(row);
     std::vector<Direction> d(in.count());
     texel_directions(level.projection(), level.height(), face, row, in.first, d);
     std::ranges::transform(d, in.of(level.row(face, row)).begin(),

@@ -24,8 +24,9 @@ struct Middle {
 };
 
 Direction direction_of(const Level& level, const Texel& t) {
+  const Point2 at[] = {{(t.i + 0.5) / level.width(), (t.j + 0.5) / level.height()}};
   Direction d[1];
-  texel_directions(level.projection(), level.height(), t.face, t.j, t.i, d);
+  directions(level.projection(), t.face, at, d);
   return d[0];
 }
 
@@ -38,7 +39,7 @@ double weight_of(const Level& level, const Texel& t) {
 
 bool is_inside(const Level& level, int i, int j) {
   if (j < 0 || j >= level.height()) return false;
-  const Columns in = columns(level.projection(), level.height(), j);
+  const Columns in = level.columns(j);
   return i >= in.first && i < in.end;
 }
 
@@ -61,7 +62,7 @@ std::vector<Texel> texels_of_luminance(const Level& level, double luminance) {
          std::vector<Texel> found;
          level.trim();
          const int face = k / level.height(), j = k % level.height();
-         const Columns in = columns(level.projection(), level.height(), j);
+         const Columns in = level.columns(j);
          for (int i = in.first; i < in.end; ++i)
            if (luminance_of(*level.texel(face, i, j)) == luminance) found.push_back({face, i, j});
          return found;
@@ -114,7 +115,7 @@ std::optional<Direction> middle_of_all(const Level& level, double luminance) {
          Middle middle;
          level.trim();
          const int face = k / level.height(), j = k % level.height();
-         const Columns in = columns(level.projection(), level.height(), j);
+         const Columns in = level.columns(j);
          for (int i = in.first; i < in.end; ++i)
            if (const Texel t{face, i, j}; luminance_of(*level.texel(face, i, j)) == luminance)
              middle.add(direction_of(level, t), weight_of(level, t));

@@ -62,7 +62,8 @@ Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
 }
 
 bool same_grid(const Target& target, const Level& source) {
-  return !target.ball && target.to == source.projection() && target.size == source.height();
+  return !target.ball && target.to == source.projection() && target.size == source.height() &&
+         source.width() == source.height() * aspect(target.to);
 }
 
 bool is_source(const Target& target, const Level& source) {

@@ -138,7 +138,7 @@ void fill(const P& pattern, EnvironmentMap& map, const Progress& progress) {
   const Rotation to_world = image_to_world(map.forward);
   const double reach = 1.001 * texel_reach(level.projection(), level.height());
   for_each_row(level.faces(), level.height(), progress, [&](int face, int row) {
-    const Columns in = columns(level.projection(), level.height(), row);
+    const Columns in = level.columns(row);
     std::vector<Rgb<double>> sum(in.count());
     std::vector<Direction> d(sum.size());
     texel_directions(level.projection(), level.height(), face, row, in.first, d);

@@ -75,18 +75,13 @@ FluxSum flux_sum(const Level& level) {
   return total;
 }
 
-// The columns of a row that touch the disc, whatever is stored beside them.
-Columns weighted_columns(const Level& level, int j) {
-  return on_disc(level.projection()) ? columns(level.projection(), level.height(), j) : Columns{0, level.width()};
-}
-
 const Colour& at(const Level& level, const Texel& t) { return *level.texel(t.face, t.i, t.j); }
 
 // f(texel) for a texel and its up to eight neighbours on the face.
 template <class F>
 void for_each_around(const Level& level, const Texel& t, F&& f) {
   for (int j = std::max(0, t.j - 1); j <= std::min(level.height() - 1, t.j + 1); ++j) {
-    const Columns in = weighted_columns(level, j);
+    const Columns in = level.columns(j);
     for (int i = std::max(in.first, t.i - 1); i <= std::min(in.end - 1, t.i + 1); ++i) f(Texel{t.face, i, j});
   }
 }
@@ -98,7 +93,7 @@ Flaws find_flaws(const Level& level) {
     Flaws found;
     level.trim();
     const int face = k / level.height(), j = k % level.height();
-    const Columns in = weighted_columns(level, j);
+    const Columns in = level.columns(j);
     for (int i = in.first; i < in.end; ++i) {
       const Flaw f = flaw(*level.texel(face, i, j));
       if (f == Flaw::none) continue;
@@ -123,7 +118,7 @@ std::int64_t repair(Level& level) {
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < level.height(); ++j) {
       level.trim();
-      const Columns in = weighted_columns(level, j);
+      const Columns in = level.columns(j);
       for (int i = in.first; i < in.end; ++i) {
         Colour& c = *level.texel(face, i, j);
         const Flaw f = flaw(c);
@@ -180,7 +175,7 @@ Measures measure(const EnvironmentMap& map) {
     Row r;
     level.trim();
     const int face = k / level.height(), j = k % level.height();
-    const Columns in = weighted_columns(level, j);
+    const Columns in = level.columns(j);
     for (int i = in.first; i < in.end; ++i) {
       const Colour c = *level.texel(face, i, j);
       if (!usable(c)) continue;
@@ -212,7 +207,7 @@ std::vector<Texel> texels_of(const Level& level) {
   std::vector<Texel> all;
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < level.height(); ++j) {
-      const Columns in = columns(level.projection(), level.height(), j);
+      const Columns in = level.columns(j);
       for (int i = in.first; i < in.end; ++i) all.push_back({face, i, j});
     }
   return all;

@@ -220,7 +220,9 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
       for (const auto& row : found)
         for (std::size_t k = 0; k < some.size(); ++k)
           for (int c = 0; c < 3; ++c) totals[k][std::size_t(c)].add(row[k][c]);
-      if (progress) progress((double(first) + double(some.size()) * (start + band) / rows) / double(directions.size()));
+      if (progress)
+        progress((double(first) + double(some.size()) * std::min(start + band, rows) / rows) /
+                 double(directions.size()));
     }
     for (std::size_t k = 0; k < some.size(); ++k)
       out[first + k] = {totals[k][0].value(), totals[k][1].value(), totals[k][2].value()};

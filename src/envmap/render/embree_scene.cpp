@@ -211,7 +211,7 @@ EmbreeScene::EmbreeScene(const Shot& shot, const Direction& centre, int without)
   World& w = *world_;
   w.centre = centre;
   w.device.reset(rtcNewDevice(nullptr));
-  if (!w.device) throw UsageError("Embree does not start");
+  if (!w.device) throw RendererError("Embree does not start");
   w.tree.reset(rtcNewScene(w.device.get()));
   rtcSetSceneFlags(w.tree.get(), RTC_SCENE_FLAG_ROBUST);
   const std::vector<Instance> all = instances(shot.scene);
@@ -223,7 +223,7 @@ EmbreeScene::EmbreeScene(const Shot& shot, const Direction& centre, int without)
   }
   rtcCommitScene(w.tree.get());
   if (const RTCError error = rtcGetDeviceError(w.device.get()); error != RTC_ERROR_NONE)
-    throw UsageError(fmt::format("Embree cannot hold the scene (error {})", int(error)));
+    throw RendererError(fmt::format("Embree cannot hold the scene (error {})", int(error)));
 }
 
 EmbreeScene::EmbreeScene(EmbreeScene&&) noexcept = default;

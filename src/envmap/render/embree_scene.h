@@ -26,7 +26,7 @@ enum class Medium { air, solid };
 class EmbreeScene {
  public:
   /// @param centre world. @param without the node that is not seen, with all below it; -1: none. It casts shadows.
-  /// @throws UsageError where Embree runs out of memory.
+  /// @throws RendererError where Embree runs out of memory.
   EmbreeScene(const Shot& shot, const Direction& centre, int without);
   EmbreeScene(EmbreeScene&&) noexcept;
   ~EmbreeScene();

@@ -25,7 +25,7 @@ struct EnvironmentLookup::Levels {
     const auto finer = std::size_t(clamped);
     const Colour found = bilinear(levels[finer], place);
     const auto part = float(clamped - double(finer));
-    return part > 0 ? found + part * (bilinear(levels[finer + 1], place) - found) : found;
+    return part > 0 ? (1 - part) * found + part * bilinear(levels[finer + 1], place) : found;
   }
 };
 

@@ -7,6 +7,7 @@
 #include "envmap/base/error.h"
 #include "envmap/scene/read/read_gltf.h"
 #include "envmap/scene/read/read_obj.h"
+#include "envmap/scene/read/text_lines.h"
 
 namespace envmap {
 namespace {
@@ -28,7 +29,8 @@ bool is_obj(const std::string& path) {
 
 // GLB by its mark, glTF by the brace that JSON begins with.
 bool is_gltf(std::string_view bytes) {
-  return bytes.starts_with("glTF") || bytes.starts_with("\xef\xbb\xbf") ||
+  if (bytes.starts_with(byte_order_mark)) bytes.remove_prefix(byte_order_mark.size());
+  return bytes.starts_with("glTF") ||
          bytes.substr(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size())).starts_with('{');
 }
 

@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
 }  // namespace
 
 TextLines::TextLines(std::string_view text) : rest_(text) {
-  if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
+  if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
 }
 
 bool TextLines::next() {

@@ -7,6 +7,9 @@
 
 namespace envmap {
 
+/// UTF-8's, with which a text may begin.
+inline constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+
 /// The lines of a text, ended by LF or CR LF; a line that ends in a backslash goes on in the next one. UTF-8's mark at
 /// the beginning is passed over.
 class TextLines {
