@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <regex>
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
@@ -54,20 +53,43 @@ void check_no_context(const SceneOptions& o) {
     throw UsageError("--context is for OpenGL, which --method raycast does not use: remove one of them");
 }
 
+namespace {
+
+// What stands for a frame in a name: {frame}, of four digits at least, %d, or %04d of so many.
+struct FrameMark {
+  std::size_t begin, end;
+  int digits;
+};
+
+std::optional<FrameMark> frame_mark(const std::string& name, std::size_t from = 0) {
+  constexpr std::string_view mark = "{frame}";
+  const auto digit_at = [&](std::size_t at) { return at < name.size() && std::isdigit(name[at]) != 0; };
+  for (std::size_t begin = from; begin < name.size(); ++begin) {
+    if (name.compare(begin, mark.size(), mark) == 0) return FrameMark{begin, begin + mark.size(), 4};
+    if (name[begin] != '%') continue;
+    std::size_t end = begin + 1;
+    if (end < name.size() && name[end] == '0') ++end;
+    const int digits = digit_at(end) ? name[end++] - '0' : 1;
+    if (end < name.size() && name[end] == 'd') return FrameMark{begin, end + 1, digits};
+  }
+  return {};
+}
+
+}  // namespace
+
 bool is_numbered(const std::string& output) {
-  static const std::regex mark(R"((\{frame\}|%0\d?d)[^/]*$)");
-  return std::regex_search(output, mark);
+  const auto folder = output.rfind('/') + 1;  // 0 where there is none.
+  for (auto mark = frame_mark(output, folder); mark; mark = frame_mark(output, mark->end))
+    if (output[mark->begin] == '{' || output[mark->begin + 1] == '0') return true;
+  return false;
 }
 
 std::string Frames::path(const std::string& output, int frame) const {
   if (!sequence && is_numbered(output)) throw UsageError(output, "{frame} or %04d in a name goes with --frames");
   if (!sequence) return output;
-  static const std::regex mark(R"(\{frame\}|%0?(\d?)d)");
-  std::smatch found;
-  if (!std::regex_search(output, found, mark))
-    throw UsageError(fmt::format("{}: the name must contain {{frame}} or %04d for --frames", output));
-  const int digits = found[0].str().front() == '{' ? 4 : found[1].length() > 0 ? std::stoi(found[1]) : 1;
-  return found.prefix().str() + fmt::format("{:0{}}", frame, digits) + found.suffix().str();
+  const auto mark = frame_mark(output);
+  if (!mark) throw UsageError(fmt::format("{}: the name must contain {{frame}} or %04d for --frames", output));
+  return output.substr(0, mark->begin) + fmt::format("{:0{}}", frame, mark->digits) + output.substr(mark->end);
 }
 
 std::vector<std::string> Frames::paths(const std::string& output) const {
@@ -78,11 +100,13 @@ std::vector<std::string> Frames::paths(const std::string& output) const {
 
 Frames frames_of(const SceneOptions& o) {
   if (o.frames.empty()) return {.start = o.time};
-  static const std::regex form(R"((\d{1,9}):(\d{1,9}))");
-  std::smatch parts;
-  if (!std::regex_match(o.frames, parts, form) || std::stoi(parts[1]) > std::stoi(parts[2]))
+  const std::vector<std::string> ends = split(o.frames, ':');
+  const auto is_number = [](const std::string& s) {
+    return !s.empty() && s.size() <= 9 && s.find_first_not_of("0123456789") == s.npos;
+  };
+  if (ends.size() != 2 || !std::ranges::all_of(ends, is_number) || std::stoi(ends[0]) > std::stoi(ends[1]))
     throw UsageError(fmt::format("--frames: '{}' is not A:B with A <= B", o.frames));
-  return {std::stoi(parts[1]), std::stoi(parts[2]), true, o.time, o.rate};
+  return {std::stoi(ends[0]), std::stoi(ends[1]), true, o.time, o.rate};
 }
 
 namespace {

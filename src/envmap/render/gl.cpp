@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <new>
-#include <regex>
-#include <sstream>
 #include <stdexcept>
 
+#include "envmap/base/split.h"
 #include "envmap/render/shaders.h"
 
 namespace envmap::gl {
@@ -19,17 +18,19 @@ using Shader = Object<DeleteShader>;
 
 // Mesa takes an undefined name in a condition for 0.
 void check_conditions(const std::string& source, const Definitions& definitions) {
-  static const std::regex directive(R"(\s*#\s*(\w+)(.*))"), word(R"([A-Za-z_]\w*)");
-  std::istringstream lines(source);
-  std::smatch found;
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with('#') || !std::regex_match(line, found, directive)) continue;
-    if (found[1] == "ifdef" || found[1] == "ifndef") throw std::runtime_error(line + ": use #if, which is checked");
-    if (found[1] != "if" && found[1] != "elif") continue;
-    const std::string condition = found[2];
-    for (std::sregex_iterator name(condition.begin(), condition.end(), word), end; name != end; ++name)
-      if (!definitions.contains(name->str()))
-        throw std::runtime_error(fmt::format("{}: {} is not defined", line, name->str()));
+  const auto ends_names = [](unsigned char c) { return std::isalnum(c) == 0 && c != '_'; };
+  for (const std::string& line : split(source, '\n')) {
+    if (!line.starts_with('#')) continue;
+    std::string separated = line;
+    std::ranges::replace_if(separated, ends_names, ' ');
+    std::vector<std::string> names = split(separated, ' ');
+    std::erase_if(names, [](const std::string& name) { return name.empty() || std::isdigit(name[0]) != 0; });
+    if (names.empty()) continue;
+    const std::string directive = names.front();
+    if (directive == "ifdef" || directive == "ifndef") throw std::runtime_error(line + ": use #if, which is checked");
+    if (directive != "if" && directive != "elif") continue;
+    for (const std::string& name : std::span(names).subspan(1))
+      if (!definitions.contains(name)) throw std::runtime_error(fmt::format("{}: {} is not defined", line, name));
   }
 }
 
