@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/io/babylon_env.h"
-#include "envmap/io/ktx1.h"
-#include "envmap/io/ktx2.h"
+#include "envmap/io/containers.h"
 #include "targets.h"
 
 using namespace envmap;

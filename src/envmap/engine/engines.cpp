@@ -44,7 +44,7 @@ const Engine rows[] = {
         .axes = "-X +Y +Z",
         .mirrored = "file",
     },
-    // io/babylon_env.h; irradiance.cpp.
+    // io/containers.h; irradiance.cpp.
     {
         .name = "babylon-env",
         .title = "Babylon.js (.env)",
@@ -122,7 +122,7 @@ const Engine rows[] = {
         .table = "brdf.exr",
         .irradiance = "irradiance.txt",
     },
-    // io/gltf_light.h; irradiance.cpp.
+    // io/containers.h; irradiance.cpp.
     {
         .name = "gltf",
         .title = "glTF EXT_lights_image_based",

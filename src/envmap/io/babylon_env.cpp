@@ -1,5 +1,3 @@
-#include "envmap/io/babylon_env.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "envmap/base/error.h"
+#include "envmap/io/containers.h"
 #include "envmap/io/rgbd.h"
 #include "envmap/io/whole_number.h"
 

@@ -8,17 +8,11 @@
 #include <vector>
 
 #include "envmap/base/words.h"
-#include "envmap/io/babylon_env.h"
-#include "envmap/io/dds.h"
-#include "envmap/io/gltf_light.h"
+#include "envmap/io/containers.h"
 #include "envmap/io/image.h"
-#include "envmap/io/jpeg.h"
-#include "envmap/io/ktx1.h"
-#include "envmap/io/ktx2.h"
-#include "envmap/io/pfm.h"
 #include "envmap/io/png.h"
 #include "envmap/io/radiance.h"
-#include "envmap/io/tiff.h"
+#include "envmap/io/row_readers.h"
 #include "envmap/io/write_plan.h"
 
 namespace envmap {

@@ -1,11 +1,10 @@
-#include "envmap/io/gltf_light.h"
-
 #include <fmt/format.h>
 
 #include <bit>
 #include <nlohmann/json.hpp>
 
 #include "envmap/base/error.h"
+#include "envmap/io/containers.h"
 #include "envmap/io/rgbd.h"
 #include "envmap/io/whole_number.h"
 

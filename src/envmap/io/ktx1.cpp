@@ -1,5 +1,3 @@
-#include "envmap/io/ktx1.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
+#include "envmap/io/containers.h"
 
 namespace envmap {
 namespace {

@@ -1,5 +1,3 @@
-#include "envmap/io/ktx2.h"
-
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -14,6 +12,7 @@
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
+#include "envmap/io/containers.h"
 
 namespace envmap {
 namespace {

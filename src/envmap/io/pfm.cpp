@@ -1,5 +1,3 @@
-#include "envmap/io/pfm.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/io/row_readers.h"
 
 namespace envmap {
 namespace {

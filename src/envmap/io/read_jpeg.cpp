@@ -14,7 +14,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/exif.h"
-#include "envmap/io/jpeg.h"
+#include "envmap/io/row_readers.h"
 
 namespace envmap {
 namespace {
