@@ -19,11 +19,12 @@
 #include "envmap/io/path.h"
 #include "envmap/io/read_colours.h"
 #include "envmap/io/read_photo.h"
-#include "envmap/io/settle_flaws.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/atlas.h"
 #include "envmap/map/border.h"
 #include "envmap/operate/border_samples.h"
+#include "envmap/operate/measure.h"
+#include "envmap/operate/refuse_flaws.h"
 
 namespace envmap {
 namespace {
@@ -359,14 +360,27 @@ Source read_faces(const std::string& path, const ReadOptions& options, const Pro
   return source;
 }
 
-}  // namespace
-
-namespace {
-
 void check(const ReadOptions& options) {
   check(limits::level, options.level);
   if (options.border) check(limits::border, *options.border);
   if (options.all_levels && options.level != 0) throw UsageError("level must be 0 where all levels are read");
+}
+
+// NaN, infinite and negative radiance: refuses, repairs or keeps it, as the options say. @throws InputError.
+void settle_flaws(const std::string& name, const ReadOptions& options, Source& source) {
+  if (options.flaws == FlawPolicy::keep) return;
+  for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
+    Level& level = source.map.levels[k];
+    const Flaws flaws = find_flaws(level);
+    if (flaws.count() == 0) continue;
+    if (options.flaws == FlawPolicy::refuse)
+      throw InputError(name, flaw_words(flaws, level, k > 0 ? fmt::format(" of level {}", k) : ""), Remedy::repair);
+    try {
+      source.repaired += repair(level);
+    } catch (const InputError& e) {
+      throw InputError(name, e.what());
+    }
+  }
 }
 
 // @param take makes the map out of a file, as it is there.
