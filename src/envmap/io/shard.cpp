@@ -10,8 +10,8 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/image.h"
+#include "envmap/io/level_images.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/stack.h"
 #include "envmap/map/atlas.h"
 #include "envmap/operate/measure.h"
 
