@@ -9,6 +9,7 @@
 #include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/containers.h"
+#include "envmap/io/write_plan.h"
 
 namespace envmap {
 namespace {
@@ -57,9 +58,9 @@ void check_masks(const Header& h) {
 
 }  // namespace
 
-void write_dds(OutputFile& file, std::span<const Atlas> levels, Texels texels, bool cube, const Progress& progress) {
-  const TexelFormat& format = format_of(texels);
-  const bool chain = levels.size() > 1;
+void write_dds(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress) {
+  const TexelFormat& format = format_of(plan.texels);
+  const bool chain = levels.size() > 1, cube = plan.cube;
   Header h{};
   h.magic = four("DDS ");
   h.size = sizeof(Header) - 4;

@@ -76,7 +76,9 @@ std::optional<ImageReader> open_pfm(const InputFile& file) {
                          }};
 }
 
-void write_pfm(OutputFile& file, const Atlas& atlas) {
+void write_pfm(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& /*plan*/,
+               const Progress& /*progress*/) {
+  const Atlas& atlas = levels[0];
   constexpr int band_rows = 64;
   // The sign of the scale tells the byte order.
   constexpr bool little = std::endian::native == std::endian::little;

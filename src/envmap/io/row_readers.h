@@ -5,13 +5,17 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
+#include "envmap/base/progress.h"
 #include "envmap/io/image_reader.h"
 #include "envmap/io/input_file.h"
 #include "envmap/io/output_file.h"
 #include "envmap/map/atlas.h"
 
 namespace envmap {
+
+struct TexturePlan;
 
 /// Of progressive images libjpeg holds all coefficients in memory once a row is read. Any damage that libjpeg notices
 /// is an error.
@@ -31,6 +35,6 @@ std::optional<ImageReader> open_tiff(const InputFile& file);
 std::optional<ImageReader> open_pfm(const InputFile& file);
 
 /// What OpenImageIO 2.4 reads but does not write. Little-endian, bottom row first.
-void write_pfm(OutputFile& file, const Atlas& atlas);
+void write_pfm(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress);
 
 }  // namespace envmap
