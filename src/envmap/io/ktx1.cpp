@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/containers.h"
 #include "envmap/io/key_values.h"
@@ -97,9 +96,7 @@ void write_ktx1(OutputFile& file, std::span<const Atlas> levels, const TexturePl
   file.put(&h, sizeof h);
   file.put(kvd.data(), kvd.size());
 
-  double all = 0, done = 0;
-  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
-  std::vector<std::byte> packed;
+  Shares shares(progress, levels);
   for (const Atlas& atlas : levels) {
     const std::vector<Atlas> images = images_of(atlas, plan.cube);
     // Of a cube it is the size of one face.
@@ -108,22 +105,16 @@ void write_ktx1(OutputFile& file, std::span<const Atlas> levels, const TexturePl
     if (size > 0xffffffff) throw OutputError(fmt::format("KTX holds images of up to 4 GiB, not of {} bytes", size));
     const auto image_size = std::uint32_t(size);
     file.put(&image_size, sizeof image_size);
-    for (const Atlas& image : images) {
-      const double part = 1.0 * image.width() * image.height();
-      const Progress so_far = part_progress(progress, done / all, part / all);
-      for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
-        encode_rows(format, image, begin, end, band, packed);
-        if (padded(row) == row) {
-          file.put(packed.data(), packed.size());
-          return;
-        }
-        for (std::size_t at = 0; at < packed.size(); at += row) {
-          file.put(packed.data() + at, row);
-          file.put("\0\0", padded(row) - row);
-        }
-      });
-      done += part;
-    }
+    encode_images(format, images, shares, [&](std::span<const std::byte> packed) {
+      if (padded(row) == row) {
+        file.put(packed.data(), packed.size());
+        return;
+      }
+      for (std::size_t at = 0; at < packed.size(); at += row) {
+        file.put(packed.data() + at, row);
+        file.put("\0\0", padded(row) - row);
+      }
+    });
   }
 }
 

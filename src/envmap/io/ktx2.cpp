@@ -10,7 +10,6 @@
 #include <numeric>
 
 #include "envmap/base/error.h"
-#include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/containers.h"
 #include "envmap/io/key_values.h"
@@ -157,10 +156,8 @@ void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const TexturePl
   h.kvd_offset = h.dfd_offset + h.dfd_size;
   h.kvd_size = std::uint32_t(kvd.size());
 
-  double all = 0, done = 0;
-  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
+  Shares shares(progress, levels);
   std::vector<LevelIndex> index(levels.size());
-  std::vector<std::byte> packed;
   LevelWriter out(file, plan.zstd);
   file.seek(h.kvd_offset + h.kvd_size);
   for (std::size_t k = levels.size(); k-- > 0;) {
@@ -170,15 +167,7 @@ void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const TexturePl
     index[k].offset = std::uint64_t(file.tell());
     index[k].plain_size = images.size() * format.image_bytes(images[0].width(), images[0].height());
     out.begin(index[k].plain_size);
-    for (const Atlas& image : images) {
-      const double part = 1.0 * image.width() * image.height();
-      const Progress so_far = part_progress(progress, done / all, part / all);
-      for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
-        encode_rows(format, image, begin, end, band, packed);
-        out.write(packed);
-      });
-      done += part;
-    }
+    encode_images(format, images, shares, [&](std::span<const std::byte> rows) { out.write(rows); });
     out.end();
     index[k].size = std::uint64_t(file.tell()) - index[k].offset;
   }

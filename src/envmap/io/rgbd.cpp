@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/io/bands.h"
 #include "envmap/io/png.h"
 #include "envmap/maths/portable.h"
 
@@ -68,8 +69,7 @@ void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to) {
 }
 
 std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress& progress) {
-  double all = 0, done = 0;
-  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
+  Shares shares(progress, levels);
   std::vector<RgbdFaces> files;
   for (const Atlas& atlas : levels) {
     const std::vector<Atlas> images = images_of(atlas, true);
@@ -83,8 +83,7 @@ std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress&
       encode_rgbd(colours, bytes);
       turn(bytes, size);
       faces[face] = png_of_rgba(bytes, size, size);
-      done += 1.0 * size * size;
-      if (progress) progress(done / all);
+      if (const Progress part = shares.next(images[face])) part(1);
     }
   }
   return files;
