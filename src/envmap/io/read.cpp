@@ -91,11 +91,7 @@ void read_band(const Image& image, int level, const Channels& channels, int begi
   // Grey values come into the last third, and are spread from the first on.
   const std::size_t values = out.size() * std::size_t(channels.count);
   const std::span<float> last = std::span(&out.data()->x, 3 * out.size()).last(values);
-  try {
-    image.reader->read(level, begin, end, channels.first, channels.count, last);
-  } catch (const InputError& e) {
-    image.fail(std::string("truncated or damaged: ") + e.what());
-  }
+  image.read(level, begin, end, channels.first, channels.count, last);
   if (channels.count == 1)
     for (std::size_t k = 0; k < out.size(); ++k) out[k] = Colour(last[k]);
 }

@@ -186,15 +186,10 @@ void check_radiance(const Level& level) {
 }
 
 void read_rows(const Head& head, const Grid& places, std::vector<Level>& levels) {
-  const auto opened = head.standard ? head.standard : open_part(head.path);
-  const Image& image = *opened;
+  const auto image = head.standard ? head.standard : open_part(head.path);
   const std::vector<RowRange> bands = bands_of(times(sizes_of(head), places.rows), head.number);
   std::vector<Colour> rows(std::size_t(head.width) * std::size_t(head.height));
-  try {
-    image.reader->read(0, 0, head.height, 0, 3, std::span(&rows.data()->x, 3 * rows.size()));
-  } catch (const InputError& e) {
-    image.fail(std::string("truncated or damaged: ") + e.what());
-  }
+  image->read(0, 0, head.height, 0, 3, std::span(&rows.data()->x, 3 * rows.size()));
   std::span<const Colour> left = rows;
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const auto [begin, end] = bands[k];
