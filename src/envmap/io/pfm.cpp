@@ -69,11 +69,9 @@ std::optional<ImageReader> open_pfm(const InputFile& file) {
                          .channels = h->channels == 1 ? grey : rgb};
   return ImageReader{.format = "pnm",
                      .facts = facts,
-                     .level = [facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; },
-                     .read =
-                         [&file, h = *h](int, int begin, int end, int first, int count, std::span<float> out) {
-                           read_pfm_rows(file, h, begin, end, first, count, out.data());
-                         }};
+                     .read = [&file, h = *h](int, int begin, int end, int first, int count, std::span<float> out) {
+                       read_pfm_rows(file, h, begin, end, first, count, out.data());
+                     }};
 }
 
 void write_pfm(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& /*plan*/,

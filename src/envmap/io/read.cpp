@@ -104,7 +104,7 @@ std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
 
 // Of a level of the map, `stored` by that number in the file.
 FaceSize face_in(const Image& image, int stored, const DetectedLayout& base, int number) {
-  const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
+  const ImageFacts facts = image.reader->level_facts(stored).value_or(image.reader->facts);
   FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
   // A latlong image is all of the sphere, also where its writer rounded up.
@@ -122,7 +122,7 @@ FaceSize face_in(const Image& image, int stored, const DetectedLayout& base, int
 // can promise anything.
 Level read_pixels(Image& image, int stored, const Channels& channels, const DetectedLayout& base, const FaceSize& face,
                   std::size_t max_memory, const Progress& progress) {
-  const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
+  const ImageFacts facts = image.reader->level_facts(stored).value_or(image.reader->facts);
   const Grid places = grid(base.layout);
   // Whole rows of tiles; enough lines that every core decompresses.
   const int unit = facts.tile_width > 0 ? facts.tile_height : 16;
@@ -209,7 +209,7 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
 // Levels that a file has, at most.
 int count_levels(const Image& image, int most) {
   int levels = 1;
-  while (levels < most && image.reader->level(levels)) ++levels;
+  while (levels < most && image.reader->level_facts(levels)) ++levels;
   return levels;
 }
 

@@ -236,8 +236,7 @@ struct Reader {
       for (const Rgbe& p : line) {
         const double u = unit[p[3]];
         const Flux colour = matrix * Flux(p[0] * u, p[1] * u, p[2] * u);
-        for (int c = first; c < first + count; ++c)
-          *to++ = float(header.xyz ? std::max(colour[c], 0.0) : colour[c]);
+        for (int c = first; c < first + count; ++c) *to++ = float(header.xyz ? std::max(colour[c], 0.0) : colour[c]);
       }
     }
   }
@@ -260,7 +259,6 @@ ImageReader open_radiance(const InputFile& file) {
     std::ranges::copy(header.primaries, made.facts.provenance.chromaticities.emplace().begin());
   if (header.xyz) made.facts.details.emplace_back("CIE XYZ became RGB; colours outside of that are cut at 0");
   made.facts.orientation = header.orientation;
-  made.level = [facts = made.facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; };
   return made;
 }
 
