@@ -57,17 +57,13 @@ Texel beside(const Level& level, const Texel& t, int right, int down) {
 
 // All texels of the luminance, row by row.
 std::vector<Texel> texels_of_luminance(const Level& level, double luminance) {
+  const auto rows = map_level<std::vector<Texel>>(level, [&](std::vector<Texel>& found, int face, int j) {
+    const Columns in = level.columns(j);
+    for (int i = in.first; i < in.end; ++i)
+      if (luminance_of(*level.texel(face, i, j)) == luminance) found.push_back({face, i, j});
+  });
   std::vector<Texel> all;
-  for (const auto& row : map_rows<std::vector<Texel>>(level.faces() * level.height(), [&](int k) {
-         std::vector<Texel> found;
-         level.trim();
-         const int face = k / level.height(), j = k % level.height();
-         const Columns in = level.columns(j);
-         for (int i = in.first; i < in.end; ++i)
-           if (luminance_of(*level.texel(face, i, j)) == luminance) found.push_back({face, i, j});
-         return found;
-       }))
-    all.insert(all.end(), row.begin(), row.end());
+  for (const std::vector<Texel>& row : rows) all.insert(all.end(), row.begin(), row.end());
   return all;
 }
 
@@ -110,18 +106,14 @@ std::vector<Texel> largest_region(const Level& level, const std::vector<Texel>& 
 
 // Of so many texels that they are not listed.
 std::optional<Direction> middle_of_all(const Level& level, double luminance) {
+  const auto rows = map_level<Middle>(level, [&](Middle& middle, int face, int j) {
+    const Columns in = level.columns(j);
+    for (int i = in.first; i < in.end; ++i)
+      if (const Texel t{face, i, j}; luminance_of(*level.texel(face, i, j)) == luminance)
+        middle.add(direction_of(level, t), weight_of(level, t));
+  });
   Middle all;
-  for (const Middle& row : map_rows<Middle>(level.faces() * level.height(), [&](int k) {
-         Middle middle;
-         level.trim();
-         const int face = k / level.height(), j = k % level.height();
-         const Columns in = level.columns(j);
-         for (int i = in.first; i < in.end; ++i)
-           if (const Texel t{face, i, j}; luminance_of(*level.texel(face, i, j)) == luminance)
-             middle.add(direction_of(level, t), weight_of(level, t));
-         return middle;
-       }))
-    all.sum += row.sum, all.weight += row.weight;
+  for (const Middle& row : rows) all.sum += row.sum, all.weight += row.weight;
   return all.direction();
 }
 
