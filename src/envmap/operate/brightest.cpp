@@ -23,19 +23,15 @@ struct Middle {
   }
 };
 
-Direction direction_of(const Level& level, const Texel& t) {
-  const Point2 at[] = {{(t.i + 0.5) / level.width(), (t.j + 0.5) / level.height()}};
-  Direction d[1];
-  directions(level.projection(), t.face, at, d);
-  return d[0];
+Point2 centre_of(const Level& level, const Texel& t) {
+  return {(t.i + 0.5) / level.width(), (t.j + 0.5) / level.height()};
 }
 
-double weight_of(const Level& level, const Texel& t) {
-  const Point2 at[] = {{(t.i + 0.5) / level.width(), (t.j + 0.5) / level.height()}};
-  double density[1];
-  densities(level.projection(), at, density);
-  return density[0];
+Direction direction_of(const Level& level, const Texel& t) {
+  return direction_at(level.projection(), t.face, centre_of(level, t));
 }
+
+double weight_of(const Level& level, const Texel& t) { return density_at(level.projection(), centre_of(level, t)); }
 
 bool is_inside(const Level& level, int i, int j) {
   if (j < 0 || j >= level.height()) return false;
@@ -45,14 +41,11 @@ bool is_inside(const Level& level, int i, int j) {
 
 // The texel at a step from another: on the face itself, or where the projection goes on beyond its side.
 Texel beside(const Level& level, const Texel& t, int right, int down) {
-  if (is_inside(level, t.i + right, t.j + down)) return {t.face, t.i + right, t.j + down};
-  const Point2 at[] = {{(t.i + right + 0.5) / level.width(), (t.j + down + 0.5) / level.height()}};
-  Direction d[1];
-  Location<double> found[1];
-  directions(level.projection(), t.face, at, d);
-  locate(level.projection(), d, found);
-  return {found->face, std::clamp(int(found->u * level.width()), 0, level.width() - 1),
-          std::clamp(int(found->v * level.height()), 0, level.height() - 1)};
+  const Texel wanted{t.face, t.i + right, t.j + down};
+  if (is_inside(level, wanted.i, wanted.j)) return wanted;
+  const Location<double> found = locate(level.projection(), direction_of(level, wanted));
+  return {found.face, std::clamp(int(found.u * level.width()), 0, level.width() - 1),
+          std::clamp(int(found.v * level.height()), 0, level.height() - 1)};
 }
 
 // All texels of the luminance, row by row.

@@ -28,12 +28,8 @@ SummedArea::Entry texel_or_beyond(const PaddedLevel& level, int face, int i, int
   const bool in_face = i >= 0 && j >= 0 && i < level.width() && j < level.height();
   if (in_face && (!on_disc(level.projection()) || portable::hypot(2 * u - 1, 2 * v - 1) <= 1))
     return {weight * Rgb<double>(*level.texel(face, i, j)), weight};
-  const Point2 point[1] = {{u, v}};
-  Direction beyond[1];
-  Location<double> place[1];
-  directions(level.projection(), face, point, beyond);
-  locate(level.projection(), beyond, place);
-  return {weight * Rgb<double>(bilinear(level, place[0])), weight};
+  const Location<double> place = locate(level.projection(), direction_at(level.projection(), face, {u, v}));
+  return {weight * Rgb<double>(bilinear(level, place)), weight};
 }
 
 }  // namespace
