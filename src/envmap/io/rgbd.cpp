@@ -90,9 +90,6 @@ std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress&
 }
 
 TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts) {
-  const auto image = [](const InputFile& from, const FilePart& part) {
-    return rgba_of_png(read_bytes(from, part.offset, part.size));
-  };
   if (parts.empty() || parts.size() % 6 != 0)
     throw InputError(fmt::format("damaged: {} images are no six faces a level", parts.size()));
   const Size first = size_of_png(read_bytes(file, parts[0].offset, parts[0].size));
@@ -103,12 +100,12 @@ TextureFile rgbd_texture(const InputFile& file, const char* container, std::vect
                 .levels = int(std::min<std::size_t>(parts.size() / 6, 64)),
                 .cube = true};
   check_texture(t, file.size());
-  t.bytes = [t, image, parts = std::move(parts)](const InputFile& from, int level) {
+  t.bytes = [t, parts = std::move(parts)](const InputFile& from, int level) {
     const std::uint64_t size = t.image_bytes(level);
     std::vector<std::byte> bytes;
     for (std::size_t face = 0; face < 6; ++face) {
       const FilePart& part = parts[6 * std::size_t(level) + placed(face)];
-      RgbaImage found = image(from, part);
+      RgbaImage found = rgba_of_png(read_bytes(from, part.offset, part.size));
       if (found.bytes.size() != size || found.width != t.level_width(level))
         throw InputError(fmt::format("damaged: a face of level {} is {}x{}", level, found.width, found.height));
       turn(found.bytes, found.width);

@@ -28,14 +28,14 @@ constexpr int worth_dividing = 32;
 // A part's header.
 struct Head {
   std::string path;
-  PartNumber number;
-  int size;    // Of the whole: height of a face.
-  int border;  // Of the whole, which the parts lack.
-  std::string job;
   Metadata data;
   int width, height;  // Of the part.
   std::map<std::string, std::string> pairs;
   std::shared_ptr<Image> standard;  // Input, which can be read once; of files nothing is kept open.
+  PartNumber number = {};
+  int size = 0;    // Of the whole: height of a face.
+  int border = 0;  // Of the whole, which the parts lack.
+  std::string job = {};
 };
 
 std::optional<int> number(std::string_view text) {
@@ -76,10 +76,6 @@ Head read_head(const std::string& path) {
   const Image& image = *opened;
   const ImageFacts& facts = image.reader->facts;
   Head head{.path = path,
-            .number = {0, 0},
-            .size = 0,
-            .border = 0,
-            .job = {},
             .data = metadata(facts),
             .width = facts.width,
             .height = facts.height,
