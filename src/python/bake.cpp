@@ -14,12 +14,6 @@ namespace py = pybind11;
 using namespace py::literals;
 using namespace envmap;
 
-Quality quality_of(const std::string& word) {
-  std::vector<std::string_view> words;
-  for (const Quality& q : qualities) words.push_back(q.name);
-  return qualities[index_of_word("quality", word, words)];
-}
-
 std::vector<std::string> bake_map(const GivenMap& given, const std::string& engine, const std::filesystem::path& folder,
                                   const std::string& quality, std::optional<int> size, std::optional<int> chain_size,
                                   std::optional<double> max_error, double exposure,
@@ -27,7 +21,7 @@ std::vector<std::string> bake_map(const GivenMap& given, const std::string& engi
                                   const py::object& progress) {
   BakeOptions o{.size = size,
                 .chain_size = chain_size,
-                .quality = quality_of(quality),
+                .quality = qualities[index_of_word("quality", quality, qualities, &Quality::name)],
                 .max_error = max_error,
                 .exposure = exposure,
                 .write = {.clamp = clamp, .commit = {.force = force}}};

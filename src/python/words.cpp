@@ -8,13 +8,14 @@
 #include <deque>
 #include <iterator>
 #include <span>
-#include <vector>
 
 namespace envmap_python {
 namespace {
 
 namespace py = pybind11;
 using namespace envmap;
+
+constexpr auto word_of = [](auto value) { return name(value); };
 
 // What would help, in the words of these functions.
 const char* advice(Remedy remedy) {
@@ -115,22 +116,12 @@ const char* document(const char* name, const char* parameters, const char* text)
 }
 
 Projection projection_of(const std::string& word) {
-  std::vector<std::string_view> words;
-  for (const Projection p : all_projections) words.emplace_back(name(p));
-  return named<Projection>("projection", word, words);
+  return named<Projection>("projection", word, all_projections, word_of);
 }
 Forward forward_of(const std::string& word) { return named<Forward>("forward", word, forward_names); }
-Layout layout_of(const std::string& word) {
-  std::vector<std::string_view> words;
-  for (const Layout layout : cube_layouts) words.push_back(name(layout));
-  return cube_layouts[index_of_word("layout", word, words)];
-}
+Layout layout_of(const std::string& word) { return cube_layouts[index_of_word("layout", word, cube_layouts, word_of)]; }
 Depth depth_of(const std::string& word) { return named<Depth>("depth", word, depth_names); }
-Filter filter_of(const std::string& word) {
-  std::vector<std::string_view> words;
-  for (const FilterInfo& f : filters()) words.push_back(f.name);
-  return named<Filter>("filter", word, words);
-}
+Filter filter_of(const std::string& word) { return named<Filter>("filter", word, filters(), &FilterInfo::name); }
 Shape shape_of(const std::string& word) { return named<Shape>("lobe", word, shape_names); }
 Method method_of(const std::string& word) { return named<Method>("method", word, method_names); }
 Weights weights_of(const std::string& word) { return named<Weights>("weights", word, weight_names); }

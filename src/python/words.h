@@ -6,9 +6,11 @@
 
 #include <array>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "envmap/envmap.h"
 
@@ -43,21 +45,22 @@ envmap::Shape shape_of(const std::string& word);
 envmap::Method method_of(const std::string& word);
 envmap::Weights weights_of(const std::string& word);
 
-/// The place of a word among those that there are. @throws UsageError that lists them.
-template <class Words>
-std::size_t index_of_word(const std::string& what, const std::string& word, const Words& words) {
+/// The place of a word in a list. @param word_of the word of an element. @throws UsageError that lists them.
+template <class List, class WordOf = std::identity>
+std::size_t index_of_word(const std::string& what, const std::string& word, const List& list, WordOf word_of = {}) {
   std::string all;
   std::size_t k = 0;
-  for (const std::string_view w : words) {
+  for (const auto& element : list) {
+    const std::string_view w = std::invoke(word_of, element);
     if (w == word) return k;
     all += (k++ == 0 ? "" : ", ") + std::string(w);
   }
   throw envmap::UsageError(what + " '" + word + "' is none of " + all);
 }
 
-template <class Enum, class Words>
-Enum named(const std::string& what, const std::string& word, const Words& words) {
-  return static_cast<Enum>(index_of_word(what, word, words));
+template <class Enum, class List, class WordOf = std::identity>
+Enum named(const std::string& what, const std::string& word, const List& list, WordOf word_of = {}) {
+  return static_cast<Enum>(index_of_word(what, word, list, word_of));
 }
 
 /// Error and its four kinds, as classes of the module; what() of the library in one line, and what would help.

@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/io/babylon_env.h"
-#include "envmap/io/ktx1.h"
-#include "envmap/io/ktx2.h"
+#include "envmap/io/containers.h"
 #include "targets.h"
 
 using namespace envmap;
@@ -47,7 +45,7 @@ void read_texture_levels(const Image& image) {
 
 void read_image_levels(const Image& image) {
   for (int k = 0; k < 32; ++k) {
-    const auto facts = image.reader->level(k);
+    const auto facts = image.reader->level_facts(k);
     if (!facts) break;
     const int channels = std::min<int>(3, int(facts->channels.size()));
     const int unit = facts->tile_height > 0 ? facts->tile_height : 16;

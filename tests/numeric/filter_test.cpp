@@ -10,7 +10,6 @@
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 #include "envmap/projection/visit.h"
-#include "envmap/sample/bicubic.h"
 #include "envmap/sample/point.h"
 #include "envmap/sample/pyramid.h"
 #include "envmap/sample/summed_area.h"

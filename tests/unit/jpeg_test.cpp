@@ -1,8 +1,8 @@
 // JPEG images of all kinds, written by libjpeg's encoder. OpenImageIO is the other reader.
-#include "envmap/io/jpeg.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include "envmap/io/row_readers.h"
 
 // The second needs the first.
 // clang-format off

@@ -1,10 +1,9 @@
 // Portable float maps, read by OpenImageIO, too, which is another reader.
-#include "envmap/io/pfm.h"
-
 #include <gtest/gtest.h>
 
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
+#include "envmap/io/row_readers.h"
 #include "unit/texels_read.h"
 
 namespace envmap::pfm_test {

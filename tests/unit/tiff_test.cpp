@@ -1,6 +1,4 @@
 // TIFF images of all kinds, written by libtiff. OpenImageIO is the other reader.
-#include "envmap/io/tiff.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tiffio.h>
@@ -14,6 +12,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/formats.h"
+#include "envmap/io/row_readers.h"
 #include "unit/texels_read.h"
 
 namespace envmap::tiff_test {

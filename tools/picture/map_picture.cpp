@@ -147,9 +147,7 @@ MapPicture::MapPicture(const Level& level, std::optional<int> face, const Show& 
     : projection_(level.projection()), face_(face), picture_(page_picture(level, face, show, height)) {}
 
 std::optional<Point2> MapPicture::place(const Rotation& to_image, const Direction& d) const {
-  const Direction turned = to_image * d;
-  Location<double> at;
-  locate(projection_, {&turned, 1}, {&at, 1});
+  const Location<double> at = locate(projection_, to_image * d);
   if (face_)
     return at.face == *face_ ? std::optional(Point2(at.u * picture_.size.width, at.v * picture_.size.height))
                              : std::nullopt;

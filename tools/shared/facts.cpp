@@ -24,10 +24,8 @@ double illuminance(const Source& s, const Direction& normal) {
 
 // Texels with a channel as large as any: of a map that something has cut off there are many.
 std::int64_t texels_at_most(const Level& level, double most) {
-  const auto rows = map_rows<std::int64_t>(level.faces() * level.height(), [&](int k) {
-    const int face = k / level.height(), row = k % level.height();
-    level.trim();
-    return std::ranges::count_if(level.columns(row).of(level.row(face, row)), [&](const Colour& c) {
+  const auto rows = map_level<std::int64_t>(level, [&](std::int64_t& count, int face, int row) {
+    count = std::ranges::count_if(level.columns(row).of(level.row(face, row)), [&](const Colour& c) {
       const float largest = std::max({c.x, c.y, c.z});
       return std::isfinite(largest) && largest >= float(most);
     });

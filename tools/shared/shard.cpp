@@ -78,13 +78,10 @@ std::string digest(const EnvironmentMap& source) {
   sum = hash(sum, std::uint32_t(source.forward));
   for (const Level& level : source.levels) {
     sum = hash(hash(sum, std::uint32_t(level.width())), std::uint32_t(level.height()));
-    const int rows = level.height();
-    for (const std::uint64_t row : map_rows<std::uint64_t>(level.faces() * rows, [&](int k) {
-           const std::uint64_t found = hash_row(level.row(k / rows, k % rows));
-           level.trim();
-           return found;
-         }))
-      sum = hash(hash(sum, std::uint32_t(row)), std::uint32_t(row >> 32));
+    const auto rows = map_level<std::uint64_t>(level, [&](std::uint64_t& found, int face, int j) {
+      found = hash_row(level.row(face, j));
+    });
+    for (const std::uint64_t row : rows) sum = hash(hash(sum, std::uint32_t(row)), std::uint32_t(row >> 32));
   }
   return fmt::format("{:016x}", sum);
 }

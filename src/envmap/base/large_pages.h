@@ -3,13 +3,22 @@
 /// reading a map.
 #pragma once
 
+#include <sys/mman.h>
+
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 namespace envmap {
 
 /// Asks for large pages where whole ones lie in a block that nothing was written to yet.
-void ask_for_large_pages(void* data, std::size_t bytes);
+inline void ask_for_large_pages(void* data, std::size_t bytes) {
+  constexpr std::uintptr_t page = 1 << 21;
+  const auto begin = reinterpret_cast<std::uintptr_t>(data), first = (begin + page - 1) / page * page,
+             last = (begin + bytes) / page * page;
+  // Refused where the system has none, which changes no result.
+  if (last > first) ::madvise(static_cast<char*>(data) + (first - begin), last - first, MADV_HUGEPAGE);
+}
 
 /// An allocator that asks for them.
 template <class T>

@@ -33,4 +33,15 @@ std::vector<Result> map_rows(int height, F&& f) {
   return results;
 }
 
+/// The same of all rows of a level, face after face: f(result, face, row) fills a new result.
+template <class Result, class L, class F>
+std::vector<Result> map_level(L& level, F&& f) {
+  return map_rows<Result>(level.faces() * level.height(), [&](int k) {
+    Result result{};
+    level.trim();
+    f(result, k / level.height(), k % level.height());
+    return result;
+  });
+}
+
 }  // namespace envmap

@@ -34,7 +34,7 @@ struct EngineChain {
 
 struct EngineMap {
   std::string_view file;
-  Frame frame;
+  Frame frame = {Projection::cube};
   std::optional<Depth> depth = {};           ///< That its loader or the cards behind it want; else the source's.
   MirroredAxis mirror = MirroredAxis::none;  ///< x or z, of cubes that are looked up in a left-handed frame.
   std::optional<EngineChain> chain = {};     ///< Else the environment itself, one level;
@@ -47,13 +47,14 @@ struct Engine {
   std::string_view version;     ///< What was read of it, and whether it was run.
   std::vector<EngineMap> maps;  ///< The first shows the environment.
   double largest = 0;           ///< That the engine's loader keeps; 0: any, or what the depth says.
-  std::string_view axes;        ///< Where +X, +Y and +Z of the probe lie in the engine's world: "-X +Y +Z".
-  std::string_view mirrored;    ///< What mirrors the map for a left-handed world or lookup: "file", "engine" or "no".
-  std::string_view turns = {};  ///< More about the orientation, in sentences.
-  std::string_view light = {};  ///< How diffuse and rough light is made.
-  TextFile text = {};           ///< What loads the map, or nothing.
-  std::string_view steps = {};  ///< What to do with the folder.
-  std::string_view table = {};  ///< A file for the split-sum table of brdf_table.h, or nothing.
+  /// Where +X, +Y and +Z of the probe lie in the engine's world: "-X +Y +Z".
+  std::string_view axes = "+X +Y +Z";
+  std::string_view mirrored = "no";  ///< What mirrors the map for a left-handed world or lookup: "file" or "engine".
+  std::string_view turns = {};       ///< More about the orientation, in sentences.
+  std::string_view light = {};       ///< How diffuse and rough light is made.
+  TextFile text = {};                ///< What loads the map, or nothing.
+  std::string_view steps = {};       ///< What to do with the folder.
+  std::string_view table = {};       ///< A file for the split-sum table of brdf_table.h, or nothing.
   std::string_view irradiance = {};  ///< A file for the irradiance as nine colours, or nothing.
 };
 

@@ -1,5 +1,3 @@
-#include "envmap/io/babylon_env.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "envmap/base/error.h"
+#include "envmap/io/containers.h"
 #include "envmap/io/rgbd.h"
 #include "envmap/io/whole_number.h"
+#include "envmap/io/write_plan.h"
 
 namespace envmap {
 namespace {
@@ -43,7 +43,7 @@ std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uin
 
 }  // namespace
 
-void write_env(OutputFile& file, std::span<const Atlas> levels, const KeyValues& pairs, const Progress& progress) {
+void write_env(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress) {
   const auto size = unsigned(levels[0].width());
   if (!std::has_single_bit(size))
     throw OutputError(fmt::format(".env files need a power of two as the height of a face, such as {}, not {}",
@@ -60,11 +60,11 @@ void write_env(OutputFile& file, std::span<const Atlas> levels, const KeyValues&
       images.push_back({{"length", image.size()}, {"position", position}});
       position += image.size();
     }
-  const auto irradiance = pairs.find("irradiance");
+  const auto irradiance = plan.pairs.find("irradiance");
   const Json header{{"version", 2},
                     {"width", size},
                     {"imageType", "image/png"},
-                    {"irradiance", irradiance == pairs.end() ? Json() : Json::parse(irradiance->second)},
+                    {"irradiance", irradiance == plan.pairs.end() ? Json() : Json::parse(irradiance->second)},
                     {"specular", {{"mipmaps", images}, {"lodGenerationScale", lod_generation_scale}}}};
   const std::string text = header.dump();
   file.write(env_mark.data(), env_mark.size());

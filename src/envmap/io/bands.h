@@ -3,8 +3,11 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include "envmap/base/part_progress.h"
 #include "envmap/base/progress.h"
 #include "envmap/io/image_writer.h"
 #include "envmap/map/atlas.h"
@@ -21,5 +24,22 @@ using WriteBand = std::function<void(int begin, int end, std::vector<Colour>& ba
 void for_each_band(const Atlas& atlas, const RowRange& rows, const Progress& progress, const WriteBand& write_band);
 /// Of all rows.
 void for_each_band(const Atlas& atlas, const Progress& progress, const WriteBand& write_band);
+
+/// The progress of images one after another: each has the share of its texels in those of all levels.
+class Shares {
+ public:
+  /// @param whole must outlive this; it may be empty.
+  Shares(const Progress& whole, std::span<const Atlas> levels) : whole_(whole) {
+    for (const Atlas& level : levels) all_ += level.texels();
+  }
+  Progress next(const Atlas& image) {
+    const double first = std::exchange(done_, done_ + image.texels());
+    return part_progress(whole_, first / all_, image.texels() / all_);
+  }
+
+ private:
+  const Progress& whole_;
+  double all_ = 0, done_ = 0;
+};
 
 }  // namespace envmap

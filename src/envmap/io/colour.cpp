@@ -115,17 +115,6 @@ ocio::ConstProcessorRcPtr between(const Place& from, const Place& to) {
                                                to.name.c_str(), bridge(to));
 }
 
-void apply(const ocio::ConstCPUProcessorRcPtr& processor, std::span<Colour> colours) {
-  if (colours.empty()) return;
-  ocio::PackedImageDesc image(colours.data(), static_cast<long>(colours.size()), 1, 3);
-  processor->apply(image);
-}
-
-ocio::ConstCPUProcessorRcPtr on_cpu(const ocio::ConstProcessorRcPtr& processor) {
-  // Lossless: the default trades functions for approximations.
-  return processor->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
-}
-
 // @param file of errors.
 ColourTransform transform(const Place& from, const Place& to, const Config& config) {
   try {

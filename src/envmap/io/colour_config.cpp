@@ -45,14 +45,6 @@ ocio::MatrixTransformRcPtr to_reference(const Primaries& primaries) {
   return transform;
 }
 
-// IEC 61966-2-1, decoding.
-ocio::ExponentWithLinearTransformRcPtr srgb_curve() {
-  const auto curve = ocio::ExponentWithLinearTransform::Create();
-  curve->setGamma({2.4, 2.4, 2.4, 1.0});
-  curve->setOffset({0.055, 0.055, 0.055, 0.0});
-  return curve;
-}
-
 void add_space(ocio::Config& config, const BuiltInSpace& space) {
   const auto to = ocio::GroupTransform::Create();
   if (!space.is_linear()) to->appendTransform(srgb_curve());
@@ -95,6 +87,23 @@ ocio::ConstConfigRcPtr config_with(const Primaries& primaries, const char* name)
   const ocio::ConfigRcPtr config = make_config();
   add_space(*config, {name, {}, primaries, name});
   return config;
+}
+
+ocio::ExponentWithLinearTransformRcPtr srgb_curve() {
+  const auto curve = ocio::ExponentWithLinearTransform::Create();
+  curve->setGamma({2.4, 2.4, 2.4, 1.0});
+  curve->setOffset({0.055, 0.055, 0.055, 0.0});
+  return curve;
+}
+
+ocio::ConstCPUProcessorRcPtr on_cpu(const ocio::ConstProcessorRcPtr& processor) {
+  return processor->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
+}
+
+void apply(const ocio::ConstCPUProcessorRcPtr& processor, std::span<Colour> colours) {
+  if (colours.empty()) return;
+  ocio::PackedImageDesc image(colours.data(), static_cast<long>(colours.size()), 1, 3);
+  processor->apply(image);
 }
 
 }  // namespace envmap

@@ -1,5 +1,5 @@
 /// @file
-/// The built-in config, in OpenColorIO's terms.
+/// The built-in config, in OpenColorIO's terms, and how its processors are made and applied.
 #pragma once
 
 #include <OpenColorIO/OpenColorIO.h>
@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "envmap/maths/primaries.h"
+#include "envmap/maths/vector.h"
 
 namespace envmap {
 
@@ -36,5 +37,12 @@ ocio::ConstConfigRcPtr built_in_config();
 
 /// The same with one space more, of these primaries. @return its name through `name`.
 ocio::ConstConfigRcPtr config_with(const Primaries& primaries, const char* name);
+
+/// IEC 61966-2-1, decoding.
+ocio::ExponentWithLinearTransformRcPtr srgb_curve();
+
+/// Lossless: the default trades functions for approximations.
+ocio::ConstCPUProcessorRcPtr on_cpu(const ocio::ConstProcessorRcPtr& processor);
+void apply(const ocio::ConstCPUProcessorRcPtr& processor, std::span<Colour> colours);
 
 }  // namespace envmap

@@ -1,15 +1,13 @@
-#include "envmap/io/dds.h"
-
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 
 #include "envmap/base/error.h"
-#include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
+#include "envmap/io/containers.h"
+#include "envmap/io/write_plan.h"
 
 namespace envmap {
 namespace {
@@ -58,9 +56,9 @@ void check_masks(const Header& h) {
 
 }  // namespace
 
-void write_dds(OutputFile& file, std::span<const Atlas> levels, Texels texels, bool cube, const Progress& progress) {
-  const TexelFormat& format = format_of(texels);
-  const bool chain = levels.size() > 1;
+void write_dds(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress) {
+  const TexelFormat& format = format_of(plan.texels);
+  const bool chain = levels.size() > 1, cube = plan.cube;
   Header h{};
   h.magic = four("DDS ");
   h.size = sizeof(Header) - 4;
@@ -78,24 +76,11 @@ void write_dds(OutputFile& file, std::span<const Atlas> levels, Texels texels, b
   file.put(&h, sizeof h);
   file.put(&dx10, sizeof dx10);
 
-  std::vector<std::vector<Atlas>> images;
-  double all = 0, done = 0;
-  for (const Atlas& atlas : levels) {
-    images.push_back(images_of(atlas, cube));
-    all += 1.0 * atlas.width() * atlas.height();
-  }
-  std::vector<std::byte> packed;
-  for (std::size_t face = 0; face < images[0].size(); ++face)
-    for (const std::vector<Atlas>& level : images) {
-      const Atlas& image = level[face];
-      const double part = 1.0 * image.width() * image.height();
-      const Progress so_far = part_progress(progress, done / all, part / all);
-      for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
-        encode_rows(format, image, begin, end, band, packed);
-        file.put(packed.data(), packed.size());
-      });
-      done += part;
-    }
+  std::vector<Atlas> images;
+  for (std::size_t face = 0; face < (cube ? 6 : 1); ++face)
+    for (const Atlas& level : levels) images.push_back(images_of(level, cube)[face]);
+  Shares shares(progress, levels);
+  encode_images(format, images, shares, [&](std::span<const std::byte> rows) { file.put(rows.data(), rows.size()); });
 }
 
 std::optional<TextureFile> open_dds(const InputFile& file) {

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <bit>
 #include <span>
 #include <vector>
 
@@ -43,10 +44,8 @@ FaceSize face_size(const DetectedLayout& base, int level) {
 }
 
 int complete_levels(const DetectedLayout& base) {
-  int levels = 1;
-  for (FaceSize s = face_size(base, 0); s.width > 1 || s.height > 1; s = face_size(base, levels++)) {
-  }
-  return levels;
+  const FaceSize first = face_size(base, 0);
+  return int(std::bit_width(unsigned(std::max(first.width, first.height))));
 }
 
 DetectedLayout detect_layout(int width, int height, const Metadata& said, const Metadata& recorded) {

@@ -8,17 +8,11 @@
 #include <vector>
 
 #include "envmap/base/words.h"
-#include "envmap/io/babylon_env.h"
-#include "envmap/io/dds.h"
-#include "envmap/io/gltf_light.h"
+#include "envmap/io/containers.h"
 #include "envmap/io/image.h"
-#include "envmap/io/jpeg.h"
-#include "envmap/io/ktx1.h"
-#include "envmap/io/ktx2.h"
-#include "envmap/io/pfm.h"
 #include "envmap/io/png.h"
 #include "envmap/io/radiance.h"
-#include "envmap/io/tiff.h"
+#include "envmap/io/row_readers.h"
 #include "envmap/io/write_plan.h"
 
 namespace envmap {
@@ -83,8 +77,7 @@ constexpr FileFormat float_map{
     .depths = floats,
     .is_head = [](Head h) { return is_pnm(h, "Ff"); },
     .open = [](Image& i, const ImageChoice&) { i.reader = open_pfm(*i.file); },
-    .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan&,
-                const Progress&) { write_pfm(f, levels[0]); },
+    .write = write_pfm,
     .least_bytes = [](Depth, const WriteOptions&) { return 12.0; },
 };
 constexpr FileFormat ktx_of_2020{
@@ -98,10 +91,7 @@ constexpr FileFormat ktx_of_2020{
     .texture = true,
     .abilities = FileFormat::zstd | FileFormat::encoded_values,
     .open = [](Image& i, const ImageChoice&) { i.texture = open_ktx2(*i.file); },
-    .write =
-        [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p, const Progress& progress) {
-          write_ktx2(f, levels, {p.texels, p.cube, p.zstd, p.colour}, key_values(p.data, p.pairs), progress);
-        },
+    .write = write_ktx2,
     .names = [](const Primaries& p) { return khr_colour(p, Curve::linear).has_value(); },
     .least_bytes = texture_bytes,
 };
@@ -115,10 +105,7 @@ constexpr FileFormat ktx_of_2010{
     .levels = true,
     .texture = true,
     .open = [](Image& i, const ImageChoice&) { i.texture = open_ktx1(*i.file); },
-    .write =
-        [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p, const Progress& progress) {
-          write_ktx1(f, levels, p.texels, p.cube, key_values(p.data, p.pairs), progress);
-        },
+    .write = write_ktx1,
     .least_bytes = texture_bytes,
 };
 constexpr FileFormat directx{
@@ -130,8 +117,7 @@ constexpr FileFormat directx{
     .levels = true,
     .texture = true,
     .open = [](Image& i, const ImageChoice&) { i.texture = open_dds(*i.file); },
-    .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p,
-                const Progress& progress) { write_dds(f, levels, p.texels, p.cube, progress); },
+    .write = write_dds,
     .least_bytes = texture_bytes,
 };
 constexpr FileFormat babylon{
@@ -145,8 +131,7 @@ constexpr FileFormat babylon{
     .texture = true,
     .cubes_alone = true,
     .open = [](Image& i, const ImageChoice&) { i.texture = open_env(*i.file); },
-    .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p,
-                const Progress& progress) { write_env(f, levels, p.pairs, progress); },
+    .write = write_env,
 };
 constexpr FileFormat gltf_light{
     .name = "glb",
@@ -160,8 +145,7 @@ constexpr FileFormat gltf_light{
     .cubes_alone = true,
     .irradiance = true,
     .open = [](Image& i, const ImageChoice&) { i.texture = open_gltf_light(*i.file); },
-    .write = [](OutputFile& f, std::span<const Atlas> levels, const TexturePlan& p,
-                const Progress& progress) { write_gltf_light(f, levels, p.pairs, progress); },
+    .write = write_gltf_light,
 };
 constexpr FileFormat portable_network{
     .name = "png",

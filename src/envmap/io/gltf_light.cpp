@@ -1,20 +1,20 @@
-#include "envmap/io/gltf_light.h"
-
 #include <fmt/format.h>
 
 #include <bit>
 #include <nlohmann/json.hpp>
 
 #include "envmap/base/error.h"
+#include "envmap/io/containers.h"
 #include "envmap/io/rgbd.h"
 #include "envmap/io/whole_number.h"
+#include "envmap/io/write_plan.h"
 
 namespace envmap {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* extension = "EXT_lights_image_based";
+constexpr const char* extension_name = "EXT_lights_image_based";
 constexpr std::uint32_t glb_mark = 0x46546c67, json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;
 
 struct GlbHeader {
@@ -45,10 +45,10 @@ Json document(const std::vector<RgbdFaces>& levels, const Json& harmonics, int s
                    {"specularImageSize", size},
                    {"specularImages", specular}};
   return {{"asset", {{"version", "2.0"}, {"generator", "envmap"}}},
-          {"extensionsUsed", {extension}},
-          {"extensions", {{extension, {{"lights", {light}}}}}},
+          {"extensionsUsed", {extension_name}},
+          {"extensions", {{extension_name, {{"lights", {light}}}}}},
           {"scene", 0},
-          {"scenes", {{{"extensions", {{extension, {{"light", 0}}}}}}}},
+          {"scenes", {{{"extensions", {{extension_name, {{"light", 0}}}}}}}},
           {"images", images},
           {"bufferViews", views},
           {"buffers", {{{"byteLength", position}}}}};
@@ -56,15 +56,15 @@ Json document(const std::vector<RgbdFaces>& levels, const Json& harmonics, int s
 
 }  // namespace
 
-void write_gltf_light(OutputFile& file, std::span<const Atlas> levels, const KeyValues& pairs,
+void write_gltf_light(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan,
                       const Progress& progress) {
   const auto size = unsigned(levels[0].width());
-  const auto harmonics = pairs.find("irradianceCoefficients");
+  const auto harmonics = plan.pairs.find("irradianceCoefficients");
   if (!std::has_single_bit(size) || levels.size() < 2)
     throw OutputError(
         fmt::format(".glb files need several levels and a power-of-two face size, not {} level(s) of {}x{}",
                     levels.size(), size, size));
-  if (harmonics == pairs.end()) throw OutputError(".glb files need irradiance as well, which this map lacks");
+  if (harmonics == plan.pairs.end()) throw OutputError(".glb files need irradiance as well, which this map lacks");
   const std::vector<RgbdFaces> faces = rgbd_faces(levels, progress);
   std::string text = document(faces, Json::parse(harmonics->second), int(size)).dump();
   text.resize(padded(text.size()), ' ');
@@ -95,10 +95,10 @@ TextureFile open_gltf_light(const InputFile& file) {
   try {
     const Json gltf = Json::parse(reinterpret_cast<const char*>(text.data()),
                                   reinterpret_cast<const char*>(text.data() + text.size()));
-    if (!gltf.contains("extensions") || !gltf["extensions"].contains(extension))
-      throw InputError(fmt::format("glTF without a light of {}: a scene is drawn by 'envmap render'", extension));
+    if (!gltf.contains("extensions") || !gltf["extensions"].contains(extension_name))
+      throw InputError(fmt::format("glTF without a light of {}: a scene is drawn by 'envmap render'", extension_name));
     std::vector<FilePart> parts;
-    for (const Json& level : gltf["extensions"][extension].at("lights").at(0).at("specularImages"))
+    for (const Json& level : gltf["extensions"][extension_name].at("lights").at(0).at("specularImages"))
       for (const Json& index : level) {
         const Json& image = gltf.at("images").at(whole_number(index));
         const Json& view = gltf.at("bufferViews").at(whole_number(image.at("bufferView")));
@@ -109,8 +109,8 @@ TextureFile open_gltf_light(const InputFile& file) {
       }
     return rgbd_texture(file, "glb", std::move(parts));
   } catch (const Json::exception&) {
-    throw InputError(
-        fmt::format("damaged: its {} is not as that extension has it, with PNG images inside the file", extension));
+    throw InputError(fmt::format("damaged: its {} is not as that extension has it, with PNG images inside the file",
+                                 extension_name));
   }
 }
 

@@ -15,6 +15,14 @@ namespace envmap {
 
 namespace fs = std::filesystem;
 
+void Image::read(int level, int begin, int end, int first, int count, std::span<float> out) const {
+  try {
+    reader->read(level, begin, end, first, count, out);
+  } catch (const InputError& e) {
+    fail(std::string("truncated or damaged: ") + e.what());
+  }
+}
+
 void Image::fail(std::string why, Remedy remedy) const {
   std::ranges::replace_if(
       why, [](unsigned char c) { return c < ' ' || c == 0x7f; }, '?');

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct Image {
   std::optional<TextureFile> texture;
   bool for_texture = false;  ///< Texels stay as stored: colours not multiplied by alpha, rows not turned upright.
   bool decode = true;        ///< Values that are sRGB encoded become linear; else they stay as they are.
+
+  /// Rows, as ImageReader::read. @throws InputError, with the name of the file.
+  void read(int level, int begin, int end, int first, int count, std::span<float> out) const;
 
   /// Throws InputError. Channel names and what a library quotes come from the file: no line breaks and no commands to
   /// the terminal remain.

@@ -71,11 +71,16 @@ struct ImageChoice {
 struct ImageReader {
   std::string format;  ///< openexr, hdr, png, ...
   ImageFacts facts;    ///< Of the image and its first level.
-  /// Of another level; nothing where there is none.
-  std::function<std::optional<ImageFacts>(int level)> level;
+  /// Of another level; nothing where there is none. Null: there is but one.
+  std::function<std::optional<ImageFacts>(int level)> level = {};
   /// Rows [begin, end) of channels [first, first + count) of a level, interleaved; of tiles whole rows of them.
   /// @throws InputError without the file's name.
   std::function<void(int level, int begin, int end, int first, int count, std::span<float> out)> read;
+
+  /// Of level k; nothing where there is none.
+  [[nodiscard]] std::optional<ImageFacts> level_facts(int k) const {
+    return level ? level(k) : k == 0 ? std::optional(facts) : std::nullopt;
+  }
 };
 
 }  // namespace envmap

@@ -1,5 +1,3 @@
-#include "envmap/io/ktx1.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,8 +6,10 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
+#include "envmap/io/containers.h"
+#include "envmap/io/key_values.h"
+#include "envmap/io/write_plan.h"
 
 namespace envmap {
 namespace {
@@ -73,14 +73,13 @@ struct LevelPlace {
 
 }  // namespace
 
-void write_ktx1(OutputFile& file, std::span<const Atlas> levels, Texels wanted, bool cube, const KeyValues& pairs,
-                const Progress& progress) {
-  const Texels texels = without_alpha(wanted);
+void write_ktx1(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress) {
+  const Texels texels = without_alpha(plan.texels);
   const TexelFormat& format = format_of(texels);
   const Names& gl = *std::ranges::find(names, texels, &Names::texels);
-  KeyValues all_pairs = pairs;
-  all_pairs.emplace("KTXorientation", "S=r,T=d");
-  const std::string kvd = key_value_bytes(all_pairs);
+  KeyValues pairs = key_values(plan.data, plan.pairs);
+  pairs.emplace("KTXorientation", "S=r,T=d");
+  const std::string kvd = key_value_bytes(pairs);
   Header h{};
   std::ranges::copy(ktx1_mark, h.identifier.begin());
   h.endianness = little;
@@ -90,40 +89,32 @@ void write_ktx1(OutputFile& file, std::span<const Atlas> levels, Texels wanted, 
   h.internal = gl.internal;
   h.base = rgb;
   h.width = std::uint32_t(levels[0].width());
-  h.height = cube ? h.width : std::uint32_t(levels[0].height());
-  h.faces = cube ? 6 : 1;
+  h.height = plan.cube ? h.width : std::uint32_t(levels[0].height());
+  h.faces = plan.cube ? 6 : 1;
   h.levels = std::uint32_t(levels.size());
   h.pairs_size = std::uint32_t(kvd.size());
   file.put(&h, sizeof h);
   file.put(kvd.data(), kvd.size());
 
-  double all = 0, done = 0;
-  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
-  std::vector<std::byte> packed;
+  Shares shares(progress, levels);
   for (const Atlas& atlas : levels) {
-    const std::vector<Atlas> images = images_of(atlas, cube);
+    const std::vector<Atlas> images = images_of(atlas, plan.cube);
     // Of a cube it is the size of one face.
     const std::uint64_t row = format.row_bytes(images[0].width());
     const std::uint64_t size = format.image_bytes(images[0].width(), images[0].height()) / row * padded(row);
     if (size > 0xffffffff) throw OutputError(fmt::format("KTX holds images of up to 4 GiB, not of {} bytes", size));
     const auto image_size = std::uint32_t(size);
     file.put(&image_size, sizeof image_size);
-    for (const Atlas& image : images) {
-      const double part = 1.0 * image.width() * image.height();
-      const Progress so_far = part_progress(progress, done / all, part / all);
-      for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
-        encode_rows(format, image, begin, end, band, packed);
-        if (padded(row) == row) {
-          file.put(packed.data(), packed.size());
-          return;
-        }
-        for (std::size_t at = 0; at < packed.size(); at += row) {
-          file.put(packed.data() + at, row);
-          file.put("\0\0", padded(row) - row);
-        }
-      });
-      done += part;
-    }
+    encode_images(format, images, shares, [&](std::span<const std::byte> packed) {
+      if (padded(row) == row) {
+        file.put(packed.data(), packed.size());
+        return;
+      }
+      for (std::size_t at = 0; at < packed.size(); at += row) {
+        file.put(packed.data() + at, row);
+        file.put("\0\0", padded(row) - row);
+      }
+    });
   }
 }
 

@@ -1,5 +1,3 @@
-#include "envmap/io/ktx2.h"
-
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -12,8 +10,10 @@
 #include <numeric>
 
 #include "envmap/base/error.h"
-#include "envmap/base/part_progress.h"
 #include "envmap/io/bands.h"
+#include "envmap/io/containers.h"
+#include "envmap/io/key_values.h"
+#include "envmap/io/write_plan.h"
 
 namespace envmap {
 namespace {
@@ -136,49 +136,38 @@ std::vector<std::byte> decompressed(std::span<const std::byte> packed, std::uint
 
 }  // namespace
 
-void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const Ktx2Options& options, const KeyValues& pairs,
-                const Progress& progress) {
-  const TexelFormat& format = format_of(options.texels);
-  const Words dfd = descriptor(format, options.colour);
-  KeyValues all_pairs = pairs;
-  all_pairs.emplace("KTXorientation", "rd");
-  const std::string kvd = key_value_bytes(all_pairs);
+void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress) {
+  const TexelFormat& format = format_of(plan.texels);
+  const Words dfd = descriptor(format, plan.colour);
+  KeyValues pairs = key_values(plan.data, plan.pairs);
+  pairs.emplace("KTXorientation", "rd");
+  const std::string kvd = key_value_bytes(pairs);
   Header h{};
   std::ranges::copy(ktx2_mark, h.identifier.begin());
   h.vk_format = format.vulkan;
   h.type_size = format.type_size;
   h.width = std::uint32_t(levels[0].width());
-  h.height = options.cube ? h.width : std::uint32_t(levels[0].height());
-  h.faces = options.cube ? 6 : 1;
+  h.height = plan.cube ? h.width : std::uint32_t(levels[0].height());
+  h.faces = plan.cube ? 6 : 1;
   h.levels = std::uint32_t(levels.size());
-  h.scheme = options.zstd ? zstandard : plain;
+  h.scheme = plan.zstd ? zstandard : plain;
   h.dfd_offset = std::uint32_t(sizeof(Header) + levels.size() * sizeof(LevelIndex));
   h.dfd_size = std::uint32_t(4 * dfd.size());
   h.kvd_offset = h.dfd_offset + h.dfd_size;
   h.kvd_size = std::uint32_t(kvd.size());
 
-  double all = 0, done = 0;
-  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
+  Shares shares(progress, levels);
   std::vector<LevelIndex> index(levels.size());
-  std::vector<std::byte> packed;
-  LevelWriter out(file, options.zstd);
+  LevelWriter out(file, plan.zstd);
   file.seek(h.kvd_offset + h.kvd_size);
   for (std::size_t k = levels.size(); k-- > 0;) {
-    const std::vector<Atlas> images = images_of(levels[k], options.cube);
-    const auto align = options.zstd ? 1 : std::lcm(std::int64_t(format.bytes), std::int64_t{4});
+    const std::vector<Atlas> images = images_of(levels[k], plan.cube);
+    const auto align = plan.zstd ? 1 : std::lcm(std::int64_t(format.bytes), std::int64_t{4});
     file.seek((file.tell() + align - 1) / align * align);
     index[k].offset = std::uint64_t(file.tell());
     index[k].plain_size = images.size() * format.image_bytes(images[0].width(), images[0].height());
     out.begin(index[k].plain_size);
-    for (const Atlas& image : images) {
-      const double part = 1.0 * image.width() * image.height();
-      const Progress so_far = part_progress(progress, done / all, part / all);
-      for_each_band(image, so_far, [&](int begin, int end, std::vector<Colour>& band) {
-        encode_rows(format, image, begin, end, band, packed);
-        out.write(packed);
-      });
-      done += part;
-    }
+    encode_images(format, images, shares, [&](std::span<const std::byte> rows) { out.write(rows); });
     out.end();
     index[k].size = std::uint64_t(file.tell()) - index[k].offset;
   }

@@ -38,7 +38,6 @@ ImageReader turned_upright(ImageReader stored) {
   upright.facts.orientation = Orientation::upright;
   upright.facts.details.emplace_back("turned upright");
   upright.facts.tile_width = upright.facts.tile_height = 0;
-  upright.level = [facts = upright.facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; };
   const auto whole = std::make_shared<Whole>();
   upright.read = [stored = std::move(stored), facts = upright.facts, orientation,
                   whole](int, int begin, int end, int first, int count, std::span<float> out) {

@@ -1,5 +1,3 @@
-#include "envmap/io/pfm.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/io/row_readers.h"
 
 namespace envmap {
 namespace {
@@ -70,14 +69,14 @@ std::optional<ImageReader> open_pfm(const InputFile& file) {
                          .channels = h->channels == 1 ? grey : rgb};
   return ImageReader{.format = "pnm",
                      .facts = facts,
-                     .level = [facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; },
-                     .read =
-                         [&file, h = *h](int, int begin, int end, int first, int count, std::span<float> out) {
-                           read_pfm_rows(file, h, begin, end, first, count, out.data());
-                         }};
+                     .read = [&file, h = *h](int, int begin, int end, int first, int count, std::span<float> out) {
+                       read_pfm_rows(file, h, begin, end, first, count, out.data());
+                     }};
 }
 
-void write_pfm(OutputFile& file, const Atlas& atlas) {
+void write_pfm(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& /*plan*/,
+               const Progress& /*progress*/) {
+  const Atlas& atlas = levels[0];
   constexpr int band_rows = 64;
   // The sign of the scale tells the byte order.
   constexpr bool little = std::endian::native == std::endian::little;

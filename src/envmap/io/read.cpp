@@ -19,11 +19,12 @@
 #include "envmap/io/path.h"
 #include "envmap/io/read_colours.h"
 #include "envmap/io/read_photo.h"
-#include "envmap/io/settle_flaws.h"
 #include "envmap/io/srgb.h"
 #include "envmap/map/atlas.h"
 #include "envmap/map/border.h"
 #include "envmap/operate/border_samples.h"
+#include "envmap/operate/measure.h"
+#include "envmap/operate/refuse_flaws.h"
 
 namespace envmap {
 namespace {
@@ -90,11 +91,7 @@ void read_band(const Image& image, int level, const Channels& channels, int begi
   // Grey values come into the last third, and are spread from the first on.
   const std::size_t values = out.size() * std::size_t(channels.count);
   const std::span<float> last = std::span(&out.data()->x, 3 * out.size()).last(values);
-  try {
-    image.reader->read(level, begin, end, channels.first, channels.count, last);
-  } catch (const InputError& e) {
-    image.fail(std::string("truncated or damaged: ") + e.what());
-  }
+  image.read(level, begin, end, channels.first, channels.count, last);
   if (channels.count == 1)
     for (std::size_t k = 0; k < out.size(); ++k) out[k] = Colour(last[k]);
 }
@@ -107,7 +104,7 @@ std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
 
 // Of a level of the map, `stored` by that number in the file.
 FaceSize face_in(const Image& image, int stored, const DetectedLayout& base, int number) {
-  const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
+  const ImageFacts facts = image.reader->level_facts(stored).value_or(image.reader->facts);
   FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
   // A latlong image is all of the sphere, also where its writer rounded up.
@@ -125,7 +122,7 @@ FaceSize face_in(const Image& image, int stored, const DetectedLayout& base, int
 // can promise anything.
 Level read_pixels(Image& image, int stored, const Channels& channels, const DetectedLayout& base, const FaceSize& face,
                   std::size_t max_memory, const Progress& progress) {
-  const ImageFacts facts = image.reader->level(stored).value_or(image.reader->facts);
+  const ImageFacts facts = image.reader->level_facts(stored).value_or(image.reader->facts);
   const Grid places = grid(base.layout);
   // Whole rows of tiles; enough lines that every core decompresses.
   const int unit = facts.tile_width > 0 ? facts.tile_height : 16;
@@ -212,7 +209,7 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
 // Levels that a file has, at most.
 int count_levels(const Image& image, int most) {
   int levels = 1;
-  while (levels < most && image.reader->level(levels)) ++levels;
+  while (levels < most && image.reader->level_facts(levels)) ++levels;
   return levels;
 }
 
@@ -359,14 +356,27 @@ Source read_faces(const std::string& path, const ReadOptions& options, const Pro
   return source;
 }
 
-}  // namespace
-
-namespace {
-
 void check(const ReadOptions& options) {
   check(limits::level, options.level);
   if (options.border) check(limits::border, *options.border);
   if (options.all_levels && options.level != 0) throw UsageError("level must be 0 where all levels are read");
+}
+
+// NaN, infinite and negative radiance: refuses, repairs or keeps it, as the options say. @throws InputError.
+void settle_flaws(const std::string& name, const ReadOptions& options, Source& source) {
+  if (options.flaws == FlawPolicy::keep) return;
+  for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
+    Level& level = source.map.levels[k];
+    const Flaws flaws = find_flaws(level);
+    if (flaws.count() == 0) continue;
+    if (options.flaws == FlawPolicy::refuse)
+      throw InputError(name, flaw_words(flaws, level, k > 0 ? fmt::format(" of level {}", k) : ""), Remedy::repair);
+    try {
+      source.repaired += repair(level);
+    } catch (const InputError& e) {
+      throw InputError(name, e.what());
+    }
+  }
 }
 
 // @param take makes the map out of a file, as it is there.

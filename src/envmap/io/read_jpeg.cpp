@@ -14,7 +14,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/exif.h"
-#include "envmap/io/jpeg.h"
+#include "envmap/io/row_readers.h"
 
 namespace envmap {
 namespace {
@@ -219,9 +219,9 @@ std::optional<ImageReader> open_jpeg(const InputFile& file) {
   if (!facts) return std::nullopt;
   return ImageReader{.format = "jpeg",
                      .facts = *facts,
-                     .level = [facts](int level) { return level == 0 ? facts : std::nullopt; },
-                     .read = [reader](int, int begin, int end, int first, int count,
-                                      std::span<float> out) { reader->read(begin, end, first, count, out); }};
+                     .read = [reader](int, int begin, int end, int first, int count, std::span<float> out) {
+                       reader->read(begin, end, first, count, out);
+                     }};
 }
 
 }  // namespace envmap

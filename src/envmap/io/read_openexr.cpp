@@ -292,7 +292,7 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
     facts.depth = Depth::half;
     facts.details.emplace_back("luminance and chroma became RGB");
   }
-  ImageReader reader{.format = "openexr", .facts = facts, .level = {}, .read = {}};
+  ImageReader reader{.format = "openexr", .facts = facts, .read = {}};
   reader.level = [file, facts](int level) { return level_facts(*file, facts, level); };
   reader.read = [file, facts, luminance](int level, int begin, int end, int first, int count, std::span<float> out) {
     if (luminance)

@@ -209,9 +209,9 @@ std::optional<ImageReader> open_png(const InputFile& file, bool straight_alpha) 
     if (is_for_openimageio(name)) return std::nullopt;
   return ImageReader{.format = "png",
                      .facts = facts,
-                     .level = [facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; },
-                     .read = [reader](int, int begin, int end, int first, int count,
-                                      std::span<float> out) { reader->read(begin, end, first, count, out); }};
+                     .read = [reader](int, int begin, int end, int first, int count, std::span<float> out) {
+                       reader->read(begin, end, first, count, out);
+                     }};
 }
 
 }  // namespace envmap

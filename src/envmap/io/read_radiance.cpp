@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "envmap/base/error.h"
+#include "envmap/io/colour.h"
 #include "envmap/io/orientation.h"
 #include "envmap/io/radiance.h"
 #include "envmap/maths/primaries.h"
@@ -26,9 +27,8 @@ struct Header {
   Orientation orientation = Orientation::upright;
   bool xyz = false, says_primaries = false;
   Flux applied{1};  // What the pixels have been multiplied by.
-  std::array<double, 8> primaries{0.64, 0.33, 0.29,   0.6,
-                                  0.15, 0.06, 1. / 3, 1. / 3};  // Of red, green, blue and white: x, y.
-  std::uint64_t pixels = 0;                                     // Where they begin.
+  Primaries primaries{{0.64, 0.33}, {0.29, 0.6}, {0.15, 0.06}, {1. / 3, 1. / 3}};
+  std::uint64_t pixels = 0;  // Where they begin.
 };
 
 // Numbers between spaces; fewer where the text ends or holds something else.
@@ -42,10 +42,6 @@ std::vector<double> numbers(std::string_view text) {
     found.push_back(value);
     text.remove_prefix(std::size_t(end - text.data()));
   }
-}
-
-Primaries primaries_of(const std::array<double, 8>& xy) {
-  return {{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
 }
 
 void multiply_applied(Header& h, std::string_view name, std::vector<double> by) {
@@ -66,12 +62,11 @@ void read_variable(Header& h, std::string_view line) {
       throw InputError("neither FORMAT=32-bit_rle_rgbe nor 32-bit_rle_xyze");
   }
   // Some writers leave zeros.
-  const std::vector<double> said = name == "PRIMARIES" ? numbers(value) : std::vector<double>();
-  if (said.size() != 8) return;
-  std::array<double, 8> xy{};
-  std::ranges::copy(said, xy.begin());
-  if (std::ranges::any_of(xy, [](double x) { return !(std::abs(x) < 2); }) || !is_possible(primaries_of(xy))) return;
-  h.primaries = xy;
+  const std::vector<double> xy = name == "PRIMARIES" ? numbers(value) : std::vector<double>();
+  if (xy.size() != 8 || std::ranges::any_of(xy, [](double x) { return !(std::abs(x) < 2); })) return;
+  const Primaries said{{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
+  if (!is_possible(said)) return;
+  h.primaries = said;
   h.says_primaries = true;
 }
 
@@ -206,9 +201,9 @@ void read_scanline(Bytes& in, std::span<Rgbe> out) {
 // ---- colours --------------------------------------------------------------------------------------------------------
 
 // CIE XYZ into the RGB of these primaries (SMPTE RP 177-1993, section 3.3), per lumen.
-Rotation from_xyz(const std::array<double, 8>& xy) {
+Rotation from_xyz(const Primaries& p) {
   constexpr double lumens = 179;  // In a watt of equal energy over the visible wavelengths, as Radiance has it.
-  return Rotation(glm::inverse(to_xyz(primaries_of(xy)))) / lumens;
+  return Rotation(glm::inverse(to_xyz(p))) / lumens;
 }
 
 struct Reader {
@@ -236,8 +231,7 @@ struct Reader {
       for (const Rgbe& p : line) {
         const double u = unit[p[3]];
         const Flux colour = matrix * Flux(p[0] * u, p[1] * u, p[2] * u);
-        for (int c = first; c < first + count; ++c)
-          *to++ = float(header.xyz ? std::max(colour[c], 0.0) : colour[c]);
+        for (int c = first; c < first + count; ++c) *to++ = float(header.xyz ? std::max(colour[c], 0.0) : colour[c]);
       }
     }
   }
@@ -256,11 +250,9 @@ ImageReader open_radiance(const InputFile& file) {
   if (header.applied != Flux(1))
     made.facts.details.push_back(fmt::format("EXPOSURE and COLORCORR are divided out: {:g} {:g} {:g}", header.applied.x,
                                              header.applied.y, header.applied.z));
-  if (header.says_primaries || header.xyz)
-    std::ranges::copy(header.primaries, made.facts.provenance.chromaticities.emplace().begin());
+  if (header.says_primaries || header.xyz) made.facts.provenance.chromaticities = chromaticities(header.primaries);
   if (header.xyz) made.facts.details.emplace_back("CIE XYZ became RGB; colours outside of that are cut at 0");
   made.facts.orientation = header.orientation;
-  made.level = [facts = made.facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; };
   return made;
 }
 

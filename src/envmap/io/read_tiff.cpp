@@ -14,7 +14,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/exif.h"
 #include "envmap/io/half.h"
-#include "envmap/io/tiff.h"
+#include "envmap/io/row_readers.h"
 
 namespace envmap {
 namespace {
@@ -203,9 +203,9 @@ std::optional<ImageReader> open_tiff(const InputFile& file) {
   if (is_for_openimageio(reader->file.tiff(), reader->header) || has_words_of_openimageio(facts)) return std::nullopt;
   return ImageReader{.format = "tiff",
                      .facts = facts,
-                     .level = [facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; },
-                     .read = [reader](int, int begin, int end, int first, int count,
-                                      std::span<float> out) { reader->read(begin, end, first, count, out.data()); }};
+                     .read = [reader](int, int begin, int end, int first, int count, std::span<float> out) {
+                       reader->read(begin, end, first, count, out.data());
+                     }};
 }
 
 }  // namespace envmap

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/io/bands.h"
 #include "envmap/io/png.h"
 #include "envmap/maths/portable.h"
 
@@ -68,8 +69,7 @@ void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to) {
 }
 
 std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress& progress) {
-  double all = 0, done = 0;
-  for (const Atlas& atlas : levels) all += 1.0 * atlas.width() * atlas.height();
+  Shares shares(progress, levels);
   std::vector<RgbdFaces> files;
   for (const Atlas& atlas : levels) {
     const std::vector<Atlas> images = images_of(atlas, true);
@@ -83,17 +83,13 @@ std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress&
       encode_rgbd(colours, bytes);
       turn(bytes, size);
       faces[face] = png_of_rgba(bytes, size, size);
-      done += 1.0 * size * size;
-      if (progress) progress(done / all);
+      if (const Progress part = shares.next(images[face])) part(1);
     }
   }
   return files;
 }
 
 TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts) {
-  const auto image = [](const InputFile& from, const FilePart& part) {
-    return rgba_of_png(read_bytes(from, part.offset, part.size));
-  };
   if (parts.empty() || parts.size() % 6 != 0)
     throw InputError(fmt::format("damaged: {} images are no six faces a level", parts.size()));
   const Size first = size_of_png(read_bytes(file, parts[0].offset, parts[0].size));
@@ -104,12 +100,12 @@ TextureFile rgbd_texture(const InputFile& file, const char* container, std::vect
                 .levels = int(std::min<std::size_t>(parts.size() / 6, 64)),
                 .cube = true};
   check_texture(t, file.size());
-  t.bytes = [t, image, parts = std::move(parts)](const InputFile& from, int level) {
+  t.bytes = [t, parts = std::move(parts)](const InputFile& from, int level) {
     const std::uint64_t size = t.image_bytes(level);
     std::vector<std::byte> bytes;
     for (std::size_t face = 0; face < 6; ++face) {
       const FilePart& part = parts[6 * std::size_t(level) + placed(face)];
-      RgbaImage found = image(from, part);
+      RgbaImage found = rgba_of_png(read_bytes(from, part.offset, part.size));
       if (found.bytes.size() != size || found.width != t.level_width(level))
         throw InputError(fmt::format("damaged: a face of level {} is {}x{}", level, found.width, found.height));
       turn(found.bytes, found.width);

@@ -10,8 +10,8 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/image.h"
+#include "envmap/io/level_images.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/stack.h"
 #include "envmap/map/atlas.h"
 #include "envmap/operate/measure.h"
 
@@ -28,14 +28,14 @@ constexpr int worth_dividing = 32;
 // A part's header.
 struct Head {
   std::string path;
-  PartNumber number;
-  int size;    // Of the whole: height of a face.
-  int border;  // Of the whole, which the parts lack.
-  std::string job;
   Metadata data;
   int width, height;  // Of the part.
   std::map<std::string, std::string> pairs;
   std::shared_ptr<Image> standard;  // Input, which can be read once; of files nothing is kept open.
+  PartNumber number = {};
+  int size = 0;    // Of the whole: height of a face.
+  int border = 0;  // Of the whole, which the parts lack.
+  std::string job = {};
 };
 
 std::optional<int> number(std::string_view text) {
@@ -76,10 +76,6 @@ Head read_head(const std::string& path) {
   const Image& image = *opened;
   const ImageFacts& facts = image.reader->facts;
   Head head{.path = path,
-            .number = {0, 0},
-            .size = 0,
-            .border = 0,
-            .job = {},
             .data = metadata(facts),
             .width = facts.width,
             .height = facts.height,
@@ -186,15 +182,10 @@ void check_radiance(const Level& level) {
 }
 
 void read_rows(const Head& head, const Grid& places, std::vector<Level>& levels) {
-  const auto opened = head.standard ? head.standard : open_part(head.path);
-  const Image& image = *opened;
+  const auto image = head.standard ? head.standard : open_part(head.path);
   const std::vector<RowRange> bands = bands_of(times(sizes_of(head), places.rows), head.number);
   std::vector<Colour> rows(std::size_t(head.width) * std::size_t(head.height));
-  try {
-    image.reader->read(0, 0, head.height, 0, 3, std::span(&rows.data()->x, 3 * rows.size()));
-  } catch (const InputError& e) {
-    image.fail(std::string("truncated or damaged: ") + e.what());
-  }
+  image->read(0, 0, head.height, 0, 3, std::span(&rows.data()->x, 3 * rows.size()));
   std::span<const Colour> left = rows;
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const auto [begin, end] = bands[k];

@@ -9,6 +9,7 @@
 #include <bit>
 
 #include "envmap/base/error.h"
+#include "envmap/io/bands.h"
 #include "envmap/io/bc6h.h"
 
 namespace envmap {
@@ -62,6 +63,16 @@ void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int e
     else
       encode(format.texels, rows, out);
   });
+}
+
+void encode_images(const TexelFormat& format, std::span<const Atlas> images, Shares& shares,
+                   const std::function<void(std::span<const std::byte> rows)>& write) {
+  std::vector<std::byte> rows;
+  for (const Atlas& image : images)
+    for_each_band(image, shares.next(image), [&](int begin, int end, std::vector<Colour>& band) {
+      encode_rows(format, image, begin, end, band, rows);
+      write(rows);
+    });
 }
 
 std::vector<Atlas> images_of(const Atlas& atlas, bool cube) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "envmap/io/detect_layout.h"
@@ -17,6 +18,8 @@
 #include "envmap/map/rows.h"
 
 namespace envmap {
+
+class Shares;
 
 /// A texture in a file: its header, checked against the length of the file.
 struct TextureFile {
@@ -57,6 +60,10 @@ T read_as(const InputFile& file, std::uint64_t offset) {
 /// it and `end` tell which rows of the image `from` is.
 void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int end, std::span<const Colour> from,
                  std::vector<std::byte>& to);
+
+/// All rows of images, band by band. @param write takes the rows in their order.
+void encode_images(const TexelFormat& format, std::span<const Atlas> images, Shares& shares,
+                   const std::function<void(std::span<const std::byte> rows)>& write);
 
 /// The images of a level, one for each face of a cube or all in one.
 std::vector<Atlas> images_of(const Atlas& atlas, bool cube);

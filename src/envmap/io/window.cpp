@@ -5,11 +5,10 @@
 namespace envmap {
 
 ImageReader in_window(ImageReader stored, const DataWindow& window) {
-  ImageReader image{.format = stored.format, .facts = stored.facts, .level = {}, .read = {}};
+  ImageReader image{.format = stored.format, .facts = stored.facts, .read = {}};
   image.facts.width = window.width;
   image.facts.height = window.height;
   image.facts.tile_width = image.facts.tile_height = 0;
-  image.level = [facts = image.facts](int level) { return level == 0 ? std::optional(facts) : std::nullopt; };
   image.read = [stored = std::move(stored), window](int, int begin, int end, int first, int count,
                                                     std::span<float> out) {
     std::ranges::fill(out, 0.0F);

@@ -17,16 +17,15 @@
 #include "envmap/io/file_format.h"
 #include "envmap/io/icc_profile.h"
 #include "envmap/io/image_writer.h"
+#include "envmap/io/level_images.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/mip_chain.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/orientation.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/srgb.h"
-#include "envmap/io/stack.h"
 #include "envmap/io/texels.h"
 #include "envmap/io/texture.h"
 #include "envmap/io/write_distances.h"
@@ -79,11 +78,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
                  .cube_envmap = options.openexr_envmap && cube};
   if (!options.rows.empty())
     for (const auto& [name, text] : options.pairs) plan.attributes[std::string(pair_prefix) + name] = text;
-  double done = 0, all = 0;
-  for (const Atlas& level : levels) {
-    plan.levels.push_back({level.width(), level.height()});
-    all += 1.0 * level.width() * level.height();
-  }
+  for (const Atlas& level : levels) plan.levels.push_back({level.width(), level.height()});
   if (options.rows.size() == 1) plan.rows = options.rows.front();
   if (distances)
     plan.distances = [atlas = Atlas{*distances, levels[0].grid, -1, 0, 0, Colour(infinity)}](int begin, int end,
@@ -91,16 +86,13 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
       gather_distances(atlas, begin, end, out);
     };
   const ImageWriter writer = make_writer(file, path, ext, plan);
-  for (std::size_t k = 0; k < levels.size(); ++k) {
-    const double part = 1.0 * levels[k].width() * levels[k].height();
-    const Progress so_far = part_progress(progress, done / all, part / all);
-    for_each_band(levels[k], plan.rows.value_or(RowRange{0, levels[k].height()}), so_far,
+  Shares shares(progress, levels);
+  for (std::size_t k = 0; k < levels.size(); ++k)
+    for_each_band(levels[k], plan.rows.value_or(RowRange{0, levels[k].height()}), shares.next(levels[k]),
                   [&](int begin, int end, std::vector<Colour>& band) {
                     if (is_integer(depth) && options.colour.space.empty()) encode_srgb(band);
                     writer.write(int(k), begin, end, band);
                   });
-    done += part;
-  }
   writer.close();
 }
 

@@ -19,6 +19,7 @@ struct Atlas {
 
   [[nodiscard]] int width() const { return wide > 0 ? wide : (face < 0 ? grid.columns : 1) * rows.width(); }
   [[nodiscard]] int height() const { return high > 0 ? high : (face < 0 ? grid.rows : 1) * rows.size; }
+  [[nodiscard]] double texels() const { return 1.0 * width() * height(); }
 
   /// Image rows [begin, end) into `out`, `width()` texels each. Runs in parallel.
   void gather(int begin, int end, std::span<Colour> out) const;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "envmap/sample/bicubic.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 

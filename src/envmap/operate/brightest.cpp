@@ -23,19 +23,15 @@ struct Middle {
   }
 };
 
-Direction direction_of(const Level& level, const Texel& t) {
-  const Point2 at[] = {{(t.i + 0.5) / level.width(), (t.j + 0.5) / level.height()}};
-  Direction d[1];
-  directions(level.projection(), t.face, at, d);
-  return d[0];
+Point2 centre_of(const Level& level, const Texel& t) {
+  return {(t.i + 0.5) / level.width(), (t.j + 0.5) / level.height()};
 }
 
-double weight_of(const Level& level, const Texel& t) {
-  const Point2 at[] = {{(t.i + 0.5) / level.width(), (t.j + 0.5) / level.height()}};
-  double density[1];
-  densities(level.projection(), at, density);
-  return density[0];
+Direction direction_of(const Level& level, const Texel& t) {
+  return direction_at(level.projection(), t.face, centre_of(level, t));
 }
+
+double weight_of(const Level& level, const Texel& t) { return density_at(level.projection(), centre_of(level, t)); }
 
 bool is_inside(const Level& level, int i, int j) {
   if (j < 0 || j >= level.height()) return false;
@@ -45,29 +41,22 @@ bool is_inside(const Level& level, int i, int j) {
 
 // The texel at a step from another: on the face itself, or where the projection goes on beyond its side.
 Texel beside(const Level& level, const Texel& t, int right, int down) {
-  if (is_inside(level, t.i + right, t.j + down)) return {t.face, t.i + right, t.j + down};
-  const Point2 at[] = {{(t.i + right + 0.5) / level.width(), (t.j + down + 0.5) / level.height()}};
-  Direction d[1];
-  Location<double> found[1];
-  directions(level.projection(), t.face, at, d);
-  locate(level.projection(), d, found);
-  return {found->face, std::clamp(int(found->u * level.width()), 0, level.width() - 1),
-          std::clamp(int(found->v * level.height()), 0, level.height() - 1)};
+  const Texel wanted{t.face, t.i + right, t.j + down};
+  if (is_inside(level, wanted.i, wanted.j)) return wanted;
+  const Location<double> found = locate(level.projection(), direction_of(level, wanted));
+  return {found.face, std::clamp(int(found.u * level.width()), 0, level.width() - 1),
+          std::clamp(int(found.v * level.height()), 0, level.height() - 1)};
 }
 
 // All texels of the luminance, row by row.
 std::vector<Texel> texels_of_luminance(const Level& level, double luminance) {
+  const auto rows = map_level<std::vector<Texel>>(level, [&](std::vector<Texel>& found, int face, int j) {
+    const Columns in = level.columns(j);
+    for (int i = in.first; i < in.end; ++i)
+      if (luminance_of(*level.texel(face, i, j)) == luminance) found.push_back({face, i, j});
+  });
   std::vector<Texel> all;
-  for (const auto& row : map_rows<std::vector<Texel>>(level.faces() * level.height(), [&](int k) {
-         std::vector<Texel> found;
-         level.trim();
-         const int face = k / level.height(), j = k % level.height();
-         const Columns in = level.columns(j);
-         for (int i = in.first; i < in.end; ++i)
-           if (luminance_of(*level.texel(face, i, j)) == luminance) found.push_back({face, i, j});
-         return found;
-       }))
-    all.insert(all.end(), row.begin(), row.end());
+  for (const std::vector<Texel>& row : rows) all.insert(all.end(), row.begin(), row.end());
   return all;
 }
 
@@ -110,18 +99,14 @@ std::vector<Texel> largest_region(const Level& level, const std::vector<Texel>& 
 
 // Of so many texels that they are not listed.
 std::optional<Direction> middle_of_all(const Level& level, double luminance) {
+  const auto rows = map_level<Middle>(level, [&](Middle& middle, int face, int j) {
+    const Columns in = level.columns(j);
+    for (int i = in.first; i < in.end; ++i)
+      if (const Texel t{face, i, j}; luminance_of(*level.texel(face, i, j)) == luminance)
+        middle.add(direction_of(level, t), weight_of(level, t));
+  });
   Middle all;
-  for (const Middle& row : map_rows<Middle>(level.faces() * level.height(), [&](int k) {
-         Middle middle;
-         level.trim();
-         const int face = k / level.height(), j = k % level.height();
-         const Columns in = level.columns(j);
-         for (int i = in.first; i < in.end; ++i)
-           if (const Texel t{face, i, j}; luminance_of(*level.texel(face, i, j)) == luminance)
-             middle.add(direction_of(level, t), weight_of(level, t));
-         return middle;
-       }))
-    all.sum += row.sum, all.weight += row.weight;
+  for (const Middle& row : rows) all.sum += row.sum, all.weight += row.weight;
   return all.direction();
 }
 

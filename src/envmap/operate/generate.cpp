@@ -279,10 +279,8 @@ void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
 void require(bool sensible, const char* message) {
   if (!sensible) throw UsageError(message);
 }
-void check(const Constant&) {}
-void check(const Gradient&) {}
-void check(const Directions&) {}
-void check(const Faces&) {}
+template <class P>
+void check(const P& /*any other*/) {}
 void check(const Sky& p) {
   check_not_negative("zenith", Flux(p.zenith));
   check_not_negative("ground", Flux(p.ground));

@@ -107,17 +107,14 @@ void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain) {
 
 std::int64_t into_gamut(Level& level, const Flux& luminance) {
   check_finite("luminance", luminance);
-  const auto rows = map_rows<std::int64_t>(level.faces() * level.height(), [&](int k) {
-    std::int64_t outside = 0;
-    for (Colour& texel : level.row(k / level.height(), k % level.height())) {
+  const auto rows = map_level<std::int64_t>(level, [&](std::int64_t& outside, int face, int row) {
+    for (Colour& texel : level.row(face, row)) {
       const Flux c(texel);
       if (!(least(c) < 0)) continue;
       if (least(c) < -1e-3 * largest(c)) ++outside;
       const double y = glm::dot(c, luminance);
       texel = Colour(y > 0 ? saturated(c, 1, y) : Flux(0));
     }
-    level.trim();
-    return outside;
   });
   return std::accumulate(rows.begin(), rows.end(), std::int64_t{0});
 }

@@ -89,10 +89,7 @@ void for_each_around(const Level& level, const Texel& t, F&& f) {
 }  // namespace
 
 Flaws find_flaws(const Level& level) {
-  const auto rows = map_rows<Flaws>(level.faces() * level.height(), [&](int k) {
-    Flaws found;
-    level.trim();
-    const int face = k / level.height(), j = k % level.height();
+  const auto rows = map_level<Flaws>(level, [&](Flaws& found, int face, int j) {
     const Columns in = level.columns(j);
     for (int i = in.first; i < in.end; ++i) {
       const Flaw f = flaw(*level.texel(face, i, j));
@@ -100,7 +97,6 @@ Flaws find_flaws(const Level& level) {
       if (!found.first) found.first = Texel{face, i, j};
       ++(f == Flaw::nan ? found.nan : f == Flaw::infinite ? found.infinite : found.negative);
     }
-    return found;
   });
   Flaws all;
   for (const Flaws& row : rows) {
@@ -171,10 +167,7 @@ Measures measure(const EnvironmentMap& map) {
       if (o.brightest > brightest) brightest = o.brightest, texel = o.texel, texels = o.texels;
     }
   };
-  const auto rows = map_rows<Row>(level.faces() * level.height(), [&](int k) {
-    Row r;
-    level.trim();
-    const int face = k / level.height(), j = k % level.height();
+  const auto rows = map_level<Row>(level, [&](Row& r, int face, int j) {
     const Columns in = level.columns(j);
     for (int i = in.first; i < in.end; ++i) {
       const Colour c = *level.texel(face, i, j);
@@ -182,7 +175,6 @@ Measures measure(const EnvironmentMap& map) {
       const double y = luminance_of(c);
       r.add({Rgb<double>(c), Rgb<double>(c), y > 0 ? y : inf, y, {face, i, j}, 1});
     }
-    return r;
   });
   Row all;
   for (const Row& r : rows) all.add(r);

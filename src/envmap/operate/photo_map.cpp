@@ -10,17 +10,13 @@
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 namespace {
 
 // A circle that was found is right to half a pixel, and outlines are blurred over one.
 constexpr double inset = 0.5;
-
-std::array<double, 4> catmull_rom(double t) {
-  const double t2 = t * t, t3 = t2 * t;
-  return {0.5 * (-t3 + 2 * t2 - t), 0.5 * (3 * t3 - 5 * t2 + 2), 0.5 * (-3 * t3 + 4 * t2 + t), 0.5 * (t3 - t2)};
-}
 
 // The pixels inside a circle, and beyond it the colours of the last ones towards its centre.
 class Disc {
@@ -30,7 +26,7 @@ class Disc {
   // Catmull-Rom interpolation, clamped to the four nearest pixels.
   [[nodiscard]] Colour at(const Point2& place) const {
     const double x = place.x - 0.5, y = place.y - 0.5, left = std::floor(x), top = std::floor(y);
-    const std::array<double, 4> wx = catmull_rom(x - left), wy = catmull_rom(y - top);
+    const std::array<double, 4> wx = catmull_rom<double>(x - left), wy = catmull_rom<double>(y - top);
     Flux sum(0);
     Colour least(std::numeric_limits<float>::max()), most(-least);
     for (int b = 0; b < 4; ++b)

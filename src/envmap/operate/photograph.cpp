@@ -10,7 +10,6 @@
 #include "envmap/operate/check_options.h"
 #include "envmap/operate/refuse_flaws.h"
 #include "envmap/projection/visit.h"
-#include "envmap/sample/bicubic.h"
 #include "envmap/sample/inverse_bilinear.h"
 #include "envmap/sample/point.h"
 

@@ -77,6 +77,23 @@ void facet_densities(Projection p, int facet, std::span<const Point2> points, st
 /// The same in whatever facet they lie.
 void densities(Projection p, std::span<const Point2> points, std::span<double> out);
 
+/// The same of one place, or of one direction.
+inline Direction direction_at(Projection p, int face, const Point2& at) {
+  Direction d;
+  directions(p, face, {&at, 1}, {&d, 1});
+  return d;
+}
+inline Location<double> locate(Projection p, const Direction& d) {
+  Location<double> at;
+  locate(p, {&d, 1}, {&at, 1});
+  return at;
+}
+inline double density_at(Projection p, const Point2& at) {
+  double density;
+  densities(p, {&at, 1}, {&density, 1});
+  return density;
+}
+
 /// Steradians of each texel of a row of `out.size()` texels; every face has the same. Outside the disc 0, on the rim
 /// the part inside.
 void solid_angles(Projection p, int size, int row, std::span<double> out);

@@ -7,8 +7,8 @@
 
 #include "envmap/maths/quadrature.h"
 #include "envmap/sample/footprint.h"
-#include "envmap/sample/point.h"
 #include "envmap/sample/inverse_bilinear.h"
+#include "envmap/sample/point.h"
 
 namespace envmap {
 namespace {
@@ -81,10 +81,7 @@ struct Workspace {
   static double rim_density(Projection p, const Point2& centre, const Point2& side) {
     const Point2 c = glm::abs(centre - 0.5), nearest = glm::max(c - 0.5 * side, Point2(0));
     if (glm::length(nearest) >= 0.5 || glm::length(c + 0.5 * side) <= 0.5) return 0;
-    const Point2 at[1] = {0.5 + nearest};
-    double density[1];
-    envmap::densities(p, at, density);
-    return density[0];
+    return density_at(p, 0.5 + nearest);
   }
 
   static void gather(const PaddedLevel& source, const Location<double>* at, const Colour* colour, const double* density,
@@ -155,8 +152,8 @@ double error_bound(const Cell& c, const Rgb<double>& mean, double cell_size, boo
 }
 
 Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& fallback, bool weigh, Workspace& ws) {
-  const Jacobian moved = jacobian(task.target, task.source.projection(), task.source.height(),
-                                  face, {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
+  const Jacobian moved = jacobian(task.target, task.source.projection(), task.source.height(), face,
+                                  {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
   const Point2 covers{glm::length(moved.du), glm::length(moved.dv)};
   const int nu = std::clamp(int(std::ceil(covers.x)), 1, max_cells);
   const int nv = std::clamp(int(std::ceil(covers.y)), 1, max_cells);
@@ -200,11 +197,9 @@ Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction
   }
   if (whole > 0) return Colour(mean);
   // A sliver inside the rim that no sample met.
-  Location<double> at[1];
-  Direction d[1] = {fallback};
-  task.target.bring_to_source(d);
-  locate(task.source.projection(), d, at);
-  return bilinear(task.source, at[0]);
+  Direction d = fallback;
+  task.target.bring_to_source({&d, 1});
+  return bilinear(task.source, locate(task.source.projection(), d));
 }
 
 void sample_area(const Area& task, int face, int row, int first, std::span<Colour> out) {

@@ -2,7 +2,6 @@
 #include <array>
 
 #include "envmap/sample/area.h"
-#include "envmap/sample/bicubic.h"
 #include "envmap/sample/inverse_bilinear.h"
 #include "envmap/sample/point.h"
 #include "envmap/sample/probes.h"

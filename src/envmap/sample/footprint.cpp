@@ -1,9 +1,9 @@
 #include "envmap/sample/footprint.h"
 
-#include "envmap/maths/portable.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "envmap/maths/portable.h"
 
 namespace envmap {
 namespace {
@@ -27,13 +27,10 @@ Jacobian jacobian(const Target& target, Projection source, int source_size, int 
     inside = 0.5 + (at - 0.5) * std::min(1.0, std::max(0.1, 1 - 0.5 / h) / std::max(r, 1e-9));
   }
   const Derivative out = derivative(target.to, {face, inside.x, inside.y}, 0.25 / h);
-  Direction d[1];
-  Location<double> place[1];
-  directions(target.to, face, std::span(&inside, 1), d);
-  const Direction in_frame = target.to_source * d[0];
-  target.bring_to_source(d);
-  locate(source, d, place);
-  const Derivative in = derivative(source, place[0], 0.25 / source_size);
+  Direction d = direction_at(target.to, face, inside);
+  const Direction in_frame = target.to_source * d;
+  target.bring_to_source({&d, 1});
+  const Derivative in = derivative(source, locate(source, d), 0.25 / source_size);
   const Direction a = in.du / (1.0 * source_size * aspect(source)), b = in.dv / double(source_size);
   const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b), most = std::max(aa, bb);
   const double det = std::max(aa * bb - ab * ab, std::max(1e-6 * most * most, 1e-300));

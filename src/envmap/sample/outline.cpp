@@ -42,12 +42,10 @@ Point2 on_cut_side(const Point2& a, const Point2& b, double s, bool on_sphere) {
 
 // Whether a direction of the source lies in a texel of the result.
 bool shows(const Target& target, const Sides& sides, std::size_t texel, const Direction& direction) {
-  const Direction d[1] = {glm::transpose(target.to_source) * direction};
-  Location<double> at[1];
-  locate(target.to, d, at);
-  const double x = at[0].u * target.size * aspect(target.to) - sides.first - double(texel);
-  const double y = at[0].v * target.size - sides.row;
-  return at[0].face == sides.face && x >= 0 && x <= 1 && y >= 0 && y <= 1;
+  const Location<double> at = locate(target.to, glm::transpose(target.to_source) * direction);
+  const double x = at.u * target.size * aspect(target.to) - sides.first - double(texel);
+  const double y = at.v * target.size - sides.row;
+  return at.face == sides.face && x >= 0 && x <= 1 && y >= 0 && y <= 1;
 }
 
 }  // namespace
@@ -168,10 +166,8 @@ struct LatlongPath {
       const double before = out.points.back().x;
       p.x -= w * std::round((p.x - before) / w);
       if (std::abs(p.x - before) > w / 64 && depth < 50) {
-        const Direction half[1] = {glm::normalize(last + d)};
-        Location<double> place[1];
-        locate(Projection::latlong, half, place);
-        go_to(half[0], place[0], false, depth + 1);
+        const Direction half = glm::normalize(last + d);
+        go_to(half, locate(Projection::latlong, half), false, depth + 1);
         return go_to(d, at, corner, depth + 1);
       }
       out.add(p, corner);

@@ -8,16 +8,11 @@
 
 #include "envmap/maths/portable.h"
 #include "envmap/sample/footprint.h"
-#include "envmap/sample/probes.h"
 #include "envmap/sample/point.h"
+#include "envmap/sample/probes.h"
 
 namespace envmap {
 namespace {
-
-struct Texel {
-  Rgb<double> light;
-  double weight;
-};
 
 // One probe, of this size.
 struct Box {
@@ -26,19 +21,15 @@ struct Box {
 };
 
 // A texel of the face, or of the environment where the projection continues to beyond it; weighted by |dd/du x dd/dv|.
-Texel texel_or_beyond(const PaddedLevel& level, int face, int i, int j) {
+SummedArea::Entry texel_or_beyond(const PaddedLevel& level, int face, int i, int j) {
   const double n = level.height(), u = (i + 0.5) / level.width(), v = (j + 0.5) / n;
   const Derivative d = derivative(level.projection(), {face, u, v}, 0.25 / n);
   const double weight = glm::length(glm::cross(d.du, d.dv));
   const bool in_face = i >= 0 && j >= 0 && i < level.width() && j < level.height();
   if (in_face && (!on_disc(level.projection()) || portable::hypot(2 * u - 1, 2 * v - 1) <= 1))
     return {weight * Rgb<double>(*level.texel(face, i, j)), weight};
-  const Point2 point[1] = {{u, v}};
-  Direction beyond[1];
-  Location<double> place[1];
-  directions(level.projection(), face, point, beyond);
-  locate(level.projection(), beyond, place);
-  return {weight * Rgb<double>(bilinear(level, place[0])), weight};
+  const Location<double> place = locate(level.projection(), direction_at(level.projection(), face, {u, v}));
+  return {weight * Rgb<double>(bilinear(level, place)), weight};
 }
 
 }  // namespace
@@ -47,8 +38,7 @@ SummedArea::SummedArea(const PaddedLevel& level, int margin)
     : margin_(margin),
       width_(level.width() + 2 * margin),
       height_(level.height() + 2 * margin),
-      entries_(std::size_t(level.faces()) * std::size_t(width_ + 1) *
-               std::size_t(height_ + 1)) {
+      entries_(std::size_t(level.faces()) * std::size_t(width_ + 1) * std::size_t(height_ + 1)) {
   tbb::parallel_for(0, level.faces(), [&](int face) { fill_face(level, face); });
 }
 
@@ -61,40 +51,34 @@ void SummedArea::fill_face(const PaddedLevel& level, int face) {
   tbb::parallel_for(0, height_, [&](int j) {
     Entry row;
     for (int i = 0; i < width_; ++i) {
-      const Texel t = texel_or_beyond(level, face, i - margin_, j - margin_);
-      row.light += t.light;
-      row.weight += t.weight;
+      row.add(texel_or_beyond(level, face, i - margin_, j - margin_));
       *at(i + 1, j + 1) = row;
     }
   });
   for (int j = 1; j < height_; ++j)
-    for (int i = 1; i <= width_; ++i) {
-      at(i, j + 1)->light += at(i, j)->light;
-      at(i, j + 1)->weight += at(i, j)->weight;
-    }
+    for (int i = 1; i <= width_; ++i) at(i, j + 1)->add(*at(i, j));
 }
 
 // The table is linear between its entries, as the sum over a texel of one colour is.
-void SummedArea::add_corner(int face, double x, double y, double sign, Rgb<double>& light, double& weight) const {
+void SummedArea::add_corner(int face, double x, double y, double sign, Entry& sum) const {
   const int i = std::clamp(int(x), 0, width_ - 1), j = std::clamp(int(y), 0, height_ - 1);
   const double fx = x - i, fy = y - j;
   const Entry* a = entry(face, i, j);
   const Entry* b = entry(face, i, j + 1);
   const double w[4] = {sign * (1 - fx) * (1 - fy), sign * fx * (1 - fy), sign * (1 - fx) * fy, sign * fx * fy};
-  light += w[0] * a[0].light + w[1] * a[1].light + w[2] * b[0].light + w[3] * b[1].light;
-  weight += w[0] * a[0].weight + w[1] * a[1].weight + w[2] * b[0].weight + w[3] * b[1].weight;
+  sum.light += w[0] * a[0].light + w[1] * a[1].light + w[2] * b[0].light + w[3] * b[1].light;
+  sum.weight += w[0] * a[0].weight + w[1] * a[1].weight + w[2] * b[0].weight + w[3] * b[1].weight;
 }
 
 Colour SummedArea::mean(const Location<double>& at, Point2 half) const {
   half = glm::clamp(half, Point2(0.5), Point2(margin_));
   const double x = at.u * (width_ - 2 * margin_) + margin_, y = at.v * (height_ - 2 * margin_) + margin_;
-  Rgb<double> light(0);
-  double weight = 0;
-  add_corner(at.face, x + half.x, y + half.y, 1, light, weight);
-  add_corner(at.face, x - half.x, y + half.y, -1, light, weight);
-  add_corner(at.face, x + half.x, y - half.y, -1, light, weight);
-  add_corner(at.face, x - half.x, y - half.y, 1, light, weight);
-  return Colour(glm::max(light / weight, Rgb<double>(0)));  // Rounding may leave a black place below 0.
+  Entry sum;
+  add_corner(at.face, x + half.x, y + half.y, 1, sum);
+  add_corner(at.face, x - half.x, y + half.y, -1, sum);
+  add_corner(at.face, x + half.x, y - half.y, -1, sum);
+  add_corner(at.face, x - half.x, y - half.y, 1, sum);
+  return Colour(glm::max(sum.light / sum.weight, Rgb<double>(0)));  // Rounding may leave a black place below 0.
 }
 
 Sampler summed_area_sampler(const PaddedLevel& source, const Target& target) {

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "envmap/sample/sampler.h"
 #include "envmap/sample/padded_level.h"
+#include "envmap/sample/sampler.h"
 #include "envmap/sample/target.h"
 
 namespace envmap {
@@ -17,6 +17,12 @@ namespace envmap {
 /// sun of 1e9.
 class SummedArea {
  public:
+  struct Entry {
+    Rgb<double> light{0};
+    double weight = 0;
+    void add(const Entry& o) { light += o.light, weight += o.weight; }
+  };
+
   /// @param margin texels around each face: half the largest box.
   SummedArea(const PaddedLevel& level, int margin);
 
@@ -24,13 +30,9 @@ class SummedArea {
   [[nodiscard]] Colour mean(const Location<double>& at, Point2 half) const;
 
  private:
-  struct Entry {
-    Rgb<double> light{0};
-    double weight = 0;
-  };
   void fill_face(const PaddedLevel& level, int face);
   [[nodiscard]] const Entry* entry(int face, int i, int j) const;
-  void add_corner(int face, double x, double y, double sign, Rgb<double>& light, double& weight) const;
+  void add_corner(int face, double x, double y, double sign, Entry& sum) const;
 
   int margin_, width_, height_;  // With the margin.
   std::vector<Entry> entries_;   // (width + 1) x (height + 1) a face, the first row and column 0.
