@@ -8,7 +8,6 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
-#include "picture/font.h"
 #include "picture/letters.h"
 
 namespace tools {
@@ -115,7 +114,7 @@ Letters letters_of(const std::string& text, int height, int margin) {
   const int room = int(1.4 * width_of(text, height)) + 2 * margin;
   Letters letters{Picture({room, 3 * height / 2 + 2 * margin}, Colour(0)), room, 0};
   Picture& cover = letters.cover;
-  draw_letters(cover, margin, margin + height, text, height, font_file());
+  draw_letters(cover, margin, margin + height, text, height);
   float most = 0;
   for (int j = 0; j < cover.size.height; ++j)
     for (int i = 0; i < cover.size.width; ++i)
