@@ -9,7 +9,7 @@
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "envmap/render/turn.h"
-#include "scenes/mirror_report.h"
+#include "scenes/mirrors.h"
 #include "scenes/scene_options.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
