@@ -1,5 +1,3 @@
-#include "tradeoff/view_task.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
