@@ -1,6 +1,7 @@
 #include "envmap/prefilter/hinge.h"
 
 #include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include "envmap/prefilter/cell.h"
@@ -291,6 +292,18 @@ void sum_all(const HingeSource<Grid>& source, const HingePolynomial& weight, std
 constexpr int fewest_rows = 8;
 int base_rows(double error) { return error < 3e-4 ? 128 : 64; }
 
+constexpr double rounding = 0x1p-24;  // Of a float.
+
+// Of one texel. @return its bound.
+float set_texel(const HingeSum& sum, double floor, Colour& out) {
+  double largest = 0;
+  for (int c = 0; c < 3; ++c) {
+    largest = std::max(largest, sum.bound[c] / std::max(sum.value[c] - sum.bound[c], floor));
+    out[c] = float(std::max(0.0, sum.value[c]));
+  }
+  return std::nextafter(float(largest + 2 * rounding), 1.F);  // Of the texels less the darkest, and of the result.
+}
+
 }  // namespace
 
 struct Hinges::Prepared {
@@ -329,6 +342,15 @@ std::optional<HingePolynomial> hinge_polynomial(const Lobe& lobe) {
     if (phong->exponent == 3) return HingePolynomial{{0, 0, phong->scale()}};
   }
   return std::nullopt;
+}
+
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_error, double mean, const Making& map) {
+  const double error = max_error - 3 * rounding;
+  map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
+    std::vector<HingeSum> sums(directions.size());
+    hinges.sums(weight, directions, error, {}, sums);
+    for (std::size_t k = 0; k < sums.size(); ++k) bounds[k] = set_texel(sums[k], 1e-3 * mean, texels[k]);
+  });
 }
 
 }  // namespace envmap::prefiltering
