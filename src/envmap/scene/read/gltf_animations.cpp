@@ -1,9 +1,8 @@
-#include "envmap/scene/read/gltf_animations.h"
-
 #include <map>
 #include <string>
 
 #include "envmap/scene/mesh.h"
+#include "envmap/scene/read/gltf_reader.h"
 
 namespace envmap {
 namespace {

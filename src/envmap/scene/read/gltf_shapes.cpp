@@ -1,5 +1,3 @@
-#include "envmap/scene/read/gltf_shapes.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <set>
 
 #include "envmap/scene/mesh.h"
+#include "envmap/scene/read/gltf_reader.h"
 
 namespace envmap {
 namespace {
