@@ -8,7 +8,6 @@
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
-#include "envmap/render/turn.h"
 #include "scenes/mirrors.h"
 #include "scenes/scene_options.h"
 #include "shared/map_options.h"

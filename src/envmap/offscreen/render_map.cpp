@@ -13,7 +13,6 @@
 #include "envmap/render/context.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
-#include "envmap/render/turn.h"
 
 namespace envmap {
 namespace {
