@@ -1,10 +1,10 @@
-// Cores of lobes, compiled once for every instruction set and chosen at run time.
-#include "envmap/prefilter/lobe_core.h"
-
+// The middles of narrow lobes, summed over the texels of the source: narrower than any grid of multilevel sums.
+// Compiled once for every instruction set and chosen at run time.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "envmap/prefilter/multilevel_kernels.h"
 #include "envmap/projection/cube.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -353,7 +353,7 @@ Flux OfCube(const Light& light, const LevelKernel& k, const Direction& n) {
   for (int face = 0; face < 6; ++face) {
     const Cube::Axes& a = Cube::axes[std::size_t(face)];
     const double ahead = glm::dot(n, a.forward), right = glm::dot(n, a.right), up = glm::dot(n, a.up);
-    if (ahead < 0.3) continue;  // Beyond a corner by more than widest_core.
+    if (ahead < 0.3) continue;  // Beyond a corner by more than 0.2 radians.
     const Cells across = cells_of(ahead, right, reach, size), down = cells_of(ahead, -up, reach, size);
     const double s = right / ahead, t = -up / ahead;
     const int count = across.last - across.first + 1;
