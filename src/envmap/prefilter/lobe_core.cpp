@@ -197,9 +197,7 @@ Flux over_row(const Place& place, const K& kernel, const RowOfTexels& texels, co
   const Piece& first = texels.texel;
   const double wide = first.x1 - first.x0, high = first.y1 - first.y0;
   RowByRules<Place> rows(place, texels);
-  V total[3][parts];
-  for (auto& channel : total)
-    for (V& v : channel) v = hn::Zero(d);
+  Sums total;
   Flux pieces(0);
   for (int k = 0; k < texels.count; k += int(virtual_lanes)) {
     const EightTexels eight(texels, k, of);
@@ -211,8 +209,7 @@ Flux over_row(const Place& place, const K& kernel, const RowOfTexels& texels, co
       const V of_middles = place.versine(row, r.rule.count / 2, hn::LoadU(d, r.middles(texels.from + at)));
       const auto even = rule_does(kernel, r, row.size, of_middles);
       const V sum = hn::IfThenElseZero(even, by_rule(place, kernel, row, r, texels.from + at));
-      for (std::size_t c = 0; c < 3; ++c)
-        total[c][part] = hn::Add(total[c][part], hn::Mul(sum, hn::Load(d, eight.light[c] + part * lanes)));
+      total.add(part, sum, eight.light[0] + part * lanes, virtual_lanes);
       if (hn::AllTrue(d, even)) continue;
       std::uint8_t bits[8] = {};
       hn::StoreMaskBits(d, even, bits);
@@ -225,7 +222,7 @@ Flux over_row(const Place& place, const K& kernel, const RowOfTexels& texels, co
       }
     }
   }
-  return pieces + wide * high * Flux(sum_of(total[0]), sum_of(total[1]), sum_of(total[2]));
+  return pieces + wide * high * total.whole();
 }
 
 template <class Place>
