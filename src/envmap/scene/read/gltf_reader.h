@@ -37,7 +37,7 @@ struct GltfReader {
   std::map<std::pair<std::size_t, bool>, int> textures = {};  ///< By index and whether they are colours.
   int plain_material = -1;                                    ///< Of primitives that name none.
 
-  void note_unsupported(const std::string& what) { envmap::note_unsupported(scene, what); }
+  void note_unsupported(const std::string& what) { note_once(scene.unsupported, what); }
 };
 
 /// Into scene.materials, with its textures.
