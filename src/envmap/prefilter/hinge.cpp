@@ -301,7 +301,6 @@ Hinges::Hinges(const Level& source, double mean, const Colour& darkest, int orde
         Prepared{HingeSource<CubeGrid>(source, mean, darkest, rows / 2, fewest_rows / 2, order), mean, order, rows});
 }
 Hinges::~Hinges() = default;
-Hinges::Hinges(Hinges&&) noexcept = default;
 
 bool Hinges::fits(int order, double error) const {
   return prepared_->order >= order && prepared_->rows == base_rows(error);

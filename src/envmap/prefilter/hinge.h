@@ -45,7 +45,6 @@ class Hinges {
   /// @param error the sums asked for have, about.
   Hinges(const Level& source, double mean, const Colour& darkest, int order, double error);
   ~Hinges();
-  Hinges(Hinges&&) noexcept;
 
   /// Whether it was made for these.
   [[nodiscard]] bool fits(int order, double error) const;

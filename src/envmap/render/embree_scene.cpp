@@ -226,7 +226,6 @@ EmbreeScene::EmbreeScene(const Shot& shot, const Direction& centre, int without)
     throw RendererError(fmt::format("Embree cannot hold the scene (error {})", int(error)));
 }
 
-EmbreeScene::EmbreeScene(EmbreeScene&&) noexcept = default;
 EmbreeScene::~EmbreeScene() = default;
 
 double EmbreeScene::clearance(const Direction& place) { return glm::length(place) / 32768; }

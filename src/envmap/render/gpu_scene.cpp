@@ -189,7 +189,6 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(i
               .double_sided = material.double_sided,
               .casts_shadow = casts_shadow(material)};
     set_bounds(mesh, part);
-    triangles_ += mesh.indices.size() / 3;
     parts_.push_back(part);
   }
   GLint most = 0;

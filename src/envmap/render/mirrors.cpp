@@ -271,11 +271,11 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                     .images = true};
   const bool by_distance = with_maps.look.lookup == MirrorLookup::distance;
   if (map.texture && map.texture->size == plan.size && map.axes == plan.axes && drawn_[k].lookup == shot.look.lookup) {
-    renderer.draw(from, with_maps, options.method, *map.texture);
+    renderer.draw(from, with_maps, DrawMethod::exact, *map.texture);
     renderer.make_levels(*map.texture, needed, by_distance);
   } else {
     MapTexture other(mirror.to, plan.size, level_count(plan.size));
-    renderer.draw(from, with_maps, options.method, other);
+    renderer.draw(from, with_maps, DrawMethod::exact, other);
     from.which = ~needed;
     renderer.draw_background(from, with_maps, other);
     renderer.make_levels(other, all_faces(mirror.to), by_distance);
