@@ -137,8 +137,11 @@ PendingDepfile::~PendingDepfile() { depfile() = {}; }
 
 namespace {
 
-// @param watch started before the file was read.
-void tell_source(const std::string& path, const Source& source, const Stopwatch& watch) {
+// @param reader read() or read_photo().
+Source told(Source (*reader)(const std::string&, const ReadOptions&, const Run&), const std::string& path,
+            const ReadOptions& options) {
+  const Stopwatch watch;
+  Source source = reader(path, options, {});
   if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
   settings().also_read.insert(settings().also_read.end(), source.colour_files.begin(), source.colour_files.end());
   for (const std::string& what : source.notes) warn(fmt::format("{}: {}", path, what));
@@ -149,23 +152,13 @@ void tell_source(const std::string& path, const Source& source, const Stopwatch&
                        level.height(), level.faces() > 1 ? fmt::format(" x {} faces", level.faces()) : "",
                        source.format, name(source.depth), watch.seconds()));
   }
+  return source;
 }
 
 }  // namespace
 
-Source read_map(const std::string& path, const ReadOptions& options) {
-  const Stopwatch watch;
-  Source source = read(path, options);
-  tell_source(path, source, watch);
-  return source;
-}
-
-Source read_picture(const std::string& path, const ReadOptions& options) {
-  const Stopwatch watch;
-  Source source = read_photo(path, options);
-  tell_source(path, source, watch);
-  return source;
-}
+Source read_map(const std::string& path, const ReadOptions& options) { return told(read, path, options); }
+Source read_picture(const std::string& path, const ReadOptions& options) { return told(read_photo, path, options); }
 
 void tell_clamping(const std::string& path, const Written& written) {
   if (written.clamped > 0)
