@@ -18,7 +18,7 @@
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
 #include "scenes/scene_options.h"
-#include "shared/named_files.h"
+#include "shared/maps.h"
 
 namespace tools {
 namespace {

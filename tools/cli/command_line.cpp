@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "cli/help.h"
-#include "cli/version.h"
 #include "envmap/base/error.h"
 #include "envmap/base/near_words.h"
 

@@ -34,4 +34,7 @@ int run(Parsed& parsed);
 /// What --version prints: the version, the commit where it is known, the libraries.
 std::string version_text();
 
+/// What draws with --context auto, or why nothing does.
+std::string renderer_text();
+
 }  // namespace tools

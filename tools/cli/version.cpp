@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include "cli/command_line.h"
-#include "cli/version.h"
 #include "commit.h"
 #include "envmap/base/error.h"
 #include "envmap/render/context.h"

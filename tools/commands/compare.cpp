@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <span>
 
 #include "command.h"
 #include "envmap/base/error.h"
@@ -32,31 +33,13 @@ struct Request {
   [[nodiscard]] bool limited() const { return max_error || max_rms || max_flux; }
 };
 
-// A limit that was broken, of a level.
+// A limit of a level, and what it is held against.
 struct Breach {
   int level;
   const char* metric;
-  double value, limit;
+  double value;
+  std::optional<double> limit;
   const char* option;
-};
-
-class Limits {
- public:
-  explicit Limits(const Request& o) : options_(o) {}
-  void check(int level, const Difference& d, bool same_texels) {
-    check(level, "flux", d.largest_flux(), options_.max_flux, "--max-flux");
-    if (!same_texels) return;
-    check(level, "rms", d.rms, options_.max_rms, "--max-rms");
-    check(level, "max", d.maximum, options_.max_error, "--max-error");
-  }
-  [[nodiscard]] const std::vector<Breach>& broken() const { return broken_; }
-
- private:
-  void check(int level, const char* metric, double value, const std::optional<double>& limit, const char* option) {
-    if (limit && !(value <= *limit)) broken_.push_back({level, metric, value, *limit, option});
-  }
-  const Request& options_;
-  std::vector<Breach> broken_;
 };
 
 std::string shape(const Source& s) {
@@ -87,6 +70,20 @@ std::vector<LevelDifference> compare_levels(const std::vector<Level>& further, c
     if (!both) d.flux = flux_difference(level, b.base());
     all.push_back(d);
   }
+  return all;
+}
+
+std::vector<Breach> breaches(const Request& o, const Difference& first, const std::vector<LevelDifference>& further) {
+  std::vector<Breach> all;
+  const auto check = [&](int level, const Difference& d, bool same_texels) {
+    const Breach each[] = {{level, "flux", d.largest_flux(), o.max_flux, "--max-flux"},
+                           {level, "rms", d.rms, o.max_rms, "--max-rms"},
+                           {level, "max", d.maximum, o.max_error, "--max-error"}};
+    for (const Breach& b : std::span(each).first(same_texels ? 3 : 1))
+      if (b.limit && !(b.value <= *b.limit)) all.push_back(b);
+  };
+  check(0, first, true);
+  for (const LevelDifference& level : further) check(level.number, level, level.same_texels);
   return all;
 }
 
@@ -124,30 +121,20 @@ std::string words(const Difference& d, const Verdict& v) {
                      100 * v.differs, v.moved);
 }
 
-struct Comparison {
-  const Request& request;
-  bool resampled, within;
-  const Difference& difference;  // Of the first level.
-  const Verdict& verdict;
-  const std::vector<LevelDifference>& levels;
-  const std::string& unlikeness;
-  const std::vector<Breach>& broken;
-};
-
-void add(Report& report, const Comparison& c) {
-  const Request& o = c.request;
-  const Difference& d = c.difference;
+// @param d of the first level.
+void add(Report& report, const Request& o, bool resampled, const Difference& d, const Verdict& verdict,
+         const std::vector<LevelDifference>& levels, const std::string& unlikeness, const std::vector<Breach>& broken) {
   report.put("a", o.a);
   report.put("b", o.b);
-  report.put("resampled", c.resampled);
+  report.put("resampled", resampled);
   report.put("flux", Direction(d.flux));
   report.put("rms", d.rms);
   report.put("max", d.maximum);
-  report.put("light_differs", c.verdict.differs);
-  report.put("brightest_moved", c.verdict.moved);
+  report.put("light_differs", verdict.differs);
+  report.put("brightest_moved", verdict.moved);
   report.put("worst.face", d.worst.face);
   report.put("worst.texel", ReportValue::Texel{d.worst.i, d.worst.j});
-  for (const LevelDifference& level : c.levels) {
+  for (const LevelDifference& level : levels) {
     report.append("levels[]");
     report.put("levels[].level", level.number);
     report.put("levels[].flux", Direction(level.flux));
@@ -160,16 +147,16 @@ void add(Report& report, const Comparison& c) {
   report.put("limits.same-shape", o.same_shape);
   report.put("limits.same-levels", o.same_levels);
   report.put("limits.same-depth", o.same_depth);
-  report.put("unlike", c.unlikeness.empty() ? ReportValue(nullptr) : c.unlikeness);
+  report.put("unlike", unlikeness.empty() ? ReportValue(nullptr) : unlikeness);
   report.put_array("broken");
-  for (const Breach& breach : c.broken) {
+  for (const Breach& breach : broken) {
     report.append("broken[]");
     report.put("broken[].level", breach.level);
     report.put("broken[].metric", breach.metric);
     report.put("broken[].value", breach.value);
     report.put("broken[].limit", breach.limit);
   }
-  report.put("within", c.within);
+  report.put("within", unlikeness.empty() && broken.empty());
 }
 
 // Multiplies A by the factor that brings its first level nearest to B. @return that factor in stops.
@@ -216,13 +203,10 @@ int run(Request& o, Report& report) {
   const Difference d = compare(a.map.base(), b.map.base(), &shown);
   const Verdict verdict = verdict_of(a.map, b.map, shown);
 
-  Limits limits_of_each(o);
-  limits_of_each.check(0, d, true);
-  for (const LevelDifference& level : levels) limits_of_each.check(level.number, level, level.same_texels);
-  const std::vector<Breach>& broken = limits_of_each.broken();
+  const std::vector<Breach> broken = breaches(o, d, levels);
   const bool same = unlikeness.empty() && broken.empty();
   if (settings().json) {
-    add(report, {o, resampled, same, d, verdict, levels, unlikeness, broken});
+    add(report, o, resampled, d, verdict, levels, unlikeness, broken);
     if (stops) report.put("exposure", *stops);
   } else {
     print(fmt::format("flux {:+.3e} {:+.3e} {:+.3e}\nrms  {:.3e}\nmax  {:.3e}  at face {}, texel ({},{})\n{}\n",
@@ -240,7 +224,7 @@ int run(Request& o, Report& report) {
     warn(fmt::format("envmap compare: {} has {} more level{}, not compared", o.b, left_out, left_out > 1 ? "s" : ""));
   for (const Breach& x : broken)
     warn(fmt::format("envmap compare: {}{} {:.3g} > {:g} ({})", x.level > 0 ? fmt::format("level {}: ", x.level) : "",
-                     x.metric, x.value, x.limit, x.option));
+                     x.metric, x.value, *x.limit, x.option));
   if (!o.difference.empty()) {
     EnvironmentMap out;
     out.levels.push_back(std::move(shown));

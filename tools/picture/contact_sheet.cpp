@@ -8,7 +8,6 @@
 #include <mutex>
 
 #include "cli/console.h"
-#include "picture/font.h"
 #include "picture/letters.h"
 
 namespace tools {
@@ -24,7 +23,7 @@ void paste(Picture& onto, Picture& from, int x, int y) {
 }
 
 void write(Picture& onto, int x, int y, const std::string& text, int height) {
-  if (!font_file().empty()) return draw_letters(onto, x, y, text, height, font_file());
+  if (!font_file().empty()) return draw_letters(onto, x, y, text, height);
   static std::once_flag told;
   std::call_once(told, [] { warn(fmt::format("no font, so the picture has no words: {}", install_font)); });
 }

@@ -8,7 +8,6 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
-#include "picture/font.h"
 #include "picture/letters.h"
 
 namespace tools {
@@ -84,14 +83,14 @@ void line(Picture& onto, Place a, Place b, double width, std::uint32_t rgb) {
 
 void dashes(Picture& onto, Place a, Place b, double width, std::uint32_t rgb, int scale) {
   const double length = std::hypot(b.x - a.x, b.y - a.y);
-  const auto at = [&](double d) { return Place{a.x + (b.x - a.x) * d / length, a.y + (b.y - a.y) * d / length}; };
+  const auto at = [&](double d) { return a + (b - a) * d / length; };
   for (double d = 0; d < length; d += (dash + gap) * scale)
     line(onto, at(d), at(std::min(d + dash * scale, length)), width, rgb);
 }
 
 void draw(Picture& onto, const Outline& o, int scale) {
   std::vector<Place> points = o.points;
-  for (Place& p : points) p = {p.x * scale, p.y * scale};
+  for (Place& p : points) p *= scale;
   if (o.fill) fill(onto, points, *o.fill);
   if (!o.stroke) return;
   const std::size_t lines = o.closed ? points.size() : points.size() - 1;
@@ -115,7 +114,7 @@ Letters letters_of(const std::string& text, int height, int margin) {
   const int room = int(1.4 * width_of(text, height)) + 2 * margin;
   Letters letters{Picture({room, 3 * height / 2 + 2 * margin}, Colour(0)), room, 0};
   Picture& cover = letters.cover;
-  draw_letters(cover, margin, margin + height, text, height, font_file());
+  draw_letters(cover, margin, margin + height, text, height);
   float most = 0;
   for (int j = 0; j < cover.size.height; ++j)
     for (int i = 0; i < cover.size.width; ++i)

@@ -6,13 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "envmap/maths/vector.h"
 #include "picture/contact_sheet.h"
 
 namespace tools {
 
-struct Place {
-  double x, y;  // In units of the page, y down.
-};
+using Place = envmap::Point2;  // In units of the page, y down.
 
 // A polygon, or a line where it is not filled.
 struct Outline {

@@ -4,7 +4,10 @@
 #include FT_FREETYPE_H
 
 #include <algorithm>
-#include <memory>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <vector>
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
@@ -13,10 +16,42 @@ namespace tools {
 namespace {
 
 using namespace envmap;
+namespace fs = std::filesystem;
+
+std::string setting(const char* name, const std::string& otherwise) {
+  const char* value = std::getenv(name);
+  return value != nullptr && *value != '\0' ? value : otherwise;
+}
+
+// XDG Base Directory Specification 0.8, and the folder that came before it.
+std::vector<fs::path> font_folders() {
+  const fs::path home = setting("HOME", "/");
+  std::vector<fs::path> folders{fs::path(setting("XDG_DATA_HOME", home / ".local/share")) / "fonts", home / ".fonts"};
+  std::istringstream shared(setting("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
+  for (std::string folder; std::getline(shared, folder, ':');) folders.push_back(fs::path(folder) / "fonts");
+  return folders;
+}
+
+// The first by its path, so that the order of a folder's entries does not count.
+std::string find_below(const fs::path& folder, const std::string& name) {
+  std::string found;
+  std::error_code error;
+  for (auto at = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, error);
+       !error && at != fs::recursive_directory_iterator(); at.increment(error))
+    if (at->path().filename() == name && (found.empty() || at->path() < found)) found = at->path();
+  return found;
+}
+
+std::string find_font() {
+  const std::vector<fs::path> folders = font_folders();
+  for (const char* name : {"DejaVuSans.ttf", "LiberationSans-Regular.ttf", "NotoSans-Regular.ttf"})
+    for (const fs::path& folder : folders)
+      if (std::string found = find_below(folder, name); !found.empty()) return found;
+  return {};
+}
 
 constexpr Colour light_grey(0.8F);
 
-// One for each thread: FreeType's are not shared.
 class Font {
  public:
   explicit Font(const std::string& file) {
@@ -40,13 +75,6 @@ class Font {
   FT_Face face_ = nullptr;
 };
 
-Font& font_of(const std::string& file) {
-  thread_local std::string open;
-  thread_local std::unique_ptr<Font> font;
-  if (open != file || !font) font = std::make_unique<Font>(file), open = file;
-  return *font;
-}
-
 // Takes the next letter off UTF-8 text. Bytes that are no letter stand for themselves.
 char32_t take_letter(std::string_view& text) {
   const std::size_t length = std::max<std::size_t>(1, utf8_length(text));
@@ -68,8 +96,14 @@ void blend(Picture& onto, int left, int top, const FT_Bitmap& cover) {
 
 }  // namespace
 
-void draw_letters(Picture& onto, int x, int y, std::string_view text, int height, const std::string& file) {
-  Font& font = font_of(file);
+const std::string& font_file() {
+  static const std::string found = find_font();
+  return found;
+}
+
+void draw_letters(Picture& onto, int x, int y, std::string_view text, int height) {
+  // One for each thread: FreeType's are not shared.
+  thread_local Font font(font_file());
   font.set_height(height);
   while (!text.empty()) {
     const FT_GlyphSlot glyph = font.glyph(take_letter(text));

@@ -27,7 +27,7 @@ struct Axis {
     return has_zero && decade == first ? "0" : fmt::format("1e{}", decade);
   }
 };
-Axis axis(std::span<const PlotPoint> points, double PlotPoint::* value, double from, double to) {
+Axis axis(std::span<const PlotPoint> points, double PlotPoint::*value, double from, double to) {
   double least = 1e300, most = 0;
   bool has_zero = false;
   for (const PlotPoint& p : points) {
@@ -63,7 +63,7 @@ Outline mark(std::size_t series, Place at, bool filled) {
   const std::uint32_t colour = colours[series % colours.size()];
   Outline o{
       .points = shape_of(series), .fill = filled ? colour : white, .stroke = colour, .width = 1.6, .closed = true};
-  for (Place& p : o.points) p = {p.x + at.x, p.y + at.y};
+  for (Place& p : o.points) p += at;
   return o;
 }
 

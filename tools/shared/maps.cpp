@@ -69,6 +69,19 @@ std::string identity(const std::string& path) {
 
 }  // namespace
 
+std::vector<std::string> files_of(const std::string& path, int levels, const std::string& faces) {
+  std::vector<std::string> all;
+  if (path.empty() || path == "-") return all;
+  const FaceFiles names = face_files(faces);
+  const int count = has_face(path) ? envmap::faces(projection_of_faces(path)) : 1;
+  for (int level = 0; level < (has_level(path) ? levels : 1); ++level)
+    for (int face = 0; face < count; ++face) {
+      const std::string one = level_path(path, level);
+      all.push_back(has_face(one) ? face_path(one, face, names) : one);
+    }
+  return all;
+}
+
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
                  const FaceNames& faces) {
   depfile() = {outputs, inputs, faces, nullptr, false};
@@ -124,8 +137,11 @@ PendingDepfile::~PendingDepfile() { depfile() = {}; }
 
 namespace {
 
-// @param watch started before the file was read.
-void tell_source(const std::string& path, const Source& source, const Stopwatch& watch) {
+// @param reader read() or read_photo().
+Source told(Source (*reader)(const std::string&, const ReadOptions&, const Run&), const std::string& path,
+            const ReadOptions& options) {
+  const Stopwatch watch;
+  Source source = reader(path, options, {});
   if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
   settings().also_read.insert(settings().also_read.end(), source.colour_files.begin(), source.colour_files.end());
   for (const std::string& what : source.notes) warn(fmt::format("{}: {}", path, what));
@@ -136,23 +152,13 @@ void tell_source(const std::string& path, const Source& source, const Stopwatch&
                        level.height(), level.faces() > 1 ? fmt::format(" x {} faces", level.faces()) : "",
                        source.format, name(source.depth), watch.seconds()));
   }
+  return source;
 }
 
 }  // namespace
 
-Source read_map(const std::string& path, const ReadOptions& options) {
-  const Stopwatch watch;
-  Source source = read(path, options);
-  tell_source(path, source, watch);
-  return source;
-}
-
-Source read_picture(const std::string& path, const ReadOptions& options) {
-  const Stopwatch watch;
-  Source source = read_photo(path, options);
-  tell_source(path, source, watch);
-  return source;
-}
+Source read_map(const std::string& path, const ReadOptions& options) { return told(read, path, options); }
+Source read_picture(const std::string& path, const ReadOptions& options) { return told(read_photo, path, options); }
 
 void tell_clamping(const std::string& path, const Written& written) {
   if (written.clamped > 0)

@@ -8,7 +8,6 @@
 
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
-#include "shared/named_files.h"
 
 namespace tools {
 
@@ -33,6 +32,15 @@ envmap::Written write_map(const std::string& path, const envmap::Rows& rows, con
 
 /// Writes a text to a file or to standard output ("-").
 void write_text(const std::string& path, std::string_view text);
+
+/// How {face} is named: --faces and --from-faces.
+struct FaceNames {
+  std::string written = {}, read = {};
+};
+
+/// Of a name with {face}, {half} and {level} all of its files, else the name; none of '-' and of no name.
+/// @param levels that there are. @param faces names of the files of {face}. @see face_files()
+std::vector<std::string> files_of(const std::string& path, int levels, const std::string& faces);
 
 /// @throws UsageError where an output or the depfile is an input or another output, by whatever names, where standard
 /// input is named twice, or where a report and an output would both go to standard output.

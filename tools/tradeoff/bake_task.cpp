@@ -1,5 +1,3 @@
-#include "tradeoff/bake_task.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include "envmap/io/scratch_file.h"
 #include "envmap/operate/convert.h"
 #include "shared/engine_options.h"
+#include "tradeoff/tasks.h"
 
 namespace tools {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "cli/options.h"
 #include "envmap/base/error.h"
-#include "envmap/io/read.h"
 #include "envmap/io/scratch_file.h"
 #include "envmap/io/write.h"
 #include "envmap/operate/convert.h"

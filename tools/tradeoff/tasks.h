@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "envmap/io/read.h"
 #include "envmap/io/scratch_file.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/operate/measure.h"
@@ -31,8 +32,8 @@ struct Way {
 };
 
 struct Task {
-  std::string name;          // As the user gave it.
-  std::string reference;     // What errors are counted from, in words.
+  std::string name;                     // As the user gave it.
+  std::string reference;                // What errors are counted from, in words.
   std::function<Outcome()> truth = {};  // Absent where every way has a judge.
   std::vector<Way> ways = {};
 };
@@ -48,5 +49,10 @@ std::string task_words();
 
 // @param map must outlive the task. @throws UsageError where the name is none of them, or a number is out of its range.
 Task make_task(const std::string& name, const envmap::EnvironmentMap& map);
+
+// The maps of an engine in every quality and in every depth that its files hold, for a task bake:ENGINE.
+// @param source must outlive the task.
+// @throws UsageError where there is no such engine.
+Task make_bake_task(const std::string& name, const envmap::Source& source);
 
 }  // namespace tools

@@ -13,10 +13,8 @@
 #include "picture/plot.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
-#include "tradeoff/bake_task.h"
 #include "tradeoff/scene_task.h"
 #include "tradeoff/tasks.h"
-#include "tradeoff/view_task.h"
 
 namespace tools {
 namespace {

@@ -1,5 +1,3 @@
-#include "tradeoff/view_task.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +11,7 @@
 #include "envmap/offscreen/viewpoints.h"
 #include "envmap/render/mirrors.h"
 #include "envmap/render/raycast.h"
-#include "scenes/mirror_options.h"
+#include "scenes/mirrors.h"
 #include "tradeoff/scene_task.h"
 
 namespace tools {

@@ -2,17 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <future>
+
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/offscreen/check_drawing.h"
 #include "envmap/offscreen/lit_scene.h"
-#include "envmap/offscreen/own_thread.h"
 #include "envmap/render/choose.h"
 #include "envmap/render/context.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
-#include "envmap/render/turn.h"
 
 namespace envmap {
 namespace {
@@ -50,14 +50,14 @@ Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose
   return from;
 }
 
+// In a thread of its own, so that the context that is current in the caller's stays current.
 Drawn draw_by_opengl(const Shot& shot, const Viewpoint& from, DrawMethod method, ContextKind kind) {
-  Drawn drawn;
-  in_own_thread([&] {
+  const auto drawn = [&] {
     const Context context(kind);
     Renderer renderer(shot.scene, shot.environment);
-    drawn = draw(renderer, from, shot, method);
-  });
-  return drawn;
+    return draw(renderer, from, shot, method);
+  };
+  return std::async(std::launch::async, drawn).get();
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "envmap/offscreen/view.h"
 
+#include <future>
 #include <optional>
 
 #include "envmap/base/carry_out.h"
@@ -10,7 +11,6 @@
 #include "envmap/offscreen/choose_mirrors.h"
 #include "envmap/offscreen/lit_scene.h"
 #include "envmap/offscreen/mirror_painter.h"
-#include "envmap/offscreen/own_thread.h"
 #include "envmap/offscreen/viewpoints.h"
 #include "envmap/render/raycast.h"
 
@@ -95,7 +95,8 @@ ViewedScene view(const std::string& path, const ViewOptions& o, const Environmen
     Sitting sitting{o, lit, mirrors, shot, eye_of({o.width, o.height, o.samples}, viewpoints.view(shot.pose, 0))};
     ViewedScene viewed{.width = o.width, .height = o.height, .radiance = {}, .mirrors = {}, .remarks = {}};
     bool by_rays = o.method == ViewMethod::raycast;
-    if (!by_rays) in_own_thread([&] { by_rays = !paint(sitting, viewed); });
+    // OpenGL in a thread of its own, so that the context that is current in the caller's stays current.
+    if (!by_rays) by_rays = !std::async(std::launch::async, [&] { return paint(sitting, viewed); }).get();
     if (by_rays) cast(sitting, part_progress(progress, 0.5, 0.5), viewed);
     viewed.remarks = lit.remarks(o.ambient);
     return viewed;

@@ -1,6 +1,7 @@
 #include "envmap/prefilter/hinge.h"
 
 #include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include "envmap/prefilter/cell.h"
@@ -10,16 +11,16 @@ namespace envmap::prefiltering {
 
 namespace {
 
-using Channels = std::array<double, 3>;
+Flux flux_of(const float (&lanes)[4]) { return {lanes[0], lanes[1], lanes[2]}; }
 
-// Terms added up, by channel.
+// Terms added up.
 struct Total {
-  Channels sum{}, off{};
+  Flux sum{0}, off{0};
 
-  void add(const HingeTerm& t) {
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += double(t.middle[c]), off[c] += double(t.off[c]);
-  }
+  void add(const HingeTerm& t) { sum += flux_of(t.middle), off += flux_of(t.off); }
 };
+
+bool within(const Flux& off, const Flux& most) { return !glm::any(glm::greaterThan(off, most)); }
 
 // What sums are held to at least, in units of the mean.
 constexpr double floor_of_mean = 1e-3;
@@ -107,15 +108,12 @@ class Summation {
     start_ = start();
     for (int face = 0; face < Grid::faces; ++face) seen_[std::size_t(face)] = Grid::seen(face, n);
     settled_ = {}, terms_.clear();
-    for (int c = 0; c < 3; ++c) settled_.sum[std::size_t(c)] = weight_.integral() * source_.darkest()[c];
+    settled_.sum = weight_.integral() * Flux(source_.darkest());
     // The flux of a channel is 12 pi times the mean at most.
-    settled_.off.fill(numerical * 12 * pi * weight_.slope(1));
+    settled_.off = Flux(numerical * 12 * pi * weight_.slope(1));
     for (int face = 0; face < Grid::faces; ++face) add_face(face);
     refine();
-    HingeSum out;
-    for (int c = 0; c < 3; ++c)
-      out.value[c] = settled_.sum[std::size_t(c)], out.bound[c] = settled_.off[std::size_t(c)];
-    return out;
+    return {settled_.sum, settled_.off};
   }
 
  private:
@@ -167,16 +165,8 @@ class Summation {
   }
 
   // What each channel may be off by.
-  [[nodiscard]] Channels allowed(const Total& now) const {
-    Channels all;
-    for (std::size_t c = 0; c < 3; ++c)
-      all[c] = error_ * std::max(now.sum[c] - now.off[c] + beside_[int(c)], floor_of_mean);
-    return all;
-  }
-  [[nodiscard]] static bool within(const Total& now, const Channels& most, double part) {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (now.off[c] > part * most[c]) return false;
-    return true;
+  [[nodiscard]] Flux allowed(const Total& now) const {
+    return error_ * glm::max(now.sum - now.off + beside_, floor_of_mean);
   }
 
   // Divides the terms that are off by most, level by level, until all together are good enough.
@@ -185,8 +175,8 @@ class Summation {
     for (std::size_t level = start_ + 1; level-- > 0; share *= 0.5) {
       Total now = settled_;
       for (const HingeTerm& t : terms_) now.add(t);
-      const Channels most = allowed(now);
-      if (within(now, most, 1)) break;
+      const Flux most = allowed(now);
+      if (within(now.off, most)) break;
       divide(level, now, most, share / double(std::max<std::size_t>(1, terms_.size())));
     }
     for (const HingeTerm& t : terms_) settled_.add(t);
@@ -194,12 +184,12 @@ class Summation {
   }
 
   // @param now the sum of all, to stop as soon as that is good enough. @param share of what is allowed, of one term.
-  void divide(std::size_t level, Total now, const Channels& most, double share) {
+  void divide(std::size_t level, Total now, const Flux& most, double share) {
     next_.clear();
     bool enough = false;
     for (const HingeTerm& t : terms_) {
-      enough = enough || within(now, most, 0.99);
-      if (enough || is_fine(t, most, share)) {
+      enough = enough || within(now.off, 0.99 * most);
+      if (enough || within(flux_of(t.off), share * most)) {
         settled_.add(t);
         continue;
       }
@@ -208,15 +198,10 @@ class Summation {
         add_quarters(level - 1, t);
       else
         add_texels(t, most, 0.02 * share);
-      for (std::size_t c = 0; c < 3; ++c) now.off[c] -= double(t.off[c]);
+      now.off -= flux_of(t.off);
       for (std::size_t k = first; k < next_.size(); ++k) now.add(next_[k]);
     }
     std::swap(terms_, next_);
-  }
-  [[nodiscard]] bool is_fine(const HingeTerm& t, const Channels& most, double share) const {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (double(t.off[c]) > share * most[c]) return false;
-    return true;
   }
 
   void add_quarters(std::size_t level, const HingeTerm& t) {
@@ -230,7 +215,7 @@ class Summation {
     bound_cells(n, weight_, batch_, next_);
   }
 
-  void add_texels(const HingeTerm& t, const Channels& most, double share) {
+  void add_texels(const HingeTerm& t, const Flux& most, double share) {
     const auto& grid = source_.levels().front().grid;
     const FaceDirection& n = seen_[std::size_t(t.face)];
     for (int row = grid.down.first(t.row); row < grid.down.end(t.row); ++row)
@@ -241,26 +226,21 @@ class Summation {
   }
 
   template <class Part>
-  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const Channels& most, double share,
+  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const Flux& most, double share,
                 int depth) {
     const PartView v = part.view(n);
     const double extent = v.across + v.down + v.bend;
     if (v.middle <= -extent) return;
     const bool cut = v.middle < extent;
     const PartTerm term = cut ? cut_part(v, extent, weight_) : whole_part(v, weight_);
-    bool fine = true;
-    for (int c = 0; c < 3; ++c) fine = fine && term.off * radiance[c] <= share * most[std::size_t(c)];
     constexpr int deepest = 12;
-    if (!fine && depth < deepest) {
+    if (depth < deepest && !within(term.off * radiance, share * most)) {
       const Division<Part> smaller = part.divided();
       for (std::size_t k = 0; k < smaller.count; ++k) add_part(smaller.parts[k], n, radiance, most, share, depth + 1);
       return;
     }
-    const double rounding = numerical * v.solid_angle * weight_.slope(1);
-    for (int c = 0; c < 3; ++c) {
-      settled_.sum[std::size_t(c)] += term.sum * radiance[c];
-      settled_.off[std::size_t(c)] += (term.off + rounding) * radiance[c];
-    }
+    const double rounding_of_part = numerical * v.solid_angle * weight_.slope(1);
+    settled_.sum += term.sum * radiance, settled_.off += (term.off + rounding_of_part) * radiance;
   }
 
   const HingeSource<Grid>& source_;
@@ -291,6 +271,18 @@ void sum_all(const HingeSource<Grid>& source, const HingePolynomial& weight, std
 constexpr int fewest_rows = 8;
 int base_rows(double error) { return error < 3e-4 ? 128 : 64; }
 
+constexpr double rounding = 0x1p-24;  // Of a float.
+
+// Of one texel. @return its bound.
+float set_texel(const HingeSum& sum, double floor, Colour& out) {
+  double largest = 0;
+  for (int c = 0; c < 3; ++c) {
+    largest = std::max(largest, sum.bound[c] / std::max(sum.value[c] - sum.bound[c], floor));
+    out[c] = float(std::max(0.0, sum.value[c]));
+  }
+  return std::nextafter(float(largest + 2 * rounding), 1.F);  // Of the texels less the darkest, and of the result.
+}
+
 }  // namespace
 
 struct Hinges::Prepared {
@@ -309,7 +301,6 @@ Hinges::Hinges(const Level& source, double mean, const Colour& darkest, int orde
         Prepared{HingeSource<CubeGrid>(source, mean, darkest, rows / 2, fewest_rows / 2, order), mean, order, rows});
 }
 Hinges::~Hinges() = default;
-Hinges::Hinges(Hinges&&) noexcept = default;
 
 bool Hinges::fits(int order, double error) const {
   return prepared_->order >= order && prepared_->rows == base_rows(error);
@@ -329,6 +320,15 @@ std::optional<HingePolynomial> hinge_polynomial(const Lobe& lobe) {
     if (phong->exponent == 3) return HingePolynomial{{0, 0, phong->scale()}};
   }
   return std::nullopt;
+}
+
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_error, double mean, const Making& map) {
+  const double error = max_error - 3 * rounding;
+  map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
+    std::vector<HingeSum> sums(directions.size());
+    hinges.sums(weight, directions, error, {}, sums);
+    for (std::size_t k = 0; k < sums.size(); ++k) bounds[k] = set_texel(sums[k], 1e-3 * mean, texels[k]);
+  });
 }
 
 }  // namespace envmap::prefiltering

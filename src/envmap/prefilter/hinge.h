@@ -17,6 +17,7 @@
 #include "envmap/base/progress.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/making.h"
 
 namespace envmap::prefiltering {
 
@@ -44,7 +45,6 @@ class Hinges {
   /// @param error the sums asked for have, about.
   Hinges(const Level& source, double mean, const Colour& darkest, int order, double error);
   ~Hinges();
-  Hinges(Hinges&&) noexcept;
 
   /// Whether it was made for these.
   [[nodiscard]] bool fits(int order, double error) const;
@@ -60,7 +60,12 @@ class Hinges {
   std::unique_ptr<Prepared> prepared_;
 };
 
-/// Of a lobe that is one.
+/// Of a lobe that is a power of t+: diffuse, Phong of exponent 1, 2 and 3, GGX of roughness 1.
 std::optional<HingePolynomial> hinge_polynomial(const Lobe& lobe);
+
+/// Sets the texels of a map, each with the bound of its error.
+/// @param weight see hinge_polynomial(). @param max_error wanted, relative like the bounds of the map.
+/// @param mean of the source's radiance.
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_error, double mean, const Making& map);
 
 }  // namespace envmap::prefiltering

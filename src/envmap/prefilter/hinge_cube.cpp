@@ -36,14 +36,7 @@ struct Distances {
     near = 1 / std::sqrt(1 + near_x * near_x + near_y * near_y);
     far = 1 / std::sqrt(1 + far_x * far_x + far_y * far_y);
   }
-  [[nodiscard]] double uneven4() const {
-    const double a = near / middle, b = far / middle;
-    return std::max(a * a * a * a - 1, 1 - b * b * b * b);
-  }
-  [[nodiscard]] double uneven5() const {
-    const double a = near / middle, b = far / middle;
-    return std::max(a * a * a * a * a - 1, 1 - b * b * b * b * b);
-  }
+  [[nodiscard]] double uneven(int power) const { return prefiltering::uneven(near / middle, far / middle, power); }
 };
 
 }  // namespace
@@ -104,9 +97,9 @@ CubeGrid::Cells CubeGrid::cells(int side) const {
                              .solid_angle = o,
                              .mean = {mx / o, my / o, mz / o},
                              .weight1 = weight,
-                             .uneven1 = r.uneven4(),
+                             .uneven1 = r.uneven(4),
                              .weight2 = weight * r.middle,
-                             .uneven2 = r.uneven5()});
+                             .uneven2 = r.uneven(5)});
     }
   }
   return made;
@@ -143,8 +136,8 @@ PartView CubeGrid::Part::view(const FaceDirection& n) const {
   const Distances r(x, half, y, half);
   v.middle = n.x * x + n.y * y + n.z;
   v.across = std::abs(n.x) * half, v.down = std::abs(n.y) * half;
-  v.weight1 = 4 * half * half * r.middle * r.middle * r.middle * r.middle, v.uneven1 = r.uneven4();
-  v.weight2 = v.weight1 * r.middle, v.uneven2 = r.uneven5();
+  v.weight1 = 4 * half * half * r.middle * r.middle * r.middle * r.middle, v.uneven1 = r.uneven(4);
+  v.weight2 = v.weight1 * r.middle, v.uneven2 = r.uneven(5);
   return v;
 }
 

@@ -48,6 +48,11 @@ struct CellView {
   double middle, across, down, bend, even;
 };
 
+/// x^4 or x^5.
+inline double power(double x, int n) { return n == 4 ? x * x * x * x : x * x * x * x * x; }
+/// The largest part by which a power of 1 / r differs. @param near, far the largest and least 1 / r, over the middle's.
+inline double uneven(double near, double far, int n) { return std::max(power(near, n) - 1, 1 - power(far, n)); }
+
 /// Columns that the horizon leaves wholly above, [first, last), and those that it may cut on either side, [cut, first)
 /// and [last, end). On latlong maps they may run on beyond the last column, once.
 struct RowSpan {

@@ -99,10 +99,9 @@ CellShape row_shape(double top, double bottom, int pole) {
   shape.centre = 0.5 * (cot(s0, c0) + cot(s1, c1));
   shape.half = 0.5 * portable::sin_pi(size) / (s0 * s1);
   const double r = 1 / std::sqrt(1 + shape.centre * shape.centre);
-  const auto power = [](double x, int n) { return n == 4 ? x * x * x * x : x * x * x * x * x; };
-  const auto uneven = [&](int n) { return std::max(power(shape.near / r, n) - 1, 1 - power(shape.far / r, n)); };
-  shape.weight1 = 2 * shape.half * power(r, 4) / shape.solid_angle, shape.uneven1 = uneven(4);
-  shape.weight2 = 2 * shape.half * power(r, 5) / shape.solid_angle, shape.uneven2 = uneven(5);
+  shape.weight1 = 2 * shape.half * power(r, 4) / shape.solid_angle;
+  shape.weight2 = 2 * shape.half * power(r, 5) / shape.solid_angle;
+  shape.uneven1 = uneven(shape.near / r, shape.far / r, 4), shape.uneven2 = uneven(shape.near / r, shape.far / r, 5);
   return shape;
 }
 

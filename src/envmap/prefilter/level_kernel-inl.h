@@ -28,6 +28,26 @@ HWY_INLINE double sum_of(const V (&total)[parts]) {
   return (pair(0) + pair(2)) + (pair(1) + pair(3));
 }
 
+// Three channels of virtual lanes.
+struct Sums {
+  V of[3][parts];
+
+  HWY_INLINE Sums() {
+    for (auto& channel : of)
+      for (V& v : channel) v = hn::Zero(D());
+  }
+  // @param values the red ones; green and blue follow `stride` floats apart.
+  HWY_INLINE void add(std::size_t part, V weight, const float* values, std::size_t stride) {
+    for (std::size_t c = 0; c < 3; ++c)
+      of[c][part] = hn::Add(of[c][part], hn::Mul(weight, hn::LoadU(D(), values + c * stride)));
+  }
+  HWY_INLINE void add(const Sums& more) {
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t part = 0; part < parts; ++part) of[c][part] = hn::Add(of[c][part], more.of[c][part]);
+  }
+  [[nodiscard]] HWY_INLINE Flux whole() const { return {sum_of(of[0]), sum_of(of[1]), sum_of(of[2])}; }
+};
+
 // 2 sin(angle)^2 of column - at, half a column's width of longitude each.
 HWY_INLINE void versines(double at, int columns, int low, int high, float* out) {
   const D d;

@@ -1,10 +1,10 @@
-// Cores of lobes, compiled once for every instruction set and chosen at run time.
-#include "envmap/prefilter/lobe_core.h"
-
+// The middles of narrow lobes, summed over the texels of the source: narrower than any grid of multilevel sums.
+// Compiled once for every instruction set and chosen at run time.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "envmap/prefilter/multilevel_kernels.h"
 #include "envmap/projection/cube.h"
 
 #undef HWY_DISABLED_TARGETS  // Eight lanes: AVX-512 would gain nothing.
@@ -199,9 +199,7 @@ Flux over_row(const Place& place, const K& kernel, const RowOfTexels& texels, co
   const Piece& first = texels.texel;
   const double wide = first.x1 - first.x0, high = first.y1 - first.y0;
   RowByRules<Place> rows(place, texels);
-  V total[3][parts];
-  for (auto& channel : total)
-    for (V& v : channel) v = hn::Zero(d);
+  Sums total;
   Flux pieces(0);
   for (int k = 0; k < texels.count; k += int(virtual_lanes)) {
     const EightTexels eight(texels, k, of);
@@ -213,8 +211,7 @@ Flux over_row(const Place& place, const K& kernel, const RowOfTexels& texels, co
       const V of_middles = place.versine(row, r.rule.count / 2, hn::LoadU(d, r.middles(texels.from + at)));
       const auto even = rule_does(kernel, r, row.size, of_middles);
       const V sum = hn::IfThenElseZero(even, by_rule(place, kernel, row, r, texels.from + at));
-      for (std::size_t c = 0; c < 3; ++c)
-        total[c][part] = hn::Add(total[c][part], hn::Mul(sum, hn::Load(d, eight.light[c] + part * lanes)));
+      total.add(part, sum, eight.light[0] + part * lanes, virtual_lanes);
       if (hn::AllTrue(d, even)) continue;
       std::uint8_t bits[8] = {};
       hn::StoreMaskBits(d, even, bits);
@@ -227,7 +224,7 @@ Flux over_row(const Place& place, const K& kernel, const RowOfTexels& texels, co
       }
     }
   }
-  return pieces + wide * high * Flux(sum_of(total[0]), sum_of(total[1]), sum_of(total[2]));
+  return pieces + wide * high * total.whole();
 }
 
 template <class Place>
@@ -355,7 +352,7 @@ Flux OfCube(const Light& light, const LevelKernel& k, const Direction& n) {
   for (int face = 0; face < 6; ++face) {
     const Cube::Axes& a = Cube::axes[std::size_t(face)];
     const double ahead = glm::dot(n, a.forward), right = glm::dot(n, a.right), up = glm::dot(n, a.up);
-    if (ahead < 0.3) continue;  // Beyond a corner by more than widest_core.
+    if (ahead < 0.3) continue;  // Beyond a corner by more than 0.2 radians.
     const Cells across = cells_of(ahead, right, reach, size), down = cells_of(ahead, -up, reach, size);
     const double s = right / ahead, t = -up / ahead;
     const int count = across.last - across.first + 1;

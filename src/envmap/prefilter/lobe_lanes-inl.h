@@ -115,25 +115,22 @@ HWY_INLINE V cosine(D d, V x) {
   return hn::Max(hn::Sub(set(d, 1), x), set(d, 1e-6));
 }
 
+/// The sizes of the derivatives of a lobe by x.
+template <class V>
+struct Derivatives {
+  V first, second, third;
+};
+
 // value(): lobe.h's. It may be asked for a little below x = 0, where the series of a node goes on, and then at most
-// doubles or so. slope(), second() and third(): the sizes of the derivatives by x, above the horizon; the largest over
-// an interval of x is that at one of its ends.
+// doubles or so. derivatives(): above the horizon; the largest over an interval of x is that at one of its ends.
 
 template <class D, class V>
 HWY_INLINE V value(const Cosine&, D d, V x) {
   return hn::Mul(set(d, 1 / pi), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
 }
 template <class D, class V>
-HWY_INLINE V slope(const Cosine&, D d, V /*x*/, V /*value*/) {
-  return set(d, 1 / pi);
-}
-template <class D, class V>
-HWY_INLINE V second(const Cosine&, D d, V /*x*/, V /*value*/) {
-  return hn::Zero(d);
-}
-template <class D, class V>
-HWY_INLINE V third(const Cosine&, D d, V /*x*/, V /*value*/) {
-  return hn::Zero(d);
+HWY_INLINE Derivatives<V> derivatives(const Cosine&, D d, V /*x*/, V /*value*/) {
+  return {set(d, 1 / pi), hn::Zero(d), hn::Zero(d)};
 }
 
 template <class D, class V>
@@ -142,16 +139,10 @@ HWY_INLINE V value(const Phong& l, D d, V x) {
   return hn::IfThenElseZero(hn::Lt(x, set(d, 1)), hn::Mul(set(d, l.scale()), power));
 }
 template <class D, class V>
-HWY_INLINE V slope(const Phong& l, D d, V x, V value) {
-  return hn::Div(hn::Mul(value, set(d, l.exponent)), cosine(d, x));
-}
-template <class D, class V>
-HWY_INLINE V second(const Phong& l, D d, V x, V value) {
-  return hn::Div(hn::Mul(slope(l, d, x, value), set(d, std::abs(l.exponent - 1))), cosine(d, x));
-}
-template <class D, class V>
-HWY_INLINE V third(const Phong& l, D d, V x, V value) {
-  return hn::Div(hn::Mul(second(l, d, x, value), set(d, std::abs(l.exponent - 2))), cosine(d, x));
+HWY_INLINE Derivatives<V> derivatives(const Phong& l, D d, V x, V value) {
+  const V c = cosine(d, x), first = hn::Div(hn::Mul(value, set(d, l.exponent)), c);
+  const V second = hn::Div(hn::Mul(first, set(d, std::abs(l.exponent - 1))), c);
+  return {first, second, hn::Div(hn::Mul(second, set(d, std::abs(l.exponent - 2))), c)};
 }
 
 // With q = a + b x, s = b / q and c = 1 - x: value = k c / q^2, and each derivative of 1 / q^2 brings another s.
@@ -165,24 +156,14 @@ HWY_INLINE V value(const Ggx& l, D d, V x) {
   return hn::Div(hn::Mul(set(d, l.scale), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x))), hn::Mul(q, q));
 }
 template <class D, class V>
-HWY_INLINE V ggx_derivative(const Ggx& l, D d, V x, double of_one, double of_cosine, int order) {
-  const V q = ggx_base(l, d, x), s = hn::Div(set(d, l.b), q);
-  const V bend = hn::Add(set(d, of_one), hn::Mul(set(d, of_cosine), hn::Mul(s, hn::Sub(set(d, 1), x))));
-  V found = hn::Mul(hn::Div(set(d, l.scale), hn::Mul(q, q)), bend);
-  for (int k = 1; k < order; ++k) found = hn::Mul(found, s);
-  return found;
-}
-template <class D, class V>
-HWY_INLINE V slope(const Ggx& l, D d, V x, V /*value*/) {
-  return ggx_derivative(l, d, x, 1, 2, 1);
-}
-template <class D, class V>
-HWY_INLINE V second(const Ggx& l, D d, V x, V /*value*/) {
-  return ggx_derivative(l, d, x, 4, 6, 2);
-}
-template <class D, class V>
-HWY_INLINE V third(const Ggx& l, D d, V x, V /*value*/) {
-  return ggx_derivative(l, d, x, 18, 24, 3);
+HWY_INLINE Derivatives<V> derivatives(const Ggx& l, D d, V x, V /*value*/) {
+  const V q = ggx_base(l, d, x), s = hn::Div(set(d, l.b), q), sc = hn::Mul(s, hn::Sub(set(d, 1), x));
+  const V scale = hn::Div(set(d, l.scale), hn::Mul(q, q));
+  const auto bent = [&](double of_one, double of_cosine) HWY_ATTR {
+    const V bend = hn::Add(set(d, of_one), hn::Mul(set(d, of_cosine), sc));
+    return hn::Mul(scale, bend);
+  };
+  return {bent(1, 2), hn::Mul(bent(4, 6), s), hn::Mul(hn::Mul(bent(18, 24), s), s)};
 }
 
 // With q = 1 - x/2, c = 1 - x and p the power: value = k c q^p, and by Leibniz's rule, each derivative of q^p brings p
@@ -196,26 +177,15 @@ template <class D, class V>
 HWY_INLINE V value(const BlinnPhong& l, D d, V x) {
   return hn::Mul(blinn_power(l, d, hn::Min(x, set(d, 1))), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
 }
-// k q^(p - order) x (of_q q + of_cosine c).
 template <class D, class V>
-HWY_INLINE V blinn_derivative(const BlinnPhong& l, D d, V x, double of_q, double of_cosine, int order) {
-  const V q = hn::Sub(set(d, 1), hn::Mul(set(d, 0.5), x)), c = hn::Sub(set(d, 1), x);
-  V found = hn::Mul(blinn_power(l, d, x), hn::Add(hn::Mul(set(d, of_q), q), hn::Mul(set(d, of_cosine), c)));
-  for (int k = 0; k < order; ++k) found = hn::Div(found, q);
-  return found;
-}
-template <class D, class V>
-HWY_INLINE V slope(const BlinnPhong& l, D d, V x, V /*value*/) {
-  return blinn_derivative(l, d, x, 1, l.power / 2, 1);
-}
-template <class D, class V>
-HWY_INLINE V second(const BlinnPhong& l, D d, V x, V /*value*/) {
-  return blinn_derivative(l, d, x, l.power, l.power * (l.power - 1) / 4, 2);
-}
-template <class D, class V>
-HWY_INLINE V third(const BlinnPhong& l, D d, V x, V /*value*/) {
+HWY_INLINE Derivatives<V> derivatives(const BlinnPhong& l, D d, V x, V /*value*/) {
+  const V q = hn::Sub(set(d, 1), hn::Mul(set(d, 0.5), x)), c = hn::Sub(set(d, 1), x), power = blinn_power(l, d, x);
   const double p = l.power, k = p * std::abs(p - 1) / 4;
-  return blinn_derivative(l, d, x, 3 * k, k * (p - 2) / 2, 3);
+  // k q^(p - 1) x (of_q q + of_cosine c).
+  const auto bent = [&](double of_q, double of_cosine) HWY_ATTR {
+    return hn::Div(hn::Mul(power, hn::Add(hn::Mul(set(d, of_q), q), hn::Mul(set(d, of_cosine), c))), q);
+  };
+  return {bent(1, p / 2), hn::Div(bent(p, p * (p - 1) / 4), q), hn::Div(hn::Div(bent(3 * k, k * (p - 2) / 2), q), q)};
 }
 
 template <class D, class V>
@@ -241,23 +211,13 @@ HWY_INLINE V charlie_most(const Charlie& l, D d, V lo, V hi, double of_one, doub
   return hn::Mul(hn::Max(powers(from), powers(hi)), hn::Max(line(from), line(hi)));
 }
 
-template <class D, class V>
-HWY_INLINE V slope(const Charlie& l, D d, V x, V /*value*/) {
-  return charlie_most(l, d, x, x, l.power, l.power + 1, 1);
-}
-
 // ---- over an interval -----------------------------------------------------------------------------------------------
 
 /// The largest sizes of the derivatives of a lobe over [lo, hi], hi <= 1.
-template <class V>
-struct Derivatives {
-  V first, second, third;
-};
 template <class L, class D, class V>
 HWY_INLINE Derivatives<V> derivatives_over(const L& l, D d, V lo, V at_lo, V hi, V at_hi) {
-  return {hn::Max(slope(l, d, lo, at_lo), slope(l, d, hi, at_hi)),
-          hn::Max(second(l, d, lo, at_lo), second(l, d, hi, at_hi)),
-          hn::Max(third(l, d, lo, at_lo), third(l, d, hi, at_hi))};
+  const auto a = derivatives(l, d, lo, at_lo), b = derivatives(l, d, hi, at_hi);
+  return {hn::Max(a.first, b.first), hn::Max(a.second, b.second), hn::Max(a.third, b.third)};
 }
 // value = k (x^p - x^(p+1)).
 template <class D, class V>
@@ -265,6 +225,10 @@ HWY_INLINE Derivatives<V> derivatives_over(const Charlie& l, D d, V lo, V /*at_l
   const double p = l.power, q = p * (p - 1);
   return {charlie_most(l, d, lo, hi, p, p + 1, 1), charlie_most(l, d, lo, hi, q, p * (p + 1), 2),
           charlie_most(l, d, lo, hi, q * (p - 2), q * (p + 1), 3)};
+}
+template <class D, class V>
+HWY_INLINE Derivatives<V> derivatives(const Charlie& l, D d, V x, V value) {
+  return derivatives_over(l, d, x, value, x, value);
 }
 
 /// The least and the most of a lobe over [lo, hi].

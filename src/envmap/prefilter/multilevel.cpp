@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "envmap/prefilter/lobe_core.h"
 
 namespace envmap::prefiltering {
 

@@ -45,26 +45,6 @@ void DotProducts(std::span<const float> in, std::size_t step, std::span<const fl
   }
 }
 
-// Three channels of virtual lanes.
-struct Sums {
-  V of[3][parts];
-
-  HWY_INLINE Sums() {
-    for (auto& channel : of)
-      for (V& v : channel) v = hn::Zero(D());
-  }
-  // @param values the red ones; green and blue follow `stride` floats apart.
-  HWY_INLINE void add(std::size_t part, V weight, const float* values, std::size_t stride) {
-    for (std::size_t c = 0; c < 3; ++c)
-      of[c][part] = hn::Add(of[c][part], hn::Mul(weight, hn::LoadU(D(), values + c * stride)));
-  }
-  HWY_INLINE void add(const Sums& more) {
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t part = 0; part < parts; ++part) of[c][part] = hn::Add(of[c][part], more.of[c][part]);
-  }
-  [[nodiscard]] HWY_INLINE Flux whole() const { return {sum_of(of[0]), sum_of(of[1]), sum_of(of[2])}; }
-};
-
 // The kernel in a window, column after column.
 template <class K>
 struct OfKernel {

@@ -19,7 +19,7 @@
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/exact.h"
-#include "envmap/prefilter/hinge_map.h"
+#include "envmap/prefilter/hinge.h"
 #include "envmap/prefilter/prepared_source.h"
 #include "envmap/prefilter/sheen_sum.h"
 #include "envmap/prefilter/treecode.h"

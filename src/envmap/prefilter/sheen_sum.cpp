@@ -83,9 +83,7 @@ class Summation {
     const D d;
     const V x = hn::Set(d, float(seen.x)), y = hn::Set(d, float(seen.y)), z = hn::Set(d, float(seen.z)),
             middle = hn::Set(d, float(t)), scale = hn::Set(d, float(plan_.scale));
-    V sum[3][parts];
-    for (auto& channel : sum)
-      for (V& v : channel) v = hn::Zero(d);
+    Sums sum;
     for (std::size_t k = 0; k < std::size_t(SheenBlocks::points); k += virtual_lanes)
       for (std::size_t part = 0; part < parts; ++part) {
         const std::size_t at = k + part * lanes;
@@ -94,8 +92,7 @@ class Summation {
                                       hn::Mul(z, hn::Load(d, shape.offset[2] + at))));
         const V cosine = hn::Add(middle, off);
         const V value = hn::Mul(hn::Mul(scale, cosine), sheen_power(d, plan_.power, cosine));
-        for (std::size_t c = 0; c < 3; ++c)
-          sum[c][part] = hn::Add(sum[c][part], hn::Mul(value, hn::Load(d, light.light[c] + at)));
+        sum.add(part, value, light.light[0] + at, SheenBlocks::points);
       }
     total_.add(sum);
   }
@@ -103,9 +100,8 @@ class Summation {
   // The cells of the texels of a block.
   void add_texels(const Direction& seen, int row, int column, std::size_t block) {
     const D d;
-    V sum[3][parts], off[3][parts];
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t part = 0; part < parts; ++part) sum[c][part] = off[c][part] = hn::Zero(d);
+    const auto stride = std::size_t(side_);
+    Sums sum, off;
     bool doubtful = false;
     for (int j = 0; j < side_; ++j)
       for (int i = 0; i < side_; i += int(virtual_lanes)) {
@@ -113,16 +109,13 @@ class Summation {
         for (std::size_t part = 0; part < parts; ++part) {
           const Weights w = weights(texels, part * lanes);
           doubtful = doubtful || !hn::AllFalse(d, w.doubtful);
-          for (std::size_t c = 0; c < 3; ++c) {
-            const V light = hn::LoadU(d, blocks_.texels(block, j, int(c)) + std::size_t(i) + part * lanes);
-            sum[c][part] = hn::Add(sum[c][part], hn::Mul(light, w.sum));
-            off[c][part] = hn::Add(off[c][part], hn::Mul(light, w.off));
-          }
+          const float* light = blocks_.texels(block, j, 0) + std::size_t(i) + part * lanes;
+          sum.add(part, w.sum, light, stride), off.add(part, w.off, light, stride);
         }
       }
     total_.add(sum);
     if (!doubtful) return;
-    for (std::size_t c = 0; c < 3; ++c) off_[int(c)] += sum_of(off[c]);
+    off_ += off.whole();
     doubtful_.push_back({seen, row, column, block});
   }
 
@@ -243,23 +236,17 @@ class Summation {
 
   // Light of many blocks, now and then moved from float to double.
   struct Total {
-    V sum[3][parts];
+    Sums sum;
     Flux settled{0};
     int count = 0;
-    Total() { clear(); }
-    void clear() {
-      for (auto& channel : sum)
-        for (V& v : channel) v = hn::Zero(D());
-      count = 0;
-    }
-    void add(const V (&more)[3][parts]) {
-      for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t part = 0; part < parts; ++part) sum[c][part] = hn::Add(sum[c][part], more[c][part]);
+    Total() {}  // NOLINT: one that the compiler makes lacks the target.
+    void add(const Sums& more) {
+      sum.add(more);
       if (++count == 32) settle();
     }
     void settle() {
-      settled += Flux(sum_of(sum[0]), sum_of(sum[1]), sum_of(sum[2]));
-      clear();
+      settled += sum.whole();
+      sum = {}, count = 0;
     }
     Flux flux() {
       settle();
@@ -280,8 +267,8 @@ class Summation {
   std::vector<DoubtfulBlock> doubtful_;
 };
 
-void Sums(const SheenPlan& plan, const SheenBlocks& blocks, std::span<const Direction> directions,
-          std::span<SheenSum> out) {
+void SumAll(const SheenPlan& plan, const SheenBlocks& blocks, std::span<const Direction> directions,
+            std::span<SheenSum> out) {
   const auto go = [&](auto summation) {
     for (std::size_t k = 0; k < directions.size(); ++k) out[k] = summation.over(directions[k]);
   };
@@ -297,7 +284,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace envmap::prefiltering {
-HWY_EXPORT(Sums);
+HWY_EXPORT(SumAll);
 
 // The remainder of Gauss's rule (Abramowitz and Stegun 1964, 25.4.30) for a power of e, and for t times it near the
 // horizon. Two points are too few for what is narrow at a pole.
@@ -386,7 +373,7 @@ SheenPlan fitted(SheenPlan plan, const SheenBlocks& blocks) {
 
 void sheen_sums(const SheenPlan& plan, const SheenBlocks& blocks, std::span<const Direction> directions,
                 std::span<SheenSum> out) {
-  HWY_DYNAMIC_DISPATCH(Sums)(plan, blocks, directions, out);
+  HWY_DYNAMIC_DISPATCH(SumAll)(plan, blocks, directions, out);
 }
 
 void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const Making& map) {

@@ -96,7 +96,7 @@ HWY_INLINE void judge_lanes(const L& lobe, const Criterion& criterion, const Nod
       hn::Add(hn::Mul(half, hn::Mul(bent, m)), hn::Mul(set(d, 1.0 / 3), hn::Mul(twisted, hn::Mul(a, hn::Mul(a, a)))));
   V any;
   if (lobe.convex()) {
-    const V steep = slope(lobe, d, lo, at_lo), flat = slope(lobe, d, end, at_hi);
+    const V steep = derivatives(lobe, d, lo, at_lo).first, flat = derivatives(lobe, d, end, at_hi).first;
     const V turned = hn::Sub(steep, hn::IfThenElseZero(hn::Lt(hi, one), flat));
     const V chord = hn::Add(hn::Mul(half, hn::Mul(off, turned)), hn::Mul(steep, excess));
     any = hn::IfThenElse(known, hn::Min(at_lo, chord), at_lo);

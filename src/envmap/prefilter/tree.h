@@ -5,7 +5,6 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "envmap/map/environment_map.h"
@@ -47,7 +46,6 @@ class Tree {
     std::unique_ptr<NodeQuad[]> quads;    ///< The same in fours, by where they lie in the level above.
 
     Blocks(int count, int across, int down);
-    [[nodiscard]] std::span<const Node> all() const { return {nodes.get(), place(width, height, faces, 0)}; }
     [[nodiscard]] Node* row(int face, int j) const { return &nodes[place(width, height, face, j)]; }
     [[nodiscard]] const Node& node(int face, int i, int j) const { return row(face, j)[i]; }
     /// Blocks 2i, 2i + 1 of rows 2j, 2j + 1.

@@ -226,6 +226,5 @@ bool finds_graphics_card() {
 }
 
 Context::~Context() = default;
-Context::Context(Context&&) noexcept = default;
 
 }  // namespace envmap

@@ -22,7 +22,6 @@ class Context {
   /// @throws RendererError with the reason and what to install.
   explicit Context(ContextKind kind);
   ~Context();
-  Context(Context&&) noexcept;
 
   /// The library, and what GL says of the renderer and its version.
   [[nodiscard]] const std::string& renderer() const { return renderer_; }

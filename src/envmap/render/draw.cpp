@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "envmap/base/error.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {
@@ -88,6 +89,24 @@ std::vector<Direction> centres_of_nodes(const Scene& scene, const Pose& pose) {
   std::vector<Direction> centres;
   for (std::size_t k = 0; k < boxes.size(); ++k) centres.push_back(boxes[k].centre_or(Direction(pose[k][3])));
   return centres;
+}
+
+std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from,
+                                      const std::string& name) {
+  if (name == "camera") {
+    if (scene.cameras.empty()) return std::nullopt;
+    return Direction(pose[std::size_t(scene.cameras.front().node)][3]) - from;
+  }
+  if (const auto node = find_node(scene, name)) return centre_of(scene, pose, *node) - from;
+  return std::nullopt;
+}
+
+Rotation turned_to(const Direction& along) {
+  if (!(glm::length(along) > 0)) throw UsageError("a map cannot look at the place that it is drawn from");
+  const Direction z = glm::normalize(along);
+  const Direction up = std::abs(z.y) < 1 - 1e-9 ? Direction(0, 1, 0) : Direction(0, 0, 1);
+  const Direction x = glm::normalize(glm::cross(up, z));
+  return {x, glm::cross(z, x), z};
 }
 
 }  // namespace envmap

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -116,6 +117,14 @@ Direction centre_of(const Scene& scene, const Pose& pose, int node);
 
 /// centre_of() each node, in the time of one.
 std::vector<Direction> centres_of_nodes(const Scene& scene, const Pose& pose);
+
+/// From a place of the world to the centre of a node, or to the scene's first camera where the name is "camera";
+/// nothing where there is none of that name. Not of unit length.
+std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from,
+                                      const std::string& name);
+
+/// Viewpoint::axes that look there: Z along it, X level. @param along any length but 0. @throws UsageError
+Rotation turned_to(const Direction& along);
 
 /// A drawn map with what is needed to judge it, texel by texel in the order of faces, rows and columns.
 struct Drawn {

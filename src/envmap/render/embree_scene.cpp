@@ -38,9 +38,7 @@ InstanceTransform place(const Shot& shot, const Direction& centre, const Instanc
   for (const glm::vec3& v : p.mesh->positions) p.positions.emplace_back(linear * Direction(v) + offset);
   p.indices = p.mesh->indices;
   p.tangents = linear;
-  // The cofactors are the inverse transposed but for its scale, and also there where a node is squashed flat.
-  p.normals =
-      Rotation(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1]));
+  p.normals = cofactors(linear);
   if (glm::determinant(linear) < 0) {
     // The front of a mirrored triangle is where its corners run clockwise (glTF 2.0, 3.7.4).
     for (std::size_t k = 0; k + 2 < p.indices.size(); k += 3) std::swap(p.indices[k + 1], p.indices[k + 2]);
@@ -226,7 +224,6 @@ EmbreeScene::EmbreeScene(const Shot& shot, const Direction& centre, int without)
     throw RendererError(fmt::format("Embree cannot hold the scene (error {})", int(error)));
 }
 
-EmbreeScene::EmbreeScene(EmbreeScene&&) noexcept = default;
 EmbreeScene::~EmbreeScene() = default;
 
 double EmbreeScene::clearance(const Direction& place) { return glm::length(place) / 32768; }

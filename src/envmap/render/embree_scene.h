@@ -28,7 +28,6 @@ class EmbreeScene {
   /// @param centre world. @param without the node that is not seen, with all below it; -1: none. It casts shadows.
   /// @throws RendererError where Embree runs out of memory.
   EmbreeScene(const Shot& shot, const Direction& centre, int without);
-  EmbreeScene(EmbreeScene&&) noexcept;
   ~EmbreeScene();
 
   /// Returns the closest hit. In air, back faces of single-sided materials are skipped (glTF doubleSided). Inside a

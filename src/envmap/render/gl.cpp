@@ -11,10 +11,21 @@
 namespace envmap::gl {
 namespace {
 
-struct DeleteShader {
-  void operator()(GLuint name) const { glDeleteShader(name); }
-};
-using Shader = Object<DeleteShader>;
+using Shader = Object<glDeleteShader>;
+
+GLuint named(auto create, auto... target) {
+  GLuint name = 0;
+  create(target..., 1, &name);
+  return name;
+}
+
+std::string log_of(auto get, GLuint name) {
+  std::string message(4096, '\0');
+  GLsizei length = 0;
+  get(name, static_cast<GLsizei>(message.size()), &length, message.data());
+  message.resize(std::size_t(length));
+  return message;
+}
 
 // Mesa takes an undefined name in a condition for 0.
 void check_conditions(const std::string& source, const Definitions& definitions) {
@@ -52,30 +63,18 @@ Shader compile(const Stage& stage, const Definitions& definitions) {
   GLint compiled = 0;
   glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
   if (compiled == GL_TRUE) return shader;
-  std::string message(4096, '\0');
-  GLsizei length = 0;
-  glGetShaderInfoLog(shader, static_cast<GLsizei>(message.size()), &length, message.data());
-  message.resize(std::size_t(length));
-  throw std::runtime_error(fmt::format("{}: {}", names, message));
+  throw std::runtime_error(fmt::format("{}: {}", names, log_of(glGetShaderInfoLog, shader)));
 }
 
 }  // namespace
 
 Buffer make_buffer(const void* data, std::size_t bytes, GLbitfield flags) {
-  GLuint name = 0;
-  glCreateBuffers(1, &name);
-  Buffer buffer(name);
+  Buffer buffer(named(glCreateBuffers));
   if (bytes == 0)
     glNamedBufferStorage(buffer, 16, nullptr, flags);
   else
     glNamedBufferStorage(buffer, static_cast<GLsizeiptr>(bytes), data, flags);
   return buffer;
-}
-
-Texture make_texture(GLenum target) {
-  GLuint name = 0;
-  glCreateTextures(target, 1, &name);
-  return Texture(name);
 }
 
 void interpolate(const Texture& texture) {
@@ -85,28 +84,12 @@ void interpolate(const Texture& texture) {
   glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
-VertexArray make_vertex_array() {
-  GLuint name = 0;
-  glCreateVertexArrays(1, &name);
-  return VertexArray(name);
-}
-
-Framebuffer make_framebuffer() {
-  GLuint name = 0;
-  glCreateFramebuffers(1, &name);
-  return Framebuffer(name);
-}
-
-Query make_query(GLenum target) {
-  GLuint name = 0;
-  glCreateQueries(target, 1, &name);
-  return Query(name);
-}
-
+Texture make_texture(GLenum target) { return Texture(named(glCreateTextures, target)); }
+VertexArray make_vertex_array() { return VertexArray(named(glCreateVertexArrays)); }
+Framebuffer make_framebuffer() { return Framebuffer(named(glCreateFramebuffers)); }
+Query make_query(GLenum target) { return Query(named(glCreateQueries, target)); }
 Renderbuffer make_renderbuffer(GLenum format, int width, int height) {
-  GLuint name = 0;
-  glCreateRenderbuffers(1, &name);
-  Renderbuffer made(name);
+  Renderbuffer made(named(glCreateRenderbuffers));
   glNamedRenderbufferStorage(made, format, width, height);
   return made;
 }
@@ -118,11 +101,7 @@ Program make_program(const std::vector<Stage>& stages, const Definitions& defini
   GLint linked = 0;
   glGetProgramiv(program, GL_LINK_STATUS, &linked);
   if (linked == GL_TRUE) return program;
-  std::string message(4096, '\0');
-  GLsizei length = 0;
-  glGetProgramInfoLog(program, static_cast<GLsizei>(message.size()), &length, message.data());
-  message.resize(std::size_t(length));
-  throw std::runtime_error(message);
+  throw std::runtime_error(log_of(glGetProgramInfoLog, program));
 }
 
 void set(const Program& p, const char* name, int value) { glProgramUniform1i(p, glGetUniformLocation(p, name), value); }

@@ -9,13 +9,15 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace envmap::gl {
 
 /// The name of an object that is deleted with the value. 0: none.
-template <class Delete>
+/// @param Delete takes a name, or a number of names.
+template <auto& Delete>
 class Object {
  public:
   Object() = default;
@@ -26,7 +28,11 @@ class Object {
     return *this;
   }
   ~Object() {
-    if (name_ != 0) Delete()(name_);
+    if (name_ == 0) return;
+    if constexpr (std::is_invocable_v<decltype(Delete), GLuint>)
+      Delete(name_);
+    else
+      Delete(1, &name_);
   }
   operator GLuint() const { return name_; }  // NOLINT: it is what GL's functions take
 
@@ -34,35 +40,13 @@ class Object {
   GLuint name_ = 0;
 };
 
-struct DeleteBuffer {
-  void operator()(GLuint name) const { glDeleteBuffers(1, &name); }
-};
-struct DeleteTexture {
-  void operator()(GLuint name) const { glDeleteTextures(1, &name); }
-};
-struct DeleteRenderbuffer {
-  void operator()(GLuint name) const { glDeleteRenderbuffers(1, &name); }
-};
-struct DeleteFramebuffer {
-  void operator()(GLuint name) const { glDeleteFramebuffers(1, &name); }
-};
-struct DeleteVertexArray {
-  void operator()(GLuint name) const { glDeleteVertexArrays(1, &name); }
-};
-struct DeleteQuery {
-  void operator()(GLuint name) const { glDeleteQueries(1, &name); }
-};
-struct DeleteProgram {
-  void operator()(GLuint name) const { glDeleteProgram(name); }
-};
-
-using Buffer = Object<DeleteBuffer>;
-using Texture = Object<DeleteTexture>;
-using Renderbuffer = Object<DeleteRenderbuffer>;
-using Framebuffer = Object<DeleteFramebuffer>;
-using VertexArray = Object<DeleteVertexArray>;
-using Query = Object<DeleteQuery>;
-using Program = Object<DeleteProgram>;
+using Buffer = Object<glDeleteBuffers>;
+using Texture = Object<glDeleteTextures>;
+using Renderbuffer = Object<glDeleteRenderbuffers>;
+using Framebuffer = Object<glDeleteFramebuffers>;
+using VertexArray = Object<glDeleteVertexArrays>;
+using Query = Object<glDeleteQueries>;
+using Program = Object<glDeleteProgram>;
 
 /// A buffer that holds this and does not grow. Empty ones hold 16 bytes, since GL binds none of 0.
 Buffer make_buffer(const void* data, std::size_t bytes, GLbitfield flags = 0);

@@ -189,7 +189,6 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(i
               .double_sided = material.double_sided,
               .casts_shadow = casts_shadow(material)};
     set_bounds(mesh, part);
-    triangles_ += mesh.indices.size() / 3;
     parts_.push_back(part);
   }
   GLint most = 0;
@@ -248,9 +247,7 @@ void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye,
     world[3] = {Direction(world[3]) - eye, 1};
     const Rotation linear(world);
     const double sign = glm::determinant(linear) < 0 ? -1 : 1;
-    // Cofactors: the inverse transpose but for a factor, and there for matrices that have no inverse.
-    const Rotation normals = sign * Rotation(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                                             glm::cross(linear[0], linear[1]));
+    const Rotation normals = sign * cofactors(linear);
     // Frobenius' norm is at least the largest factor by which a length grows.
     double norm = 0;
     for (int axis = 0; axis < 3; ++axis) norm += glm::dot(linear[axis], linear[axis]);

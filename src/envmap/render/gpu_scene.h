@@ -57,7 +57,6 @@ class GpuScene {
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
   [[nodiscard]] bool blends() const { return std::ranges::any_of(groups_, &Group::blended); }
-  [[nodiscard]] std::size_t triangles() const { return triangles_; }
   [[nodiscard]] int lights() const { return lights_; }
 
   /// Uploads a mesh's vertex attributes again. Vertex count and triangles must not have changed.
@@ -84,7 +83,6 @@ class GpuScene {
   std::vector<First> first_;  // By mesh.
   std::vector<InstanceTransform> placed_;
   std::vector<Group> groups_;
-  std::size_t triangles_ = 0;
   int lights_ = 0;
   gl::Buffer vertices_, indices_, corners_, tangents_, materials_, instances_, light_buffer_;
   gl::Texture corner_texels_, tangent_texels_, material_texels_, instance_texels_;

@@ -11,7 +11,6 @@ namespace envmap {
 /// sides bend. band: of two angles across and down, cut open from pole to pole. other: none of these; no shader draws
 /// triangles into it, but rays and resampling do not care.
 enum class ImageShape { plane, disc, band, other };
-inline constexpr ImageShape image_shapes[] = {ImageShape::plane, ImageShape::disc, ImageShape::band, ImageShape::other};
 
 /// For a new projection that is none of them this says `other` until somebody says otherwise; a disc needs
 /// NAME_radius() in shaders/projection/NAME.glsl.

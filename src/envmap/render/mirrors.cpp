@@ -46,13 +46,6 @@ double spacing(Projection p) { return p == Projection::cube ? 2 : 4; }
 // Radians beyond a direction that a lookup may read: two texels at a rim or an edge, and what mirror.glsl mixes there.
 double margin(int size) { return 6.0 / size; }
 
-// Z towards `axis`, X level.
-Rotation looking_along(const Direction& axis) {
-  const Direction up = std::abs(axis.y) < 0.999 ? Direction(0, 1, 0) : Direction(0, 0, 1);
-  const Direction x = glm::normalize(glm::cross(up, axis));
-  return {x, glm::cross(axis, x), axis};
-}
-
 unsigned all_faces(Projection p) { return (1U << faces(p)) - 1; }
 
 // More texels than this many a pixel that looks them up are not drawn, however fine those could show them: a bottle a
@@ -221,14 +214,14 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   if (mirror.rough || mirror.to == Projection::cube) return plan;
   if (mirror.to == Projection::sphere) {
     // Its singularity lies behind a mirror, where only the outline shows it; of a lens, before it.
-    plan.axes = looking_along(glm::normalize(viewer.at - want.at) * (mirror.optics.refracts() ? -1.0 : 1.0));
+    plan.axes = upright_about(glm::normalize(viewer.at - want.at) * (mirror.optics.refracts() ? -1.0 : 1.0));
   } else if (want.front) {
-    plan.axes = looking_along(*want.front);
+    plan.axes = upright_about(*want.front);
   } else {
     const DirectionCone all = enclosing(want.caps);
     const double room = pi / 2 - margin(plan.size) - all.angle;
     if (moved || (room > 0 && angle_between(map.axes[2], all.axis) >= room))
-      plan.axes = room > 0 ? looking_along(all.axis) : Rotation(1);
+      plan.axes = room > 0 ? upright_about(all.axis) : Rotation(1);
   }
   if (plan.axes != map.axes) plan.anew = true;
   return plan;
@@ -278,11 +271,11 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                     .images = true};
   const bool by_distance = with_maps.look.lookup == MirrorLookup::distance;
   if (map.texture && map.texture->size == plan.size && map.axes == plan.axes && drawn_[k].lookup == shot.look.lookup) {
-    renderer.draw(from, with_maps, options.method, *map.texture);
+    renderer.draw(from, with_maps, DrawMethod::exact, *map.texture);
     renderer.make_levels(*map.texture, needed, by_distance);
   } else {
     MapTexture other(mirror.to, plan.size, level_count(plan.size));
-    renderer.draw(from, with_maps, options.method, other);
+    renderer.draw(from, with_maps, DrawMethod::exact, other);
     from.which = ~needed;
     renderer.draw_background(from, with_maps, other);
     renderer.make_levels(other, all_faces(mirror.to), by_distance);

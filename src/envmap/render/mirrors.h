@@ -40,7 +40,6 @@ struct MirrorOptions {
   bool all = false;    ///< Draw every face of every map in every frame.
   bool moved = false;  ///< Vertices of meshes did: what shows them is drawn again.
   double near = 0.01, far = 1000;
-  DrawMethod method = DrawMethod::exact;
 };
 
 inline constexpr int max_rounds = 32;

@@ -157,8 +157,7 @@ std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world) {
   }
   if (off > 1e-5 * size) return {};
   const Rotation turn(world);
-  return unit_or_z(Rotation(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1])) *
-                   normal * (glm::determinant(turn) < 0 ? -1.0 : 1.0));
+  return unit_or_z(cofactors(turn) * normal * (glm::determinant(turn) < 0 ? -1.0 : 1.0));
 }
 
 std::array<bool, 6> reached_faces(std::span<const DirectionCone> caps, const Rotation& axes, double margin) {

@@ -12,56 +12,45 @@
 namespace envmap {
 namespace {
 
+// In the order of Unit, from unit_rays on.
+constexpr std::string_view unit_names[] = {"RAYS",        "BASE_COLOUR",     "METALLIC_ROUGHNESS",
+                                           "EMISSIVE",    "NORMAL",          "OCCLUSION",
+                                           "COAT",        "COAT_ROUGHNESS",  "COAT_NORMAL",
+                                           "SHEEN",       "SHEEN_ROUGHNESS", "ENVIRONMENT",
+                                           "SURFACES",    "GLOSSY",          "SPLIT_SUM",
+                                           "SHEEN_TABLE", "CORNERS",         "TANGENTS",
+                                           "INSTANCES",   "MATERIALS",       "MIRROR",
+                                           "SHADOWS",     "DISTANT_SHADOWS", "BEHIND",
+                                           "SAMPLED"};
+static_assert(std::size(unit_names) == unit_sampled + 1);
+
 std::string number(auto value) { return std::to_string(int(value)); }
 
 gl::Definitions constants() {
-  return {{"PI", fmt::format("{}", float(pi))},
-          {"APRON", fmt::format("{}.0", Level::apron)},
-          {"MAX_GLOSSY_LEVELS", number(max_glossy_levels)},
-          {"POINT", number(PunctualLight::Kind::point)},
-          {"SPOT", number(PunctualLight::Kind::spot)},
-          {"DIRECTIONAL", number(PunctualLight::Kind::directional)},
-          {"PLANE", number(ImageShape::plane)},
-          {"DISC", number(ImageShape::disc)},
-          {"BAND", number(ImageShape::band)},
-          {"UNIT_RAYS", number(unit_rays)},
-          {"UNIT_BASE_COLOUR", number(unit_base_colour)},
-          {"UNIT_METALLIC_ROUGHNESS", number(unit_metallic_roughness)},
-          {"UNIT_EMISSIVE", number(unit_emissive)},
-          {"UNIT_NORMAL", number(unit_normal)},
-          {"UNIT_OCCLUSION", number(unit_occlusion)},
-          {"UNIT_COAT", number(unit_coat)},
-          {"UNIT_COAT_ROUGHNESS", number(unit_coat_roughness)},
-          {"UNIT_COAT_NORMAL", number(unit_coat_normal)},
-          {"UNIT_SHEEN", number(unit_sheen)},
-          {"UNIT_SHEEN_ROUGHNESS", number(unit_sheen_roughness)},
-          {"UNIT_SHEEN_TABLE", number(unit_sheen_table)},
-          {"UNIT_TANGENTS", number(unit_tangents)},
-          {"UNIT_ENVIRONMENT", number(unit_environment)},
-          {"UNIT_SURFACES", number(unit_surfaces)},
-          {"UNIT_GLOSSY", number(unit_glossy)},
-          {"UNIT_SPLIT_SUM", number(unit_split_sum)},
-          {"UNIT_CORNERS", number(unit_corners)},
-          {"UNIT_INSTANCES", number(unit_instances)},
-          {"UNIT_MATERIALS", number(unit_materials)},
-          {"UNIT_MIRROR", number(unit_mirror)},
-          {"UNIT_SHADOWS", number(unit_shadows)},
-          {"UNIT_DISTANT_SHADOWS", number(unit_distant_shadows)},
-          {"UNIT_BEHIND", number(unit_behind)},
-          {"UNIT_SAMPLED", number(unit_sampled)},
-          {"REFLECTION_SAMPLES", number(reflection_samples)},
-          {"REFLECTION_TEXEL", fmt::format("{}", reflection_texel)},
-          {"LEAST_LOBE_ROUGHNESS", fmt::format("{}", least_lobe_roughness)},
-          {"MOST_DISTANT_LIGHTS", number(max_distant_lights)},
-          {"BLOCK_DISTANT_FACES", number(block_distant_faces)},
-          {"BLOCK_DISTANT_LIGHTS", number(block_distant_lights)},
-          {"CORNER", number(corner_texels)},
-          {"MATERIAL", number(material_texels)},
-          {"LEAST_SHEEN_ROUGHNESS", fmt::format("{}", least_sheen_roughness)},
-          {"SMOOTH_GLASS", fmt::format("{}", smooth_glass)},
-          {"BUFFER_LIGHTS", number(buffer_lights)},
-          {"BUFFER_SHADOW_VIEWS", number(buffer_shadow_views)},
-          {"BUFFER_MISSING", number(buffer_missing)}};
+  gl::Definitions all{{"PI", fmt::format("{}", float(pi))},
+                      {"APRON", fmt::format("{}.0", Level::apron)},
+                      {"MAX_GLOSSY_LEVELS", number(max_glossy_levels)},
+                      {"POINT", number(PunctualLight::Kind::point)},
+                      {"SPOT", number(PunctualLight::Kind::spot)},
+                      {"DIRECTIONAL", number(PunctualLight::Kind::directional)},
+                      {"PLANE", number(ImageShape::plane)},
+                      {"DISC", number(ImageShape::disc)},
+                      {"BAND", number(ImageShape::band)},
+                      {"REFLECTION_SAMPLES", number(reflection_samples)},
+                      {"REFLECTION_TEXEL", fmt::format("{}", reflection_texel)},
+                      {"LEAST_LOBE_ROUGHNESS", fmt::format("{}", least_lobe_roughness)},
+                      {"MOST_DISTANT_LIGHTS", number(max_distant_lights)},
+                      {"BLOCK_DISTANT_FACES", number(block_distant_faces)},
+                      {"BLOCK_DISTANT_LIGHTS", number(block_distant_lights)},
+                      {"CORNER", number(corner_texels)},
+                      {"MATERIAL", number(material_texels)},
+                      {"LEAST_SHEEN_ROUGHNESS", fmt::format("{}", least_sheen_roughness)},
+                      {"SMOOTH_GLASS", fmt::format("{}", smooth_glass)},
+                      {"BUFFER_LIGHTS", number(buffer_lights)},
+                      {"BUFFER_SHADOW_VIEWS", number(buffer_shadow_views)},
+                      {"BUFFER_MISSING", number(buffer_missing)}};
+  for (std::size_t k = 0; k < std::size(unit_names); ++k) all[fmt::format("UNIT_{}", unit_names[k])] = number(k);
+  return all;
 }
 
 std::string file_of(Projection p) { return fmt::format("{}.glsl", identifier(p)); }

@@ -77,7 +77,6 @@ class Renderer {
   /// as they are until they are drawn again: MirrorOptions::all.
   void update(const Scene& scene, int mesh);
 
-  [[nodiscard]] const GpuScene& scene() const { return gpu_; }
   [[nodiscard]] const std::vector<int>& mirrors() const { return mirrors_; }  ///< Nodes.
 
  private:

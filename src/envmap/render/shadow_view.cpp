@@ -7,17 +7,6 @@
 #include "envmap/projection/cube.h"
 
 namespace envmap {
-namespace {
-
-// Right, up and ahead; any right will do.
-Rotation looking_along(const Direction& ahead) {
-  const Direction beside = std::abs(ahead.y) < 0.9 ? Direction(0, 1, 0) : Direction(1, 0, 0);
-  const Direction right = glm::normalize(glm::cross(beside, ahead));
-  return {right, glm::cross(ahead, right), ahead};
-}
-
-}  // namespace
-
 int shadow_view_count(const PlacedLight& light) {
   const bool wide = light.kind == PunctualLight::Kind::spot && light.outer < std::cos(0.25 * pi);
   return light.kind == PunctualLight::Kind::point || wide ? 6 : 1;
@@ -30,7 +19,7 @@ int shadow_map_size(std::size_t count) {
 
 ShadowView parallel_image(const Direction& along, const Ball& scene) {
   const double half = scene.radius > 0 ? 1.001 * scene.radius : 1;
-  return {-1, scene.centre, looking_along(along), half, true};
+  return {-1, scene.centre, upright_about(along), half, true};
 }
 
 std::vector<ShadowView> shadow_views(std::span<const PlacedLight> lights, const Ball& scene) {
@@ -41,7 +30,7 @@ std::vector<ShadowView> shadow_views(std::span<const PlacedLight> lights, const 
       all.back().but = light.node;
     } else if (shadow_view_count(light) == 1) {
       const double half = std::sqrt(1 - light.outer * light.outer) / light.outer;
-      all.push_back({light.node, light.position, looking_along(light.direction), std::max(half, 1e-6)});
+      all.push_back({light.node, light.position, upright_about(light.direction), std::max(half, 1e-6)});
     } else {
       for (const Cube::Axes& axes : Cube::axes)
         all.push_back({light.node, light.position, Rotation(axes.right, axes.up, axes.forward)});

@@ -8,8 +8,6 @@
 namespace envmap {
 namespace {
 
-using Linear = glm::mat<3, 3, double, glm::highp>;
-
 void add(std::vector<glm::vec3>& to, const std::vector<glm::vec3>& displacements, double weight) {
   for (std::size_t k = 0; k < displacements.size(); ++k) to[k] += float(weight) * displacements[k];
 }
@@ -40,12 +38,10 @@ void skin(const Deformation& d, const Pose& pose, Vertices& v) {
     Matrix m(0);
     for (int k = 0; k < 4; ++k)
       if (d.parts[n][k] != 0) m += of_joint[d.influences[n][k]] * double(d.parts[n][k]);
-    const Linear turn(m);
-    // The cofactors are the inverse transposed but for its scale.
-    const Linear normals(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1]));
+    const Rotation turn(m);
     v.positions[n] = glm::vec3(m * glm::dvec4(v.positions[n], 1));
     const double sign = glm::determinant(turn) < 0 ? -1 : 1;
-    v.normals[n] = glm::vec3(unit(sign * (normals * Direction(v.normals[n])), Direction(v.normals[n])));
+    v.normals[n] = glm::vec3(unit(sign * (cofactors(turn) * Direction(v.normals[n])), Direction(v.normals[n])));
     if (!v.tangents.empty()) v.tangents[n] = glm::vec4(glm::vec3(turn * Direction(v.tangents[n])), v.tangents[n].w);
   }
 }

@@ -46,8 +46,8 @@ void make_normals_flat(Mesh& mesh) {
     mesh.normals[mesh.indices[k]] = triangle_normal(mesh, k - k % 3);
 }
 
-void note_unsupported(Scene& scene, const std::string& what) {
-  if (std::ranges::find(scene.unsupported, what) == scene.unsupported.end()) scene.unsupported.push_back(what);
+void note_once(std::vector<std::string>& list, const std::string& what) {
+  if (std::ranges::find(list, what) == list.end()) list.push_back(what);
 }
 
 }  // namespace envmap

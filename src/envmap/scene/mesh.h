@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "envmap/scene/scene.h"
 
@@ -18,7 +19,7 @@ void make_normals_flat(Mesh& mesh);
 /// More corners of triangles and vertices no scene is read with.
 inline constexpr std::size_t max_corners = std::size_t{1} << 27;
 
-/// Names something once in Scene::unsupported.
-void note_unsupported(Scene& scene, const std::string& what);
+/// Adds to a list, such as Scene::unsupported, what is not in it.
+void note_once(std::vector<std::string>& list, const std::string& what);
 
 }  // namespace envmap

@@ -65,6 +65,10 @@ bool has_light(const Scene& scene) {
   return !scene.lights.empty() || std::ranges::any_of(scene.materials, glows);
 }
 
+Rotation cofactors(const Rotation& m) {
+  return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
+}
+
 bool lies_under(const Scene& scene, int node, int ancestor) {
   for (; node >= 0; node = scene.nodes[node].parent)
     if (node == ancestor) return true;

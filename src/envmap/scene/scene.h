@@ -158,6 +158,9 @@ std::string list_nodes(const Scene& scene);
 /// Whether the scene has light of its own: lights, or materials that glow.
 bool has_light(const Scene& scene);
 
+/// The inverse transposed but for its scale, and also there where the matrix has no inverse: turns normals.
+Rotation cofactors(const Rotation& m);
+
 /// Whether a node is `ancestor` or lies below it.
 bool lies_under(const Scene& scene, int node, int ancestor);
 

@@ -1,9 +1,8 @@
-#include "envmap/scene/read/gltf_animations.h"
-
 #include <map>
 #include <string>
 
 #include "envmap/scene/mesh.h"
+#include "envmap/scene/read/gltf_reader.h"
 
 namespace envmap {
 namespace {
@@ -57,7 +56,7 @@ std::vector<Animation::Key<T>> read_keys(const GltfDocument& document, const Fie
 void read_weights(const GltfDocument& document, const Field& sampler, int node, Scene& scene) {
   for (Deformation& d : scene.deformations)
     if (d.node == node && !d.targets.empty()) {
-      if (!d.keys.empty()) return note_unsupported(scene, "several animations of one node");
+      if (!d.keys.empty()) return note_once(scene.unsupported, "several animations of one node");
       d.keys = read_keys<std::valarray<double>>(document, sampler, d.targets.size(), 1);
     }
 }
@@ -92,7 +91,7 @@ void read_motions(const GltfDocument& document, std::span<const int> placed, Sce
       Animation& motion = moving[placed[at]];
       const auto fill = [&](auto& keys) {
         using T = decltype(keys.front().value);
-        if (!keys.empty()) return note_unsupported(scene, "several animations of one node");
+        if (!keys.empty()) return note_once(scene.unsupported, "several animations of one node");
         keys = read_keys<std::remove_reference_t<T>>(document, sampler, T::length(), T::length());
       };
       if (path == "translation")

@@ -41,7 +41,6 @@ class Field {
   [[nodiscard]] std::vector<double> numbers(std::vector<double> otherwise) const;
 
   [[noreturn]] void fail(const std::string& why) const;
-  [[nodiscard]] const nlohmann::json& json() const { return *value_; }
 
  private:
   const nlohmann::json* value_;

@@ -7,7 +7,6 @@
 
 #include "envmap/scene/read/draco.h"
 #include "envmap/scene/read/gltf_reader.h"
-#include "envmap/scene/read/gltf_shapes.h"
 #include "envmap/scene/tangents.h"
 
 namespace envmap {

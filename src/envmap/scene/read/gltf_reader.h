@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct GltfReader {
   std::map<std::pair<std::size_t, bool>, int> textures = {};  ///< By index and whether they are colours.
   int plain_material = -1;                                    ///< Of primitives that name none.
 
-  void note_unsupported(const std::string& what) { envmap::note_unsupported(scene, what); }
+  void note_unsupported(const std::string& what) { note_once(scene.unsupported, what); }
 };
 
 /// Into scene.materials, with its textures.
@@ -51,5 +52,34 @@ void read_mesh(GltfReader& r, const Field& field);
 /// @throws InputError where the meshes have too many corners: files can name the same bytes again and again, so their
 /// size says nothing of what they make.
 void check_corners(const GltfDocument& document);
+
+// ---- gltf_animations.cpp: where nodes are and how they move ---------------------------------------------------------
+
+/// What a node's matrix is made of; a node that moves has no other.
+struct NodeTransform {
+  Direction translation{0}, scale{1};
+  Quaternion rotation{1, 0, 0, 0};
+};
+NodeTransform node_transform(const Field& node);
+
+/// All animations into scene.motions. @param placed where in scene.nodes each node of the document is; -1:
+/// not in the scene.
+void read_motions(const GltfDocument& document, std::span<const int> placed, Scene& scene);
+
+// ---- gltf_shapes.cpp: morph targets and skins -----------------------------------------------------------------------
+
+/// What moves the vertices of a primitive, as the file numbers them; `rest` is not there yet.
+/// @param vertices as many as it has.
+Deformation read_shape(const GltfDocument& document, const Field& primitive, std::size_t vertices, Scene& scene);
+
+/// The same for a mesh made ready to be drawn, which may have repeated vertices.
+/// @param before its corners as they were.
+void finish_shape(Deformation& shape, const std::vector<std::uint32_t>& before, const Mesh& mesh);
+
+/// Into scene.deformations, for each node whose mesh moves; a mesh of several nodes is repeated for them.
+/// @param placed where in scene.nodes each node of the document is; -1: not in the scene.
+/// @param shapes by mesh of the scene.
+void read_deformations(const GltfDocument& document, std::span<const int> placed,
+                       const std::map<int, Deformation>& shapes, Scene& scene);
 
 }  // namespace envmap

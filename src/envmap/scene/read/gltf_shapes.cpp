@@ -1,5 +1,3 @@
-#include "envmap/scene/read/gltf_shapes.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <set>
 
 #include "envmap/scene/mesh.h"
+#include "envmap/scene/read/gltf_reader.h"
 
 namespace envmap {
 namespace {
@@ -73,10 +72,10 @@ Deformation read_shape(const GltfDocument& document, const Field& primitive, std
   for (std::size_t k = 0; k < targets.size(); ++k) {
     shape.targets.push_back(read_target(document, targets[k], vertices));
     if (targets[k]["TEXCOORD_0"].there() || targets[k]["COLOR_0"].there())
-      note_unsupported(scene, "morph targets of colours and texture coordinates");
+      note_once(scene.unsupported, "morph targets of colours and texture coordinates");
   }
   if (attributes["JOINTS_0"].there()) read_influences(document, attributes, vertices, shape);
-  if (attributes["JOINTS_1"].there()) note_unsupported(scene, "more than four joints of a vertex");
+  if (attributes["JOINTS_1"].there()) note_once(scene.unsupported, "more than four joints of a vertex");
   return shape;
 }
 
@@ -111,7 +110,7 @@ void read_deformations(const GltfDocument& document, std::span<const int> placed
       if (vertices > max_corners) nodes[n].fail("is one too many: too many vertices move");
       if (!is_skinned || d.influences.empty() ||
           !read_skin(document, document.refer(nodes[n]["skin"], "skins"), placed, d)) {
-        if (!d.joints.empty()) note_unsupported(scene, "skins with joints outside the scene");
+        if (!d.joints.empty()) note_once(scene.unsupported, "skins with joints outside the scene");
         d.joints.clear();
       }
       d.weights = weights_of(document, nodes[n], d.targets.size());

@@ -31,10 +31,7 @@ struct Reader {
   Names groups{document.groups}, materials{document.materials};
   ObjDocument::Face now = {};  // What the next face belongs to.
 
-  void note_unsupported(const char* what) {
-    auto& list = document.unsupported;
-    if (std::ranges::find(list, what) == list.end()) list.emplace_back(what);
-  }
+  void note_unsupported(const char* what) { note_once(document.unsupported, what); }
 };
 
 Direction vector(Words& words) {

@@ -7,9 +7,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/scene/deform.h"
-#include "envmap/scene/read/gltf_animations.h"
 #include "envmap/scene/read/gltf_reader.h"
-#include "envmap/scene/read/gltf_shapes.h"
 
 namespace envmap {
 namespace {

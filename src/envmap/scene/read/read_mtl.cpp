@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "envmap/scene/mesh.h"
 #include "envmap/scene/read/text_lines.h"
 
 namespace envmap {
@@ -17,9 +18,7 @@ struct Statements {
   float exponent = 0;
   int illumination = 2;
 
-  void note_unsupported(const char* what) {
-    if (std::ranges::find(found.unsupported, what) == found.unsupported.end()) found.unsupported.emplace_back(what);
-  }
+  void note_unsupported(const char* what) { note_once(found.unsupported, what); }
 };
 
 std::string lower(std::string_view text) {

@@ -100,7 +100,7 @@ Material material(Materials& m, const std::string& name) {
   Material made = listed.material.material;
   made.base_colour_texture = texture(m, listed.material.colour, listed.folder);
   made.emissive_texture = texture(m, listed.material.emission, listed.folder);
-  for (const std::string& what : listed.material.unsupported) note_unsupported(m.scene, what);
+  for (const std::string& what : listed.material.unsupported) note_once(m.scene.unsupported, what);
   return made;
 }
 
@@ -208,7 +208,7 @@ void read_faces(const ObjDocument& d, Scene& scene) {
 Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels) {
   ObjDocument document = read_obj_text(text_of(file));
   Scene scene;
-  for (const std::string& what : document.unsupported) note_unsupported(scene, what);
+  for (const std::string& what : document.unsupported) note_once(scene.unsupported, what);
   read_materials(document, folder, max_pixels, scene);
   add_normals(document);
   read_faces(document, scene);

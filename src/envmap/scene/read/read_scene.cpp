@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
+#include "envmap/io/file_format.h"
 #include "envmap/scene/read/read_gltf.h"
 #include "envmap/scene/read/read_obj.h"
 #include "envmap/scene/read/text_lines.h"
@@ -21,12 +22,6 @@ std::string harmless(std::string text) {
   return text;
 }
 
-bool is_obj(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return extension == ".obj";
-}
-
 // GLB by its mark, glTF by the brace that JSON begins with.
 bool is_gltf(std::string_view bytes) {
   if (bytes.starts_with(byte_order_mark)) bytes.remove_prefix(byte_order_mark.size());
@@ -40,7 +35,7 @@ Scene read_any(const std::string& path, std::uint64_t max_pixels) {
   const std::vector<std::byte> bytes = path == "-" ? standard_input() : file_bytes(path);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const SceneFolder folder(path);
-  if (is_obj(path)) return read_obj(bytes, folder, max_pixels);
+  if (extension_of(path) == "obj") return read_obj(bytes, folder, max_pixels);
   if (is_gltf(text)) return read_gltf(bytes, folder, max_pixels);
   // A stream has no name to tell it by. No text has a byte 0.
   if (path == "-" && text.find('\0') == text.npos) return read_obj(bytes, folder, max_pixels);
