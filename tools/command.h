@@ -19,6 +19,8 @@ struct Command {
   bool reports, writes;   ///< Has --json; has --depfile, --if-changed and --fsync.
   Action (*define)(Options& options);
   std::string_view alias = {};  ///< Another name; empty: it has none.
+
+  [[nodiscard]] bool is_named(std::string_view word) const { return !word.empty() && (word == name || word == alias); }
 };
 
 Action define_bake(Options& options);

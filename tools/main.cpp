@@ -23,8 +23,8 @@ int main(int argc, char** argv) {
   std::string who = "envmap";
   int status = done;
   try {
-    const auto is_named = [&](const Command& c) { return c.name == argv[1] || c.alias == argv[1]; };
-    if (argc > 1 && *argv[1] != '\0' && std::ranges::any_of(commands(), is_named)) who += " " + std::string(argv[1]);
+    const auto is_meant = [&](const Command& c) { return c.is_named(argv[1]); };
+    if (argc > 1 && std::ranges::any_of(commands(), is_meant)) who += " " + std::string(argv[1]);
     parse({argv + 1, argv + argc}, parsed);
     status = run(parsed);
   } catch (const Asked& asked) {

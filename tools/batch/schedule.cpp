@@ -15,6 +15,8 @@
 namespace tools {
 namespace {
 
+using envmap::joined;
+
 // With `before` before each of the characters.
 std::string escaped(const std::string& text, std::string_view special, char before) {
   std::string out;
@@ -46,7 +48,7 @@ std::string command(const Job& job, const std::string& program, const std::vecto
   std::vector<std::string> words{program};
   words.insert(words.end(), job.words.begin(), job.words.end());
   words.insert(words.end(), more.begin(), more.end());
-  return envmap::joined(words, " ", quoted);
+  return joined(words, " ", quoted);
 }
 
 // Which job writes a file.
@@ -155,11 +157,10 @@ std::string ninja_file(std::span<const Job> jobs, const std::string& program, co
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Job& job = jobs[k];
     const std::string depfile = fmt::format("{}/{}.d", folder, k + 1);
-    text +=
-        fmt::format("build {}: envmap {}\n  run = {}\n  what = {}\n  dependencies = {}\n",
-                    envmap::joined(job.outputs, " ", for_ninja), envmap::joined(needed(job, writer), " ", for_ninja),
-                    escaped(command(job, program, {"--quiet", "--if-changed", "--depfile", depfile}), "$", '$'),
-                    escaped(envmap::joined(job.words, " ", quoted), "$", '$'), escaped(depfile, "$", '$'));
+    text += fmt::format("build {}: envmap {}\n  run = {}\n  what = {}\n  dependencies = {}\n",
+                        joined(job.outputs, " ", for_ninja), joined(needed(job, writer), " ", for_ninja),
+                        escaped(command(job, program, {"--quiet", "--if-changed", "--depfile", depfile}), "$", '$'),
+                        escaped(joined(job.words, " ", quoted), "$", '$'), escaped(depfile, "$", '$'));
   }
   return text;
 }
@@ -185,10 +186,10 @@ std::string makefile(std::span<const Job> jobs, const std::string& program, cons
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Job& job = jobs[k];
     const std::string depfile = fmt::format("{}/{}.d", folder, k + 1);
-    all += " " + envmap::joined(job.outputs, " ", for_make);
+    all += " " + joined(job.outputs, " ", for_make);
     depfiles += " " + for_make(depfile);
-    rules += fmt::format("{} {}: {}\n\t{}\n\n", envmap::joined(job.outputs, " ", for_make),
-                         job.outputs.size() > 1 ? "&" : "", envmap::joined(needed(job, writer), " ", for_make),
+    rules += fmt::format("{} {}: {}\n\t{}\n\n", joined(job.outputs, " ", for_make), job.outputs.size() > 1 ? "&" : "",
+                         joined(needed(job, writer), " ", for_make),
                          escaped(command(job, program, {"--quiet", "--depfile", depfile}), "$", '$'));
   }
   return fmt::format(

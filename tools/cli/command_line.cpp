@@ -131,7 +131,7 @@ void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& sett
   for (const Command& command : commands()) {
     CLI::App* const sub = app.add_subcommand(std::string(command.name), "");
     if (!command.alias.empty()) sub->alias(std::string(command.alias));
-    if (words.empty() || (words.front() != command.name && words.front() != command.alias)) continue;
+    if (words.empty() || !command.is_named(words.front())) continue;
     chosen = sub, parsed.command = &command;
     parsed.action = define(command, parsed.options, settings);
     for (Option& o : parsed.options.rows)

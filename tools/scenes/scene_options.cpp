@@ -63,7 +63,7 @@ struct FrameMark {
 
 std::optional<FrameMark> frame_mark(const std::string& name, std::size_t from = 0) {
   constexpr std::string_view mark = "{frame}";
-  const auto digit_at = [&](std::size_t at) { return at < name.size() && std::isdigit(name[at]) != 0; };
+  const auto digit_at = [&](std::size_t at) { return at < name.size() && name[at] >= '0' && name[at] <= '9'; };
   for (std::size_t begin = from; begin < name.size(); ++begin) {
     if (name.compare(begin, mark.size(), mark) == 0) return FrameMark{begin, begin + mark.size(), 4};
     if (name[begin] != '%') continue;

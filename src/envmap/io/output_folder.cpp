@@ -153,10 +153,15 @@ bool OutputFolder::is_there_already() const {
 void OutputFolder::commit() {
   const bool unchanged = how_.if_changed && is_there_already();
   if (!unchanged) take_name();
+  if (!how_.sync) return;
+  std::vector<std::string> left{fs::absolute(path_).parent_path().string()};
   // Of what was there already, too: another program may have left it in memory.
   for (const std::string& name : files_)
-    if (how_.sync && unchanged && (errno = synchronise(path_ + "/" + name)) != 0) fail(path_);
-  if (how_.sync && (errno = synchronise(fs::absolute(path_).parent_path().string())) != 0) fail(path_);
+    if (unchanged) left.push_back(path_ + "/" + name);
+  for (const std::string& path : left) {
+    errno = synchronise(path);
+    if (errno != 0) fail(path_);
+  }
 }
 
 void OutputFolder::take_name() {

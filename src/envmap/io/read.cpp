@@ -29,12 +29,6 @@
 namespace envmap {
 namespace {
 
-// Whether two files say the same of their colours.
-bool same(const ClaimedSpace& a, const ClaimedSpace& b) {
-  if (a.name != b.name || a.primaries.has_value() != b.primaries.has_value()) return false;
-  return !a.name.empty() || !a.primaries || same(*a.primaries, *b.primaries);
-}
-
 // First channel of the R, G, B to read, and how many: 3, or 1 for grey.
 struct Channels {
   int first, count;

@@ -71,6 +71,11 @@ ColourTransform colours_of(const Source& source, const ColourOptions& options) {
   return into_working(options, ClaimedSpace{space_with(p), p});
 }
 
+bool same(const ClaimedSpace& a, const ClaimedSpace& b) {
+  if (a.name != b.name || a.primaries.has_value() != b.primaries.has_value()) return false;
+  return !a.name.empty() || !a.primaries || same(*a.primaries, *b.primaries);
+}
+
 void into_working(Source& source, const ColourTransform& transform, const ColourOptions& options) {
   source.colour_files = transform.files;
   if (!transform.note.empty()) source.notes.push_back(transform.note);

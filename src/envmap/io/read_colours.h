@@ -12,6 +12,9 @@ namespace envmap {
 /// @throws UsageError where the format says it, and the options name another space.
 ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourOptions& options);
 
+/// Whether two files say the same of their colours.
+bool same(const ClaimedSpace& a, const ClaimedSpace& b);
+
 /// Turns all levels, of which the flaws are settled, into the working space, and says which primaries the map has now,
 /// where it was not taken for linear Rec.709 all along. Colours outside of that space go to its border,
 /// which a note counts.

@@ -279,8 +279,11 @@ void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
 void require(bool sensible, const char* message) {
   if (!sensible) throw UsageError(message);
 }
-template <class P>
-void check(const P& /*any other*/) {}
+// One for each pattern: a new one that has none does not compile.
+void check(const Constant&) {}
+void check(const Gradient&) {}
+void check(const Directions&) {}
+void check(const Faces&) {}
 void check(const Sky& p) {
   check_not_negative("zenith", Flux(p.zenith));
   check_not_negative("ground", Flux(p.ground));

@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "envmap/prefilter/eight_lanes.h"
 #include "envmap/prefilter/multilevel_kernels.h"
 #include "envmap/projection/cube.h"
 
-#undef HWY_DISABLED_TARGETS  // Eight lanes: AVX-512 would gain nothing.
-#define HWY_DISABLED_TARGETS (ENVMAP_DISABLED_TARGETS | (HWY_AVX2 - 1))
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/lobe_core.cpp"
 #include <hwy/cache_control.h>

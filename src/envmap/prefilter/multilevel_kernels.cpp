@@ -6,10 +6,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "envmap/prefilter/eight_lanes.h"
 #include "envmap/prefilter/lagrange.h"
 
-#undef HWY_DISABLED_TARGETS  // Eight lanes: AVX-512 would gain nothing.
-#define HWY_DISABLED_TARGETS (ENVMAP_DISABLED_TARGETS | (HWY_AVX2 - 1))
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/multilevel_kernels.cpp"
 #include <hwy/foreach_target.h>

@@ -11,11 +11,10 @@
 #include "envmap/map/environment_map.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
+#include "envmap/prefilter/eight_lanes.h"
 #include "envmap/prefilter/multilevel_kernels.h"
 #include "envmap/prefilter/source.h"
 
-#undef HWY_DISABLED_TARGETS  // Eight lanes: AVX-512 would gain nothing.
-#define HWY_DISABLED_TARGETS (ENVMAP_DISABLED_TARGETS | (HWY_AVX2 - 1))
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/sheen_sum.cpp"
 #include <hwy/foreach_target.h>
