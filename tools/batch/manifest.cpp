@@ -81,7 +81,7 @@ std::vector<Word> split(const std::string& line, const std::string& where) {
 }
 
 std::vector<Line> lines_of_json(const std::string& path, const std::string& text) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (!json.is_array()) throw InputError(path, "is no JSON array of commands");
   std::vector<Line> lines;
   for (const auto& job : json) {

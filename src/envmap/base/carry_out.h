@@ -2,13 +2,13 @@
 /// A public operation as its caller wants it run.
 #pragma once
 
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <type_traits>
 
 #include "envmap/base/bounds.h"
+#include "envmap/base/parallel.h"
 #include "envmap/base/run.h"
 
 namespace envmap {
@@ -57,19 +57,16 @@ auto carry_out(const Run& run, const Work& work) {
   check(limits::threads, run.threads);
   if (run.stop.stop_requested()) throw Cancelled();
   const SteadyProgress steady(run);
-  const auto all = [&] {
-    if constexpr (std::is_void_v<decltype(work(steady.callback()))>) {
-      work(steady.callback());
-      steady.finish();
-    } else {
-      auto made = work(steady.callback());
-      steady.finish();
-      return made;
-    }
-  };
-  if (run.threads == 0) return all();
-  tbb::task_arena arena(run.threads);
-  return arena.execute(all);
+  using Made = decltype(work(steady.callback()));
+  if constexpr (std::is_void_v<Made>) {
+    with_threads(run.threads, [&] { work(steady.callback()); });
+    steady.finish();
+  } else {
+    std::optional<Made> made;
+    with_threads(run.threads, [&] { made.emplace(work(steady.callback())); });
+    steady.finish();
+    return std::move(*made);
+  }
 }
 
 }  // namespace envmap

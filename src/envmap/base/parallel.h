@@ -1,35 +1,28 @@
 /// @file
-/// Rows of a level in parallel; results never depend on the number of threads.
+/// Work in parallel. Results never depend on the number of threads.
 #pragma once
 
-#include <tbb/parallel_for.h>
-
-#include <algorithm>
-#include <atomic>
+#include <functional>
 #include <vector>
 
 #include "envmap/base/progress.h"
 
 namespace envmap {
 
+/// f(k) for every k from 0 to `count` - 1.
+void parallel_for(int count, const std::function<void(int k)>& f);
+
+/// f(begin, end) for parts of 0 to `count`. @param least a part is divided only where it is larger.
+void parallel_ranges(int count, int least, const std::function<void(int begin, int end)>& f);
+
 /// f(face, row) for every row of a map of `faces` x `height` rows.
-template <class F>
-void for_each_row(int faces, int height, const Progress& progress, F&& f) {
-  const int rows = faces * height, report = std::max(1, rows / 200);
-  std::atomic<int> done{0};
-  tbb::parallel_for(tbb::blocked_range<int>(0, rows, 4), [&](const tbb::blocked_range<int>& range) {
-    for (int k = range.begin(); k < range.end(); ++k) {
-      f(k / height, k % height);
-      if (progress && ++done % report == 0) progress(double(done) / rows);
-    }
-  });
-}
+void for_each_row(int faces, int height, const Progress& progress, const std::function<void(int face, int row)>& f);
 
 /// One result a row, then combined from the first row to the last: the order that makes sums reproducible.
 template <class Result, class F>
 std::vector<Result> map_rows(int height, F&& f) {
   std::vector<Result> results(static_cast<std::size_t>(height));
-  tbb::parallel_for(0, height, [&](int j) { results[j] = f(j); });
+  parallel_for(height, [&](int j) { results[std::size_t(j)] = f(j); });
   return results;
 }
 
@@ -43,5 +36,17 @@ std::vector<Result> map_level(L& level, F&& f) {
     return result;
   });
 }
+
+/// Calls work() with so many threads. @param threads 0: as many as the caller has.
+void with_threads(int threads, const std::function<void()>& work);
+
+/// Calls work(), for which a lock may be held: this thread takes no task from outside while it waits.
+void isolated(const std::function<void()>& work);
+
+/// Calls ahead() while work() runs in this thread. @throws what work throws, else what ahead does, once both ended.
+void run_beside(const std::function<void()>& ahead, const std::function<void()>& work);
+
+/// How many threads may work at once.
+int thread_limit();
 
 }  // namespace envmap

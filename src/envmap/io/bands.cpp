@@ -1,8 +1,8 @@
 #include "envmap/io/bands.h"
 
-#include <tbb/task_group.h>
-
 #include <algorithm>
+
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 
@@ -20,15 +20,10 @@ void for_each_band(const Atlas& atlas, const RowRange& rows, const Progress& pro
   make(rows.begin, band);
   for (int begin = rows.begin; begin < rows.end; begin += band_rows) {
     const int end = std::min(begin + band_rows, rows.end);
-    tbb::task_group ahead;
-    if (end < rows.end) ahead.run([&] { make(end, next); });
-    try {
-      write_band(begin, end, band);
-    } catch (...) {
-      ahead.wait();
-      throw;
-    }
-    ahead.wait();
+    const auto make_next = [&] {
+      if (end < rows.end) make(end, next);
+    };
+    run_beside(make_next, [&] { write_band(begin, end, band); });
     std::swap(band, next);
     if (progress) progress(double(end - rows.begin) / (rows.end - rows.begin));
   }

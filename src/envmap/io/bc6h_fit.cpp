@@ -7,6 +7,8 @@
 // over; the best few are tried.
 #include "envmap/io/bc6h_fit.h"
 
+#include "envmap/base/eight_lanes.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/io/bc6h_fit.cpp"
 #include <hwy/foreach_target.h>

@@ -1,6 +1,4 @@
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <numeric>
 
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/containers.h"
 #include "envmap/io/key_values.h"
@@ -87,8 +86,7 @@ class LevelWriter {
   LevelWriter(OutputFile& file, bool zstd) : file_(file), context_(zstd ? ZSTD_createCCtx() : nullptr, ZSTD_freeCCtx) {
     if (!zstd) return;
     if (!context_) throw std::bad_alloc();
-    const auto workers = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_nbWorkers, int(std::max<std::size_t>(1, workers)));
+    ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_nbWorkers, std::max(1, thread_limit()));
     packed_.resize(ZSTD_CStreamOutSize());
   }
 

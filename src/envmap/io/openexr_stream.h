@@ -6,7 +6,6 @@
 #include <ImfIO.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfThreading.h>
-#include <tbb/global_control.h>
 
 #include <string>
 
@@ -14,6 +13,7 @@
 #include <ImfContextInit.h>
 #endif
 
+#include "envmap/base/parallel.h"
 #include "envmap/io/input_file.h"
 #include "envmap/io/output_file.h"
 
@@ -66,8 +66,8 @@ class ExrOutput final : public Imf::OStream {
 
 /// OpenEXR's helpers beside the caller, who works, too, where there are none.
 inline void use_our_threads() {
-  const auto cores = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  Imf::setGlobalThreadCount(cores > 1 ? int(cores) : 0);
+  const int threads = thread_limit();
+  Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
 }
 
 /// Without what OpenEXR puts before it: `Error reading pixel data from image file "exr". `.

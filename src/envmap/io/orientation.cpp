@@ -1,9 +1,9 @@
 #include "envmap/io/orientation.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <memory>
+
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 
@@ -71,7 +71,7 @@ Rows stored_rows(const Rows& rows, int face, Orientation o) {
     return stored;
   }
   const auto image = std::make_shared<std::vector<Colour>>(std::size_t(n) * std::size_t(n));
-  tbb::parallel_for(0, n, [&](int y) {
+  parallel_for(n, [&](int y) {
     std::vector<Colour> line(std::size_t(n), Colour(0));
     rows.fill(face, y, line);
     for (int x = 0; x < n; ++x) {
@@ -87,7 +87,7 @@ Rows stored_rows(const Rows& rows, int face, Orientation o) {
 
 void copy_upright(const Level& stored, Orientation o, Level& map, int face) {
   const int n = map.height();
-  tbb::parallel_for(0, n, [&](int y) {
+  parallel_for(n, [&](int y) {
     const auto to = map.row(face, y);
     for (int x = 0; x < n; ++x) {
       const auto [column, row] = place_in_file(o, n, n, x, y);

@@ -1,7 +1,6 @@
 #include "envmap/io/texture.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <bit>
 
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/bc6h.h"
 
@@ -54,7 +54,7 @@ void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int e
   const std::size_t row_bytes = format.row_bytes(atlas.width());
   const int strips = int(format.blocks(end - begin));
   to.resize(std::size_t(strips) * row_bytes);
-  tbb::parallel_for(0, strips, [&](int k) {
+  parallel_for(strips, [&](int k) {
     const int top = begin + k * format.side, bottom = std::min(end, top + format.side);
     const auto rows = from.subspan(std::size_t(top - begin) * width, std::size_t(bottom - top) * width);
     const auto out = std::span(to).subspan(std::size_t(k) * row_bytes, row_bytes);
@@ -101,7 +101,7 @@ bool decode_images(const TexelFormat& format, std::span<const std::byte> bytes, 
   const std::size_t row_bytes = format.row_bytes(width), columns = std::size_t(width);
   const int strips = int(format.blocks(height));
   std::atomic<bool> opaque{true};
-  tbb::parallel_for(0, faces * strips, [&](int k) {
+  parallel_for(faces * strips, [&](int k) {
     std::vector<Colour> rows(std::size_t(format.side) * columns);
     if (!decode(format.texels, bytes.subspan(std::size_t(k) * row_bytes, row_bytes), rows)) opaque = false;
     const int top = k % strips * format.side;

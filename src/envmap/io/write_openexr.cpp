@@ -5,13 +5,13 @@
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <memory>
 #include <optional>
 
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/io/half.h"
 #include "envmap/io/openexr.h"
 #include "envmap/io/openexr_stream.h"
@@ -92,8 +92,10 @@ const void* as_stored(File& file, std::span<const Colour> rows) {
   if (file.type == Imf::FLOAT) return rows.data();
   const std::span<const float> from(&rows.data()->x, 3 * rows.size());
   file.halves.resize(from.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, from.size(), 1 << 15), [&](const auto& part) {
-    to_half(from.subspan(part.begin(), part.size()), std::span(file.halves).subspan(part.begin(), part.size()));
+  constexpr std::size_t share = 1 << 15;
+  parallel_for(int((from.size() + share - 1) / share), [&](int k) {
+    const std::size_t first = std::size_t(k) * share, count = std::min(share, from.size() - first);
+    to_half(from.subspan(first, count), std::span(file.halves).subspan(first, count));
   });
   return file.halves.data();
 }

@@ -1,11 +1,11 @@
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 
+#include "envmap/base/parallel.h"
 #include "envmap/io/radiance.h"
 
 namespace envmap {
@@ -70,8 +70,9 @@ ImageWriter create_radiance(OutputFile& file, const ImagePlan& plan) {
               [&file, size](int, int begin, int end, std::span<const Colour> pixels) {
                 const auto width = std::size_t(size.width);
                 std::vector<std::string> rows(std::size_t(end - begin));
-                tbb::parallel_for(std::size_t{0}, rows.size(),
-                                  [&](std::size_t k) { add_row(pixels.subspan(k * width, width), rows[k]); });
+                parallel_for(end - begin, [&](int k) {
+                  add_row(pixels.subspan(std::size_t(k) * width, width), rows[std::size_t(k)]);
+                });
                 for (const std::string& row : rows) file.put(row.data(), row.size());
               },
           .close = [] {}};
@@ -80,8 +81,7 @@ ImageWriter create_radiance(OutputFile& file, const ImagePlan& plan) {
 void round_to_radiance(std::span<Colour> texels) {
   for (Colour& c : texels) {
     const Rgbe stored = to_rgbe(c);
-    for (int k = 0; k < 3; ++k)
-      c[k] = stored[3] == 0 ? 0 : std::ldexp(float(stored[std::size_t(k)]), stored[3] - 136);
+    for (int k = 0; k < 3; ++k) c[k] = stored[3] == 0 ? 0 : std::ldexp(float(stored[std::size_t(k)]), stored[3] - 136);
   }
 }
 

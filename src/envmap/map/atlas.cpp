@@ -1,8 +1,8 @@
 #include "envmap/map/atlas.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 namespace {
@@ -25,8 +25,9 @@ void Atlas::gather(int begin, int end, std::span<Colour> out) const {
     rows.fill(f, slot.turned ? h - 1 - j : j, to);
     if (slot.turned) std::ranges::reverse(to);
   };
-  tbb::parallel_for(begin, end, [&](int y) {
-    std::ranges::fill(out.subspan(std::size_t(y - begin) * std::size_t(w), std::size_t(w)), background);
+  parallel_for(end - begin, [&](int line) {
+    const int y = begin + line;
+    std::ranges::fill(out.subspan(std::size_t(line) * std::size_t(w), std::size_t(w)), background);
     if (face >= 0) return fill(face, {0, 0}, y);
     for (std::size_t f = 0; f < grid.slots.size(); ++f) fill(int(f), grid.slots[f], y);
   });

@@ -1,12 +1,11 @@
 #include "envmap/map/rows.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <memory>
 #include <utility>
 
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 
@@ -60,8 +59,8 @@ void check(const Rows& rows) {
 Level level_of(const Rows& rows) {
   check(rows);
   Level level(rows.projection, rows.size, rows.width());
-  tbb::parallel_for(0, level.faces() * rows.size,
-                    [&](int k) { rows.fill(k / rows.size, k % rows.size, level.row(k / rows.size, k % rows.size)); });
+  parallel_for(level.faces() * rows.size,
+               [&](int k) { rows.fill(k / rows.size, k % rows.size, level.row(k / rows.size, k % rows.size)); });
   return level;
 }
 

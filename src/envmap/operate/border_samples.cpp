@@ -1,9 +1,8 @@
 #include "envmap/operate/border_samples.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
+#include "envmap/base/parallel.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
@@ -12,7 +11,7 @@ Level to_cell_centres(const Level& border) {
   if (border.width() < 2 || border.height() < 2) return border.clone();
   Level level(border.projection(), border.height(), border.width());
   const double sx = (level.width() - 1.0) / level.width(), sy = (level.height() - 1.0) / level.height();
-  tbb::parallel_for(0, level.faces() * level.height(), [&](int k) {
+  parallel_for(level.faces() * level.height(), [&](int k) {
     const int face = k / level.height(), j = k % level.height();
     const double y = (j + 0.5) * sy;
     const int top = std::min(int(y), level.height() - 2);
@@ -33,7 +32,7 @@ Level to_border(const Level& level) {
   const int w = centres.width(), h = centres.height();
   Level border(centres.projection(), h, w);
   const auto place = [](int i, int n) { return n > 1 ? i / (n - 1.0) : 0.5; };
-  tbb::parallel_for(0, centres.faces() * h, [&](int k) {
+  parallel_for(centres.faces() * h, [&](int k) {
     const int face = k / h, j = k % h;
     for (int i = 0; i < w; ++i) *border.texel(face, i, j) = bicubic(centres, {face, place(i, w), place(j, h)});
     if (centres.projection() != Projection::latlong || h == 1 || (j > 0 && j < h - 1)) return;

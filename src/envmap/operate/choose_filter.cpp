@@ -1,12 +1,11 @@
 #include "envmap/operate/choose_filter.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 
+#include "envmap/base/parallel.h"
 #include "envmap/maths/sum.h"
 #include "envmap/operate/measure.h"
 #include "envmap/sample/sampler.h"
@@ -30,8 +29,10 @@ constexpr Candidate candidates[] = {{Filter::nearest, 1},  {Filter::bilinear, 1}
 // The filter's own result in single texels.
 std::vector<Colour> sampled(const Sampler& sampler, std::span<const Texel> texels) {
   std::vector<Colour> out(texels.size());
-  tbb::parallel_for(std::size_t{0}, texels.size(),
-                    [&](std::size_t k) { sampler(texels[k].face, texels[k].j, texels[k].i, std::span(&out[k], 1)); });
+  parallel_for(int(texels.size()), [&](int k) {
+    const Texel& t = texels[std::size_t(k)];
+    sampler(t.face, t.j, t.i, std::span(&out[std::size_t(k)], 1));
+  });
   return out;
 }
 
@@ -40,7 +41,7 @@ double seconds_in_rows(const Sampler& sampler, const Target& target) {
   constexpr int rows = 16, most = 256;
   const auto start = std::chrono::steady_clock::now();
   std::atomic<std::size_t> count = 0;
-  tbb::parallel_for(0, rows, [&](int k) {
+  parallel_for(rows, [&](int k) {
     const int row = (2 * k + 1) * target.size / (2 * rows);
     const Columns in = columns(target.to, target.size, row);
     std::vector<Colour> out(std::min<std::size_t>(in.count(), most));

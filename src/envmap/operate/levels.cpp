@@ -1,11 +1,10 @@
 #include "envmap/operate/levels.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/operate/refuse_flaws.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/point.h"
@@ -44,8 +43,7 @@ struct RowWeights {
 
 void weigh(Projection p, Weights weights, const Cells& across, const Cells& down, int row, RowWeights& out) {
   const std::size_t count = across.source.size(), half = (count + 1) / 2;
-  const auto first = std::size_t(down.first[row]),
-             end = std::size_t(down.first[std::size_t(row) + 1]);
+  const auto first = std::size_t(down.first[row]), end = std::size_t(down.first[std::size_t(row) + 1]);
   out.whole.assign(across.first.size() - 1, 0);
   out.parts.resize(std::max(out.parts.size(), end - first));
   for (std::size_t part = 0; part < end - first; ++part) {
@@ -82,7 +80,7 @@ void fill_beyond_disc(Level& level) {
   const int n = level.height();
   // Of the near edge.
   const auto distance = [n](int i) { return std::max(0, std::abs(2 * i + 1 - n) - 1) / double(n); };
-  tbb::parallel_for(0, n, [&](int j) {
+  parallel_for(n, [&](int j) {
     for (int i = 0; i < n; ++i) {
       if (distance(i) * distance(i) + distance(j) * distance(j) < 1) continue;
       for (int face = 0; face < level.faces(); ++face) {
@@ -113,10 +111,10 @@ Level coarser_level(const Level& fine, int width, int height, Weights weights) {
   Level coarse(fine.projection(), height, width, fine.max_memory());
   const Cells across = cells(fine.width(), coarse.width()), down = cells(fine.height(), coarse.height());
   // Rows as far from the top as from the bottom share their weights, as do all faces.
-  tbb::parallel_for(tbb::blocked_range<int>(0, (coarse.height() + 1) / 2), [&](const tbb::blocked_range<int>& range) {
+  parallel_ranges((coarse.height() + 1) / 2, 1, [&](int begin, int end_row) {
     RowWeights shared;
     std::vector<const Colour*> rows;
-    for (int row = range.begin(); row < range.end(); ++row) {
+    for (int row = begin; row < end_row; ++row) {
       weigh(fine.projection(), weights, across, down, row, shared);
       const auto first = std::size_t(down.first[row]), end = std::size_t(down.first[row + 1]);
       const std::span<const int> sources = std::span(down.source).subspan(first, end - first);

@@ -1,13 +1,13 @@
 #include "envmap/operate/refuse_flaws.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <atomic>
 #include <bit>
 #include <cstdint>
 
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 
 namespace envmap {
 namespace {
@@ -25,12 +25,11 @@ bool all_finite(std::span<const Colour> texels) {
 
 bool all_finite(const Level& level) {
   std::atomic<bool> sound{true};
-  tbb::parallel_for(tbb::blocked_range<int>(0, level.faces() * level.height(), 16),
-                    [&](const tbb::blocked_range<int>& range) {
-                      for (int k = range.begin(); k < range.end(); ++k)
-                        if (!all_finite(level.row(k / level.height(), k % level.height()))) sound = false;
-                      level.trim();
-                    });
+  parallel_ranges(level.faces() * level.height(), 16, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k)
+      if (!all_finite(level.row(k / level.height(), k % level.height()))) sound = false;
+    level.trim();
+  });
   return sound;
 }
 

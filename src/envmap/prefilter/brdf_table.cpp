@@ -2,6 +2,8 @@
 // chosen at run time.
 #include "envmap/prefilter/brdf_table.h"
 
+#include "envmap/base/eight_lanes.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/brdf_table.cpp"
 #include <hwy/foreach_target.h>

@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "envmap/base/eight_lanes.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/clip.cpp"
 #include <hwy/foreach_target.h>

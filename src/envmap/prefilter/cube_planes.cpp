@@ -1,9 +1,9 @@
 // The light of a cube on its finest grid. Each face is laid on a grid of equal angles first, column by column and row
 // by row. The nodes are points then.
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
+#include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
 #include "envmap/prefilter/light_planes.h"
@@ -105,13 +105,13 @@ void add_columns(const FaceSide& side, std::span<const float> light, std::span<f
 LightPlanes face_nodes(const Level& source, int face, const FaceSide& side, double unit, const Colour& darkest) {
   const int many = side.points_a_texel();
   LightPlanes narrow(int(side.points.size()), side.nodes), out(side.nodes, side.nodes);
-  tbb::parallel_for(0, narrow.rows, [&](int r) {
+  parallel_for(narrow.rows, [&](int r) {
     const FaceSide::Point& down = side.points[std::size_t(r)];
     const auto light = light_of_row(side, source.row(face, r / many), down.at, unit * down.weight, darkest);
     for (std::size_t c = 0; c < 3; ++c) add_columns(side, light[c], narrow.row(r, int(c)));
     source.trim();
   });
-  tbb::parallel_for(0, out.rows, [&](int node) {
+  parallel_for(out.rows, [&](int node) {
     for (int r = 0; r < narrow.rows; ++r) {
       const FaceSide::Point& p = side.points[std::size_t(r)];
       if (node < p.first || node >= p.first + nodes_across) continue;
@@ -170,8 +170,8 @@ LightPlanes cube_planes(const Level& source, double mean, const Colour& darkest,
   for (int face = 0; face < source.faces(); ++face) {
     const LightPlanes nodes = face_nodes(source, face, side, 1 / mean, darkest);
     std::vector<std::vector<LightPoint>> found(std::size_t(side.nodes));
-    tbb::parallel_for(0, side.nodes, [&](int row) { found[std::size_t(row)] = points_of(nodes, face, side, row); });
-    tbb::parallel_for(0, (rows + band - 1) / band, [&](int b) {
+    parallel_for(side.nodes, [&](int row) { found[std::size_t(row)] = points_of(nodes, face, side, row); });
+    parallel_for((rows + band - 1) / band, [&](int b) {
       const int low = b * band, high = std::min(rows, low + band);
       const double near = (low - nodes_across) / double(rows), far = (high + nodes_across) / double(rows);
       for (const auto& row : found)

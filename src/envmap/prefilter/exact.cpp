@@ -75,7 +75,7 @@ double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, 
   // A few quarters are quicker than the border: timed.
   if (uneven > 0.8 && p.reach < 0.3) {
     if (!border) border.emplace(face, rect);
-    return RoundBorder<P, L>(lobe, r, face, rect)(*border, p.solid_angle, p.reach, nearest).value;
+    return integral_round<P>(*border, lobe, r, face, rect, p.solid_angle, p.reach, nearest).value;
   }
   double sum = 0;
   for (const Rect& q : quarters(rect)) {

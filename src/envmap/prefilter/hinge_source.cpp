@@ -1,8 +1,8 @@
 #include "envmap/prefilter/hinge_source.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+
+#include "envmap/base/parallel.h"
 
 namespace envmap::prefiltering {
 
@@ -49,7 +49,7 @@ HingeSource<Grid>::HingeSource(const Level& source, double mean, const Colour& d
   }
   prefixes_.resize(levels_.size() - before_base);
   prefixes_.front().resize(prefix_place(before_base, Grid::faces, 0));
-  tbb::parallel_for(0, levels_[base()].grid.down.count(), [&](int band) { set_band(band); });
+  parallel_for(levels_[base()].grid.down.count(), [&](int band) { set_band(band); });
   for (std::size_t level = base() + 1; level < levels_.size(); ++level) {
     set_coarser_cells(level);
     prefixes_[level - base()] = coarser(level);

@@ -1,8 +1,8 @@
 // The light of a latlong map on its finest grid.
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
+#include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
 #include "envmap/prefilter/light_planes.h"
 
@@ -59,7 +59,7 @@ LightPlanes latlong_planes(const Level& source, double unit, const Colour& darke
   const Across across(source.width(), 2 * rows);
   const double scale = 1 / unit;  // Beyond floats where light is subnormal.
   const int band = std::max(16, rows / 16);
-  tbb::parallel_for(0, (rows + band - 1) / band, [&](int b) {
+  parallel_for((rows + band - 1) / band, [&](int b) {
     const int low = b * band, high = std::min(rows, low + band);
     std::vector<std::pair<Term, int>> terms;  // And the row they add to.
     for (int r = low; r < high; ++r)

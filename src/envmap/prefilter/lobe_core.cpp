@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "envmap/prefilter/eight_lanes.h"
+#include "envmap/base/eight_lanes.h"
 #include "envmap/prefilter/multilevel_kernels.h"
 #include "envmap/projection/cube.h"
 

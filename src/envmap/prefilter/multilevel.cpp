@@ -1,13 +1,12 @@
 #include "envmap/prefilter/multilevel.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "envmap/base/parallel.h"
 
 namespace envmap::prefiltering {
 
@@ -24,7 +23,7 @@ std::optional<NodeGrid> smooth_field(const MultilevelPlan& plan, const Multileve
   for (int r = least_rows; r <= rows; r *= 2) {
     if (std::ranges::none_of(plan.steps, [&](const MultilevelPlan::Step& s) { return s.rows == r; })) continue;
     NodeGrid finer(r);
-    tbb::parallel_for(0, r, [&](int row) {
+    parallel_for(r, [&](int row) {
       GatherRoom room;
       std::vector<Flux> sums(std::size_t(finer.columns[std::size_t(row)]), Flux(0));
       for (const MultilevelPlan::Step& s : plan.steps)

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "envmap/prefilter/eight_lanes.h"
+#include "envmap/base/eight_lanes.h"
 #include "envmap/prefilter/lagrange.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,9 +1,8 @@
 #include "envmap/prefilter/multilevel_source.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
+#include "envmap/base/parallel.h"
 #include "envmap/prefilter/light_planes.h"
 
 namespace envmap::prefiltering {
@@ -55,10 +54,10 @@ void halve(std::span<const float> in, std::span<float> out) {
 
 LightPlanes coarser(const LightPlanes& fine) {
   LightPlanes narrow(fine.rows, fine.columns / 2), out(fine.rows / 2, fine.columns / 2);
-  tbb::parallel_for(0, fine.rows, [&](int r) {
+  parallel_for(fine.rows, [&](int r) {
     for (int c = 0; c < 3; ++c) halve(fine.row(r, c), narrow.row(r, c));
   });
-  tbb::parallel_for(0, out.rows, [&](int k) {
+  parallel_for(out.rows, [&](int k) {
     for (int i = 0; i < nodes_across; ++i)
       for (int side = 0; side < 2; ++side) {
         const int node = i - half_nodes + side;
@@ -73,7 +72,7 @@ LightPlanes coarser(const LightPlanes& fine) {
 // Rows near poles in fewer columns.
 NodeGrid thinned(const LightPlanes& full) {
   NodeGrid grid(full.rows);
-  tbb::parallel_for(0, full.rows, [&](int r) {
+  parallel_for(full.rows, [&](int r) {
     std::vector<float> row, next;
     for (int c = 0; c < 3; ++c) {
       const auto all = full.row(r, c);

@@ -1,7 +1,6 @@
 #include "envmap/prefilter/prefilter.h"
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -181,9 +180,7 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
     const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(done.map.forward);
     const std::lock_guard turn_of_this_thread(prepared_->in_use);
     // While the lock is held this thread takes no task of the caller's, which might want the lock again.
-    tbb::this_task_arena::isolate([&] {
-      make_lobe(*prepared_, wanted, {wanted.to, wanted.size, turn}, progress, done);
-    });
+    isolated([&] { make_lobe(*prepared_, wanted, {wanted.to, wanted.size, turn}, progress, done); });
   }
   done.seconds = seconds_since(start);
   done.floor = 1e-3 * prepared_->light.mean * factor(wanted);

@@ -7,11 +7,11 @@
 #include <limits>
 #include <vector>
 
+#include "envmap/base/eight_lanes.h"
 #include "envmap/base/parallel.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/eight_lanes.h"
 #include "envmap/prefilter/multilevel_kernels.h"
 #include "envmap/prefilter/source.h"
 

@@ -125,9 +125,8 @@ class Subdivision {
     const double nearest = 0.5 * near * near, farthest = 0.5 * far * far;
     if (farthest >= 1 || std::max(lobe.rate(nearest), lobe.rate(farthest)) * far * node.reach < worth) return false;
     const double each = weight(texel.radiance);
-    const RoundBorder<P, L> round(lobe, criterion_.middle, texel.face, rect);
-    const Integral found = round(recent_border<P>(texel.face, rect), P::solid_angle(rect), node.reach, nearest,
-                                 0.1 * criterion_.limit / each);
+    const Integral found = integral_round(recent_border<P>(texel.face, rect), lobe, criterion_.middle, texel.face, rect,
+                                          P::solid_angle(rect), node.reach, nearest, 0.1 * criterion_.limit / each);
     if (criterion_.surveying) {
       const Flux& l = texel.radiance;
       found_.add_least(criterion_, {float(l.x), float(l.y), float(l.z)},

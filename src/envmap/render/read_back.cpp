@@ -1,8 +1,8 @@
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "envmap/base/parallel.h"
 #include "envmap/map/image_view.h"
 #include "envmap/operate/convert.h"
 #include "envmap/render/renderer.h"
@@ -26,7 +26,7 @@ Drawn resample(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
   const ImageView<const std::uint32_t> cube_surfaces(cube.surfaces, from.size, from.size, 6);
   const ImageView<float> distances(out.distances, width, from.size, faces(from.to));
   const ImageView<std::uint32_t> surfaces(out.surfaces, width, from.size, faces(from.to));
-  tbb::parallel_for(0, faces(from.to) * from.size, [&](int line) {
+  parallel_for(faces(from.to) * from.size, [&](int line) {
     const int face = line / from.size, row = line % from.size;
     const Columns in = columns(from.to, from.size, row);
     std::vector<Direction> rays(in.count());
@@ -54,7 +54,7 @@ EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances) {
   for (int face = 0; face < level.faces(); ++face) {
     glGetTextureSubImage(map.texture, 0, 0, 0, map.layer(face), level.width(), level.height(), 1, GL_RGBA, GL_FLOAT,
                          static_cast<GLsizei>(drawn.size() * sizeof(glm::vec4)), drawn.data());
-    tbb::parallel_for(0, level.height(), [&](int row) {
+    parallel_for(level.height(), [&](int row) {
       std::ranges::transform(image.row(0, row), level.row(face, row).begin(),
                              [](const glm::vec4& t) { return Colour(t); });
       if (distances == nullptr) return;

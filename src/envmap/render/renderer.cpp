@@ -1,7 +1,6 @@
 #include "envmap/render/renderer.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <array>
 #include <cmath>

@@ -1,9 +1,9 @@
 #include "envmap/render/visibility_buffer.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/map/image_view.h"
 #include "envmap/render/draw.h"
 
@@ -14,7 +14,7 @@ std::vector<glm::vec4> rays_of(Projection p, int size, int face, const Vec2<doub
   const int width = size * aspect(p);
   std::vector<glm::vec4> rays(ImageView<glm::vec4>::count(width, size), glm::vec4(0));
   const ImageView<glm::vec4> image(rays, width, size);
-  tbb::parallel_for(0, size, [&](int row) {
+  parallel_for(size, [&](int row) {
     const Columns in = columns(p, size, row);
     std::vector<Direction> found(in.count());
     sample_directions(p, size, face, row, offset, found);
@@ -88,7 +88,7 @@ gl::Texture make_rays(Projection p, int size, int face, const Vec2<double>& offs
 gl::Texture make_rays(const Lens& lens, int height, const Vec2<double>& offset) {
   std::vector<glm::vec4> rays(ImageView<glm::vec4>::count(lens.width, height));
   const ImageView<glm::vec4> image(rays, lens.width, height);
-  tbb::parallel_for(0, height, [&](int row) {
+  parallel_for(height, [&](int row) {
     for (int i = 0; i < lens.width; ++i) {
       const double u = (i + 0.5 + offset.x) / lens.width, v = (row + 0.5 + offset.y) / height;
       image(i, row) = glm::vec4(lens.parallel ? lens.origin(u, v) : lens.ray(u, v), lens.parallel ? 1 : 0);

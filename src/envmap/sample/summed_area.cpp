@@ -1,11 +1,10 @@
 #include "envmap/sample/summed_area.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
 #include "envmap/sample/footprint.h"
 #include "envmap/sample/point.h"
@@ -39,7 +38,7 @@ SummedArea::SummedArea(const PaddedLevel& level, int margin)
       width_(level.width() + 2 * margin),
       height_(level.height() + 2 * margin),
       entries_(std::size_t(level.faces()) * std::size_t(width_ + 1) * std::size_t(height_ + 1)) {
-  tbb::parallel_for(0, level.faces(), [&](int face) { fill_face(level, face); });
+  parallel_for(level.faces(), [&](int face) { fill_face(level, face); });
 }
 
 const SummedArea::Entry* SummedArea::entry(int face, int i, int j) const {
@@ -48,7 +47,7 @@ const SummedArea::Entry* SummedArea::entry(int face, int i, int j) const {
 
 void SummedArea::fill_face(const PaddedLevel& level, int face) {
   const auto at = [&](int i, int j) { return const_cast<Entry*>(entry(face, i, j)); };
-  tbb::parallel_for(0, height_, [&](int j) {
+  parallel_for(height_, [&](int j) {
     Entry row;
     for (int i = 0; i < width_; ++i) {
       row.add(texel_or_beyond(level, face, i - margin_, j - margin_));
