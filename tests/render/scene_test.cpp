@@ -204,8 +204,7 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
        {"range", 7},
        {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
       {{"type", "directional"}}};
-  file.document["cameras"] = {{{"type", "perspective"},
-                               {"perspective", {{"yfov", 0.7}, {"znear", 0.1}, {"aspectRatio", 1.5}}}},
+  file.document["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}},
                               {{"type", "orthographic"},
                                {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0.5}, {"zfar", 9}}}}};
   file.document["nodes"].push_back(
@@ -230,13 +229,11 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
   const Camera& parallel = scene.cameras[1];
   EXPECT_EQ(parallel.name, "camera 1");  // It has no name, and neither has its node.
   EXPECT_EQ(parallel.half_height, 2);
-  EXPECT_EQ(parallel.aspect, 1.5);
   EXPECT_EQ(parallel.near, 0.5);
   EXPECT_EQ(parallel.far, 9);
   const Camera& camera = scene.cameras[0];
   EXPECT_EQ(camera.name, "eye");
   EXPECT_EQ(camera.vertical_field, 0.7);
-  EXPECT_EQ(camera.aspect, 1.5);
   const Pose world = pose(scene, 0);
   near(at(world[spot.node], {0, 0, 0}), {1, 2, 3});
   near(at(world[camera.node], {0, 0, -1}), {-1, 0, 0});  // It looks along -X.

@@ -65,12 +65,10 @@ void read_camera(GltfReader& r, const Field& node, int index) {
   Camera camera{.name = field["name"].text(), .node = index};
   if (perspective.there()) {
     camera.vertical_field = perspective["yfov"].number(0.8, 1e-4, pi - 1e-4);
-    camera.aspect = perspective["aspectRatio"].number(0, 0, 1e6);
   } else {
     // The specification warns of mirrored ones; 0 shows nothing.
     camera.half_height = std::abs(orthographic["ymag"].number(1, -1e30, 1e30));
     if (camera.half_height == 0) orthographic["ymag"].fail("is 0");
-    camera.aspect = std::abs(orthographic["xmag"].number(1, -1e30, 1e30)) / camera.half_height;
   }
   camera.near = shape["znear"].number(0.01, 0, 1e30);
   camera.far = std::max(shape["zfar"].number(1e9, 0, 1e30), camera.near);
