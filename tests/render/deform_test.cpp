@@ -175,6 +175,18 @@ TEST_F(DeformTest, IsDrawnAsRaysSeeIt) {
   }
 }
 
+TEST_F(DeformTest, ANodeWithoutASkinKeepsTheMesh) {
+  GltfFile file = tube();
+  file.document["nodes"].push_back({{"mesh", 0}, {"name", "plain"}});
+  file.document["scenes"][0]["nodes"].push_back(3);
+  file.write(folder / "tubes.glb");
+  Scene scene = read_scene(path("tubes.glb"));
+  const Mesh& plain = scene.meshes[std::size_t(scene.nodes[std::size_t(*find_node(scene, "plain"))].meshes[0])];
+  const std::vector<glm::vec3> rest = plain.positions;
+  EXPECT_EQ(deform(scene, pose(scene, 1), 1).size(), 1U);
+  EXPECT_EQ(plain.positions, rest);
+}
+
 TEST_F(DeformTest, BrokenSkinsAreRefused) {
   const auto says = [&](auto&& change) {
     GltfFile file = tube();

@@ -239,6 +239,19 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
   near(at(world[camera.node], {0, 0, -1}), {-1, 0, 0});  // It looks along -X.
 }
 
+// float32 rounds pi / 2 up.
+TEST_F(SceneTest, SpotsOfAHalfSphereInFloat32) {
+  GltfFile file = triangle();
+  const auto quarter = float(pi / 2);
+  file.document["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", quarter}, {"outerConeAngle", quarter}}}}};
+  file.document["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+  file.write(folder / "a.gltf");
+  const Scene scene = read_scene(path("a.gltf"));
+  EXPECT_EQ(scene.lights.at(0).outer, pi / 2);
+  EXPECT_EQ(scene.lights.at(0).inner, pi / 2);
+}
+
 TEST_F(SceneTest, NodesMoveAsTheirKeysSay) {
   GltfFile file = triangle();
   const float h = std::sqrt(0.5F);
@@ -306,7 +319,7 @@ TEST_F(SceneTest, StripsFansQuantisedAndSparseVertices) {
 TEST_F(SceneTest, ColoursOfVertices) {
   GltfFile file = triangle();
   auto& attributes = file.document["meshes"][0]["primitives"][0]["attributes"];
-  attributes["COLOR_0"] = file.add<float>({1, 0, 0, 0, 1, 0, 0, 0.5F, 1}, "VEC3", 3);
+  attributes["COLOR_0"] = file.add<float>({1, 0, 0, -1, 2, 0, 0, 0.5F, 1}, "VEC3", 3);  // Clamped.
   file.write(folder / "a.gltf");
   EXPECT_EQ(read_scene(path("a.gltf")).meshes[0].colours,
             (std::vector<glm::vec4>{{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0.5F, 1, 1}}));

@@ -50,11 +50,12 @@ void read_light(GltfReader& r, const Field& node, int index) {
     light.kind = PunctualLight::Kind::directional;
   else if (type != "point")
     field["type"].fail("is '" + type + "', no kind of light");
-  const auto colour = field["color"].numbers({1, 1, 1});
+  const auto colour = field["color"].numbers({1, 1, 1}, 0, 1);
   light.intensity = Colour(Flux(colour[0], colour[1], colour[2]) * field["intensity"].number(1, 0, 1e30));
   light.range = field["range"].number(0, 0, 1e30);
-  light.outer = spot["outerConeAngle"].number(pi / 4, 0, pi / 2);
-  light.inner = spot["innerConeAngle"].number(0, 0, light.outer);
+  constexpr double rounding = 1e-6;  // Of angles that were float32.
+  light.outer = std::min(spot["outerConeAngle"].number(pi / 4, 0, pi / 2 + rounding), pi / 2);
+  light.inner = std::min(spot["innerConeAngle"].number(0, 0, light.outer + rounding), light.outer);
   r.scene.lights.push_back(light);
 }
 
