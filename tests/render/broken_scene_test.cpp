@@ -182,6 +182,16 @@ TEST_F(SceneTest, RepeatedMeshesAreBounded) {
   EXPECT_NE(why(path("a.gltf")).find("million corners"), std::string::npos);
 }
 
+TEST_F(SceneTest, NodesOfOneMeshAreBounded) {
+  GltfFile file = triangle();
+  file.document["accessors"][1] = {{"componentType", 5121}, {"count", 999999}, {"type", "SCALAR"}};
+  const json node = file.document["nodes"][0];
+  for (int k = 1; k < 150; ++k)
+    file.document["nodes"].push_back(node), file.document["scenes"][0]["nodes"].push_back(k);
+  file.write(folder / "a.gltf");
+  EXPECT_NE(why(path("a.gltf")).find("nodes draw over 134 million corners"), std::string::npos);
+}
+
 TEST_F(SceneTest, BrokenObjIsRefused) {
   const std::pair<const char*, const char*> files[] = {
       {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "line 4: names vertex 9, but there are 3"},

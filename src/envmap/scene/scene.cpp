@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string_view>
 
@@ -29,6 +30,13 @@ Pose pose(const Scene& scene, double time) {
   for (std::size_t i = 0; i < world.size(); ++i)
     if (const int parent = scene.nodes[i].parent; parent >= 0) world[i] = world[parent] * world[i];
   return world;
+}
+
+bool is_bounded(const Pose& pose) {
+  for (const Matrix& world : pose)
+    for (int k = 0; k < 16; ++k)
+      if (!(std::abs(world[k / 4][k % 4]) < 1e30)) return false;
+  return true;
 }
 
 std::optional<int> find_node(const Scene& scene, const std::string& name) {

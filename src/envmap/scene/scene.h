@@ -148,6 +148,9 @@ using Pose = std::vector<Matrix>;
 /// rotations by great arcs.
 Pose pose(const Scene& scene, double time);
 
+/// Whether all its numbers are below 1e30, and none is NaN.
+bool is_bounded(const Pose& pose);
+
 /// The node of that name, if there is one. @throws UsageError where several have it.
 std::optional<int> find_node(const Scene& scene, const std::string& name);
 
