@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
 #include "envmap/base/error.h"
+#include "envmap/scene/camera.h"
 #include "envmap/scene/read/read_scene.h"
 #include "render/gltf_file.h"
 
@@ -250,6 +252,19 @@ TEST_F(SceneTest, SpotsOfAHalfSphereInFloat32) {
   const Scene scene = read_scene(path("a.gltf"));
   EXPECT_EQ(scene.lights.at(0).outer, pi / 2);
   EXPECT_EQ(scene.lights.at(0).inner, pi / 2);
+}
+
+TEST(Camera, AxesAreOrthonormalUnderAnyScale) {
+  const Camera camera{.name = "eye"};
+  for (const Direction& scale : {Direction(-1, 1, 1), {3, 1, 1}, {1e-9, 1, 1e20}, {2, -3, -4}}) {
+    const Matrix node = glm::scale(Matrix(1), scale) * glm::rotate(Matrix(1), 0.7, Direction(0.48, 0.6, 0.64));
+    const Rotation axes = view_of(camera, {node}).axes;
+    for (int k = 0; k < 9; ++k)
+      EXPECT_NEAR(glm::dot(axes[k / 3], axes[k % 3]), k / 3 == k % 3 ? 1 : 0, 1e-12) << scale.x;
+    EXPECT_NEAR(glm::determinant(axes), 1, 1e-12) << scale.x;
+    near(axes[2], glm::normalize(Direction(node[2])));
+  }
+  EXPECT_THROW(view_of(camera, {glm::scale(Matrix(1), Direction(1, 0, 1))}), InputError);
 }
 
 TEST_F(SceneTest, NodesMoveAsTheirKeysSay) {
