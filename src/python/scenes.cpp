@@ -95,13 +95,21 @@ std::vector<MirrorWish> wishes_of(const py::dict& mirrors) {
   return all;
 }
 
+// As `envmap view` names the files of maps. @param taken keys.
+std::string name_of(const ViewedMirror& mirror, const py::dict& taken) {
+  const std::string number = "node " + std::to_string(mirror.number);
+  const std::string name = mirror.node.empty() ? number : mirror.node;
+  return taken.contains(name) ? name + " (" + number + ")" : name;
+}
+
 Picture picture_of(ViewedScene&& viewed) {
   Picture picture{.array = py::array_t<float>({viewed.height, viewed.width, 3}, &viewed.radiance.front().x),
                   .mirrors = {},
                   .method = std::string(view_method_names[std::size_t(viewed.method)]),
                   .error = viewed.error};
   for (ViewedMirror& mirror : viewed.mirrors)
-    if (!mirror.map.levels.empty()) picture.mirrors[py::str(mirror.node)] = shared(std::move(mirror.map));
+    if (!mirror.map.levels.empty())
+      picture.mirrors[py::str(name_of(mirror, picture.mirrors))] = shared(std::move(mirror.map));
   return picture;
 }
 
@@ -137,7 +145,8 @@ Picture view_scene(const std::filesystem::path& file, const Place& camera, const
 void add_scenes(py::module_& m) {
   py::class_<Picture>(m, "Picture", "What view() drew, and how.")
       .def_readonly("array", &Picture::array, "Linear radiance, (height, width, 3), rows from the top.")
-      .def_readonly("mirrors", &Picture::mirrors, "The map of each mirror that is seen, by its node's name.")
+      .def_readonly("mirrors", &Picture::mirrors,
+                    "The map of each mirror that is seen, by its node's name; 'NAME (node K)' where the name is taken.")
       .def_readonly("method", &Picture::method, "maps or raycast.")
       .def_readonly("error", &Picture::error, "Of the picture against rays, where max_error was given.");
   m.def(

@@ -68,6 +68,13 @@ TEST_F(Preview, APercentileBecomesWhite) {
   fails(2, {"preview", "halves.exr", "out.png", "--percentile", "40", "--exposure", "1"}, {"--exposure"});
 }
 
+// White lies beyond the stops that a histogram counts.
+TEST_F(Preview, HistogramsReachAsFarAsWhite) {
+  write_halves();
+  for (const std::string stops : {"-100", "100"})
+    EXPECT_GT(preview({"halves.exr", "--histogram", "--exposure", stops}).height, 0) << stops;
+}
+
 TEST_F(Preview, WritesNamesOrSaysThatThereIsNoFont) {
   write_halves();
   const auto lightest_of_caption = [](const Picture& p) {

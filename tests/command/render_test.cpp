@@ -131,6 +131,17 @@ TEST_F(Render, DistancesAreInfiniteWhereNothingIs) {
 }
 
 // All faces of the tetrahedron have two sides. Those behind the point share an edge, which holds -Z.
+// A lamp 8 mm before a mirror.
+TEST_F(Render, TheNearPlaneIsThatOfMirrorsToo) {
+  write("small.mtl", "newmtl mirror\nPm 1\nPr 0\nnewmtl lamp\nKd 0 0 0\nKe 1 1 1\n");
+  write("small.obj",
+        "mtllib small.mtl\nv -.005 -.005 -.005\nv .005 -.005 -.005\nv .005 .005 -.005\nv -.005 .005 -.005\n"
+        "v -.005 -.005 .003\nv .005 -.005 .003\nv .005 .005 .003\nv -.005 .005 .003\n"
+        "g a\nusemtl mirror\nf 1 2 3 4\ng b\nusemtl lamp\nf 5 6 7 8\n");
+  succeeds({"render", "small.obj", "m.exr", "--method", "exact", "--bounces", "1", "--near", "1e-5", "--size", "16"});
+  EXPECT_NEAR(load(path("m.exr")).at(8, 5 * 16 + 8)[0], 1, 0.01);  // Of -Z.
+}
+
 TEST_F(Render, SaysWhatMovedVerticesLack) {
   const std::vector<std::string> words{"render", "scene.obj", "a.exr", "--context", on_processor(), "--ambient", "1",
                                        "--size", "32",        "--to",  "sphere",    "--json",       "--method"};

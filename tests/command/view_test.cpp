@@ -265,6 +265,14 @@ TEST_F(View, MapsAreSavedAndMirrorsAreLeftOut) {
   fails(2, with({"--mirror", "nosuch"}), {"nosuch", "the scene's nodes are mirror, eye, lamp"});
 }
 
+TEST_F(View, SavedMapsReplaceNeitherInputsNorOutputs) {
+  succeeds({"generate", "checker", "mirror.exr", "--size", "8"});
+  fails(2, {"view", "scene.gltf", "a.exr", "--environment", "mirror.exr", "--save-maps", "."},
+        {"mirror.exr", "both input and output"});
+  fails(2, {"view", "scene.gltf", "mirror.exr", "--save-maps", "."}, {"mirror.exr", "written twice"});
+  fails(2, {"view", "scene.gltf", "mirror.{frame}.exr", "--save-maps", ".", "--frames", "0:1"}, {"written twice"});
+}
+
 // In the box [-1,1]^3, along d, the wall is as far from the ball as the nearest of the three planes ahead. The other
 // projections are turned towards the camera: their distances are interpolated, but for the edges of the box.
 TEST_F(View, SavedMapsHaveTheDistancesOfTheWalls) {
@@ -425,6 +433,7 @@ TEST_F(View, WhatMakesNoSense) {
   fails(2, {"view", "scene.gltf", "a.png", "--mirror", "lamp:latlong"}, {"lamp:latlong"});
   fails(2, {"view", "scene.gltf", "a.txt"}, {"a.txt"});
   fails(2, {"view", "scene.gltf", "a.png", "--frames", "1:2"}, {"{frame}"});
+  fails(2, {"view", "scene.gltf", "{frame}.png", "--frames", "0:999999999"}, {"--frames", "1000000 frames"});
   fails(2, {"view", "scene.gltf", "a.png", "--maps", "latlong"}, {"latlong"});
   fails(2, {"view", "scene.gltf", "a.exr", "--display", "reinhard"}, {"a.exr", "--display"});
   for (const char* option : {"--save-maps=maps", "--show-maps"})

@@ -297,6 +297,16 @@ def test_view_is_what_the_command_draws(tmp_path, scene):
             np.testing.assert_array_equal(seen.mirrors['flag'].array, envmap.read(tmp_path / 'maps' / 'flag.exr').array)
 
 
+def test_view_tells_mirrors_of_one_name_apart(scene):
+    text = json.loads(scene.read_text())
+    text['materials'] = [{'doubleSided': True, 'pbrMetallicRoughness': {'metallicFactor': 1, 'roughnessFactor': 0}}] * 2
+    for name, keys in (('flag', ['flag', 'flag (node 1)']), ('', ['node 0', 'node 1'])):
+        for node in text['nodes']:
+            node['name'] = name
+        scene.write_text(json.dumps(text))
+        assert list(envmap.view(scene, width=16, height=16, ambient=(1, 1, 1)).mirrors) == keys
+
+
 def test_view_says_what_is_wrong(tmp_path, scene):
     for options, words in (({'camera': 'nobody'}, "camera 'nobody' is neither"), ({'mirrors': {'nobody': None}}, "'nobody' is no node"),
                            ({'mirrors': {'flag': 'latlong'}}, 'sphere, paraboloid or cube'), ({'width': 0}, 'width'), ({'fov': 180}, 'field'),

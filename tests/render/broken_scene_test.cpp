@@ -105,6 +105,33 @@ const Broken broken[] = {
     {"Type", [](GltfFile& f) { f.document["accessors"][0]["type"] = "VEC2"; }, "components"},
     {"NoAccessor", [](GltfFile& f) { f.document["meshes"][0]["primitives"][0]["indices"] = 9; }, "indices"},
     {"Material", [](GltfFile& f) { f.document["meshes"][0]["primitives"][0]["material"] = 0; }, "material"},
+    {"NegativeColour",
+     [](GltfFile& f) {
+       f.document["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {1, -1, 1, 1}}}}}};
+     },
+     "baseColorFactor[1] is -1, not from 0 to 1"},
+    {"BrightEmission",
+     [](GltfFile& f) {
+       f.document["materials"] = {{{"emissiveFactor", {1, 1, 1e30}}}};
+     },
+     "emissiveFactor[2] is 1e+30, not from 0 to 1"},
+    {"NegativeLight",
+     [](GltfFile& f) {
+       f.document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"color", {-1, 1, 1}}}};
+       f.document["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+     },
+     "color[0] is -1, not from 0 to 1"},
+    {"TransformedCoordinates",
+     [](GltfFile& f) {
+       json texture = {{"index", 0}};
+       texture["extensions"]["KHR_texture_transform"]["scale"] = {1e38, 1};
+       f.document["textures"] = {json::object()};
+       f.document["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", texture}}}}};
+       json& primitive = f.document["meshes"][0]["primitives"][0];
+       primitive["material"] = 0;
+       primitive["attributes"]["TEXCOORD_0"] = f.add<float>({0, 0, 100, 0, 0, 1}, "VEC2", 2);
+     },
+     "texture coordinates beyond float32"},
     {"Scene", [](GltfFile& f) { f.document["scene"] = 4; }, "scene"},
     {"Version", [](GltfFile& f) { f.document["asset"]["version"] = "1.0"; }, "glTF 2.0"},
     {"Required", [](GltfFile& f) { f.document["extensionsRequired"] = {"EXT_meshopt_compression"}; },
@@ -153,6 +180,16 @@ TEST_F(SceneTest, RepeatedMeshesAreBounded) {
   for (int k = 0; k < 5000; ++k) file.document["meshes"][0]["primitives"].push_back(primitive);
   file.write(folder / "a.gltf");
   EXPECT_NE(why(path("a.gltf")).find("million corners"), std::string::npos);
+}
+
+TEST_F(SceneTest, NodesOfOneMeshAreBounded) {
+  GltfFile file = triangle();
+  file.document["accessors"][1] = {{"componentType", 5121}, {"count", 999999}, {"type", "SCALAR"}};
+  const json node = file.document["nodes"][0];
+  for (int k = 1; k < 150; ++k)
+    file.document["nodes"].push_back(node), file.document["scenes"][0]["nodes"].push_back(k);
+  file.write(folder / "a.gltf");
+  EXPECT_NE(why(path("a.gltf")).find("nodes draw over 134 million corners"), std::string::npos);
 }
 
 TEST_F(SceneTest, BrokenObjIsRefused) {

@@ -2,6 +2,7 @@
 #include "envmap/scene/deform.h"
 
 #include "drawing.h"
+#include "envmap/offscreen/lit_scene.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
 #include "gltf_file.h"
@@ -173,6 +174,27 @@ TEST_F(DeformTest, IsDrawnAsRaysSeeIt) {
     EXPECT_LE(farther, 3) << time;
     EXPECT_LE(darker, on_tube / 100) << time;
   }
+}
+
+TEST_F(DeformTest, ANodeWithoutASkinKeepsTheMesh) {
+  GltfFile file = tube();
+  file.document["nodes"].push_back({{"mesh", 0}, {"name", "plain"}});
+  file.document["scenes"][0]["nodes"].push_back(3);
+  file.write(folder / "tubes.glb");
+  Scene scene = read_scene(path("tubes.glb"));
+  const Mesh& plain = scene.meshes[std::size_t(scene.nodes[std::size_t(*find_node(scene, "plain"))].meshes[0])];
+  const std::vector<glm::vec3> rest = plain.positions;
+  EXPECT_EQ(deform(scene, pose(scene, 1), 1).size(), 1U);
+  EXPECT_EQ(plain.positions, rest);
+}
+
+TEST_F(DeformTest, SizesAreCheckedAtEachMoment) {
+  GltfFile file = square(true);
+  animate(file, 0, "scale", {1, 1, 1, 1e38F, 1, 1}, "VEC3", 3);
+  file.write(folder / "huge.glb");
+  LitScene lit{.scene = read_scene(path("huge.glb"))};
+  lit.move_to(1e-9);
+  EXPECT_THROW(lit.move_to(1), InputError);
 }
 
 TEST_F(DeformTest, BrokenSkinsAreRefused) {

@@ -104,6 +104,22 @@ TEST_F(SceneTest, OptionsAndExtensionsOfMaterials) {
                                                          "sheen and anisotropy", "colours as spectra or CIE XYZ"}));
 }
 
+TEST_F(SceneTest, LinearTexturesAreEncoded) {
+  const float colour[] = {0.5F, 0, 4};
+  put("a.pfm", "PF\n1 1\n-1\n" + std::string(reinterpret_cast<const char*>(colour), sizeof colour));
+  put("a.mtl", "newmtl a\nmap_Ke a.pfm\n");
+  put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+  const Scene scene = read_scene(path("a.obj"));
+  EXPECT_TRUE(scene.textures.at(0).srgb);
+  EXPECT_EQ(scene.textures[0].texels[0], glm::u8vec4(188, 0, 255, 255));
+  EXPECT_EQ(scene.unsupported, (std::vector<std::string>{"colours of textures above 1"}));
+}
+
+TEST_F(SceneTest, CommentsEndWithTheirLine) {
+  put("a.obj", "# from C:\\models\\\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(why(path("a.obj")), "");
+}
+
 // A cube in one smoothing group: at a corner three faces meet at right angles, so the normal is (1,1,1)/sqrt(3),
 // however the faces are cut into triangles.
 TEST_F(SceneTest, SmoothingGroupsShareNormals) {

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
 #include "envmap/base/error.h"
+#include "envmap/scene/camera.h"
 #include "envmap/scene/read/read_scene.h"
 #include "render/gltf_file.h"
 
@@ -204,8 +206,7 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
        {"range", 7},
        {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
       {{"type", "directional"}}};
-  file.document["cameras"] = {{{"type", "perspective"},
-                               {"perspective", {{"yfov", 0.7}, {"znear", 0.1}, {"aspectRatio", 1.5}}}},
+  file.document["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}},
                               {{"type", "orthographic"},
                                {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0.5}, {"zfar", 9}}}}};
   file.document["nodes"].push_back(
@@ -230,16 +231,40 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
   const Camera& parallel = scene.cameras[1];
   EXPECT_EQ(parallel.name, "camera 1");  // It has no name, and neither has its node.
   EXPECT_EQ(parallel.half_height, 2);
-  EXPECT_EQ(parallel.aspect, 1.5);
   EXPECT_EQ(parallel.near, 0.5);
   EXPECT_EQ(parallel.far, 9);
   const Camera& camera = scene.cameras[0];
   EXPECT_EQ(camera.name, "eye");
   EXPECT_EQ(camera.vertical_field, 0.7);
-  EXPECT_EQ(camera.aspect, 1.5);
   const Pose world = pose(scene, 0);
   near(at(world[spot.node], {0, 0, 0}), {1, 2, 3});
   near(at(world[camera.node], {0, 0, -1}), {-1, 0, 0});  // It looks along -X.
+}
+
+// float32 rounds pi / 2 up.
+TEST_F(SceneTest, SpotsOfAHalfSphereInFloat32) {
+  GltfFile file = triangle();
+  const auto quarter = float(pi / 2);
+  file.document["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", quarter}, {"outerConeAngle", quarter}}}}};
+  file.document["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+  file.write(folder / "a.gltf");
+  const Scene scene = read_scene(path("a.gltf"));
+  EXPECT_EQ(scene.lights.at(0).outer, pi / 2);
+  EXPECT_EQ(scene.lights.at(0).inner, pi / 2);
+}
+
+TEST(Camera, AxesAreOrthonormalUnderAnyScale) {
+  const Camera camera{.name = "eye"};
+  for (const Direction& scale : {Direction(-1, 1, 1), {3, 1, 1}, {1e-9, 1, 1e20}, {2, -3, -4}}) {
+    const Matrix node = glm::scale(Matrix(1), scale) * glm::rotate(Matrix(1), 0.7, Direction(0.48, 0.6, 0.64));
+    const Rotation axes = view_of(camera, {node}).axes;
+    for (int k = 0; k < 9; ++k)
+      EXPECT_NEAR(glm::dot(axes[k / 3], axes[k % 3]), k / 3 == k % 3 ? 1 : 0, 1e-12) << scale.x;
+    EXPECT_NEAR(glm::determinant(axes), 1, 1e-12) << scale.x;
+    near(axes[2], glm::normalize(Direction(node[2])));
+  }
+  EXPECT_THROW(view_of(camera, {glm::scale(Matrix(1), Direction(1, 0, 1))}), InputError);
 }
 
 TEST_F(SceneTest, NodesMoveAsTheirKeysSay) {
@@ -309,7 +334,7 @@ TEST_F(SceneTest, StripsFansQuantisedAndSparseVertices) {
 TEST_F(SceneTest, ColoursOfVertices) {
   GltfFile file = triangle();
   auto& attributes = file.document["meshes"][0]["primitives"][0]["attributes"];
-  attributes["COLOR_0"] = file.add<float>({1, 0, 0, 0, 1, 0, 0, 0.5F, 1}, "VEC3", 3);
+  attributes["COLOR_0"] = file.add<float>({1, 0, 0, -1, 2, 0, 0, 0.5F, 1}, "VEC3", 3);  // Clamped.
   file.write(folder / "a.gltf");
   EXPECT_EQ(read_scene(path("a.gltf")).meshes[0].colours,
             (std::vector<glm::vec4>{{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0.5F, 1, 1}}));

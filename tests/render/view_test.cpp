@@ -423,6 +423,17 @@ TEST(Views, WhatStandsStillIsNotDrawnAgain) {
   EXPECT_TRUE(stage.only(MapUpdate::Outcome::unchanged));
 }
 
+TEST(Views, ALampBelowAMirrorChangesWhatItShows) {
+  Scene scene = hall({{0.1, -0.2, -0.3}});
+  scene.nodes.push_back({.parent = 6, .local = glm::translate(Matrix(1), Direction(0.5, 0, 0))});
+  scene.lights.push_back({.node = 7});
+  Stage stage(scene, Projection::cube);
+  stage.picture();
+  stage.scene.nodes[7].local = glm::translate(Matrix(1), Direction(-0.5, 0, 0));
+  stage.picture();
+  EXPECT_TRUE(stage.only(MapUpdate::Outcome::drawn));
+}
+
 // A square mirror in the plane z = -0.5 that faces the camera, or the wall behind.
 Scene plate(float facing) {
   Scene scene = rooms::room(2);
@@ -446,6 +457,23 @@ TEST(Views, AFlatMirrorTakesOneHalfAndNothingFromBehind) {
   EXPECT_EQ(front.updates.front().faces, 1);
   back.picture();
   EXPECT_TRUE(back.only(MapUpdate::Outcome::unseen));
+}
+
+// The mirror turns round, and so does who looks at it: then nobody needs what it showed.
+TEST(Views, FacesThatAreNoLongerNeededShowTheEnvironment) {
+  context();
+  Scene scene = plate(1);
+  Renderer renderer(scene, nullptr, {6});
+  Mirrors mirrors(scene, find_mirrors(scene, Projection::cube));
+  const auto middle_of_front = [&](const Viewpoint& from) {
+    mirrors.update(renderer, {.scene = scene, .pose = pose(scene, 0)}, {viewer(from)}, {.size = 32});
+    return *read_back(*mirrors.maps()[0].texture).base().texel(4, 16, 16);
+  };
+  EXPECT_GT(middle_of_front(camera()).z, 0.9F);
+  scene.nodes[6].local = glm::rotate(Matrix(1), pi, Direction(0, 1, 0));
+  Viewpoint behind = camera();
+  behind.at.z = -behind.at.z, behind.axes = rotation(180, 0, 0);
+  EXPECT_EQ(middle_of_front(behind), Colour(0));
 }
 
 // In every pixel of the plate, beside its outline, where the flat mirror's rays meet the room.

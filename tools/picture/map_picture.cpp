@@ -123,13 +123,14 @@ Range range_of(const Luminances& luminances, double white) {
   return {std::min(stop(first), at_white - 1), std::max(stop(last), at_white) + 1};
 }
 
-// Shares by so many parts of each stop.
+// Shares by so many parts of each stop. Beyond the stops that were counted there is nothing.
 std::vector<Luminances::Bin> coarse(const Luminances& luminances, const Range& range, int parts) {
   const int width = Luminances::per_stop / parts;
   std::vector<Luminances::Bin> out(std::size_t((range.last - range.first) * parts));
   for (std::size_t k = 0; k < out.size(); ++k)
     for (int b = 0; b < width; ++b) {
       const int at = (range.first - Luminances::lowest) * Luminances::per_stop + int(k) * width + b;
+      if (at < 0 || at >= std::ssize(luminances.bins())) continue;
       const Luminances::Bin& from = luminances.bins()[std::size_t(at)];
       out[k].sphere += from.sphere, out[k].light += from.light;
     }

@@ -48,7 +48,7 @@ class Painter {
     if (options_.bounces > 0) {
       const Viewer viewer{.at = from.at, .node = from.without, .pixel = 0.5 * pi / from.size};
       tell(mirrors_.update(renderer_, shot, {viewer},
-                           {.bounces = options_.bounces, .moved = !moved.empty(), .far = from.far}),
+                           {.bounces = options_.bounces, .moved = !moved.empty(), .near = from.near, .far = from.far}),
            shot.scene, found_);
       shot.mirrors = mirrors_.maps();
     }

@@ -99,6 +99,7 @@ std::vector<std::string> Frames::paths(const std::string& output) const {
 }
 
 Frames frames_of(const SceneOptions& o) {
+  constexpr int most_frames = 1'000'000;
   if (o.frames.empty()) return {.start = o.time};
   const std::vector<std::string> ends = split(o.frames, ':');
   const auto is_number = [](const std::string& s) {
@@ -106,7 +107,11 @@ Frames frames_of(const SceneOptions& o) {
   };
   if (ends.size() != 2 || !std::ranges::all_of(ends, is_number) || std::stoi(ends[0]) > std::stoi(ends[1]))
     throw UsageError(fmt::format("--frames: '{}' is not A:B with A <= B", o.frames));
-  return {std::stoi(ends[0]), std::stoi(ends[1]), true, o.time, o.rate};
+  const Frames frames{std::stoi(ends[0]), std::stoi(ends[1]), true, o.time, o.rate};
+  if (frames.count() > most_frames)
+    throw UsageError(
+        fmt::format("--frames: '{}' has more than {} frames: draw them in several runs", o.frames, most_frames));
+  return frames;
 }
 
 namespace {

@@ -93,6 +93,14 @@ void save(const MirrorPainter& painter, const Request& o, const std::vector<std:
   }
 }
 
+// All files that may be written. @param maps of --save-maps.
+std::vector<std::string> with_maps(std::vector<std::string> outputs, const std::vector<std::string>& maps,
+                                   const Frames& frames) {
+  for (int frame = frames.first; !maps.empty() && frame <= frames.last; ++frame)
+    std::ranges::copy(frames.sequence ? numbered(maps, frame) : maps, std::back_inserter(outputs));
+  return outputs;
+}
+
 Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes,
               const Progress& progress) {
   Pictures pictures;
@@ -199,8 +207,6 @@ int run(Request& o, Report& report) {
     std::ranges::copy(eye_files(path), std::back_inserter(outputs));
   check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
   LoadedScene loaded = load(o.scene);
-  check_files(outputs, loaded.inputs);
-  open_depfile();
   const Scene& scene = loaded.scene;
   o.from.camera = camera_of(o.camera);
   const Viewpoints viewpoints(o.from, double(o.width) / o.height, scene, o.scene.path,
@@ -213,6 +219,9 @@ int run(Request& o, Report& report) {
                      o.saved.empty() ? "--show-maps" : "--save-maps"));
   const std::vector<int> nodes = nodes_of(mirrors);
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
+  check_files(with_maps(outputs, maps, frames), loaded.inputs);
+  check_files(outputs, loaded.inputs);  // The depfile names no maps: mirrors that nobody sees have none.
+  open_depfile();
   std::optional<MirrorPainter> painter;
   if (o.method == ViewMethod::maps) {
     painter.emplace(o.scene.context, loaded, mirrors);

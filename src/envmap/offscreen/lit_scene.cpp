@@ -1,5 +1,8 @@
 #include "envmap/offscreen/lit_scene.h"
 
+#include <fmt/format.h>
+
+#include "envmap/base/error.h"
 #include "envmap/render/sampled_reflection.h"
 #include "envmap/scene/deform.h"
 #include "envmap/scene/read/read_scene.h"
@@ -13,7 +16,13 @@ void LitScene::light_by(EnvironmentMap map, int lights, Reflection reflection, c
   if (lights > 0) distant = distant_lights(environment->map, lights);
 }
 
-std::vector<int> LitScene::move_to(double time) { return deform(scene, pose(scene, time), time); }
+std::vector<int> LitScene::move_to(double time) {
+  const Pose then = pose(scene, time);
+  if (!is_bounded(then))
+    throw InputError(scene.files.empty() ? "" : scene.files.front(),
+                     fmt::format("at {} s its nodes multiply to sizes beyond 1e30", time));
+  return deform(scene, then, time);
+}
 
 Shot LitScene::shot(double time, const std::optional<Colour>& ambient, bool shadows) const {
   return {.scene = scene,

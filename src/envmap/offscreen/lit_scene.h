@@ -22,7 +22,8 @@ struct LitScene {
   /// @param lights that stand for the environment where shadows are found; 0: it shines through everything.
   void light_by(EnvironmentMap map, int lights, Reflection reflection, const Progress& progress);
 
-  /// Puts skins and morph targets where they are then. @return meshes that changed.
+  /// Puts skins and morph targets where they are then. @return meshes that changed. @throws InputError where nodes are
+  /// beyond is_bounded() then.
   std::vector<int> move_to(double time);
 
   [[nodiscard]] Shot shot(double time, const std::optional<Colour>& ambient, bool shadows) const;

@@ -77,7 +77,8 @@ bool paint(Sitting& s, ViewedScene& viewed) {
   viewed.radiance = std::move(painter.paint(s.shot, {}, {s.eye}, drawing).pictures.front());
   std::vector<PaintedMap> maps = painter.maps();
   for (std::size_t k = 0; k < maps.size(); ++k)
-    viewed.mirrors.push_back({s.lit.scene.nodes[std::size_t(s.mirrors[k].node)].name, std::move(maps[k].radiance)});
+    viewed.mirrors.push_back(
+        {s.lit.scene.nodes[std::size_t(s.mirrors[k].node)].name, s.mirrors[k].node, std::move(maps[k].radiance)});
   return true;
 }
 

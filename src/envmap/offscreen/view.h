@@ -55,7 +55,8 @@ struct ViewOptions {
 };
 
 struct ViewedMirror {
-  std::string node;
+  std::string node;    ///< Its name, which other nodes may have, too.
+  int number = 0;      ///< Of the node in the scene.
   EnvironmentMap map;  ///< In the axes of the world. Without levels where nobody saw the mirror.
 };
 

@@ -24,7 +24,11 @@ const Camera& camera_named(const std::string& name, const Scene& scene, const st
 
 Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Scene& scene, const std::string& path,
                        const Pose& first)
-    : look_at_(options.look_at), scene_(scene), orbit_(options.orbit_degrees), ball_(bounds(scene, first)) {
+    : look_at_(options.look_at),
+      scene_(scene),
+      path_(path),
+      orbit_(options.orbit_degrees),
+      ball_(bounds(scene, first)) {
   const auto to_radians = [](double degrees) { return degrees * pi / 180; };
   const auto& field = options.vertical_field_degrees;
   const auto* const point = options.camera ? std::get_if<Direction>(&*options.camera) : nullptr;
@@ -39,8 +43,16 @@ Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Sce
   if (field) camera_.vertical_field = to_radians(*field), camera_.half_height = 0;
 }
 
+View Viewpoints::camera_view(const Pose& pose) const {
+  try {
+    return view_of(camera_, pose);
+  } catch (const InputError& e) {
+    throw InputError(path_, e.what());
+  }
+}
+
 View Viewpoints::view(const Pose& pose, double part) const {
-  View view = still_ ? *still_ : view_of(camera_, pose);
+  View view = still_ ? *still_ : camera_view(pose);
   if (look_at_) view = looking_at(view, *look_at_);
   view = carried_round(view, look_at_.value_or(ball_.centre), part * orbit_);
   if (view.half_height > 0) {

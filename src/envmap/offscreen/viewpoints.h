@@ -29,12 +29,15 @@ class Viewpoints {
   [[nodiscard]] bool is_framed() const { return still_ && !look_at_; }
 
   // Of an orthographic camera the far plane is no further than it must be, so that nearness has its digits.
-  // @param part of the orbit, from 0 to 1.
+  // @param part of the orbit, from 0 to 1. @throws InputError where the camera has no axes.
   [[nodiscard]] View view(const Pose& pose, double part) const;
 
  private:
+  [[nodiscard]] View camera_view(const Pose& pose) const;
+
   std::optional<Direction> look_at_;
   const Scene& scene_;
+  std::string path_;
   double orbit_;
   Ball ball_;
   std::optional<View> still_;  // Or the scene's camera, which may move.

@@ -32,11 +32,13 @@ bool is_metal(const Scene& scene, int node) {
   });
 }
 
-// What lies round a mirror stands still.
-bool same_surroundings(const Scene& scene, int mirror, const Pose& a, const Pose& b) {
-  if (a.size() != b.size()) return false;
-  for (std::size_t node = 0; node < a.size(); ++node)
-    if (a[node] != b[node] && !lies_under(scene, int(node), mirror)) return false;
+// What a mirror shows stands still. Where lights shine, the mirror's own nodes count, too: they may hold lights, and
+// they cast shadows.
+bool same_surroundings(const Shot& shot, int mirror, const Pose& before) {
+  if (shot.pose.size() != before.size()) return false;
+  const bool is_lit = !shot.scene.lights.empty() || !shot.distant.empty();
+  for (std::size_t node = 0; node < before.size(); ++node)
+    if (shot.pose[node] != before[node] && (is_lit || !lies_under(shot.scene, int(node), mirror))) return false;
   return true;
 }
 
@@ -209,7 +211,7 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   const bool fits = map.texture && (options.size > 0 ? map.texture->size == size
                                                      : map.texture->size >= size && map.texture->size <= 2 * size);
   const bool moved = !fits || options.moved || want.at != drawn.at || shot.look.lookup != drawn.lookup ||
-                     !same_surroundings(scene_, mirror.node, shot.pose, drawn.pose);
+                     !same_surroundings(shot, mirror.node, drawn.pose);
   Plan plan{.size = fits ? map.texture->size : size, .axes = map.axes, .anew = moved};
   if (mirror.rough || mirror.to == Projection::cube) return plan;
   if (mirror.to == Projection::sphere) {
@@ -270,18 +272,17 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
   with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup,
                     .images = true};
   const bool by_distance = with_maps.look.lookup == MirrorLookup::distance;
-  if (map.texture && map.texture->size == plan.size && map.axes == plan.axes && drawn_[k].lookup == shot.look.lookup) {
-    renderer.draw(from, with_maps, DrawMethod::exact, *map.texture);
-    renderer.make_levels(*map.texture, needed, by_distance);
-  } else {
-    MapTexture other(mirror.to, plan.size, level_count(plan.size));
-    renderer.draw(from, with_maps, DrawMethod::exact, other);
-    from.which = ~needed;
-    renderer.draw_background(from, with_maps, other);
-    renderer.make_levels(other, all_faces(mirror.to), by_distance);
-    map.texture = std::move(other);
-    map.axes = plan.axes;
-  }
+  std::optional<MapTexture> other;
+  if (!map.texture || map.texture->size != plan.size || map.axes != plan.axes || drawn_[k].lookup != shot.look.lookup)
+    other.emplace(mirror.to, plan.size, level_count(plan.size));
+  MapTexture& to = other ? *other : *map.texture;
+  const unsigned stale = other ? all_faces(mirror.to) : plan.anew ? drawn_[k].faces : 0;
+  renderer.draw(from, with_maps, DrawMethod::exact, to);
+  from.which = stale & ~needed;
+  renderer.draw_background(from, with_maps, to);
+  renderer.make_levels(to, stale | needed, by_distance);
+  if (other) map.texture = std::move(other);
+  map.axes = plan.axes;
   map.at = at;
   EnvironmentMap seen = read_back(*map.texture);
   Drawn& drawn = drawn_[k];

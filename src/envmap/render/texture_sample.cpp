@@ -26,6 +26,7 @@ glm::vec4 decoded(const Texture& t, int i, int j) {
 }
 
 int wrapped(Texture::Wrap wrap, double k, int size) {
+  if (!std::isfinite(k)) return 0;
   if (wrap == Texture::Wrap::clamp) return int(std::min(std::max(k, 0.0), size - 1.0));
   const double period = wrap == Texture::Wrap::mirror ? 2.0 * size : size;
   const int inside = int(std::min(k - period * std::floor(k / period), period - 1));

@@ -1,5 +1,7 @@
 #include "envmap/scene/camera.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,14 +25,16 @@ void for_vertices(const Scene& scene, const Pose& pose, F&& f) {
 
 View view_of(const Camera& camera, const Pose& pose) {
   const Matrix& world = pose[std::size_t(camera.node)];
-  View view{.at = Direction(world[3]),
-            .axes = Rotation(world),
-            .vertical_field = camera.vertical_field,
-            .half_height = camera.half_height,
-            .near = camera.near,
-            .far = camera.far};
-  for (int k = 0; k < 3; ++k) view.axes[k] = glm::normalize(view.axes[k]);
-  return view;
+  // The scale of a camera's node does not count (glTF 2.0, "View Matrix"), and parents may shear it.
+  const Direction back = unit(Direction(world[2])), right = unit(glm::cross(unit(Direction(world[1])), back));
+  if (right == Direction(0))
+    throw InputError(fmt::format("camera '{}' has a scale of 0: give it another", camera.name));
+  return {.at = Direction(world[3]),
+          .axes = {right, glm::cross(back, right), back},
+          .vertical_field = camera.vertical_field,
+          .half_height = camera.half_height,
+          .near = camera.near,
+          .far = camera.far};
 }
 
 Ball bounds(const Scene& scene, const Pose& pose) {

@@ -16,6 +16,7 @@ struct View {
   double near = 0.01, far = 1000;
 };
 
+/// @throws InputError, without the name of the file, where the camera has no axes: a scale is 0.
 View view_of(const Camera& camera, const Pose& pose);
 
 struct Ball {

@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string_view>
-#define GLM_ENABLE_EXPERIMENTAL
-#include <glm/gtx/matrix_decompose.hpp>
 
 #include "envmap/base/error.h"
 #include "envmap/scene/keys.h"
@@ -14,15 +13,11 @@
 namespace envmap {
 namespace {
 
-Matrix moved(const Matrix& rest, const Animation& motion, double time) {
-  Direction scale, skew, translation;
-  Quaternion rotation;
-  glm::vec<4, double, glm::highp> perspective;
-  if (!glm::decompose(rest, scale, rotation, translation, skew, perspective)) scale = Direction(0);
-  Matrix local = glm::mat4_cast(glm::normalize(value_at(motion.rotations, time, rotation)));
-  const Direction size = value_at(motion.scales, time, scale);
+Matrix local_at(const Animation& motion, double time) {
+  Matrix local = glm::mat4_cast(glm::normalize(value_at(motion.rotations, time, Quaternion(1, 0, 0, 0))));
+  const Direction size = value_at(motion.scales, time, Direction(1));
   for (int axis = 0; axis < 3; ++axis) local[axis] *= size[axis];
-  local[3] = {value_at(motion.translations, time, translation), 1};
+  local[3] = {value_at(motion.translations, time, Direction(0)), 1};
   return local;
 }
 
@@ -31,13 +26,17 @@ Matrix moved(const Matrix& rest, const Animation& motion, double time) {
 Pose pose(const Scene& scene, double time) {
   Pose world(scene.nodes.size());
   for (std::size_t i = 0; i < world.size(); ++i) world[i] = scene.nodes[i].local;
-  for (const Animation& motion : scene.animations) {
-    Matrix& local = world[motion.node];
-    local = moved(local, motion, time);
-  }
+  for (const Animation& motion : scene.animations) world[motion.node] = local_at(motion, time);
   for (std::size_t i = 0; i < world.size(); ++i)
     if (const int parent = scene.nodes[i].parent; parent >= 0) world[i] = world[parent] * world[i];
   return world;
+}
+
+bool is_bounded(const Pose& pose) {
+  for (const Matrix& world : pose)
+    for (int k = 0; k < 16; ++k)
+      if (!(std::abs(world[k / 4][k % 4]) < 1e30)) return false;
+  return true;
 }
 
 std::optional<int> find_node(const Scene& scene, const std::string& name) {

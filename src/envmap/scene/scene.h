@@ -91,11 +91,10 @@ struct Camera {
   int node = 0;
   double vertical_field = 0.8;  ///< Of view, whole angle in radians.
   double half_height = 0;       ///< Of what an orthographic camera sees, in metres; 0: it is a perspective one.
-  double aspect = 0;            ///< Width over height; 0: the picture's.
   double near = 0.01, far = 1000;
 };
 
-/// Key frames of one node. A part without keys stays as it is at rest.
+/// Key frames of one node. All three parts have keys: one where nothing moves.
 struct Animation {
   template <class T>
   struct Key {
@@ -148,6 +147,9 @@ using Pose = std::vector<Matrix>;
 /// @param time in seconds; before the first key and after the last one things stand still. Keys are joined by lines,
 /// rotations by great arcs.
 Pose pose(const Scene& scene, double time);
+
+/// Whether all its numbers are below 1e30, and none is NaN.
+bool is_bounded(const Pose& pose);
 
 /// The node of that name, if there is one. @throws UsageError where several have it.
 std::optional<int> find_node(const Scene& scene, const std::string& name);

@@ -80,6 +80,12 @@ std::vector<double> Field::numbers(std::vector<double> otherwise) const {
   return otherwise;
 }
 
+std::vector<double> Field::numbers(std::vector<double> otherwise, double least, double most) const {
+  std::vector<double> found = numbers(std::move(otherwise));
+  for (std::size_t k = 0; k < size(); ++k) found[k] = (*this)[k].number(0, least, most);
+  return found;
+}
+
 Field GltfDocument::refer(const Field& index, const char* list) const {
   const Field all = root()[list];
   return all[index.index(all.size())];

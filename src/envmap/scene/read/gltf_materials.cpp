@@ -105,13 +105,13 @@ void read_sheen(GltfReader& r, const Field& sheen, Material& m) {
 Material material_from(GltfReader& r, const Field& field) {
   const Field metallic = field["pbrMetallicRoughness"], extensions = field["extensions"];
   Material m{.name = field["name"].text()};
-  const auto base = metallic["baseColorFactor"].numbers({1, 1, 1, 1});
+  const auto base = metallic["baseColorFactor"].numbers({1, 1, 1, 1}, 0, 1);
   m.base_colour = glm::vec4(base[0], base[1], base[2], base[3]);
   m.base_colour_texture = texture(r, metallic["baseColorTexture"], true);
   m.metallic = float(metallic["metallicFactor"].number(1, 0, 1));
   m.roughness = float(metallic["roughnessFactor"].number(1, 0, 1));
   m.metallic_roughness_texture = texture(r, metallic["metallicRoughnessTexture"], false);
-  const auto emissive = field["emissiveFactor"].numbers({0, 0, 0});
+  const auto emissive = field["emissiveFactor"].numbers({0, 0, 0}, 0, 1);
   const double strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"].number(1, 0, 1e30);
   m.emissive = Colour(Flux(emissive[0], emissive[1], emissive[2]) * strength);
   m.emissive_texture = texture(r, field["emissiveTexture"], true);

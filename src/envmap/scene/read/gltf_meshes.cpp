@@ -41,13 +41,15 @@ std::vector<std::uint32_t> triangles(const std::vector<std::uint32_t>& v, const 
   return found;
 }
 
-// COLOR_0: red, green and blue, and alpha or not.
+// COLOR_0: red, green and blue, and alpha or not, clamped (specification, 3.7.2.1).
 std::vector<glm::vec4> colours(const GltfDocument& document, const Field& accessor, std::size_t expected) {
   if (!accessor.there()) return {};
-  if (document.refer(accessor, "accessors")["type"].text() == "VEC4")
-    return vectors<glm::vec4>(document, accessor, expected);
   std::vector<glm::vec4> found;
-  for (const glm::vec3& c : vectors<glm::vec3>(document, accessor, expected)) found.emplace_back(c, 1);
+  if (document.refer(accessor, "accessors")["type"].text() == "VEC4")
+    found = vectors<glm::vec4>(document, accessor, expected);
+  else
+    for (const glm::vec3& c : vectors<glm::vec3>(document, accessor, expected)) found.emplace_back(c, 1);
+  for (glm::vec4& c : found) c = glm::clamp(c, 0.0F, 1.0F);
   return found;
 }
 
@@ -117,6 +119,9 @@ void read_mesh(GltfReader& r, const Field& field) {
     }
     if (primitive["material"].there())
       std::ranges::transform(mesh.coordinates, mesh.coordinates.begin(), r.transforms[std::size_t(mesh.material)]);
+    const auto is_finite = [](const glm::vec2& t) { return std::isfinite(t.x) && std::isfinite(t.y); };
+    if (!std::ranges::all_of(mesh.coordinates, is_finite))
+      primitive.fail("has transformed texture coordinates beyond float32");
     complete(mesh);
     complete_tangents(mesh, r.scene.materials[std::size_t(mesh.material)]);
     made.push_back(int(r.scene.meshes.size()));

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <numeric>
-#include <set>
 
 #include "envmap/scene/mesh.h"
 #include "envmap/scene/read/gltf_reader.h"
@@ -97,7 +97,9 @@ void finish_shape(Deformation& shape, const std::vector<std::uint32_t>& before, 
 void read_deformations(const GltfDocument& document, std::span<const int> placed,
                        const std::map<int, Deformation>& shapes, Scene& scene) {
   const Field nodes = document.root()["nodes"];
-  std::set<int> taken;
+  std::map<int, int> users;  // Of each mesh: nodes that still show it.
+  for (const Node& node : scene.nodes)
+    for (const int mesh : node.meshes) ++users[mesh];
   std::size_t vertices = 0;
   for (std::size_t n = 0; n < placed.size(); ++n) {
     if (placed[n] < 0) continue;
@@ -114,7 +116,7 @@ void read_deformations(const GltfDocument& document, std::span<const int> placed
         d.joints.clear();
       }
       d.weights = weights_of(document, nodes[n], d.targets.size());
-      if (!taken.insert(mesh).second) {
+      if (users[mesh]-- > 1) {
         scene.meshes.push_back(Mesh(scene.meshes[std::size_t(mesh)]));
         mesh = int(scene.meshes.size()) - 1;
       }

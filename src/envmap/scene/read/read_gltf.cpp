@@ -50,11 +50,12 @@ void read_light(GltfReader& r, const Field& node, int index) {
     light.kind = PunctualLight::Kind::directional;
   else if (type != "point")
     field["type"].fail("is '" + type + "', no kind of light");
-  const auto colour = field["color"].numbers({1, 1, 1});
+  const auto colour = field["color"].numbers({1, 1, 1}, 0, 1);
   light.intensity = Colour(Flux(colour[0], colour[1], colour[2]) * field["intensity"].number(1, 0, 1e30));
   light.range = field["range"].number(0, 0, 1e30);
-  light.outer = spot["outerConeAngle"].number(pi / 4, 0, pi / 2);
-  light.inner = spot["innerConeAngle"].number(0, 0, light.outer);
+  constexpr double rounding = 1e-6;  // Of angles that were float32.
+  light.outer = std::min(spot["outerConeAngle"].number(pi / 4, 0, pi / 2 + rounding), pi / 2);
+  light.inner = std::min(spot["innerConeAngle"].number(0, 0, light.outer + rounding), light.outer);
   r.scene.lights.push_back(light);
 }
 
@@ -65,12 +66,10 @@ void read_camera(GltfReader& r, const Field& node, int index) {
   Camera camera{.name = field["name"].text(), .node = index};
   if (perspective.there()) {
     camera.vertical_field = perspective["yfov"].number(0.8, 1e-4, pi - 1e-4);
-    camera.aspect = perspective["aspectRatio"].number(0, 0, 1e6);
   } else {
     // The specification warns of mirrored ones; 0 shows nothing.
     camera.half_height = std::abs(orthographic["ymag"].number(1, -1e30, 1e30));
     if (camera.half_height == 0) orthographic["ymag"].fail("is 0");
-    camera.aspect = std::abs(orthographic["xmag"].number(1, -1e30, 1e30)) / camera.half_height;
   }
   camera.near = shape["znear"].number(0.01, 0, 1e30);
   camera.far = std::max(shape["zfar"].number(1e9, 0, 1e30), camera.near);

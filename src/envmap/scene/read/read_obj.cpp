@@ -84,7 +84,8 @@ int texture(Materials& m, const MtlMap& map, const fs::path& below) {
   const auto [found, first] = m.textures.try_emplace({path, map.clamp}, int(m.scene.textures.size()));
   if (!first) return found->second;
   const std::vector<std::byte> bytes = read([&] { return file_bytes(path); });
-  Texture made = decode_texture(map.name, {text_of(bytes).begin(), text_of(bytes).end()}, m.pixels_left);
+  Texture made =
+      decode_colours(map.name, {text_of(bytes).begin(), text_of(bytes).end()}, m.pixels_left, m.scene.unsupported);
   if (map.clamp) made.wrap_u = made.wrap_v = Texture::Wrap::clamp;
   m.scene.textures.push_back(std::move(made));
   m.scene.files.push_back(path.string());

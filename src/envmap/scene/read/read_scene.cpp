@@ -1,11 +1,13 @@
 #include "envmap/scene/read/read_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "envmap/base/error.h"
 #include "envmap/io/file_format.h"
+#include "envmap/scene/mesh.h"
 #include "envmap/scene/read/read_gltf.h"
 #include "envmap/scene/read/read_obj.h"
 #include "envmap/scene/read/text_lines.h"
@@ -47,9 +49,10 @@ void check(const Scene& scene) {
   for (const Node& node : scene.nodes)
     for (const int mesh : node.meshes) corners += scene.meshes[mesh].indices.size();
   if (corners == 0) throw InputError("holds no triangles");
-  for (const Matrix& world : pose(scene, 0))
-    for (int k = 0; k < 16; ++k)
-      if (!(std::abs(world[k / 4][k % 4]) < 1e30)) throw InputError("its nodes multiply to sizes beyond 1e30");
+  if (corners > max_corners)
+    throw InputError(fmt::format("its nodes draw over {} million corners: remove nodes or simplify their meshes",
+                                 max_corners / 1000000));
+  if (!is_bounded(pose(scene, 0))) throw InputError("its nodes multiply to sizes beyond 1e30");
 }
 
 }  // namespace

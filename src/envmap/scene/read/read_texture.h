@@ -15,4 +15,8 @@ namespace envmap {
 /// @throws InputError, beginning with the name.
 Texture decode_texture(const std::string& name, std::vector<char> bytes, std::uint64_t& pixels_left);
 
+/// The same of colours: linear values, of EXR and HDR files, are sRGB encoded. @param unsupported gets what is lost.
+Texture decode_colours(const std::string& name, std::vector<char> bytes, std::uint64_t& pixels_left,
+                       std::vector<std::string>& unsupported);
+
 }  // namespace envmap

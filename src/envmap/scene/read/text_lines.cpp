@@ -33,7 +33,8 @@ bool TextLines::next() {
     line_ = trimmed(rest_.substr(0, end));
     rest_.remove_prefix(end == rest_.npos ? rest_.size() : end + 1);
     ++lines_;
-    on = line_.ends_with('\\') && !rest_.empty();
+    const bool is_comment = joined_.empty() && line_.starts_with('#');
+    on = line_.ends_with('\\') && !is_comment && !rest_.empty();
     if (on) line_.remove_suffix(1);
     if (!on && joined_.empty()) return true;
     (joined_ += line_) += ' ';
