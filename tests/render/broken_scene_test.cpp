@@ -114,13 +114,13 @@ const Broken broken[] = {
      [](GltfFile& f) {
        f.document["materials"] = {{{"emissiveFactor", {1, 1, 1e30}}}};
      },
-     "emissiveFactor[2] is 1e+30, not from 0 to 1"},
+     "emissiveFactor[2] is 1e+30, not from 0 to 1000000"},
     {"NegativeLight",
      [](GltfFile& f) {
        f.document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"color", {-1, 1, 1}}}};
        f.document["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
      },
-     "color[0] is -1, not from 0 to 1"},
+     "color[0] is -1, not from 0 to 1000000"},
     {"TransformedCoordinates",
      [](GltfFile& f) {
        json texture = {{"index", 0}};

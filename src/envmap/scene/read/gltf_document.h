@@ -39,6 +39,7 @@ class Field {
   [[nodiscard]] bool truth(bool otherwise) const;
   /// An array of so many numbers; `otherwise` where it is absent.
   [[nodiscard]] std::vector<double> numbers(std::vector<double> otherwise) const;
+  /// The same, each from `least` to `most`.
   [[nodiscard]] std::vector<double> numbers(std::vector<double> otherwise, double least, double most) const;
 
   [[noreturn]] void fail(const std::string& why) const;

@@ -111,7 +111,7 @@ Material material_from(GltfReader& r, const Field& field) {
   m.metallic = float(metallic["metallicFactor"].number(1, 0, 1));
   m.roughness = float(metallic["roughnessFactor"].number(1, 0, 1));
   m.metallic_roughness_texture = texture(r, metallic["metallicRoughnessTexture"], false);
-  const auto emissive = field["emissiveFactor"].numbers({0, 0, 0}, 0, 1);
+  const auto emissive = field["emissiveFactor"].numbers({0, 0, 0}, 0, most_light);
   const double strength = extensions["KHR_materials_emissive_strength"]["emissiveStrength"].number(1, 0, 1e30);
   m.emissive = Colour(Flux(emissive[0], emissive[1], emissive[2]) * strength);
   m.emissive_texture = texture(r, field["emissiveTexture"], true);

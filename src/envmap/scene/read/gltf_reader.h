@@ -14,6 +14,9 @@
 
 namespace envmap {
 
+/// Of light and emission, before its strength. The specification has 1, but not every exporter keeps to it.
+inline constexpr double most_light = 1e6;
+
 /// KHR_texture_transform: coordinates are scaled, turned counter-clockwise as seen on the image, and moved.
 struct TextureTransform {
   glm::dvec2 offset{0}, scale{1};

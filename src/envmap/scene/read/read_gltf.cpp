@@ -50,7 +50,7 @@ void read_light(GltfReader& r, const Field& node, int index) {
     light.kind = PunctualLight::Kind::directional;
   else if (type != "point")
     field["type"].fail("is '" + type + "', no kind of light");
-  const auto colour = field["color"].numbers({1, 1, 1}, 0, 1);
+  const auto colour = field["color"].numbers({1, 1, 1}, 0, most_light);
   light.intensity = Colour(Flux(colour[0], colour[1], colour[2]) * field["intensity"].number(1, 0, 1e30));
   light.range = field["range"].number(0, 0, 1e30);
   constexpr double rounding = 1e-6;  // Of angles that were float32.
