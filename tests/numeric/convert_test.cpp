@@ -260,6 +260,15 @@ TEST(Convert, SubnormalRadianceStays) {
   }
 }
 
+TEST(Convert, RadianceNextToTheLargestFloatStays) {
+  constexpr float radiance = 3.3e38F;
+  const EnvironmentMap source = generate(Constant{Direction(radiance)}, Projection::latlong, 64);
+  for (const std::optional<Filter> filter : {std::optional<Filter>(), std::optional(Filter::bicubic)}) {
+    const EnvironmentMap map = convert(source, {.to = Projection::cube, .size = 4, .filter = filter});
+    for (int i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(map.base().texel(2, i, 1)->x, radiance);
+  }
+}
+
 TEST(Convert, AutomaticIsAreaOnlyWhereItMinifies) {
   EnvironmentMap source = generate(Constant{}, Projection::latlong, 64);
   const Resampler same(source, {.to = Projection::cube}), coarser(source, {.to = Projection::cube, .size = 16});
