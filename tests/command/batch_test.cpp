@@ -101,6 +101,49 @@ TEST_F(Batch, BakesProbesForAnEngine) {
             "envmap batch: nothing to do\n");
 }
 
+TEST_F(Batch, KnowsEveryFileOfABakedFolder) {
+  write("maps.txt", "convert lights/background.exr small.exr --size 4\nbake a.hdr lights --for BLENDER\n");
+  succeeds({"batch", "maps.txt", "-j", "2"});
+  EXPECT_TRUE(fs::exists(path("small.exr")));
+  fs::remove(path("lights/world.py"));
+  succeeds({"batch", "maps.txt"});
+  EXPECT_TRUE(fs::exists(path("lights/world.py")));
+  EXPECT_EQ(envmap({"batch", "maps.txt"}).err, "envmap batch: nothing to do\n");
+  write("maps.txt", "bake a.hdr lights\n");
+  fails(2, {"batch", "maps.txt"}, {"line 1: needs --for ENGINE"});
+}
+
+TEST_F(Batch, ManifestsOfOneNameHaveTheirOwnState) {
+  for (const std::string folder : {"d1", "d2"}) {
+    fs::create_directory(path(folder));
+    write(folder + "/maps.txt", "convert a.hdr " + folder + "/out.exr --size 4\n");
+    succeeds({"batch", folder + "/maps.txt", "--make", folder + ".mk", "-q"});
+    EXPECT_EQ(shell("make -s -f " + folder + ".mk").status, 0);
+    EXPECT_TRUE(fs::exists(path(".envmap-batch/" + folder + "+maps.txt/1.d")));
+  }
+}
+
+TEST_F(Batch, TakesOperandsBehindTwoHyphens) {
+  write("maps.txt", "convert --size 4 -- a.hdr out.exr\n");
+  succeeds({"batch", "maps.txt"});
+  EXPECT_TRUE(fs::exists(path("out.exr")));
+}
+
+TEST_F(Batch, APatternBesideThatOfTheJobsIsAllItsFiles) {
+  write("maps.txt", "preview a.hd? b*.hdr {name}-sheet.png --height 16\n");
+  succeeds({"batch", "maps.txt"});
+  EXPECT_TRUE(fs::exists(path("a-sheet.png")));
+  write("maps.txt", "preview a.hd? c*.hdr {name}-sheet.png --height 16\n");
+  fails(2, {"batch", "maps.txt"}, {"line 1: no file matches c*.hdr"});
+}
+
+TEST_F(Batch, AnotherVersionIsAnotherCommand) {
+  write("maps.txt", "convert a.hdr out.exr --size 4\n");
+  succeeds({"batch", "maps.txt"});
+  std::string version = envmap({"--version"}).out;
+  EXPECT_NE(read(".envmap-batch/maps.txt/build.ninja").find(version.substr(0, version.find('\n'))), std::string::npos);
+}
+
 TEST_F(Batch, WritesAMakefile) {
   write("maps.txt", lines + "convert a.hdr 'f$1_{face}.exr' --to cube --size 4\n");
   succeeds({"batch", "maps.txt", "--make", "maps.mk", "-q"});

@@ -110,6 +110,15 @@ TEST_F(EngineOption, WhatContradictsIsRefused) {
   EXPECT_EQ(nlohmann::json::parse(envmap({"info", "half.ktx2", "--json"}).out)["depth"], "half");
 }
 
+TEST_F(EngineOption, ClampingIsThatOfTheExposedLight) {
+  succeeds({"generate", "constant", "bright.exr", "--size", "8", "--value", "1e5"});
+  const auto says = [this](const std::string& stops) {
+    return envmap({"convert", "bright.exr", "out.exr", "--for", "three", "--depth", "float", "--exposure", stops}).err;
+  };
+  EXPECT_EQ(says("-10").find("exceed"), std::string::npos);
+  EXPECT_NE(says("10").find("128 texels exceed 65504, up to 1.02e+08"), std::string::npos) << says("10");
+}
+
 TEST_F(EngineOption, TheFrameIsPrintedAndReported) {
   make_probe();
   for (const std::string command : {"convert", "mipmap", "prefilter"}) {

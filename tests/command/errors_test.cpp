@@ -106,6 +106,8 @@ TEST_F(Usage, RefusesOptionsThatWouldDoNothing) {
       {"sh in.exr --if-changed", "--evaluate"},
       {"compare in.exr b.exr --force", "--difference"},
       {"convert in.exr out.exr --towards 0,0,1", "--scale-to"},
+      {"convert in.exr out.exr --max-error 0.1 --area-error 1e-5", "remove --area-error"},
+      {"convert in.exr out.exr --filter ewa --samples 2", "remove it or --filter ewa"},
       {"preview in.exr out.png --size 64", "--html"},
       {"batch jobs.txt --into folder", "--for"},
       {"batch jobs.txt --make jobs.mk -j 2", "--make"},

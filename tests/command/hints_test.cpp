@@ -88,6 +88,11 @@ TEST_F(Hints, OfLightThatDoesNotFit) {
          2,
          ": lower --scale-to",
          {split("convert bright.exr out.exr --scale-to lux=1e30")}});
+  succeeds({"generate", "constant", "huge.exr", "--size", "8", "--value", "3e38,2e38,1e38"});
+  leads({split("convert huge.exr out.exr --white 2000"), 2, ": lower --white", {}});
+  leads({split("convert huge.exr out.exr --saturation 2"), 2, ": lower --saturation", {}});
+  leads({split("convert huge.exr out.exr --add huge.exr"), 2, ": dim one of the maps first", {}});
+  leads({split("bake huge.exr three --for three --exposure 10"), 2, ": lower the exposure", {}});
   const Words png = split("convert bright.exr out.png");
   leads({png,
          4,

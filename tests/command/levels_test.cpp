@@ -110,6 +110,18 @@ TEST_F(Levels, AreTheSameBytesAtAnyNumberOfThreads) {
   }
 }
 
+TEST_F(Levels, AreNoMoreThanTheSizeHas) {
+  succeeds({"generate", "sky", "in.exr", "--size", "8"});
+  const std::vector<std::string> roughnesses{"--lobe", "ggx", "--roughnesses", "0.5,0.6,0.7,0.8", "--size", "4", "-q"};
+  const auto prefilter = [&](const std::string& name) {
+    std::vector<std::string> words{"prefilter", "in.exr", name};
+    words.insert(words.end(), roughnesses.begin(), roughnesses.end());
+    return words;
+  };
+  fails(2, prefilter("out.ktx2"), {"--size 4 has at most 3 levels, not 4"});
+  succeeds(prefilter("out_{level}.exr"));
+}
+
 TEST_F(Levels, AreReadFromEveryKindOfFile) {
   succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "24"});
   succeeds({"mipmap", "in.exr", "chain.exr", "--levels", "3"});

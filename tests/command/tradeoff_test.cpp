@@ -110,6 +110,9 @@ TEST_F(Tradeoff, LevelsAreThoseOfMipmap) {
   }
   expect_as_compared(trial(all, "levels", "--weights uniform"), "uniform-3.exr", "solid-angle-3.exr");
   fails(2, {"tradeoff", "in.exr", "--task", "mipmap:9"}, {"mipmap:9"});
+  succeeds({"generate", "sky", "small.exr", "--size", "2"});
+  EXPECT_EQ(envmap({"tradeoff", "small.exr", "--task", "mipmap:2"}).status, 0);
+  fails(2, {"tradeoff", "small.exr", "--task", "mipmap:3"}, {"mipmap:3"});
 }
 
 // As 'convert' to a smaller map and back, and 'compare', say.
@@ -258,6 +261,7 @@ TEST_F(Tradeoff, PlotsAndRefuses) {
        {"convert", "convert:oval", "convert:cube:x", "ggx", "ggx:2", "ggx:0.5:cube", "depth:1", "paint"})
     fails(2, {"tradeoff", "in.exr", "--task", task}, {});
   fails(2, {"tradeoff", "--task", "depth"}, {"INPUT"});
+  fails(2, {"tradeoff", "s.obj", "--task", "view", "--from", "sphere"}, {"s.obj: is a scene: remove --from"});
   fails(2, {"tradeoff", "in.exr", "--task", "depth", "--plot", "out.gif"}, {".svg", ".png"});
 }
 

@@ -320,6 +320,13 @@ TEST(BadValues, OperationsRefuseNanAndInfinity) {
 }
 
 // What lies beside the disc is no texel of the map.
+TEST(BadValues, PrefilteringRefusesNegativeRadiance) {
+  EnvironmentMap map = sky().clone();
+  map.base().texel(0, 3, 2)->y = -1;
+  EXPECT_THROW(PrefilterSource{map}, InputError);
+  EXPECT_NO_THROW((void)convert(map, {.size = 4}));
+}
+
 TEST(BadValues, TexelsBesideADiscMayHoldAnything) {
   EnvironmentMap map = generate(Sky{}, Projection::sphere, 16);
   map.base().texel(0, 0, 0)->x = std::numeric_limits<float>::quiet_NaN();

@@ -190,6 +190,36 @@ TEST(Area, IsRightAtThePoleOfASmallSource) {
   }
 }
 
+// Creases of the source run through the middles of the sides of a cube of odd size: where they cut a side, they meet
+// one of its points but for rounding.
+TEST(Area, IsRightFromOctahedralMapsOfAnySize) {
+  for (int size = 1; size <= 11; ++size) {
+    EnvironmentMap map;
+    map.levels.emplace_back(Projection::octahedral, size);
+    std::mt19937 random{unsigned(size)};
+    for (int j = 0; j < size; ++j)
+      for (Colour& c : map.base().row(0, j)) c = Colour(0.5F + float(random() % 1000) / 1000, 1, 1);
+    const PaddedLevel padded(map.base());
+    const auto cube = [&map](int height) {
+      return convert(map, {.to = Projection::cube, .size = height, .filter = Filter::area, .area_error = 1e-6});
+    };
+    const double mean = mean_radiance(cube(4).base());
+    for (const int height : {3, 5}) {
+      const EnvironmentMap result = cube(height);
+      EXPECT_NEAR(mean_radiance(result.base()) / mean, 1, 1e-5) << size << " to " << height;
+      const Sampler by_samples = adaptive_sampler(padded, {Projection::cube, height, Rotation(1)}, 1e-4, 1e-3);
+      for (int face = 0; face < 6; ++face)
+        for (int k = 0; k < height; ++k) {
+          const Colour texel = *result.base().texel(face, k, height / 2);
+          Colour truth;
+          by_samples(face, height / 2, k, {&truth, 1});
+          EXPECT_NEAR(texel.x / truth.x, 1, 5e-4) << size << " to " << height << ": face " << face << " " << k;
+          EXPECT_NEAR(texel.y, 1, 1e-6);
+        }
+    }
+  }
+}
+
 // One texel holds a sun; whatever projection it falls into, its light is all there.
 TEST_P(EachArea, KeepsTheFluxOfASunInOneTexel) {
   for (const auto& [i, j] : {std::pair{31, 15}, {0, 20}, {40, 3}, {16, 31}}) {

@@ -240,6 +240,15 @@ TEST_F(Io, BorderSamplesAreMovedToCellCentres) {
   EXPECT_GT(worst(read(path("m.exr"), {.ignore_envmap_attribute = true}).map.base()), 0.4);
 }
 
+TEST_F(Io, MoreLevelsThanTheSizeHasAreRefused) {
+  EnvironmentMap map;
+  for (const int size : {2, 1, 1}) map.levels.emplace_back(Projection::cube, size);
+  for (const char* format : {"ktx2", "ktx", "dds", "exr"}) {
+    EXPECT_THROW((void)encode(map, {.format = format}), UsageError) << format;
+    EXPECT_NO_THROW(write(path("{level}." + std::string(format)), map)) << format;
+  }
+}
+
 // OpenEXR may round levels up: no texel of a latlong image is left out, and nothing of another size is written.
 TEST_F(Io, LevelsThatAreRoundedUpAreRead) {
   const int w = 10, h = 5;

@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <thread>
@@ -126,6 +127,16 @@ std::vector<Job> jobs_of(const Request& o) {
   return read_manifest(o.names.front());
 }
 
+// By the path of the manifest: several of a project have the same name.
+std::string state_folder(const Request& o) {
+  const std::string path = o.engine.empty() ? o.names.front() : (fs::path(o.into) / o.engine).string();
+  std::string name = path == "-" ? "standard-input" : plain_path(path);
+  constexpr std::string_view special = "/;=%|()*?[\\";  // Make has no way to write most of them.
+  std::ranges::replace_if(
+      name, [&](char c) { return special.find(c) != special.npos; }, '+');
+  return ".envmap-batch/" + name;
+}
+
 int run(const Request& o, const Options& options) {
   if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
   if ((!o.make.empty() || !o.slurm.empty()) && (o.at_once > 0 || o.keep_going))
@@ -134,8 +145,7 @@ int run(const Request& o, const Options& options) {
     throw UsageError(o.make.empty() ? "--threads: --slurm runs nothing: give --cpus-per-task to sbatch"
                                     : "--threads: --make runs nothing: set ENVMAP_THREADS for make");
   const std::vector<Job> jobs = jobs_of(o);
-  const std::string name = !o.engine.empty() ? o.engine : fs::path(o.names.front()).stem().string();
-  const std::string folder = ".envmap-batch/" + (name == "-" ? "standard-input" : name);
+  const std::string folder = state_folder(o);
   if (!o.slurm.empty() || !o.make.empty()) {
     const std::string& path = o.slurm.empty() ? o.make : o.slurm;
     write_text(path, o.slurm.empty() ? makefile(jobs, this_program(), folder) : slurm_script(jobs, this_program()));

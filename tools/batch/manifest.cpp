@@ -17,6 +17,8 @@
 #include "batch/schedule.h"
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
+#include "envmap/engine/bake.h"
+#include "envmap/engine/engines.h"
 #include "scenes/scene_options.h"
 #include "shared/maps.h"
 
@@ -169,7 +171,12 @@ std::vector<CommandWords> expanded(const Line& line, const std::set<std::string>
   for (const std::string& file : matching(*pattern, written, made, line.where)) {
     CommandWords& command = commands.emplace_back(CommandWords{{}, file});
     for (const Word& word : line.words)
-      command.words.push_back(word.is_pattern && word.text == pattern->text ? file : placed(word.text, file));
+      if (!word.is_pattern || is_place(word))
+        command.words.push_back(placed(word.text, file));
+      else if (word.text == pattern->text)
+        command.words.push_back(file);
+      else
+        std::ranges::copy(matching(word, written, made, line.where), std::back_inserter(command.words));
   }
   return commands;
 }
@@ -196,6 +203,12 @@ void check_writes(const std::string& where, const std::string& name) {
                                  where, name));
 }
 
+const Engine& engine_of(const std::string& where, const Options& options) {
+  const auto found = std::ranges::find(engines(), options.last("--for"), &Engine::name);
+  if (found == engines().end()) throw UsageError(where + ": needs --for ENGINE");
+  return *found;
+}
+
 Job job_of(const std::string& where, const Texts& words) {
   Job job{where, words, {}, {}};
   check_writes(where, words.front());
@@ -209,7 +222,8 @@ Job job_of(const std::string& where, const Texts& words) {
   const Texts named = options.named(File::output);
   for (std::string& word : job.words)
     if (word != "-" && std::ranges::find(named, word) != named.end()) word = plain_path(word);
-  for (const std::string& name : options.named(File::folder)) add(job.outputs, name + "/README.txt", "");
+  for (const std::string& folder : options.named(File::folder))
+    for (const std::string& file : files_of(engine_of(where, options))) add(job.outputs, folder + "/" + file, "");
   for (const std::string& name : options.named(File::output)) add(job.outputs, name, options.last("--faces"));
   for (const std::string& name : options.named(File::input)) add(job.inputs, name, options.last("--from-faces"));
   if (options.given("--depfile")) throw UsageError(where + ": remove --depfile: a batch has its own");

@@ -9,7 +9,7 @@ namespace tools {
 struct Job {
   std::string where;               ///< "line 3", "job 3": for messages.
   std::vector<std::string> words;  ///< Of the command, without the program's name.
-  /// That its arguments name. A folder is known by one file that it will hold.
+  /// That its arguments name. The outputs of a baked folder are all of its files.
   std::vector<std::string> inputs, outputs;
 };
 

@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "cli/command_line.h"
 #include "envmap/base/error.h"
 #include "envmap/base/words.h"
 
@@ -47,7 +48,7 @@ std::string for_make(const std::string& path) {
 std::string command(const Job& job, const std::string& program, const std::vector<std::string>& more) {
   std::vector<std::string> words{program};
   words.insert(words.end(), job.words.begin(), job.words.end());
-  words.insert(words.end(), more.begin(), more.end());
+  words.insert(words.begin() + 2, more.begin(), more.end());  // Behind a -- they would be operands.
   return joined(words, " ", quoted);
 }
 
@@ -143,16 +144,18 @@ std::string quoted(const std::string& word) {
 }
 
 std::string ninja_file(std::span<const Job> jobs, const std::string& program, const std::string& folder) {
+  std::string version = version_text();  // Another version may make other maps.
+  std::ranges::replace(version, '\n', ' ');
   std::string text = fmt::format(
       "ninja_required_version = 1.5\n"
       "builddir = {}\n\n"
       "rule envmap\n"
-      "  command = $run\n"
+      "  command = : {}; $run\n"
       "  description = $what\n"
       "  depfile = $dependencies\n"
       "  deps = gcc\n"
       "  restat = 1\n\n",
-      escaped(folder, "$", '$'));
+      escaped(folder, "$", '$'), escaped(tools::quoted(version), "$", '$'));
   const auto writer = writers(jobs);
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Job& job = jobs[k];

@@ -177,7 +177,7 @@ bool Options::on_command_line(std::string_view name) const {
 }
 std::string Options::last(std::string_view name) const {
   const auto found = std::ranges::find(rows, name, &Option::name);
-  return found != rows.end() && !found->given.empty() ? found->given.back() : "";
+  return found != rows.end() && !found->given.empty() ? in_given_letters(found->given.back(), found->words) : "";
 }
 std::vector<std::string> Options::named(File kind) const {
   std::vector<std::string> all;

@@ -111,8 +111,7 @@ struct Verdict {
 Verdict verdict_of(const EnvironmentMap& a, const EnvironmentMap& b, const Level& difference) {
   const Direction p = measure(a).brightest_direction, q = measure(b).brightest_direction;
   const double all = mean_radiance(b.base()), more = mean_radiance(a.base()) - all;
-  return {0.5 * (mean_radiance(difference) + std::abs(more)) / all,
-          360 / pi * portable::atan2(glm::length(p - q), glm::length(p + q))};
+  return {0.5 * (mean_radiance(difference) + std::abs(more)) / all, 180 / pi * angle_between(p, q)};
 }
 std::string words(const Difference& d, const Verdict& v) {
   if (d.maximum == 0) return "identical";

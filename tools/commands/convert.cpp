@@ -11,6 +11,7 @@
 #include "envmap/base/error.h"
 #include "envmap/base/words.h"
 #include "envmap/engine/baker.h"
+#include "envmap/engine/file_error.h"
 #include "envmap/io/path.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_plan.h"
@@ -142,27 +143,24 @@ void refuse(const Convert& o, double max_error, const std::string& what) {
                    o.output, max_error, what));
 }
 
-std::string words(const Rounding& r, double rounded) {
-  return fmt::format("{} rounds by up to {:.1e}", name(r), rounded);
-}
-
 // Leaves of the error asked for what the depth of the file rounds by; half of it where that is known of the result
 // alone. False where nothing is left.
 bool leave_to_filter(Convert& o, const std::optional<Rounding>& rounding) {
   const double asked = *o.convert.max_error;
-  const double rounded = rounding ? rounding->largest.value_or(0.5 * asked) : 0;
-  o.convert.max_error = asked - rounded;
-  if (rounding && rounded < asked) return true;
-  refuse(o, asked,
-         rounding ? words(*rounding, rounded) : "integers, lossy compression and --openexr-envmap have no bound");
-  return false;
+  try {
+    o.convert.max_error = left_to_filter({asked, rounding});
+    return true;
+  } catch (const AccuracyError& e) {
+    refuse(o, asked, rounding ? e.what() : "integers, lossy compression and --openexr-envmap have no bound");
+    return false;
+  }
 }
 
 // Whether filter and file together keep to the error asked for, of a result of which that is known when it is made.
 bool holds(const Convert& o, const Rounding& rounding, const Level& made, double filtered, double max_error) {
   const double rounded = rounding_error(rounding, made, 0.001 * mean_radiance(made));
   if (filtered + rounded * (1 + filtered) <= max_error) return true;
-  refuse(o, max_error, words(rounding, rounded));
+  refuse(o, max_error, rounding_words(rounding, rounded));
   return false;
 }
 
@@ -189,6 +187,7 @@ void add(Source& source, const Source& other, const Convert& o) {
     warn(fmt::format("{} does not state its unit, and {} does: their numbers are added as they are",
                      unit ? o.added : o.input, unit ? o.input : o.added));
   add_light(source.map, other.map, unit && others ? double(*others) / *unit : 1);
+  check_finite(source.map.base(), "--add", "dim one of the maps first");
 }
 
 // Radiance as a screen shows it, for files of integers. `clip` reports its loss as --clamp does.
@@ -209,6 +208,17 @@ Rows displayed(Convert& o, const Rows& rows) {
   return shown;
 }
 
+void check_filter_options(const Convert& o) {
+  const std::optional<Filter>& filter = o.convert.filter;
+  if (o.convert.max_error && (filter || o.samples || o.convert.area_error))
+    throw UsageError(fmt::format("--max-error chooses the filter: remove {}", filter      ? "--filter"
+                                                                              : o.samples ? "--samples"
+                                                                                          : "--area-error"));
+  if (o.samples && filter && *filter != Filter::nearest && *filter != Filter::bilinear && *filter != Filter::bicubic)
+    throw UsageError(
+        fmt::format("--samples is for nearest, bilinear and bicubic: remove it or --filter {}", name(*filter)));
+}
+
 int run(Convert& o, Report& report) {
   o.photo.field = o.fov;
   settle(o.photo, o.read);
@@ -216,9 +226,7 @@ int run(Convert& o, Report& report) {
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
-  if (o.convert.max_error && (o.convert.filter || o.samples))
-    throw UsageError(
-        fmt::format("--max-error chooses the filter: remove {}", o.convert.filter ? "--filter" : "--samples"));
+  check_filter_options(o);
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
   if (engine) settle(*o.engine, *engine, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.shard.whole(o.output), o.write, *o.to);
@@ -232,7 +240,7 @@ int run(Convert& o, Report& report) {
   if (!o.added.empty()) add(source, read_added(o), o);
   o.convert.ball = ball_camera(o, source.map);
   grade(source, o.grade, o.read.colour);
-  if (engine) warn_about_clamping(*o.engine, source.map.base(), 1, "convert");
+  if (engine) warn_about_clamping(*o.engine, source.map.base(), portable::exp2(o.exposure), "convert");
   const Frame from = source.map.frame();
   const Projection to = o.to.value_or(from.projection);
   o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};

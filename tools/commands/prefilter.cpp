@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "cli/console.h"
@@ -10,6 +11,7 @@
 #include "envmap/base/error.h"
 #include "envmap/base/words.h"
 #include "envmap/engine/baker.h"
+#include "envmap/io/path.h"
 #include "envmap/io/rounding.h"
 #include "envmap/io/write_table.h"
 #include "envmap/map/atlas.h"
@@ -86,6 +88,9 @@ std::vector<Prefilter> levels_of(const Request& o) {
           fmt::format("--lobe {}: needs --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
     if (o.roughness && levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
   }
+  if (const std::size_t possible = std::bit_width(unsigned(o.map.size));
+      parameters.size() > possible && !has_level(o.output))
+    throw UsageError(fmt::format("--size {} has at most {} levels, not {}", o.map.size, possible, parameters.size()));
   std::vector<Prefilter> all;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     Prefilter p = o.map;

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "cli/command_line.h"
@@ -133,7 +134,7 @@ void warn_about_clamping(const Engine& engine, const Level& level, double gain, 
         texels += value > engine.largest;
         most = std::max(most, value);
       }
-  if (texels > 0)
+  if (texels > 0 && std::isfinite(most))  // Beyond floats, the command fails.
     warn(
         fmt::format("envmap {}: {} texels exceed {:g}, up to {:.3g}, and the loader of {} clamps them: dim the map "
                     "with --exposure, and make it brighter there",

@@ -77,16 +77,15 @@ double scale_of(const EnvironmentMap& map, const GradeOptions& o, const Flux& lu
   return wanted / is;
 }
 
-// @param option that was applied.
-void check_finite(const Level& level, const char* option) {
+}  // namespace
+
+void check_finite(const Level& level, const std::string& option, const std::string& remedy) {
   for (int face = 0; face < level.faces(); ++face)
     for (int j = 0; j < level.height(); ++j)
       for (const Colour& c : level.row(face, j))
         if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z))
-          throw UsageError(fmt::format("{}: radiance exceeds 3.4e38, the largest float: lower {}", option, option));
+          throw UsageError(fmt::format("{}: radiance exceeds 3.4e38, the largest float: {}", option, remedy));
 }
-
-}  // namespace
 
 void grade(Source& source, const GradeOptions& o, const ColourOptions& working) {
   if (o.gain && !(o.gain->x >= 0 && o.gain->y >= 0 && o.gain->z >= 0))
@@ -100,13 +99,14 @@ void grade(Source& source, const GradeOptions& o, const ColourOptions& working) 
   if (grade.changes())
     for (Level& level : source.map.levels) {
       apply(grade, level);
-      if (o.gain) check_finite(level, "--gain");
+      const std::string option = o.gain ? "--gain" : o.white.empty() ? "--saturation" : "--white";
+      check_finite(level, option, "lower " + option);
     }
   if (o.scale_to.empty()) return;
   const double scale = scale_of(source.map, o, grade.luminance);
   for (Level& level : source.map.levels) {
     apply({.gain = Flux(scale)}, level);
-    check_finite(level, "--scale-to");
+    check_finite(level, "--scale-to", "lower --scale-to");
   }
   note(fmt::format("envmap convert: --scale-to {}: times {:.6g}", o.scale_to, scale));
   source.provenance.white_luminance = 1.0F;

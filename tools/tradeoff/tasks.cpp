@@ -59,7 +59,7 @@ void add_conversions(const EnvironmentMap& map, const ConvertOptions& options, T
 // ---- prefilter ------------------------------------------------------------------------------------------------------
 
 Outcome prefiltered(const EnvironmentMap& map, const Prefilter& wanted) {
-  return whole(PrefilterSource(map).make(wanted).map.base().clone());
+  return whole(std::move(PrefilterSource(map).make(wanted).map.base()));
 }
 
 void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& task) {
@@ -85,8 +85,8 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
 // ---- mipmap ---------------------------------------------------------------------------------------------------------
 
 void add_mipmaps(const EnvironmentMap& map, int level, Task& task) {
-  const int width = map.base().width() >> level, height = map.base().height() >> level;
-  if (width < 1 || height < 1)
+  const int width = std::max(1, map.base().width() >> level), height = std::max(1, map.base().height() >> level);
+  if (std::max(map.base().width(), map.base().height()) >> level == 0)
     throw UsageError(fmt::format("--task mipmap:{}: the map has no level that small", level));
   for (const Weights weights : {Weights::solid_angle, Weights::uniform})
     task.ways.push_back(
@@ -106,7 +106,7 @@ Outcome written(const EnvironmentMap& map, const std::string& extension, const W
   const ScratchFile file(extension);
   write(file.path(), rows_of(map), options);
   const auto bytes = std::int64_t(std::filesystem::file_size(file.path()));
-  return {read(file.path(), {.projection = map.projection(), .flaws = FlawPolicy::keep}).map.base().clone(), bytes};
+  return {std::move(read(file.path(), {.projection = map.projection(), .flaws = FlawPolicy::keep}).map.base()), bytes};
 }
 
 void add_depths(const EnvironmentMap& map, Task& task) {
@@ -132,7 +132,7 @@ void add_depths(const EnvironmentMap& map, Task& task) {
 // ---- sizes ----------------------------------------------------------------------------------------------------------
 
 Outcome resized(const EnvironmentMap& map, Projection to, int size) {
-  Level level = convert(map, {.to = {to}, .size = size}).base().clone();
+  Level level = std::move(convert(map, {.to = {to}, .size = size}).base());
   constexpr int half_rgb = 6;
   const std::int64_t bytes = half_rgb * std::int64_t{level.faces()} * level.width() * level.height();
   return {std::move(level), bytes};

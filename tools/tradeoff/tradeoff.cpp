@@ -190,7 +190,19 @@ void write_plot(const Study& study, const Request& o) {
   }
 }
 
-void check(const Request& o) {
+// The environment of a scene is read with the options that 'render' has for it.
+void refuse_map_options(const Request& o, const Options& options) {
+  for (const Option& option : options.rows) {
+    const bool is_of_maps =
+        option.group == groups::input_map || option.name == "--input-space" || option.name == "--ocio";
+    if (is_of_maps && option.name != "--max-pixels" && option.name != "--repair" &&
+        options.on_command_line(option.name))
+      throw UsageError(o.input, fmt::format("is a scene: remove {}", option.name));
+  }
+}
+
+void check(const Request& o, const Options& options) {
+  if (is_of_scene(o.task)) refuse_map_options(o, options);
   if (o.csv && settings().json) throw UsageError("--csv and --json: choose one");
   const bool of_view = parts_of(o.task)[0] == "view";
   if (!is_of_scene(o.task) && !o.environment.empty()) throw UsageError("--environment is for scenes");
@@ -225,12 +237,12 @@ Task only(Task task, const std::string& words) {
   return task;
 }
 
-int run(Request& o, Report& report) {
+int run(Request& o, const Options& options, Report& report) {
   if (o.input.empty() || o.task.empty()) throw UsageError("needs INPUT and --task");
-  check(o);
+  check(o, options);
   if (is_of_scene(o.task)) {
     SceneOptions scene{.path = o.input, .environment = o.environment};
-    scene.read.max_pixels = o.read.max_pixels;
+    scene.read.max_pixels = o.read.max_pixels, scene.read.flaws = o.read.flaws;
     const LoadedScene loaded = load(scene);
     if (loaded.is_dark({}))
       throw UsageError(o.input, "no light in it, so every method would be right: give some with --environment MAP");
@@ -267,7 +279,7 @@ Action define_tradeoff(Options& o) {
   o.add("--camera", "NAME|X,Y,Z", &r->camera, "view: camera of the scene, or a point (default: as 'envmap view')");
   add_read_options(o, r->read);
   add_repair(o, r->read);
-  return [r](Report& report) { return run(*r, report); };
+  return [r, &o](Report& report) { return run(*r, o, report); };
 }
 
 }  // namespace tools

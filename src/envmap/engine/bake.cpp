@@ -12,6 +12,7 @@
 #include "envmap/io/write_table.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/grade.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/prefilter/brdf_table.h"
 
 namespace envmap {
@@ -31,7 +32,13 @@ std::string readme_text(const Engine& e, const std::vector<BakedFile>& maps, dou
 
 void expose(EnvironmentMap& probe, double stops, Provenance& provenance) {
   const double gain = portable::exp2(stops);
-  if (gain != 1) apply(Grade{.gain = Flux(gain)}, probe.base());
+  if (gain != 1) {
+    require_finite(probe);
+    apply(Grade{.gain = Flux(gain)}, probe.base());
+    if (find_flaws(probe.base()).infinite > 0)
+      throw UsageError(
+          fmt::format("radiance exceeds 3.4e38, the largest float, at {:g} stops: lower the exposure", stops));
+  }
   if (auto& luminance = provenance.white_luminance) luminance = float(*luminance / gain);
 }
 

@@ -51,7 +51,8 @@ std::vector<std::string> files_of(const Engine& engine);
 
 /// Makes the folder, which appears whole or not at all; one that holds the same files is replaced.
 /// @throws UsageError where a field is out of its range or the folder holds other files, InputError where a texel is
-/// NaN or infinite, OutputError where a file cannot be written, AccuracyError where `max_error` cannot be met.
+/// NaN or infinite, or negative and the engine has rough or diffuse light, OutputError where a file cannot be written,
+/// AccuracyError where `max_error` cannot be met.
 std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const std::string& folder,
                             const BakeOptions& options = {}, const Run& run = {});
 

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -301,6 +302,14 @@ void check_sizes(const std::string& path, std::span<const Rows> levels) {
   }
 }
 
+// A texture and an .exr file end with a level of one texel.
+void check_count(const std::string& path, std::span<const Rows> levels, int border) {
+  const int width = levels.front().width() + 2 * border, height = levels.front().size + 2 * border;
+  const std::size_t possible = std::bit_width(unsigned(std::max(width, height)));
+  if (levels.size() > possible && !has_level(path))
+    throw UsageError(path, fmt::format("{}x{} has at most {} levels, not {}", width, height, possible, levels.size()));
+}
+
 // A range for each level. Sizes are those of the whole, whose border may be missing here.
 void check_rows(const std::string& path, std::span<const Rows> levels, const WriteOptions& options) {
   if (options.rows.size() != levels.size())
@@ -386,6 +395,7 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
     if (rows.projection != base.projection || rows.forward != base.forward)
       throw UsageError(path, "levels of one map must have one projection and forward axis");
   check_output(path, options, base.projection, levels.size() > 1);
+  check_count(path, levels, options.border);
   return carry_out(run,
                    [&](const Progress& progress) { return write_checked(path, levels, options, progress, beside); });
 }

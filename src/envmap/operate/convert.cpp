@@ -88,12 +88,16 @@ bool permutes_texels(const Target& target, const Level& source) {
   return near_whole(portable::atan2(r[2][0], r[2][2]) / (2 * pi) * source.width(), rounding * source.width());
 }
 
+bool copies_texels(const Target& target, const Level& source) {
+  return is_source(target, source) || permutes_texels(target, source);
+}
+
 FilterOptions make_filter(const Target& target, const Level& source, const ConvertOptions& o) {
   FilterOptions f{.filter = o.filter.value_or(Filter::bilinear),
                   .samples = o.samples,
                   .area_error = o.area_error.value_or(1e-4),
                   .sides = o.area_sides.value_or(o.filter ? AreaSides::outlines : AreaSides::quads)};
-  if (o.filter || is_source(target, source) || permutes_texels(target, source)) return f;
+  if (o.filter || copies_texels(target, source)) return f;
   const double covers = covered(target, source);
   if (covers > 1.25) f.filter = Filter::area, f.area_error = o.area_error.value_or(1e-3);
   if (covers > 0.5) f.samples = std::max(f.samples, 2);
@@ -103,6 +107,12 @@ FilterOptions make_filter(const Target& target, const Level& source, const Conve
 // Whether the filter gives a texel's own value back at its centre.
 bool interpolates(const FilterOptions& f) {
   return f.samples == 1 && (f.filter == Filter::nearest || f.filter == Filter::bilinear || f.filter == Filter::bicubic);
+}
+
+// The choice where every texel of the result is one of the source.
+FilterChoice exact_copy(const Target& target, const FilterOptions& filter) {
+  const auto texels = std::int64_t(texel_count(target.to, target.size));
+  return {.filter = filter, .trials = {{Filter::nearest, 1, 0, 0, 0}}, .texels = texels, .reached = true};
 }
 
 // Texels of the result between looks at the memory of a source in a scratch file: each place may bring in 16 pages, a
@@ -141,20 +151,21 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
       gain(options.gain),
       mirrored(options.mirror != MirroredAxis::none),
       texels_between_trims(between_trims(target, source.base())) {
-  if (!options.max_error && interpolates(filter)) {
-    if (is_source(target, source.base())) {
-      require_finite(source);
-      unchanged = std::move(source.base());
-      return;
-    }
-    if (permutes_texels(target, source.base())) filter.filter = Filter::nearest;
-  }
   require_finite(source);
   // The mean costs more than many a conversion: exact solid angles of every texel.
   if (options.max_error || filter.filter == Filter::area) filter.floor = 1e-3 * mean_radiance(source.base());
-  if (options.max_error || reads_levels(filter.filter)) add_levels(source.levels);
+  const bool copies = interpolates(filter) && copies_texels(target, source.base());
+  if (copies) {
+    filter.filter = Filter::nearest;
+    if (options.max_error) choice = exact_copy(target, filter);
+    if (is_source(target, source.base())) {
+      unchanged = std::move(source.base());
+      return;
+    }
+  }
+  if ((options.max_error && !copies) || reads_levels(filter.filter)) add_levels(source.levels);
   for (Level& level : source.levels) levels.emplace_back(std::move(level));
-  if (options.max_error) {
+  if (options.max_error && !copies) {
     choice = choose_filter(levels, target, *options.max_error, filter.floor);
     filter = choice->filter;
   }
@@ -179,7 +190,7 @@ void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
 
 bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options) {
   const Target target = make_target(source, options);
-  return is_source(target, source.base()) || permutes_texels(target, source.base());
+  return copies_texels(target, source.base());
 }
 
 Resampler::Resampler(EnvironmentMap&& source, const ConvertOptions& options)

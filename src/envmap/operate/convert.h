@@ -29,6 +29,7 @@ struct ConvertOptions {
   /// Of the area filter. Absent: `outlines` if it was asked for, `quads` if it was chosen.
   std::optional<AreaSides> area_sides = {};
   /// Take the cheapest filter that is found to err by no more (FilterChoice); `filter` and `samples` are then ignored.
+  /// Where the result has the source's own texels, they are copied, with error 0.
   std::optional<double> max_error = {};
   Rotation rotation{1};                      ///< Turns the environment: radiance from d comes out from rotation x d.
   MirroredAxis mirror = MirroredAxis::none;  ///< After `rotation`.

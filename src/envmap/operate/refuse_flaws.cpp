@@ -62,4 +62,10 @@ const EnvironmentMap& require_finite(const EnvironmentMap& map) {
   return map;
 }
 
+const EnvironmentMap& require_radiance(const EnvironmentMap& map) {
+  if (const Flaws flaws = find_flaws(map.base()); flaws.count() > 0)
+    throw InputError(flaw_words(flaws, map.base()), Remedy::repair);
+  return map;
+}
+
 }  // namespace envmap

@@ -1,5 +1,6 @@
 /// @file
-/// The rule for texels that are no radiance: operations refuse NaN and infinity; measures leave those texels out.
+/// The rule for texels that are no radiance: operations refuse NaN and infinity, prefiltering negative radiance, too;
+/// measures leave texels of NaN and infinity out.
 #pragma once
 
 #include <string>
@@ -17,5 +18,7 @@ std::string flaw_words(const Flaws& flaws, const Level& level, const std::string
 const Level& require_finite(const Level& level, const std::string& shown = {});
 /// Checks level 0.
 const EnvironmentMap& require_finite(const EnvironmentMap& map);
+/// Refuses negative radiance, too.
+const EnvironmentMap& require_radiance(const EnvironmentMap& map);
 
 }  // namespace envmap

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 #include "envmap/prefilter/cell.h"
@@ -275,6 +276,8 @@ constexpr double rounding = 0x1p-24;  // Of a float.
 
 // Of one texel. @return its bound.
 float set_texel(const HingeSum& sum, double floor, Colour& out) {
+  if (const Flux s = sum.value + sum.bound; !std::isfinite(s.x + s.y + s.z))
+    return std::numeric_limits<float>::infinity();  // The texel is summed exactly.
   double largest = 0;
   for (int c = 0; c < 3; ++c) {
     largest = std::max(largest, sum.bound[c] / std::max(sum.value[c] - sum.bound[c], floor));

@@ -103,7 +103,7 @@ void make_lobe(PreparedSource& from, const Prefilter& wanted, const Target& targ
   done.method = make_fast(from, wanted, lobe, all.size(), map);
   std::erase_if(all, [&](const Texel& t) { return !map.wants(t.face, t.j); });
   for (const Texel& t : all)
-    if (const float bound = bounds[index_of(out, t)]; bound > float(wanted.max_error))
+    if (const float bound = bounds[index_of(out, t)]; !(bound <= float(wanted.max_error)))  // Too large, or NaN.
       left.push_back(t);
     else
       done.error = std::max<double>(done.error, bound);

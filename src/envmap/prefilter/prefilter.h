@@ -89,7 +89,7 @@ class PrefilterSource {
   /// A map that is neither a cube nor latlong is prefiltered as the cube that convert() makes of it, by the area filter
   /// at its own density: its texels are samples of an image on a disc, which no rim should cut.
   /// @param map must outlive it.
-  /// @throws InputError where a texel is NaN or infinite.
+  /// @throws InputError where a texel is NaN, infinite or negative: bounds of errors are of radiance.
   explicit PrefilterSource(const EnvironmentMap& map);
   /// Takes the map over.
   explicit PrefilterSource(EnvironmentMap&& map);

@@ -9,7 +9,7 @@ namespace envmap::prefiltering {
 
 PreparedSource::PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
     : taken_(std::move(given)),
-      cube_(source_cube(require_finite(taken_ ? *taken_ : *lent))),
+      cube_(source_cube(require_radiance(taken_ ? *taken_ : *lent))),
       map(cube_    ? *cube_
           : taken_ ? *taken_
                    : *lent),

@@ -21,7 +21,7 @@ class PreparedSource {
   const Totals light;
   std::mutex in_use;  ///< By the one map that is made.
 
-  /// @param given a map to keep; else `lent` must outlive this. @throws InputError where a texel is NaN or infinite.
+  /// @param given a map to keep; else `lent` must outlive this. @throws InputError where a texel is no radiance.
   PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent);
 
   [[nodiscard]] const Level& texels() const { return map.base(); }

@@ -74,15 +74,20 @@ struct Corner {
   bool turns;
 };
 
-// The part where dot(side, d) >= 0 (Sutherland and Hodgman 1974, as in polygon.h).
+// The part where dot(side, d) >= 0 (Sutherland and Hodgman 1974, as in polygon.h). A corner that lies on the plane but
+// for rounding is the cut itself: a second one beside it would make a piece of which rounding is the direction.
 void cut(const std::vector<Corner>& corners, const Direction& side, std::vector<Corner>& out) {
+  constexpr double rounding = 1e-10;
+  const auto above = [&side](const Corner& c) {
+    const double d = glm::dot(side, c.direction);
+    return std::abs(d) < rounding ? 0 : d;
+  };
   out.clear();
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const Corner &p = corners[k], &q = corners[k + 1 < corners.size() ? k + 1 : 0];
-    const double dp = glm::dot(side, p.direction), dq = glm::dot(side, q.direction);
-    if (dp >= 0) out.push_back(p);
-    if ((dp >= 0) != (dq >= 0))
-      out.push_back({glm::normalize(glm::mix(p.direction, q.direction, dp / (dp - dq))), true});
+    const double dp = above(p), dq = above(q);
+    if (dp >= 0) out.push_back({p.direction, p.turns || dp == 0});
+    if (dp * dq < 0) out.push_back({glm::normalize(glm::mix(p.direction, q.direction, dp / (dp - dq))), true});
   }
 }
 

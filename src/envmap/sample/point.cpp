@@ -10,16 +10,29 @@ Colour nearest(const PaddedLevel& level, const Location<double>& at) {
   return *level.texel(at.face, i, j);
 }
 
+namespace {
+
+// Of 4 x 4 texels, at a place (x, y) beyond the second of the second row.
+template <class T>
+Rgb<T> catmull_rom_sum(const Colour* rows, std::ptrdiff_t stride, double x, double y) {
+  const std::array<T, 4> wx = catmull_rom<T>(x), wy = catmull_rom<T>(y);
+  Rgb<T> sum(0);
+  for (std::size_t j = 0; j < 4; ++j) {
+    const Colour* c = rows + std::ptrdiff_t(j) * stride;
+    sum += wy[j] * (wx[0] * Rgb<T>(c[0]) + wx[1] * Rgb<T>(c[1]) + wx[2] * Rgb<T>(c[2]) + wx[3] * Rgb<T>(c[3]));
+  }
+  return sum;
+}
+
+}  // namespace
+
 Colour bicubic(const PaddedLevel& level, const Location<double>& at) {
   const double x = at.u * level.width() - 0.5, y = at.v * level.height() - 0.5;
   const double left = std::floor(x), top = std::floor(y);
-  const std::array<float, 4> wx = catmull_rom<float>(x - left), wy = catmull_rom<float>(y - top);
   const Colour* rows = level.texel(at.face, int(left) - 1, int(top) - 1);
-  Colour sum(0);
-  for (std::size_t j = 0; j < 4; ++j) {
-    const Colour* c = rows + std::ptrdiff_t(j) * level.stride();
-    sum += wy[j] * (wx[0] * c[0] + wx[1] * c[1] + wx[2] * c[2] + wx[3] * c[3]);
-  }
+  Colour sum = catmull_rom_sum<float>(rows, level.stride(), x - left, y - top);
+  if (!std::isfinite(sum.x + sum.y + sum.z))  // A part of the sum is beyond the largest float.
+    sum = Colour(catmull_rom_sum<double>(rows, level.stride(), x - left, y - top));
   const Colour* a = rows + level.stride() + 1;
   const Colour* b = a + level.stride();
   return glm::clamp(sum, glm::min(glm::min(a[0], a[1]), glm::min(b[0], b[1])),

@@ -284,6 +284,8 @@ void add(const PaddedLevel& source, int face, const Quads& q, const Weights& wei
     }
     hn::Store(light, d, lights + c), hn::Store(low, d, lows + c), hn::Store(high, d, highs + c);
   }
+  // Beyond the largest float: area_sampler() sums in double.
+  if (!std::isfinite(lights[0] + lights[1] + lights[2])) return void(sum.is_known = false);
   const double scale = q.mean_density[lane];
   for (int c = 0; c < 3; ++c) {
     sum.light[c] += scale * lights[c];
