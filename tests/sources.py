@@ -8,6 +8,8 @@ FUNCTIONS = ('sin cos tan asin acos atan atan2 sinh cosh tanh exp exp2 exp10 exp
              'lgamma polar slerp radians degrees sinf cosf expf logf powf')
 LIBM = re.compile(r'(?:\b(?:std|glm)::|(?<![\w:.>]))(?:' + FUNCTIONS.replace(' ', '|') + r')\(')
 DRAWING = ('src/envmap/render/', 'src/envmap/scene/')
+# Loops go through base/parallel.h, where TBB is compiled once. The module of formats has no part of the library.
+MAY_INCLUDE_TBB = {'src/envmap/base/parallel.cpp', 'src/envmap/io/openimageio.cpp', 'src/python/module.cpp'}
 MAY_CALL_LIBM = {'src/envmap/maths/portable.h', 'src/envmap/maths/portable.cpp'}  # Their own names.
 
 root = pathlib.Path(sys.argv[1])
@@ -29,6 +31,8 @@ for path in sorted(p for p in (root / 'src').rglob('*') if p.suffix in ('.h', '.
         # The C library's last bits depend on the processor: results are made by maths/portable.h. Drawing is OSMesa's.
         if LIBM.search(line) and not name.startswith(DRAWING) and name not in MAY_CALL_LIBM:
             broken.append(f'{name}:{number}: {LIBM.search(line)[0]}...) differs between processors: see maths/portable.h')
+        if '<tbb/' in line and name not in MAY_INCLUDE_TBB:
+            broken.append(f'{name}:{number}: TBB takes long to compile: see base/parallel.h')
 
 # NVIDIA's compiler finds clamp(x, 0.5, 1) ambiguous: of floats or of doubles. Mesa's does not mind.
 MIXED = re.compile(r'\bclamp\(.*, *(?:-?\d*\.\d+|-?\d+e-?\d+), *-?\d+\)|\bclamp\(.*, *-?\d+, *(?:-?\d*\.\d+|-?\d+e-?\d+)\)')
