@@ -246,6 +246,21 @@ TEST_F(Faces, HaveLevelsAndRulesOfMake) {
   EXPECT_NE(read("in.d").find("l1_bk.exr"), std::string::npos) << read("in.d");
 }
 
+TEST_F(Faces, LieInFoldersOfTheirNames) {
+  succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "4"});
+  fails(2, {"convert", "in.exr", "{face}_{face}.exr"}, {"{face} stands in it twice"});
+  fails(4, {"convert", "in.exr", "{face}/sky.exr"}, {"px"});
+  for (const char* face : {"px", "nx", "py", "ny", "pz", "nz"}) std::filesystem::create_directory(path(face));
+  succeeds({"convert", "in.exr", "{face}/sky.exr"});
+  succeeds({"compare", "{face}/sky.exr", "in.exr", "--max-error", "0"});
+}
+
+TEST_F(Faces, SayWhatTheyHoldAsOneFileDoes) {
+  succeeds({"generate", "sky", "in.exr", "--size", "4"});
+  succeeds({"prefilter", "in.exr", "{face}.exr", "--lobe", "diffuse", "--size", "4", "-q"});
+  EXPECT_EQ(report({"info", "{face}.exr"})["metadata"]["lobe"], "diffuse");
+}
+
 TEST_F(Faces, AreRefusedInOneLine) {
   const auto writes = [&](const std::string& faces, const std::vector<std::string>& words) {
     fails(2, {"convert", "map.exr", "x_{face}.exr", "--faces", faces}, words);

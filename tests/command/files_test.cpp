@@ -53,6 +53,22 @@ TEST_F(CommandTest, ReadsHeifAndAvifWhereOpenImageIODoes) {
   if (read_back == 0) GTEST_SKIP() << "this OpenImageIO writes no HEIF";
 }
 
+TEST_F(CommandTest, GreyMayHaveAlpha) {
+  save(path("grey.png"), Picture::filled(8, 4, 0.5F, 2));
+  fails(3, {"info", "grey.png"}, {"--drop-channels"});
+  EXPECT_EQ(report({"info", "grey.png", "--drop-channels"})["format"], "png");
+}
+
+TEST_F(CommandTest, FilesOfOneColourAreReadBack) {
+  succeeds({"generate", "constant", "one.exr", "--size", "2048", "--compression", "dwab"});
+  EXPECT_EQ(report({"info", "one.exr"})["maximum"][0], 1);
+}
+
+TEST_F(CommandTest, AReportAndADepfileAreNotMixed) {
+  succeeds({"generate", "sky", "in.exr", "--size", "4"});
+  fails(2, {"convert", "in.exr", "out.exr", "--json", "--depfile", "-"}, {"standard output"});
+}
+
 TEST_F(CommandTest, AChannelMayBeReadMoreThanOnce) {
   succeeds({"generate", "directions", "in.exr", "--size", "16", "--depth", "float"});
   succeeds({"convert", "in.exr", "out.exr", "--channels", "B,G,B", "--depth", "float"});

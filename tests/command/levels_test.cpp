@@ -142,6 +142,31 @@ TEST_F(Levels, AreReadFromEveryKindOfFile) {
   }
 }
 
+TEST_F(Levels, InFilesOfTheirOwnAreOfOneMap) {
+  succeeds({"generate", "sky", "sky_0.exr", "--size", "8"});
+  succeeds({"generate", "sky", "sky_1.exr", "--size", "8"});
+  fails(3, {"info", "sky_{level}.exr", "--level", "1"}, {"sky_1.exr", "16x8", "level 1 is 8x4"});
+  succeeds({"convert", "sky_0.exr", "sky_1.exr", "--size", "4", "--output-space", "ACEScg"});
+  fails(3, {"info", "sky_{level}.exr", "--level", "1"}, {"sky_1.exr", "ACEScg"});
+  // Textures, too, which could hold all levels.
+  succeeds({"mipmap", "sky_0.exr", "one_{level}.ktx2"});
+  EXPECT_EQ(report({"info", "one_{level}.ktx2"})["levels"], 5);
+}
+
+TEST_F(Levels, ReplaceNoInput) {
+  for (const std::string name : {"sky_1.exr", "sky_0.exr"}) succeeds({"generate", "sky", name, "--size", "4"});
+  fails(2, {"mipmap", "sky_1.exr", "sky_{level}.exr"}, {"sky_1.exr", "is both input and output"});
+  fails(2, {"mipmap", "sky_0.exr", "out_{level}.exr", "--depfile", "out_1.exr"}, {"out_1.exr", "written twice"});
+}
+
+TEST_F(Levels, OfLuminanceAndChromaAreOneLevel) {
+  if (shell("oiiotool --pattern constant:color=.2,.4,.6 32x16 3 -d half --tile 16 16 --chnames Y,RY,BY -otex in.exr")
+          .status != 0)
+    GTEST_SKIP() << "no oiiotool";
+  EXPECT_NEAR(report({"info", "in.exr"})["maximum"][0].get<double>(), 0.2 * 1.4, 1e-3);
+  fails(3, {"info", "in.exr", "--level", "1"}, {"has no level 1"});
+}
+
 TEST_F(Levels, OfOneFileEachAreNamedInTheDepfile) {
   succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "4"});
   succeeds({"mipmap", "in.exr", "out_{level}.hdr", "--depfile", "out.d"});
@@ -243,6 +268,19 @@ TEST_F(Border, FilesOfOpenExrAndOpenImageIoAreReadRight) {
   EXPECT_LT(worst_direction(centres("made.exr"), false), 0.05);
   succeeds({"convert", "made.exr", "ignored.exr", "--level", "0", "--filter", "nearest", "--ignore-envmap-attribute"});
   EXPECT_GT(worst_direction(load(path("ignored.exr")), false), 0.4);
+}
+
+TEST_F(Border, IsThatOfOpenExrAlone) {
+  succeeds({"generate", "directions", "in.exr", "--size", "16"});
+  run("oiiotool in.exr -oenv in.tif");
+  succeeds({"compare", "in.tif", "in.exr", "--max-error", "0", "--level", "0"});
+}
+
+TEST_F(Border, FilesKeepWhatTheySayOfThemselves) {
+  succeeds({"generate", "sky", "in.exr", "--size", "8"});
+  succeeds({"prefilter", "in.exr", "out.exr", "--lobe", "diffuse", "--to", "latlong", "--size", "8", "--openexr-envmap",
+            "-q"});
+  EXPECT_EQ(report({"info", "out.exr"})["metadata"]["lobe"], "diffuse");
 }
 
 TEST_F(Border, IsForLatlongAndCubesInAColumn) {

@@ -85,7 +85,7 @@ std::vector<std::string> files_of(const std::string& path, int levels, const std
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
                  const FaceNames& faces) {
   depfile() = {outputs, inputs, faces, nullptr, false};
-  if (settings().json && std::ranges::find(outputs, "-") != outputs.end())
+  if (settings().json && (std::ranges::find(outputs, "-") != outputs.end() || settings().depfile == "-"))
     throw UsageError("--json and the output cannot both be standard output: give a file name");
   if (std::ranges::count(inputs, "-") > 1) throw UsageError("-: standard input can be read once, and is named twice");
   std::set<std::string> written, read;
@@ -93,8 +93,9 @@ void check_files(const std::vector<std::string>& outputs, const std::vector<std:
   read.erase("");
   std::vector<std::string> files{settings().depfile};
   files.insert(files.end(), outputs.begin(), outputs.end());
+  // How many levels will be written is not known yet: no name that one could have is free.
   for (const std::string& output : files)
-    for (const std::string& file : files_of(output, 1, faces.written)) {
+    for (const std::string& file : files_of(output, int(limits::levels.most), faces.written)) {
       const std::string id = identity(file);
       if (read.contains(id)) throw UsageError(file, "is both input and output: choose another output name");
       if (!id.empty() && !written.insert(id).second)

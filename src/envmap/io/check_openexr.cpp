@@ -142,6 +142,12 @@ double lines_of_chunk(unsigned char compression) {
   return compression < std::size(lines) ? lines[compression] : 1;
 }
 
+// How many times smaller than its floats a chunk can be.
+double most_smaller(unsigned char compression) {
+  const bool dwa = compression == 8 || compression == 9;
+  return dwa ? 2e5 : 2e4;
+}
+
 // Tiles along a side of a level; each is half the one before, rounded down or up.
 double tiles_along(double side, int level, bool up, double tile) {
   const double halved = side / portable::exp2(level);
@@ -185,10 +191,10 @@ void check_openexr(const InputFile& file) {
     more = any && (version & flag_parts) != 0;
     if (!any) break;
     if (part.width() < 1 || part.height() < 1) throw InputError("damaged: its data window is empty");
-    // No compression in use makes a map 20,000 times smaller. OpenEXR takes memory for all lines of a chunk, if there
-    // are fewer in the image, too.
+    // No compression in use makes a map 20,000 times smaller; DWA keeps one number of 64, in zlib's 1000 times fewer
+    // bytes. OpenEXR takes memory for all lines of a chunk, if there are fewer in the image, too.
     const double bytes = part.width() * std::max(part.height(), lines_of_chunk(part.compression)) * 12;
-    if (bytes > 0x1p28 && bytes > 2e4 * double(file.size()))
+    if (bytes > 0x1p28 && bytes > most_smaller(part.compression) * double(file.size()))
       throw InputError(fmt::format("truncated or damaged: {} bytes cannot hold {:.0f}x{:.0f}", file.size(),
                                    part.width(), part.height()));
     chunks += chunks_of(part);

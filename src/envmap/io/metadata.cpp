@@ -77,12 +77,15 @@ bool has_border_samples(const Attributes& texts) {
 Metadata metadata(const ImageFacts& image) {
   // OpenEXR's own attribute comes first: its tools carry ours along from the file they converted, and OpenImageIO's
   // name for theirs, too. The shape tells what they made of it: they know 2:1 and 1:6.
-  if (has_border_samples(image.attributes)) {
-    if (image.height == 6 * image.width)
-      return {.projection = Projection::cube, .layout = Layout::column, .provenance = provenance(image)};
-    return {.projection = Projection::latlong, .forward = Forward::plus_z, .provenance = provenance(image)};
-  }
   Metadata data = metadata(all_facts(image.attributes));
+  if (has_border_samples(image.attributes)) {
+    const bool is_cube = image.height == 6 * image.width;
+    const Projection is = is_cube ? Projection::cube : Projection::latlong;
+    if (data.projection != is) data = {};  // Of the file that it was made from.
+    data.projection = is;
+    data.layout = is_cube ? std::optional(Layout::column) : std::nullopt;
+    data.forward = is_cube ? std::nullopt : std::optional(Forward::plus_z);
+  }
   const std::optional<float> white = data.provenance.white_luminance;
   data.provenance = provenance(image);
   if (!data.provenance.white_luminance) data.provenance.white_luminance = white;

@@ -75,6 +75,8 @@ ImageFacts facts_of(const OIIO::ImageSpec& spec, const OIIO::ImageInput& input) 
   for (int c = 0; c < spec.nchannels; ++c) f.channels.emplace_back(spec.channel_name(c));
   for (const OIIO::ParamValue& p : spec.extra_attribs)
     if (p.type() == OIIO::TypeDesc::STRING) f.attributes.emplace(p.name().string(), p.get_string());
+  // Only in OpenEXR files do its environment maps have samples on their border.
+  if (spec.get_int_attribute("oiio:sampleborder") == 0) f.attributes.erase("textureformat");
   const int orientation = spec.get_int_attribute("Orientation", 1);
   if (orientation >= 1 && orientation <= 8) f.orientation = static_cast<Orientation>(orientation);
   return f;
@@ -126,8 +128,10 @@ ImageReader open(const std::string& format, const std::string& path, std::span<c
                          [in](int level, int begin, int end, int first, int count, std::span<float> out) {
                            read_rows(*in->reader, level, begin, end, first, count, out);
                          }};
-  if (spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x &&
-      spec.full_y == spec.y)
+  // The window of a cube in a DDS file is that of its first face.
+  const bool is_cube = spec.find_attribute("dds:CubeMapSides") != nullptr;
+  if (is_cube || (spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x &&
+                  spec.full_y == spec.y))
     return reader;
   reader.facts.notes.push_back(std::string("its data window is not its display window: ") +
                                (crop ? "the data window is read as the whole image" : "what is missing is black"));

@@ -201,8 +201,9 @@ void OutputFile::take_name() {
   const mode_t mask = ::umask(0);
   ::umask(mask);
   // What is replaced keeps its owner, where that may be set, and who may read it.
-  [[maybe_unused]] const int refused = there ? ::fchown(descriptor_, before.st_uid, before.st_gid) : 0;
-  ::fchmod(descriptor_, there ? before.st_mode & 0777 : 0666 & ~mask);
+  const bool keeps_group = there && (::fchown(descriptor_, before.st_uid, before.st_gid) == 0 ||
+                                     ::fchown(descriptor_, uid_t(-1), before.st_gid) == 0);
+  ::fchmod(descriptor_, there ? before.st_mode & (keeps_group ? 0777 : 0707) : 0666 & ~mask);
   if (temporary_.empty()) {
     if (!there && link_as(descriptor_, target_)) return;
     for (int k = 0; temporary_.empty() && error_ == 0; ++k) {

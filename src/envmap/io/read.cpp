@@ -48,7 +48,7 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   if (first < 0 && names.size() >= 3 && !facts.names) first = 0;
   if (names.size() == 1 && (is(names[0], 'Z') || is(names[0], 'A')))
     image.fail(fmt::format("holds only {} ({}), no radiance", names[0], is(names[0], 'Z') ? "depth" : "alpha"));
-  if (first < 0 && names.size() == 1) first = 0, count = 1;
+  if (first < 0 && (names.size() == 1 || (names.size() == 2 && is(names[1], 'A')))) first = 0, count = 1;
   if (first < 0) image.fail(fmt::format("no R, G and B among its {} channels ({})", names.size(), some_of(names)));
   if (std::ssize(names) == count || options.drop_channels) return {first, count};
   std::vector<std::string> others = names;
@@ -71,8 +71,9 @@ void check_size(const Image& image, const ReadOptions& options) {
   check_pixels(image, options, facts.width, facts.height, 1);
   const double bytes = double(facts.width) * facts.height * sizeof(Colour);
   const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
-  // A header can promise anything. No compression in use makes a map 20,000 times smaller.
-  if (image.size > 0 && bytes > 0x1p28 && bytes > 2e4 * double(image.size))
+  // A header can promise anything. No compression in use makes a map 20,000 times smaller, but for some of OpenEXR:
+  // check_openexr().
+  if (image.size > 0 && bytes > 0x1p28 && bytes > 2e4 * double(image.size) && image.reader->format != "openexr")
     image.fail(fmt::format("truncated or damaged: {} bytes cannot hold {}x{}", image.size, facts.width, facts.height));
   if (bytes > memory && options.max_memory == 0)
     image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}", facts.width, facts.height,
@@ -221,6 +222,21 @@ int border_of(const Image& image, const ReadOptions& options, const Metadata& re
   return border;
 }
 
+// @param base of the map. @param claimed by the file of level 0.
+void check_level_file(Image& image, const ReadOptions& options, const DetectedLayout& base, int number,
+                      const ClaimedSpace& claimed) {
+  Metadata recorded;
+  const Source head = read_head(image, options, recorded);
+  if (const ClaimedSpace c = claimed_space(image, recorded, options.colour); !same(c, claimed))
+    image.fail(fmt::format("its colours are {}, but those of level 0 are {}", words(c), words(claimed)));
+  if (!image.reader) return;
+  const FaceSize face = face_in(image, 0, base, number);
+  const Grid places = grid(base.layout);
+  if (const int w = places.columns * face.width, h = places.rows * face.height;
+      head.image_width != w || head.image_height != h)
+    image.fail(fmt::format("{}x{}, but level {} is {}x{}", head.image_width, head.image_height, number, w, h));
+}
+
 // @param image open. @param path its name, which may have {level} in it; empty in memory.
 Source read_image(Image& image, const std::string& path, const ReadOptions& options, const Progress& progress) {
   Metadata recorded;
@@ -231,17 +247,19 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
   source.provenance = recorded.provenance;
   source.claimed = claimed_space(image, recorded, options.colour);
   source.border = border_of(image, options, recorded, found);
-  int most = std::min(source.levels, complete_levels(found));
+  const bool in_files = has_level(path);
+  // A texture counts the levels that it holds itself.
+  int most = in_files && image.texture ? complete_levels(found) : std::min(source.levels, complete_levels(found));
   while (source.border > 0 && face_size(found, most - 1).height <= 2 * source.border) --most;
-  source.levels = has_level(path) ? std::min(most, count_level_files(path, {}))
+  source.levels = in_files        ? std::min(most, count_level_files(path, {}))
                   : image.texture ? most
                                   : count_levels(image, most);
   for (const int k : wanted_levels(image.name, options, source.levels)) {
     const Progress of_level = k == options.level ? progress : Progress();  // The largest is most of the work.
-    if (has_level(path) && k > 0) {
+    if (in_files && k > 0) {
       Image one;
       open(one, level_path(path, k), options.choice);
-      if (one.reader) check_size(one, options);
+      check_level_file(one, options, found, k, source.claimed);
       one.decode = image.decode;
       source.map.levels.push_back(read_level(one, options, 0, found, k, of_level));
     } else {
@@ -298,7 +316,10 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
       source.provenance = recorded.provenance;
       source.image_width = source.image_height = size;
       source.claimed = claimed_space(image, recorded, options.colour);
+      source.facts = recorded.facts;
     }
+    if (number == 0)
+      for (const std::string& note : head.notes) source.notes.push_back(fmt::format("{}: {}", image.name, note));
     if (const ClaimedSpace c = claimed_space(image, recorded, options.colour); !same(c, source.claimed))
       image.fail(fmt::format("its colours are {}, but the first face is {}", words(c), words(source.claimed)));
     if (face == 0) convention = recorded_convention(recorded);

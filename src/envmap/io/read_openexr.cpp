@@ -120,6 +120,12 @@ std::optional<ImageFacts> level_facts(const File& file, ImageFacts f, int level)
   return f;
 }
 
+void check_channel(const std::string& name, const Imf::Channel& channel) {
+  if (channel.type == Imf::UINT) throw InputError(fmt::format("channel {} holds whole numbers, not radiance", name));
+  if (channel.xSampling != 1 || channel.ySampling != 1)
+    throw InputError(fmt::format("channel {} is not sampled in every pixel", name));
+}
+
 // Where the channels of an image go: (0, 0) of the window is at its place in the file.
 Imf::FrameBuffer frame(const File& file, const ImageFacts& f, int begin, int first, int count, float* out) {
   const Imath::Box2i window = file.header().dataWindow();
@@ -128,10 +134,7 @@ Imf::FrameBuffer frame(const File& file, const ImageFacts& f, int begin, int fir
   Imf::FrameBuffer buffer;
   for (int c = 0; c < count; ++c) {
     const std::string& name = f.channels[std::size_t(first + c)];
-    const Imf::Channel& channel = file.header().channels()[name];
-    if (channel.type == Imf::UINT) throw InputError(fmt::format("channel {} holds whole numbers, not radiance", name));
-    if (channel.xSampling != 1 || channel.ySampling != 1)
-      throw InputError(fmt::format("channel {} is not sampled in every pixel", name));
+    check_channel(name, file.header().channels()[name]);
     buffer.insert(name, Imf::Slice(Imf::FLOAT, origin + std::ptrdiff_t(sizeof(float)) * c, std::size_t(pixel),
                                    std::size_t(line)));
   }
@@ -245,8 +248,13 @@ std::vector<std::string> choose_channels(File& file, const ImageChoice& choice, 
   return of(there[0]);
 }
 
-bool is_luminance_and_chroma(const Imf::ChannelList& list) {
-  return list.findChannel("Y") && list.findChannel("RY") && list.findChannel("BY");
+// Chroma in every second pixel of every second line; in tiles OpenEXR knows no such thing.
+bool is_luminance_and_chroma(const Imf::Header& header) {
+  const auto is_chroma = [&](const char* name) {
+    const Imf::Channel* const channel = header.channels().findChannel(name);
+    return channel != nullptr && (in_tiles(header) || (channel->xSampling == 2 && channel->ySampling == 2));
+  };
+  return header.channels().findChannel("Y") && is_chroma("RY") && is_chroma("BY");
 }
 
 void read_luminance(File& file, const ImageFacts& f, int begin, int end, int first, int count, std::span<float> out) {
@@ -285,15 +293,18 @@ ImageReader open_openexr(const InputFile& bytes, const ImageChoice& choice) {
   facts = facts_of(header, wanted);
   facts.notes = std::move(notes);
   check_tiles(facts);
-  const bool luminance = wanted.empty() && file->part == 0 && is_luminance_and_chroma(header.channels());
+  const bool luminance = wanted.empty() && file->part == 0 && is_luminance_and_chroma(header);
   if (luminance) {
     facts.channels = {"R", "G", "B"};
     if (header.channels().findChannel("A")) facts.channels.emplace_back("A");
     facts.depth = Depth::half;
     facts.details.emplace_back("luminance and chroma became RGB");
   }
+  for (const std::string& name : wanted.empty() ? std::vector<std::string>{"R", "G", "B", "r", "g", "b"} : wanted)
+    if (const Imf::Channel* const channel = header.channels().findChannel(name)) check_channel(name, *channel);
   ImageReader reader{.format = "openexr", .facts = facts, .read = {}};
-  reader.level = [file, facts](int level) { return level_facts(*file, facts, level); };
+  // Imf::RgbaInputFile reads the largest level alone.
+  if (!luminance) reader.level = [file, facts](int level) { return level_facts(*file, facts, level); };
   reader.read = [file, facts, luminance](int level, int begin, int end, int first, int count, std::span<float> out) {
     if (luminance)
       read_luminance(*file, facts, begin, end, first, count, out);

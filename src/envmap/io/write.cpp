@@ -357,7 +357,11 @@ void check_output(const std::string& path, const WriteOptions& options, Projecti
   if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
     throw UsageError(path, fmt::format("{} one level: put {{level}} into the file name",
                                        layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
-  require_folder_of(path);
+  const FaceFiles names = face_files(options.faces);
+  for (int face = 0; face < (has_face(path) ? faces(projection) : 1); ++face) {
+    const std::string first = level_path(path, 0);
+    require_folder_of(has_face(path) ? face_path(first, face, names) : first);
+  }
 }
 
 namespace {

@@ -19,6 +19,8 @@ std::string extension(const std::string& path, const WriteOptions& options) {
 }
 
 void check_marks(const std::string& path) {
+  for (const std::string_view mark : {face_mark, half_mark, level_mark})
+    if (path.find(mark) != path.rfind(mark)) throw UsageError(path, fmt::format("{} stands in it twice", mark));
   const std::string name = std::filesystem::path(path).filename().string();
   for (std::size_t at = name.find('{'); at != name.npos; at = name.find('{', at + 1)) {
     const std::string mark = name.substr(at, name.find('}', at) - at + 1);
