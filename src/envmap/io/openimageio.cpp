@@ -61,9 +61,13 @@ Depth depth_of(OIIO::TypeDesc t) {
   }
 }
 
+// OpenImageIO 2 says Linear, 3 says lin_rec709 or lin_rec709_scene.
+bool is_linear(const std::string& space) {
+  return OIIO::Strutil::iequals(space, "linear") || OIIO::Strutil::istarts_with(space, "lin_");
+}
+
 ImageFacts facts_of(const OIIO::ImageSpec& spec, const OIIO::ImageInput& input) {
-  const bool linear =
-      spec.format.is_floating_point() || OIIO::Strutil::iequals(spec.get_string_attribute("oiio:ColorSpace"), "Linear");
+  const bool linear = spec.format.is_floating_point() || is_linear(spec.get_string_attribute("oiio:ColorSpace"));
   ImageFacts f{.width = spec.width,
                .height = spec.height,
                .tile_width = spec.tile_width,
