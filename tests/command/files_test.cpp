@@ -557,6 +557,12 @@ TEST_F(Places, OutputsAreOnTheDiskWhereThatIsAskedFor) {
   EXPECT_EQ(count("--fsync"), 3U);  // Its bytes, its name, the folder.
 }
 
+TEST_F(Places, StandardOutputByNameIsNotReplaced) {
+  succeeds({"generate", "sky", "in.exr", "--size", "4"});
+  EXPECT_EQ(shell("echo kept > log; \"$ENVMAP\" convert in.exr out.exr --depfile /dev/stdout >> log").status, 0);
+  EXPECT_EQ(read("log"), "kept\nout.exr: in.exr\nin.exr:\n");
+}
+
 TEST_F(Places, StandardOutputTakesPictures) {
   succeeds({"preview", "in.exr", "a.png"});
   ASSERT_EQ(shell("\"$ENVMAP\" preview - - <in.exr >b.png").status, 0);

@@ -40,6 +40,11 @@ OutputError no_folder(const std::string& path, const std::string& folder) {
 
 std::string shown(const std::string& path) { return path == "-" ? "standard output" : path; }
 
+// Where it is a file, another would take its place, and what the shell appends to would be gone.
+bool is_standard_output(const std::string& name) {
+  return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1" || name == "/proc/self/fd/1";
+}
+
 // A file that has no name yet, so that nothing is left of it however the program ends. Not every file system has those.
 int open_nameless(const std::string& folder) {
   static const bool can_be_named = ::access("/proc/self/fd", X_OK) == 0;
@@ -80,7 +85,9 @@ int synchronise(const std::string& path) {
   return error;
 }
 
-OutputFile::OutputFile(const std::string& path, const CommitOptions& how) : path_(path), target_(path), how_(how) {
+OutputFile::OutputFile(const std::string& name, const CommitOptions& how)
+    : path_(is_standard_output(name) ? "-" : name), target_(path_), how_(how) {
+  const std::string& path = path_;
   bear_limits();
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
