@@ -35,6 +35,7 @@ struct Request {
   std::optional<Shape> lobe;
   Prefilter map;
   std::optional<int> size, levels;
+  bool one_level = false;  // --level was given.
   int table_size = 128;
   std::optional<Projection> to;
   std::optional<Forward> forward;
@@ -296,6 +297,11 @@ int run(Request& o, Report& report) {
   const Source source = read_map(o.input, o.read);
   choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
+  if (is_prefiltered_chain(source) && !o.one_level)
+    warn(
+        fmt::format("{}: has {} levels of {}, and only level 0 is filtered: use the map that they were made of, or "
+                    "--level 0 to confirm",
+                    o.input, source.levels, source.facts.at("lobe")));
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
   const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
   leave_to_prefilter(o, error);
@@ -359,7 +365,10 @@ Action define_prefilter(Options& o) {
   add_output_space(o, r->write);
   add_shard(o, "prefilter", r->shard);
   add_max_memory(o, r->read);
-  return [r](Report& report) { return run(*r, report); };
+  return [r, &o](Report& report) {
+    r->one_level = o.given("--level");
+    return run(*r, report);
+  };
 }
 
 }  // namespace tools
