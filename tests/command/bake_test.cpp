@@ -173,7 +173,6 @@ TEST_F(Bake, BevysDiffuseMapIsTheIrradianceMirroredInZ) {
 TEST_F(Bake, StandardOutputHoldsNoFolder) {
   succeeds({"generate", "sky", "probe.exr", "--size", "8"});
   fails(2, {"bake", "probe.exr", "-", "--for", "unity"}, {"standard output", "name of a folder"});
-  fails(4, {"bake", "probe.exr", "no/such", "--for", "unity"}, {"no/such: no such folder: no"});
 }
 
 // Of Filament's nine colours: what they give is the irradiance over pi of the map,
@@ -230,19 +229,41 @@ TEST_F(Bake, FoldersAppearWholeOrNotAtAll) {
                                                "lights/light.usda", "probe.exr"}));
   // A folder with something else in it is left as it is, as where the input cannot be read.
   write("lights/mine.txt", "mine");
-  fails(2, {"bake", "probe.exr", "lights", "--for", "usd"}, {"lights", "mine.txt"});
+  fails(2, {"bake", "probe.exr", "lights", "--for", "usd"}, {"lights", "mine.txt", "move it out"});
   fails(3, {"bake", "none.exr", "other", "--for", "usd"}, {"none.exr"});
   fails(2, {"bake", "probe.exr", "other"}, {"--for", "bake --list"});
   fails(2, {"bake", "probe.exr"}, {"FOLDER"});
   fails(2, {"bake", "probe.exr", "probe.exr", "--for", "usd"}, {"probe.exr"});
-  fails(4, {"bake", "probe.exr", "none/other", "--for", "usd"}, {"none/other"});
+  fails(4, {"bake", "probe.exr", "probe.exr/other", "--for", "usd"}, {"probe.exr/other"});
+}
+
+TEST_F(Bake, KeepsWhatEnginesWriteBesideItsFiles) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "16"});
+  succeeds({"bake", "probe.exr", "lights", "--for", "usd", "-q"});
+  const std::string first = read("lights/background.exr");
+  write("lights/background.exr.import", "godot"), write("lights/light.usda.meta", "unity");
+  succeeds({"bake", "probe.exr", "lights", "--for", "usd", "--size", "8", "-q"});
+  EXPECT_NE(read("lights/background.exr"), first);
+  EXPECT_EQ(read("lights/background.exr.import"), "godot");
+  EXPECT_EQ(read("lights/light.usda.meta"), "unity");
+  write("lights/other.exr.import", "godot");
+  fails(2, {"bake", "probe.exr", "lights", "--for", "usd"}, {"contains other.exr.import"});
+}
+
+TEST_F(Bake, MakesMissingParents) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "16"});
+  const auto before = names();
+  fails(1, {"bake", "probe.exr", "a/b/lights", "--for", "unreal", "--max-error", "1e-6"}, {"a/b/lights"});
+  EXPECT_EQ(names(), before);
+  succeeds({"bake", "probe.exr", "a/b/lights", "--for", "usd", "-q"});
+  EXPECT_TRUE(std::filesystem::exists(path("a/b/lights/background.exr")));
 }
 
 TEST_F(Bake, ASignalLeavesNothing) {
   succeeds({"generate", "sun", "probe.exr", "--size", "512"});
   const auto before = names();
   for (const int signal : {SIGTERM, SIGINT, SIGXCPU, SIGUSR1}) {  // The last two by batch systems.
-    Background run(*this, {ENVMAP_PROGRAM, "bake", "probe.exr", "lights", "--for", "pbrt", "--size", "8192"});
+    Background run(*this, {ENVMAP_PROGRAM, "bake", "probe.exr", "a/b/lights", "--for", "pbrt", "--size", "8192"});
     interrupt(run, signal, [&] { return names() != before; });
     EXPECT_EQ(names(), before);
   }

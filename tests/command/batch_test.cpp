@@ -36,7 +36,7 @@ const std::string lines =
 
 TEST_F(Batch, OfLinesMakesWhatChanged) {
   write("maps.txt", lines);
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   succeeds({"convert", "b c.hdr", "alone.exr", "--to", "cube", "--size", "6"});
   EXPECT_EQ(read("b c.exr"), read("alone.exr"));
   succeeds({"mipmap", "alone.exr", "alone.ktx2", "--depth", "half"});
@@ -48,12 +48,12 @@ TEST_F(Batch, OfLinesMakesWhatChanged) {
   EXPECT_EQ(again.err, "envmap batch: nothing to do\n");
   fs::remove(path("a.exr"));
   const auto other = time_of("b c.exr");
-  succeeds({"batch", "maps.txt"});
+  EXPECT_EQ(envmap({"batch", "maps.txt"}).err, "envmap batch: 2 jobs done, 3 up to date\n");
   EXPECT_TRUE(fs::exists(path("a.exr")));
   EXPECT_EQ(time_of("b c.exr"), other);
   // Another option is another command.
   write("maps.txt", "convert *.hdr {stem}.exr --to cube --size 5\n");
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   succeeds({"convert", "a.hdr", "alone.exr", "--to", "cube", "--size", "5"});
   EXPECT_EQ(read("a.exr"), read("alone.exr"));
 }
@@ -88,13 +88,13 @@ TEST_F(Batch, CountsTheJobsThatItSkips) {
 
 TEST_F(Batch, OfJsonTakesNumbersAsWords) {
   write("maps.json", R"([["convert", "a.hdr", "n.exr", "--size", 8, "--exposure", -1.5, "--max-error", 1e-2]])");
-  succeeds({"batch", "maps.json"});
+  succeeds({"batch", "-q", "maps.json"});
   succeeds({"convert", "a.hdr", "w.exr", "--size", "8", "--exposure", "-1.5", "--max-error", "0.01", "-q"});
   EXPECT_EQ(read("n.exr"), read("w.exr"));
 }
 
 TEST_F(Batch, BakesProbesForAnEngine) {
-  succeeds({"batch", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"});
+  succeeds({"batch", "-q", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"});
   EXPECT_TRUE(fs::exists(path("lights/a/world.py")));
   EXPECT_TRUE(fs::exists(path("lights/b c/background.exr")));
   EXPECT_EQ(envmap({"batch", "--for", "blender", "a.hdr", "b c.hdr", "--into", "lights"}).err,
@@ -103,10 +103,10 @@ TEST_F(Batch, BakesProbesForAnEngine) {
 
 TEST_F(Batch, KnowsEveryFileOfABakedFolder) {
   write("maps.txt", "convert lights/background.exr small.exr --size 4\nbake a.hdr lights --for BLENDER\n");
-  succeeds({"batch", "maps.txt", "-j", "2"});
+  succeeds({"batch", "-q", "maps.txt", "-j", "2"});
   EXPECT_TRUE(fs::exists(path("small.exr")));
   fs::remove(path("lights/world.py"));
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   EXPECT_TRUE(fs::exists(path("lights/world.py")));
   EXPECT_EQ(envmap({"batch", "maps.txt"}).err, "envmap batch: nothing to do\n");
   write("maps.txt", "bake a.hdr lights\n");
@@ -125,13 +125,13 @@ TEST_F(Batch, ManifestsOfOneNameHaveTheirOwnState) {
 
 TEST_F(Batch, TakesOperandsBehindTwoHyphens) {
   write("maps.txt", "convert --size 4 -- a.hdr out.exr\n");
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   EXPECT_TRUE(fs::exists(path("out.exr")));
 }
 
 TEST_F(Batch, APatternBesideThatOfTheJobsIsAllItsFiles) {
   write("maps.txt", "preview a.hd? b*.hdr {name}-sheet.png --height 16\n");
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   EXPECT_TRUE(fs::exists(path("a-sheet.png")));
   write("maps.txt", "preview a.hd? c*.hdr {name}-sheet.png --height 16\n");
   fails(2, {"batch", "maps.txt"}, {"line 1: no file matches c*.hdr"});
@@ -139,7 +139,7 @@ TEST_F(Batch, APatternBesideThatOfTheJobsIsAllItsFiles) {
 
 TEST_F(Batch, AnotherVersionIsAnotherCommand) {
   write("maps.txt", "convert a.hdr out.exr --size 4\n");
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   std::string version = envmap({"--version"}).out;
   EXPECT_NE(read(".envmap-batch/maps.txt/build.ninja").find(version.substr(0, version.find('\n'))), std::string::npos);
 }
@@ -173,7 +173,7 @@ TEST_F(Batch, WritesAMakefileOfOddNames) {
     const std::string name = std::string("a") + character + "b.exr";
     write("maps.txt", "convert a.hdr '" + name + "'\n");
     fails(2, {"batch", "maps.txt", "--make", "odd.mk"}, {name, "a name with", "Make"});
-    succeeds({"batch", "maps.txt"});
+    succeeds({"batch", "-q", "maps.txt"});
     EXPECT_TRUE(fs::exists(path(name))) << name;
   }
   write("maps.txt", "convert a.hdr 'a|b.exr'\n");
@@ -187,7 +187,7 @@ TEST_F(Batch, OneFileHasOneName) {
         "convert a.hdr ./k2.exr --size 4\nmipmap ./k?.exr {stem}_m.exr\nconvert a.hdr link/z.exr --size 4\n"
         "convert sub/z.exr " +
             path("y.exr") + " --size 4\nconvert y.exr w.exr --size 4\n");
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   for (const char* file : {"k2_m.exr", "sub/z.exr", "w.exr"}) EXPECT_TRUE(fs::exists(path(file))) << file;
   EXPECT_EQ(envmap({"batch", "maps.txt"}).err, "envmap batch: nothing to do\n");
 }
@@ -195,17 +195,17 @@ TEST_F(Batch, OneFileHasOneName) {
 TEST_F(Batch, QuotedCharactersStandForThemselves) {
   fs::copy(path("a.hdr"), path("q[1]?.hdr"));
   write("maps.txt", "convert 'q[1]?.hdr' \"[*]\".exr --size 4\nconvert q\\[*.hdr {stem}-small.exr --size 4\n");
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   EXPECT_TRUE(fs::exists(path("[*].exr")));
   EXPECT_TRUE(fs::exists(path("q[1]?-small.exr")));
-  succeeds({"batch", "--for", "blender", "q[1]?.hdr", "--into", "lights"});
+  succeeds({"batch", "-q", "--for", "blender", "q[1]?.hdr", "--into", "lights"});
   EXPECT_TRUE(fs::exists(path("lights/q[1]?/world.py")));
 }
 
 TEST_F(Batch, APatternLeavesOutWhatItsLineWrites) {
   write("maps.txt", "convert *.hdr {stem}-small.hdr --size 4\npreview *.png *.hdr all.png --height 16\n");
   succeeds({"generate", "sky", "x.png", "--size", "8"});
-  succeeds({"batch", "maps.txt"});
+  succeeds({"batch", "-q", "maps.txt"});
   const auto names_before = names();
   EXPECT_EQ(envmap({"batch", "maps.txt"}).err, "envmap batch: nothing to do\n");
   EXPECT_EQ(names(), names_before);
@@ -217,7 +217,7 @@ TEST_F(Batch, JoinsShards) {
   write("shards.txt",
         "prefilter a.hdr p1.exr --size 8 --shard 1/3\nmerge p3.exr p1.exr p2.exr whole.exr\n"
         "prefilter a.hdr p2.exr --size 8 --shard 2/3\nprefilter a.hdr p3.exr --size 8 --shard 3/3\n");
-  succeeds({"batch", "shards.txt", "-j", "2"});
+  succeeds({"batch", "-q", "shards.txt", "-j", "2"});
   succeeds({"prefilter", "a.hdr", "alone.exr", "--size", "8", "-q"});
   EXPECT_EQ(read("whole.exr"), read("alone.exr"));
 }
@@ -228,7 +228,7 @@ TEST_F(Batch, JoinsShardsOfAChain) {
     jobs += "prefilter a.hdr p" + std::to_string(k) + ".exr --lobe ggx --levels 3 --size 16 --shard " +
             std::to_string(k) + "/3\n";
   write("shards.txt", jobs + "merge p?.exr whole.ktx\n");
-  succeeds({"batch", "shards.txt", "-j", "2"});
+  succeeds({"batch", "-q", "shards.txt", "-j", "2"});
   succeeds({"prefilter", "a.hdr", "alone.ktx", "--lobe", "ggx", "--levels", "3", "--size", "16", "-q"});
   EXPECT_TRUE(read("whole.ktx") == read("alone.ktx"));
 }

@@ -457,6 +457,7 @@ TEST_F(Output, WantsAFolderThatIsThere) {
     words.insert(words.begin() + 2, "missing/out.png");
     fails(not_written, words, {"missing/out.png: no such folder: missing"});
   }
+  fails(not_written, {"convert", "in.exr", "/proc/out.exr"}, {"/proc/out.exr: cannot write into /proc"});
   fails(not_written, {"manual", "missing"}, {"missing"});
   std::filesystem::create_directory(path("folder.exr"));
   fails(not_written, {"convert", "in.exr", "folder.exr"}, {"folder.exr"});

@@ -167,6 +167,21 @@ TEST_F(Levels, OfLuminanceAndChromaAreOneLevel) {
   fails(3, {"info", "in.exr", "--level", "1"}, {"has no level 1"});
 }
 
+TEST_F(Levels, OfALobeDoNotBecomePlainUnnoticed) {
+  succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "16"});
+  succeeds({"prefilter", "in.exr", "ggx.ktx2", "--lobe", "ggx", "--levels", "3", "-q"});
+  succeeds({"mipmap", "ggx.ktx2", "kept.ktx2", "--keep"});
+  EXPECT_EQ(report({"info", "kept.ktx2"})["levels"], 3);
+  const auto says = [&](const std::vector<std::string>& arguments, const std::string& words) {
+    EXPECT_NE(envmap(arguments).err.find("ggx.ktx2: has 3 levels" + words), std::string::npos) << words;
+  };
+  says({"mipmap", "ggx.ktx2", "out.ktx2"}, " of ggx, and plain levels replace them: use --keep");
+  says({"mipmap", "ggx.ktx2", "out.ktx2", "--keep", "--levels", "4"}, " of ggx, and plain levels follow them");
+  says({"prefilter", "ggx.ktx2", "out.ktx2"}, " of ggx, and only level 0 is filtered");
+  says({"convert", "ggx.ktx2", "out.exr"}, ", and only level 0 is converted: use --level 0 to confirm, or 'envmap mip");
+  succeeds({"mipmap", "ggx.ktx2", "out.ktx2", "--level", "0"});
+}
+
 TEST_F(Levels, OfOneFileEachAreNamedInTheDepfile) {
   succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "4"});
   succeeds({"mipmap", "in.exr", "out_{level}.hdr", "--depfile", "out.d"});

@@ -165,6 +165,9 @@ TEST_F(Prefilter, WritesTheTableAlone) {
   // Nearly smooth and seen from above: all of F0, next to nothing more.
   EXPECT_NEAR(p.at(7, 0)[0], 1, 5e-3);
   EXPECT_NEAR(p.at(7, 0)[1], 0, 5e-3);
+  succeeds({"prefilter", "--brdf-table", "brdf.tif", "--table-size", "8"});
+  for (const std::string name : {"brdf.exr", "brdf.tif"})
+    fails(bad_input, {"info", name}, {name + ": is the BRDF table of ggx (8x8), not an environment map"});
 }
 
 // GGX's table would be in red and green alone; that of sheen grows with roughness straight ahead, and is grey.

@@ -56,6 +56,18 @@ TEST_F(Render, MapsLookWhereTheyAreToldTo) {
   fails(2, render({"bright.obj", "a.exr", "--epsilon", "0.1"}), {"--epsilon", "distort"});
 }
 
+TEST_F(Render, SaysThatNothingIsInSight) {
+  const auto said = [&](const std::string& at) {
+    return envmap(
+               {"render", "scene.obj", "out.exr", "--method", "raycast", "--ambient", "1", "--size", "8", "--at", at})
+        .err;
+  };
+  EXPECT_EQ(said("0,0,0"), "");
+  EXPECT_EQ(said("5000,0,0"),
+            "out.exr: is black: no texel shows a lit surface within 1000 m: change --at, raise --far or use "
+            "--environment MAP\n");
+}
+
 // Along d a wall of the box [-1,1]^3 is as far away as the nearest of the three planes ahead. Of a cube in a column,
 // and of a latlong map; cross and row hold the same.
 TEST_F(Render, DistancesAreThoseOfTheWalls) {

@@ -45,8 +45,8 @@ class NinjaOutput {
   void take(const std::string& line) {
     if (line.starts_with(status_mark)) {
       finish_failure();
-      int finished = 0, all = 0;
-      if (std::sscanf(line.c_str() + 1, "[%d/%d]", &finished, &all) == 2) left_ = all - finished;
+      int all = 0;
+      if (std::sscanf(line.c_str() + 1, "[%d/%d]", &finished_, &all) == 2) left_ = all - finished_;
       if (show_) std::fputs(("\r" + printable(line.substr(1, columns)) + "\033[K").c_str(), stderr);
       dirty_ = show_;
     } else if (line.starts_with("FAILED: ")) {
@@ -72,6 +72,7 @@ class NinjaOutput {
     clear();
   }
   [[nodiscard]] int failures() const { return failures_; }
+  [[nodiscard]] int finished() const { return finished_; }
   [[nodiscard]] int skipped() const { return left_; }
 
  private:
@@ -94,7 +95,7 @@ class NinjaOutput {
 
   bool show_, dirty_ = false;
   std::string failed_, said_;
-  int after_ = 0, failures_ = 0, left_ = 0;
+  int after_ = 0, failures_ = 0, finished_ = 0, left_ = 0;
 };
 
 // @return its exit status.
@@ -137,6 +138,12 @@ std::string state_folder(const Request& o) {
   return ".envmap-batch/" + name;
 }
 
+void tell(int finished, int jobs) {
+  if (finished > 0)
+    note(
+        fmt::format("envmap batch: {} job{} done, {} up to date", finished, finished == 1 ? "" : "s", jobs - finished));
+}
+
 int run(const Request& o, const Options& options) {
   if (!o.make.empty() && !o.slurm.empty()) throw UsageError("--make and --slurm: one of them");
   if ((!o.make.empty() || !o.slurm.empty()) && (o.at_once > 0 || o.keep_going))
@@ -160,7 +167,10 @@ int run(const Request& o, const Options& options) {
   write_text(file, ninja_file(jobs, this_program(), folder));
   NinjaOutput output;
   const int status = run_ninja(file, o, jobs.size(), output);
-  if (status == 0) return 0;
+  if (status == 0) {
+    tell(output.finished(), int(jobs.size()));
+    return 0;
+  }
   if (WIFSIGNALED(status)) throw OutputError("ninja was ended by a signal");
   if (jobs.size() == 1) throw OutputError("the job failed");
   std::string skipped;

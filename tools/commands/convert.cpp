@@ -233,10 +233,10 @@ int run(Convert& o, Report& report) {
   std::optional<Picture> circle;
   Source source = read_input(o, circle, report);
   if (source.levels > 1 && !o.one_level)
-    warn(
-        fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, and 'envmap mipmap' "
-                    "to add levels",
-                    o.input, source.levels, o.read.level));
+    warn(fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, {}", o.input,
+                     source.levels, o.read.level,
+                     is_prefiltered_chain(source) ? "or 'envmap mipmap --keep' to keep all levels"
+                                                  : "and 'envmap mipmap' to add levels"));
   if (!o.added.empty()) add(source, read_added(o), o);
   o.convert.ball = ball_camera(o, source.map);
   grade(source, o.grade, o.read.colour);

@@ -21,8 +21,8 @@ struct MipmapRequest {
   std::string input, output;
   const Engine* engine = nullptr;
   ReadOptions read;
-  int levels = 0;  // 0: all.
-  bool keep = false;
+  int levels = 0;                        // 0: all.
+  bool keep = false, one_level = false;  // --level was given.
   Weights weights = Weights::solid_angle;
   WriteOptions write;
   Shard shard;
@@ -46,6 +46,19 @@ EnvironmentMap in_frame(EnvironmentMap map, const Frame& frame) {
   return convert(map, {.to = frame}, {.progress = progress_line("convert")});
 }
 
+// Levels of a lobe must not become plain ones unnoticed.
+void settle_chain(MipmapRequest& o, const Source& source) {
+  const int has = source.levels;
+  const std::string& lobe = source.facts.at("lobe");
+  if (!o.keep && !o.one_level)
+    warn(fmt::format("{}: has {} levels of {}, and plain levels replace them: use {}--level 0 to confirm", o.input, has,
+                     lobe, o.engine || o.shard.part ? "" : "--keep to keep them, or "));
+  if (o.keep && o.levels > has)
+    warn(
+        fmt::format("{}: has {} levels of {}, and plain levels follow them: use --levels {}", o.input, has, lobe, has));
+  if (o.keep && o.levels == 0) o.levels = has;
+}
+
 int run(MipmapRequest& o, Report& report) {
   if (o.keep && o.engine) throw UsageError("--for makes levels anew: remove --keep");
   if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: remove --level");
@@ -57,6 +70,7 @@ int run(MipmapRequest& o, Report& report) {
   Source source = read_map(o.input, o.read);
   if (engine) source.map = in_frame(std::move(source.map), engine->frame);
   EnvironmentMap& map = source.map;
+  if (is_prefiltered_chain(source)) settle_chain(o, source);
   o.write.source_depth = source.depth;
   o.write.provenance = source.provenance;
   if (o.keep) o.write.facts = source.facts;
@@ -114,7 +128,10 @@ Action define_mipmap(Options& o) {
   add_output_space(o, r->write);
   add_shard(o, "mipmap", r->shard);
   add_max_memory(o, r->read);
-  return [r](Report& report) { return run(*r, report); };
+  return [r, &o](Report& report) {
+    r->one_level = o.given("--level");
+    return run(*r, report);
+  };
 }
 
 }  // namespace tools

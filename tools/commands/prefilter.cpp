@@ -35,6 +35,7 @@ struct Request {
   std::optional<Shape> lobe;
   Prefilter map;
   std::optional<int> size, levels;
+  bool one_level = false;  // --level was given.
   int table_size = 128;
   std::optional<Projection> to;
   std::optional<Forward> forward;
@@ -150,8 +151,10 @@ void add_level(Report& report, const Prefilter& p, const BakedLevel& made) {
 
 // Of Charlie its own table; of GGX, and of the diffuse map that goes with it, GGX's.
 void write_brdf_table(const Request& o) {
-  const auto table = o.lobe == Shape::charlie ? sheen_table : brdf_table;
-  write_table(o.table, table(o.table_size, {.progress = progress_line("brdf table")}), o.table_size, settings().commit);
+  const bool sheen = o.lobe == Shape::charlie;
+  const std::vector<Colour> table =
+      (sheen ? sheen_table : brdf_table)(o.table_size, {.progress = progress_line("brdf table")});
+  write_table(o.table, table, o.table_size, sheen ? "charlie" : "ggx", settings().commit);
 }
 
 void check_brdf_table(const Request& o) {
@@ -294,6 +297,11 @@ int run(Request& o, Report& report) {
   o.map.scale = o.scale;
   check_output(o.shard.whole(o.output), o.write, o.map.to);
   const Source source = read_map(o.input, o.read);
+  if (is_prefiltered_chain(source) && !o.one_level)
+    warn(
+        fmt::format("{}: has {} levels of {}, and only level 0 is filtered: use the map that they were made of, or "
+                    "--level 0 to confirm",
+                    o.input, source.levels, source.facts.at("lobe")));
   choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
@@ -359,7 +367,10 @@ Action define_prefilter(Options& o) {
   add_output_space(o, r->write);
   add_shard(o, "prefilter", r->shard);
   add_max_memory(o, r->read);
-  return [r](Report& report) { return run(*r, report); };
+  return [r, &o](Report& report) {
+    r->one_level = o.given("--level");
+    return run(*r, report);
+  };
 }
 
 }  // namespace tools

@@ -3,6 +3,7 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/io/write_distances.h"
+#include "envmap/operate/measure.h"
 #include "envmap/render/choose.h"
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
@@ -68,6 +69,14 @@ void warn_about_missing(const std::string& path, DrawMethod method, const Drawn&
   if (drawn.missing_solid_angle == 0) return;
   warn(fmt::format("{}: {} left out surfaces near the singularity, up to {:.2g} sr: use --method exact", path,
                    draw_method_names[std::size_t(method)], drawn.missing_solid_angle));
+}
+
+// @param black the first map that is black, or nothing.
+void tell_blackness(const std::string& black, const LoadedScene& loaded, const Request& o) {
+  if (tell_darkness(loaded, o.scene) || black.empty()) return;
+  warn(fmt::format(
+      "{}: is black: no texel shows a lit surface within {:g} m: change --at, raise --far or use --environment MAP",
+      black, o.from.far));
 }
 
 void write_drawn(const std::string& path, const Drawn& drawn, const Direction& at, const Request& o) {
@@ -144,6 +153,7 @@ int run(Request& o, Report& report) {
   std::optional<Painter> painter;
   if (method != DrawMethod::raycast) painter.emplace(o, loaded, mirrors);
   double seconds = 0;
+  std::string black;
   report.put("input", o.scene.path);
   report.put("method", draw_method_names[std::size_t(method)]);
   const Progress progress = progress_line("render");
@@ -169,12 +179,13 @@ int run(Request& o, Report& report) {
                        draw_method_names[std::size_t(method)], o.from.at.x, o.from.at.y, o.from.at.z, 1e3 * took));
     write_drawn(path, drawn, o.from.at, o);
     warn_about_missing(path, method, drawn);
+    if (black.empty() && flux(drawn.radiance.base()) == Flux{}) black = path;
     report.append("maps[]");
     report.put("maps[].output", path);
     report.put("maps[].seconds", took);
     report.put("maps[].missing_solid_angle", drawn.missing_solid_angle);
   }
-  tell_darkness(loaded, o.scene);
+  tell_blackness(black, loaded, o);
   tell_rate(frames, seconds);
   return 0;
 }

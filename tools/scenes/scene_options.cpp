@@ -165,9 +165,10 @@ std::optional<std::variant<Direction, std::string>> camera_of(const std::string&
   return text;
 }
 
-void tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
-  if (loaded.is_dark(ambient_of(o)))
-    warn(fmt::format("{}: the scene has no light and is black: use --environment MAP or --ambient 1", o.path));
+bool tell_darkness(const LoadedScene& loaded, const SceneOptions& o) {
+  const bool dark = loaded.is_dark(ambient_of(o));
+  if (dark) warn(fmt::format("{}: the scene has no light and is black: use --environment MAP or --ambient 1", o.path));
+  return dark;
 }
 
 void tell_rate(const Frames& frames, double seconds) {

@@ -74,8 +74,8 @@ envmap::Viewpoint viewpoint_of(const std::string& at, const envmap::Scene& scene
 /// A point X,Y,Z, or a name; of nothing nothing.
 std::optional<std::variant<envmap::Direction, std::string>> camera_of(const std::string& text);
 
-/// A line where it is dark.
-void tell_darkness(const LoadedScene& loaded, const SceneOptions& options);
+/// A line where it is dark. @return whether it is.
+bool tell_darkness(const LoadedScene& loaded, const SceneOptions& options);
 
 /// With -v, how many frames a second that was.
 void tell_rate(const Frames& frames, double seconds);

@@ -69,6 +69,8 @@ std::string identity(const std::string& path) {
 
 }  // namespace
 
+bool is_prefiltered_chain(const Source& source) { return source.levels > 1 && source.facts.contains("lobe"); }
+
 std::vector<std::string> files_of(const std::string& path, int levels, const std::string& faces) {
   std::vector<std::string> all;
   if (path.empty() || path == "-") return all;

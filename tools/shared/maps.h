@@ -16,6 +16,9 @@ envmap::Source read_map(const std::string& path, const envmap::ReadOptions& opti
 /// The same of an image that is no map: its level holds the pixels.
 envmap::Source read_picture(const std::string& path, const envmap::ReadOptions& options);
 
+/// Whether a file has levels of a lobe, as prefilter writes them.
+bool is_prefiltered_chain(const envmap::Source& source);
+
 /// Makes and writes a map with its levels, and the depfile. Says how many texels were clamped.
 /// @param verb for the progress line.
 envmap::Written write_map(const std::string& path, std::span<const envmap::Rows> levels,

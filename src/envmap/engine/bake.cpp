@@ -69,7 +69,7 @@ void write_tables(const Engine& engine, const EnvironmentMap& probe, const Outpu
                   const CommitOptions& commit) {
   constexpr int size = 128;
   try {
-    if (!engine.table.empty()) write_table(folder.file(engine.table), brdf_table(size), size, commit);
+    if (!engine.table.empty()) write_table(folder.file(engine.table), brdf_table(size), size, "ggx", commit);
   } catch (const OutputError& e) {
     throw folder.with_final_path(e, engine.table);
   }

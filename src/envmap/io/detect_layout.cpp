@@ -53,6 +53,8 @@ DetectedLayout detect_layout(int width, int height, const Metadata& said, const 
   std::optional<Projection> p = said.projection ? said.projection : recorded.projection;
   std::optional<Layout> layout = said.layout;
   if (!p && layout) p = Projection::cube;
+  if (const auto table = recorded.facts.find(std::string(table_fact)); !p && table != recorded.facts.end())
+    throw InputError(fmt::format("is the BRDF table of {} {}, not an environment map", table->second, found));
   if (!p) {
     if (width == height)
       throw InputError(fmt::format("a square image {} may be {}", found, square_projections()),

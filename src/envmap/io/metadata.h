@@ -20,6 +20,9 @@ using Facts = std::map<std::string, std::string>;
 /// Of one face of six files: the convention by which they were written, unless it is that of memory.
 inline constexpr std::string_view faces_fact = "faces";
 
+/// Of a file of write_table(), which is no map: the lobe.
+inline constexpr std::string_view table_fact = "table";
+
 /// The attributes envmap:projection, envmap:layout, envmap:forward, envmap:levels, envmap:border, envmap:space,
 /// envmap:white (candelas per square metre of radiance 1) and envmap:NAME of other facts. Formats without attributes of
 /// one's own carry them as words of the image description ("envmap:projection=cube envmap:layout=row").

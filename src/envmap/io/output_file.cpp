@@ -35,6 +35,8 @@ std::string folder_of(const std::string& path) {
 }
 
 OutputError no_folder(const std::string& path, const std::string& folder) {
+  std::error_code error;
+  if (fs::is_directory(folder, error)) return {path, "cannot write into " + folder};
   return {path, "no such folder: " + folder};
 }
 

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -58,6 +59,9 @@ bool is_locked(int descriptor, const fs::path& folder) {
   return descriptor < 0 || ::fstat(descriptor, &open) != 0 || open.st_ino == named.st_ino;
 }
 
+// Engines keep what they know of NAME beside it: Godot, Unity.
+constexpr std::array<std::string_view, 2> companion_suffixes{".import", ".meta"};
+
 constexpr std::size_t random_letters = 6;
 
 // What killed processes left of folders of this name.
@@ -101,15 +105,21 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string> files,
     const fs::directory_iterator entries(path_, error);
     if (error) throw OutputError(path_, fmt::format("cannot be read: {}", error.message()));
     for (const auto& entry : entries)
-      if (const std::string name = entry.path().filename(); std::ranges::find(files_, name) == files_.end())
-        throw UsageError(path_, fmt::format("contains {}, which would be lost: choose another folder", name));
+      if (const std::string name = entry.path().filename(); !is_ours(name) && !is_companion(entry))
+        throw UsageError(path_,
+                         fmt::format("contains {}, which would be lost: move it out, or choose another folder", name));
   }
   const fs::path full = fs::absolute(path_);
-  require_folder_of(path_);
+  make_parents(full.parent_path());
   const std::string stem = (full.parent_path() / fmt::format(".{}.envmap-", full.filename().string())).string();
   remove_stale(stem);
   make_hidden(stem);
-  for (const std::string& name : files_) pending_.push_back(file(name));
+  for (const std::string& name : files_) {
+    pending_.push_back(file(name));
+    for (const std::string_view suffix : companion_suffixes) pending_.push_back(file(name + std::string(suffix)));
+  }
+  // Behind the hidden folder, which lies in them.
+  pending_.insert(pending_.end(), parents_.begin(), parents_.end());
   for (const std::string& name : pending_) remove_on_signal(name.c_str());
   const mode_t mask = ::umask(0);
   ::umask(mask);
@@ -121,8 +131,35 @@ OutputFolder::~OutputFolder() {
   std::error_code ignored;
   if (!hidden_.empty()) fs::remove_all(hidden_, ignored);
   if (lock_ >= 0) ::close(lock_);
+  for (const std::string& parent : parents_) ::rmdir(parent.c_str());  // Fails where the folder lies in it.
   for (const std::string& name : pending_) keep_on_signal(name.c_str());
   keep_on_signal(hidden_.c_str());
+}
+
+bool OutputFolder::is_ours(const std::string& name) const { return std::ranges::find(files_, name) != files_.end(); }
+
+bool OutputFolder::is_companion(const fs::directory_entry& entry) const {
+  const fs::path name = entry.path().filename();
+  return entry.is_regular_file() && is_ours(name.stem()) &&
+         std::ranges::find(companion_suffixes, name.extension().string()) != companion_suffixes.end();
+}
+
+void OutputFolder::make_parents(const fs::path& parent) {
+  std::error_code error;
+  for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path()) parents_.push_back(p);
+  fs::create_directories(parent, error);
+  if (error) throw OutputError(path_, fmt::format("cannot make the folder {}: {}", parent.string(), error.message()));
+}
+
+void OutputFolder::keep_companions() const {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(path_, error)) {
+    if (!is_companion(entry)) continue;
+    const std::string kept = file(entry.path().filename().string());
+    fs::create_hard_link(entry, kept, error);
+    if (error) fs::copy_file(entry, kept, error);  // Not every file system has links.
+    if (error) throw OutputError(entry.path().string(), fmt::format("cannot be kept: {}", error.message()));
+  }
 }
 
 std::string OutputFolder::file(std::string_view name) const { return hidden_ + "/" + std::string(name); }
@@ -152,9 +189,12 @@ bool OutputFolder::is_there_already() const {
 
 void OutputFolder::commit() {
   const bool unchanged = how_.if_changed && is_there_already();
-  if (!unchanged) take_name();
+  if (!unchanged) {
+    keep_companions();
+    take_name();
+  }
   if (!how_.sync) return;
-  std::vector<std::string> left{fs::absolute(path_).parent_path().string()};
+  std::vector<std::string> left{fs::absolute(path_).parent_path().string(), path_};
   // Of what was there already, too: another program may have left it in memory.
   for (const std::string& name : files_)
     if (unchanged) left.push_back(path_ + "/" + name);

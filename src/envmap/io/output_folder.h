@@ -1,6 +1,7 @@
 // A folder that appears whole or not at all.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@ namespace envmap {
 /// was there under that name is replaced in one step. Without commit() nothing is left, nor where a signal ends the
 /// program. Where it is killed, the hidden folder is left, and the next OutputFolder of that name removes it: it is
 /// locked while its owner lives (flock()). File systems that cannot lock folders (NFS) keep it.
+/// NAME.import and NAME.meta, which engines write beside a file NAME, are kept. Missing parents are made.
 class OutputFolder {
  public:
   /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file
@@ -36,13 +38,18 @@ class OutputFolder {
 
  private:
   [[nodiscard]] bool is_there_already() const;
+  [[nodiscard]] bool is_ours(const std::string& name) const;
+  [[nodiscard]] bool is_companion(const std::filesystem::directory_entry& entry) const;
 
+  void make_parents(const std::filesystem::path& parent);
+  void keep_companions() const;
   void make_hidden(const std::string& stem);
   void take_name();
 
   std::string path_, hidden_;
   int lock_ = -1;                             // The hidden folder, open and locked.
-  std::vector<std::string> files_, pending_;  // What a signal removes.
+  std::vector<std::string> files_, parents_;  // Folders made for it, the innermost first.
+  std::vector<std::string> pending_;          // What a signal removes.
   CommitOptions how_;
 };
 

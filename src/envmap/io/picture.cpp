@@ -42,11 +42,11 @@ void write_picture(const std::string& path, int width, std::span<const Colour> p
 }
 
 void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth,
-                  const PictureOptions& options) {
+                  const PictureOptions& options, const Attributes& attributes) {
   const int height = int(pixels.size()) / width;
   OutputFile file(path, options.commit);
-  const ImageWriter writer =
-      make_writer(file, path, extension(path, options), {.levels = {{width, height}}, .depth = depth});
+  const ImageWriter writer = make_writer(file, path, extension(path, options),
+                                         {.levels = {{width, height}}, .depth = depth, .attributes = attributes});
   writer.write(0, 0, height, pixels);
   writer.close();
   file.commit();

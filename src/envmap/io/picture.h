@@ -9,6 +9,7 @@
 #include "envmap/io/commit.h"
 #include "envmap/io/depth.h"
 #include "envmap/io/display.h"
+#include "envmap/io/image_reader.h"
 #include "envmap/maths/vector.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -32,6 +33,6 @@ void write_picture(const std::string& path, int width, std::span<const Colour> p
 
 /// Any image of pixels as they are to be stored: sRGB encoded for integers. @throws OutputError as write_picture().
 void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth,
-                  const PictureOptions& options = {});
+                  const PictureOptions& options = {}, const Attributes& attributes = {});
 
 }  // namespace envmap

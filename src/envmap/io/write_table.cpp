@@ -2,6 +2,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/file_format.h"
+#include "envmap/io/metadata.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/picture.h"
 
@@ -13,9 +14,11 @@ void check_table(const std::string& path) {
   require_folder_of(path);
 }
 
-void write_table(const std::string& path, std::span<const Colour> texels, int size, const CommitOptions& commit) {
+void write_table(const std::string& path, std::span<const Colour> texels, int size, const std::string& lobe,
+                 const CommitOptions& commit) {
   check_table(path);
-  write_stored(path, size, texels, Depth::single, {.commit = commit});
+  write_stored(path, size, texels, Depth::single, {.commit = commit},
+               attributes({.facts = {{std::string(table_fact), lobe}}}));
 }
 
 }  // namespace envmap

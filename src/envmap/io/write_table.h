@@ -14,7 +14,9 @@ namespace envmap {
 void check_table(const std::string& path);
 
 /// Writes size x size texels as float EXR, HDR or TIFF, by the name's extension.
+/// @param lobe whose table it is, for the metadata.
 /// @throws OutputError where the file cannot be written.
-void write_table(const std::string& path, std::span<const Colour> texels, int size, const CommitOptions& commit = {});
+void write_table(const std::string& path, std::span<const Colour> texels, int size, const std::string& lobe,
+                 const CommitOptions& commit = {});
 
 }  // namespace envmap
