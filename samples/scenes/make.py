@@ -186,7 +186,7 @@ def cellar():
                 translation=[3.6, 2.4, 2.2], rotation=turn((0, 1, 0), 60))
 
     scene.camera("entrance", (3.2, 1.9, 2.2), (-0.6, 0.9, -0.9), 1.0)
-    scene.camera("table", (-0.9, 1.5, 1.6), (0.3, 1.05, -0.3), 0.8)
+    scene.camera("tabletop", (-0.9, 1.5, 1.6), (0.3, 1.05, -0.3), 0.8)
     return scene
 
 

@@ -35,11 +35,11 @@ side_by_side() {
 }
 
 "$envmap" generate sky "$work/sky.exr" --size 256 -q
-for camera in entrance table; do
+for camera in entrance tabletop; do
   "$envmap" view "$work/cellar.glb" "$work/$camera.png" --camera $camera --width 500 --height 375 --samples 8 --ambient 0.12 \
     --display neutral --exposure 0.3 -q
 done
-side_by_side 2x1 cellar.jpg 88 "$work/entrance.png" "$work/table.png"
+side_by_side 2x1 cellar.jpg 88 "$work/entrance.png" "$work/tabletop.png"
 
 look() {
   name=$1

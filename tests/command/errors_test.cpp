@@ -27,6 +27,17 @@ TEST_F(Usage, SaysTheWordThatWasProbablyMeant) {
   fails(usage, {"convert", "in.exr", "out.exr", "--size", "8x4"}, {"--size: must be a whole number from 1 to"});
   fails(usage, {"compare", "in.exr", "in.exr", "--max-rms", "1%"}, {"--max-rms: must be a number of at least 0"});
   fails(usage, {"convert", "in.exr", "out.exr", "--rotate", "90"}, {"90,0,0", "sun:+z"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--siez", "4"}, {"did you mean '--size'"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--face", "three"},
+        {"did you mean '--faces'? '--face' is an option of 'envmap preview'"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--clamp", "100"}, {"--clamp takes no value: remove '100'"});
+  fails(usage, {"convert", "in.exr", "out.exr", "--clamp=100"}, {": --clamp takes no value"});
+  fails(usage, {"convert", "in.exr", "out.exr", "-v", "100"}, {"-v takes no value: remove '100'"});
+  fails(usage, {"sh", "in.exr", "out.txt"}, {"'out.txt'", "sh takes INPUT", "use > FILE"});
+  fails(usage, {"batch", "--for", "three", "in.exr", "--size", "8"}, {"'--size' is an option of jobs"});
+  EXPECT_EQ(envmap({"--hlep"}).err, "envmap: unknown option '--hlep'; did you mean '--help'? (see 'envmap --help')\n");
+  for (const std::string unlike : {"--picture", "--sunny", "--zzz"})
+    EXPECT_EQ(envmap({"compare", "in.exr", "in.exr", unlike}).err.find("did you mean"), std::string::npos) << unlike;
   const Result r = envmap({"convrt", "in.exr", "out.exr"});
   EXPECT_EQ(r.status, usage);
   EXPECT_NE(r.err.find("no command 'convrt'; did you mean 'convert'?"), std::string::npos) << r.err;
@@ -103,6 +114,9 @@ TEST_F(Usage, SaysTheWordsAnOptionTakes) {
 TEST_F(Usage, RefusesOptionsThatWouldDoNothing) {
   const std::pair<const char*, const char*> cases[] = {
       {"sh in.exr --size 8", "--evaluate"},
+      {"generate sun out.exr --azimuth 30", "--azimuth is for atmosphere: use --direction X,Y,Z"},
+      {"generate sky out.exr --azimuth 30", "--azimuth is for atmosphere: remove it"},
+      {"generate sh out.exr --order 3", "--order: must be from -2 to 2 with --degree 2, not 3"},
       {"sh in.exr --if-changed", "--evaluate"},
       {"compare in.exr b.exr --force", "--difference"},
       {"convert in.exr out.exr --towards 0,0,1", "--scale-to"},

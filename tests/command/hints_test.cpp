@@ -96,7 +96,7 @@ TEST_F(Hints, OfLightThatDoesNotFit) {
   const Words png = split("convert bright.exr out.png");
   leads({png,
          4,
-         ": choose a floating-point format, lower --exposure, use --display neutral or use --clamp",
+         ": write .exr or .hdr, lower --exposure, use --display neutral for a picture or use --clamp",
          {split("convert bright.exr out.exr"), with(png, "--exposure -20"), with(png, "--clamp")}});
   const Words env = split("mipmap cube.exr out.env"),
               diffuse = split("prefilter bright.exr out.exr --size 4 --depth half");
@@ -105,6 +105,16 @@ TEST_F(Hints, OfLightThatDoesNotFit) {
          4,
          ": choose --depth float or use --clamp",
          {split("prefilter bright.exr out.exr --size 4 --depth float"), with(diffuse, "--clamp")}});
+}
+
+TEST_F(Hints, OfTheExposureThatFits) {
+  for (const std::string command : {"convert bright.exr out.exr --depth half", "convert bright.exr out.png"}) {
+    const std::string said = envmap(split(command)).err;
+    const std::size_t at = said.find("by up to ") + 9;
+    const double stops = std::stod(said.substr(at));
+    EXPECT_EQ(envmap(split(command + " --exposure=" + std::to_string(-stops))).status, 0) << said;
+    EXPECT_EQ(envmap(split(command + " --exposure=" + std::to_string(0.1 - stops))).status, 4) << said;
+  }
 }
 
 TEST_F(Hints, OfLightThatIsTooDark) {
@@ -291,6 +301,7 @@ TEST_F(Hints, OfScenes) {
          0,
          ": use --environment MAP or --ambient 1",
          {with(render, "--environment sky.exr"), with(render, "--ambient 1")}});
+  leads({with(render, "--at foo"), 2, "('envmap info SCENE' lists all)", {split("info scene.obj")}});
   const Words tradeoff = split("tradeoff scene.obj --task render:cube:4 --only raycast");
   leads({tradeoff, 2, ": give some with --environment MAP", {with(tradeoff, "--environment sky.exr")}});
   const Words hurried = split("tradeoff sky.exr --task convert:cube:4");

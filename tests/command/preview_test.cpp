@@ -88,6 +88,20 @@ TEST_F(Preview, WritesNamesOrSaysThatThereIsNoFont) {
   EXPECT_LT(lightest_of_caption(load(path("bare.png"))), 0.2);
 }
 
+// Files whose names are the expected captions.
+TEST_F(Preview, CaptionsEndAfterAWordAndNameTheRoughness) {
+  const auto last_caption = [&](const std::vector<std::string>& options) {
+    const Picture p = preview(options);
+    return std::vector<float>(p.at(0, p.height - border - caption), p.at(0, p.height - border));
+  };
+  const std::string level = "c level 1, roughness 1", wide = "aaa " + std::string(60, 'w');
+  for (const std::string& name : {std::string("aaa..."), wide, level})
+    succeeds({"generate", "sky", name, "--format", "exr", "--to", "cube", "--size", "8"});
+  EXPECT_EQ(last_caption({wide, "--height", "64"}), last_caption({"aaa...", "--height", "64"}));
+  succeeds({"prefilter", level, "c", "--format", "exr", "--lobe", "ggx", "--size", "8", "--levels", "2", "-q"});
+  EXPECT_EQ(last_caption({"c", "--levels", "--columns", "1"}), last_caption({level}));
+}
+
 TEST_F(Preview, SingleFacesAndMarks) {
   succeeds({"generate", "directions", "in.exr", "--to", "cube", "--size", "64"});
   const Picture face = preview({"in.exr", "--height", "64", "--face", "py", "--exposure", "0", "--display", "clip"});

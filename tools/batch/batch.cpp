@@ -185,7 +185,8 @@ int run(const Request& o, const Options& options) {
 
 Action define_batch(Options& o) {
   const auto r = std::make_shared<Request>();
-  o.files(r->names, File::input, "Manifest, or '-' for stdin (with --for probes)");
+  o.files(r->names, File::input,
+          "Manifest, or '-' for stdin; with --for, probes. For a/b.hdr, {stem} in a line is a/b and {name} is b");
   o.group = "Jobs";
   o.add("--for", "ENGINE", &r->engine, "Bake probes for this engine ('envmap bake --list' lists engines)");
   o.add("--into", "FOLDER", &r->into, "Parent folder of the baked folders (default: the current one)").needs = "--for";

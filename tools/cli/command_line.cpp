@@ -36,6 +36,7 @@ void add(CLI::App& app, Option& o) {
   if (o.is_flag()) {
     option = app.add_flag_callback(
         names, [put] { put("true"); }, o.help);
+    option->disable_flag_override();
   } else if (o.takes_several()) {
     const auto put_all = [put](const std::vector<std::string>& texts) { std::ranges::for_each(texts, put); };
     option = app.add_option_function<std::vector<std::string>>(names, put_all, o.help);
@@ -69,6 +70,37 @@ std::string closest(const std::string& word, const std::vector<std::string>& kno
   return near.empty() ? "" : fmt::format("; did you mean '{}'?", near[0]);
 }
 
+// An option that the command does not have: another word was meant, or another command.
+std::string explain_option(const std::string& word, const std::string& command, const Options& options) {
+  std::vector<std::string> names;
+  for (const Option& o : options.rows) names.push_back(o.name);
+  const std::string near = closest(word, names), others = commands_with(word);
+  const std::string there = others.empty() ? "" : fmt::format("'{}' is an option of {}", word, others);
+  if (others.empty() || !near.empty())
+    return fmt::format("unknown option '{}'{}{}{}", word, near, there.empty() ? "" : " ", there);
+  if (command != "batch") return there;
+  return fmt::format(
+      "'{}' is an option of jobs: write them into a manifest, such as 'bake *.hdr {{name}} --for ENGINE {} ...'", word,
+      word);
+}
+
+// A word that is no argument: the value of a flag, or one argument too many.
+std::string explain_argument(const std::string& word, const std::string& command, const Options& options,
+                             const std::vector<std::string>& words) {
+  const auto at = std::ranges::find(words, word);
+  const std::string before = at == words.begin() || at == words.end() ? "" : *(at - 1);
+  for (const Option& o : options.rows)
+    if (o.is_flag() && (before == o.name || before == std::string{'-', o.letter}))
+      return fmt::format("{} takes no value: remove '{}'", before, word);
+  std::vector<std::string> arguments;
+  bool writes = false;
+  for (const Option& o : options.rows)
+    if (o.is_argument()) arguments.push_back(o.name), writes |= o.file != File::input;
+  return fmt::format("unexpected argument '{}': {} takes {}; quote names that have spaces{}", word, command,
+                     arguments.empty() ? "none" : fmt::format("{}", fmt::join(arguments, " ")),
+                     writes || arguments.empty() ? "" : ", or use > FILE to save what it prints");
+}
+
 bool is_left_to_environment(const Option& o, const std::vector<std::string>& words) {
   return !o.environment.empty() &&
          std::ranges::none_of(words, [&](const std::string& word) { return word.starts_with(o.name); });
@@ -84,17 +116,17 @@ std::string with_source(std::string what, const Options& options, const std::vec
 // One line: what is wrong, with the word that was probably meant.
 std::string explain(const CLI::ParseError& error, const CLI::App& app, const std::vector<std::string>& words,
                     const Parsed& parsed) {
-  std::vector<std::string> names, options;
+  std::vector<std::string> names;
   for (const Command& c : commands()) names.emplace_back(c.name);
-  for (const Option& o : parsed.options.rows) options.push_back(o.name);
   constexpr std::string_view help = " (see 'envmap --help')";
   if (words.empty()) return fmt::format("needs a command: {}{}", fmt::join(names, ", "), help);
   const std::string& first = words.front();
   if (first == "help" && words.size() == 1) return "no command 'help': use 'envmap --help'";
   if (first == "help") return fmt::format("no command 'help': use 'envmap {} --help'", words.back());
+  const std::string near_start = closest(first, {"--help", "--version"});
   if (parsed.command == nullptr && first.starts_with("-"))
-    return fmt::format("unknown option '{}'{}, options follow the command{}", first,
-                       closest(first, {"--help", "--version"}), help);
+    return fmt::format("unknown option '{}'{}{}", first,
+                       near_start.empty() ? ": options follow the command" : near_start, help);
   if (parsed.command == nullptr) return fmt::format("no command '{}'{}{}", first, closest(first, names), help);
   const std::string here = fmt::format(" (see 'envmap {} --help')", first);
   constexpr std::string_view twice = "ost 1 required but received ";  // "At Most"; from CLI11 2.6 on "At most".
@@ -103,22 +135,19 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
   if (const std::string what = error.what(); what.find(twice) != what.npos)
     return fmt::format("{} takes one value, and is given {} times{}", what.substr(0, what.find(':')),
                        what.substr(what.find(twice) + twice.size()), here);
+  constexpr std::string_view valued = " was given a disallowed flag override";
+  if (const std::string what = error.what(); what.ends_with(valued))
+    return fmt::format("--{} takes no value{}", what.substr(0, what.size() - valued.size()), here);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr)
     return with_source(error.what(), parsed.options, words) + here;
   const std::vector<std::string> left = app.remaining(true);
   for (std::string word : left)
     if (word.size() > 1 && word[0] == '-') {
       word.resize(std::min(word.find('='), word.size()));
-      if (const std::string others = commands_with(word); !others.empty())
-        return fmt::format("'{}' is an option of {}{}", word, others, here);
-      return fmt::format("unknown option '{}'{}{}", word, closest(word, options), here);
+      return explain_option(word, first, parsed.options) + here;
     }
   if (left.empty()) return error.what() + here;
-  std::vector<std::string> arguments;
-  for (const Option& o : parsed.options.rows)
-    if (o.is_argument()) arguments.push_back(o.name);
-  return fmt::format("unexpected argument '{}': {} takes {}; quote names that have spaces{}", left.front(), first,
-                     arguments.empty() ? "none" : fmt::format("{}", fmt::join(arguments, " ")), here);
+  return explain_argument(left.front(), first, parsed.options, words) + here;
 }
 
 }  // namespace

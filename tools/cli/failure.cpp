@@ -33,7 +33,7 @@ std::vector<Step> steps(envmap::Remedy remedy, const Options& options) {
     case Remedy::choose_plus_z: return {{"--forward", "use --forward +z"}};
     case Remedy::clamp_or_deepen: return {deepen, dim, clamp};
     case Remedy::clamp_or_darken:
-      return {{"", "choose a floating-point format"}, dim, {"--display", "use --display neutral"}, clamp};
+      return {{"", "write .exr or .hdr"}, dim, {"--display", "use --display neutral for a picture"}, clamp};
     case Remedy::clamp_or_dim: return {dim, clamp};
     case Remedy::clamp_or_brighten: return {deepen, brighten, clamp};
     case Remedy::clamp_or_light_up: return {brighten, clamp};

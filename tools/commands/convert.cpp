@@ -105,7 +105,8 @@ std::optional<BallCamera> ball_camera(const Convert& o, const EnvironmentMap& so
 }
 
 std::string words(Filter filter, int samples) {
-  return std::string(name(filter)) + (samples > 1 ? fmt::format(" --samples {}", samples) : "");
+  const bool counts = filter == Filter::nearest || filter == Filter::bilinear || filter == Filter::bicubic;
+  return std::string(name(filter)) + (counts && samples > 1 ? fmt::format(" --samples {}", samples) : "");
 }
 
 // Tells which filter was chosen for the error asked for, and what it was measured to do. False where none reached it.

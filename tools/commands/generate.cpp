@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "command.h"
 #include "envmap/base/error.h"
@@ -120,8 +121,16 @@ void check_kind(Kind kind, const Options& options) {
     if (!options.given(option) || std::ranges::find(of_kinds, kind) != of_kinds.end()) continue;
     std::vector<std::string_view> words;
     for (const Kind other : of_kinds) words.push_back(kinds[std::size_t(other)]);
-    throw UsageError(fmt::format("{} is for {}: remove it", option, enumerated(words, " and ")));
+    const bool aims = kind == Kind::sun && (option == "--elevation" || option == "--azimuth");
+    throw UsageError(fmt::format("{} is for {}: {}", option, enumerated(words, " and "),
+                                 aims ? "use --direction X,Y,Z" : "remove it"));
   }
+}
+
+void check(const Harmonic& h) {
+  if (h.degree >= 0 && std::abs(h.order) > h.degree)
+    throw UsageError(
+        fmt::format("--order: must be from {} to {} with --degree {}, not {}", -h.degree, h.degree, h.degree, h.order));
 }
 
 EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, WriteOptions& write, Report& report) {
@@ -141,6 +150,7 @@ EnvironmentMap daylight(const Request& o, const Frame& to, const Run& run, Write
 int run(const Request& o, const Options& options, Report& report) {
   const Frame to{o.to.value_or(Projection::latlong), o.forward.value_or(Forward::plus_z)};
   check_kind(o.kind, options);
+  check(o.harmonic);
   check_output(o.output, o.write, to.projection);
   if (o.forward && !has_forward(to.projection)) throw UsageError("--forward is for latlong and angular maps");
   const Run run{.progress = progress_line("generate")};

@@ -357,8 +357,9 @@ Action define_prefilter(Options& o) {
   o.add("--method", one_of(r->map.method, method_names), "{} (default: auto)");
   add_write_options(o, r->write);
   o.group = "BRDF table";
-  o.add("--brdf-table", "FILE", &r->table, "Write the split-sum table of ggx, or the sheen albedo of charlie").file =
-      File::output;
+  o.add("--brdf-table", "FILE", &r->table,
+        "Write the split-sum table of ggx or the sheen albedo of charlie (.exr, .hdr or .tif)")
+      .file = File::output;
   o.add("--table-size", "N", &r->table_size, range_of(limits::table_size),
         "Width and height of the table (default: 128)")
       .needs = "--brdf-table";

@@ -28,6 +28,17 @@ void write(Picture& onto, int x, int y, const std::string& text, int height) {
   std::call_once(told, [] { warn(fmt::format("no font, so the picture has no words: {}", install_font)); });
 }
 
+// A caption that is too wide ends after a word, with three dots.
+std::string fitted(std::string text, int width) {
+  const auto fits = [&](const std::string& t) { return width_of_letters(t, caption_height) <= width; };
+  if (font_file().empty() || fits(text)) return text;
+  for (auto end = text.rfind(' '); end != text.npos; end = text.rfind(' ')) {
+    text.resize(end);
+    if (fits(text + "...")) return text + "...";
+  }
+  return text;
+}
+
 int row_height(const TileRow& row) {
   int most = 0;
   for (const Tile& tile : row) most = std::max(most, tile.picture.size.height);
@@ -66,8 +77,8 @@ Picture sheet_of(std::span<const TileRow> rows) {
     int x = sheet_border;
     for (Tile tile : row) {
       paste(sheet, tile.picture, x, y);
-      Picture caption({tile.picture.size.width, caption_room}, ground);  // Cuts what is too long.
-      write(caption, 2, 16, tile.caption, caption_height);
+      Picture caption({tile.picture.size.width, caption_room}, ground);  // Cuts a word that is too long.
+      write(caption, 2, 16, fitted(tile.caption, caption.size.width - 2), caption_height);
       paste(sheet, caption, x, y + tile.picture.size.height);
       x += tile.picture.size.width + sheet_border;
     }

@@ -75,6 +75,13 @@ class Font {
   FT_Face face_ = nullptr;
 };
 
+// One for each thread: FreeType's are not shared.
+Font& font_of(int height) {
+  thread_local Font font(font_file());
+  font.set_height(height);
+  return font;
+}
+
 // Takes the next letter off UTF-8 text. Bytes that are no letter stand for themselves.
 char32_t take_letter(std::string_view& text) {
   const std::size_t length = std::max<std::size_t>(1, utf8_length(text));
@@ -101,10 +108,16 @@ const std::string& font_file() {
   return found;
 }
 
+int width_of_letters(std::string_view text, int height) {
+  Font& font = font_of(height);
+  int width = 0;
+  while (!text.empty())
+    if (const FT_GlyphSlot glyph = font.glyph(take_letter(text))) width += int(glyph->advance.x >> 6);
+  return width;
+}
+
 void draw_letters(Picture& onto, int x, int y, std::string_view text, int height) {
-  // One for each thread: FreeType's are not shared.
-  thread_local Font font(font_file());
-  font.set_height(height);
+  Font& font = font_of(height);
   while (!text.empty()) {
     const FT_GlyphSlot glyph = font.glyph(take_letter(text));
     if (glyph == nullptr) continue;

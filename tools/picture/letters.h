@@ -13,6 +13,9 @@ const std::string& font_file();
 
 inline constexpr const char* install_font = "install the package of DejaVu Sans (Debian: fonts-dejavu-core)";
 
+// Of a line of text, in pixels. @throws OutputError where font_file() cannot be used.
+int width_of_letters(std::string_view text, int height);
+
 // Draws a line of text over a picture in light grey, its left end and baseline at (x, y). Letters that the font lacks
 // are its boxes.
 // @param text UTF-8. @param height of the letters in pixels. @throws OutputError where font_file() cannot be used.

@@ -88,6 +88,15 @@ std::optional<int> face_of(const Request& o, const Source& source, const std::st
   return face;
 }
 
+// Of a prefiltered level, such as ", roughness 0.2".
+std::string lobe_in_words(const Facts& facts, std::size_t level) {
+  for (const char* parameter : {"roughness", "exponent"})
+    if (const auto found = facts.find(parameter); found != facts.end())
+      if (const auto values = split(found->second, ','); level < values.size())
+        return fmt::format(", {} {}", parameter, values[level]);
+  return "";
+}
+
 // The map, or all its levels.
 std::vector<Tile> maps_of(const Source& source, const std::string& input, const Look& look, const Request& o) {
   const std::string name = std::filesystem::path(input).filename().string();
@@ -95,7 +104,9 @@ std::vector<Tile> maps_of(const Source& source, const std::string& input, const 
   std::vector<Tile> tiles;
   for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
     MapPicture map(source.map.levels[k], face, look.show, o.height);
-    std::string caption = name + (o.levels && source.map.levels.size() > 1 ? fmt::format(" level {}", k) : "");
+    std::string caption = name;
+    if (o.levels && source.map.levels.size() > 1)
+      caption += fmt::format(" level {}{}", k, lobe_in_words(source.facts, k));
     if (o.marks && k == 0) {
       const Direction d = measure(source.map).brightest_direction;
       map.mark(source.map, d);

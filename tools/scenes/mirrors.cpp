@@ -7,6 +7,7 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
+#include "scenes/scene_options.h"
 
 namespace tools {
 using namespace envmap;
@@ -23,7 +24,7 @@ MirrorWish mirror_wish(const Scene& scene, const std::string& text) {
   }
   throw UsageError(fmt::format(
       "--mirror: '{}' must be a node of the scene, or NODE:sphere, NODE:paraboloid, NODE:cube or NODE:off: {}", text,
-      list_nodes(scene)));
+      nodes_in_words(scene)));
 }
 
 std::vector<std::string> map_files(const std::string& folder, const Scene& scene, const std::vector<int>& nodes) {

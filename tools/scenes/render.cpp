@@ -92,7 +92,7 @@ Direction direction(const Request& o, const Scene& scene, const Pose& pose) {
   if (const auto there = direction_to(scene, pose, o.from.at, o.forward)) return *there;
   if (o.forward == "camera") throw UsageError(fmt::format("--forward: {} has no camera", o.scene.path));
   throw UsageError(fmt::format("--forward: '{}' must be +z, -z, +x, -x, X,Y,Z, a node of {} or 'camera': {}", o.forward,
-                               o.scene.path, list_nodes(scene)));
+                               o.scene.path, nodes_in_words(scene)));
 }
 
 void check(const Request& o) {
@@ -198,7 +198,8 @@ Action define_render(Options& o) {
   o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face}: six files, {frame}: one per frame)")
       .required = true;
   o.group = groups::output_map;
-  o.add("--at", "NODE|X,Y,Z", &r->at, "Centre of the map: a node of the scene or a point (default: 0,0,0)");
+  o.add("--at", "NODE|X,Y,Z", &r->at,
+        "Centre of the map: a node ('envmap info SCENE' lists them) or a point (default: 0,0,0)");
   add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
   add_size(o, &r->from.size, "Height of the image or of one cube face (default: 256)");
   o.add("--forward", "AXIS|NODE|X,Y,Z|camera", &r->forward, "Axis, node, direction or camera at the centre");

@@ -145,6 +145,8 @@ LoadedScene load(const SceneOptions& o) {
   return loaded;
 }
 
+std::string nodes_in_words(const Scene& scene) { return list_nodes(scene) + " ('envmap info SCENE' lists all)"; }
+
 Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::string& path) {
   Viewpoint from;
   if (at.empty()) return from;
@@ -154,7 +156,7 @@ Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::str
     from.at = *place;
   } else {
     throw UsageError(
-        fmt::format("--at: '{}' is neither a node of {} nor a point X,Y,Z: {}", at, path, list_nodes(scene)));
+        fmt::format("--at: '{}' is neither a node of {} nor a point X,Y,Z: {}", at, path, nodes_in_words(scene)));
   }
   return from;
 }

@@ -66,6 +66,9 @@ struct LoadedScene : envmap::LitScene {
 /// As it is at the first moment.
 LoadedScene load(const SceneOptions& options);
 
+/// The first names of nodes, and the command that prints all.
+std::string nodes_in_words(const envmap::Scene& scene);
+
 /// From where --at says: a node, whose `at` is to be found for each pose and which is left out; a place X,Y,Z; or the
 /// origin.
 /// @throws UsageError where it is neither. @param path of the scene's file.

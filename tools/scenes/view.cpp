@@ -277,7 +277,8 @@ Action define_view(Options& o) {
   o.writes("OUTPUT", r->output, "Picture: .png .jpg .exr .hdr, or '-' for stdout ({frame}: one per frame)").required =
       true;
   o.group = "Camera";
-  o.add("--camera", "NAME|X,Y,Z", &r->camera, "Camera of the scene, or a point (default: the first, or one for all)");
+  o.add("--camera", "NAME|X,Y,Z", &r->camera,
+        "Camera ('envmap info SCENE' lists them) or a point (default: the first, or one for all)");
   o.add("--look-at", "X,Y,Z", Triple{&r->from.look_at},
         "Point at the centre (default: the camera's, or the scene's middle)");
   o.add("--fov", "DEGREES", &r->from.vertical_field_degrees, {0.01, 179},

@@ -34,6 +34,7 @@
 #include "envmap/map/atlas.h"
 #include "envmap/map/border.h"
 #include "envmap/map/image_view.h"
+#include "envmap/maths/portable.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/operate/levels.h"
 
@@ -103,15 +104,20 @@ bool fits_float(const FileFormat& format, Depth chosen, double value) {
          std::ranges::find(format.depths, Depth::single) != format.depths.end();
 }
 
+// By how many stops, in tenths: so much less light fits.
+std::string too_bright(const ClampStatistics& level, double largest, Depth depth) {
+  const double stops = std::ceil(10 * portable::log2(level.brightest / largest)) / 10;
+  const std::string of = is_integer(depth) ? "the white of a picture" : fmt::format("the maximum of {}", name(depth));
+  return fmt::format("{} texels exceed {:g}, {}, by up to {:.1f} stops", level.over, largest, of, stops);
+}
+
 // Refuses a level of which the depth loses light, or notes how much.
 void check_fit(const std::string& path, const FileFormat& format, const ClampStatistics& level,
                const WriteOptions& options, Written& done) {
   const Range range = range_of(done.depth, format.largest);
   if (level.nan > 0) throw OutputError(path, fmt::format("{} texels are NaN", level.nan), Remedy::repair);
   if (level.over > 0 && !options.clamp)
-    throw OutputError(path,
-                      fmt::format("{} texels exceed {:g}, the maximum of {}", level.over, range.largest,
-                                  name(done.depth)),
+    throw OutputError(path, too_bright(level, range.largest, done.depth),
                       fits_float(format, done.depth, level.brightest) ? Remedy::clamp_or_deepen
                       : is_integer(done.depth)                        ? Remedy::clamp_or_darken
                                                                       : Remedy::clamp_or_dim);

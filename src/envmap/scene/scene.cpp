@@ -43,7 +43,8 @@ std::optional<int> find_node(const Scene& scene, const std::string& name) {
   const auto found = std::ranges::find(scene.nodes, name, &Node::name);
   if (found == scene.nodes.end()) return std::nullopt;
   if (const auto count = std::ranges::count(scene.nodes, name, &Node::name); count > 1)
-    throw UsageError(fmt::format("{} nodes of the scene are named '{}': give each node its own name", count, name));
+    throw UsageError(
+        fmt::format("{} nodes of the scene are named '{}': give a point, or each node its own name", count, name));
   return int(found - scene.nodes.begin());
 }
 
