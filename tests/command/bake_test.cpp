@@ -310,6 +310,26 @@ TEST_F(Bake, LeavesReadOnlyFilesAlone) {
   succeeds({"bake", "probe.exr", "lights", "--for", "pbrt", "-q", "--force"});
 }
 
+TEST_F(Bake, GoesWhereALinkLeads) {
+  succeeds({"generate", "sky", "probe.exr", "--size", "8"});
+  std::filesystem::create_directory(path("lights"));
+  std::filesystem::create_directory_symlink("lights", path("link"));
+  succeeds({"bake", "probe.exr", "link", "--for", "pbrt", "-q"});
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link")));
+  EXPECT_TRUE(std::filesystem::exists(path("lights/README.txt")));
+  fails(2, {"bake", "probe.exr", ".", "--for", "pbrt", "-q"}, {"the current folder"});
+}
+
+TEST_F(Bake, NeedsNoFlagsOfTheFileSystem) {
+  if (shell("strace -o /dev/null true").status != 0) GTEST_SKIP() << "strace cannot be run";
+  succeeds({"generate", "sky", "probe.exr", "--size", "8"});
+  for (int k = 0; k < 2; ++k)
+    EXPECT_EQ(shell("strace -f -o /dev/null -e inject=renameat2:error=EINVAL "
+                    "\"$ENVMAP\" bake probe.exr lights --for pbrt -q").status, 0);
+  EXPECT_EQ(names(), (std::vector<std::string>{"lights/", "lights/README.txt", "lights/background.exr",
+                                               "lights/light.pbrt", "probe.exr"}));
+}
+
 TEST_F(Bake, SaysWhatALoaderCutsOff) {
   succeeds({"generate", "sun", "probe.exr", "--size", "16", "--value", "1e6", "--radius", "20"});
   const Result r = envmap({"bake", "probe.exr", "three", "--for", "three", "-q"});

@@ -101,6 +101,8 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string> files,
   std::error_code error;
   if (fs::exists(path_, error)) {
     if (!fs::is_directory(path_, error)) throw UsageError(path_, "is not a folder: choose another name");
+    if (fs::equivalent(path_, fs::current_path(error), error))
+      throw UsageError(path_, "is the current folder, which would be another one then: choose one inside or beside it");
     check_replaceable(path_, how_);
     const fs::directory_iterator entries(path_, error);
     if (error) throw OutputError(path_, fmt::format("cannot be read: {}", error.message()));
@@ -109,7 +111,10 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string> files,
         throw UsageError(path_,
                          fmt::format("contains {}, which would be lost: move it out, or choose another folder", name));
   }
-  const fs::path full = fs::absolute(path_);
+  // The folder that a link names, not the link.
+  const fs::path full = fs::weakly_canonical(fs::absolute(path_), error);
+  if (error || fs::is_symlink(full, error)) throw UsageError(path_, "is a link to nothing: choose another name");
+  target_ = full.string();
   make_parents(full.parent_path());
   const std::string stem = (full.parent_path() / fmt::format(".{}.envmap-", full.filename().string())).string();
   remove_stale(stem);
@@ -206,11 +211,31 @@ void OutputFolder::commit() {
 
 void OutputFolder::take_name() {
   struct stat there = {};
-  const bool exchange = ::stat(path_.c_str(), &there) == 0;
-  if (::renameat2(AT_FDCWD, hidden_.c_str(), AT_FDCWD, path_.c_str(), exchange ? RENAME_EXCHANGE : RENAME_NOREPLACE) !=
-      0)
-    fail(path_);
-  if (!exchange) hidden_.clear();  // Else it now has what was there before, and goes.
+  const bool exchange = ::stat(target_.c_str(), &there) == 0;
+  const unsigned flags = exchange ? RENAME_EXCHANGE : RENAME_NOREPLACE;
+  if (::renameat2(AT_FDCWD, hidden_.c_str(), AT_FDCWD, target_.c_str(), flags) == 0) {
+    if (!exchange) hidden_.clear();  // Else it now has what was there before, and goes.
+    return;
+  }
+  // File systems of networks know no flags.
+  if ((errno != EINVAL && errno != ENOSYS) || !rename_plainly(exchange)) fail(path_);
+}
+
+// For a moment there is no folder of that name.
+bool OutputFolder::rename_plainly(bool exchange) {
+  std::string before;
+  if (exchange) {
+    before = hidden_.substr(0, hidden_.size() - random_letters) + std::string(random_letters, 'X');
+    if (!::mkdtemp(before.data()) || ::rename(target_.c_str(), before.c_str()) != 0) return false;
+  }
+  if (::rename(hidden_.c_str(), target_.c_str()) != 0) {
+    const int why = errno;
+    if (exchange) ::rename(before.c_str(), target_.c_str());
+    errno = why;
+    return false;
+  }
+  hidden_ = before;  // Which goes.
+  return true;
 }
 
 }  // namespace envmap

@@ -45,8 +45,9 @@ class OutputFolder {
   void keep_companions() const;
   void make_hidden(const std::string& stem);
   void take_name();
+  [[nodiscard]] bool rename_plainly(bool exchange);
 
-  std::string path_, hidden_;
+  std::string path_, target_, hidden_;        // As it was named, without links, and until commit().
   int lock_ = -1;                             // The hidden folder, open and locked.
   std::vector<std::string> files_, parents_;  // Folders made for it, the innermost first.
   std::vector<std::string> pending_;          // What a signal removes.
