@@ -56,7 +56,6 @@ def prepare(folder):
     subprocess.run([sys.executable, source / 'samples/scenes/make.py', scenes], check=True, stdout=subprocess.DEVNULL)
     shutil.copy(scenes / 'cellar.glb', folder)
     shutil.copy(scenes / 'ball.glb', folder / 'model.glb')
-    shutil.copy(scenes / 'room-4.glb', folder / 'room.glb')
     for scene in scenes.glob('*.glb'):
         shutil.copy(scene, folder)
     return wrong

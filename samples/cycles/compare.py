@@ -18,7 +18,8 @@ import numpy as np
 
 np.bool = bool  # Debian 12's importer of glTF files wants what its NumPy no longer has.
 SIZE, SAMPLES, DISTANCE, FIELD = 128, 1024, 10, 0.22
-PROBE, FOLDER, ENVMAP = (sys.argv[sys.argv.index('--') + 1:] + ['cycles', 'envmap'])[:3]
+GIVEN = sys.argv[sys.argv.index('--') + 1:]
+PROBE, FOLDER, ENVMAP = GIVEN + ['cycles', 'envmap'][len(GIVEN) - 1:]
 ROUGHNESSES = (0, 0.3, 0.5, 1)
 WAYS = {'maps, split-sum': [], 'maps, sampled': ['--reflection', 'sampled'],
         'rays, sampled': ['--method', 'raycast', '--reflection', 'sampled'],

@@ -16,7 +16,8 @@ import numpy as np
 
 np.bool = bool  # Debian 12's importer of glTF files wants what its NumPy no longer has.
 HEIGHT, SAMPLES = 128, 4096
-ROOM, FOLDER, ENVMAP = (sys.argv[sys.argv.index('--') + 1:] + ['cycles', 'envmap'])[:3]
+GIVEN = sys.argv[sys.argv.index('--') + 1:]
+ROOM, FOLDER, ENVMAP = GIVEN + ['cycles', 'envmap'][len(GIVEN) - 1:]
 
 
 def unlit(path):

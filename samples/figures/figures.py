@@ -3,7 +3,7 @@
   figures.py sampling|mipmap|filters|sh OUT.svg [ENVMAP]
 
 sampling: solid angle and anisotropy of texels from the centre of a face to its worst place, by projection.
-mipmap:   flux that plain means of four texels (glGenerateMipmap) gain or lose, level by level, under a sky with a sun.
+mipmap:   flux that plain means of four texels (glGenerateMipmap) gain or lose, level by level, under a sky without a sun.
 filters:  error of each filter where the texels of a mirror ball grow long: from its middle, where four of them make one of
           the result, to its rim, where one of them spans many.
 sh:       what is lost of a sun by spherical harmonics: of its radiance, and of the diffuse light that it makes.

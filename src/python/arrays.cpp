@@ -3,6 +3,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 #include "words.h"
 
 namespace envmap_python {
@@ -69,6 +71,15 @@ Array array_of(const py::object& given) {
                    py::cast<std::string>(py::type::of(given).attr("__name__")));
 }
 
+// A chain that was read may round up, as its writer did.
+bool halves(int finer, int coarser) { return coarser == std::max(1, finer / 2) || coarser == (finer + 1) / 2; }
+
+void check_halved(const Level& finer, const Level& coarser) {
+  if (halves(finer.width(), coarser.width()) && halves(finer.height(), coarser.height())) return;
+  const auto size = [](const Level& l) { return std::to_string(l.width()) + "x" + std::to_string(l.height()); };
+  throw UsageError("a level of " + size(coarser) + " follows one of " + size(finer) + ": each level is half as large");
+}
+
 // Of one array, or of those of all levels, the largest first.
 Map make_map(const py::object& array, const std::optional<std::string>& projection, const std::string& forward,
              const py::object& levels) {
@@ -85,6 +96,7 @@ Map make_map(const py::object& array, const std::optional<std::string>& projecti
       map.levels.push_back(level_of_array(a, map.projection()));
     else
       throw UsageError("all levels have the shape of the first, but for their size");
+    if (map.levels.size() > 1) check_halved(map.levels.end()[-2], map.levels.back());
   }
   return shared(std::move(map));
 }

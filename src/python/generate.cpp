@@ -12,18 +12,29 @@ namespace py = pybind11;
 using namespace py::literals;
 using namespace envmap;
 
+template <class T>
+constexpr const char* words_for = "three numbers";
+template <>
+constexpr const char* words_for<int> = "a whole number below 2^31";
+template <>
+constexpr const char* words_for<double> = "a number";
+template <>
+constexpr const char* words_for<bool> = "True or False";
+template <>
+constexpr const char* words_for<std::string> = "a word";
+
 // A parameter of a pattern, taken out of what was given.
 template <class T>
 T take(py::kwargs& given, const char* name, const T& otherwise) {
   if (!given.contains(name)) return otherwise;
-  const T value = py::cast<T>(given[name]);
+  const T value = cast_to<T>(given[name], name, words_for<T>);
   given.attr("pop")(name);
   return value;
 }
 
-// A number is all three channels.
+// A number is all three channels: an array counts as a number, too, and as a sequence.
 Rgb<double> take(py::kwargs& given, const char* name, const Rgb<double>& otherwise) {
-  if (given.contains(name) && (py::isinstance<py::float_>(given[name]) || py::isinstance<py::int_>(given[name])))
+  if (given.contains(name) && PyNumber_Check(given[name].ptr()) == 1 && PySequence_Check(given[name].ptr()) == 0)
     return Rgb<double>(take(given, name, 0.0));
   return rgb(take(given, name, triple(otherwise)));
 }

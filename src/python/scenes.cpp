@@ -84,9 +84,9 @@ struct Picture {
 std::vector<MirrorWish> wishes_of(const py::dict& mirrors) {
   std::vector<MirrorWish> all;
   for (const auto& [node, how] : mirrors) {
-    MirrorWish wish{node.cast<std::string>()};
+    MirrorWish wish{cast_to<std::string>(node, "a key of mirrors", "the name of a node")};
     if (!how.is_none()) {
-      const auto word = how.cast<std::string>();
+      const auto word = cast_to<std::string>(how, "mirrors['" + wish.node + "']", "a word or None");
       wish.off = word == "off";
       if (!wish.off) wish.map = projection_of(word);
     }

@@ -25,7 +25,7 @@ const char* advice(Remedy remedy) {
     case Remedy::leave_out_from_layout: return ": leave out layout=";
     case Remedy::leave_out_face: return ": leave out {face}";
     case Remedy::drop_channels: return ": drop_channels=True leaves them behind";
-    case Remedy::repair: return ": repair=True replaces them";
+    case Remedy::repair: return ": read(repair=True) replaces them";
     case Remedy::choose_space: return ": say which by space=";
     case Remedy::choose_faces: return ": say which by faces=";
     case Remedy::choose_format: return ", or say format=";

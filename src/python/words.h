@@ -63,6 +63,16 @@ Enum named(const std::string& what, const std::string& word, const List& list, W
   return static_cast<Enum>(index_of_word(what, word, list, word_of));
 }
 
+/// What is given for a parameter. @param kind "a number". @throws UsageError where it is something else.
+template <class T>
+T cast_to(const pybind11::handle& given, const std::string& parameter, const char* kind) {
+  try {
+    return pybind11::cast<T>(given);
+  } catch (const pybind11::cast_error&) {
+    throw envmap::UsageError(parameter + " must be " + kind);
+  }
+}
+
 /// Error and its four kinds, as classes of the module; what() of the library in one line, and what would help.
 void add_errors(pybind11::module_& module);
 

@@ -49,6 +49,7 @@ std::vector<Call> of_convert() {
   add(calls, "convert", "area_error", std::vector<double>{0, -1, nan, 2}, [=](double v) { with({.area_error = v}); });
   add(calls, "convert", "max_error", bad_errors, [=](double v) { with({.max_error = v}); });
   add(calls, "convert", "gain", bad_gains, [=](double v) { with({.gain = v}); });
+  calls.push_back({"convert overflow", [=] { with({.gain = 1e300}); }, "largest float, at a gain of 1e+300"});
   for (const Rotation& bad :
        {Rotation(0), Rotation(2), Rotation(nan), glm::transpose(Rotation(0, 1, 0, 1, 0, 0, 0, 0, 1))})
     calls.push_back({"convert rotation", [=] { with({.rotation = bad}); }, "rotation must be"});
@@ -64,6 +65,12 @@ std::vector<Call> of_prefilter() {
     add(calls, "prefilter", "size", bad_sizes, [=](int v) { with({.shape = shape, .parameter = 1, .size = v}); });
   add(calls, "prefilter", "max_error", bad_errors, [=](double v) { with({.size = 4, .max_error = v}); });
   add(calls, "prefilter", "scale", bad_gains, [=](double v) { with({.scale = v, .size = 4}); });
+  calls.push_back({"prefilter overflow",
+                   [] {
+                     const EnvironmentMap bright = generate(Constant{Rgb<double>(1e30)}, Projection::latlong, 4);
+                     (void)PrefilterSource(bright).make({.scale = 1e30, .size = 4});
+                   },
+                   "largest float, at a scale of 1e+30"});
   for (const Shape shape : {Shape::phong, Shape::blinn_phong})
     add(calls, "prefilter", "exponent", std::vector<double>{-1, nan, inf, 2e9},
         [=](double v) { with({.shape = shape, .parameter = v, .size = 4}); });

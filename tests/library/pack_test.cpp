@@ -162,5 +162,22 @@ TEST(Pack, RefusesWhatDoesNotFit) {
   EXPECT_THROW((void)pack(dark, {.format = PixelFormat::bc6h}), UsageError);
 }
 
+TEST(Encode, RefusesNegativeRadianceWhereThereIsNoSign) {
+  EnvironmentMap map = generate(Constant{}, Projection::cube, 4);
+  map.base().texel(0, 1, 2)->x = -1;
+  for (WriteOptions o : {WriteOptions{.format = "hdr"},
+                         {.format = "ktx2", .depth = Depth::rgb9e5},
+                         {.format = "ktx2", .depth = Depth::bc6h}}) {
+    EXPECT_THROW((void)encode(map, o), OutputError) << o.format;
+    o.clamp = true;
+    const Colour found = *read(encode(map, o), {}).map.base().texel(0, 1, 2);
+    EXPECT_NEAR(found.x, 0, 0.3) << o.format;
+    EXPECT_NEAR(found.y, 1, 0.3) << o.format;
+  }
+  EXPECT_NO_THROW((void)encode(map, {.format = "ktx2", .depth = Depth::half}));
+  map.base().texel(0, 1, 2)->x = -1e-9F;  // Less than a step.
+  EXPECT_NO_THROW((void)encode(map, {.format = "hdr"}));
+}
+
 }  // namespace
 }  // namespace pack_test

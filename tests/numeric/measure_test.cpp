@@ -72,6 +72,17 @@ TEST(Measure, TheBrightestOfAClippedLightIsItsMiddle) {
     }
 }
 
+// Their solid angle is 0: they repeat the other half, or hold anything.
+TEST(Measure, CornersOfAParaboloidMapDoNotCount) {
+  const Direction towards = glm::normalize(Direction(1, 1, 0));
+  EnvironmentMap map =
+      generate(Sun{.towards = towards, .radius_degrees = 10, .radiance = Flux(100)}, Projection::paraboloid, 64);
+  EXPECT_LT(degrees_between(measure(map).brightest_direction, towards), 0.5);
+  *map.base().texel(0, 0, 0) = Colour(1000);
+  EXPECT_EQ(measure(map).maximum.x, 100);
+  EXPECT_EQ(measure(map).brightest_value, Colour(100));
+}
+
 TEST(Measure, OfTwoClippedLightsTheLargerCounts) {
   EnvironmentMap map = grey(Projection::latlong, 32);
   for (int j = 8; j < 11; ++j)

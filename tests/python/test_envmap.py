@@ -170,6 +170,13 @@ def test_errors_are_one_line(tmp_path):
         envmap.prefilter(noise(4), 'ggx')
     with pytest.raises(envmap.UsageError, match='no parameter radius'):
         envmap.generate('sky', radius=3)
+    for kind, given, words in (('checker', {'squares': 2.5}, 'squares must be a whole number'), ('sky', {'zenith': 'a'}, 'zenith must be'),
+                               ('sun', {'direction': (1, 2)}, 'direction must be three numbers'),
+                               ('checker', {'squares': 10**12}, 'squares must be')):
+        with pytest.raises(envmap.UsageError, match=words):
+            envmap.generate(kind, **given)
+    for zenith in (np.float32(2), 2, [2, 2, 2], np.full(3, 2)):
+        assert envmap.generate('sky', size=4, zenith=zenith).array.max() <= 2
 
 
 def test_faces_are_those_of_a_cube():
@@ -262,7 +269,8 @@ def test_render_says_what_is_wrong(tmp_path, scene):
     for options, words in (({'at': 'nobody'}, "'nobody' is no node"), ({'method': 'fast'}, 'none of auto, exact'),
                            ({'forward': '+x'}, 'latlong and angular'), ({'forward': 'camera'}, 'no camera'),
                            ({'near': 2, 'far': 1}, 'near'), ({'to': 'latlong', 'method': 'distort'}, 'cannot draw'),
-                           ({'size': 0}, 'size'), ({'at': (0, 0, 0), 'forward': (0, 0, 0)}, 'look')):
+                           ({'size': 0}, 'size'), ({'at': (0, float('nan'), 0)}, 'at must be finite'),
+                           ({'time': float('inf')}, 'time_seconds must be'), ({'at': (0, 0, 0), 'forward': (0, 0, 0)}, 'look')):
         with pytest.raises(envmap.UsageError, match=words):
             envmap.render(scene, **{'size': 8, **options})
     text = json.loads(scene.read_text())
@@ -309,7 +317,9 @@ def test_view_tells_mirrors_of_one_name_apart(scene):
 
 def test_view_says_what_is_wrong(tmp_path, scene):
     for options, words in (({'camera': 'nobody'}, "camera 'nobody' is neither"), ({'mirrors': {'nobody': None}}, "'nobody' is no node"),
-                           ({'mirrors': {'flag': 'latlong'}}, 'sphere, paraboloid or cube'), ({'width': 0}, 'width'), ({'fov': 180}, 'field'),
+                           ({'mirrors': {'flag': 'latlong'}}, 'sphere, paraboloid or cube'), ({'mirrors': {3: 'off'}}, 'name of a node'),
+                           ({'time': 2e6}, 'time_seconds'), ({'look_at': (0, 0, float('inf'))}, 'look_at must be finite'),
+                           ({'width': 0}, 'width'), ({'fov': 180}, 'field'),
                            ({'method': 'fast'}, 'none of maps, raycast'), ({'method': 'raycast', 'max_error': .1}, 'max_error'),
                            ({'maps': 'angular'}, 'sphere, paraboloid or cube'), ({'max_error': float('nan')}, 'max_error')):
         with pytest.raises(envmap.UsageError, match=words):

@@ -128,6 +128,14 @@ def test_chains_go_into_one_file(tmp_path):
         envmap.Map(levels=[])
 
 
+def test_levels_halve():
+    for sizes in ((8, 7), (4, 8), (8, 3)):
+        with pytest.raises(envmap.UsageError, match='each level is half as large'):
+            envmap.Map(levels=[np.ones((n, n, 3)) for n in sizes], projection='octahedral')
+    for sizes in ((7, 3, 1), (7, 4, 2, 1, 1)):
+        assert len(envmap.Map(levels=[np.ones((n, n, 3)) for n in sizes], projection='octahedral').levels) == len(sizes)
+
+
 @pytest.mark.parametrize('engine', ['three', 'filament', 'unity'])
 def test_bake_writes_what_the_command_writes(tmp_path, engine):
     probe = envmap.generate('sun', size=32, radius=20.0, radiance=(9, 8, 7))

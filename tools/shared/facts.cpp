@@ -25,7 +25,7 @@ double illuminance(const Source& s, const Direction& normal) {
 // Texels with a channel as large as any: of a map that something has cut off there are many.
 std::int64_t texels_at_most(const Level& level, double most) {
   const auto rows = map_level<std::int64_t>(level, [&](std::int64_t& count, int face, int row) {
-    count = std::ranges::count_if(level.columns(row).of(level.row(face, row)), [&](const Colour& c) {
+    count = std::ranges::count_if(level.weighted_columns(row).of(level.row(face, row)), [&](const Colour& c) {
       const float largest = std::max({c.x, c.y, c.z});
       return std::isfinite(largest) && largest >= float(most);
     });

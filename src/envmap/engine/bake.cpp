@@ -35,9 +35,7 @@ void expose(EnvironmentMap& probe, double stops, Provenance& provenance) {
   if (gain != 1) {
     require_finite(probe);
     apply(Grade{.gain = Flux(gain)}, probe.base());
-    if (find_flaws(probe.base()).infinite > 0)
-      throw UsageError(
-          fmt::format("radiance exceeds 3.4e38, the largest float, at {:g} stops: lower the exposure", stops));
+    require_no_overflow(probe.base(), fmt::format("{:g} stops", stops), "exposure");
   }
   if (auto& luminance = provenance.white_luminance) luminance = float(*luminance / gain);
 }

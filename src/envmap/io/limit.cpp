@@ -10,6 +10,12 @@ namespace envmap {
 namespace {
 
 double sum(const Colour& c) { return double{c.x} + double{c.y} + double{c.z}; }
+float largest_channel(const Colour& c) { return std::max({c.x, c.y, c.z}); }
+
+// Whether what is below 0 is more than the last bit of a channel that shares the texel's exponent.
+bool matters(const Colour& below, const Colour& c) {
+  return largest_channel(below) > 0x1p-9F * std::max(largest_channel(c), 0x1p-15F);
+}
 
 }  // namespace
 
@@ -18,9 +24,10 @@ Range range_of(Depth depth, double largest) {
   // Half has 11 bits down to 2^-14; of a shared exponent 9 down to 2^-15 (a texel below that has no finer exponent).
   // What half has to refuse blocks of halves cannot hold either.
   if (depth == Depth::half || depth == Depth::bc6h)
-    return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11};
-  if (depth == Depth::rgb9e5) return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9};
-  if (depth == Depth::rgbd) return {.largest = largest_rgbd};
+    return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11, .has_sign = depth == Depth::half};
+  if (depth == Depth::rgb9e5)
+    return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9, .has_sign = false};
+  if (depth == Depth::rgbd) return {.largest = largest_rgbd, .has_sign = false};
   return {.largest = largest};
 }
 
@@ -41,6 +48,7 @@ ClampStatistics ClampedRows::total() const {
     sum.over += m.over;
     sum.dark += m.dark;
     sum.nan += m.nan;
+    sum.negative += m.negative;
     sum.cut += m.cut;
     sum.rounded += m.rounded;
     sum.flux += m.flux;
@@ -59,11 +67,13 @@ ClampStatistics ClampedRows::cut(int row, std::span<Colour> out) const {
     solid_angles(limited_.projection, limited_.size, row, w);
   }
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const Colour c = out[i], over = glm::max(c - largest, Colour(0));
+    const Colour given = out[i], over = glm::max(given - largest, Colour(0));
+    const Colour below = range_.has_sign ? Colour(0) : glm::max(-given, Colour(0)), c = given + below;
     m.nan += std::isnan(sum(c));
     if (over.x > 0 || over.y > 0 || over.z > 0) ++m.over, m.brightest = std::max({m.brightest, c.x, c.y, c.z});
     out[i] = glm::min(c, Colour(largest));
-    if (weigh_) m.cut += w[i] * sum(over), m.flux += w[i] * sum(c);
+    m.negative += matters(below, c);
+    if (weigh_) m.cut += w[i] * sum(over + below), m.flux += w[i] * sum(c);
     if (step == 0 || !(std::min({c.x, c.y, c.z}) < fine) || c == Colour(0)) continue;
     double error = 0;
     for (int k = 0; k < 3; ++k)

@@ -98,6 +98,13 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
   writer.close();
 }
 
+// A format that rounds its floats has a shared exponent and no sign.
+Range range_of(const FileFormat& format, Depth depth) {
+  Range range = range_of(depth, format.largest);
+  range.has_sign = range.has_sign && !format.round;
+  return range;
+}
+
 // Whether the format has floats, which were not chosen, and they hold the value.
 bool fits_float(const FileFormat& format, Depth chosen, double value) {
   return chosen != Depth::single && value <= format.largest &&
@@ -114,8 +121,12 @@ std::string too_bright(const ClampStatistics& level, double largest, Depth depth
 // Refuses a level of which the depth loses light, or notes how much.
 void check_fit(const std::string& path, const FileFormat& format, const ClampStatistics& level,
                const WriteOptions& options, Written& done) {
-  const Range range = range_of(done.depth, format.largest);
+  const Range range = range_of(format, done.depth);
   if (level.nan > 0) throw OutputError(path, fmt::format("{} texels are NaN", level.nan), Remedy::repair);
+  if (level.negative > 0 && !options.clamp)
+    throw OutputError(path,
+                      fmt::format("{} texels are negative, and {} has no sign: clamp them, or choose half or .exr",
+                                  level.negative, format.round ? format.title : name(done.depth)));
   if (level.over > 0 && !options.clamp)
     throw OutputError(path, too_bright(level, range.largest, done.depth),
                       fits_float(format, done.depth, level.brightest) ? Remedy::clamp_or_deepen
@@ -128,7 +139,7 @@ void check_fit(const std::string& path, const FileFormat& format, const ClampSta
                       fmt::format("{} texels below {:.2g} are too dark for {}, which changes {:.3g}% of the light",
                                   level.dark, range.fine, name(done.depth), 100 * level.rounded / level.flux),
                       fits_float(format, done.depth, 0) ? Remedy::clamp_or_brighten : Remedy::clamp_or_light_up);
-  done.clamped += level.over + (dark ? level.dark : 0);
+  done.clamped += level.over + level.negative + (dark ? level.dark : 0);
   const double lost = level.cut + (dark ? level.rounded : 0);
   if (level.flux > 0) done.flux_lost = std::max(done.flux_lost, lost / level.flux);
 }
@@ -215,7 +226,7 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   const std::string ext = extension(path, options);
   const FileFormat& format = *format_with_extension(ext);
   Written done{.depth = choose_depth(format, options), .layout = choose_layout(path, format, options, base.projection)};
-  const Range range = range_of(done.depth, format.largest);
+  const Range range = range_of(format, done.depth);
   std::vector<std::unique_ptr<ClampedRows>> limited;
   std::vector<Rows> rows;
   const ColourTransform colours = out_of_working(options.colour);

@@ -55,6 +55,10 @@ class Level {
   [[nodiscard]] Columns columns(int j) const {
     return on_disc(projection_) ? envmap::columns(projection_, height_, j) : Columns{0, width_};
   }
+  /// Those of a row that carry solid angle: corners beside a disc do not, also where they are filled.
+  [[nodiscard]] Columns weighted_columns(int j) const {
+    return on_disc(projection_) ? disc_columns(height_, j) : Columns{0, width_};
+  }
 
   /// The limit that the texels were made with, and what holds to it: to be called while many of them are gone through.
   [[nodiscard]] std::size_t max_memory() const { return pixels_.limit(); }

@@ -2,6 +2,9 @@
 /// What render() and view() check alike.
 #pragma once
 
+#include <string_view>
+#include <variant>
+
 #include "envmap/base/bounds.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/check_options.h"
@@ -10,10 +13,17 @@
 
 namespace envmap {
 
+/// A point, a direction, or the name of one, where it is given. @throws UsageError where a coordinate is not finite.
+template <class Place>
+void check_place(std::string_view field, const Place& place) {
+  if (const auto* const point = std::get_if<Direction>(&place)) check_finite(field, Flux(point->x, point->y, point->z));
+}
+
 /// @param options RenderOptions or ViewOptions. @param by_rays whether rays alone draw. @throws UsageError
 template <class Options>
 void check_drawing(const Options& options, bool by_rays) {
   check({"samples", 1, 1024}, options.samples);
+  check({"time_seconds", -1e6, 1e6}, options.time_seconds);
   check({"occlusion", 0, max_distant_lights}, options.occlusion);
   check({"near_metres", 1e-9, 1e9}, options.near_metres);
   check({"far_metres", 1e-9, 1e12}, options.far_metres);

@@ -20,6 +20,8 @@ namespace {
 void check(const RenderOptions& o) {
   check(limits::size, o.size);
   check_drawing(o, o.method == DrawMethod::raycast);
+  check_place("at", o.at);
+  if (o.towards) check_place("towards", *o.towards);
   if (!can_draw(o.method, o.to.projection))
     throw UsageError(fmt::format("method '{}' cannot draw {} maps: resample or raycast can",
                                  draw_method_names[std::size_t(o.method)], name(o.to.projection)));

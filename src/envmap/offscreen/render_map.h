@@ -23,7 +23,7 @@ struct RenderOptions {
   /// What the map's +Z looks at: a direction of the scene, or the name of a node or "camera". Absent: the scene's +Z.
   std::optional<std::variant<Direction, std::string>> towards = {};
   double near_metres = 0.01, far_metres = 1000;  ///< Nothing nearer or further is drawn.
-  double time_seconds = 0;                       ///< Of the scene's movements.
+  double time_seconds = 0;                       ///< Of the scene's movements, -1e6 to 1e6.
   DrawMethod method = DrawMethod::automatic;
   std::optional<Colour> ambient = {};  ///< Radiance from all round.
   bool shadows = true;

@@ -39,6 +39,8 @@ void check(const ViewOptions& o) {
   if (o.lobe_samples > 0 && by_rays && o.reflection != Reflection::split_sum)
     throw UsageError("lobe_samples and reflection 'sampled' exclude each other");
   check_drawing(o, by_rays);
+  if (o.camera) check_place("camera", *o.camera);
+  if (o.look_at) check_finite("look_at", Flux(o.look_at->x, o.look_at->y, o.look_at->z));
   if (o.max_error && by_rays) throw UsageError("max_error chooses maps, which the method 'raycast' does not draw");
 }
 

@@ -33,7 +33,7 @@ struct ViewOptions {
   std::optional<double> vertical_field_degrees = {};  ///< 0.01 to 179. Absent: the camera's, or 40.
   int width = 640, height = 480;                      ///< Pixels, 1 to 16384.
   int samples = 4;                                    ///< Rays a pixel, 1 to 1024.
-  double time_seconds = 0;                            ///< Of the scene's movements.
+  double time_seconds = 0;                            ///< Of the scene's movements, -1e6 to 1e6.
   std::optional<Colour> ambient = {};                 ///< Radiance from all round.
   bool shadows = true;
   int occlusion = 64;  ///< Lights that stand for the environment where its shadows are found, 0 to 256.

@@ -35,7 +35,7 @@ double weight_of(const Level& level, const Texel& t) { return density_at(level.p
 
 bool is_inside(const Level& level, int i, int j) {
   if (j < 0 || j >= level.height()) return false;
-  const Columns in = level.columns(j);
+  const Columns in = level.weighted_columns(j);
   return i >= in.first && i < in.end;
 }
 
@@ -51,7 +51,7 @@ Texel beside(const Level& level, const Texel& t, int right, int down) {
 // All texels of the luminance, row by row.
 std::vector<Texel> texels_of_luminance(const Level& level, double luminance) {
   const auto rows = map_level<std::vector<Texel>>(level, [&](std::vector<Texel>& found, int face, int j) {
-    const Columns in = level.columns(j);
+    const Columns in = level.weighted_columns(j);
     for (int i = in.first; i < in.end; ++i)
       if (luminance_of(*level.texel(face, i, j)) == luminance) found.push_back({face, i, j});
   });
@@ -100,7 +100,7 @@ std::vector<Texel> largest_region(const Level& level, const std::vector<Texel>& 
 // Of so many texels that they are not listed.
 std::optional<Direction> middle_of_all(const Level& level, double luminance) {
   const auto rows = map_level<Middle>(level, [&](Middle& middle, int face, int j) {
-    const Columns in = level.columns(j);
+    const Columns in = level.weighted_columns(j);
     for (int i = in.first; i < in.end; ++i)
       if (const Texel t{face, i, j}; luminance_of(*level.texel(face, i, j)) == luminance)
         middle.add(direction_of(level, t), weight_of(level, t));

@@ -1,5 +1,7 @@
 #include "envmap/operate/convert.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -72,20 +74,29 @@ bool is_source(const Target& target, const Level& source) {
 
 bool near_whole(double x, double tolerance) { return std::abs(x - std::round(x)) <= tolerance; }
 
-// Whether a turn takes texel centres to texel centres: quarter turns of a cube, those of an octahedral map that leave Y
-// where it is, and whole columns of a latlong map. The angles of a turn are rounded, and so are its sines.
+// Each axis becomes an axis. The angles of a turn are rounded, and so are its sines.
+bool by_right_angles(const Rotation& r, double rounding) {
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      if (!near_whole(r[column][row], rounding)) return false;
+  return true;
+}
+
+// Whether a turn takes texel centres to texel centres: right angles of a cube, and of other maps where the axis of
+// their images stays. The two ends of the axis change places on a latlong map, a paraboloid map and an octahedral map
+// of even size, whose folds run between texels. A latlong map turns by any whole columns.
 bool permutes_texels(const Target& target, const Level& source) {
   constexpr double rounding = 1e-12;
   if (!same_grid(target, source)) return false;
   const Rotation& r = target.to_source;
-  if (target.to == Projection::cube || (is_octahedral(target.to) && std::abs(r[1][1] - 1) <= rounding)) {
-    for (int column = 0; column < 3; ++column)
-      for (int row = 0; row < 3; ++row)
-        if (!near_whole(r[column][row], rounding)) return false;
-    return true;
-  }
-  if (target.to != Projection::latlong || std::abs(r[1][1] - 1) > rounding) return false;
-  return near_whole(portable::atan2(r[2][0], r[2][2]) / (2 * pi) * source.width(), rounding * source.width());
+  if (target.to == Projection::latlong)
+    return std::abs(std::abs(r[1][1]) - 1) <= rounding &&
+           near_whole(portable::atan2(r[2][0], r[2][2]) / (2 * pi) * source.width(), rounding * source.width());
+  if (!by_right_angles(r, rounding)) return false;
+  const bool folded = is_octahedral(target.to);
+  const double kept = folded ? r[1][1] : r[2][2];
+  const bool ends_change = folded ? target.size % 2 == 0 : target.to == Projection::paraboloid;
+  return target.to == Projection::cube || kept > 0.5 || (kept < -0.5 && ends_change);
 }
 
 bool copies_texels(const Target& target, const Level& source) {
@@ -118,7 +129,7 @@ FilterChoice exact_copy(const Target& target, const FilterOptions& filter) {
 // Texels of the result between looks at the memory of a source in a scratch file: each place may bring in 16 pages, a
 // large area more than that.
 std::size_t between_trims(const Target& target, const Level& source) {
-  if (source.max_memory() == 0) return std::numeric_limits<std::size_t>::max();
+  if (source.max_memory() == 0 || is_source(target, source)) return std::numeric_limits<std::size_t>::max();
   const double covers = covered(target, source);
   return std::size_t(std::clamp(256 * 64 / (covers * covers), 1.0, 256.0));
 }
@@ -131,6 +142,7 @@ struct Resampler::Prepared {
   Prepared& operator=(const Prepared&) = delete;
 
   void fill(int face, int row, std::span<Colour> out) const;
+  void copy(int face, int row, int first, std::span<Colour> out) const;
 
   Frame frame;
   Target target;
@@ -138,7 +150,7 @@ struct Resampler::Prepared {
   double gain;
   bool mirrored;
   std::optional<FilterChoice> choice;
-  std::optional<Level> unchanged;   // The source, where its texels are the result's own and nothing is resampled.
+  std::optional<Level> copied;      // The source, where its texels are the result's own and nothing is resampled.
   std::vector<PaddedLevel> levels;  // Else what the filter reads.
   Sampler sampler;
   std::size_t texels_between_trims;
@@ -154,35 +166,53 @@ Resampler::Prepared::Prepared(EnvironmentMap&& source, const ConvertOptions& opt
   require_finite(source);
   // The mean costs more than many a conversion: exact solid angles of every texel.
   if (options.max_error || filter.filter == Filter::area) filter.floor = 1e-3 * mean_radiance(source.base());
-  const bool copies = interpolates(filter) && copies_texels(target, source.base());
-  if (copies) {
+  if (interpolates(filter) && copies_texels(target, source.base())) {
     filter.filter = Filter::nearest;
     if (options.max_error) choice = exact_copy(target, filter);
-    if (is_source(target, source.base())) {
-      unchanged = std::move(source.base());
-      return;
-    }
+    copied = std::move(source.base());
+    return;
   }
-  if ((options.max_error && !copies) || reads_levels(filter.filter)) add_levels(source.levels);
+  if (options.max_error || reads_levels(filter.filter)) add_levels(source.levels);
   for (Level& level : source.levels) levels.emplace_back(std::move(level));
-  if (options.max_error && !copies) {
+  if (options.max_error) {
     choice = choose_filter(levels, target, *options.max_error, filter.floor);
     filter = choice->filter;
   }
   sampler = make_sampler(levels, target, filter);
 }
 
+// Each texel from where the turn takes its centre.
+void Resampler::Prepared::copy(int face, int row, int first, std::span<Colour> out) const {
+  if (target.to_source == Rotation(1)) {
+    std::ranges::copy(copied->row(face, row).subspan(std::size_t(first), out.size()), out.begin());
+    return;
+  }
+  // Discs are round: half way to their middle, centres move alike, and those beyond the rim lie inside.
+  const double pull = on_disc(target.to) ? 0.5 : 1;
+  const Point2 size(copied->width(), copied->height());
+  std::vector<Point2> places(out.size());
+  for (std::size_t k = 0; k < out.size(); ++k)
+    places[k] = 0.5 + pull * (Point2(first + int(k) + 0.5, row + 0.5) / size - 0.5);
+  std::vector<Direction> d(out.size());
+  directions(target.to, face, places, d);
+  rotate(target.to_source, d);
+  std::vector<Location<double>> at(out.size());
+  locate(target.to, d, at);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const Point2 texel = size * (0.5 + (Point2(at[k].u, at[k].v) - 0.5) / pull);
+    out[k] = *copied->texel(at[k].face, int(texel.x), int(texel.y));
+  }
+}
+
 void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
   const Columns in = columns(target.to, target.size, row);
   std::ranges::fill(out, Colour(0));
   const std::span<Colour> texels = in.of(out);
-  if (unchanged) {
-    unchanged->trim();
-    std::ranges::copy(in.of(unchanged->row(face, row)), texels.begin());
-  }
-  for (std::size_t k = 0; k < texels.size() && !unchanged; k += texels_between_trims) {
-    sampler(face, row, in.first + int(k), texels.subspan(k, std::min(texels_between_trims, texels.size() - k)));
+  for (std::size_t k = 0; k < texels.size(); k += texels_between_trims) {
+    const std::span<Colour> part = texels.subspan(k, std::min(texels_between_trims, texels.size() - k));
+    copied ? copy(face, row, in.first + int(k), part) : sampler(face, row, in.first + int(k), part);
     for (const PaddedLevel& level : levels) level.trim();
+    if (copied) copied->trim();
   }
   if (gain != 1)
     for (Colour& texel : texels) texel = Colour(Rgb<double>(texel) * gain);
@@ -215,6 +245,7 @@ EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& optio
     Level& level = out.base();
     for_each_row(level.faces(), level.height(), progress,
                  [&](int face, int row) { rows.fill(face, row, level.row(face, row)); });
+    if (options.gain > 1) require_no_overflow(level, fmt::format("a gain of {:g}", options.gain), "gain");
     return out;
   });
 }

@@ -168,7 +168,7 @@ Measures measure(const EnvironmentMap& map) {
     }
   };
   const auto rows = map_level<Row>(level, [&](Row& r, int face, int j) {
-    const Columns in = level.columns(j);
+    const Columns in = level.weighted_columns(j);
     for (int i = in.first; i < in.end; ++i) {
       const Colour c = *level.texel(face, i, j);
       if (!usable(c)) continue;

@@ -68,4 +68,9 @@ const EnvironmentMap& require_radiance(const EnvironmentMap& map) {
   return map;
 }
 
+void require_no_overflow(const Level& scaled, const std::string& factor, const std::string& field) {
+  if (!all_finite(scaled))
+    throw UsageError(fmt::format("radiance exceeds 3.4e38, the largest float, at {}: lower the {}", factor, field));
+}
+
 }  // namespace envmap

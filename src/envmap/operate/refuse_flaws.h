@@ -21,4 +21,7 @@ const EnvironmentMap& require_finite(const EnvironmentMap& map);
 /// Refuses negative radiance, too.
 const EnvironmentMap& require_radiance(const EnvironmentMap& map);
 
+/// Throws UsageError where a factor has made radiance infinite. @param factor "2 stops". @param field to lower.
+void require_no_overflow(const Level& scaled, const std::string& factor, const std::string& field);
+
 }  // namespace envmap

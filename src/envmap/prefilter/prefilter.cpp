@@ -17,6 +17,7 @@
 #include "envmap/map/atlas.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/hinge.h"
 #include "envmap/prefilter/prepared_source.h"
@@ -185,6 +186,7 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
   done.seconds = seconds_since(start);
   done.floor = 1e-3 * prepared_->light.mean * factor(wanted);
   scale(done.map.base(), factor(wanted));
+  if (wanted.scale) require_no_overflow(done.map.base(), fmt::format("a scale of {:g}", *wanted.scale), "scale");
   return done;
 }
 

@@ -74,15 +74,16 @@ Columns columns(Projection p, int size, int row) {
   check_row(size, row);
   return visit(p, [&](auto q) -> Columns {
     using P = decltype(q);
-    if constexpr (P::filled) {
-      return {0, size * P::aspect};
-    } else {
-      // Nearest |t| of the row, in texels from the middle; the disc's half width there, widened to whole texels.
-      const double middle = 0.5 * size, near = std::max({0.0, row - middle, middle - row - 1});
-      const double half = std::sqrt(middle * middle - near * near);
-      return {int(std::floor(middle - half)), int(std::ceil(middle + half))};
-    }
+    return P::filled ? Columns{0, size * P::aspect} : disc_columns(size, row);
   });
+}
+
+Columns disc_columns(int size, int row) {
+  check_row(size, row);
+  // Nearest |t| of the row, in texels from the middle; the disc's half width there, widened to whole texels.
+  const double middle = 0.5 * size, near = std::max({0.0, row - middle, middle - row - 1});
+  const double half = std::sqrt(middle * middle - near * near);
+  return {int(std::floor(middle - half)), int(std::ceil(middle + half))};
 }
 
 int facet(Projection p, const Location<double>& at) {

@@ -16,9 +16,9 @@ namespace ENVMAP_EXPORT envmap {
 enum class Projection { latlong, cube, sphere, paraboloid, angular, octahedral, equal_area };
 
 /// In the order of the enumerators.
-inline constexpr Projection all_projections[] = {Projection::latlong, Projection::cube, Projection::sphere,
-                                                 Projection::paraboloid, Projection::angular,
-                                                 Projection::octahedral, Projection::equal_area};
+inline constexpr Projection all_projections[] = {Projection::latlong,    Projection::cube,    Projection::sphere,
+                                                 Projection::paraboloid, Projection::angular, Projection::octahedral,
+                                                 Projection::equal_area};
 
 /// A point of a face: u runs right and v down, both [0,1]; texel (i,j) of W x H has its centre at ((i+.5)/W, (j+.5)/H).
 template <class T>
@@ -30,12 +30,12 @@ struct Location {
 const char* name(Projection p);        ///< As users type it.
 std::string identifier(Projection p);  ///< The same as a name in GLSL or C: equal_area.
 int faces(Projection p);
-int aspect(Projection p);        ///< Width over height of a face.
+int aspect(Projection p);  ///< Width over height of a face.
 /// Texels of a map whose faces are `size` high, as an image of all of them holds: outside of discs, too.
 double texel_count(Projection p, int size);
-bool on_disc(Projection p);      ///< Only the unit disc of a face carries weight.
+bool on_disc(Projection p);        ///< Only the unit disc of a face carries weight.
 bool is_octahedral(Projection p);  ///< A square folded onto itself: octahedron.h.
-bool has_forward(Projection p);  ///< The image has a centre that can be chosen.
+bool has_forward(Projection p);    ///< The image has a centre that can be chosen.
 /// @return the projection of that name, or nothing.
 std::optional<Projection> projection_named(std::string_view name);
 
@@ -55,6 +55,8 @@ struct Columns {
   }
 };
 Columns columns(Projection p, int size, int row);
+/// Those that touch the disc, also where the corners beside it are filled.
+Columns disc_columns(int size, int row);
 
 /// Unit vectors (image frame) at the centres of texels [first, first + out.size()) of a row of a face `size` high.
 /// A texel whose centre lies outside the disc but which reaches into it is sampled inside: half way between its
