@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 #include "command.h"
@@ -90,11 +91,15 @@ std::optional<int> face_of(const Request& o, const Source& source, const std::st
 
 // Of a prefiltered level, such as ", roughness 0.2".
 std::string lobe_in_words(const Facts& facts, std::size_t level) {
-  for (const char* parameter : {"roughness", "exponent"})
-    if (const auto found = facts.find(parameter); found != facts.end())
-      if (const auto values = split(found->second, ','); level < values.size())
-        return fmt::format(", {} {}", parameter, values[level]);
-  return "";
+  const auto value = [&](const char* parameter) {
+    const auto found = facts.find(parameter);
+    const std::vector<std::string> all = found == facts.end() ? std::vector<std::string>() : split(found->second, ',');
+    return level < all.size() ? all[level] : "";
+  };
+  if (const std::string roughness = value("roughness"); !roughness.empty())
+    return fmt::format(", roughness {:.3g}", std::strtod(roughness.c_str(), nullptr));
+  const std::string exponent = value("exponent");
+  return exponent.empty() ? "" : ", exponent " + exponent;
 }
 
 // The map, or all its levels.
@@ -119,16 +124,21 @@ std::vector<Tile> maps_of(const Source& source, const std::string& input, const 
   return tiles;
 }
 
-// Below the maps: what one of them lights, and how bright it is.
-void add_studies(std::vector<TileRow>& rows, const Source& source, const Look& look, int width, const Request& o) {
+// Below the maps: what one of them lights, and how bright it is. @param before captions: its name, of several.
+void add_studies(std::vector<TileRow>& rows, const Source& source, const std::string& before, const Look& look,
+                 int width, const Request& o) {
   constexpr int balls = 5;
-  if (o.balls) rows.push_back(lit_balls(source.map, look.show, (width - (balls - 1) * sheet_border) / balls));
+  if (o.balls) {
+    TileRow lit = lit_balls(source.map, look.show, (width - (balls - 1) * sheet_border) / balls);
+    lit.front().caption = before + lit.front().caption;
+    rows.push_back(std::move(lit));
+  }
   if (!o.histogram) return;
   const double white = 1 / look.scale;
   rows.push_back(
       {{histogram(Luminances(source.map.base()), white, {width, o.height / 2}),
-        fmt::format("stops of luminance. Grey: share of the sphere, orange: of the light, line: white ({:.3g})",
-                    white)}});
+        fmt::format("{}stops of luminance. Grey: share of the sphere, orange: of the light, line: white ({:.3g})",
+                    before, white)}});
 }
 
 int width_of(const std::vector<TileRow>& rows) {
@@ -204,7 +214,10 @@ int run(Request& o) {
   }
   std::vector<TileRow> rows = in_columns(std::move(maps), o.columns);
   const int width = width_of(rows);
-  for (const Source& source : sources) add_studies(rows, source, *look, width, o);
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    const std::string name = std::filesystem::path(inputs[k]).filename().string();
+    add_studies(rows, sources[k], inputs.size() > 1 ? name + ": " : "", *look, width, o);
+  }
   open_depfile();
   const Picture sheet = sheet_of(rows);
   write_stored(output, sheet.size.width, sheet.pixels, Depth::uint8, {.commit = settings().commit});
