@@ -159,6 +159,14 @@ TEST_F(Levels, ReplaceNoInput) {
   fails(2, {"mipmap", "sky_0.exr", "out_{level}.exr", "--depfile", "out_1.exr"}, {"out_1.exr", "written twice"});
 }
 
+TEST_F(Levels, LeaveFilesOfOtherLevelsAlone) {
+  succeeds({"generate", "sky", "in.exr", "--size", "2"});
+  write("out_9.exr", "kept");
+  std::filesystem::permissions(path("out_9.exr"), std::filesystem::perms(0444));
+  succeeds({"mipmap", "in.exr", "out_{level}.exr"});
+  EXPECT_EQ(read("out_9.exr"), "kept");
+}
+
 TEST_F(Levels, OfLuminanceAndChromaAreOneLevel) {
   if (shell("oiiotool --pattern constant:color=.2,.4,.6 32x16 3 -d half --tile 16 16 --chnames Y,RY,BY -otex in.exr")
           .status != 0)

@@ -204,9 +204,8 @@ void check_writes(const std::string& where, const std::string& name) {
 }
 
 const Engine& engine_of(const std::string& where, const Options& options) {
-  const auto found = std::ranges::find(engines(), options.last("--for"), &Engine::name);
-  if (found == engines().end()) throw UsageError(where + ": needs --for ENGINE");
-  return *found;
+  if (const Engine* const engine = find_engine(options.last("--for"))) return *engine;
+  throw UsageError(where + ": needs --for ENGINE");
 }
 
 Job job_of(const std::string& where, const Texts& words) {

@@ -123,7 +123,7 @@ Action define_bake(Options& o) {
        "--list [ENGINE]", engine_names() + "|all",
        [&list = r->list](const std::string& word) {
          list = word;
-         return word == "all" || std::ranges::find(engines(), word, &Engine::name) != engines().end();
+         return word == "all" || find_engine(word) != nullptr;
        },
        "List the engines, or show what one engine loads")
       .alone = "all";

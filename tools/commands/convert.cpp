@@ -105,8 +105,7 @@ std::optional<BallCamera> ball_camera(const Convert& o, const EnvironmentMap& so
 }
 
 std::string words(Filter filter, int samples) {
-  const bool counts = filter == Filter::nearest || filter == Filter::bilinear || filter == Filter::bicubic;
-  return std::string(name(filter)) + (counts && samples > 1 ? fmt::format(" --samples {}", samples) : "");
+  return std::string(name(filter)) + (of_points(filter) && samples > 1 ? fmt::format(" --samples {}", samples) : "");
 }
 
 // Tells which filter was chosen for the error asked for, and what it was measured to do. False where none reached it.
@@ -215,7 +214,7 @@ void check_filter_options(const Convert& o) {
     throw UsageError(fmt::format("--max-error chooses the filter: remove {}", filter      ? "--filter"
                                                                               : o.samples ? "--samples"
                                                                                           : "--area-error"));
-  if (o.samples && filter && *filter != Filter::nearest && *filter != Filter::bilinear && *filter != Filter::bicubic)
+  if (o.samples && filter && !of_points(*filter))
     throw UsageError(
         fmt::format("--samples is for nearest, bilinear and bicubic: remove it or --filter {}", name(*filter)));
 }

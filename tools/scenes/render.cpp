@@ -3,7 +3,6 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/io/write_distances.h"
-#include "envmap/operate/measure.h"
 #include "envmap/render/choose.h"
 #include "envmap/render/context.h"
 #include "envmap/render/mirrors.h"
@@ -69,6 +68,14 @@ void warn_about_missing(const std::string& path, DrawMethod method, const Drawn&
   if (drawn.missing_solid_angle == 0) return;
   warn(fmt::format("{}: {} left out surfaces near the singularity, up to {:.2g} sr: use --method exact", path,
                    draw_method_names[std::size_t(method)], drawn.missing_solid_angle));
+}
+
+bool is_black(const Level& level) {
+  for (int face = 0; face < level.faces(); ++face)
+    for (int row = 0; row < level.height(); ++row)
+      for (const Colour& c : level.row(face, row))
+        if (c != Colour(0)) return false;
+  return true;
 }
 
 // @param black the first map that is black, or nothing.
@@ -179,7 +186,7 @@ int run(Request& o, Report& report) {
                        draw_method_names[std::size_t(method)], o.from.at.x, o.from.at.y, o.from.at.z, 1e3 * took));
     write_drawn(path, drawn, o.from.at, o);
     warn_about_missing(path, method, drawn);
-    if (black.empty() && flux(drawn.radiance.base()) == Flux{}) black = path;
+    if (black.empty() && is_black(drawn.radiance.base())) black = path;
     report.append("maps[]");
     report.put("maps[].output", path);
     report.put("maps[].seconds", took);

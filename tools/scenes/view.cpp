@@ -93,12 +93,13 @@ void save(const MirrorPainter& painter, const Request& o, const std::vector<std:
   }
 }
 
-// All files that may be written. @param maps of --save-maps.
-std::vector<std::string> with_maps(std::vector<std::string> outputs, const std::vector<std::string>& maps,
-                                   const Frames& frames) {
-  for (int frame = frames.first; !maps.empty() && frame <= frames.last; ++frame)
-    std::ranges::copy(frames.sequence ? numbered(maps, frame) : maps, std::back_inserter(outputs));
-  return outputs;
+// Of all frames.
+std::vector<std::string> all_maps(const std::vector<std::string>& maps, const Frames& frames) {
+  if (!frames.sequence || maps.empty()) return maps;
+  std::vector<std::string> all;
+  for (int frame = frames.first; frame <= frames.last; ++frame)
+    std::ranges::copy(numbered(maps, frame), std::back_inserter(all));
+  return all;
 }
 
 Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes,
@@ -219,8 +220,7 @@ int run(Request& o, Report& report) {
                      o.saved.empty() ? "--show-maps" : "--save-maps"));
   const std::vector<int> nodes = nodes_of(mirrors);
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
-  check_files(with_maps(outputs, maps, frames), loaded.inputs);
-  check_files(outputs, loaded.inputs);  // The depfile names no maps: mirrors that nobody sees have none.
+  check_files(outputs, loaded.inputs, {}, all_maps(maps, frames));  // Mirrors that nobody sees have no map.
   open_depfile();
   std::optional<MirrorPainter> painter;
   if (o.method == ViewMethod::maps) {

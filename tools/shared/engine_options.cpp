@@ -33,9 +33,8 @@ Option& add_engine(Options& o, const Engine*& engine, std::string_view help) {
       "--for ENGINE", engine_names(),
       [&engine](const std::string& word) {
         if (word == "list") throw Asked{engine_list()};
-        const auto found = std::ranges::find(engines(), word, &Engine::name);
-        if (found != engines().end()) engine = &*found;
-        return found != engines().end();
+        engine = find_engine(word);
+        return engine != nullptr;
       },
       help);
 }

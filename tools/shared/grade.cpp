@@ -7,6 +7,7 @@
 #include "cli/console.h"
 #include "envmap/base/error.h"
 #include "envmap/operate/grade.h"
+#include "envmap/operate/refuse_flaws.h"
 
 namespace tools {
 
@@ -80,11 +81,8 @@ double scale_of(const EnvironmentMap& map, const GradeOptions& o, const Flux& lu
 }  // namespace
 
 void check_finite(const Level& level, const std::string& option, const std::string& remedy) {
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < level.height(); ++j)
-      for (const Colour& c : level.row(face, j))
-        if (!std::isfinite(c.x) || !std::isfinite(c.y) || !std::isfinite(c.z))
-          throw UsageError(fmt::format("{}: radiance exceeds 3.4e38, the largest float: {}", option, remedy));
+  if (!all_finite(level))
+    throw UsageError(fmt::format("{}: radiance exceeds 3.4e38, the largest float: {}", option, remedy));
 }
 
 void grade(Source& source, const GradeOptions& o, const ColourOptions& working) {

@@ -72,20 +72,12 @@ std::string identity(const std::string& path) {
 bool is_prefiltered_chain(const Source& source) { return source.levels > 1 && source.facts.contains("lobe"); }
 
 std::vector<std::string> files_of(const std::string& path, int levels, const std::string& faces) {
-  std::vector<std::string> all;
-  if (path.empty() || path == "-") return all;
-  const FaceFiles names = face_files(faces);
-  const int count = has_face(path) ? envmap::faces(projection_of_faces(path)) : 1;
-  for (int level = 0; level < (has_level(path) ? levels : 1); ++level)
-    for (int face = 0; face < count; ++face) {
-      const std::string one = level_path(path, level);
-      all.push_back(has_face(one) ? face_path(one, face, names) : one);
-    }
-  return all;
+  if (path.empty() || path == "-") return {};
+  return files_named(path, levels, face_files(faces));
 }
 
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
-                 const FaceNames& faces) {
+                 const FaceNames& faces, const std::vector<std::string>& others) {
   depfile() = {outputs, inputs, faces, nullptr, false};
   if (settings().json && (std::ranges::find(outputs, "-") != outputs.end() || settings().depfile == "-"))
     throw UsageError("--json and the output cannot both be standard output: give a file name");
@@ -95,16 +87,19 @@ void check_files(const std::vector<std::string>& outputs, const std::vector<std:
   read.erase("");
   std::vector<std::string> files{settings().depfile};
   files.insert(files.end(), outputs.begin(), outputs.end());
+  files.insert(files.end(), others.begin(), others.end());
   // How many levels will be written is not known yet: no name that one could have is free.
-  for (const std::string& output : files)
+  for (const std::string& output : files) {
     for (const std::string& file : files_of(output, int(limits::levels.most), faces.written)) {
       const std::string id = identity(file);
       if (read.contains(id)) throw UsageError(file, "is both input and output: choose another output name");
       if (!id.empty() && !written.insert(id).second)
         throw UsageError(file, "would be written twice: give each output a name of its own");
-      // Else only what differs is replaced.
-      if (!settings().commit.if_changed) check_replaceable(file, settings().commit);
     }
+    // Else only what differs is replaced.
+    if (!settings().commit.if_changed)
+      for (const std::string& file : files_of(output, 1, faces.written)) check_replaceable(file, settings().commit);
+  }
 }
 
 void open_depfile(int levels) {

@@ -46,9 +46,10 @@ struct FaceNames {
 std::vector<std::string> files_of(const std::string& path, int levels, const std::string& faces);
 
 /// @throws UsageError where an output or the depfile is an input or another output, by whatever names, where standard
-/// input is named twice, or where a report and an output would both go to standard output.
+/// input is named twice, or where a report and an output would both go to standard output. @param others that may be
+/// written, too, without being in the depfile.
 void check_files(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
-                 const FaceNames& faces = {});
+                 const FaceNames& faces = {}, const std::vector<std::string>& others = {});
 
 /// Writes the depfile for the files of the last check_files(), if --depfile asks for one. commit_depfile() shows it.
 /// Call this before outputs are written: without a depfile there is no output. Later calls do nothing. Each input gets

@@ -124,8 +124,8 @@ struct Baking {
 
 Task make_bake_task(const std::string& name, const Source& source) {
   const std::vector<std::string> parts = parts_of(name);
-  const auto engine = std::ranges::find(engines(), parts.size() == 2 ? parts[1] : "", &Engine::name);
-  if (engine == engines().end())
+  const Engine* const engine = find_engine(parts.size() == 2 ? parts[1] : "");
+  if (engine == nullptr)
     throw UsageError(fmt::format("--task {}: bake:ENGINE, one of {}", name, engine_names()));
   const auto baking = std::shared_ptr<Baking>(new Baking{*engine, source});
   Task task{.name = name,

@@ -218,9 +218,13 @@ std::span<const Engine> engines() {
   return all;
 }
 
-const Engine& engine_named(std::string_view name) {
+const Engine* find_engine(std::string_view name) {
   const auto found = std::ranges::find(engines(), name, &Engine::name);
-  if (found != engines().end()) return *found;
+  return found == engines().end() ? nullptr : &*found;
+}
+
+const Engine& engine_named(std::string_view name) {
+  if (const Engine* const found = find_engine(name)) return *found;
   std::vector<std::string_view> names;
   for (const Engine& e : engines()) names.push_back(e.name);
   throw UsageError(fmt::format("'{}' is none of the engines {}", name, fmt::join(names, ", ")));

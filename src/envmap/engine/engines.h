@@ -61,7 +61,10 @@ struct Engine {
 /// All of them, by name.
 std::span<const Engine> engines();
 
-/// @param name such as "filament". @throws UsageError where there is no such engine.
+/// @param name such as "filament". @return null where there is no such engine.
+const Engine* find_engine(std::string_view name);
+
+/// The same. @throws UsageError where there is no such engine.
 const Engine& engine_named(std::string_view name);
 
 /// The map of an engine that has levels of rising roughness. @throws UsageError where it takes none.

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "envmap/base/error.h"
 #include "envmap/io/face_files.h"
@@ -36,6 +37,18 @@ inline std::string face_path(std::string path, int face, const FaceFiles& files)
 /// The name of one level's file: its number, from 0; the path itself where it has no mark.
 inline std::string level_path(std::string path, int level) {
   return has_level(path) ? path.replace(path.find(level_mark), level_mark.size(), std::to_string(level)) : path;
+}
+
+/// All files of a name with {face}, {half} and {level}, else the name. @param levels that there are.
+inline std::vector<std::string> files_named(const std::string& path, int levels, const FaceFiles& files) {
+  std::vector<std::string> all;
+  for (int level = 0; level < (has_level(path) ? levels : 1); ++level) {
+    const std::string one = level_path(path, level);
+    if (!has_face(one)) all.push_back(one);
+    for (int face = 0; has_face(one) && face < faces(projection_of_faces(one)); ++face)
+      all.push_back(face_path(one, face, files));
+  }
+  return all;
 }
 
 /// @throws UsageError where faces are named that are not files of their own.

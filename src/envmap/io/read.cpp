@@ -11,7 +11,6 @@
 
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
-#include "envmap/base/words.h"
 #include "envmap/io/detect_layout.h"
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
@@ -19,8 +18,7 @@
 #include "envmap/io/path.h"
 #include "envmap/io/read_colours.h"
 #include "envmap/io/read_photo.h"
-#include "envmap/io/srgb.h"
-#include "envmap/map/atlas.h"
+#include "envmap/io/read_pixels.h"
 #include "envmap/map/border.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/operate/measure.h"
@@ -28,33 +26,6 @@
 
 namespace envmap {
 namespace {
-
-// First channel of the R, G, B to read, and how many: 3, or 1 for grey.
-struct Channels {
-  int first, count;
-};
-
-bool is(const std::string& channel, char wanted) {
-  return channel.size() == 1 && std::toupper(static_cast<unsigned char>(channel[0])) == wanted;
-}
-
-Channels choose_channels(const Image& image, const ReadOptions& options) {
-  const ImageFacts& facts = image.reader->facts;
-  const std::vector<std::string>& names = facts.channels;
-  if (facts.chosen > 0) return {0, facts.chosen};
-  int first = -1, count = 3;
-  for (std::size_t c = 0; c + 2 < names.size() && first < 0; ++c)
-    if (is(names[c], 'R') && is(names[c + 1], 'G') && is(names[c + 2], 'B')) first = int(c);
-  if (first < 0 && names.size() >= 3 && !facts.names) first = 0;
-  if (names.size() == 1 && (is(names[0], 'Z') || is(names[0], 'A')))
-    image.fail(fmt::format("holds only {} ({}), no radiance", names[0], is(names[0], 'Z') ? "depth" : "alpha"));
-  if (first < 0 && (names.size() == 1 || (names.size() == 2 && is(names[1], 'A')))) first = 0, count = 1;
-  if (first < 0) image.fail(fmt::format("no R, G and B among its {} channels ({})", names.size(), some_of(names)));
-  if (std::ssize(names) == count || options.drop_channels) return {first, count};
-  std::vector<std::string> others = names;
-  others.erase(others.begin() + first, others.begin() + first + count);
-  image.fail(fmt::format("has channels besides R, G and B ({})", some_of(others)), Remedy::drop_channels);
-}
 
 void check_pixels(const Image& image, const ReadOptions& options, int width, int height, int faces) {
   const auto pixels = std::uint64_t(width) * std::uint64_t(height) * std::uint64_t(faces);
@@ -79,62 +50,6 @@ void check_size(const Image& image, const ReadOptions& options) {
     image.fail(fmt::format("{}x{} needs {:.0f} GiB of memory; this machine has {:.0f}", facts.width, facts.height,
                            bytes / 0x1p30, memory / 0x1p30),
                Remedy::limit_memory);
-}
-
-// Rows [begin, end) of a level as RGB.
-void read_band(const Image& image, int level, const Channels& channels, int begin, int end, std::span<Colour> out) {
-  // Grey values come into the last third, and are spread from the first on.
-  const std::size_t values = out.size() * std::size_t(channels.count);
-  const std::span<float> last = std::span(&out.data()->x, 3 * out.size()).last(values);
-  image.read(level, begin, end, channels.first, channels.count, last);
-  if (channels.count == 1)
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] = Colour(last[k]);
-}
-
-// The limit where the map would take more than half of it; else none.
-std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
-  const auto texels = std::size_t(image.width) * std::size_t(image.height);
-  return texels * sizeof(Colour) > max_memory / 2 ? max_memory : 0;
-}
-
-// Of a level of the map, `stored` by that number in the file.
-FaceSize face_in(const Image& image, int stored, const DetectedLayout& base, int number) {
-  const ImageFacts facts = image.reader->level_facts(stored).value_or(image.reader->facts);
-  FaceSize face = face_size(base, number);
-  const Grid places = grid(base.layout);
-  // A latlong image is all of the sphere, also where its writer rounded up.
-  const auto rounded_up = [](int is, int wanted) { return is == wanted || is == wanted + 1; };
-  if (base.projection == Projection::latlong && rounded_up(facts.width, face.width) &&
-      rounded_up(facts.height, face.height))
-    face = {facts.width, facts.height};
-  if (facts.width < places.columns * face.width || facts.height < places.rows * face.height)
-    image.fail(fmt::format("level {} is {}x{}, too small for faces of {}x{}", number, facts.width, facts.height,
-                           face.width, face.height));
-  return face;
-}
-
-// A level of the map, `stored` by that number in the file. Memory is taken when the first rows have been read: a header
-// can promise anything.
-Level read_pixels(Image& image, int stored, const Channels& channels, const DetectedLayout& base, const FaceSize& face,
-                  std::size_t max_memory, const Progress& progress) {
-  const ImageFacts facts = image.reader->level_facts(stored).value_or(image.reader->facts);
-  const Grid places = grid(base.layout);
-  // Whole rows of tiles; enough lines that every core decompresses.
-  const int unit = facts.tile_width > 0 ? facts.tile_height : 16;
-  const int band_rows = (std::max(128, unit) / unit) * unit;
-  std::vector<Colour> band(std::size_t(std::min(band_rows, facts.height)) * std::size_t(facts.width));
-  std::optional<Level> level;
-  for (int begin = 0; begin < facts.height; begin += band_rows) {
-    const int end = std::min(begin + band_rows, facts.height);
-    const auto rows = std::span(band).first(std::size_t(end - begin) * std::size_t(facts.width));
-    read_band(image, stored, channels, begin, end, rows);
-    if (facts.encoded && image.decode) decode_srgb(rows);
-    if (!level) level.emplace(base.projection, face.height, face.width, scratch(max_memory, facts));
-    scatter(rows, facts.width, begin, end, places, *level);
-    level->trim();
-    if (progress) progress(double(end) / facts.height);
-  }
-  return std::move(*level);
 }
 
 // The numbers of the levels to read, of those there are.
@@ -166,9 +81,7 @@ DetectedLayout detect_layout(const Image& image, const ReadOptions& options, con
 // A level, `stored` by that number in the file.
 Level read_level(Image& image, const ReadOptions& options, int stored, const DetectedLayout& base, int number,
                  const Progress& progress) {
-  if (!image.texture)
-    return read_pixels(image, stored, choose_channels(image, options), base, face_in(image, stored, base, number),
-                       options.max_memory, progress);
+  if (!image.texture) return read_pixels(image, options, stored, base, face_in(image, stored, base, number), progress);
   try {
     return read_texture(*image.file, *image.texture, stored, base, number, options.drop_channels);
   } catch (const InputError& e) {
@@ -431,9 +344,8 @@ Source read_photo(Image& image, const ReadOptions& options, const Progress& prog
   source.claimed = claimed_space(image, recorded, options.colour);
   source.border_samples = false, source.levels = 1;
   const FaceSize whole{source.image_width, source.image_height};
-  source.map.levels.push_back(read_pixels(image, 0, choose_channels(image, options),
-                                          {Projection::latlong, Layout::single, whole.height}, whole,
-                                          options.max_memory, progress));
+  source.map.levels.push_back(
+      read_pixels(image, options, 0, {Projection::latlong, Layout::single, whole.height}, whole, progress));
   return source;
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -21,7 +20,6 @@
 #include "envmap/io/level_images.h"
 #include "envmap/io/limit.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/openexr.h"
 #include "envmap/io/orientation.h"
 #include "envmap/io/output_file.h"
 #include "envmap/io/path.h"
@@ -40,8 +38,6 @@
 
 namespace envmap {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -172,27 +168,6 @@ std::optional<KhrColour> described(const Metadata& data, const ColourOptions& co
   return khr_colour(said ? std::optional(primaries(*said)) : std::nullopt, curve);
 }
 
-// Refuses values that other programs would take for linear, and primaries that the file cannot name.
-void check_space(const std::string& path, const FileFormat& format, Depth depth, const WriteOptions& options) {
-  const ColourOptions& colour = options.colour;
-  if (colour.space.empty()) return;
-  const bool linear = curve_of(colour.config, colour.space) == Curve::linear;
-  if (!linear && !format.can(FileFormat::encoded_values))
-    throw UsageError(path, fmt::format("{} files hold linear values and cannot say that they are encoded: choose a "
-                                       "linear space, or .exr",
-                                       format.title));
-  if (!linear && !is_integer(depth) && !options.encoded)
-    throw UsageError(path,
-                     fmt::format("{} is encoded, and programs take the values of {} files for linear", colour.space,
-                                 format.title),
-                     Remedy::choose_linear);
-  const std::optional<Primaries> stored = primaries_of(colour.config, colour.space);
-  if (format.names && !(stored && format.names(*stored)))
-    throw UsageError(
-        path, fmt::format("{} has no number for the primaries of {}: choose ACEScg or another standard space, or .exr",
-                          format.title, colour.space));
-}
-
 // Names the file at fault.
 template <class F>
 void naming(const std::string& path, F&& action) {
@@ -293,21 +268,6 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   return done;
 }
 
-void check_compression(const std::string& path, const FileFormat& format, const std::string& wanted) {
-  if (wanted.empty()) return;
-  if (!format.can(FileFormat::compression)) throw UsageError(path, "a compression is chosen for .exr files alone");
-  const auto colon = wanted.find(':');
-  const std::string kind = wanted.substr(0, colon), level = colon == std::string::npos ? "" : wanted.substr(colon + 1);
-  const bool zip = kind.starts_with("zip"), dwa = kind.starts_with("dwa");
-  const bool number = !level.empty() && level.size() < 6 && level.find_first_not_of("0123456789") == std::string::npos;
-  const int n = number ? std::stoi(level) : 0;
-  if (!is_compression(kind) || (colon != std::string::npos && !(zip && n >= 1 && n <= 9) && !(dwa && n >= 1)))
-    throw UsageError(
-        fmt::format("compression {}: is none of none, rle, zips, zip, piz, pxr24, b44, b44a, dwaa, dwab, "
-                    "zip:1 to zip:9, dwaa:N and dwab:N",
-                    wanted));
-}
-
 // A chain that was read may round as its writer did; what is written is halved and rounded down.
 void check_sizes(const std::string& path, std::span<const Rows> levels) {
   for (std::size_t k = 0; k < levels.size(); ++k) {
@@ -339,49 +299,6 @@ void check_rows(const std::string& path, std::span<const Rows> levels, const Wri
       throw UsageError(path, fmt::format("rows must lie within 0 to {}, not {} to {}", height, begin, end));
   }
 }
-
-}  // namespace
-
-void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
-  std::error_code error;
-  if (path != "-" && fs::is_directory(path, error)) throw OutputError(path, "is a folder: give a file name");
-  check_marks(path);
-  const std::string ext = extension(path, options);
-  const FileFormat* format = format_with_extension(ext);
-  if (!format) {
-    const std::string known = writable_extensions(projection, levels && !has_level(path));
-    if (ext.empty()) throw UsageError(path, "has no file type: end the name in " + known, Remedy::choose_format);
-    throw UsageError(path, fmt::format("cannot write .{} files: try {}", ext, known));
-  }
-  if (const FileFormat* named = format_with_extension(extension_of(path)); path != "-" && named && named != format)
-    throw UsageError(path, fmt::format("is named as a {} file, and the format asked for is {}: make the two agree",
-                                       named->title, format->title));
-  choose_depth(*format, options);
-  if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
-  const Layout layout = choose_layout(path, *format, options, projection);
-  check_faces(path, options.faces);
-  face_files(options.faces);
-  if (options.openexr_envmap &&
-      (!format->can(FileFormat::envmap_mark) || (layout != Layout::column && projection != Projection::latlong)))
-    throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
-  if (options.border > 0 && !is_octahedral(projection))
-    throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
-  if (!options.rows.empty() && (!format->can(FileFormat::row_range) || layout == Layout::files || has_level(path) ||
-                                options.openexr_envmap || options.border > 0))
-    throw UsageError(path, "a part of a map is one .exr file, without borders: merge writes other formats");
-  check_compression(path, *format, options.compression);
-  if (options.zstd && !format->can(FileFormat::zstd)) throw UsageError(path, "Zstandard is for .ktx2 files");
-  if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
-    throw UsageError(path, fmt::format("{} one level: put {{level}} into the file name",
-                                       layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
-  const FaceFiles names = face_files(options.faces);
-  for (int face = 0; face < (has_face(path) ? faces(projection) : 1); ++face) {
-    const std::string first = level_path(path, 0);
-    require_folder_of(has_face(path) ? face_path(first, face, names) : first);
-  }
-}
-
-namespace {
 
 // To files, or into memory.
 Written write_checked(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,

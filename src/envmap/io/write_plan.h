@@ -32,6 +32,9 @@ void check_marks(const std::string& path);
 /// @throws UsageError where the format does not hold what was asked for.
 Depth choose_depth(const FileFormat& format, const WriteOptions& options);
 
+/// @throws UsageError where other programs would take the values for linear, or the file cannot name the primaries.
+void check_space(const std::string& path, const FileFormat& format, Depth depth, const WriteOptions& options);
+
 /// @throws UsageError where the format, the file name or the projection has no such layout.
 Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p);
 

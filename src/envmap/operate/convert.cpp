@@ -116,9 +116,7 @@ FilterOptions make_filter(const Target& target, const Level& source, const Conve
 }
 
 // Whether the filter gives a texel's own value back at its centre.
-bool interpolates(const FilterOptions& f) {
-  return f.samples == 1 && (f.filter == Filter::nearest || f.filter == Filter::bilinear || f.filter == Filter::bicubic);
-}
+bool interpolates(const FilterOptions& f) { return f.samples == 1 && of_points(f.filter); }
 
 // The choice where every texel of the result is one of the source.
 FilterChoice exact_copy(const Target& target, const FilterOptions& filter) {

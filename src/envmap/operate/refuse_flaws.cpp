@@ -5,6 +5,7 @@
 #include <atomic>
 #include <bit>
 #include <cstdint>
+#include <limits>
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
@@ -12,28 +13,32 @@
 namespace envmap {
 namespace {
 
-// A float is NaN or infinite where all bits of its exponent are set. The loop has no branches: it runs at the
-// memory's pace.
-bool all_finite(std::span<const Colour> texels) {
+// All bits of its exponent are set where a float is NaN or infinite.
+bool is_finite(float x) {
   constexpr std::uint32_t exponent = 0x7f800000;
-  std::uint32_t bad = 0;
-  for (const Colour& c : texels)
-    for (const float x : {c.x, c.y, c.z})
-      bad |= std::uint32_t{(std::bit_cast<std::uint32_t>(x) & exponent) == exponent};
-  return bad == 0;
+  return (std::bit_cast<std::uint32_t>(x) & exponent) != exponent;
 }
+bool is_radiance(float x) { return x >= 0 && x <= std::numeric_limits<float>::max(); }
 
-bool all_finite(const Level& level) {
+// The inner loop has no branches: it runs at the memory's pace.
+template <bool is_sound(float)>
+bool all(const Level& level) {
   std::atomic<bool> sound{true};
   parallel_ranges(level.faces() * level.height(), 16, [&](int begin, int end) {
-    for (int k = begin; k < end; ++k)
-      if (!all_finite(level.row(k / level.height(), k % level.height()))) sound = false;
+    for (int k = begin; k < end; ++k) {
+      std::uint32_t bad = 0;
+      for (const Colour& c : level.row(k / level.height(), k % level.height()))
+        for (const float x : {c.x, c.y, c.z}) bad |= std::uint32_t{!is_sound(x)};
+      if (bad != 0) sound = false;
+    }
     level.trim();
   });
   return sound;
 }
 
 }  // namespace
+
+bool all_finite(const Level& level) { return all<is_finite>(level); }
 
 std::string flaw_words(const Flaws& flaws, const Level& level, const std::string& shown) {
   std::string counts;
@@ -63,6 +68,7 @@ const EnvironmentMap& require_finite(const EnvironmentMap& map) {
 }
 
 const EnvironmentMap& require_radiance(const EnvironmentMap& map) {
+  if (all<is_radiance>(map.base())) return map;
   if (const Flaws flaws = find_flaws(map.base()); flaws.count() > 0)
     throw InputError(flaw_words(flaws, map.base()), Remedy::repair);
   return map;

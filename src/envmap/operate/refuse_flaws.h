@@ -14,6 +14,9 @@ namespace envmap {
 /// @param flaws of which count() is not 0. @param shown what stands after "texels": " of level 1".
 std::string flaw_words(const Flaws& flaws, const Level& level, const std::string& shown = {});
 
+/// Whether no texel is NaN or infinite, also of those that carry no weight.
+bool all_finite(const Level& level);
+
 /// Throws InputError where a texel that carries weight is NaN or infinite. @return the level, or the map.
 const Level& require_finite(const Level& level, const std::string& shown = {});
 /// Checks level 0.

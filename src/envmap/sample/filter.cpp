@@ -107,18 +107,19 @@ Sampler make_probes(const Levels& levels, const Target& target,
 }
 
 constexpr std::array<FilterInfo, 7> all_filters{{
-    {Filter::nearest, "nearest", "Source texel at the centre of each output texel", false},
-    {Filter::bilinear, "bilinear", "Bilinear interpolation at this point", false},
-    {Filter::bicubic, "bicubic", "Catmull-Rom interpolation, clamped to the range of the four nearest texels", false},
+    {Filter::nearest, "nearest", "Source texel at the centre of each output texel", false, true},
+    {Filter::bilinear, "bilinear", "Bilinear interpolation at this point", false, true},
+    {Filter::bicubic, "bicubic", "Catmull-Rom interpolation, clamped to the range of the four nearest texels", false,
+     true},
     {Filter::trilinear, "trilinear",
      "Interpolates between two mip levels. Never aliases, but blurs texels that are long and narrow in the source",
-     true},
-    {Filter::sat, "sat", "Mean over an axis-aligned box in the source, from a summed-area table", false},
-    {Filter::ewa, "ewa", "Mean of several trilinear samples along an ellipse that covers the texel", true},
+     true, false},
+    {Filter::sat, "sat", "Mean over an axis-aligned box in the source, from a summed-area table", false, false},
+    {Filter::ewa, "ewa", "Mean of several trilinear samples along an ellipse that covers the texel", true, false},
     {Filter::area, "area",
      "Solid-angle mean of the bilinearly reconstructed source over the exact footprint, to within the "
      "area error. The reference",
-     false},
+     false, false},
 }};
 
 using Make = Sampler (*)(const Levels&, const Target&, const FilterOptions&);

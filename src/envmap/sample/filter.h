@@ -34,6 +34,7 @@ struct FilterInfo {
   std::string_view name;
   std::string_view summary;  ///< Continues "the filter ...", for people.
   bool reads_levels;         ///< Reads mip levels beyond the base.
+  bool of_points;            ///< Looks at points, of which FilterOptions::samples says how many.
 };
 
 /// In the order of the enumerators.
@@ -41,5 +42,6 @@ std::span<const FilterInfo> filters();
 
 inline std::string_view name(Filter f) { return filters()[std::size_t(f)].name; }
 inline bool reads_levels(Filter f) { return filters()[std::size_t(f)].reads_levels; }
+inline bool of_points(Filter f) { return filters()[std::size_t(f)].of_points; }
 
 }  // namespace envmap
