@@ -38,7 +38,7 @@ struct Rule {
   alignas(64) float at_lanes[most] = {}, weight_lanes[most] = {};  ///< The same; beyond, the last place and no weight.
 
   template <std::size_t N>
-  Rule(const std::array<double, N>& nodes, const std::array<double, N>& weights, std::size_t panels)
+  constexpr Rule(const std::array<double, N>& nodes, const std::array<double, N>& weights, std::size_t panels)
       : count(N * panels), panel(1.0 / double(panels)) {
     for (std::size_t k = 0; k < count; ++k) {
       at[k] = (double(k / N) + 0.5 + 0.5 * nodes[k % N]) * panel;
@@ -48,17 +48,13 @@ struct Rule {
   }
 };
 
-/// Four points a panel.
-inline Rule four_points(std::size_t panels) { return {node, node_weight, panels}; }
-/// Two or three of a side: for texels far from a pole, or where a lobe is flat.
-inline Rule two_points() {
-  constexpr double x = 0.577350269189625765;
-  return {std::array{-x, x}, std::array{1.0, 1.0}, 1};
-}
-inline Rule three_points() {
-  constexpr double x = 0.774596669241483377, outer = 5.0 / 9, inner = 8.0 / 9;
-  return {std::array{-x, 0.0, x}, std::array{outer, inner, outer}, 1};
-}
+inline constexpr double two_node = 0.577350269189625765, three_node = 0.774596669241483377;
+/// Two or three points of a side: for texels far from a pole, or where a lobe is flat.
+inline constexpr Rule two_points(std::array{-two_node, two_node}, std::array{1.0, 1.0}, 1),
+    three_points(std::array{-three_node, 0.0, three_node}, std::array{5.0 / 9, 8.0 / 9, 5.0 / 9}, 1);
+/// Four points on each of 1, 2 or 4 panels.
+inline constexpr std::array<Rule, 3> four_points{Rule(node, node_weight, 1), Rule(node, node_weight, 2),
+                                                 Rule(node, node_weight, 4)};
 
 /// sin(t) and 1 - cos(t) of small angles, without loss of digits. @param t up to 0.4, to 1e-16.
 struct SmallAngle {

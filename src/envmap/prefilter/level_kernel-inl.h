@@ -108,14 +108,20 @@ HWY_INLINE V log2_near_one(V x) {
   return hn::Mul(x, series(D(), x, unit, unit / 2, unit / 3));
 }
 
+// (1 - y)^power
+HWY_INLINE V power_of(const LevelKernel& k, V y) {
+  const D d;
+  const V log = k.part * k.end <= narrow_end ? log2_near_one(hn::Min(y, hn::Set(d, 1))) : log2_one_minus(d, y);
+  return exp2_small(d, hn::Mul(hn::Set(d, k.power), log));
+}
+
 template <bool cosine>
 struct OfPower {
   const LevelKernel& k;
   HWY_INLINE V operator()(V x) const {
     const D d;
-    const V t = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x)), y = hn::Mul(hn::Set(d, k.part), x);
-    const V log = k.part * k.end <= narrow_end ? log2_near_one(hn::Min(y, hn::Set(d, 1))) : log2_one_minus(d, y);
-    V value = exp2_small(d, hn::Mul(hn::Set(d, k.power), log));
+    const V t = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x));
+    V value = power_of(k, hn::Mul(hn::Set(d, k.part), x));
     if (cosine) value = hn::Sub(hn::Mul(value, t), hinges(k, t));
     return hn::IfThenElseZero(hn::Lt(x, hn::Set(d, k.end)), value);
   }

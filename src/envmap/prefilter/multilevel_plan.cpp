@@ -17,12 +17,15 @@ struct Splitting {
   bool quartic;    // q = 4, else 3.
   double kappa;  // Error of one light at any angle: kappa x the lobe there + bend x what 0.001 x the mean makes of it.
   double bend;
-  double per_sigma;                 // Steps in the width of a Phong lobe.
+  double per_sigma;                 // Steps in the width of a Phong lobe of exponent 2000.
   double uneven_ggx, uneven_power;  // Of LevelKernel.
 };
-constexpr Splitting at_1e3{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 4.2, 0.36, 4.2};
-constexpr Splitting at_4e4{8.5, 5.7, 0.2, false, 1.7e-4, 1.3e-4, 4.5, 0.3, 3.8};
-constexpr Splitting at_1e4{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 5.2, 0.16, 3};
+constexpr Splitting at_1e3{7.5, 5, 0.2, false, 4.2e-4, 3.5e-4, 3.6, 0.85, 4.2};
+constexpr Splitting at_4e4{8.5, 5.7, 0.2, false, 1.9e-4, 1.4e-4, 4.0, 0.43, 3.8};
+constexpr Splitting at_1e4{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 4.8, 0.23, 3};
+
+// The light of a cube is laid on two grids in turn.
+constexpr double finer_for_cubes = 1.06;
 
 // 0.001 x the mean of three channels, over the flux of a light in one.
 constexpr double floor_density = 1e-3 / (12 * pi);
@@ -79,7 +82,9 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const Splitting& s, int m
 std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int least, double error, const Splitting& s,
                                             int max_rows, MultilevelPlan plan) {
   k.uneven = float(s.uneven_power), plan.width = width;
-  const int rows = std::max(least, rows_for(width / s.per_sigma));
+  // Tails need finer grids the farther out they come down to 0.001 x the mean.
+  const double tail = portable::log(k.scale / floor_density);
+  const int rows = std::max(least, rows_for(width / (s.per_sigma * std::max(0.92, tail / 16.3))));
   max_rows = std::min(2 * max_rows, 2048);  // A power is cut off many widths away, and so sees more texels.
   // Cut where what is left is small beside 0.001 x the mean.
   const double left = portable::log(k.scale / (0.02 * error * floor_density));
@@ -122,16 +127,17 @@ int MultilevelPlan::finest() const {
   return steps.empty() ? least_rows : std::ranges::max_element(steps, {}, &Step::rows)->rows;
 }
 
-std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int max_rows) {
+std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int max_rows, Projection source) {
   if (error < 1e-4) return std::nullopt;
-  const Splitting& s = error < 4e-4 ? at_1e4 : error < 1e-3 ? at_4e4 : at_1e3;
+  Splitting s = error < 4e-4 ? at_1e4 : error < 1e-3 ? at_4e4 : at_1e3;
+  if (source == Projection::cube) s.per_sigma *= finer_for_cubes;
   std::optional<MultilevelPlan> plan;
   if (const auto* ggx = std::get_if<Ggx>(&lobe)) plan = plan_of(*ggx, s, max_rows);
   if (const auto* phong = std::get_if<Phong>(&lobe)) plan = plan_of(*phong, error, s, max_rows);
   if (const auto* blinn = std::get_if<BlinnPhong>(&lobe)) plan = plan_of(*blinn, error, s, max_rows);
   if (plan)
     plan->error = s.kappa, plan->floor_error = s.bend,
-    plan->hinge_error = (error - s.kappa - s.bend - 2 * MultilevelPlan::rounding) / (1 + 2 * error);
+    plan->hinge_error = (error - s.kappa - 2 * MultilevelPlan::rounding) / (1 + 2 * error) - s.bend;
   return plan;
 }
 

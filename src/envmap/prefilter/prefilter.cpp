@@ -79,7 +79,8 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
     return Method::prefix_sums;
   }
   if (splits && serves_multilevel(from.texels()))
-    if (const auto plan = multilevel_plan(lobe, error, finest_rows(from.texels(), double(texels)));
+    if (const auto plan =
+            multilevel_plan(lobe, error, finest_rows(from.texels(), double(texels)), from.texels().projection());
         plan && (!any || plan->is_quick(from.texels(), texels, error))) {
       if (!black) multilevel_map(*plan, from.multilevel(*plan, error), map);
       return Method::multilevel;
