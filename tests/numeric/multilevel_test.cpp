@@ -297,6 +297,20 @@ TEST(Multilevel, AutoTakesItForNarrowLobes) {
   EXPECT_EQ(method(Shape::charlie, 0.5, 1e-3), Method::hierarchical);
 }
 
+// The treecode shares its work among texels next to each other.
+TEST(Multilevel, AutoTakesPrefixSumsForFewTexels) {
+  const EnvironmentMap map =
+      made(Projection::cube, 16, [](int f, int i, int j, int) { return float((f + i + j) % 3); });
+  const auto method = [&](int size, double error) {
+    std::vector<char> rows(std::size_t(6 * size));
+    rows[0] = 1;
+    return PrefilterSource(map).make({.shape = Shape::diffuse, .size = size, .rows = rows, .max_error = error}).method;
+  };
+  EXPECT_EQ(method(16, 1e-3), Method::prefix_sums);
+  EXPECT_EQ(method(128, 1e-5), Method::prefix_sums);
+  EXPECT_EQ(method(128, 1e-3), Method::hierarchical);
+}
+
 TEST(Multilevel, LobesThatHaveNoBound) {
   for (const Case& c :
        {Case{Shape::charlie, 0.5}, Case{Shape::phong, 3}, Case{Shape::blinn_phong, 1}, Case{Shape::diffuse, 0}})

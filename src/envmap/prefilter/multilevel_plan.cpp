@@ -4,6 +4,7 @@
 
 #include "envmap/maths/portable.h"
 #include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/treecode.h"
 
 namespace envmap::prefiltering {
 
@@ -143,9 +144,8 @@ std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, in
 
 bool MultilevelPlan::is_quick(const Level& from, std::size_t texels, double max_error) const {
   const double size = double(index_of(from, {from.faces(), 0, 0})), outputs = double(texels);
-  constexpr double most = 1 << 24;  // Texels that a tree of nodes is made of: it takes 30 bytes for each.
   const bool cube = from.projection() == Projection::cube;
-  if (steps.empty() || size > most || (core && !cube)) return true;
+  if (steps.empty() || size > most_tree_texels || (core && !cube)) return true;
   // In nanoseconds of two cores: what the source takes, and each output. A cube is laid on grids point by point.
   const bool ggx = steps.front().kernel.kind == LevelKernel::Kind::ggx;
   double once = (cube ? 30 : 12) * size + 80.0 * finest() * finest(), each = core ? 7000 : 0;
@@ -162,8 +162,7 @@ bool MultilevelPlan::is_quick(const Level& from, std::size_t texels, double max_
       each += (ggx ? 0.5 : 0.9) * s.window();
   }
   // A broad lobe sees most of its grids, where a tree takes a few large nodes.
-  const double root = portable::cbrt(1e3 * max_error), fine = 4.5 * pi / (width * root * root);
-  return once + outputs * each < 22 * size + 2.2e6 * fine + outputs * (700 + 28 * fine);
+  return once + outputs * each < treecode_cost(from, outputs, max_error, width);
 }
 
 }  // namespace envmap::prefiltering

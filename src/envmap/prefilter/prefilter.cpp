@@ -74,7 +74,8 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
   if (wanted.method == Method::exact || error < finest) return Method::exact;
   const bool black = from.light.mean <= 0;
   if (black) std::ranges::fill(map.bounds, 0.F);
-  if (const auto weight = hinge_polynomial(lobe); weight && (splits || wanted.method == Method::prefix_sums)) {
+  if (const auto weight = hinge_polynomial(lobe);
+      weight && (any ? weight->is_quick(from.texels(), texels, error) : wanted.method != Method::hierarchical)) {
     if (!black) hinge_map(from.hinges(weight->order(), error), *weight, error, from.light.mean, map);
     return Method::prefix_sums;
   }

@@ -209,6 +209,12 @@ double error_figure(const Traversal& found, const Tile& tile) {
   return found.figure(*std::ranges::max_element(crossed));
 }
 
+double treecode_cost(const Level& source, double texels, double max_error, double width) {
+  const double size = double(index_of(source, {source.faces(), 0, 0}));
+  const double root = portable::cbrt(1e3 * max_error), fine = 4.5 * pi / (width * root * root);
+  return 22 * size + 2.2e6 * fine + texels * (700 + 28 * fine);
+}
+
 void treecode_prefilter(const Tree& tree, const Lobe& lobe, double max_error, const Making& map) {
   const Job job{tree, lobe, max_error, tile_radius(lobe), map};
   const int width = map.out.width(), height = map.out.height();

@@ -29,6 +29,13 @@ namespace envmap::prefiltering {
 /// step that runs along texels is off the same way in all of them.
 double error_figure(const Traversal& found, const Tile& tile);
 
+/// Texels that a tree can be made of without much memory: it takes 30 bytes for each.
+inline constexpr double most_tree_texels = 1 << 24;
+
+/// About how long a map takes, in nanoseconds of two cores (measured), with what the source takes.
+/// @param texels of the map. @param width of the lobe, in radians.
+double treecode_cost(const Level& source, double texels, double max_error, double width);
+
 /// Sets texels whose bound is not below max_error yet, each with its figure: a tile's nodes are opened until its own
 /// figure is. Texels that would take so many nodes that the exact sum is quicker are left as they are. Rows that are
 /// not wanted may be set, too.
