@@ -85,12 +85,12 @@ struct PowerRow {
 // The mean of a row over a panel of a texel's width, with v in its middle: its binary logarithm is a polynomial of
 // t = w / most.
 struct PowerPolynomial {
-  float turn;  // t / v
+  float per_v;  // t / v
   float factor[Polynomial::terms];
 
   HWY_INLINE V mean_of(V v) const {
     const D d;
-    const V t = hn::Mul(v, hn::Set(d, turn)), tt = hn::Mul(t, t);
+    const V t = hn::Mul(v, hn::Set(d, per_v)), tt = hn::Mul(t, t);
     const auto f = [&](std::size_t n) HWY_ATTR { return hn::Set(d, factor[n]); };
     const V even = hn::Add(f(0), hn::Mul(tt, hn::Add(f(2), hn::Mul(tt, f(4)))));
     const V odd = hn::Add(f(1), hn::Mul(tt, hn::Add(f(3), hn::Mul(tt, f(5)))));
@@ -116,8 +116,8 @@ class PowerColumns {
       }
       for (std::size_t n = 0; n < Polynomial::terms; ++n) {
         factors_[i][n] = 0;
-        for (std::size_t k1 = 0; k1 < Polynomial::terms; ++k1)
-          factors_[i][n] += polynomial.factor[n][k1] * double(logs[k1]);
+        for (std::size_t j = 0; j < Polynomial::terms; ++j)
+          factors_[i][n] += polynomial.factor[n][j] * double(logs[j]);
       }
     }
   }

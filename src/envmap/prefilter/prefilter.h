@@ -99,10 +99,10 @@ class PrefilterSource {
   /// What is prefiltered, radiance constant over each texel, and what errors are counted from: the map or its cube.
   [[nodiscard]] const EnvironmentMap& source() const;
 
-  /// Makes one map. Every texel has a figure of what it may be off. `automatic` takes prefix sums for maps of few texels
-  /// and a lobe that is a power 1, 2 or 3 of the cosine (HingePolynomial::is_quick()), multilevel sums for narrow lobes
-  /// (MultilevelPlan::is_quick()) and for narrow sheen (SheenPlan::is_quick()), and a treecode (`hierarchical`) for the
-  /// rest. Texels whose figure is over the error wanted are summed exactly.
+  /// Makes one map. Every texel has a figure of what it may be off. `automatic` takes prefix sums for maps of few
+  /// texels and a lobe that is a power 1, 2 or 3 of the cosine (HingePolynomial::is_quick()), multilevel sums for
+  /// narrow lobes (MultilevelPlan::is_quick()) and for narrow sheen (SheenPlan::is_quick()), and a treecode
+  /// (`hierarchical`) for the rest. Texels whose figure is over the error wanted are summed exactly.
   /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Run& run = {}) const;
 
