@@ -4,6 +4,7 @@
 // The truth is the exact sum.
 //
 //   kappa [LIGHTS [LATLONG CUBE [LEAST MOST]]]       lights, sizes of the sources, and which parameters of lobes
+//                                                    (of the narrowest Phong lobes of a grid: its rows)
 #include <fmt/format.h>
 
 #include <cmath>
@@ -82,8 +83,8 @@ double worst_of(const Lobe& lobe, const MultilevelPlan& plan, double error, Proj
   return worst;
 }
 
-std::optional<MultilevelPlan> plan_of(const Lobe& lobe, double error, Projection projection, int size) {
-  return multilevel_plan(lobe, error, finest_rows(Level(projection, size)), projection);
+std::optional<MultilevelPlan> plan_of(const Lobe& lobe, double error, Projection projection, int max_rows) {
+  return multilevel_plan(lobe, error, max_rows, projection);
 }
 
 constexpr double errors[] = {1e-3, 4e-4, 1e-4};
@@ -91,9 +92,10 @@ constexpr double errors[] = {1e-3, 4e-4, 1e-4};
 void print_line(Shape shape, double parameter, Projection projection, int size, int lights) {
   std::string line =
       fmt::format("{:6} {:<7g} {:7} {:4}:", shape_names[std::size_t(shape)], parameter, name(projection), size);
+  const int max_rows = finest_rows(Level(projection, size));
   for (const double error : errors) {
     const Lobe lobe = lobe_of({.shape = shape, .parameter = parameter, .scale = {}});
-    const auto plan = plan_of(lobe, error, projection, size);
+    const auto plan = plan_of(lobe, error, projection, max_rows);
     line += plan ? fmt::format("  {:g} {:.2f}", error, worst_of(lobe, *plan, error, projection, size, lights))
                  : fmt::format("  {:g} no bound", error);
   }
@@ -101,17 +103,20 @@ void print_line(Shape shape, double parameter, Projection projection, int size, 
   std::fflush(stdout);
 }
 
-// The narrowest Phong lobes that a grid of so many rows serves: of them, the tails are hardest.
+// The narrowest Phong lobes that a grid of so many rows serves: of them, the tails are hardest. Nothing where the
+// source has too few texels for such a grid.
 void print_narrowest(int rows, Projection projection, int size, int lights) {
+  const int max_rows = finest_rows(Level(projection, size));
   std::string line = fmt::format("phong, {:4} rows {:7} {:4}:", rows, name(projection), size);
   for (const double error : errors) {
     double low = 100, high = 1e5;
     while (high > 1.001 * low) {
       const double middle = std::sqrt(low * high);
-      const auto plan = plan_of(Phong{middle}, error, projection, size);
+      const auto plan = plan_of(Phong{middle}, error, projection, max_rows);
       (!plan || plan->core || plan->finest() > rows ? high : low) = middle;
     }
-    const auto plan = plan_of(Phong{low}, error, projection, size);
+    const auto plan = plan_of(Phong{low}, error, projection, max_rows);
+    if (!plan || plan->finest() != rows) return;
     line +=
         fmt::format("  {:g} ({:.0f}) {:.2f}", error, low, worst_of(Phong{low}, *plan, error, projection, size, lights));
   }

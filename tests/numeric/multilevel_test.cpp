@@ -140,6 +140,23 @@ TEST(Multilevel, CoresOfManyTexelsStayWithinTheirBounds) {
         }
 }
 
+// Where the sine of the polar angle changes most over a row that counts as far from the poles.
+TEST(Multilevel, PowersBesideTheRowsOfAPoleStayWithinTheirBounds) {
+  std::mt19937_64 random(13);
+  const auto part = [&] { return double(random() >> 11) * 0x1p-53; };
+  constexpr int size = 2048, row = 65;
+  const EnvironmentMap map = made(size, [](int i, int j, int) { return i == 1000 && j == row ? 1e9F : 0.F; });
+  for (const double exponent : {2e5, 797020.0}) {
+    std::vector<Direction> some;
+    for (int k = 0; k < directions; ++k) {
+      const double polar = (row + 0.5 - 2 * part()) * pi / size, away = (5.8 + 0.6 * part()) / std::sqrt(exponent),
+                   longitude = (1000.5 / size + (k % 2 == 0 ? 1 : -1) * away / std::sin(polar) / pi) * pi;
+      some.emplace_back(std::sin(polar) * std::sin(longitude), std::cos(polar), -std::sin(polar) * std::cos(longitude));
+    }
+    expect_bounds(map, Phong{exponent}, 1e-4, some, fmt::format("phong {}", exponent), 256);
+  }
+}
+
 // The narrowest Phong lobe that a grid of so many rows serves.
 double narrowest(int rows, double error, Projection of) {
   double low = 100, high = 1e5;

@@ -129,7 +129,7 @@ class RowByRules {
       const typename Place::Row& row = of(rule);
       bool does = true;
       for (std::size_t part = 0; part < parts; ++part) {
-        const V x = place_.versine(row, r.rule.count / 2, hn::LoadU(D(), r.middles(from + k + part * lanes)));
+        const V x = place_.versine(row, r.rule.count / 2, hn::LoadU(D(), r.middle_of(from + k + part * lanes)));
         does = does && hn::AllTrue(D(), rule_does(kernel, r, row.size, x));
       }
       if (does) break;
@@ -163,7 +163,7 @@ Flux over_row(const Place& place, const K& kernel, const Rules& rules, const Row
     const typename Place::Row& row = rows.of(chosen);
     for (std::size_t part = 0; part < parts; ++part) {
       const std::size_t at = std::size_t(k) + part * lanes;
-      const V of_middles = place.versine(row, r.rule.count / 2, hn::LoadU(d, r.middles(from + at)));
+      const V of_middles = place.versine(row, r.rule.count / 2, hn::LoadU(d, r.middle_of(from + at)));
       const auto even = rule_does(kernel, r, row.size, of_middles);
       const V sum = hn::IfThenElseZero(even, by_rule(place, kernel, row, r, from + at));
       total.add(part, sum, eight.light[0] + part * lanes, virtual_lanes);
@@ -197,18 +197,18 @@ std::size_t panels_for(const LevelKernel& k, double side) {
   return panels <= 1 ? 1 : panels <= 2 ? 2 : 4;
 }
 
-// Rules for texels with a side, and room for the coordinates of columns from low to high and a few more, until this
-// thread asks for others.
+// Rules for texels with a side, and room for the coordinates of so many columns from `low` on and a vector more, until
+// this thread asks for others.
 // What each does for by the terms that Gauss's rules leave out, h^4 / 4320 and h^6 / 2016000 of the fourth and sixth
 // derivative: 1e-5 to 5e-5 of a texel.
-Rules rules_for(const LevelKernel& k, double side, int low, int high) {
+Rules rules_for(const LevelKernel& k, double side, int low, int columns) {
   const bool ggx = k.kind == LevelKernel::Kind::ggx;
   Rules rules{{{{two_points, ggx ? 0.028 : 0.06},
                 {three_points, ggx ? 0.175 : 0.4},
                 {four_points[panels_for(k, side) / 2], ggx ? 0.45 : 1}}},
               low};
   thread_local std::vector<float> room;
-  const std::size_t stride = std::size_t(high - low + 1) + 2 * virtual_lanes;
+  const std::size_t stride = std::size_t(columns) + 2 * virtual_lanes;
   std::size_t size = 0;
   for (RuleAcross& r : rules.all) r.stride = stride, size += r.rule.count * stride;
   if (room.size() < size) room.resize(size);

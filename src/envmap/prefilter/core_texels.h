@@ -1,4 +1,5 @@
-// What cores of lobes are sums over: rows of texels of a source, by rules of Gauss points.
+/// @file
+/// What cores of lobes are sums over: rows of texels of a source, by rules of Gauss points.
 #pragma once
 
 #include <array>
@@ -10,7 +11,7 @@
 
 namespace envmap::prefiltering {
 
-// A rule for texels that are even enough, and the coordinates across of its points: see the places below.
+// A rule for texels that are even enough, and the coordinates across of its points: see core_places-inl.h.
 struct RuleAcross {
   const Rule& rule;
   double part;             // Of the unevenness that four points of a panel do for.
@@ -18,7 +19,7 @@ struct RuleAcross {
   std::size_t stride = 0;  // To those of the next point.
 
   // That of each texel from k on, about in its middle.
-  [[nodiscard]] const float* middles(std::size_t k) const { return x + rule.count / 2 * stride + k; }
+  [[nodiscard]] const float* middle_of(std::size_t k) const { return x + rule.count / 2 * stride + k; }
 };
 
 // From the sparsest on.

@@ -87,7 +87,7 @@ using SeenRows = std::span<const SeenRow>;
 
 Flux over_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& columns, const Light& of) {
   const Piece& first = rows[0].texels.texel;
-  const Rules rules = rules_for(k, first.y1 - first.y0, columns.low, columns.high);
+  const Rules rules = rules_for(k, first.y1 - first.y0, columns.low, columns.high - columns.low);
   for (const RuleAcross& r : rules.all)
     for (std::size_t e = 0; e < r.rule.count; ++e) columns.set(r.rule.at[e], r.x + e * r.stride);
   Flux sum(0);
@@ -147,7 +147,7 @@ Flux over_power_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& col
     farthest = std::max(farthest, powers[r].gamma * SmallAngle(rows[r].farthest()).versine);
   }
   const double panel = (first.x1 - first.x0) / double(middles.panels);
-  const PowerColumns<cosine> across(k, 0.5 * panel, least, most, farthest);
+  const PowerPolynomials<cosine> across(k, 0.5 * panel, least, most, farthest);
   Flux sum(0);
   for (std::size_t r = 0; r < rows.size(); ++r)
     sum += powers[r].height * over_power_row(across.at(powers[r]), rows[r].texels, columns.low, middles, of);
@@ -173,7 +173,7 @@ Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
   }
   auto others = rows.begin();
   if (is_power(k, pi / light.source.height()))
-    others = std::ranges::partition(rows, &SeenRow::is_far_from_poles).begin();
+    others = std::ranges::stable_partition(rows, &SeenRow::is_far_from_poles).begin();
   const auto powers = SeenRows(rows.begin(), others), rest = SeenRows(others, rows.end());
   Flux sum(0);
   if (!powers.empty())
@@ -214,7 +214,7 @@ Flux OfCube(const Light& light, const LevelKernel& k, const Direction& n) {
     if (count <= 0) continue;
     const OnCube place{float(s), float(t), float(std::sqrt(1 + s * s + t * t))};
     const double left = across.first * wide - 1 - s;
-    const Rules rules = rules_for(k, wide, across.first, across.last);
+    const Rules rules = rules_for(k, wide, across.first, count);
     for (const RuleAcross& r : rules.all)
       for (std::size_t e = 0; e < r.rule.count; ++e)
         for (int i = 0; i < count + int(virtual_lanes); ++i)

@@ -48,7 +48,7 @@ struct MultilevelPlan {
 
 /// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, Phong lobes of exponent below
 /// 4, and sheen.
-/// @param max_rows of a grid: what is too narrow for it is the core. A power of two from 512.
+/// @param max_rows of a grid: what is too narrow for it is the core. A power of two from 256.
 /// @param source latlong or cube.
 std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int max_rows = 2048,
                                               Projection source = Projection::latlong);

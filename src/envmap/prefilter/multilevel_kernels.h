@@ -73,9 +73,9 @@ void dot_products(std::span<const float> in, std::size_t step, std::span<const f
 /// out += weight x in.
 void add_scaled(std::span<const float> in, float weight, std::span<float> out);
 
-/// The integral of (radiance - darkest) / unit x kernel over the sphere, eight texels at a time where sixteen Gauss
-/// points of each are good enough. The others are divided until they are. What is left is measured by
-/// tests/bench/kappa.cpp.
+/// The integral of (radiance - darkest) / unit x kernel over the sphere: powers over rows of latlong maps far from the
+/// poles by a polynomial (power_row-inl.h), else by Gauss points, eight texels at a time where sixteen points of each
+/// are good enough. The others are divided until they are. What is left is measured by tests/bench/kappa.cpp.
 /// @param source a cube or latlong map in texels of 1.5 degrees or less. @param unit about the mean of its radiance.
 /// @param kernel of a narrow lobe: ends within 0.2 radians, since cube faces farther away are left out.
 /// @param direction a unit vector.

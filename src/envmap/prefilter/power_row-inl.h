@@ -12,17 +12,18 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
-// Polynomials through values at Chebyshev's nodes in 0 to 1.
-struct Polynomial {
+// Interpolation at Chebyshev's nodes in 0 to 1.
+struct Chebyshev {
   static constexpr std::size_t terms = 6;
-  alignas(32) float node[virtual_lanes] = {};  // The rest is 0.
-  double factor[terms][terms] = {};            // Of the power k, by each value.
+  alignas(32) float nodes[virtual_lanes] = {};  // The rest is 0.
+  // Of the values at nodes: a polynomial has factor k, of the power k, as the sum of weight[k][i] x value i.
+  double weight[terms][terms] = {};
 
-  constexpr Polynomial() {
+  constexpr Chebyshev() {
     constexpr double x[terms] = {0.017037086855465844, 0.146446609406726238, 0.370590477448739670,
                                  0.629409522551260330, 0.853553390593273762, 0.982962913144534156};
     for (std::size_t i = 0; i < terms; ++i) {
-      node[i] = float(x[i]);
+      nodes[i] = float(x[i]);
       double basis[terms] = {1}, gaps = 1;
       for (std::size_t j = 0, degree = 0; j < terms; ++j) {
         if (j == i) continue;
@@ -30,11 +31,11 @@ struct Polynomial {
         for (std::size_t k = ++degree; k > 0; --k) basis[k] = basis[k - 1] - x[j] * basis[k];
         basis[0] *= -x[j];
       }
-      for (std::size_t k = 0; k < terms; ++k) factor[k][i] = basis[k] / gaps;
+      for (std::size_t k = 0; k < terms; ++k) weight[k][i] = basis[k] / gaps;
     }
   }
 };
-inline constexpr Polynomial polynomial;
+inline constexpr Chebyshev chebyshev;
 
 // Gauss's points across a panel, from its middle: 1 - cos and sin of the longitudes right of it.
 struct AcrossPanel {
@@ -50,18 +51,20 @@ struct AcrossPanel {
 };
 
 // With x = c + g v, v = 1 - cos(longitude), the power (1 - part x)^m is (1 - part c)^m (1 - w)^m, where w = gamma v and
-// gamma = part g / (1 - part c).
+// gamma = part g / (1 - part c). Blinn's factor 1 - x is (1 - c) (1 - w / part) but for c w, which is below 2e-5 in
+// lobes this narrow. They have no hinges.
 
-// A row as a factor of w. gamma changes little over its height: its mean and its variance do.
+// A row as a factor of w. gamma changes little over its height: its first three moments do.
 struct PowerRow {
   double height = 0;  // Of the row at w = 0: steradians but for the sides of a texel.
   double gamma = 0;
-  double spread = 0;  // The logarithm of what the variance adds, over w^2.
+  double spread = 0, skew = 0;  // What its variance and third moment add to the binary logarithm, over w^2 and w^3.
 
   // @param row of points down.
   template <bool cosine>
   void set(const LevelKernel& k, const OnLatlong::Row& row, std::size_t points) {
     const D d;
+    height = 0;
     alignas(32) float value[Rule::most], factor[Rule::most];
     for (std::size_t j = 0; j < points; j += lanes) {
       const V one = hn::Set(d, 1), c = hn::Load(d, row.c + j), y = hn::Mul(hn::Set(d, k.part), c);
@@ -69,16 +72,15 @@ struct PowerRow {
       hn::Store(cosine ? hn::Mul(all, hn::Sub(one, c)) : all, d, value + j);
       hn::Store(hn::Div(hn::Mul(hn::Set(d, k.part), hn::Load(d, row.g + j)), hn::Sub(one, y)), d, factor + j);
     }
-    double sum = 0, first = 0, second = 0;
-    for (std::size_t j = 0; j < points; ++j) sum += double(value[j]), first += double(value[j]) * double(factor[j]);
-    const double each = 1 / std::max(1e-37, sum);
-    height = sum, gamma = std::max(1e-37, first * each);
-    for (std::size_t j = 0; j < points; ++j) {
-      const double off = double(factor[j]) - gamma;
-      second += double(value[j]) * off * off;
-    }
+    double first = 0, second = 0, third = 0;
+    for (std::size_t j = 0; j < points; ++j) height += double(value[j]), first += double(value[j]) * double(factor[j]);
+    gamma = first / height;
     const double steep = double(k.power) / gamma;
-    spread = 0.5 * std::numbers::log2e * steep * steep * second * each;
+    for (std::size_t j = 0; j < points; ++j) {
+      const double off = steep * (double(factor[j]) - gamma), part = double(value[j]) * off * off;
+      second += part, third -= part * off;
+    }
+    spread = std::numbers::log2e / 2 * second / height, skew = std::numbers::log2e / 6 * third / height;
   }
 };
 
@@ -86,7 +88,7 @@ struct PowerRow {
 // t = w / most.
 struct PowerPolynomial {
   float per_v;  // t / v
-  float factor[Polynomial::terms];
+  float factor[Chebyshev::terms];
 
   HWY_INLINE V mean_of(V v) const {
     const D d;
@@ -100,10 +102,10 @@ struct PowerPolynomial {
 
 // The polynomials of all rows: the factors are parabolas of gamma.
 template <bool cosine>
-class PowerColumns {
+class PowerPolynomials {
  public:
   // @param half the width of a panel, in longitude. @param most of w.
-  PowerColumns(const LevelKernel& k, double half, double least_gamma, double most_gamma, double most)
+  PowerPolynomials(const LevelKernel& k, double half, double least_gamma, double most_gamma, double most)
       : most_(most), middle_(0.5 * (least_gamma + most_gamma)), reach_(std::max(1e-37, most_gamma - middle_)) {
     const AcrossPanel across(half);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -111,13 +113,12 @@ class PowerColumns {
       const V gamma = hn::Set(d, float(middle_ + (double(i) - 1) * reach_));
       alignas(32) float logs[virtual_lanes];
       for (std::size_t part = 0; part < parts; ++part) {
-        const V w = hn::Mul(hn::Set(d, float(most)), hn::Load(d, polynomial.node + part * lanes));
+        const V w = hn::Mul(hn::Set(d, float(most)), hn::Load(d, chebyshev.nodes + part * lanes));
         hn::Store(log_of_mean(k, across, gamma, hn::Div(w, gamma)), d, logs + part * lanes);
       }
-      for (std::size_t n = 0; n < Polynomial::terms; ++n) {
+      for (std::size_t n = 0; n < Chebyshev::terms; ++n) {
         factors_[i][n] = 0;
-        for (std::size_t j = 0; j < Polynomial::terms; ++j)
-          factors_[i][n] += polynomial.factor[n][j] * double(logs[j]);
+        for (std::size_t j = 0; j < Chebyshev::terms; ++j) factors_[i][n] += chebyshev.weight[n][j] * double(logs[j]);
       }
     }
   }
@@ -125,11 +126,11 @@ class PowerColumns {
   [[nodiscard]] PowerPolynomial at(const PowerRow& row) const {
     const double t = (row.gamma - middle_) / reach_;
     PowerPolynomial p{float(row.gamma / most_), {}};
-    for (std::size_t n = 0; n < Polynomial::terms; ++n) {
+    for (std::size_t n = 0; n < Chebyshev::terms; ++n) {
       const double low = factors_[0][n], here = factors_[1][n], high = factors_[2][n];
       p.factor[n] = float(here + t * (0.5 * (high - low) + t * (0.5 * (high + low) - here)));
     }
-    p.factor[2] += float(row.spread * most_ * most_);
+    p.factor[2] += float(row.spread * most_ * most_), p.factor[3] += float(row.skew * most_ * most_ * most_);
     return p;
   }
 
@@ -152,7 +153,7 @@ class PowerColumns {
   }
 
   double most_, middle_, reach_;
-  double factors_[3][Polynomial::terms];
+  double factors_[3][Chebyshev::terms];
 };
 
 }  // namespace HWY_NAMESPACE
