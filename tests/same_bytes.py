@@ -56,6 +56,9 @@ COMMANDS = [
     *(f'prefilter cube.exr ggx-cube-{r}.exr --lobe ggx --roughness {r} --size 6 -q' for r in (0.03, 0.5)),
     'prefilter sun.exr charlie.exr --lobe charlie --roughness .5 --size 6 -q',
     *(f'prefilter {p}.exr charlie-{p}.exr --lobe charlie --roughness .1 --size 3 -q' for p in ('sun', 'cube')),
+    'generate sky wide.exr --to latlong --size 256',
+    *(f'prefilter wide.exr narrow-{m}.exr --lobe {lobe} --exponent {m} --size 8 --depth float -q'
+      for lobe, m in (('phong', 20000), ('phong', 90000), ('blinn-phong', 60000))),
     'prefilter small.exr phong-multilevel.exr --lobe phong --exponent 40.5 --method multilevel --size 6 -q',
     'prefilter angular.exr ggx.exr --lobe ggx --levels 3 --size 8 -q',
     'prefilter --brdf-table table.exr --size 6', 'prefilter --lobe charlie --brdf-table sheen.exr --table-size 6',
