@@ -18,6 +18,7 @@
 #include "envmap/prefilter/multilevel.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/source.h"
+#include "narrowest_phong.h"
 
 namespace {
 
@@ -83,10 +84,6 @@ double worst_of(const Lobe& lobe, const MultilevelPlan& plan, double error, Proj
   return worst;
 }
 
-std::optional<MultilevelPlan> plan_of(const Lobe& lobe, double error, Projection projection, int max_rows) {
-  return multilevel_plan(lobe, error, max_rows, projection);
-}
-
 constexpr double errors[] = {1e-3, 4e-4, 1e-4};
 
 void print_line(Shape shape, double parameter, Projection projection, int size, int lights) {
@@ -95,7 +92,7 @@ void print_line(Shape shape, double parameter, Projection projection, int size, 
   const int max_rows = finest_rows(Level(projection, size));
   for (const double error : errors) {
     const Lobe lobe = lobe_of({.shape = shape, .parameter = parameter, .scale = {}});
-    const auto plan = plan_of(lobe, error, projection, max_rows);
+    const auto plan = multilevel_plan(lobe, error, max_rows, projection);
     line += plan ? fmt::format("  {:g} {:.2f}", error, worst_of(lobe, *plan, error, projection, size, lights))
                  : fmt::format("  {:g} no bound", error);
   }
@@ -109,16 +106,11 @@ void print_narrowest(int rows, Projection projection, int size, int lights) {
   const int max_rows = finest_rows(Level(projection, size));
   std::string line = fmt::format("phong, {:4} rows {:7} {:4}:", rows, name(projection), size);
   for (const double error : errors) {
-    double low = 100, high = 1e5;
-    while (high > 1.001 * low) {
-      const double middle = std::sqrt(low * high);
-      const auto plan = plan_of(Phong{middle}, error, projection, max_rows);
-      (!plan || plan->core || plan->finest() > rows ? high : low) = middle;
-    }
-    const auto plan = plan_of(Phong{low}, error, projection, max_rows);
+    const Phong lobe{narrowest_phong(rows, error, max_rows, projection)};
+    const auto plan = multilevel_plan(lobe, error, max_rows, projection);
     if (!plan || plan->finest() != rows) return;
-    line +=
-        fmt::format("  {:g} ({:.0f}) {:.2f}", error, low, worst_of(Phong{low}, *plan, error, projection, size, lights));
+    line += fmt::format("  {:g} ({:.0f}) {:.2f}", error, lobe.exponent,
+                        worst_of(lobe, *plan, error, projection, size, lights));
   }
   fmt::print("{}\n", line);
   std::fflush(stdout);

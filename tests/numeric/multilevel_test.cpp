@@ -11,6 +11,7 @@
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/source.h"
+#include "narrowest_phong.h"
 
 namespace multilevel_test {
 namespace {
@@ -140,7 +141,7 @@ TEST(Multilevel, CoresOfManyTexelsStayWithinTheirBounds) {
         }
 }
 
-// Where the sine of the polar angle changes most over a row that counts as far from the poles.
+// The sine of the polar angle changes most over a row just far enough from a pole for polynomials.
 TEST(Multilevel, PowersBesideTheRowsOfAPoleStayWithinTheirBounds) {
   std::mt19937_64 random(13);
   const auto part = [&] { return double(random() >> 11) * 0x1p-53; };
@@ -157,25 +158,14 @@ TEST(Multilevel, PowersBesideTheRowsOfAPoleStayWithinTheirBounds) {
   }
 }
 
-// The narrowest Phong lobe that a grid of so many rows serves.
-double narrowest(int rows, double error, Projection of) {
-  double low = 100, high = 1e5;
-  while (high > 1.001 * low) {
-    const double middle = std::sqrt(low * high);
-    const auto plan = multilevel_plan(Phong{middle}, error, 2048, of);
-    (!plan || plan->core || plan->finest() > rows ? high : low) = middle;
-  }
-  return low;
-}
-
-// Where tails come down to the floor.
+// The narrowest lobes that grids serve are hardest, in their tails.
 TEST(Multilevel, TailsOfPowersStayWithinTheirBounds) {
   std::mt19937_64 random(7);
   const auto part = [&] { return double(random() >> 11) * 0x1p-53; };
   for (const int rows : {512, 1024, 2048})
     for (const double error : {1e-3, 1e-4})
       for (const auto& [to, size] : {std::pair{Projection::latlong, 512}, {Projection::cube, 512}}) {
-        const double exponent = narrowest(rows, error, to);
+        const double exponent = narrowest_phong(rows, error, 2048, to);
         const int i = size / 3, j = size / 4;
         const EnvironmentMap map = made(to, size, [&](int f, int a, int b, int ch) {
           return f == 0 && a == i && b == j && ch != 1 ? 1e9F : 0.F;

@@ -189,11 +189,15 @@ Flux OverRow(const Place& place, const LevelKernel& k, const Rules& rules, const
   return k.quartic ? with(OfGgx<false, true, true>{k}) : with(OfGgx<false, true, false>{k});
 }
 
+// The power of e that a power falls by over a side, where it is steepest.
+double fall_over(const LevelKernel& k, double side) {
+  return side * double(k.power * k.part) * (std::sqrt(2 * double(k.end)) + side);
+}
+
 // How many panels of four points do for a side, where a lobe is steepest.
 std::size_t panels_for(const LevelKernel& k, double side) {
   if (k.kind == LevelKernel::Kind::ggx) return 1;
-  const double steep = side * double(k.power * k.part) * (std::sqrt(2 * double(k.end)) + side);
-  const double panels = steep / double(k.uneven);
+  const double panels = fall_over(k, side) / double(k.uneven);
   return panels <= 1 ? 1 : panels <= 2 ? 2 : 4;
 }
 

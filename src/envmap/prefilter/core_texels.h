@@ -14,11 +14,11 @@ namespace envmap::prefiltering {
 // A rule for texels that are even enough, and the coordinates across of its points: see core_places-inl.h.
 struct RuleAcross {
   const Rule& rule;
-  double part;             // Of the unevenness that four points of a panel do for.
-  float* x = nullptr;      // Of the first point of each texel.
-  std::size_t stride = 0;  // To those of the next point.
+  double part;             // It does for this part of the unevenness that four points of a panel do for.
+  float* x = nullptr;      // The first point of each texel.
+  std::size_t stride = 0;  // The coordinates of the next points follow so far behind.
 
-  // That of each texel from k on, about in its middle.
+  // One point about in the middle of each texel, from texel k on.
   [[nodiscard]] const float* middle_of(std::size_t k) const { return x + rule.count / 2 * stride + k; }
 };
 

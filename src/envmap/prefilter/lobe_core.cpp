@@ -97,19 +97,12 @@ Flux over_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& columns, 
 
 // The middles of panels of columns.
 struct Middles {
-  std::size_t panels, stride;  // Of a column; from one panel to the next.
-  std::vector<float>& v;
+  std::size_t panels, stride;  // Panels of a column. The middles of one panel follow those of the one before.
+  std::vector<float> v;
 
   Middles(const SeenColumns& columns, std::size_t of_panels)
-      : panels(of_panels), stride(std::size_t(columns.high - columns.low) + virtual_lanes), v(room()) {
-    v.resize(std::max(v.size(), panels * stride));
+      : panels(of_panels), stride(std::size_t(columns.high - columns.low) + virtual_lanes), v(panels * stride) {
     for (std::size_t n = 0; n < panels; ++n) columns.set((double(n) + 0.5) / double(panels), &v[n * stride]);
-  }
-
- private:
-  static std::vector<float>& room() {
-    thread_local std::vector<float> all;
-    return all;
   }
 };
 
@@ -136,15 +129,15 @@ Flux over_power_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& col
   const double high = first.y1 - first.y0;
   const Middles middles(columns, panels_for(k, high));
   const Rule& down = four_points[middles.panels / 2];
-  thread_local std::vector<PowerRow> powers;
-  powers.resize(rows.size());
+  std::vector<PowerRow> powers;
+  powers.reserve(rows.size());
   double least = 1, most = 0, farthest = 0;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
+  for (const SeenRow& r : rows) {
     OnLatlong::Row points;
-    rows[r].place.set(rows[r].texels.texel, down, points);
-    powers[r].set<cosine>(k, points, down.count);
-    least = std::min(least, powers[r].gamma), most = std::max(most, powers[r].gamma);
-    farthest = std::max(farthest, powers[r].gamma * SmallAngle(rows[r].farthest()).versine);
+    r.place.set(r.texels.texel, down, points);
+    const PowerRow& power = powers.emplace_back(PowerRow::of<cosine>(k, points, down.count));
+    least = std::min(least, power.gamma), most = std::max(most, power.gamma);
+    farthest = std::max(farthest, power.gamma * SmallAngle(r.farthest()).versine);
   }
   const double panel = (first.x1 - first.x0) / double(middles.panels);
   const PowerPolynomials<cosine> across(k, 0.5 * panel, least, most, farthest);
@@ -156,9 +149,7 @@ Flux over_power_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& col
 
 // Whether a power falls little enough over a quarter of a texel for polynomials of its logarithm.
 bool is_power(const LevelKernel& k, double side) {
-  if (k.kind != LevelKernel::Kind::power) return false;
-  const double steep = double(k.power * k.part) * (std::sqrt(2 * double(k.end)) + 0.25 * side);
-  return 0.25 * side * steep <= double(k.uneven);
+  return k.kind == LevelKernel::Kind::power && fall_over(k, 0.25 * side) <= double(k.uneven);
 }
 
 Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {

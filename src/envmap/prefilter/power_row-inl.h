@@ -16,7 +16,7 @@ namespace HWY_NAMESPACE {
 struct Chebyshev {
   static constexpr std::size_t terms = 6;
   alignas(32) float nodes[virtual_lanes] = {};  // The rest is 0.
-  // Of the values at nodes: a polynomial has factor k, of the power k, as the sum of weight[k][i] x value i.
+  // The polynomial through some values has the sum of weight[k][i] x value i as its factor of x^k.
   double weight[terms][terms] = {};
 
   constexpr Chebyshev() {
@@ -56,15 +56,14 @@ struct AcrossPanel {
 
 // A row as a factor of w. gamma changes little over its height: its first three moments do.
 struct PowerRow {
-  double height = 0;  // Of the row at w = 0: steradians but for the sides of a texel.
+  double height = 0;  // The row at w = 0, in steradians but for the sides of a texel.
   double gamma = 0;
-  double spread = 0, skew = 0;  // What its variance and third moment add to the binary logarithm, over w^2 and w^3.
+  double spread = 0, skew = 0;  // Variance and third moment add these to the binary logarithm, times w^2 and w^3.
 
   // @param row of points down.
   template <bool cosine>
-  void set(const LevelKernel& k, const OnLatlong::Row& row, std::size_t points) {
+  static PowerRow of(const LevelKernel& k, const OnLatlong::Row& row, std::size_t points) {
     const D d;
-    height = 0;
     alignas(32) float value[Rule::most], factor[Rule::most];
     for (std::size_t j = 0; j < points; j += lanes) {
       const V one = hn::Set(d, 1), c = hn::Load(d, row.c + j), y = hn::Mul(hn::Set(d, k.part), c);
@@ -72,15 +71,14 @@ struct PowerRow {
       hn::Store(cosine ? hn::Mul(all, hn::Sub(one, c)) : all, d, value + j);
       hn::Store(hn::Div(hn::Mul(hn::Set(d, k.part), hn::Load(d, row.g + j)), hn::Sub(one, y)), d, factor + j);
     }
-    double first = 0, second = 0, third = 0;
+    double height = 0, first = 0, second = 0, third = 0;
     for (std::size_t j = 0; j < points; ++j) height += double(value[j]), first += double(value[j]) * double(factor[j]);
-    gamma = first / height;
-    const double steep = double(k.power) / gamma;
+    const double gamma = first / height, steep = double(k.power) / gamma;
     for (std::size_t j = 0; j < points; ++j) {
       const double off = steep * (double(factor[j]) - gamma), part = double(value[j]) * off * off;
       second += part, third -= part * off;
     }
-    spread = std::numbers::log2e / 2 * second / height, skew = std::numbers::log2e / 6 * third / height;
+    return {height, gamma, std::numbers::log2e / 2 * second / height, std::numbers::log2e / 6 * third / height};
   }
 };
 
