@@ -63,34 +63,62 @@ struct OfKernel {
     return kernel(at);
   }
 };
-// The same, found before.
-struct OfTaps {
-  const float* tap;
-  HWY_INLINE void begin(const GatherRoom::Row&) {}
-  HWY_INLINE V next() {
-    const V v = hn::LoadU(D(), tap);
-    tap += lanes;
-    return v;
-  }
-};
+// A column that may lie beyond the row.
+HWY_INLINE int wrapped(int at, int columns) {
+  at %= columns;
+  return at < 0 ? at + columns : at;
+}
+// A block of columns further on.
+HWY_INLINE int next_block(int at, int columns) {
+  at += int(virtual_lanes);
+  return at >= columns ? at - columns : at;
+}
 
-// Weights x values in a window. @param moved by how many of so many columns.
-template <class Weights, class Moved>
-Flux SumOfRows(const NodeGrid& grid, const GatherRoom& room, Weights weights, Moved&& moved) {
+// Weights x values in a window.
+template <class Weights>
+Flux SumOfRows(const NodeGrid& grid, const GatherRoom& room, Weights weights) {
   Sums total;
   for (const GatherRoom::Row& r : room.rows) {
     const float* values = &grid.values[grid.first[std::size_t(r.row)]];
     const int columns = grid.columns[std::size_t(r.row)];
-    const std::size_t stride = grid.stride(r.row), mask = std::size_t(columns) - 1;
+    const std::size_t stride = grid.stride(r.row);
     weights.begin(r);
     Sums sum;
-    std::size_t at = std::size_t(r.start + moved(columns));
-    for (int block = 0; block < r.blocks; ++block, at += virtual_lanes)
+    int at = wrapped(r.start, columns);
+    for (int block = 0; block < r.blocks; ++block, at = next_block(at, columns))
       for (std::size_t part = 0; part < parts; ++part)
-        sum.add(part, weights.next(), values + (at & mask) + part * lanes, stride);
+        sum.add(part, weights.next(), values + at + part * lanes, stride);
     total.add(sum);
   }
   return total.whole();
+}
+
+// Taps x values in windows of N nodes of a row, `columns` wide: of node `by` from the one that the windows are of, and
+// of every `step`-th after it. Nodes share the taps of a row.
+template <std::size_t N>
+void SumOfTaps(const NodeGrid& grid, const GatherRoom& room, int columns, int by, int step, double scale, Flux* out) {
+  const D d;
+  Sums total[N];
+  const float* taps = room.taps.data();
+  for (const GatherRoom::Row& r : room.rows) {
+    const float* values = &grid.values[grid.first[std::size_t(r.row)]];
+    const int here = grid.columns[std::size_t(r.row)];
+    const std::size_t stride = grid.stride(r.row);
+    int at[N];
+    for (std::size_t n = 0; n < N; ++n) {
+      const int moved = by + int(n) * step;
+      at[n] = wrapped(r.start + (here >= columns ? moved * (here / columns) : moved / (columns / here)), here);
+    }
+    Sums sum[N];
+    for (int block = 0; block < r.blocks; ++block, taps += virtual_lanes)
+      for (std::size_t n = 0; n < N; ++n) {
+        for (std::size_t part = 0; part < parts; ++part)
+          sum[n].add(part, hn::LoadU(d, taps + part * lanes), values + at[n] + part * lanes, stride);
+        at[n] = next_block(at[n], here);
+      }
+    for (std::size_t n = 0; n < N; ++n) total[n].add(sum[n]);
+  }
+  for (std::size_t n = 0; n < N; ++n) out[n * std::size_t(step)] += scale * total[n].whole();
 }
 
 // Calls sum(the kernel for lanes).
@@ -178,7 +206,7 @@ void SetVersines(const NodeGrid& grid, const LevelKernel& k, const GridView& vie
 Flux Gather(const NodeGrid& grid, const LevelKernel& k, const GridView& view, GatherRoom& room) {
   SetVersines(grid, k, view, room);
   return with_kernel(k, [&](const auto& kernel) {
-    return SumOfRows(grid, room, OfKernel<std::decay_t<decltype(kernel)>>{kernel, room}, [](int) { return 0; });
+    return SumOfRows(grid, room, OfKernel<std::decay_t<decltype(kernel)>>{kernel, room});
   });
 }
 
@@ -204,12 +232,12 @@ void GatherAtRow(const NodeGrid& grid, const LevelKernel& k, int row, GatherRoom
   for (int phase = 0; phase < phases; ++phase) {
     SetVersines(grid, k, grid.node(row, phase), room);
     with_kernel(k, [&](const auto& kernel) { SetTaps(kernel, room); });
-    for (int n = phase; n < columns; n += phases) {
-      const auto moved = [by = n - phase, columns](int here) {
-        return here >= columns ? by * (here / columns) : by / (columns / here);
-      };
-      out[std::size_t(n)] += k.scale * SumOfRows(grid, room, OfTaps{room.taps.data()}, moved);
-    }
+    constexpr int together = 4;
+    int n = phase;
+    for (; n + (together - 1) * phases < columns; n += together * phases)
+      SumOfTaps<together>(grid, room, columns, n - phase, phases, k.scale, &out[std::size_t(n)]);
+    for (; n < columns; n += phases)
+      SumOfTaps<1>(grid, room, columns, n - phase, phases, k.scale, &out[std::size_t(n)]);
   }
 }
 
