@@ -1,6 +1,7 @@
 // The light of a latlong map on its finest grid.
 
 #include <algorithm>
+#include <numeric>
 
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
@@ -10,44 +11,55 @@ namespace envmap::prefiltering {
 
 namespace {
 
-// One row of texels as its share in the columns of a grid.
+// One row of texels as its share in the columns of a grid. Columns a period apart have the same weights, some texels on.
 class Across {
  public:
-  Across(int width, int columns)
-      : step_(width % columns == 0 ? width / columns : 0),
-        terms_(adjoint(width, columns, true, [](double) { return 2 * pi; })) {
-    if (step_ == 0) return;
-    // All columns have the weights of column 0, a step on. Weights of texels left of it lie at the end.
-    const auto place = [&](const Term& t) { return t.from < width / 2 ? t.from : t.from - width; };
-    const auto by_place = [&](const Term& a, const Term& b) { return place(a) < place(b); };
-    first_ = place(*std::ranges::min_element(terms_[0], by_place));
-    const int count = place(*std::ranges::max_element(terms_[0], by_place)) - first_ + 1;
-    weights_.resize(std::size_t(count + 7) / 8 * 8);
-    for (const Term& t : terms_[0]) weights_[std::size_t(place(t) - first_)] = t.weight;
-    terms_.clear();
+  Across(int width, int columns) : period_(columns / std::gcd(width, columns)), step_(width / (columns / period_)) {
+    const Terms terms = adjoint(width, columns, true, [](double) { return 2 * pi; });
+    int first = width, last = -width;
+    const auto place = [&](int k, const Term& t) {  // Beside the column, not a turn away.
+      const int middle = int((k + 0.5) * width / columns), off = (t.from - middle + width + width / 2) % width;
+      return middle + off - width / 2;
+    };
+    for (int k = 0; k < period_; ++k)
+      for (const Term& t : terms[std::size_t(k)])
+        first = std::min(first, place(k, t)), last = std::max(last, place(k, t));
+    first_ = first;
+    for (int k = 0; k < period_; ++k) {
+      int from = last, to = first;
+      for (const Term& t : terms[std::size_t(k)]) from = std::min(from, place(k, t)), to = std::max(to, place(k, t));
+      Phase& phase = phases_.emplace_back();
+      phase.first = from - first;
+      phase.weights.resize(std::size_t(to - from + 8) / 8 * 8);
+      for (const Term& t : terms[std::size_t(k)]) phase.weights[std::size_t(place(k, t) - from)] = t.weight;
+      reach_ = std::max(reach_, phase.first + int(phase.weights.size()));
+    }
   }
 
   void apply(std::span<const float> texels, std::span<float> out) const {
-    if (step_ > 0) {
-      thread_local std::vector<float> padded;
-      const int width = int(texels.size()), size = width + int(weights_.size());
-      padded.resize(std::size_t(size));
-      for (int k = 0, at = (first_ % width + width) % width, run = 0; k < size; k += run, at = 0) {
-        run = std::min(size - k, width - at);
-        std::copy_n(&texels[std::size_t(at)], run, &padded[std::size_t(k)]);
-      }
-      return dot_products(padded, std::size_t(step_), weights_, out);
+    thread_local std::vector<float> padded, some;
+    const int width = int(texels.size()), size = width + reach_;
+    padded.resize(std::size_t(size));
+    for (int k = 0, at = (first_ % width + width) % width, run = 0; k < size; k += run, at = 0) {
+      run = std::min(size - k, width - at);
+      std::copy_n(&texels[std::size_t(at)], run, &padded[std::size_t(k)]);
     }
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      out[i] = 0;
-      for (const Term& t : terms_[i]) out[i] += t.weight * texels[std::size_t(t.from)];
+    some.resize(out.size() / std::size_t(period_));
+    for (std::size_t n = 0; n < phases_.size(); ++n) {
+      const std::span to = period_ == 1 ? out : std::span(some);
+      dot_products(std::span(padded).subspan(std::size_t(phases_[n].first)), std::size_t(step_), phases_[n].weights, to);
+      if (period_ > 1)
+        for (std::size_t k = 0; k < to.size(); ++k) out[k * std::size_t(period_) + n] = to[k];
     }
   }
 
  private:
-  int step_, first_ = 0;
-  Terms terms_;
-  std::vector<float> weights_;
+  struct Phase {
+    int first = 0;
+    std::vector<float> weights;
+  };
+  int period_, step_, first_ = 0, reach_ = 0;
+  std::vector<Phase> phases_;
 };
 
 }  // namespace

@@ -14,14 +14,19 @@ int MultilevelPlan::field_rows(double texels) const {
   int rows = 0;
   // Nodes see kernels that are at hand, so each takes less than an output does, and less by more in a wide window.
   for (const Step& s : steps)
-    if (s.nodes() < (s.window() > 2000 ? 4.5 : 2) * texels) rows = std::max(rows, s.rows);
+    if (s.nodes() * (60 + 0.08 * s.window()) < texels * (150 + (s.kernel.kind == LevelKernel::Kind::ggx ? 0.5 : 0.9) * s.window()))
+      rows = std::max(rows, s.rows);
   return rows;
 }
 
 std::optional<NodeGrid> smooth_field(const MultilevelPlan& plan, const MultilevelSource& source, int rows) {
   std::optional<NodeGrid> field;
-  for (int r = least_rows; r <= rows; r *= 2) {
-    if (std::ranges::none_of(plan.steps, [&](const MultilevelPlan::Step& s) { return s.rows == r; })) continue;
+  std::vector<int> sizes;
+  for (const MultilevelPlan::Step& s : plan.steps)
+    if (s.rows <= rows) sizes.push_back(s.rows);
+  std::ranges::sort(sizes);
+  sizes.erase(std::ranges::unique(sizes).begin(), sizes.end());
+  for (const int r : sizes) {
     NodeGrid finer(r);
     parallel_for(r, [&](int row) {
       GatherRoom room;

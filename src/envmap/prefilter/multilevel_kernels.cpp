@@ -2,6 +2,7 @@
 #include "envmap/prefilter/multilevel_kernels.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <type_traits>
 #include <utility>
@@ -63,10 +64,10 @@ struct OfKernel {
     return kernel(at);
   }
 };
-// A column that may lie beyond the row.
+// A column that lies beyond the row by less than its length.
 HWY_INLINE int wrapped(int at, int columns) {
-  at %= columns;
-  return at < 0 ? at + columns : at;
+  at = at < 0 ? at + columns : at;
+  return at >= columns ? at - columns : at;
 }
 // A block of columns further on.
 HWY_INLINE int next_block(int at, int columns) {
@@ -93,29 +94,40 @@ Flux SumOfRows(const NodeGrid& grid, const GatherRoom& room, Weights weights) {
   return total.whole();
 }
 
-// Taps x values in windows of N nodes of a row, `columns` wide: of node `by` from the one that the windows are of, and
-// of every `step`-th after it. Nodes share the taps of a row.
+// Taps x values in windows of N nodes of a row of 2^k columns x some: of node `by` from the one that the windows are of,
+// and of every `step`-th after it. Nodes share the taps of a row.
 template <std::size_t N>
 void SumOfTaps(const NodeGrid& grid, const GatherRoom& room, int columns, int by, int step, double scale, Flux* out) {
   const D d;
   Sums total[N];
   const float* taps = room.taps.data();
   for (const GatherRoom::Row& r : room.rows) {
-    const float* values = &grid.values[grid.first[std::size_t(r.row)]];
     const int here = grid.columns[std::size_t(r.row)];
-    const std::size_t stride = grid.stride(r.row);
-    int at[N];
+    const std::size_t stride = grid.stride(r.row), size = std::size_t(r.blocks) * virtual_lanes;
+    const float *row = &grid.values[grid.first[std::size_t(r.row)]], *values[N];
+    const int denser = int(std::bit_width(unsigned(here))) - int(std::bit_width(unsigned(columns)));
+    bool is_whole = true;
     for (std::size_t n = 0; n < N; ++n) {
       const int moved = by + int(n) * step;
-      at[n] = wrapped(r.start + (here >= columns ? moved * (here / columns) : moved / (columns / here)), here);
+      const int at = wrapped(wrapped(r.start, here) + (denser >= 0 ? moved << denser : moved >> -denser), here);
+      values[n] = row + at;
+      is_whole = is_whole && std::size_t(at) + size <= std::size_t(here) + virtual_lanes;
     }
     Sums sum[N];
-    for (int block = 0; block < r.blocks; ++block, taps += virtual_lanes)
+    if (is_whole)
+      for (std::size_t k = 0; k < size; k += virtual_lanes)
+        for (std::size_t part = 0; part < parts; ++part) {
+          const V tap = hn::LoadU(d, taps + k + part * lanes);
+          for (std::size_t n = 0; n < N; ++n) sum[n].add(part, tap, values[n] + k + part * lanes, stride);
+        }
+    else
       for (std::size_t n = 0; n < N; ++n) {
-        for (std::size_t part = 0; part < parts; ++part)
-          sum[n].add(part, hn::LoadU(d, taps + part * lanes), values + at[n] + part * lanes, stride);
-        at[n] = next_block(at[n], here);
+        int at = int(values[n] - row);
+        for (std::size_t k = 0; k < size; k += virtual_lanes, at = next_block(at, here))
+          for (std::size_t part = 0; part < parts; ++part)
+            sum[n].add(part, hn::LoadU(d, taps + k + part * lanes), row + at + part * lanes, stride);
       }
+    taps += size;
     for (std::size_t n = 0; n < N; ++n) total[n].add(sum[n]);
   }
   for (std::size_t n = 0; n < N; ++n) out[n * std::size_t(step)] += scale * total[n].whole();

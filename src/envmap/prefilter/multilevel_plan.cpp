@@ -35,6 +35,14 @@ int rows_for(double step) {
   return std::max(least_rows, int(std::bit_ceil(unsigned(std::min(1e6, std::ceil(pi / step))))));
 }
 
+// A power takes one grid, whose cost grows with the fourth power of its rows: 4, 5, 6 or 7 times a power of two.
+int rows_of_power(double step) {
+  const int wanted = int(std::min(1e6, std::ceil(pi / step)));
+  int unit = least_rows / 4;
+  while (7 * unit < wanted) unit *= 2;
+  return std::max(least_rows, (wanted + unit - 1) / unit * unit);
+}
+
 LevelKernel::Softened softened(const Splitting& s, double radius) {
   const double x = 0.5 * radius * radius;
   return {true, float(1 / x), float(portable::pow(s.flatten * x, s.quartic ? 0.25 : 1.0 / 3))};
@@ -85,7 +93,7 @@ std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int lea
   k.uneven = float(s.uneven_power), plan.width = width;
   // Tails need finer grids the farther out they come down to 0.001 x the mean.
   const double tail = portable::log(k.scale / floor_density);
-  const int rows = std::max(least, rows_for(width / (s.per_sigma * std::max(0.92, tail / 16.3))));
+  const int rows = std::max(least, rows_of_power(width / (s.per_sigma * std::max(0.92, tail / 16.3))));
   max_rows = std::min(2 * max_rows, 2048);  // A power is cut off many widths away, and so sees more texels.
   // Cut where what is left is small beside 0.001 x the mean.
   const double left = portable::log(k.scale / (0.02 * error * floor_density));

@@ -32,7 +32,7 @@ inline int finest_rows(const Level& source, double outputs = 0) {
   return std::clamp(int(std::bit_ceil(unsigned(std::sqrt(product)))), 256, 2048);
 }
 
-/// Of the coarsest grid. All numbers of rows are powers of two.
+/// Of the coarsest grid, about. All numbers of rows are powers of two, or 5, 6 or 7 times one.
 inline constexpr int least_rows = 64;
 
 /// Grids of `finest` rows, of half as many, and so on down to least_rows.
@@ -43,7 +43,7 @@ class SourceGrids {
   SourceGrids(const Level& source, double unit, const Colour& darkest, int finest);
 
   [[nodiscard]] const NodeGrid& grid(int rows) const {
-    return grids_[std::size_t(std::countr_zero(unsigned(grids_.front().rows)) - std::countr_zero(unsigned(rows)))];
+    return grids_[std::size_t(std::countr_zero(unsigned(grids_.front().rows / rows)))];
   }
 
  private:

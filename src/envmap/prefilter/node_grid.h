@@ -17,8 +17,8 @@ struct GridView {
   GridView(double at_longitude, double at_angle);
 };
 
-/// Three channels at the nodes of a latlong grid. Columns of a row are a power of two from 64, and no farther apart
-/// than rows.
+/// Three channels at the nodes of a latlong grid. Columns of a row are those of the equator over a power of two, a
+/// multiple of 8 from 40, and no farther apart than rows.
 struct NodeGrid {
   int rows = 0;
   std::vector<int> columns;
