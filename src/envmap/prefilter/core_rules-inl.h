@@ -2,6 +2,7 @@
 // for them. Included once a target.
 #include "envmap/prefilter/core_places-inl.h"
 #include "envmap/prefilter/core_texels.h"
+#include "envmap/prefilter/work.h"
 
 #if defined(ENVMAP_PREFILTER_CORE_RULES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ENVMAP_PREFILTER_CORE_RULES_INL_H_
@@ -92,19 +93,27 @@ double over(const Place& place, const K& kernel, const Piece& p, int depth) {
 }
 
 // The sum of weight x kernel over a rule's points of some texels, from place k on.
+template <std::size_t some, class Place, class K>
+HWY_INLINE V by_points(const Place& place, const K& kernel, const typename Place::Row& row, const RuleAcross& r,
+                       std::size_t k) {
+  const D d;
+  const std::size_t count = some > 0 ? some : r.rule.count;  // Loops of a few points are unrolled.
+  V sum = hn::Zero(d);
+  for (std::size_t e = 0; e < count; ++e) {
+    const V across = hn::LoadU(d, r.x + e * r.stride + k);
+    V column = hn::Zero(d);
+    for (std::size_t g = 0; g < count; ++g)
+      column = hn::Add(column, hn::Mul(place.weight(row, g, across), kernel(place.versine(row, g, across))));
+    sum = hn::Add(sum, hn::Mul(hn::Set(d, r.rule.weight_lanes[e]), column));
+  }
+  return sum;
+}
 template <class Place, class K>
 HWY_INLINE V by_rule(const Place& place, const K& kernel, const typename Place::Row& row, const RuleAcross& r,
                      std::size_t k) {
-  const D d;
-  V sum = hn::Zero(d);
-  for (std::size_t e = 0; e < r.rule.count; ++e) {
-    const V across = hn::LoadU(d, r.x + e * r.stride + k);
-    V column = hn::Zero(d);
-    for (std::size_t g = 0; g < r.rule.count; ++g)
-      column = hn::Add(column, hn::Mul(place.weight(row, g, across), kernel(place.versine(row, g, across))));
-    sum = hn::Add(sum, hn::Mul(hn::Set(d, float(r.rule.weight[e])), column));
-  }
-  return sum;
+  if (r.rule.count == 2) return by_points<2>(place, kernel, row, r, k);
+  if (r.rule.count == 3) return by_points<3>(place, kernel, row, r, k);
+  return by_points<0>(place, kernel, row, r, k);
 }
 
 // A row of texels as rules see it, each made when it is wanted.
@@ -156,11 +165,13 @@ Flux over_row(const Place& place, const K& kernel, const Rules& rules, const Row
   const auto from = std::size_t(texels.first - rules.low);
   Sums total;
   Flux pieces(0);
+  std::size_t points = 0;
   for (int k = 0; k < texels.count; k += int(virtual_lanes)) {
     const EightTexels eight(texels, k, of);
     const std::size_t chosen = rows.sparsest(kernel, std::size_t(k));
     const RuleAcross& r = rules.all[chosen];
     const typename Place::Row& row = rows.of(chosen);
+    points += virtual_lanes * r.rule.count * r.rule.count;
     for (std::size_t part = 0; part < parts; ++part) {
       const std::size_t at = std::size_t(k) + part * lanes;
       const V of_middles = place.versine(row, r.rule.count / 2, hn::LoadU(d, r.middle_of(from + at)));
@@ -175,10 +186,11 @@ Flux over_row(const Place& place, const K& kernel, const Rules& rules, const Row
         const Flux light(eight.light[0][n], eight.light[1][n], eight.light[2][n]);
         if ((bits[0] >> i & 1) != 0 || light == Flux(0)) continue;
         const double left = first.x0 + double(at + i) * wide;
-        pieces += over(place, kernel, {left, left + wide, first.y0, first.y1}, 0) * light;
+        points += 16, pieces += over(place, kernel, {left, left + wide, first.y0, first.y1}, 0) * light;
       }
     }
   }
+  count(Work::core_points, points);
   return pieces + wide * high * total.whole();
 }
 

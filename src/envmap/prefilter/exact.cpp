@@ -1,3 +1,4 @@
+#include "envmap/prefilter/work.h"
 #include "envmap/prefilter/exact.h"
 
 #include <algorithm>
@@ -202,6 +203,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
 std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
                              bool by_points, const Progress& progress) {
   constexpr std::size_t batch = 512;  // Directions at once: the sums of all rows stay small beside the source.
+  count(Work::exact, directions.size() * index_of(source, {source.faces(), 0, 0}));
   std::vector<Flux> out(directions.size());
   for (std::size_t first = 0; first < directions.size(); first += batch) {
     const auto some = directions.subspan(first, std::min(batch, directions.size() - first));

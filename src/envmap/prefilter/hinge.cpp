@@ -8,6 +8,7 @@
 #include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/hinge_kernels.h"
 #include "envmap/prefilter/treecode.h"
+#include "envmap/prefilter/work.h"
 
 namespace envmap::prefiltering {
 
@@ -152,6 +153,8 @@ class Summation {
     for (int row = 0; row < grid.down.count(); ++row)
       if (const RowSpan& span = spans_[std::size_t(row)]; span.last > span.first)
         source_.add(start_, face, row, span.first, span.last, sums);
+    count(Work::hinge_rows, spans_.size());
+    count(Work::hinge_cells, batch_.count());
     bound_cells(n, weight_, batch_, terms_);
     const auto factors = moment_factors(weight_, n);
     const std::size_t moments = hinge_moments[std::size_t(source_.order())] - 1;
@@ -214,6 +217,7 @@ class Summation {
     for (int row = 2 * t.row; row < std::min(2 * t.row + 2, grid.down.count()); ++row)
       for (int column = 2 * t.column; column < std::min(2 * t.column + 2, grid.across.count()); ++column)
         add_cell(cells, n, t.face, row, column);
+    count(Work::hinge_cells, batch_.count());
     bound_cells(n, weight_, batch_, next_);
   }
 
@@ -234,6 +238,7 @@ class Summation {
     const double extent = v.across + v.down + v.bend;
     if (v.middle <= -extent) return;
     const bool cut = v.middle < extent;
+    count(Work::hinge_parts, 1);
     const PartTerm term = cut ? cut_part(v, extent, weight_) : whole_part(v, weight_);
     constexpr int deepest = 12;
     if (depth < deepest && !within(term.off * radiance, share * most)) {

@@ -110,6 +110,7 @@ Flux over_power_row(const PowerPolynomial& power, const RowOfTexels& texels, int
                     const Light& of) {
   const D d;
   Sums total;
+  count(Work::core_points, std::size_t(texels.count) * middles.panels);
   for (int k = 0; k < texels.count; k += int(virtual_lanes)) {
     const EightTexels eight(texels, k, of);
     for (std::size_t part = 0; part < parts; ++part) {

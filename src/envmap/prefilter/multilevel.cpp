@@ -10,12 +10,21 @@
 
 namespace envmap::prefiltering {
 
+namespace {
+
+// Nanoseconds of two cores: a step at all of its nodes, and at one output.
+double at_nodes(const MultilevelPlan::Step& s) { return s.nodes() * (130 + 0.07 * s.window()); }
+double at_outputs(const MultilevelPlan::Step& s) {
+  return (s.kernel.kind == LevelKernel::Kind::ggx ? 0.5 : 0.9) * s.window();
+}
+
+}  // namespace
+
 int MultilevelPlan::field_rows(double texels) const {
   int rows = 0;
   // Nodes see kernels that are at hand, so each takes less than an output does, and less by more in a wide window.
   for (const Step& s : steps)
-    if (s.nodes() * (60 + 0.08 * s.window()) < texels * (150 + (s.kernel.kind == LevelKernel::Kind::ggx ? 0.5 : 0.9) * s.window()))
-      rows = std::max(rows, s.rows);
+    if (at_nodes(s) < texels * at_outputs(s)) rows = std::max(rows, s.rows);
   return rows;
 }
 

@@ -9,6 +9,7 @@
 
 #include "envmap/base/eight_lanes.h"
 #include "envmap/prefilter/lagrange.h"
+#include "envmap/prefilter/work.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/multilevel_kernels.cpp"
@@ -200,6 +201,9 @@ void SetRoom(const NodeGrid& grid, const LevelKernel& kernel, const GridView& vi
     ++count;
   }
   room.rows.resize(count);
+  std::size_t blocks = 0;
+  for (const GatherRoom::Row& r : room.rows) blocks += std::size_t(r.blocks);
+  envmap::prefiltering::count(Work::kernels, virtual_lanes * blocks);
   std::size_t size = 0;
   for (GatherRoom::Angles& a : room.kinds) {
     a.high += (8 - (a.high - a.low) % 8) % 8;
@@ -244,6 +248,7 @@ void GatherAtRow(const NodeGrid& grid, const LevelKernel& k, int row, GatherRoom
   for (int phase = 0; phase < phases; ++phase) {
     SetVersines(grid, k, grid.node(row, phase), room);
     with_kernel(k, [&](const auto& kernel) { SetTaps(kernel, room); });
+    count(Work::taps, room.taps.size() * std::size_t((columns - phase + phases - 1) / phases));
     constexpr int together = 4;
     int n = phase;
     for (; n + (together - 1) * phases < columns; n += together * phases)
@@ -270,6 +275,7 @@ struct Across {
 
 Flux Interpolate(const NodeGrid& grid, const GridView& view) {
   const D d;
+  count(Work::nodes, 1);
   Weights down;
   const int top = lagrange(view.angle * grid.rows / pi - 0.5, down);
   Sums total;

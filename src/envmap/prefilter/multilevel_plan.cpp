@@ -165,7 +165,7 @@ bool MultilevelPlan::is_quick(const Level& from, std::size_t texels, double max_
   if (at_nodes > 0) each += 150;
   for (const Step& s : steps) {
     if (s.rows <= at_nodes)
-      once += s.nodes() * (60 + 0.14 * s.window());
+      once += s.nodes() * (130 + 0.07 * s.window());
     else
       each += (ggx ? 0.5 : 0.9) * s.window();
   }

@@ -14,6 +14,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/multilevel_kernels.h"
 #include "envmap/prefilter/source.h"
+#include "envmap/prefilter/work.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "envmap/prefilter/sheen_sum.cpp"
@@ -83,6 +84,7 @@ class Summation {
     const V x = hn::Set(d, float(seen.x)), y = hn::Set(d, float(seen.y)), z = hn::Set(d, float(seen.z)),
             middle = hn::Set(d, float(t)), scale = hn::Set(d, float(plan_.scale));
     Sums sum;
+    count(Work::sheen, std::size_t(SheenBlocks::points));
     for (std::size_t k = 0; k < std::size_t(SheenBlocks::points); k += virtual_lanes)
       for (std::size_t part = 0; part < parts; ++part) {
         const std::size_t at = k + part * lanes;
@@ -102,6 +104,7 @@ class Summation {
     const auto stride = std::size_t(side_);
     Sums sum, off;
     bool doubtful = false;
+    count(Work::sheen, stride * stride);
     for (int j = 0; j < side_; ++j)
       for (int i = 0; i < side_; i += int(virtual_lanes)) {
         const auto texels = place_.texels(seen, row, column, j, i);

@@ -1,4 +1,5 @@
 // judge() and traverse(), compiled once for every instruction set and chosen at run time.
+#include "envmap/prefilter/work.h"
 #include "envmap/prefilter/traverse.h"
 
 #include <hwy/cache_control.h>
@@ -155,6 +156,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
   std::size_t count = 0;
   for (int face = faces(tree.source().projection()); face-- > 0;) stack[count++] = {tree.last(), face, 0, 0};
   NodeGroup group = NodeGroup::none();
+  std::size_t judged = 0;
   while (count > 0 && found.count <= criterion.max_nodes) {
     // Four at a time, whatever the width of a vector: it is their order that sums depend on.
     std::array<Entry, 4> quads;
@@ -164,6 +166,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
       copy(tree.blocks(quads[k].k).quad(quads[k].face, quads[k].i, quads[k].j), group, 4 * k);
     }
     const Judged v = judge_group(lobe, criterion, group, 4 * several, middle, slack);
+    judged += 4 * several;
     for (std::size_t n = 4 * several; n-- > 0;) {
       const Entry& e = quads[n / 4];
       const int lane = int(n % 4), i = 2 * e.i + lane % 2, j = 2 * e.j + lane / 2;
@@ -191,6 +194,7 @@ void traverse_nodes(const L& lobe, const Tree& tree, Criterion& criterion, Trave
       }
     }
   }
+  envmap::prefiltering::count(Work::judged, judged);
 }
 
 void Judge(const Lobe& lobe, const Criterion& criterion, const NodeGroup& nodes, std::size_t count, Judged& out) {

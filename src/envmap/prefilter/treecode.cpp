@@ -6,6 +6,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/subdivide.h"
+#include "envmap/prefilter/work.h"
 
 namespace envmap::prefiltering {
 namespace {
@@ -139,6 +140,7 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
     const std::optional<double> figure = nodes.find(
         limit, [&] { seen.clear(), count = 0; }, [&](const Node& node) { add_seen(node, tile.middle, count, seen); });
     if (!figure) return figure;
+    envmap::prefiltering::count(Work::seen, count);
     std::array<double, node_channels> sums = evaluate(job.lobe, seen);
     for (std::size_t c = 0; c < node_channels; ++c) sums[c] += TileNodes::integrated()[c];
     out[0] = radiance(job.tree, {sums[0], sums[1], sums[2]});
@@ -149,6 +151,7 @@ std::optional<double> fill(const Job& job, double& limit, Tile& tile, std::span<
       limit, [&] { seen.clear(); },
       [&](const Node& node) { seen.push_back(seen_from_tile(node, tile.middle, tile.radius)); });
   if (!figure) return figure;
+  count(Work::seen, seen.size() * tile.count);
   evaluate(job.lobe, seen, tile);
   for (std::size_t k = 0; k < tile.count; ++k)
     out[k] = radiance(job.tree, {tile.sums[0][k], tile.sums[1][k], tile.sums[2][k]});

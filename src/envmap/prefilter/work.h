@@ -1,0 +1,38 @@
+/// @file
+/// What sums are made of, counted: the same numbers on every machine and for any number of threads, so that a test can
+/// hold what a map costs without a clock.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace envmap::prefiltering {
+
+enum class Work {
+  kernels,     ///< Values of a kernel at nodes of grids.
+  taps,        ///< Nodes times a kernel that was at hand.
+  nodes,       ///< Interpolations of a grid.
+  core_points, ///< Values of a kernel at points of texels.
+  hinge_rows,  ///< Rows of cells above a horizon.
+  hinge_cells, ///< Cells that a horizon cuts.
+  hinge_parts, ///< Texels that it cuts, and parts of them.
+  judged,      ///< Nodes of a tree that were asked whether they are good enough.
+  seen,        ///< Nodes times directions.
+  sheen,       ///< Texels along a horizon of sheen, and points of blocks.
+  exact,       ///< Texels times directions that were summed exactly.
+};
+inline constexpr std::string_view work_names[] = {"kernels", "taps", "nodes", "core_points", "hinge_rows", "hinge_cells",
+                                                  "hinge_parts", "judged", "seen", "sheen", "exact"};
+inline constexpr std::size_t kinds_of_work = std::size(work_names);
+using WorkDone = std::array<std::uint64_t, kinds_of_work>;
+
+/// Of this thread. Added up by work_done().
+WorkDone& work_here();
+inline void count(Work what, std::uint64_t number) { work_here()[std::size_t(what)] += number; }
+
+/// Of all threads, since the program began. While nothing is made.
+WorkDone work_done();
+
+}  // namespace envmap::prefiltering
