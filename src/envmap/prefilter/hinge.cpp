@@ -331,16 +331,6 @@ std::optional<HingePolynomial> hinge_polynomial(const Lobe& lobe) {
   return std::nullopt;
 }
 
-bool HingePolynomial::is_quick(const Level& from, std::size_t texels, double max_error) const {
-  const double size = double(index_of(from, {from.faces(), 0, 0}));
-  if (size > most_tree_texels) return true;
-  // In nanoseconds of two cores: what the source takes, and each texel.
-  const bool cube = from.projection() == Projection::cube;
-  const double once = (cube ? 32 : 6) * size,
-               each = (cube ? 2900 : 2200) * portable::pow(std::max(1.0, 1e-3 / max_error), 0.3);
-  return once + double(texels) * each < treecode_cost(from, double(texels), max_error, 1 / std::sqrt(order()));
-}
-
 void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_error, double mean, const Making& map) {
   const double error = max_error - 3 * rounding;
   map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {

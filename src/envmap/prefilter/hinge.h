@@ -30,8 +30,6 @@ struct HingePolynomial {
   [[nodiscard]] double slope(double t) const { return factors[0] + t * (factors[1] + t * factors[2]); }
   /// Over the half sphere.
   [[nodiscard]] double integral() const { return pi * (factors[0] + 2 * factors[1] / 3 + factors[2] / 2); }
-  /// Whether the treecode is slower for a map of so many texels of such a lobe (measured).
-  [[nodiscard]] bool is_quick(const Level& from, std::size_t texels, double max_error) const;
 };
 
 /// The integral over the sphere of radiance x weight, and how far it may be off at most.

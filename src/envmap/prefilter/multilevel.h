@@ -42,8 +42,6 @@ struct MultilevelPlan {
   /// Rows of the finest grid that is summed at its own nodes for a result of so many texels (measured). 0: none.
   [[nodiscard]] int field_rows(double texels) const;
   [[nodiscard]] bool has_hinges() const { return hinges.factors[0] > 0; }
-  /// Whether the treecode is slower (measured). @param texels of the whole result. @param max_error as of the plan.
-  [[nodiscard]] bool is_quick(const Level& from, std::size_t texels, double max_error) const;
 };
 
 /// Nothing where the method has no bound, or none below `error`: for errors below 1e-4, Phong lobes of exponent below

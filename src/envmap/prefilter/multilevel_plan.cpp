@@ -94,7 +94,6 @@ std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int lea
   // Tails need finer grids the farther out they come down to 0.001 x the mean.
   const double tail = portable::log(k.scale / floor_density);
   const int rows = std::max(least, rows_of_power(width / (s.per_sigma * std::max(0.92, tail / 16.3))));
-  max_rows = std::min(2 * max_rows, 2048);  // A power is cut off many widths away, and so sees more texels.
   // Cut where what is left is small beside 0.001 x the mean.
   const double left = portable::log(k.scale / (0.02 * error * floor_density));
   k.end = float(std::min(1.0, -portable::expm1(-left / double(k.power)) / double(k.part)));
@@ -148,29 +147,6 @@ std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, in
     plan->error = s.kappa, plan->floor_error = s.bend,
     plan->hinge_error = (error - s.kappa - 2 * MultilevelPlan::rounding) / (1 + 2 * error) - s.bend;
   return plan;
-}
-
-bool MultilevelPlan::is_quick(const Level& from, std::size_t texels, double max_error) const {
-  const double size = double(index_of(from, {from.faces(), 0, 0})), outputs = double(texels);
-  const bool cube = from.projection() == Projection::cube;
-  if (steps.empty() || size > most_tree_texels || (core && !cube)) return true;
-  // In nanoseconds of two cores: what the source takes, and each output. A cube is laid on grids point by point.
-  const bool ggx = steps.front().kernel.kind == LevelKernel::Kind::ggx;
-  double once = (cube ? 30 : 12) * size + 80.0 * finest() * finest(), each = core ? 7000 : 0;
-  if (has_hinges()) {
-    once += (cube ? 55 : 6) * size;
-    each += (cube ? 7000 : 4000) * std::sqrt(std::sqrt(hinges.integral()));
-  }
-  const int at_nodes = field_rows(outputs);
-  if (at_nodes > 0) each += 150;
-  for (const Step& s : steps) {
-    if (s.rows <= at_nodes)
-      once += s.nodes() * (130 + 0.07 * s.window());
-    else
-      each += (ggx ? 0.5 : 0.9) * s.window();
-  }
-  // A broad lobe sees most of its grids, where a tree takes a few large nodes.
-  return once + outputs * each < treecode_cost(from, outputs, max_error, width);
 }
 
 }  // namespace envmap::prefiltering

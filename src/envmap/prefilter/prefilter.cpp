@@ -18,6 +18,7 @@
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
+#include "envmap/prefilter/choose.h"
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/hinge.h"
 #include "envmap/prefilter/prepared_source.h"
@@ -69,30 +70,21 @@ void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& 
 // no other is to be used.
 Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe, std::size_t texels,
                  const Making& map) {
-  const bool any = wanted.method == Method::automatic, splits = any || wanted.method == Method::multilevel;
   const double error = wanted.max_error;
   if (wanted.method == Method::exact || error < finest) return Method::exact;
-  const bool black = from.light.mean <= 0;
-  if (black) std::ranges::fill(map.bounds, 0.F);
-  if (const auto weight = hinge_polynomial(lobe);
-      weight && (any ? weight->is_quick(from.texels(), texels, error) : wanted.method != Method::hierarchical)) {
-    if (!black) hinge_map(from.hinges(weight->order(), error), *weight, error, from.light.mean, map);
-    return Method::prefix_sums;
-  }
-  if (splits && serves_multilevel(from.texels()))
-    if (const auto plan =
-            multilevel_plan(lobe, error, finest_rows(from.texels(), double(texels)), from.texels().projection());
-        plan && (!any || plan->is_quick(from.texels(), texels, error))) {
-      if (!black) multilevel_map(*plan, from.multilevel(*plan, error), map);
-      return Method::multilevel;
-    }
-  if (splits)
-    if (const auto plan = sheen_plan(lobe, error); plan && (!any || plan->is_quick(from.texels(), texels, error))) {
-      if (!black) sheen_map(*plan, from.sheen(plan->texel()), from.light.mean, map);
-      return Method::multilevel;
-    }
-  if (!black) treecode_prefilter(from.tree(), lobe, error, map);
-  return Method::hierarchical;
+  const Choice how = choose(lobe, from.texels(), double(texels), error, wanted.method);
+  const double mean = from.light.mean;
+  if (mean <= 0)
+    std::ranges::fill(map.bounds, 0.F);
+  else if (how.hinges)
+    hinge_map(from.hinges(how.hinges->order(), error), *how.hinges, error, mean, map);
+  else if (how.plan)
+    multilevel_map(*how.plan, from.multilevel(*how.plan, error), map);
+  else if (how.sheen)
+    sheen_map(*how.sheen, from.sheen(how.sheen->texel()), mean, map);
+  else
+    treecode_prefilter(from.tree(), lobe, error, map);
+  return how.method;
 }
 
 // Texels that are not known well enough are summed exactly.

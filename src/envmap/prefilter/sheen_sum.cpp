@@ -330,13 +330,6 @@ double interpolation_error(const Charlie& lobe, double size) {
 
 }  // namespace
 
-// Blocks take time with the texels along a horizon, a treecode with the cube of the power, mostly for each tile of
-// directions that share its nodes.
-bool SheenPlan::is_quick(const Level& from, std::size_t texels, double max_error) const {
-  const double rows = std::max<double>(rows_between_poles(from), pi / texel());
-  return power * power * power * (1 + 2e4 / double(texels)) >= 10 * max_error * rows * std::sqrt(rows);
-}
-
 std::optional<SheenPlan> sheen_plan(const Lobe& lobe, double error) {
   const auto* sheen = std::get_if<Charlie>(&lobe);
   if (sheen == nullptr || sheen->power < least_sheen_power || error < 1e-4) return std::nullopt;

@@ -31,8 +31,6 @@ struct SheenPlan {
 
   /// How large texels may be, an angle. The lobe falls by e^4 over it: larger ones take more time in cells (measured).
   [[nodiscard]] double texel() const { return std::min(pi / 128, 4 / power); }
-  /// Whether the treecode is slower (measured). @param texels of the whole result. @param max_error as of the plan.
-  [[nodiscard]] bool is_quick(const Level& from, std::size_t texels, double max_error) const;
 };
 
 /// Gauss points each way, at most.

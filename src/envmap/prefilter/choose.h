@@ -1,0 +1,25 @@
+/// @file
+/// The quickest way to make a map within an error: what each method would take, in one unit, by counted work.
+#pragma once
+
+#include <optional>
+
+#include "envmap/prefilter/hinge.h"
+#include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/prefilter.h"
+#include "envmap/prefilter/sheen_sum.h"
+
+namespace envmap::prefiltering {
+
+struct Choice {
+  Method method = Method::exact;
+  double cost = 0;  ///< About, in nanoseconds of two cores, with what the source takes.
+  std::optional<HingePolynomial> hinges;  ///< Of prefix sums.
+  std::optional<MultilevelPlan> plan;     ///< Of multilevel sums,
+  std::optional<SheenPlan> sheen;         ///< or those of sheen.
+};
+
+/// @param texels of the whole result. @param wanted a method, or the quickest that serves.
+Choice choose(const Lobe& lobe, const Level& source, double texels, double error, Method wanted);
+
+}  // namespace envmap::prefiltering
