@@ -31,7 +31,9 @@ constexpr double core_point = 0.65, power_texel = 1.6;
 double core_cost(const Job& job, const LevelKernel& core) {
   if (core.kind == LevelKernel::Kind::power) {
     const double seen = 0.5 * double(core.end) * job.size();
-    return 500 + (job.cube() ? 10 : power_texel) * seen;
+    // Texels near poles take points.
+    const double polar = 1 - std::cos(std::min(0.5 * pi, 64 * pi / job.rows() + std::sqrt(2 * double(core.end))));
+    return 500 + (job.cube() ? 10 : power_texel + 45 * polar) * seen;
   }
   const double radius = std::sqrt(2 * double(core.end)) * job.rows() / pi;  // In texels.
   return 500 + 60 * radius + core_point * (1200 + 23 * radius * radius) * (job.cube() ? 1.8 : 1);

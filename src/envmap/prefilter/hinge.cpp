@@ -5,6 +5,7 @@
 #include <limits>
 #include <variant>
 
+#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/cell.h"
 #include "envmap/prefilter/hinge_kernels.h"
 #include "envmap/prefilter/treecode.h"
@@ -24,9 +25,6 @@ struct Total {
 };
 
 bool within(const Flux& off, const Flux& most) { return !glm::any(glm::greaterThan(off, most)); }
-
-// What sums are held to at least, in units of the mean.
-constexpr double floor_of_mean = 1e-3;
 
 // Part of a flux that Gauss points, sums in double and the borders of cells may be off by.
 constexpr double numerical = 1e-11;
@@ -112,8 +110,7 @@ class Summation {
     for (int face = 0; face < Grid::faces; ++face) seen_[std::size_t(face)] = Grid::seen(face, n);
     settled_ = {}, terms_.clear();
     settled_.sum = weight_.integral() * Flux(source_.darkest());
-    // The flux of a channel is 12 pi times the mean at most.
-    settled_.off = Flux(numerical * 12 * pi * weight_.slope(1));
+    settled_.off = Flux(numerical * most_flux * weight_.slope(1));
     for (int face = 0; face < Grid::faces; ++face) add_face(face);
     refine();
     return {settled_.sum, settled_.off};
@@ -336,7 +333,7 @@ void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_e
   map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
     std::vector<HingeSum> sums(directions.size());
     hinges.sums(weight, directions, error, {}, sums);
-    for (std::size_t k = 0; k < sums.size(); ++k) bounds[k] = set_texel(sums[k], 1e-3 * mean, texels[k]);
+    for (std::size_t k = 0; k < sums.size(); ++k) bounds[k] = set_texel(sums[k], floor_of_mean * mean, texels[k]);
   });
 }
 

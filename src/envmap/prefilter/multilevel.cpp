@@ -1,3 +1,4 @@
+#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/multilevel.h"
 
 #include <algorithm>
@@ -56,7 +57,7 @@ std::optional<NodeGrid> smooth_field(const MultilevelPlan& plan, const Multileve
 void multilevel_sums(const MultilevelPlan& plan, const MultilevelSource& source, const std::optional<NodeGrid>& field,
                      std::span<const Direction> directions, std::span<MultilevelSum> out) {
   const Flux even = plan.constant * Flux(source.darkest);
-  const double floor = 1e-3 * source.mean;
+  const double floor = floor_of_mean * source.mean;
   std::vector<Flux> smooth(directions.size());
   GatherRoom room;
   for (std::size_t k = 0; k < directions.size(); ++k) {

@@ -4,6 +4,7 @@
 
 #include "envmap/maths/portable.h"
 #include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/treecode.h"
 
 namespace envmap::prefiltering {
@@ -27,9 +28,6 @@ constexpr Splitting at_1e4{11, 7, 0.15, true, 3.5e-5, 3.5e-5, 4.8, 0.23, 3};
 
 // The light of a cube is laid on two grids in turn.
 constexpr double finer_for_cubes = 1.06;
-
-// 0.001 x the mean of three channels, over the flux of a light in one.
-constexpr double floor_density = 1e-3 / (12 * pi);
 
 int rows_for(double step) {
   return std::max(least_rows, int(std::bit_ceil(unsigned(std::min(1e6, std::ceil(pi / step))))));
@@ -123,8 +121,8 @@ std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, cons
   plan.constant = 1;
   LevelKernel k{.kind = LevelKernel::Kind::power, .power = float(p), .part = 0.5F, .cosine = true, .scale = lobe.scale};
   const double first = lobe.kink(), second = p * first, third = (p - 1) / 2 * second;
-  // All light of a channel at the horizon, 12 pi x the mean, is nothing then.
-  if (12 * pi * (first + second + third) > 0.002 * error * 1e-3) set_hinges(plan, k, {first, second, third});
+  // All light of a channel at the horizon is nothing then.
+  if (most_flux * (first + second + third) > 0.002 * error * floor_of_mean) set_hinges(plan, k, {first, second, third});
   const int at_horizon = rows_at_horizon(s, std::abs(p - 2) / 3 * third);
   return plan_of_power(k, 1 / std::sqrt(0.5 * p + 1), at_horizon, error, s, max_rows, plan);
 }

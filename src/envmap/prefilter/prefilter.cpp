@@ -18,6 +18,7 @@
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
+#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/choose.h"
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/hinge.h"
@@ -178,7 +179,7 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
     isolated([&] { make_lobe(*prepared_, wanted, {wanted.to, wanted.size, turn}, progress, done); });
   }
   done.seconds = seconds_since(start);
-  done.floor = 1e-3 * prepared_->light.mean * factor(wanted);
+  done.floor = floor_of_mean * prepared_->light.mean * factor(wanted);
   scale(done.map.base(), factor(wanted));
   if (wanted.scale) require_no_overflow(done.map.base(), fmt::format("a scale of {:g}", *wanted.scale), "scale");
   return done;

@@ -12,6 +12,7 @@
 #include "envmap/map/environment_map.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
+#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/multilevel_kernels.h"
 #include "envmap/prefilter/source.h"
 #include "envmap/prefilter/work.h"
@@ -59,7 +60,7 @@ class Summation {
 
   [[nodiscard]] double off_of(const Flux& value) const {
     double most = 0;
-    for (int c = 0; c < 3; ++c) most = std::max(most, off_[c] / std::max(1e-3, value[c]));
+    for (int c = 0; c < 3; ++c) most = std::max(most, off_[c] / std::max(floor_of_mean, value[c]));
     return most;
   }
 
@@ -188,7 +189,7 @@ class Summation {
     const D d;
     const double lights = double(doubtful_.size()) * side_;
     Flux most(0);  // Of a texel.
-    for (int c = 0; c < 3; ++c) most[c] = 0.5 * plan_.cut * std::max(1e-3, value[c]) / lights;
+    for (int c = 0; c < 3; ++c) most[c] = 0.5 * plan_.cut * std::max(floor_of_mean, value[c]) / lights;
     off_ = Flux(0);
     for (const DoubtfulBlock& b : doubtful_)
       for (int j = 0; j < side_; ++j)
@@ -301,8 +302,6 @@ int points_for(double steep, double error) {
 }
 
 namespace {
-
-constexpr double floor_density = 1e-3 / (12 * pi);  // As multilevel.cpp: 0.001 x the mean, over the flux of a light.
 
 // The largest error of interpolation over blocks of a size above the horizon, in the direction in which the lobe
 // varies. @param size an angle.

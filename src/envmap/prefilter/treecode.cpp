@@ -5,13 +5,13 @@
 
 #include "envmap/base/parallel.h"
 #include "envmap/operate/measure.h"
+#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/subdivide.h"
 #include "envmap/prefilter/work.h"
 
 namespace envmap::prefiltering {
 namespace {
 
-constexpr double floor_of_error = 1e-3;  // Of the mean: smaller results are held to this.
 constexpr int tile_side = 8;
 
 // What the tiles of a map share.
@@ -71,7 +71,7 @@ class TileNodes {
     criterion_ = {.middle = tile.middle, .radius = tile.radius, .surveying = true};
     for (std::size_t c = 0; c < node_channels; ++c) {
       criterion_.darkest[c] = float(job.tree.darkest()[int(c)]);
-      criterion_.most[c] = 1 / std::max(float(floor_of_error), criterion_.darkest[c]);
+      criterion_.most[c] = 1 / std::max(float(floor_of_mean), criterion_.darkest[c]);
     }
     // The least that any direction gets, from below: first from afar, then closer.
     for (const float gap : {1.F, 0.05F}) {
