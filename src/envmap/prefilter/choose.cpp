@@ -40,7 +40,8 @@ double core_cost(const Job& job, const LevelKernel& core) {
 }
 
 double cost_of(const Job& job, const MultilevelPlan& plan) {
-  double once = (job.cube() ? 30 : 12) * job.size() + grid_node * plan.finest() * plan.finest(), each = 0;
+  double once = (job.cube() ? 30 : 12) * job.size() + (job.cube() ? 3 : 1) * grid_node * plan.finest() * plan.finest();
+  double each = 0;
   if (plan.core) each += core_cost(job, *plan.core);
   if (plan.has_hinges()) {
     once += (job.cube() ? 55 : 6) * job.size();
