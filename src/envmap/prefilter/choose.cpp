@@ -30,10 +30,12 @@ constexpr double core_point = 0.65, power_texel = 1.6;
 // A core of 1 - cos up to `end`.
 double core_cost(const Job& job, const LevelKernel& core) {
   if (core.kind == LevelKernel::Kind::power) {
-    const double seen = 0.5 * double(core.end) * job.size();
-    // Texels near poles take points.
-    const double polar = 1 - std::cos(std::min(0.5 * pi, 64 * pi / job.rows() + std::sqrt(2 * double(core.end))));
-    return 500 + (job.cube() ? 10 : power_texel + 45 * polar) * seen;
+    const double seen = 0.5 * double(core.end) * job.size(), reach = std::sqrt(2 * double(core.end));
+    // Texels of cubes, and those near poles, take 16 points on each of 1, 4 or 16 panels.
+    const double side = pi / job.rows(), fall = side * double(core.power * core.part) * (reach + side) / core.uneven;
+    const double by_points = 26 * (fall <= 1 ? 1 : fall <= 2 ? 4 : 16);
+    const double polar = job.cube() ? 1 : 1 - std::cos(std::min(0.5 * pi, 64 * side + reach));
+    return 500 + (power_texel + by_points * polar) * seen;
   }
   const double radius = std::sqrt(2 * double(core.end)) * job.rows() / pi;  // In texels.
   return 500 + 60 * radius + core_point * (1200 + 23 * radius * radius) * (job.cube() ? 1.8 : 1);
@@ -72,7 +74,8 @@ double tree_cost(const Job& job, const Lobe& lobe) {
     return 22 * job.size() + 3e8 +
            job.texels * 2500 * portable::pow(sheen->power, 2.3) * portable::pow(1e-3 / job.error, 0.93);
   const double width = std::visit([](const auto& l) { return std::sqrt(l.width() / 0.63); }, lobe);
-  return treecode_cost(job.source, job.texels, job.error, width);
+  // Tiles of narrow lobes share few nodes.
+  return (width < 0.05 ? 4 : 1) * treecode_cost(job.source, job.texels, job.error, width);
 }
 
 // The quickest plan: a core takes what is too narrow for the finest grid, and the rows of that are free.
